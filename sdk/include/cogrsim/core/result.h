@@ -1,0 +1,43 @@
+// Errors that a user or a file can cause travel as values; assertions are for our own bugs.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include <tl/expected.hpp>
+
+namespace cogrsim {
+
+/// What went wrong, where, and the way out. Lower-case sentences without a final stop.
+struct Error {
+  std::string message;  ///< the offender and what was expected
+  std::string where;    ///< file:line:column, robot, folder …; may be empty
+  std::string hint;     ///< what to do about it; may be empty
+  std::string code;     ///< stable code such as "CG0901"; may be empty
+
+  Error() = default;
+  explicit Error(std::string what, std::string place = {}, std::string way_out = {},
+                 std::string stable_code = {})
+      : message(std::move(what)),
+        where(std::move(place)),
+        hint(std::move(way_out)),
+        code(std::move(stable_code)) {}
+
+  /// All of it on as many lines as it needs: "where: message" and "help: hint".
+  std::string text() const {
+    std::string out = where.empty() ? message : where + ": " + message;
+    if (!hint.empty()) out += "\nhelp: " + hint;
+    return out;
+  }
+};
+
+template <class T = void>
+using Result = tl::expected<T, Error>;
+
+/// `return fail("joint 'knee': …");`
+template <class... Args>
+tl::unexpected<Error> fail(Args&&... args) {
+  return tl::unexpected<Error>(Error(std::forward<Args>(args)...));
+}
+
+}  // namespace cogrsim

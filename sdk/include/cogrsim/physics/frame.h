@@ -1,0 +1,76 @@
+// What everyone reads: the world at one time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cogrsim/model/scene_model.h"
+#include "cogrsim/physics/state.h"
+
+namespace cogrsim {
+
+/// What a sensor saw, as numbers; what they mean is said by the sensor's type
+/// (Sensor::channels()).
+struct Reading {
+  int sensor = -1;             ///< SceneModel::sensors
+  double time = 0.0;           ///< of the frame that was read [s]
+  std::uint64_t sequence = 0;  ///< readings of this sensor so far; 0: none yet
+  bool valid = false;          ///< false: none yet, switched off, or dropped out
+  std::vector<double> values;
+};
+
+/// Something that happened during the step: a controller's fault, an added assembly.
+struct Event {
+  double time = 0.0;
+  std::string kind;    ///< "fault", "added", "removed", "restarted", …
+  std::string source;  ///< dotted name
+  std::string message;
+};
+
+/// Immutable once handed out. What nobody asked for is left empty: see FrameContents.
+struct Frame {
+  SceneModelPtr model;
+  std::uint64_t step = 0;  ///< steps since the start
+  double time = 0.0;       ///< [s]
+  double dt = 0.0;         ///< length of the step that led here [s]; 0 at the start
+  WorldState state;
+  /// Mean acceleration of every body frame's origin and mean angular acceleration over the last
+  /// step, world axes [m/s^2], [rad/s^2] (nbody): differences of twists, the same for any engine.
+  std::vector<Twist> accelerations;
+  std::vector<Contact> contacts;
+  std::vector<Wrench> joint_reactions;  ///< see JointReactions
+  std::vector<Reading> readings;        ///< latest of every sensor (nsensor)
+  std::vector<Event> events;            ///< of this step
+};
+using FramePtr = std::shared_ptr<const Frame>;
+
+/// What a consumer wants in its frames beside the state.
+struct FrameContents {
+  bool contacts = false;
+  bool joint_reactions = false;
+  bool accelerations = false;
+};
+
+/// Kinetic and potential energy [J]: bodies' motion; gravity with zero at the world's origin, and
+/// the joints' springs. Formed from model and state, not by the engine.
+struct Energy {
+  double kinetic = 0.0;
+  double potential = 0.0;
+};
+COGRSIM_API Energy energy_of(const SceneModel& model, const WorldState& state);
+
+/// Linear momentum [kg m/s] and angular momentum about the world's origin [kg m^2/s] of all
+/// dynamic bodies.
+struct Momentum {
+  Vec3 linear = Vec3::Zero();
+  Vec3 angular = Vec3::Zero();
+};
+COGRSIM_API Momentum momentum_of(const SceneModel& model, const WorldState& state);
+
+/// FNV-1a over the bits of all poses, twists, joint positions and velocities: equal hashes mean
+/// equal states for every practical purpose.
+COGRSIM_API std::uint64_t state_hash(const WorldState& state);
+
+}  // namespace cogrsim

@@ -1,0 +1,89 @@
+// What a plugin library says of itself. Authors use the macros at the end of
+// control/controller.h, control/supervisor.h, sensing/sensor.h and physics/backend_plugin.h.
+//
+// A library carries two marks. A symbol whose *name* spells ABI version and build tag is looked for
+// in the file before it is loaded, so that nothing of a library built otherwise ever runs; then
+// `cogrsim_plugin` returns the descriptor below.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cogrsim/core/parameter.h"
+
+/// Raised whenever an interface that plugins see changes its layout or meaning.
+#define COGRSIM_ABI_VERSION 1
+
+#if defined(__clang__)
+#define COGRSIM_COMPILER_TAG clang
+#define COGRSIM_COMPILER_MAJOR __clang_major__
+#else
+#define COGRSIM_COMPILER_TAG gcc
+#define COGRSIM_COMPILER_MAJOR __GNUC__
+#endif
+
+#define COGRSIM_CONCAT_(a, b, c, d, e, f) a##b##_##c##d##_cxx##e##f
+#define COGRSIM_CONCAT(a, b, c, d, e, f) COGRSIM_CONCAT_(a, b, c, d, e, f)
+/// e.g. cogrsim_abi_1_gcc12_cxx11
+#define COGRSIM_ABI_SYMBOL                                                           \
+  COGRSIM_CONCAT(cogrsim_abi_, COGRSIM_ABI_VERSION, COGRSIM_COMPILER_TAG,            \
+                 COGRSIM_COMPILER_MAJOR, 1, _GLIBCXX_USE_CXX11_ABI)
+#define COGRSIM_STRING_(x) #x
+#define COGRSIM_STRING(x) COGRSIM_STRING_(x)
+
+namespace cogrsim {
+
+enum class PluginKind { backend, controller, supervisor, sensor };
+
+/// "backend", "controller", "supervisor", "sensor".
+COGRSIM_API const char* to_string(PluginKind kind);
+
+/// Name, version and the rest of one plugin; `factory` points to the entry table of its kind
+/// (ControllerEntry, SupervisorEntry, SensorEntry, BackendEntry).
+struct PluginDescriptor {
+  PluginKind kind = PluginKind::controller;
+  std::string name;
+  std::string version = "0.0.0";
+  std::string author;
+  std::string summary;
+  ParameterTable parameters;
+  const void* factory = nullptr;
+};
+
+/// Items of the macros beside parameter(): version("1.2.0"), author("…"), summary("…").
+struct PluginVersion { std::string text; };
+struct PluginAuthor { std::string text; };
+struct PluginSummary { std::string text; };
+inline PluginVersion version(std::string text) { return {std::move(text)}; }
+inline PluginAuthor author(std::string text) { return {std::move(text)}; }
+inline PluginSummary summary(std::string text) { return {std::move(text)}; }
+
+namespace detail {
+inline void add_item(PluginDescriptor& d, PluginVersion item) { d.version = std::move(item.text); }
+inline void add_item(PluginDescriptor& d, PluginAuthor item) { d.author = std::move(item.text); }
+inline void add_item(PluginDescriptor& d, PluginSummary item) { d.summary = std::move(item.text); }
+inline void add_item(PluginDescriptor& d, ParameterSpec item) {
+  d.parameters.push_back(std::move(item));
+}
+template <class... Items>
+PluginDescriptor describe(PluginKind kind, const char* name, const void* factory, Items&&... items) {
+  PluginDescriptor d;
+  d.kind = kind;
+  d.name = name;
+  d.factory = factory;
+  (add_item(d, std::forward<Items>(items)), ...);
+  return d;
+}
+}  // namespace detail
+
+}  // namespace cogrsim
+
+/// Used by the macros of each kind: exports the ABI mark and the descriptor function.
+#define COGRSIM_EXPORT_PLUGIN(kind, name, factory, ...)                                       \
+  extern "C" COGRSIM_API const char COGRSIM_ABI_SYMBOL[] = COGRSIM_STRING(COGRSIM_ABI_SYMBOL); \
+  extern "C" COGRSIM_API const ::cogrsim::PluginDescriptor* cogrsim_plugin() {                \
+    using namespace ::cogrsim; /* parameter(), version(), … without prefix */                 \
+    static const ::cogrsim::PluginDescriptor descriptor =                                     \
+        ::cogrsim::detail::describe(kind, name, factory, ##__VA_ARGS__);                      \
+    return &descriptor;                                                                       \
+  }

@@ -1,0 +1,62 @@
+// Finds, checks and loads plugin libraries.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cogrsim/core/result.h"
+#include "cogrsim/plugin/descriptor.h"
+
+namespace cogrsim {
+
+class Backend;
+
+/// A loaded library; whoever keeps the pointer keeps the code mapped.
+class COGRSIM_API Plugin {
+ public:
+  const PluginDescriptor& descriptor() const;
+  const std::string& path() const;
+  ~Plugin();
+  struct Impl;
+  explicit Plugin(std::unique_ptr<Impl> impl);
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+using PluginPtr = std::shared_ptr<const Plugin>;
+
+/// A library that was found but refused, and why.
+struct RefusedPlugin {
+  std::string path;
+  std::string reason;
+};
+
+/// Looks plugins up by name: NAME.so in, in this order, the folders given, those of the
+/// environment variable COGRSIM_PLUGIN_PATH (separated by ':'), and the ones beside libcogrsim
+/// (…/lib/cogrsim/backends, …/lib/cogrsim/plugins; the same in a build tree and in an installed
+/// one). Loads each at most once. Not thread-safe.
+class COGRSIM_API PluginLoader {
+ public:
+  explicit PluginLoader(std::vector<std::string> extra_folders = {});
+
+  /// Errors (CG0901 not found, CG0902 refused, CG0903 wrong kind): every place tried and why it
+  /// failed, and, for an unknown name, what exists.
+  Result<PluginPtr> load(PluginKind kind, const std::string& name);
+
+  /// Loads a backend and returns its factory; keeps the library loaded with the returned pointer.
+  Result<std::shared_ptr<const Backend>> backend(const std::string& name);
+
+  /// Everything that can be loaded from the folders, sorted by kind and name, and what was refused.
+  std::vector<PluginPtr> all(std::vector<RefusedPlugin>* refused = nullptr);
+
+  const std::vector<std::string>& folders() const { return folders_; }
+
+ private:
+  Result<PluginPtr> load_file(const std::string& path);
+
+  std::vector<std::string> folders_;
+  std::vector<PluginPtr> loaded_;
+};
+
+}  // namespace cogrsim
