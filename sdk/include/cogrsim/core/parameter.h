@@ -30,7 +30,7 @@ struct ParameterSpec {
   std::string description;
   double minimum = -std::numeric_limits<double>::infinity();  ///< numbers, list elements [unit]
   double maximum = std::numeric_limits<double>::infinity();
-  std::vector<std::string> choices;  ///< of a text; empty: any
+  std::vector<std::string> choices = {};  ///< of a text; empty: any
   bool required = false;             ///< the scene must set it
 
   ParameterType type() const { return static_cast<ParameterType>(default_value.index()); }
