@@ -259,9 +259,13 @@ using SceneModelPtr = std::shared_ptr<const SceneModel>;
 /// that was put together by hand.
 COGRSIM_API void finish_model(SceneModel& model);
 
+/// Sets `closes_loop` of every joint: true where the joints before it already connect its two
+/// bodies. The world and all static and kinematic bodies count as one ground.
+COGRSIM_API void mark_loops(SceneModel& model);
+
 /// Whether contacts between two bodies count: not of one body with itself, of two that cannot
 /// move, of a joint's parent and child unless it says so, nor of a pair in `no_collide`.
-/// Built once per model; a query costs a hash look-up.
+/// Built once per model; a query costs a hash look-up. Nothing touches a removed body.
 class COGRSIM_API CollisionFilter {
  public:
   CollisionFilter() = default;
@@ -269,8 +273,9 @@ class COGRSIM_API CollisionFilter {
   bool collide(int body_a, int body_b) const;
 
  private:
-  std::vector<char> moves_;
-  std::vector<std::uint64_t> excluded_;  // sorted keys
+  enum class Part : char { absent, immobile, mobile };
+  std::vector<Part> bodies_;
+  std::vector<std::uint64_t> excluded_;  // hash table of pair keys, open addressing
 };
 
 /// What the scene decides for two touching materials, the same on every backend: the pair's own

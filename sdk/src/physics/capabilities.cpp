@@ -1,0 +1,224 @@
+#include "cogrsim/physics/capabilities.h"
+
+#include <array>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace cogrsim {
+namespace {
+
+constexpr int kShapeTypes = static_cast<int>(ShapeType::heightmap) + 1;
+
+/// Two shapes that could meet.
+struct ShapePair {
+  const Shape* first;
+  const Shape* second;
+};
+
+/// One body's shape among those of a type.
+struct Candidate {
+  int body;
+  const Shape* shape;
+};
+
+/// Walks through a model and notes what the backend lacks.
+class Check {
+ public:
+  Check(const SceneModel& model, const std::string& backend, const Capabilities& capabilities)
+      : model_(model), backend_(backend), capabilities_(capabilities) {}
+
+  std::vector<Diagnostic> run() {
+    check_bodies();
+    check_pairs();
+    check_joints();
+    check_motors();
+    return std::move(out_);
+  }
+
+ private:
+  void check_bodies();
+  void check_pairs();
+  void check_joints();
+  void check_motors();
+
+  /// Looks a feature up the first time it is asked for; `what`: "joint type 'screw'", `element`:
+  /// "joint 'lift'", the first that needs it.
+  Diagnostic* need(const std::string& feature, const std::string& what, const std::string& element,
+                   const SourceSpan& origin, const std::string& help);
+
+  const SceneModel& model_;
+  const std::string& backend_;
+  const Capabilities& capabilities_;
+  std::set<std::string> asked_;
+  std::vector<Diagnostic> out_;
+};
+
+Diagnostic* Check::need(const std::string& feature, const std::string& what,
+                        const std::string& element, const SourceSpan& origin,
+                        const std::string& help) {
+  if (!asked_.insert(feature).second) return nullptr;
+  const Capability found = capabilities_.get(feature);
+  if (found.support == Support::exact) return nullptr;
+  Diagnostic d;
+  const bool lacking = found.support == Support::unsupported;
+  d.severity = lacking ? Severity::error : Severity::advice;
+  d.code = lacking ? "CG0801" : "CG2008";
+  d.message = fmt::format("backend '{}' {} {} ({})", backend_,
+                          lacking ? "does not support" : "only approximates", what, element);
+  if (!found.note.empty()) d.notes.push_back({found.note, "", 0, 0});
+  if (origin.file >= 0 && static_cast<std::size_t>(origin.file) < model_.files.size()) {
+    d.file = model_.files[static_cast<std::size_t>(origin.file)];
+    d.line = origin.line;
+    d.column = origin.column;
+    d.length = origin.length;
+  }
+  if (lacking) d.help = help;
+  out_.push_back(std::move(d));
+  return &out_.back();
+}
+
+void Check::check_bodies() {
+  for (const Body& body : model_.bodies) {
+    if (body.removed) continue;
+    if (body.kind != BodyKind::dynamic) {
+      const bool fixed = body.kind == BodyKind::fixed;
+      need(fixed ? "body.static" : "body.kinematic", fixed ? "static bodies" : "kinematic bodies",
+           "body '" + body.name + "'", body.origin, "run the scene on another backend");
+    }
+    for (const Shape& shape : body.shapes) {
+      if (!shape.collides) continue;
+      const std::string type = to_string(shape.type);
+      const std::string element = "shape '" + shape.name + "'";
+      need("shape." + type, fmt::format("shape type '{}'", type), element, shape.origin,
+           "use another shape, or run the scene on another backend");
+      if (model_.materials[static_cast<std::size_t>(shape.material)].stiffness) {
+        need("contact.stiffness", "a material's contact stiffness", element, shape.origin,
+             "leave the stiffness out, or run the scene on another backend");
+      }
+    }
+  }
+}
+
+void Check::check_pairs() {
+  const CollisionFilter filter(model_);
+  std::array<std::vector<Candidate>, kShapeTypes> all, mobile;
+  for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+    const Body& body = model_.bodies[i];
+    if (body.removed) continue;
+    for (const Shape& shape : body.shapes) {
+      if (!shape.collides) continue;
+      const Candidate candidate{static_cast<int>(i), &shape};
+      all[static_cast<std::size_t>(shape.type)].push_back(candidate);
+      if (body.kind == BodyKind::dynamic) {
+        mobile[static_cast<std::size_t>(shape.type)].push_back(candidate);
+      }
+    }
+  }
+  // Only pairs the filter excludes are passed over before the first hit, so the search is as long
+  // as the list of exclusions, not as the square of the bodies.
+  const auto first_meeting = [&filter](const std::vector<Candidate>& movers,
+                                       const std::vector<Candidate>& others) -> ShapePair {
+    for (const Candidate& a : movers) {
+      for (const Candidate& b : others) {
+        if (filter.collide(a.body, b.body)) return {a.shape, b.shape};
+      }
+    }
+    return {nullptr, nullptr};
+  };
+  for (std::size_t a = 0; a < kShapeTypes; ++a) {
+    for (std::size_t b = a; b < kShapeTypes; ++b) {
+      const std::string feature = pair_feature(static_cast<ShapeType>(a), static_cast<ShapeType>(b));
+      if (capabilities_.get(feature).support == Support::exact) continue;
+      ShapePair pair = first_meeting(mobile[a], all[b]);
+      if (pair.first == nullptr) pair = first_meeting(mobile[b], all[a]);
+      if (pair.first == nullptr) continue;
+      Diagnostic* d = need(
+          feature, fmt::format("contact of {} and {}", to_string(pair.first->type),
+                               to_string(pair.second->type)),
+          fmt::format("shapes '{}' and '{}'", pair.first->name, pair.second->name),
+          pair.first->origin,
+          "use another shape for one of them, keep them from colliding, or run the scene on "
+          "another backend");
+      if (d == nullptr) continue;
+      DiagnosticNote other;
+      other.message = fmt::format("the other shape, '{}'", pair.second->name);
+      const SourceSpan& place = pair.second->origin;
+      if (place.file >= 0 && static_cast<std::size_t>(place.file) < model_.files.size()) {
+        other.file = model_.files[static_cast<std::size_t>(place.file)];
+        other.line = place.line;
+        other.column = place.column;
+        d->notes.push_back(std::move(other));
+      }
+    }
+  }
+}
+
+void Check::check_joints() {
+  for (const Joint& joint : model_.joints) {
+    if (joint.removed) continue;
+    const std::string type = to_string(joint.type);
+    const std::string element = "joint '" + joint.name + "'";
+    const std::string help = "use another joint, or run the scene on another backend";
+    if (joint.closes_loop) {
+      need("loop." + type, fmt::format("loops closed by joint type '{}'", type), element,
+           joint.origin, help);
+    } else {
+      need("joint." + type, fmt::format("joint type '{}'", type), element, joint.origin, help);
+    }
+    const auto need_of_axis = [&](bool wanted, const char* property, const char* words) {
+      if (!wanted) return;
+      need(fmt::format("joint.{}.{}", property, type),
+           fmt::format("{} of joint type '{}'", words, type), element, joint.origin,
+           fmt::format("leave the {} out, or run the scene on another backend", words));
+    };
+    for (const JointAxis& axis : joint.axes) {
+      need_of_axis(axis.has_limit(), "limit", "limits");
+      need_of_axis(axis.damping > 0.0, "damping", "damping");
+      need_of_axis(axis.friction > 0.0, "friction", "friction");
+      need_of_axis(axis.stiffness > 0.0, "stiffness", "stiffness");
+    }
+  }
+}
+
+void Check::check_motors() {
+  for (const Motor& motor : model_.motors) {
+    if (motor.removed) continue;
+    const std::string mode = to_string(motor.mode);
+    need("motor." + mode, fmt::format("motor mode '{}'", mode), "motor '" + motor.name + "'",
+         motor.origin, "use another mode, or run the scene on another backend");
+  }
+}
+
+}  // namespace
+
+const char* to_string(Support support) {
+  switch (support) {
+    case Support::unsupported: return "unsupported";
+    case Support::approximate: return "approximate";
+    case Support::exact: return "exact";
+  }
+  return "?";
+}
+
+void Capabilities::set(const std::string& feature, Support support, std::string note) {
+  features_[feature] = {support, std::move(note)};
+}
+
+Capability Capabilities::get(const std::string& feature) const {
+  const auto found = features_.find(feature);
+  if (found != features_.end()) return found->second;
+  return {Support::unsupported, "not known to this backend"};
+}
+
+std::string pair_feature(ShapeType a, ShapeType b) {
+  if (a > b) std::swap(a, b);
+  return fmt::format("pair.{}-{}", to_string(a), to_string(b));
+}
+
+std::vector<Diagnostic> check_capabilities(const SceneModel& model, const std::string& backend,
+                                           const Capabilities& capabilities) {
+  return Check(model, backend, capabilities).run();
+}
+
+}  // namespace cogrsim

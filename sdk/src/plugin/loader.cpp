@@ -1,0 +1,255 @@
+#include "cogrsim/plugin/loader.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <tuple>
+
+#define BOOST_DLL_USE_STD_FS
+#include <boost/dll/runtime_symbol_info.hpp>
+#include <boost/dll/shared_library.hpp>
+#include <fmt/format.h>
+
+#include "cogrsim/physics/backend.h"
+#include "cogrsim/physics/backend_plugin.h"
+#include "elf_symbols.h"
+
+namespace cogrsim {
+
+namespace fs = std::filesystem;
+
+struct Plugin::Impl {
+  boost::dll::shared_library library;
+  std::string path;
+  const PluginDescriptor* descriptor = nullptr;  // lives in the library
+};
+
+namespace {
+
+constexpr const char* kOwnMark = COGRSIM_STRING(COGRSIM_ABI_SYMBOL);
+constexpr const char* kMarkPrefix = "cogrsim_abi_";
+constexpr const char* kDescriptorSymbol = "cogrsim_plugin";
+
+Error refused(const std::string& path, std::string reason, std::string hint = {}) {
+  return Error(std::move(reason), path, std::move(hint), "CG0902");
+}
+
+/// "gcc12_cxx11, ABI 1" out of "cogrsim_abi_1_gcc12_cxx11".
+std::string describe_mark(const std::string& mark) {
+  const std::string tag = mark.substr(std::string(kMarkPrefix).size());
+  const std::size_t end = tag.find('_');
+  if (end == std::string::npos) return tag;
+  return fmt::format("{}, ABI {}", tag.substr(end + 1), tag.substr(0, end));
+}
+
+/// Refuses a library that was not built for this CogRSim; runs nothing of it.
+Result<> check_file(const std::string& path) {
+  const Result<std::vector<std::string>> symbols = exported_symbols(path, "cogrsim_");
+  if (!symbols) return tl::unexpected<Error>(refused(path, symbols.error().message));
+  const auto has = [&](const char* name) {
+    return std::find(symbols->begin(), symbols->end(), name) != symbols->end();
+  };
+  const auto mark = std::find_if(symbols->begin(), symbols->end(), [](const std::string& name) {
+    return name.rfind(kMarkPrefix, 0) == 0;
+  });
+  if (mark == symbols->end()) {
+    return tl::unexpected<Error>(refused(path, "not a CogRSim plugin (it bears no cogrsim_abi mark)",
+                                         "end its source with COGRSIM_CONTROLLER(…) or the like"));
+  }
+  if (!has(kOwnMark)) {
+    return tl::unexpected<Error>(refused(path,
+                                         fmt::format("built for {}; this CogRSim is {}",
+                                                     describe_mark(*mark), describe_mark(kOwnMark)),
+                                         "build the plugin again with this CogRSim's headers"));
+  }
+  if (!has(kDescriptorSymbol)) {
+    return tl::unexpected<Error>(
+        refused(path, fmt::format("the symbol '{}' is missing", kDescriptorSymbol),
+                "end its source with COGRSIM_CONTROLLER(…) or the like, once"));
+  }
+  return {};
+}
+
+bool is_plain_name(const std::string& name) {
+  return !name.empty() && name.find('/') == std::string::npos &&
+         name.find("..") == std::string::npos && name.find('\0') == std::string::npos;
+}
+
+/// Paths of all *.so in a folder, sorted.
+std::vector<std::string> libraries_in(const std::string& folder) {
+  std::vector<std::string> out;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() == ".so") out.push_back(it->path().string());
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+bool by_kind_and_name(const PluginPtr& a, const PluginPtr& b) {
+  const PluginDescriptor &da = a->descriptor(), &db = b->descriptor();
+  return std::tie(da.kind, da.name) < std::tie(db.kind, db.name);
+}
+
+}  // namespace
+
+const char* to_string(PluginKind kind) {
+  switch (kind) {
+    case PluginKind::backend: return "backend";
+    case PluginKind::controller: return "controller";
+    case PluginKind::supervisor: return "supervisor";
+    case PluginKind::sensor: return "sensor";
+  }
+  return "?";
+}
+
+Plugin::Plugin(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Plugin::~Plugin() = default;
+const PluginDescriptor& Plugin::descriptor() const { return *impl_->descriptor; }
+const std::string& Plugin::path() const { return impl_->path; }
+
+PluginLoader::PluginLoader(std::vector<std::string> extra_folders)
+    : folders_(std::move(extra_folders)) {
+  if (const char* list = std::getenv("COGRSIM_PLUGIN_PATH")) {
+    const std::string text = list;
+    for (std::size_t begin = 0, end; begin <= text.size(); begin = end + 1) {
+      end = std::min(text.find(':', begin), text.size());
+      if (end > begin) folders_.push_back(text.substr(begin, end - begin));
+    }
+  }
+  // Where this library lies; links such as libcogrsim.so.0 point into the same folder.
+  std::error_code error;
+  const fs::path own = fs::canonical(boost::dll::this_line_location(), error);
+  if (!error) {
+    for (const char* kind : {"backends", "plugins"}) {
+      folders_.push_back((own.parent_path() / "cogrsim" / kind).string());
+    }
+  }
+}
+
+Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
+  std::error_code error;
+  const fs::path real = fs::canonical(path, error);
+  if (error) return tl::unexpected<Error>(refused(path, error.message()));
+  for (const PluginPtr& plugin : loaded_) {
+    if (plugin->path() == real) return plugin;
+  }
+  if (Result<> checked = check_file(path); !checked) {
+    return tl::unexpected<Error>(checked.error());
+  }
+  auto impl = std::make_unique<Plugin::Impl>();
+  impl->path = real.string();
+  try {
+    using boost::dll::load_mode::type;
+    // The throwing overload carries the system's own text, the other one only an error number.
+    impl->library.load(real, type::rtld_now | type::rtld_local);
+    impl->descriptor =
+        impl->library.get<const PluginDescriptor*()>(kDescriptorSymbol)();
+  } catch (const std::exception& e) {
+    return tl::unexpected<Error>(refused(path, fmt::format("cannot be loaded: {}", e.what())));
+  } catch (...) {
+    return tl::unexpected<Error>(refused(path, "cannot be loaded: it threw while starting"));
+  }
+  if (impl->descriptor == nullptr || impl->descriptor->factory == nullptr) {
+    return tl::unexpected<Error>(refused(path, "its descriptor is empty"));
+  }
+  const std::string stem = fs::path(path).stem().string();
+  if (impl->descriptor->name != stem) {
+    return tl::unexpected<Error>(refused(
+        path, fmt::format("the plugin inside calls itself '{}'", impl->descriptor->name),
+        fmt::format("name the file {}.so", impl->descriptor->name)));
+  }
+  loaded_.push_back(std::make_shared<const Plugin>(std::move(impl)));
+  return loaded_.back();
+}
+
+Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
+  if (!is_plain_name(name)) {
+    return fail(fmt::format("'{}' is no plugin name", name), "",
+                "a scene names a plugin, never a path; folders are given by --plugin-path or "
+                "COGRSIM_PLUGIN_PATH",
+                "CG0901");
+  }
+  std::string tried;
+  PluginPtr wrong_kind;
+  for (const std::string& folder : folders_) {
+    const std::string path = (fs::path(folder) / (name + ".so")).string();
+    std::error_code error;
+    if (!fs::exists(fs::symlink_status(path, error))) {
+      tried += fmt::format("\n  {}: {}", path,
+                           fs::is_directory(folder, error) ? "no such file" : "no such folder");
+      continue;
+    }
+    Result<PluginPtr> plugin = load_file(path);
+    // A broken library is not passed over for another one of that name further down the list.
+    if (!plugin) {
+      Error e = plugin.error();
+      e.message = fmt::format("{} '{}' is refused: {}", to_string(kind), name, e.message);
+      return tl::unexpected<Error>(std::move(e));
+    }
+    if ((*plugin)->descriptor().kind == kind) return plugin;
+    if (wrong_kind == nullptr) wrong_kind = *plugin;
+    tried += fmt::format("\n  {}: a {}", path, to_string((*plugin)->descriptor().kind));
+  }
+  if (wrong_kind != nullptr) {
+    return fail(fmt::format("plugin '{}' is a {}, not a {}", name,
+                            to_string(wrong_kind->descriptor().kind), to_string(kind)),
+                wrong_kind->path(), "", "CG0903");
+  }
+  std::vector<std::string> names;
+  for (const PluginPtr& plugin : all()) {
+    if (plugin->descriptor().kind == kind) names.push_back(plugin->descriptor().name);
+  }
+  std::string hint = names.empty() ? fmt::format("no {} was found at all", to_string(kind))
+                                   : fmt::format("there are: {}", fmt::join(names, ", "));
+  const std::string near = nearest_name(name, names);
+  if (!near.empty()) hint = fmt::format("did you mean '{}'? {}", near, hint);
+  return fail(fmt::format("there is no {} '{}'; looked at{}", to_string(kind), name, tried), "",
+              hint, "CG0901");
+}
+
+Result<std::shared_ptr<const Backend>> PluginLoader::backend(const std::string& name) {
+  const Result<PluginPtr> plugin = load(PluginKind::backend, name);
+  if (!plugin) return tl::unexpected<Error>(plugin.error());
+  const auto* entry = static_cast<const BackendEntry*>((*plugin)->descriptor().factory);
+  try {
+    if (const Backend* backend = entry->get()) {
+      return std::shared_ptr<const Backend>(*plugin, backend);  // keeps the library, not the object
+    }
+  } catch (const std::exception& e) {
+    return tl::unexpected<Error>(
+        refused((*plugin)->path(), fmt::format("backend '{}' did not start: {}", name, e.what())));
+  }
+  return tl::unexpected<Error>(
+      refused((*plugin)->path(), fmt::format("backend '{}' did not start", name)));
+}
+
+std::vector<PluginPtr> PluginLoader::all(std::vector<RefusedPlugin>* refused_ones) {
+  std::vector<PluginPtr> out;
+  const auto refuse = [&](const std::string& path, std::string reason) {
+    if (refused_ones != nullptr) refused_ones->push_back({path, std::move(reason)});
+  };
+  for (const std::string& folder : folders_) {
+    for (const std::string& path : libraries_in(folder)) {
+      Result<PluginPtr> plugin = load_file(path);
+      if (!plugin) {
+        refuse(path, plugin.error().message);
+        continue;
+      }
+      const auto same = std::find_if(out.begin(), out.end(), [&](const PluginPtr& other) {
+        return other->descriptor().kind == (*plugin)->descriptor().kind &&
+               other->descriptor().name == (*plugin)->descriptor().name;
+      });
+      if (same == out.end()) {
+        out.push_back(*plugin);
+      } else if ((*same)->path() != (*plugin)->path()) {
+        refuse(path, "hidden by " + (*same)->path());
+      }
+    }
+  }
+  std::sort(out.begin(), out.end(), by_kind_and_name);
+  return out;
+}
+
+}  // namespace cogrsim
