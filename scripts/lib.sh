@@ -1,0 +1,73 @@
+# Shared by the scripts beside it; source it, do not run it. Needs bash.
+#
+# COGRSIM_PRESET chooses the CMake preset (default: release).
+
+repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+preset=${COGRSIM_PRESET:-release}
+build_dir=$repo/build
+[ "$preset" = release ] || build_dir=$repo/build-$preset
+
+packages=(
+  cmake ninja-build g++ ccache pkg-config
+  libsimbody-dev libbullet-dev libeigen3-dev libtinyxml2-dev libboost-dev
+  libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev
+  catch2 libxml2-utils
+)
+
+say() { printf '\n== %s\n' "$*"; }
+
+die() {
+  printf '%s\n' "$@" >&2
+  exit 1
+}
+
+# Installs the Debian packages that are missing; touches no network when all are there.
+install_missing() {
+  if ! command -v dpkg-query >/dev/null; then
+    echo "this is not a Debian system; taking for granted that these are here: ${packages[*]}"
+    return
+  fi
+  local missing=() package
+  for package in "${packages[@]}"; do
+    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
+      missing+=("$package")
+    fi
+  done
+  [ ${#missing[@]} -gt 0 ] || return 0
+
+  local as_root=()
+  if [ "$(id -u)" != 0 ]; then
+    if ! command -v sudo >/dev/null || { [ ! -t 0 ] && ! sudo -n true 2>/dev/null; }; then
+      die "missing packages, and neither root nor sudo to install them. Let somebody run:" \
+        "  apt-get update && apt-get install --no-install-recommends ${missing[*]}"
+    fi
+    as_root=(sudo)
+  fi
+  say "installing ${missing[*]}"
+  "${as_root[@]}" apt-get update -qq || die "apt-get update failed: is there a network?"
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y \
+    --no-install-recommends "${missing[@]}" >/dev/null ||
+    die "apt-get could not install: ${missing[*]}"
+}
+
+configure() {
+  say "configuring $build_dir (preset $preset)"
+  (cd "$repo" && cmake --preset "$preset" --log-level=WARNING)
+}
+
+# Builds the targets given, or everything.
+build() {
+  say "building ${*:-everything}"
+  local targets=()
+  [ $# -eq 0 ] || targets=(--target "$@")
+  cmake --build "$build_dir" --parallel "$(nproc)" "${targets[@]}"
+}
+
+# The main job: one scene, two engines, one table.
+run_demo() {
+  local scene=$repo/examples/010_two_wheels/two_wheels.scene.xml
+  local report=$build_dir/two_wheels.html
+  say "cogrsim compare examples/010_two_wheels/two_wheels.scene.xml --backends bullet,simbody"
+  "$build_dir/bin/cogrsim" compare "$scene" --backends bullet,simbody --report "$report" || return
+  printf '\nThe curves are in %s\n' "$report"
+}
