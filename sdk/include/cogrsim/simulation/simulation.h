@@ -1,0 +1,106 @@
+// Runs a scene on a backend: clock, step order, sensors, controllers, supervisors, commands.
+//
+// One step, always in this order:
+//   1. commands queued since the last step     2. sensors that are due read the last frame
+//   3. controllers, then supervisors that are due, in file order
+//   4. motors turn targets into drives         5. World::step(dt)
+//   6. the new frame goes to the observers
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cogrsim/physics/backend.h"
+#include "cogrsim/physics/frame.h"
+#include "cogrsim/plugin/loader.h"
+#include "cogrsim/simulation/command.h"
+
+namespace cogrsim {
+
+struct SimulationOptions {
+  std::string backend;              ///< empty: the scene's, else "bullet"
+  double step = 0.0;                ///< [s]; 0: the scene's
+  std::optional<std::uint64_t> seed;  ///< empty: the scene's
+  double speed = std::numeric_limits<double>::infinity();  ///< see SetSpeed
+};
+
+enum class RunStatus {
+  running,    ///< not ended
+  completed,  ///< reached the time asked for
+  stopped,    ///< by a command, a supervisor or stop()
+  fault,      ///< a controller's fault ended it (`on-fault="end-run"`)
+  diverged    ///< the physics exploded
+};
+/// "running", "completed", "stopped", "fault", "diverged".
+COGRSIM_API const char* to_string(RunStatus status);
+
+/// A message of a run: a fault, a refused command, what a controller reported.
+struct RunMessage {
+  double time = 0.0;
+  Severity severity = Severity::error;
+  std::string source;  ///< robot, controller, command …
+  std::string message;
+};
+
+/// The whole state of a run at one step boundary: world, motors, sensors' noise, clock.
+/// Controllers keep their own memory and are not part of it; see Simulation::restore.
+struct SimulationSnapshot;
+using SimulationSnapshotPtr = std::shared_ptr<const SimulationSnapshot>;
+
+class COGRSIM_API Simulation {
+ public:
+  /// Loads backend and plugins, checks capabilities, builds the world, configures controllers.
+  /// Errors: all that were found, one Diagnostic each; advice goes to messages().
+  static tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> create(
+      SceneModelPtr scene, const SimulationOptions& options, std::shared_ptr<PluginLoader> loader);
+  ~Simulation();
+
+  const Backend& backend() const;
+  const SceneModelPtr& model() const;
+  double time() const;
+  double dt() const;
+  std::uint64_t step_count() const;
+  RunStatus status() const;
+  const std::vector<RunMessage>& messages() const;
+
+  /// The latest frame, with everything a frame can contain.
+  FramePtr frame();
+
+  /// Observers see every frame after its step, in order of registration. Keep them short.
+  using Observer = std::function<void(const FramePtr&)>;
+  void observe(FrameContents contents, Observer observer);
+
+  /// Steps until `end_time` [s] or until something ends the run. Sleeps as the speed demands;
+  /// returns early with `running` when paused and no command is waiting. Chopping a run into
+  /// several calls changes nothing.
+  RunStatus run_until(double end_time);
+  /// One step. Does nothing once the run has ended or while paused (a StepOnce command passes).
+  RunStatus step();
+
+  /// From any thread; applied before the next step.
+  void send(Command command);
+  /// From any thread or a signal handler: ends the run at the next step boundary.
+  void stop() noexcept;
+  bool paused() const;
+
+  SimulationSnapshotPtr save() const;
+  /// Errors: a snapshot of another scene or backend. Controllers are configured anew when
+  /// `restart_controllers`, else they go on with the memory they have.
+  Result<> restore(const SimulationSnapshotPtr& snapshot, bool restart_controllers = false);
+
+  /// The sensor objects' channels, by sensor index.
+  const std::vector<Channel>& channels(int sensor) const;
+
+  struct Impl;
+
+ private:
+  explicit Simulation(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cogrsim

@@ -1,0 +1,243 @@
+#include "cogrsim/assembly/assembly.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/impl.h"
+
+namespace cogrsim {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "'" : ", '") + name + "'";
+  return out.empty() ? "none" : out;
+}
+
+std::string not_there(const std::string& kind, const std::string& name,
+                      const std::vector<std::string>& names) {
+  const std::string near = nearest_name(name, names);
+  return "there is no " + kind + " '" + name + "'" +
+         (near.empty() ? "" : "; did you mean '" + near + "'?") + " It has: " + listed(names);
+}
+
+/// Names of the elements inside an assembly, without its own name in front.
+template <class Elements>
+std::vector<std::string> names_inside(const SceneModel& model, int assembly,
+                                      const Elements& elements) {
+  const std::string prefix =
+      assembly < 0 ? "" : model.assemblies[static_cast<std::size_t>(assembly)].name + ".";
+  std::vector<std::string> names;
+  for (const auto& element : elements) {
+    if (!element.removed && element.name.compare(0, prefix.size(), prefix) == 0) {
+      names.push_back(element.name.substr(prefix.size()));
+    }
+  }
+  return names;
+}
+
+template <class Elements>
+int find_inside(const SceneModel& model, int assembly, const Elements& elements,
+                const std::string& name) {
+  const std::string full =
+      assembly < 0 ? name : model.assemblies[static_cast<std::size_t>(assembly)].name + "." + name;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (!elements[i].removed && elements[i].name == full) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+const Motor& motor_of(const AssemblyAccess& access, int index) {
+  return access.simulation->model->motors[static_cast<std::size_t>(index)];
+}
+
+}  // namespace
+
+void MotorHandle::set(double target) {
+  if (!access_) return;
+  const Motor& motor = motor_of(*access_, motor_);
+  if (!std::isfinite(target)) {
+    if (!access_->fault) {
+      access_->fault = "sent " + std::to_string(target) + " to motor '" + motor.name +
+                       "'; its target stays " +
+                       std::to_string(access_->simulation->motors[static_cast<std::size_t>(motor_)].target);
+    }
+    return;
+  }
+  access_->simulation->motors[static_cast<std::size_t>(motor_)].target =
+      clamp_target(*access_->simulation->model, motor, target);
+}
+
+double MotorHandle::target() const {
+  return access_ ? access_->simulation->motors[static_cast<std::size_t>(motor_)].target : kNaN;
+}
+
+double MotorHandle::effort() const {
+  if (!access_) return kNaN;
+  return access_->simulation->present_state().motor_efforts[static_cast<std::size_t>(motor_)];
+}
+
+MotorMode MotorHandle::mode() const {
+  return access_ ? motor_of(*access_, motor_).mode : MotorMode::velocity;
+}
+
+double MotorHandle::max_speed() const {
+  return access_ ? motor_max_speed(*access_->simulation->model, motor_of(*access_, motor_)) : 0.0;
+}
+
+double MotorHandle::max_effort() const {
+  return access_ ? motor_max_effort(*access_->simulation->model, motor_of(*access_, motor_)) : 0.0;
+}
+
+bool SensorHandle::valid() const {
+  return access_ && access_->simulation->sensors[static_cast<std::size_t>(sensor_)].reading.valid;
+}
+
+double SensorHandle::time() const {
+  return access_ ? access_->simulation->sensors[static_cast<std::size_t>(sensor_)].reading.time
+                 : kNaN;
+}
+
+std::uint64_t SensorHandle::sequence() const {
+  return access_ ? access_->simulation->sensors[static_cast<std::size_t>(sensor_)].reading.sequence
+                 : 0;
+}
+
+double SensorHandle::value(int channel) const {
+  if (!valid() || channel < 0) return kNaN;
+  const auto& values =
+      access_->simulation->sensors[static_cast<std::size_t>(sensor_)].reading.values;
+  const auto index = static_cast<std::size_t>(channel);
+  return index < values.size() ? values[index] : kNaN;
+}
+
+void SensorHandle::enable(bool on) {
+  if (!access_) return;
+  SensorSlot& slot = access_->simulation->sensors[static_cast<std::size_t>(sensor_)];
+  slot.enabled = on;
+  if (!on) slot.reading.valid = false;
+}
+
+const std::string& Assembly::name() const { return access_->name; }
+
+std::vector<std::string> Assembly::motor_names() const {
+  const SceneModel& model = *access_->simulation->model;
+  return names_inside(model, access_->assembly, model.motors);
+}
+
+std::vector<std::string> Assembly::sensor_names() const {
+  const SceneModel& model = *access_->simulation->model;
+  return names_inside(model, access_->assembly, model.sensors);
+}
+
+MotorHandle Assembly::motor(const std::string& name) {
+  const SceneModel& model = *access_->simulation->model;
+  const int index = find_inside(model, access_->assembly, model.motors, name);
+  if (index < 0) {
+    access_->mistakes.push_back(not_there("motor", name, motor_names()));
+    return {};
+  }
+  access_->motors.push_back(index);
+  return {access_.get(), index};
+}
+
+SensorHandle Assembly::any_sensor(const std::string& name) {
+  SensorHandle handle;
+  bind(handle, name, nullptr);
+  return handle;
+}
+
+void Assembly::bind(SensorHandle& handle, const std::string& name, const char* type) {
+  const SceneModel& model = *access_->simulation->model;
+  const int index = find_inside(model, access_->assembly, model.sensors, name);
+  if (index < 0) {
+    access_->mistakes.push_back(not_there("sensor", name, sensor_names()));
+    return;
+  }
+  const SensorModel& sensor = model.sensors[static_cast<std::size_t>(index)];
+  if (type && sensor.type != type) {
+    access_->mistakes.push_back("sensor '" + name + "' is of type '" + sensor.type +
+                                "', and was asked for as '" + type + "'");
+    return;
+  }
+  handle.access_ = access_.get();
+  handle.sensor_ = index;
+}
+
+const ParameterValue* Assembly::find_parameter(const std::string& name, ParameterType type) {
+  for (const ParameterSpec& spec : *access_->table) {
+    if (spec.name != name) continue;
+    if (spec.type() == type) return &access_->parameters.at(name);
+    access_->mistakes.push_back("parameter '" + name + "' is declared as " +
+                                to_string(spec.type()) + ", and was asked for as " +
+                                to_string(type));
+    return nullptr;
+  }
+  std::vector<std::string> names;
+  for (const ParameterSpec& spec : *access_->table) names.push_back(spec.name);
+  access_->mistakes.push_back(not_there("declared parameter", name, names));
+  return nullptr;
+}
+
+template <>
+double Assembly::parameter<double>(const std::string& name) {
+  const ParameterValue* value = find_parameter(name, ParameterType::number);
+  return value ? std::get<double>(*value) : 0.0;
+}
+
+template <>
+int Assembly::parameter<int>(const std::string& name) {
+  const ParameterValue* value = find_parameter(name, ParameterType::integer);
+  return value ? static_cast<int>(std::get<std::int64_t>(*value)) : 0;
+}
+
+template <>
+bool Assembly::parameter<bool>(const std::string& name) {
+  const ParameterValue* value = find_parameter(name, ParameterType::boolean);
+  return value && std::get<bool>(*value);
+}
+
+template <>
+std::string Assembly::parameter<std::string>(const std::string& name) {
+  const ParameterValue* value = find_parameter(name, ParameterType::text);
+  return value ? std::get<std::string>(*value) : std::string();
+}
+
+template <>
+std::vector<double> Assembly::parameter<std::vector<double>>(const std::string& name) {
+  const ParameterValue* value = find_parameter(name, ParameterType::number_list);
+  return value ? std::get<std::vector<double>>(*value) : std::vector<double>();
+}
+
+double Assembly::joint_position(const MotorHandle& motor) const {
+  if (!motor.valid()) return kNaN;
+  Simulation::Impl& simulation = *access_->simulation;
+  const int at = motor_position_index(*simulation.model, motor_of(*access_, motor.motor_));
+  return simulation.present_state().joint_positions[static_cast<std::size_t>(at)];
+}
+
+double Assembly::joint_velocity(const MotorHandle& motor) const {
+  if (!motor.valid()) return kNaN;
+  Simulation::Impl& simulation = *access_->simulation;
+  const int at = motor_speed_index(*simulation.model, motor_of(*access_, motor.motor_));
+  return simulation.present_state().joint_velocities[static_cast<std::size_t>(at)];
+}
+
+std::string Assembly::scene_folder() const {
+  const SceneModel& model = *access_->simulation->model;
+  if (model.files.empty()) return "";
+  const std::size_t slash = model.files.front().find_last_of('/');
+  return slash == std::string::npos ? "." : model.files.front().substr(0, slash);
+}
+
+void Assembly::report(const std::string& message) {
+  access_->simulation->report(Severity::advice, "controller '" + access_->plugin + "' of '" + access_->name + "'",
+                              message);
+}
+
+void Assembly::fail(const std::string& message) { access_->mistakes.push_back(message); }
+
+}  // namespace cogrsim

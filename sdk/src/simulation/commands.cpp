@@ -1,0 +1,206 @@
+// Commands, applied at a step boundary, in the order they came.
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/impl.h"
+#include "simulation/model_change.h"
+
+namespace cogrsim {
+
+namespace {
+
+template <class... Functions>
+struct Overloaded : Functions... {
+  using Functions::operator()...;
+};
+template <class... Functions>
+Overloaded(Functions...) -> Overloaded<Functions...>;
+
+template <class Elements>
+Result<int> find_named(const Elements& elements, const std::string& kind, const std::string& name) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (elements[i].removed) continue;
+    if (elements[i].name == name) return static_cast<int>(i);
+    names.push_back(elements[i].name);
+  }
+  const std::string near = nearest_name(name, names);
+  return fail("there is no " + kind + " '" + name + "'", "",
+              near.empty() ? "" : "did you mean '" + near + "'?");
+}
+
+std::string joined(const std::vector<Diagnostic>& found) {
+  std::string out;
+  for (const Diagnostic& d : found) {
+    if (!out.empty()) out += "; ";
+    out += d.message;
+  }
+  return out;
+}
+
+}  // namespace
+
+void Simulation::send(Command command) {
+  std::lock_guard lock(impl_->queue_mutex);
+  impl_->queue.push_back(std::move(command));
+}
+
+void Simulation::Impl::apply_commands() {
+  std::size_t waiting = 0;
+  {
+    std::lock_guard lock(queue_mutex);
+    waiting = queue.size();  // those that come while these are applied wait for the next boundary
+  }
+  for (; waiting > 0 && !single_step; --waiting) {
+    std::unique_lock lock(queue_mutex);
+    Command command = std::move(queue.front());
+    queue.pop_front();
+    lock.unlock();
+    apply(command);
+  }
+}
+
+void Simulation::Impl::apply(Command& command) {
+  const Result<> done = std::visit(
+      Overloaded{
+          [&](Pause&) -> Result<> { paused = true; return {}; },
+          [&](Resume&) -> Result<> { paused = false; return {}; },
+          [&](StepOnce&) -> Result<> { single_step = true; return {}; },
+          [&](SetSpeed& c) -> Result<> {
+            if (!(c.factor > 0.0)) return fail("the speed must be above 0");
+            speed = c.factor;
+            return {};
+          },
+          [&](SetStep& c) -> Result<> {
+            if (!(c.dt > 0.0) || !std::isfinite(c.dt)) return fail("the step must be above 0 s");
+            base_time = time();
+            steps_since_base = 0;
+            dt = c.dt;
+            return {};
+          },
+          [&](Restart&) { return restart(); },
+          [&](AddAssembly& c) { return add_assembly(c); },
+          [&](RemoveAssembly& c) { return remove_assembly(c.name); },
+          [&](SetMotor& c) { return set_motor(c.motor, c.target); },
+          [&](EnableSensor& c) -> Result<> {
+            const auto found = find_named(model->sensors, "sensor", c.sensor);
+            if (!found) return tl::unexpected(found.error());
+            SensorSlot& slot = sensors[static_cast<std::size_t>(*found)];
+            slot.enabled = c.on;
+            if (!c.on) slot.reading.valid = false;
+            return {};
+          },
+          [&](SetKinematicTwist& c) -> Result<> {
+            const auto found = find_named(model->bodies, "body", c.body);
+            if (!found) return tl::unexpected(found.error());
+            auto* drive = static_cast<KinematicDrive*>(world->extension(KinematicDrive::kId));
+            if (!drive) {
+              return fail("backend '" + std::string(backend->name()) +
+                          "' cannot move kinematic bodies while running");
+            }
+            return drive->set_kinematic_twist(*found, c.twist);
+          },
+          [&](SetState& c) -> Result<> { return world->set_state(c.state); },
+          [&](EndRun& c) -> Result<> {
+            status = RunStatus::stopped;
+            events.push_back({time(), "ended", "", c.reason});
+            if (!c.reason.empty()) report(Severity::advice, "run", "ended: " + c.reason);
+            return {};
+          }},
+      command);
+  world_changed();
+  if (!done) {
+    report(Severity::error, "command", done.error().text());
+    events.push_back({time(), "refused", "", done.error().message});
+  }
+}
+
+Result<> Simulation::Impl::set_motor(const std::string& name, double target) {
+  const auto found = find_named(model->motors, "motor", name);
+  if (!found) return tl::unexpected(found.error());
+  if (!std::isfinite(target)) return fail("motor '" + name + "': the target is not a finite number");
+  const auto index = static_cast<std::size_t>(*found);
+  motors[index].target = clamp_target(*model, model->motors[index], target);
+  return {};
+}
+
+Result<> Simulation::Impl::add_assembly(const AddAssembly& command) {
+  if (!command.fragment) return fail("cannot add assembly '" + command.name + "': it is empty");
+  auto next = with_added(*model, *command.fragment, command.name, command.pose);
+  if (!next) return tl::unexpected(next.error());
+  for (const Diagnostic& d : check_capabilities(**next, backend->name(), backend->capabilities())) {
+    if (d.severity == Severity::error) return fail(d.message, "", d.help, d.code);
+  }
+  // Devices first, on the new model: what they refuse must leave the world as it was.
+  const SceneModelPtr before = model;
+  const std::size_t sensors_before = sensors.size(), controllers_before = controllers.size();
+  const std::size_t motors_before = motors.size();
+  const auto undo = [&] {
+    model = before;
+    motors.resize(motors_before);
+    sensors.erase(sensors.begin() + static_cast<std::ptrdiff_t>(sensors_before), sensors.end());
+    controllers.erase(controllers.begin() + static_cast<std::ptrdiff_t>(controllers_before),
+                      controllers.end());
+    world_changed();
+  };
+  if (auto added = world->add(*next); !added) return added;
+  model = *next;
+  world_changed();
+  build_motors(motors_before);
+  std::vector<Diagnostic> found = build_sensors(sensors_before);
+  for (Diagnostic& d : build_minds(controllers_before, false)) found.push_back(std::move(d));
+  if (!found.empty()) {
+    const std::string why = joined(found);
+    // The bodies are in the world already: they are taken out again, as removed ones.
+    auto without = with_removed(**next, command.name);
+    undo();
+    if (without && world->remove(*without)) {
+      model = *without;
+      build_motors(motors_before);
+      build_sensors(sensors_before);
+      build_minds(controllers_before, false);
+    }
+    return fail("cannot add assembly '" + command.name + "': " + why);
+  }
+  events.push_back({time(), "added", command.name, ""});
+  return {};
+}
+
+Result<> Simulation::Impl::remove_assembly(const std::string& name) {
+  auto next = with_removed(*model, name);
+  if (!next) return tl::unexpected(next.error());
+  if (auto removed = world->remove(*next); !removed) return removed;
+  model = *next;
+  for (std::size_t i = 0; i < controllers.size(); ++i) {
+    if (!model->controllers[i].removed) continue;
+    controllers[i].clock.stopped = true;
+    controllers[i].controller.reset();
+  }
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    if (!model->sensors[i].removed) continue;
+    sensors[i].enabled = false;
+    sensors[i].reading.valid = false;
+  }
+  events.push_back({time(), "removed", name, ""});
+  return {};
+}
+
+Result<> Simulation::Impl::restart() {
+  if (auto done = world->reset(); !done) return done;
+  model = original;
+  base_time = 0.0;
+  steps = steps_since_base = 0;
+  last_dt = 0.0;
+  twists_before.clear();
+  start_shown = false;
+  world_changed();
+  const std::vector<Diagnostic> found = build_all();
+  events.push_back({0.0, "restarted", "", ""});
+  if (!found.empty()) {
+    status = RunStatus::fault;
+    return fail("restart: " + joined(found));
+  }
+  return {};
+}
+
+}  // namespace cogrsim

@@ -1,0 +1,210 @@
+// Building a simulation: backend, world, sensors, controllers.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "simulation/impl.h"
+
+namespace cogrsim {
+
+const char* to_string(RunStatus status) {
+  switch (status) {
+    case RunStatus::running: return "running";
+    case RunStatus::completed: return "completed";
+    case RunStatus::stopped: return "stopped";
+    case RunStatus::fault: return "fault";
+    case RunStatus::diverged: return "diverged";
+  }
+  return "running";
+}
+
+namespace {
+
+constexpr const char* kDefaultBackend = "bullet";
+
+Diagnostic from_error(const Error& error, const std::string& default_code) {
+  Diagnostic d;
+  d.code = error.code.empty() ? default_code : error.code;
+  d.message = error.where.empty() ? error.message : error.where + ": " + error.message;
+  d.help = error.hint;
+  return d;
+}
+
+// The options a run overrules, and the engine's own options with their defaults filled in.
+tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneModel& scene,
+                                                                   const SimulationOptions& options,
+                                                                   const Backend& backend) {
+  auto model = std::make_shared<SceneModel>(scene);
+  if (options.step > 0.0) model->physics.step = options.step;
+  if (options.seed) model->physics.seed = *options.seed;
+  model->physics.backend = backend.name();
+
+  std::vector<Diagnostic> found;
+  const auto complete = [&](std::map<std::string, Parameters>& blocks, const ParameterTable& table,
+                            const std::string& where, const SourceSpan& origin) {
+    const auto given = blocks.find(backend.name());
+    auto completed =
+        complete_parameters(table, given == blocks.end() ? Parameters{} : given->second);
+    if (completed) {
+      blocks[backend.name()] = std::move(*completed);
+      return;
+    }
+    Diagnostic d = from_error(completed.error(), "CG0904");
+    d.message = "options of backend '" + std::string(backend.name()) + "'" + where + ": " + d.message;
+    if (origin.file >= 0) d.file = scene.files[static_cast<std::size_t>(origin.file)];
+    d.line = origin.line;
+    d.column = origin.column;
+    found.push_back(std::move(d));
+  };
+  complete(model->physics.engine_options, backend.world_options(), "", model->physics.origin);
+  for (AssemblyInfo& info : model->assemblies) {
+    complete(info.engine_options, backend.assembly_options(), " in assembly '" + info.name + "'",
+             info.origin);
+  }
+  if (!found.empty()) return tl::unexpected(std::move(found));
+  return SceneModelPtr(std::move(model));
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::create(
+    SceneModelPtr scene, const SimulationOptions& options, std::shared_ptr<PluginLoader> loader) {
+  using Failure = tl::unexpected<std::vector<Diagnostic>>;
+  const auto refuse = [](const Error& error, const char* code) {
+    return Failure(std::vector<Diagnostic>{from_error(error, code)});
+  };
+  if (!std::isfinite(options.step) || options.step < 0.0) {
+    return refuse(Error("the step must be a positive number of seconds"), "CG0905");
+  }
+  if (!(options.speed > 0.0)) return refuse(Error("the speed must be above 0"), "CG0905");
+
+  auto impl = std::make_unique<Impl>();
+  impl->loader = std::move(loader);
+  std::string name = options.backend;
+  if (name.empty()) name = scene->physics.backend;
+  if (name.empty()) name = kDefaultBackend;
+  auto backend = impl->loader->backend(name);
+  if (!backend) return refuse(backend.error(), "CG0901");
+  impl->backend = *backend;
+
+  auto settled = settled_model(*scene, options, *impl->backend);
+  if (!settled) return Failure(settled.error());
+  impl->original = impl->model = *settled;
+  impl->dt = impl->model->physics.step;
+  impl->speed = options.speed;
+
+  std::vector<Diagnostic> found =
+      check_capabilities(*impl->model, name, impl->backend->capabilities());
+  const auto is_error = [](const Diagnostic& d) { return d.severity == Severity::error; };
+  if (std::none_of(found.begin(), found.end(), is_error)) {
+    auto world = impl->backend->create_world(impl->model);
+    if (world) {
+      impl->world = std::move(*world);
+    } else {
+      found.push_back(from_error(world.error(), "CG0801"));
+    }
+  }
+  // Minds are configured even when the physics was refused: all mistakes in one go.
+  for (Diagnostic& d : impl->build_all()) found.push_back(std::move(d));
+  if (std::any_of(found.begin(), found.end(), is_error)) return Failure(std::move(found));
+  for (const Diagnostic& d : found) impl->report(Severity::advice, "backend", d.message);
+  return std::unique_ptr<Simulation>(new Simulation(std::move(impl)));
+}
+
+Diagnostic Simulation::Impl::problem(const std::string& message, const SourceSpan& origin,
+                                     const std::string& code, const std::string& help) const {
+  Diagnostic d;
+  d.code = code;
+  d.message = message;
+  d.help = help;
+  if (origin.file >= 0 && static_cast<std::size_t>(origin.file) < model->files.size()) {
+    d.file = model->files[static_cast<std::size_t>(origin.file)];
+    d.line = origin.line;
+    d.column = origin.column;
+    d.length = origin.length;
+  }
+  return d;
+}
+
+void Simulation::Impl::build_motors(std::size_t first) {
+  motors.resize(first);
+  for (std::size_t i = first; i < model->motors.size(); ++i) {
+    motors.push_back(initial_motor_state(*model, model->motors[i]));
+  }
+}
+
+std::vector<Diagnostic> Simulation::Impl::build_sensors(std::size_t first) {
+  std::vector<Diagnostic> found;
+  sensors.erase(sensors.begin() + static_cast<std::ptrdiff_t>(first), sensors.end());
+  for (std::size_t i = first; i < model->sensors.size(); ++i) {
+    const SensorModel& description = model->sensors[i];
+    SensorSlot slot;
+    const SensorEntry* entry = built_in_sensor(description.type);
+    ParameterTable table;
+    if (entry) {
+      for (PluginDescriptor& d : built_in_sensors()) {
+        if (d.name == description.type) table = std::move(d.parameters);
+      }
+    } else if (auto plugin = loader->load(PluginKind::sensor, description.type)) {
+      slot.plugin = *plugin;
+      entry = static_cast<const SensorEntry*>((*plugin)->descriptor().factory);
+      table = (*plugin)->descriptor().parameters;
+    } else {
+      found.push_back(problem("sensor '" + description.name + "': " + plugin.error().message,
+                              description.origin, plugin.error().code, plugin.error().hint));
+    }
+    if (entry && !description.removed) {
+      slot.sensor = {entry->create(), entry->destroy};
+      auto parameters = complete_parameters(table, description.parameters);
+      Result<> ready;
+      if (parameters) {
+        ready = slot.sensor->configure(*model, description, *parameters);
+      } else {
+        ready = tl::unexpected(parameters.error());
+      }
+      if (ready) {
+        slot.channels = slot.sensor->channels();
+        slot.needs = slot.sensor->needs();
+      } else {
+        found.push_back(problem("sensor '" + description.name + "': " + ready.error().message,
+                                description.origin, "CG0906", ready.error().hint));
+      }
+    }
+    slot.timer = RateTimer(description.rate);
+    slot.enabled = description.enabled;
+    slot.random = RandomStream(original->physics.seed, description.name);
+    slot.walk.assign(slot.channels.size(), 0.0);
+    slot.reading.sensor = static_cast<int>(i);
+    sensors.push_back(std::move(slot));
+  }
+  return found;
+}
+
+std::vector<Diagnostic> Simulation::Impl::build_minds(std::size_t first_controller,
+                                                      bool with_supervisors) {
+  std::vector<Diagnostic> found;
+  const auto collect = [&found](std::vector<Diagnostic> more) {
+    for (Diagnostic& d : more) found.push_back(std::move(d));
+  };
+  controllers.erase(controllers.begin() + static_cast<std::ptrdiff_t>(first_controller),
+                    controllers.end());
+  for (std::size_t i = first_controller; i < model->controllers.size(); ++i) {
+    collect(build_controller(model->controllers[i]));
+  }
+  if (!with_supervisors) return found;
+  supervisors.clear();
+  if (!world) return found;  // supervisors look at frames, and there are none
+  for (const ControllerModel& description : model->supervisors) {
+    collect(build_supervisor(description));
+  }
+  return found;
+}
+
+std::vector<Diagnostic> Simulation::Impl::build_all() {
+  build_motors(0);
+  std::vector<Diagnostic> found = build_sensors(0);
+  for (Diagnostic& d : build_minds(0, true)) found.push_back(std::move(d));
+  return found;
+}
+
+}  // namespace cogrsim

@@ -1,0 +1,203 @@
+// The inside of a Simulation.
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <mutex>
+
+#include "cogrsim/assembly/assembly.h"
+#include "cogrsim/control/controller.h"
+#include "cogrsim/control/supervisor.h"
+#include "cogrsim/core/random.h"
+#include "cogrsim/sensing/sensor.h"
+#include "cogrsim/simulation/simulation.h"
+#include "simulation/frame_pool.h"
+#include "simulation/motor_law.h"
+#include "simulation/rate_timer.h"
+
+namespace cogrsim {
+
+/// What the handles of one controller reach through; lives as long as they do.
+struct AssemblyAccess {
+  Simulation::Impl* simulation = nullptr;
+  int assembly = -1;
+  std::string name;
+  std::string plugin;
+  const ParameterTable* table = nullptr;
+  Parameters parameters;
+  std::vector<int> motors;             ///< those it asked for
+  std::vector<std::string> mistakes;   ///< of configure()
+  std::optional<std::string> fault;    ///< of the update that is running
+};
+
+/// One sensor with its instrument, clock and noise.
+struct SensorSlot {
+  PluginPtr plugin;  ///< keeps the code loaded; empty for built-in ones
+  std::unique_ptr<Sensor, void (*)(Sensor*)> sensor{nullptr, nullptr};
+  std::vector<Channel> channels;
+  FrameContents needs;
+  RateTimer timer;
+  bool enabled = true;
+  RandomStream random{0, ""};
+  std::vector<double> walk;
+  Reading reading;
+};
+
+/// When a mind ran last.
+struct MindClock {
+  RateTimer timer;
+  bool stopped = false;
+  double last_time = 0.0;
+  std::uint64_t count = 0;
+};
+
+struct ControllerSlot {
+  PluginPtr plugin;
+  const ControllerEntry* entry = nullptr;
+  std::unique_ptr<Controller, void (*)(Controller*)> controller{nullptr, nullptr};
+  std::shared_ptr<AssemblyAccess> access;
+  MindClock clock;
+};
+
+class SupervisorStage;
+
+struct SupervisorSlot {
+  PluginPtr plugin;
+  const SupervisorEntry* entry = nullptr;
+  std::unique_ptr<SupervisorStage> stage;
+  std::unique_ptr<Supervisor, void (*)(Supervisor*)> supervisor{nullptr, nullptr};
+  FrameContents needs;
+  MindClock clock;
+  SupervisorSlot();
+  SupervisorSlot(SupervisorSlot&&) noexcept;
+  SupervisorSlot& operator=(SupervisorSlot&&) noexcept;
+  ~SupervisorSlot();
+};
+
+struct SimulationSnapshot {
+  SceneModelPtr model;
+  SnapshotPtr world;
+  double dt = 0.0, base_time = 0.0;
+  std::uint64_t steps = 0, steps_since_base = 0;
+  RunStatus status = RunStatus::running;
+  std::vector<MotorState> motors;
+  struct SensorMemory {
+    RateTimer timer;
+    bool enabled;
+    std::uint64_t random;
+    std::vector<double> walk;
+    Reading reading;
+  };
+  std::vector<SensorMemory> sensors;
+  std::vector<MindClock> controllers, supervisors;
+  std::vector<std::uint64_t> supervisor_random;
+  std::vector<Twist> twists_before;
+};
+
+struct Simulation::Impl {
+  std::shared_ptr<PluginLoader> loader;
+  std::shared_ptr<const Backend> backend;
+  std::unique_ptr<World> world;
+  SceneModelPtr original;  ///< as given, with the options' seed and step
+  SceneModelPtr model;     ///< as it is now
+
+  // Clock: time = base_time + steps_since_base * dt, so that no rounding accumulates.
+  double dt = 1e-3;
+  double base_time = 0.0;
+  std::uint64_t steps = 0, steps_since_base = 0;
+  double speed = std::numeric_limits<double>::infinity();
+  bool paused = false;
+  bool single_step = false;  ///< one step although paused
+  RunStatus status = RunStatus::running;
+  std::atomic<bool> stop_requested{false};
+
+  std::vector<MotorState> motors;
+  std::vector<Drive> drives;
+  std::vector<SensorSlot> sensors;
+  std::vector<ControllerSlot> controllers;
+  std::vector<SupervisorSlot> supervisors;
+  std::vector<RunMessage> messages;
+  std::vector<Event> events;  ///< since the last frame
+
+  std::mutex queue_mutex;
+  std::deque<Command> queue;
+
+  struct Watcher {
+    FrameContents contents;
+    Observer observer;
+  };
+  std::vector<Watcher> watchers;
+  bool start_shown = false;  ///< watchers have seen the frame at the start
+
+  std::shared_ptr<FramePool> pool = std::make_shared<FramePool>();
+  FramePtr cached;  ///< of the present step
+  FrameContents cached_contents;
+  WorldState state;           ///< scratch: present state
+  bool state_fresh = false;
+  std::vector<Twist> twists_before;  ///< of the step before; empty when nobody needs them
+  double last_dt = 0.0;
+
+  double time() const { return base_time + static_cast<double>(steps_since_base) * dt; }
+  const WorldState& present_state();
+  FramePtr frame_with(const FrameContents& contents);
+  void world_changed();
+
+  // create.cpp: building what the model names; errors as diagnostics at the element's place.
+  void build_motors(std::size_t first);
+  std::vector<Diagnostic> build_sensors(std::size_t first);
+  std::vector<Diagnostic> build_minds(std::size_t first_controller, bool with_supervisors);
+  std::vector<Diagnostic> build_all();
+
+  // minds.cpp
+  Diagnostic problem(const std::string& message, const SourceSpan& origin, const std::string& code,
+                     const std::string& help = {}) const;
+  std::vector<Diagnostic> build_controller(const ControllerModel& description);
+  std::vector<Diagnostic> build_supervisor(const ControllerModel& description);
+  void run_minds();
+  void fault(const ControllerModel& description, MindClock& clock, const std::string& message);
+  void let_go(const AssemblyAccess& access);
+
+  // step.cpp
+  void read_sensors();
+  RunStatus step();
+  void show_start();
+  void report(Severity severity, const std::string& source, const std::string& message);
+
+  // commands.cpp
+  void apply_commands();
+  void apply(Command& command);
+  Result<> add_assembly(const AddAssembly& command);
+  Result<> remove_assembly(const std::string& name);
+  Result<> set_motor(const std::string& name, double target);
+  Result<> restart();
+  bool wants_accelerations() const;
+};
+
+/// The side of a supervisor's Stage that belongs to the simulation.
+class SupervisorStage final : public Stage {
+ public:
+  SupervisorStage(Simulation::Impl& simulation, std::string name, Parameters parameters,
+                  std::uint64_t seed)
+      : simulation_(simulation),
+        name_(std::move(name)),
+        parameters_(std::move(parameters)),
+        random_(seed, name_) {}
+
+  const Frame& frame() const override { return *frame_; }
+  void send(Command command) override;
+  const ParameterValue* parameter(const std::string& name) const override;
+  double uniform(double low, double high) override { return random_.uniform(low, high); }
+  void report(const std::string& message) override;
+
+  void show(FramePtr frame) { frame_ = std::move(frame); }
+  RandomStream& random() { return random_; }
+
+ private:
+  Simulation::Impl& simulation_;
+  std::string name_;
+  Parameters parameters_;
+  RandomStream random_;
+  FramePtr frame_;
+};
+
+}  // namespace cogrsim

@@ -1,0 +1,152 @@
+#include "simulation/motor_law.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cogrsim {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+const JointAxis* axis_of(const SceneModel& model, const Motor& motor) {
+  const Joint& joint = model.joints[static_cast<std::size_t>(motor.joint)];
+  const auto axis = static_cast<std::size_t>(motor.axis);
+  return axis < joint.axes.size() ? &joint.axes[axis] : nullptr;
+}
+
+double clamp_to(double value, double bound) { return std::clamp(value, -bound, bound); }
+
+Drive velocity_drive(double velocity, double max_effort) {
+  Drive drive;
+  drive.kd = kInfinity;
+  drive.velocity = velocity;
+  drive.max_effort = max_effort;
+  return drive;
+}
+
+// Constant effort up to the speed limit, which is then held: a speed source at the limit that may
+// push no harder than asked.
+Drive torque_drive(double effort, double max_speed, double max_effort) {
+  const double bounded = clamp_to(effort, max_effort);
+  if (max_speed < kInfinity) return velocity_drive(std::copysign(max_speed, bounded), std::abs(bounded));
+  Drive drive;
+  drive.bias = bounded;
+  drive.max_effort = max_effort;
+  return drive;
+}
+
+Drive servo_drive(const Motor& motor, MotorState& state, double q, double last_effort, double dt,
+                  double max_speed, double max_effort) {
+  double error = state.target - q;
+  // Anti-windup by conditional integration: not while the drive is saturated in the error's direction.
+  const bool saturated = std::abs(last_effort) >= max_effort * (1.0 - 1e-9);
+  if (motor.ki > 0.0 && !(saturated && last_effort * error > 0.0)) state.integral += error * dt;
+  // A PD drive cruises at kp * error / kd: bounding the error bounds the speed.
+  if (max_speed < kInfinity && motor.kp > 0.0 && motor.kd > 0.0) {
+    error = clamp_to(error, motor.kd * max_speed / motor.kp);
+  }
+  Drive drive;
+  drive.kp = motor.kp;
+  drive.position = q + error;
+  drive.kd = motor.kd;
+  drive.bias = motor.ki * state.integral;
+  drive.max_effort = max_effort;
+  return drive;
+}
+
+// Current i = (V - ke g u) / R, effort g kt i: a damper of g^2 kt ke / R around the effort at rest.
+Drive dc_drive(const Motor& motor, double voltage, double max_effort) {
+  const double per_ampere = motor.gear * motor.kt;
+  Drive drive;
+  drive.bias = per_ampere * voltage / motor.resistance;
+  drive.kd = motor.gear * per_ampere * motor.ke / motor.resistance;
+  drive.max_effort = std::min(max_effort, std::abs(per_ampere) * motor.max_current);
+  return drive;
+}
+
+}  // namespace
+
+double motor_max_effort(const SceneModel& model, const Motor& motor) {
+  const JointAxis* axis = axis_of(model, motor);
+  return axis ? std::min(motor.max_effort, axis->max_effort) : motor.max_effort;
+}
+
+double motor_max_speed(const SceneModel& model, const Motor& motor) {
+  const JointAxis* axis = axis_of(model, motor);
+  return axis ? std::min(motor.max_speed, axis->max_speed) : motor.max_speed;
+}
+
+int motor_position_index(const SceneModel& model, const Motor& motor) {
+  return model.joints[static_cast<std::size_t>(motor.joint)].position_offset + motor.axis;
+}
+
+int motor_speed_index(const SceneModel& model, const Motor& motor) {
+  return model.joints[static_cast<std::size_t>(motor.joint)].speed_offset + motor.axis;
+}
+
+MotorState initial_motor_state(const SceneModel& model, const Motor& motor) {
+  MotorState state;
+  const Joint& joint = model.joints[static_cast<std::size_t>(motor.joint)];
+  const auto axis = static_cast<std::size_t>(motor.axis);
+  const bool holds = motor.mode == MotorMode::position || motor.mode == MotorMode::servo;
+  const double start = holds && axis < joint.position.size() ? joint.position[axis] : 0.0;
+  state.target = clamp_target(model, motor, motor.target.value_or(start));
+  return state;
+}
+
+double clamp_target(const SceneModel& model, const Motor& motor, double target) {
+  switch (motor.mode) {
+    case MotorMode::velocity:
+      return clamp_to(target, motor_max_speed(model, motor));
+    case MotorMode::torque:
+      return clamp_to(target, motor_max_effort(model, motor));
+    case MotorMode::dc:
+      return clamp_to(target, motor.max_voltage);
+    case MotorMode::position:
+    case MotorMode::servo: {
+      const JointAxis* axis = axis_of(model, motor);
+      return axis ? std::clamp(target, axis->lower, axis->upper) : target;
+    }
+  }
+  return target;
+}
+
+void make_drives(const SceneModel& model, const WorldState& state, double dt,
+                 std::vector<MotorState>& motors, std::vector<Drive>& drives) {
+  drives.resize(model.motors.size());
+  for (std::size_t i = 0; i < model.motors.size(); ++i) {
+    const Motor& motor = model.motors[i];
+    drives[i] = Drive{};
+    if (motor.removed) continue;
+    const double max_effort = motor_max_effort(model, motor);
+    const double max_speed = motor_max_speed(model, motor);
+    const double q =
+        state.joint_positions[static_cast<std::size_t>(motor_position_index(model, motor))];
+    const double target = motors[i].target;
+    switch (motor.mode) {
+      case MotorMode::velocity:
+        drives[i] = velocity_drive(target, max_effort);
+        break;
+      case MotorMode::torque:
+        drives[i] = torque_drive(target, max_speed, max_effort);
+        break;
+      case MotorMode::position: {
+        // A first-order approach; faster than one step would overshoot.
+        const double rate = (target - q) / std::max(motor.response, dt);
+        drives[i] = velocity_drive(clamp_to(rate, max_speed), max_effort);
+        break;
+      }
+      case MotorMode::servo: {
+        const double last = i < state.motor_efforts.size() ? state.motor_efforts[i] : 0.0;
+        drives[i] = servo_drive(motor, motors[i], q, last, dt, max_speed, max_effort);
+        break;
+      }
+      case MotorMode::dc:
+        drives[i] = dc_drive(motor, target, max_effort);
+        break;
+    }
+  }
+}
+
+}  // namespace cogrsim

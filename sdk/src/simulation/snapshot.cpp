@@ -1,0 +1,76 @@
+// Saving and restoring a whole run.
+#include "simulation/impl.h"
+
+namespace cogrsim {
+
+SimulationSnapshotPtr Simulation::save() const {
+  const Impl& from = *impl_;
+  auto snapshot = std::make_shared<SimulationSnapshot>();
+  snapshot->model = from.model;
+  snapshot->world = from.world->save();
+  snapshot->dt = from.dt;
+  snapshot->base_time = from.base_time;
+  snapshot->steps = from.steps;
+  snapshot->steps_since_base = from.steps_since_base;
+  snapshot->status = from.status;
+  snapshot->motors = from.motors;
+  for (const SensorSlot& slot : from.sensors) {
+    snapshot->sensors.push_back(
+        {slot.timer, slot.enabled, slot.random.state(), slot.walk, slot.reading});
+  }
+  for (const ControllerSlot& slot : from.controllers) snapshot->controllers.push_back(slot.clock);
+  for (const SupervisorSlot& slot : from.supervisors) {
+    snapshot->supervisors.push_back(slot.clock);
+    snapshot->supervisor_random.push_back(slot.stage->random().state());
+  }
+  snapshot->twists_before = from.twists_before;
+  return snapshot;
+}
+
+Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart_controllers) {
+  Impl& to = *impl_;
+  if (!snapshot) return fail("there is no snapshot to restore");
+  if (snapshot->supervisors.size() != to.supervisors.size() ||
+      snapshot->model->files != to.model->files || snapshot->model->name != to.model->name) {
+    return fail("the snapshot was taken from another scene ('" + snapshot->model->name + "')");
+  }
+  if (auto done = to.world->restore(snapshot->world); !done) return done;
+  const bool same_model = to.model == snapshot->model;
+  to.model = snapshot->model;
+  to.world_changed();
+  to.dt = snapshot->dt;
+  to.base_time = snapshot->base_time;
+  to.steps = snapshot->steps;
+  to.steps_since_base = snapshot->steps_since_base;
+  to.last_dt = snapshot->dt;
+  to.status = snapshot->status;
+  to.twists_before = snapshot->twists_before;
+  std::string problems;
+  // What was added or removed since needs other devices than those that are there now.
+  if (!same_model || restart_controllers) {
+    for (const Diagnostic& d : to.build_all()) {
+      problems += (problems.empty() ? "" : "; ") + d.message;
+    }
+  }
+  to.motors = snapshot->motors;
+  for (std::size_t i = 0; i < snapshot->sensors.size() && i < to.sensors.size(); ++i) {
+    SensorSlot& slot = to.sensors[i];
+    const SimulationSnapshot::SensorMemory& memory = snapshot->sensors[i];
+    slot.timer = memory.timer;
+    slot.enabled = memory.enabled;
+    slot.random.set_state(memory.random);
+    slot.walk = memory.walk;
+    slot.reading = memory.reading;
+  }
+  for (std::size_t i = 0; i < snapshot->controllers.size() && i < to.controllers.size(); ++i) {
+    to.controllers[i].clock = snapshot->controllers[i];
+  }
+  for (std::size_t i = 0; i < snapshot->supervisors.size(); ++i) {
+    to.supervisors[i].clock = snapshot->supervisors[i];
+    if (to.supervisors[i].stage) to.supervisors[i].stage->random().set_state(snapshot->supervisor_random[i]);
+  }
+  if (!problems.empty()) return fail("restore: " + problems);
+  return {};
+}
+
+}  // namespace cogrsim

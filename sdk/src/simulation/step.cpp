@@ -1,0 +1,235 @@
+// The step order and the clock.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "simulation/impl.h"
+
+namespace cogrsim {
+
+namespace {
+
+FrameContents operator|(const FrameContents& a, const FrameContents& b) {
+  return {a.contacts || b.contacts, a.joint_reactions || b.joint_reactions,
+          a.accelerations || b.accelerations};
+}
+
+bool covers(const FrameContents& has, const FrameContents& wanted) {
+  return (has.contacts || !wanted.contacts) && (has.joint_reactions || !wanted.joint_reactions) &&
+         (has.accelerations || !wanted.accelerations);
+}
+
+}  // namespace
+
+const WorldState& Simulation::Impl::present_state() {
+  if (!state_fresh) {
+    if (world) {
+      world->get_state(state);
+    } else {  // the physics was refused: handles still answer while mistakes are collected
+      state.poses.resize(model->bodies.size());
+      state.twists.resize(model->bodies.size());
+      state.joint_positions.assign(static_cast<std::size_t>(model->joint_positions), 0.0);
+      state.joint_velocities.assign(static_cast<std::size_t>(model->joint_speeds), 0.0);
+      state.joint_efforts.assign(static_cast<std::size_t>(model->joint_speeds), 0.0);
+      state.motor_efforts.assign(model->motors.size(), 0.0);
+    }
+    state_fresh = true;
+  }
+  return state;
+}
+
+void Simulation::Impl::world_changed() {
+  state_fresh = false;
+  cached.reset();
+}
+
+FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
+  if (cached && covers(cached_contents, contents)) return cached;
+  const FrameContents wanted = cached ? cached_contents | contents : contents;
+  std::shared_ptr<Frame> frame = pool->take();
+  frame->model = model;
+  frame->step = steps;
+  frame->time = time();
+  frame->dt = last_dt;
+  frame->state = present_state();
+  frame->accelerations.clear();
+  if (wanted.accelerations && !twists_before.empty() && last_dt > 0.0) {
+    frame->accelerations.resize(model->bodies.size());
+    const std::size_t known = std::min(twists_before.size(), frame->accelerations.size());
+    for (std::size_t i = 0; i < known; ++i) {
+      const Twist& now = frame->state.twists[i];
+      frame->accelerations[i].linear = (now.linear - twists_before[i].linear) / last_dt;
+      frame->accelerations[i].angular = (now.angular - twists_before[i].angular) / last_dt;
+    }
+  }
+  frame->contacts.clear();
+  if (wanted.contacts) world->get_contacts(frame->contacts);
+  frame->joint_reactions.clear();
+  if (wanted.joint_reactions) {
+    if (auto* reactions = static_cast<JointReactions*>(world->extension(JointReactions::kId))) {
+      reactions->get_joint_reactions(frame->joint_reactions);
+    }
+  }
+  frame->readings.resize(sensors.size());
+  for (std::size_t i = 0; i < sensors.size(); ++i) frame->readings[i] = sensors[i].reading;
+  frame->events = events;
+  cached = std::move(frame);
+  cached_contents = wanted;
+  return cached;
+}
+
+void Simulation::Impl::report(Severity severity, const std::string& source,
+                              const std::string& message) {
+  messages.push_back({time(), severity, source, message});
+}
+
+bool Simulation::Impl::wants_accelerations() const {
+  return std::any_of(sensors.begin(), sensors.end(),
+                     [](const SensorSlot& s) { return s.enabled && s.needs.accelerations; }) ||
+         std::any_of(supervisors.begin(), supervisors.end(),
+                     [](const SupervisorSlot& s) { return s.needs.accelerations; }) ||
+         std::any_of(watchers.begin(), watchers.end(),
+                     [](const Watcher& w) { return w.contents.accelerations; });
+}
+
+void Simulation::Impl::read_sensors() {
+  const double now = time();
+  bool any = false;
+  FrameContents needed;
+  for (const SensorSlot& slot : sensors) {
+    if (slot.sensor && slot.enabled && slot.timer.due(now, dt)) {
+      any = true;
+      needed = needed | slot.needs;
+    }
+  }
+  if (!any) return;
+  const FramePtr frame = frame_with(needed);
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    SensorSlot& slot = sensors[i];
+    if (!slot.sensor || model->sensors[i].removed || !slot.timer.due(now, dt)) continue;
+    slot.timer.advance(now, dt);
+    if (!slot.enabled) continue;
+    Reading& reading = slot.reading;
+    const double period = reading.sequence == 0 ? 0.0 : now - reading.time;
+    reading.values.assign(slot.channels.size(), 0.0);
+    slot.sensor->read(*frame, reading.values);
+    reading.valid = apply_noise(model->sensors[i].noise, slot.channels, period, slot.random,
+                                slot.walk, reading.values);
+    reading.time = now;
+    ++reading.sequence;
+  }
+}
+
+void Simulation::Impl::show_start() {
+  if (start_shown || watchers.empty()) return;
+  start_shown = true;
+  FrameContents needed;
+  for (const Watcher& watcher : watchers) needed = needed | watcher.contents;
+  const FramePtr frame = frame_with(needed);
+  for (const Watcher& watcher : watchers) watcher.observer(frame);
+}
+
+RunStatus Simulation::Impl::step() {
+  if (stop_requested.load() && status == RunStatus::running) status = RunStatus::stopped;
+  if (status != RunStatus::running) return status;
+  show_start();
+  apply_commands();
+  if (status != RunStatus::running || (paused && !single_step)) return status;
+  single_step = false;
+  read_sensors();
+  run_minds();
+  if (status != RunStatus::running) return status;
+  if (!model->motors.empty()) make_drives(*model, present_state(), dt, motors, drives);
+  if (wants_accelerations()) {
+    twists_before = present_state().twists;
+  } else {
+    twists_before.clear();
+  }
+  const StepResult result = world->step(dt, drives);
+  world_changed();
+  if (result.status == StepStatus::diverged) {
+    status = RunStatus::diverged;
+    const std::string body =
+        result.body >= 0 ? model->bodies[static_cast<std::size_t>(result.body)].name : "";
+    report(Severity::error, body.empty() ? "physics" : body,
+           (body.empty() ? "the physics" : "body '" + body + "'") + std::string(" diverged: ") +
+               result.message);
+    return status;
+  }
+  ++steps;
+  ++steps_since_base;
+  last_dt = dt;
+  if (!watchers.empty()) {
+    FrameContents needed;
+    for (const Watcher& watcher : watchers) needed = needed | watcher.contents;
+    const FramePtr frame = frame_with(needed);
+    for (const Watcher& watcher : watchers) watcher.observer(frame);
+  }
+  events.clear();
+  return status;
+}
+
+Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Simulation::~Simulation() {
+  // Minds and sensors go before what they look at.
+  impl_->controllers.clear();
+  impl_->supervisors.clear();
+  impl_->sensors.clear();
+  impl_->world.reset();
+}
+
+const Backend& Simulation::backend() const { return *impl_->backend; }
+const SceneModelPtr& Simulation::model() const { return impl_->model; }
+double Simulation::time() const { return impl_->time(); }
+double Simulation::dt() const { return impl_->dt; }
+std::uint64_t Simulation::step_count() const { return impl_->steps; }
+RunStatus Simulation::status() const { return impl_->status; }
+const std::vector<RunMessage>& Simulation::messages() const { return impl_->messages; }
+void Simulation::stop() noexcept { impl_->stop_requested.store(true); }
+bool Simulation::paused() const { return impl_->paused; }
+
+FramePtr Simulation::frame() { return impl_->frame_with({true, true, true}); }
+
+void Simulation::observe(FrameContents contents, Observer observer) {
+  impl_->watchers.push_back({contents, std::move(observer)});
+}
+
+const std::vector<Channel>& Simulation::channels(int sensor) const {
+  return impl_->sensors[static_cast<std::size_t>(sensor)].channels;
+}
+
+RunStatus Simulation::step() { return impl_->step(); }
+
+RunStatus Simulation::run_until(double end_time) {
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point wall_start = Clock::now();
+  double simulated_start = time();
+  double speed = impl_->speed;
+  // Half a step of slack: the end is reached when the nearest boundary is.
+  while (impl_->status == RunStatus::running && time() + 0.5 * impl_->dt < end_time) {
+    const double before = time();
+    step();
+    if (impl_->paused) {
+      std::lock_guard lock(impl_->queue_mutex);
+      if (impl_->queue.empty()) return impl_->status;
+    }
+    if (impl_->speed != speed || time() < before) {
+      speed = impl_->speed;
+      wall_start = Clock::now();
+      simulated_start = time();
+    }
+    if (!std::isfinite(speed)) continue;
+    const auto due = wall_start + std::chrono::duration_cast<Clock::duration>(
+                                      std::chrono::duration<double>((time() - simulated_start) / speed));
+    // In small naps, so that stop() is heard.
+    while (Clock::now() < due && !impl_->stop_requested.load()) {
+      std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(10)));
+    }
+  }
+  impl_->show_start();
+  return impl_->status;
+}
+
+}  // namespace cogrsim
