@@ -1,0 +1,153 @@
+// What codes mean: frames, topology, physics, backends, plugins, placement, advice.
+#include "codes.h"
+
+namespace cogrsim::dsl {
+
+std::vector<CodeInfo> scene_codes() {
+  constexpr Severity error = Severity::error;
+  constexpr Severity advice = Severity::advice;
+  return {
+      // ---- CG06: frames and topology
+      {"CG0601", error, "frames that depend on each other",
+       "Each of these elements is placed relative to the next, and the last one relative to the "
+       "first, so none has a place. The message lists the cycle.",
+       "Place one of them without `frame`, or in a frame outside the cycle.",
+       "bad:  <frame name=\"a\" frame=\"b\"/> <frame name=\"b\" frame=\"a\"/>\n"
+       "good: <frame name=\"a\"/>             <frame name=\"b\" frame=\"a\"/>"},
+      {"CG0602", error, "an orientation or place given twice",
+       "Two attributes say the same thing, such as `rpy` and `quat`, or `at` and `frame`.",
+       "Keep the one you mean and delete the other.",
+       "bad:  <box … rpy=\"0 0 90 deg\" quat=\"1 0 0 0\"/>\ngood: <box … rpy=\"0 0 90 deg\"/>"},
+      {"CG0603", error, "a direction or quaternion of no length",
+       "A quaternion, axis or direction whose entries are all 0 (or nearly) points nowhere.",
+       "Give it a length; it need not be 1. A quaternion without rotation is \"1 0 0 0\".",
+       "bad:  <hinge … axis=\"0 0 0\"/>\ngood: <hinge … axis=\"0 0 1\"/>"},
+      {"CG0604", error, "a joint between a body and itself",
+       "Parent and child are the same body, perhaps because both are parts of one rigid assembly.",
+       "Name two different bodies, or take one of them out of the rigid assembly.",
+       "bad:  <hinge parent=\"arm\" child=\"arm\"/>\ngood: <hinge parent=\"arm\" child=\"hand\"/>"},
+      {"CG0605", error, "joint anchors that do not meet",
+       "The joint's place in the parent and in the child are apart at the start in a direction in "
+       "which the joint cannot move, so that it would tear the bodies together in the first step.",
+       "Move a body or the joint so that they meet, or give the joint its start with `position`. "
+       "In a loop, one joint's start angle usually does not agree with the others'.",
+       "a loop of four bars whose lengths do not close"},
+      {"CG0606", error, "axes that are parallel",
+       "A universal joint needs two axes at an angle to each other.",
+       "Turn `axis2`, best to a right angle with `axis`.",
+       "bad:  <universal … axis=\"1 0 0\" axis2=\"1 0 0\"/>\n"
+       "good: <universal … axis=\"1 0 0\" axis2=\"0 1 0\"/>"},
+      {"CG0607", error, "a joint that starts beyond its limits",
+       "The start position lies below `lower` or above `upper`.",
+       "Change `position` or the limit.",
+       "bad:  <hinge … upper=\"30 deg\" position=\"40 deg\"/>\n"
+       "good: <hinge … upper=\"30 deg\" position=\"20 deg\"/>"},
+      {"CG0608", error, "things that exclude each other",
+       "The element asks for two things that cannot both hold, such as static and kinematic, or a "
+       "velocity for what never moves.",
+       "Delete one of the two.",
+       "bad:  <box … static=\"true\" kinematic=\"true\"/>\ngood: <box … static=\"true\"/>"},
+      {"CG0609", error, "a joint inside something rigid",
+       "A rigid assembly is one body; nothing inside it can move against the rest.",
+       "Delete the joint, or delete rigid=\"true\".",
+       "bad:  <assembly rigid=\"true\"> <hinge …/> </assembly>"},
+      // ---- CG07: physics
+      {"CG0701", error, "mass that is not positive",
+       "A body that moves needs a mass above 0, given or from its shapes' density and volume.",
+       "Give `mass` or `density`, or make the body static.",
+       "bad:  <body name=\"b\"> </body>\ngood: <body name=\"b\" mass=\"1 kg\" inertia=\"1 1 1\"> "
+       "</body>"},
+      {"CG0702", error, "an inertia that no body can have",
+       "An inertia must be positive definite, and the largest of its three principal moments is at "
+       "most the sum of the other two (triangle inequality). The message shows the moments.",
+       "Leave `inertia` out and let the shapes decide, or correct the figures. It is about the "
+       "centre of mass.",
+       "bad:  <body mass=\"1\" inertia=\"1 1 3\"/>\ngood: <body mass=\"1\" inertia=\"1 1 1.5\"/>"},
+      {"CG0703", error, "a lower limit above the upper",
+       "A joint's `lower` must be less than its `upper`.",
+       "Swap the two; for a joint that does not move use `fixed`.",
+       "bad:  <hinge … lower=\"30 deg\" upper=\"-30 deg\"/>\n"
+       "good: <hinge … lower=\"-30 deg\" upper=\"30 deg\"/>"},
+      {"CG0704", error, "a motor on a joint it cannot drive",
+       "A motor or servo drives one freedom of a joint. A fixed joint has none; ball and free "
+       "joints have none that one motor could drive; `axis` counts at most the joint's freedoms; "
+       "`max-torque` is for freedoms that turn, `max-force` for those that slide.",
+       "Drive another joint, correct `axis`, or use the bound that fits the freedom.",
+       "bad:  <fixed name=\"j\" …/> <motor joint=\"j\"/>\n"
+       "good: <hinge name=\"j\" …/> <motor joint=\"j\"/>"},
+      {"CG0705", error, "a shape that cannot move",
+       "Planes, heightmaps and meshes that are not convex only serve for bodies that never move.",
+       "Add static=\"true\"; for a mesh convex=\"true\" makes it movable.",
+       "bad:  <mesh name=\"m\" file=\"m.stl\" mass=\"1 kg\"/>\n"
+       "good: <mesh name=\"m\" file=\"m.stl\" mass=\"1 kg\" convex=\"true\"/>"},
+      {"CG0706", error, "a mesh or heightmap that cannot be used",
+       "The file is damaged, empty, of another format, or describes no solid.",
+       "Export it again, as STL or OBJ in metres, closed and with outward normals.",
+       "<mesh file=\"meshes/hook.stl\"/>"},
+      {"CG0707", error, "a joint between bodies that cannot move",
+       "Parent and child are both static or kinematic (or the world), so the joint has no effect.",
+       "Let one of them move, or delete the joint.",
+       "bad:  <box name=\"a\" static=\"true\" …/> <hinge child=\"a\"/>"},
+      {"CG0708", error, "a DC motor that lacks a figure",
+       "mode=\"dc\" needs `kt` and `resistance`; the DC figures mean nothing in other modes.",
+       "Add what is missing, or take mode=\"dc\" or the DC figures away.",
+       "good: <motor joint=\"j\" mode=\"dc\" kt=\"0.02 N*m/A\" resistance=\"1.5 ohm\"/>"},
+      {"CG0709", error, "mass given where none can be",
+       "Mass, density or inertia stand on something static that ignores them, or on an assembly "
+       "that is not rigid.",
+       "Delete it, or make the assembly rigid.",
+       "bad:  <assembly mass=\"2 kg\"> … </assembly>\n"
+       "good: <assembly rigid=\"true\" mass=\"2 kg\"> … </assembly>"},
+      // ---- CG08: what the backend can do
+      {"CG0801", error, "something the backend cannot do",
+       "The scene needs a shape, joint, motor or other feature that the chosen engine lacks. "
+       "Nothing is ever left out in silence, so the scene does not run there.",
+       "Choose another backend with --backend, or replace the element. `cogrsim plugins` shows what "
+       "each engine can do.",
+       ""},
+      // ---- CG09: plugins
+      {"CG0901", error, "a plugin that is not found",
+       "No library of that name lies in the folders searched; the message lists them.",
+       "Correct the name, or name the plugin's folder with --plugin-path or in the environment "
+       "variable COGRSIM_PLUGIN_PATH.",
+       "COGRSIM_PLUGIN_PATH=build/cogrsim_plugins cogrsim run my.scene.xml"},
+      {"CG0902", error, "a plugin that was refused",
+       "A file of that name exists, but it is no plugin, or was built for another version of "
+       "CogRSim or with another compiler. Nothing of it was run.",
+       "Build it again against the installed CogRSim, with cogrsim_add_plugin().", ""},
+      {"CG0903", error, "a plugin of another kind",
+       "The plugin exists but is, say, a sensor where a controller is needed.",
+       "Name another plugin, or use the element for its kind.",
+       "bad:  <supervisor plugin=\"diff_drive\"/>\n"
+       "good: <assembly> … <controller plugin=\"diff_drive\"/> </assembly>"},
+      {"CG0904", error, "a parameter the plugin does not take",
+       "`<set>` or an engine's block has a name that the plugin or engine does not declare, a value "
+       "outside its range, or lacks one that must be set.",
+       "`cogrsim plugins` lists the parameters with units and ranges.",
+       "bad:  <set sped=\"1 m/s\"/>\ngood: <set speed=\"1 m/s\"/>"},
+      // ---- CG10: placement
+      {"CG1001", error, "a place that cannot be stood on",
+       "`at` names something that has no place of its own, such as a material.",
+       "Name a frame, a body or an assembly.",
+       "good: <frame name=\"door\" xyz=\"1 0 0\"/> <instance of=\"Robot\" at=\"door\"/>"},
+      // ---- CG20: advice
+      {"CG2001", advice, "bodies that overlap at the start",
+       "Two bodies that collide with each other interpenetrate when the run starts; the engine will "
+       "throw them apart.",
+       "Move them apart, or say <collide between=\"a b\" with=\"false\"/>.",
+       "<box name=\"a\" …/> <box name=\"b\" … xyz=\"0 0 1 mm\"/>"},
+      {"CG2002", advice, "masses that differ greatly",
+       "Two bodies joined to each other differ in mass more than 1000-fold; iterative solvers "
+       "become soft and noisy.",
+       "Use masses closer to each other, smaller steps, or an engine with reduced coordinates.",
+       "<box mass=\"2 t\" …/> hinged to <box mass=\"1 g\" …/>"},
+      {"CG2003", advice, "a parameter nobody uses",
+       "A `<param>` is declared but no expression mentions it.",
+       "Delete it, or use it.", "<param name=\"wheel_r\" default=\"4 cm\"/>"},
+      {"CG2008", advice, "something the backend does approximately",
+       "The engine chosen does something of this scene only nearly; the message says how.",
+       "Nothing need be done. Another backend may do it exactly.", ""},
+  };
+}
+
+}  // namespace cogrsim::dsl
