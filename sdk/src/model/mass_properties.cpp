@@ -1,5 +1,6 @@
 #include "cogrsim/model/mass_properties.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -35,6 +36,8 @@ Moments mesh_moments(const TriangleMesh& mesh) {
   // From inside the solid the tetrahedra are small and little is lost to cancellation.
   Vec3 middle = Vec3::Zero();
   for (const Vec3& v : mesh.vertices) middle += v / static_cast<double>(mesh.vertices.size());
+  double reach = 0.0;
+  for (const Vec3& v : mesh.vertices) reach = std::max(reach, (v - middle).norm());
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
   for (const Eigen::Vector3i& t : mesh.triangles) {
@@ -48,7 +51,8 @@ Moments mesh_moments(const TriangleMesh& mesh) {
     second += D / 120 *
               (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
   }
-  if (out.volume == 0.0) return out;
+  // What is left when the tetrahedra of a flat mesh cancel is rounding.
+  if (std::abs(out.volume) < 1e-13 * reach * reach * reach) return {};
   const Vec3 centre = first / out.volume;
   second -= out.volume * centre * centre.transpose();
   out.com = middle + centre;

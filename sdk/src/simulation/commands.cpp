@@ -193,6 +193,7 @@ Result<> Simulation::Impl::restart() {
   last_dt = 0.0;
   twists_before.clear();
   start_shown = false;
+  status = RunStatus::running;
   world_changed();
   const std::vector<Diagnostic> found = build_all();
   events.push_back({0.0, "restarted", "", ""});

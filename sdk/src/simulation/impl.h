@@ -77,7 +77,7 @@ struct SupervisorSlot {
 struct SimulationSnapshot {
   SceneModelPtr model;
   SnapshotPtr world;
-  double dt = 0.0, base_time = 0.0;
+  double dt = 0.0, base_time = 0.0, last_dt = 0.0;
   std::uint64_t steps = 0, steps_since_base = 0;
   RunStatus status = RunStatus::running;
   std::vector<MotorState> motors;

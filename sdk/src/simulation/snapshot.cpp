@@ -23,6 +23,7 @@ SimulationSnapshotPtr Simulation::save() const {
     snapshot->supervisors.push_back(slot.clock);
     snapshot->supervisor_random.push_back(slot.stage->random().state());
   }
+  snapshot->last_dt = from.last_dt;
   snapshot->twists_before = from.twists_before;
   return snapshot;
 }
@@ -42,7 +43,7 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
   to.base_time = snapshot->base_time;
   to.steps = snapshot->steps;
   to.steps_since_base = snapshot->steps_since_base;
-  to.last_dt = snapshot->dt;
+  to.last_dt = snapshot->last_dt;
   to.status = snapshot->status;
   to.twists_before = snapshot->twists_before;
   std::string problems;

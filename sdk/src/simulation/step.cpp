@@ -10,6 +10,9 @@ namespace cogrsim {
 
 namespace {
 
+/// A controller that reports every tick must not fill the memory.
+constexpr std::size_t kMaxMessages = 1000;
+
 FrameContents operator|(const FrameContents& a, const FrameContents& b) {
   return {a.contacts || b.contacts, a.joint_reactions || b.joint_reactions,
           a.accelerations || b.accelerations};
@@ -81,6 +84,11 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
 
 void Simulation::Impl::report(Severity severity, const std::string& source,
                               const std::string& message) {
+  if (messages.size() > kMaxMessages) return;
+  if (messages.size() == kMaxMessages) {
+    messages.push_back({time(), Severity::advice, "run", "more messages came and were not kept"});
+    return;
+  }
   messages.push_back({time(), severity, source, message});
 }
 
@@ -131,10 +139,9 @@ void Simulation::Impl::show_start() {
 }
 
 RunStatus Simulation::Impl::step() {
-  if (stop_requested.load() && status == RunStatus::running) status = RunStatus::stopped;
-  if (status != RunStatus::running) return status;
-  show_start();
-  apply_commands();
+  if (stop_requested.exchange(false) && status == RunStatus::running) status = RunStatus::stopped;
+  if (status == RunStatus::running) show_start();
+  apply_commands();  // also after the end: a Restart begins anew
   if (status != RunStatus::running || (paused && !single_step)) return status;
   single_step = false;
   read_sensors();
@@ -229,7 +236,7 @@ RunStatus Simulation::run_until(double end_time) {
     }
   }
   impl_->show_start();
-  return impl_->status;
+  return impl_->status == RunStatus::running ? RunStatus::completed : impl_->status;
 }
 
 }  // namespace cogrsim

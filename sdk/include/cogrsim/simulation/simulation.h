@@ -75,11 +75,13 @@ class COGRSIM_API Simulation {
   using Observer = std::function<void(const FramePtr&)>;
   void observe(FrameContents contents, Observer observer);
 
-  /// Steps until `end_time` [s] or until something ends the run. Sleeps as the speed demands;
-  /// returns early with `running` when paused and no command is waiting. Chopping a run into
-  /// several calls changes nothing.
+  /// Steps until `end_time` [s]: returns `completed`, while status() stays `running` and a later
+  /// call goes on; or until something ends the run: returns what status() then says. Sleeps as the
+  /// speed demands; returns early with `running` when paused and no command is waiting. Chopping a
+  /// run into several calls changes nothing.
   RunStatus run_until(double end_time);
-  /// One step. Does nothing once the run has ended or while paused (a StepOnce command passes).
+  /// One step. Once the run has ended, or while paused, it only applies commands (StepOnce, Resume
+  /// and Restart among them).
   RunStatus step();
 
   /// From any thread; applied before the next step.
