@@ -1,0 +1,5 @@
+// Any other shared library.
+#include "cogrsim/core/export.h"
+#include "trap.h"
+
+extern "C" COGRSIM_API int answer() { return 42; }
