@@ -18,6 +18,7 @@
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/physics/frame.h"
 #include "cogrsim/plugin/loader.h"
+#include "cogrsim/sensing/sensor.h"
 #include "cogrsim/simulation/command.h"
 
 namespace cogrsim {

@@ -1,0 +1,90 @@
+// Controllers that misbehave: reported with robot, time and cause, and never a crash.
+#include "support.h"
+
+using namespace cogrsim;
+using namespace cogrsim::test;
+
+TEST_CASE("mistakes of configure are load errors that list what is there", "[faults]") {
+  const std::string backend = GENERATE(both_backends());
+  Flywheel scene;
+  scene.add_mind("missing-devices");
+  const std::string said = refusal(scene.builder.build(), backend);
+  CHECK(said.find("there is no motor 'lfet'") != std::string::npos);
+  CHECK(said.find("did you mean 'left'?") != std::string::npos);
+  CHECK(said.find("there is no sensor 'nowhere'") != std::string::npos);
+  CHECK(said.find("'encoder'") != std::string::npos);
+  CHECK(said.find("parameter 'speed' is declared as number") != std::string::npos);
+}
+
+TEST_CASE("exceptions in configure are load errors", "[faults]") {
+  Flywheel one;
+  one.add_mind("throw-in-configure");
+  CHECK(refusal(one.builder.build(), "bullet").find("no calibration file") != std::string::npos);
+  Flywheel other;
+  other.add_mind("throw-int-in-configure");
+  CHECK(refusal(other.builder.build(), "bullet").find("not a std::exception") != std::string::npos);
+}
+
+TEST_CASE("an exception in update stops that controller or the run", "[faults]") {
+  const std::string backend = GENERATE(both_backends());
+  const auto policy = GENERATE(FaultPolicy::stop_controller, FaultPolicy::end_run);
+  Flywheel scene;
+  scene.add_mind("throw-in-update", 100.0, policy);
+  auto simulation = simulate(scene.builder.build(), backend);
+  const RunStatus end = simulation->run_until(0.2);
+  const std::string said = messages_of(*simulation);
+  CHECK(said.find("'probe_mind' of 'bot'") != std::string::npos);
+  CHECK(said.find("cell 9 of 8") != std::string::npos);
+  REQUIRE(simulation->messages().size() == 1);
+  CHECK(simulation->messages()[0].time == Approx(0.03));
+  if (policy == FaultPolicy::end_run) {
+    CHECK(end == RunStatus::fault);
+    CHECK(simulation->time() == Approx(0.03));
+  } else {
+    CHECK(end == RunStatus::completed);
+    // Without its controller the wheel is brought to rest.
+    CHECK(simulation->frame()->state.joint_velocities[0] == Approx(0.0).margin(1e-9));
+  }
+}
+
+TEST_CASE("not-a-number sent to a motor is a fault and never reaches the physics", "[faults]") {
+  const std::string backend = GENERATE(both_backends());
+  Flywheel scene;
+  scene.add_mind("nan");
+  auto simulation = simulate(scene.builder.build(), backend);
+  CHECK(simulation->run_until(0.1) == RunStatus::completed);
+  CHECK(messages_of(*simulation).find("to motor 'bot.left'") != std::string::npos);
+  CHECK(std::isfinite(simulation->frame()->state.joint_velocities[0]));
+}
+
+TEST_CASE("unknown plugins and bad parameters are refused with what there is", "[faults]") {
+  Flywheel scene;
+  scene.add_mind("drive");
+  scene.builder.model.controllers[0].plugin = "probe_mnid";
+  const std::string unknown = refusal(scene.builder.build(), "bullet");
+  CHECK(unknown.find("CG0901") != std::string::npos);
+  CHECK(unknown.find("probe_mnid") != std::string::npos);
+
+  Flywheel out_of_range;
+  out_of_range.add_mind("drive");
+  out_of_range.builder.model.controllers[0].parameters["speed"] = 11.0;
+  CHECK(refusal(out_of_range.builder.build(), "bullet").find("speed") != std::string::npos);
+
+  Flywheel wrong_kind;
+  wrong_kind.add_mind("drive");
+  wrong_kind.builder.model.controllers[0].plugin = "probe_supervisor";
+  wrong_kind.builder.model.controllers[0].parameters.clear();
+  CHECK(refusal(wrong_kind.builder.build(), "bullet").find("CG0903") != std::string::npos);
+
+  CHECK(refusal(falling_ball().build(), "bulet").find("bullet") != std::string::npos);
+}
+
+TEST_CASE("an exploding scene ends as diverged, with body and time", "[faults]") {
+  const std::string backend = GENERATE(both_backends());
+  auto builder = falling_ball();
+  builder.model.bodies[0].V_WB.linear = Vec3(9e7, 0, 0);
+  auto simulation = simulate(builder.build(), backend);
+  CHECK(simulation->run_until(1.0) == RunStatus::diverged);
+  CHECK(messages_of(*simulation).find("'ball'") != std::string::npos);
+  CHECK(std::isfinite(simulation->frame()->state.poses[0].p.x()));
+}

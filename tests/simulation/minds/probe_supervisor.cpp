@@ -1,0 +1,25 @@
+// A supervisor that ends the run when a body has fallen below a height, and draws one number.
+#include "cogrsim/control/supervisor.h"
+
+namespace {
+
+class ProbeSupervisor final : public cogrsim::Supervisor {
+ public:
+  void configure(cogrsim::Stage& stage) override {
+    height_ = std::get<double>(*stage.parameter("height"));
+    stage.report("drew " + std::to_string(stage.uniform(0.0, 1.0)));
+  }
+  void update(const cogrsim::Tick&, cogrsim::Stage& stage) override {
+    if (stage.frame().state.poses[0].p.z() < height_) {
+      stage.send(cogrsim::EndRun{"fell below the line"});
+    }
+  }
+
+ private:
+  double height_ = 0.0;
+};
+
+}  // namespace
+
+COGRSIM_SUPERVISOR(ProbeSupervisor, "probe_supervisor", version("1.0.0"),
+                   parameter("height", 0.0, "m", "where the run ends"))
