@@ -1,0 +1,73 @@
+# Installs CogRSim, moves the installed tree away, builds the copied example project against it and
+# runs its plugin on every backend: with no variable set, from an unrelated folder.
+function(run what)
+  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY "${WORK_DIR}" RESULT_VARIABLE status
+    OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${what}: exit status ${status}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+foreach(variable LD_LIBRARY_PATH COGRSIM_PLUGIN_PATH CMAKE_PREFIX_PATH CogRSim_DIR DESTDIR)
+  unset(ENV{${variable}})
+endforeach()
+file(REMOVE_RECURSE "${WORK_DIR}")
+file(MAKE_DIRECTORY "${WORK_DIR}")
+set(prefix "${WORK_DIR}/moved/prefix")
+
+run("install" ${CMAKE_COMMAND} --install "${BINARY_DIR}" --prefix "${WORK_DIR}/prefix")
+# What is installed must not depend on where it was installed.
+file(MAKE_DIRECTORY "${WORK_DIR}/moved")
+file(RENAME "${WORK_DIR}/prefix" "${prefix}")
+
+# Nothing installed looks for its libraries in the build tree.
+file(GLOB binaries "${prefix}/bin/*" "${prefix}/${LIB}/*.so" "${prefix}/${LIB}/cogrsim/*/*.so")
+foreach(binary ${binaries})
+  execute_process(COMMAND ${READELF} -d "${binary}" OUTPUT_VARIABLE dynamic)
+  if(dynamic MATCHES "R(UN)?PATH[^\n]*${BINARY_DIR}")
+    message(SEND_ERROR "${binary} looks for libraries in the build tree: ${CMAKE_MATCH_0}")
+  endif()
+endforeach()
+
+file(COPY "${SOURCE_DIR}/examples/020_stand_alone_plugin/" DESTINATION "${WORK_DIR}/project")
+set(flags "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror")
+if(SANITIZE)
+  string(APPEND flags " -fsanitize=${SANITIZE}")
+endif()
+run("configure" ${CMAKE_COMMAND} -S "${WORK_DIR}/project" -B "${WORK_DIR}/project/build"
+  -G "${GENERATOR}" -DCMAKE_MAKE_PROGRAM=${MAKE_PROGRAM} -DCMAKE_CXX_COMPILER=${COMPILER}
+  "-DCMAKE_CXX_FLAGS=${flags}" -DCMAKE_PREFIX_PATH=${prefix})
+run("build" ${CMAKE_COMMAND} --build "${WORK_DIR}/project/build")
+
+foreach(backend bullet simbody)
+  run("run on ${backend}" "${prefix}/bin/cogrsim" run project/slalom.scene.xml --backend ${backend}
+    --plugin-path project/build/cogrsim_plugins --json ${backend}.json)
+  file(READ "${WORK_DIR}/${backend}.json" json)
+  string(JSON status GET "${json}" status)
+  string(JSON time GET "${json}" time)
+  string(JSON x GET "${json}" bodies robot.chassis position 0)
+  string(JSON y GET "${json}" bodies robot.chassis position 1)
+  message("${backend}: ${status} at ${time} s, robot at x = ${x} m, y = ${y} m")
+  # Along the wave it makes speed * time * J0(swing) = 0.3 * 6 * 0.882 = 1.59 m forward, and after
+  # whole waves it is back in the middle.
+  if(NOT status STREQUAL "completed")
+    message(SEND_ERROR "${backend}: the run ended with status ${status}")
+  endif()
+  if(x LESS 1.5 OR x GREATER 1.7 OR y LESS -0.12 OR y GREATER 0.12)
+    message(SEND_ERROR "${backend}: the robot is not where its controller should have brought it")
+  endif()
+endforeach()
+
+run("plugins" "${prefix}/bin/cogrsim" plugins --plugin-path project/build/cogrsim_plugins)
+foreach(name slalom diff_drive joint_pid trajectory_player bullet simbody)
+  if(NOT output MATCHES "${name}")
+    message(SEND_ERROR "cogrsim plugins does not list ${name}:\n${output}")
+  endif()
+endforeach()
+# Without the path the plugin is not found, and the message says where it was looked for.
+execute_process(COMMAND "${prefix}/bin/cogrsim" run project/slalom.scene.xml
+  WORKING_DIRECTORY "${WORK_DIR}" RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
+if(NOT status EQUAL 1 OR NOT "${out}${err}" MATCHES "slalom" OR NOT "${out}${err}" MATCHES "${LIB}/cogrsim/plugins")
+  message(SEND_ERROR "a missing plugin: exit status ${status}\n${out}${err}")
+endif()
