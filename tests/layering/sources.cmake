@@ -24,7 +24,7 @@ endif()
 foreach(file ${sources})
   refuse("${file}" "#[ ]*include[ ]*[<\"](bt[A-Z]|[Bb]ullet[^/\"]*[/.]|LinearMath/|SimTK|[Ss]imbody|simmath)"
     "includes an engine's header")
-  refuse("${file}" "SimTK::|[^A-Za-z_](bt(Vector3|Quaternion|Transform|Scalar|RigidBody|MultiBody)|btCollision|btDiscrete)"
+  refuse("${file}" "(^|[^A-Za-z_])(SimTK::|bt(Vector3|Quaternion|Transform|Scalar|RigidBody|MultiBody|Collision|Discrete))"
     "names an engine's types")
 endforeach()
 foreach(file ${cmake_files})
