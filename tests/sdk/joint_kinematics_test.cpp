@@ -20,8 +20,8 @@ Joint make_joint(JointType type) {
 
 JointType any_type() {
   return GENERATE(JointType::fixed, JointType::hinge, JointType::slider, JointType::screw,
-                  JointType::cylindrical, JointType::universal, JointType::planar,
-                  JointType::ball, JointType::free);
+                  JointType::cylindrical, JointType::universal, JointType::planar, JointType::ball,
+                  JointType::free);
 }
 
 /// Where the quaternion starts among the coordinates; -1: none.

@@ -132,15 +132,17 @@ TEST_CASE("files that are no libraries are refused with the reason", "[loader]")
   const Folder folder;
   folder.write("text.so", "this is not a library\n");
   folder.write("empty.so", "");
-  folder.write("magic.so", "\x7f" "ELF");
+  folder.write("magic.so",
+               "\x7f"
+               "ELF");
   folder.write("windows.so", "MZ" + std::string(500, '\0'));
   fs::create_directory(folder.file("directory.so"));
   fs::create_symlink(folder.file("nowhere"), folder.file("dangling.so"));
   fs::create_symlink(folder.file("circle.so"), folder.file("circle.so"));
   REQUIRE(mkfifo(folder.file("pipe.so").c_str(), 0600) == 0);  // must not wait for a writer
   fs::copy_file("/proc/self/exe", folder.file("program.so"));
-  for (const char* name :
-       {"text", "empty", "magic", "windows", "directory", "dangling", "circle", "pipe", "program"}) {
+  for (const char* name : {"text", "empty", "magic", "windows", "directory", "dangling", "circle",
+                           "pipe", "program"}) {
     CAPTURE(name);
     CHECK(refusal(folder, name).code == "CG0902");
   }
@@ -213,8 +215,8 @@ TEST_CASE("a scene cannot reach a file by its path", "[loader]") {
   folder.put("good.so");
   fs::create_directory(folder.file("sub"));
   PluginLoader loader({folder.file("sub")});
-  for (const std::string& name : {std::string("../good"), folder.file("good"), std::string(),
-                                  std::string("..")}) {
+  for (const std::string& name :
+       {std::string("../good"), folder.file("good"), std::string(), std::string("..")}) {
     CAPTURE(name);
     const auto got = loader.load(PluginKind::sensor, name);
     REQUIRE_FALSE(got);

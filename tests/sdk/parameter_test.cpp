@@ -43,12 +43,13 @@ TEST_CASE("bad values name the parameter and what is allowed", "[parameter]") {
   CHECK_THAT(message({{"waypoints", std::vector<double>{0, std::nan("")}}}), Contains("NaN"));
   CHECK_THAT(message({{"side", std::string("lft")}}),
              Contains("left, right") && Contains("did you mean 'left'"));
-  CHECK_THAT(message({{"sped", 1.0}}), Contains("speed, side, laps, waypoints") &&
-                                           Contains("did you mean 'speed'"));
+  CHECK_THAT(message({{"sped", 1.0}}),
+             Contains("speed, side, laps, waypoints") && Contains("did you mean 'speed'"));
 }
 
 TEST_CASE("all problems are reported at once", "[parameter]") {
-  const auto got = complete_parameters(speed_and_side(), {{"speed", -1.0}, {"side", true}, {"x", 1.0}});
+  const auto got =
+      complete_parameters(speed_and_side(), {{"speed", -1.0}, {"side", true}, {"x", 1.0}});
   REQUIRE_FALSE(got);
   const std::string& text = got.error().message;
   CHECK(std::count(text.begin(), text.end(), '\n') == 2);

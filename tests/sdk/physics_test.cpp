@@ -30,8 +30,8 @@ WorldState initial_state(const SceneModel& model) {
 /// Everything two spheres on a plane need, exactly.
 Capabilities spheres_on_planes() {
   Capabilities c;
-  for (const char* feature : {"shape.sphere", "shape.plane", "pair.sphere-sphere",
-                              "pair.sphere-plane", "body.static"}) {
+  for (const char* feature :
+       {"shape.sphere", "shape.plane", "pair.sphere-sphere", "pair.sphere-plane", "body.static"}) {
     c.set(feature, Support::exact);
   }
   return c;
@@ -59,8 +59,9 @@ TEST_CASE("what a backend lacks is an error at the element", "[capabilities]") {
   ModelBuilder b;
   b.model.files = {"lift.scene.xml"};
   const int a = b.sphere("a", 0.1, 1, at(0)), c = b.sphere("c", 0.1, 1, at(1));
-  Joint& lift = b.model.joints[static_cast<std::size_t>(
-      b.joint("robot.lift", JointType::screw, a, c, at(0)))];
+  Joint& lift =
+      b.model
+          .joints[static_cast<std::size_t>(b.joint("robot.lift", JointType::screw, a, c, at(0)))];
   lift.origin = {0, 27, 48, 5};
   lift.axes[0].upper = 1.0;
   b.motor("robot.drive", 0, MotorMode::dc);
@@ -95,7 +96,8 @@ TEST_CASE("only shape pairs that could meet count", "[capabilities]") {
     b.box("d", Vec3::Ones(), 1, at(6));
     const auto found = check_capabilities(*b.build(), "test", caps);
     REQUIRE(found.size() == 2);
-    CHECK_THAT(found[0].message, Contains("contact of box and box (shapes 'a.shape' and 'c.shape')"));
+    CHECK_THAT(found[0].message,
+               Contains("contact of box and box (shapes 'a.shape' and 'c.shape')"));
     CHECK_THAT(found[1].message, Contains("contact of box and plane"));
   }
   SECTION("pairs that are kept apart do not count") {
@@ -118,7 +120,9 @@ TEST_CASE("the rest of what a scene may need is asked for", "[capabilities]") {
   b.model.bodies[static_cast<std::size_t>(c)].kind = BodyKind::kinematic;
   b.model.materials[0].stiffness = 1e5;
   b.joint("first", JointType::hinge, c, a, at(0));
-  Joint& second = b.model.joints[static_cast<std::size_t>(b.joint("second", JointType::ball, kWorld, a, at(0)))];
+  Joint& second =
+      b.model
+          .joints[static_cast<std::size_t>(b.joint("second", JointType::ball, kWorld, a, at(0)))];
   second.axes[0].damping = second.axes[0].friction = second.axes[0].stiffness = 1;
   b.motor("m", 0, MotorMode::servo);
   std::string codes;
@@ -126,9 +130,9 @@ TEST_CASE("the rest of what a scene may need is asked for", "[capabilities]") {
     codes += d.message + "\n";
   }
   for (const char* words :
-       {"kinematic bodies", "contact stiffness", "joint type 'hinge'", "loops closed by joint type 'ball'",
-        "damping of joint type 'ball'", "friction of joint type 'ball'",
-        "stiffness of joint type 'ball'", "motor mode 'servo'"}) {
+       {"kinematic bodies", "contact stiffness", "joint type 'hinge'",
+        "loops closed by joint type 'ball'", "damping of joint type 'ball'",
+        "friction of joint type 'ball'", "stiffness of joint type 'ball'", "motor mode 'servo'"}) {
     CHECK_THAT(codes, Contains(words));
   }
 }
@@ -156,11 +160,13 @@ TEST_CASE("springs of joints store energy", "[frame]") {
   ModelBuilder b;
   b.model.physics.gravity.setZero();
   const int a = b.sphere("a", 0.1, 1, at(0)), c = b.sphere("c", 0.1, 1, at(0));
-  Joint& slider = b.model.joints[static_cast<std::size_t>(b.joint("s", JointType::slider, kWorld, a, at(0)))];
+  Joint& slider =
+      b.model.joints[static_cast<std::size_t>(b.joint("s", JointType::slider, kWorld, a, at(0)))];
   slider.axes[0].stiffness = 100;
   slider.axes[0].rest = 0.1;
   slider.position = {0.3};
-  Joint& ball = b.model.joints[static_cast<std::size_t>(b.joint("b", JointType::ball, kWorld, c, at(0)))];
+  Joint& ball =
+      b.model.joints[static_cast<std::size_t>(b.joint("b", JointType::ball, kWorld, c, at(0)))];
   ball.axes[0].stiffness = 10;
   ball.position = {-std::cos(0.4), -std::sin(0.4), 0, 0};  // 0.8 rad, by the other quaternion
   const SceneModelPtr model = b.build();

@@ -48,14 +48,16 @@ TEST_CASE("z_to turns z to any axis", "[model]") {
 TEST_CASE("the joint that closes a loop is the later one", "[model]") {
   ModelBuilder b;
   std::vector<int> bars;
-  for (int i = 0; i < 3; ++i) bars.push_back(b.box("bar" + std::to_string(i), Vec3::Ones(), 1, at(i)));
+  for (int i = 0; i < 3; ++i)
+    bars.push_back(b.box("bar" + std::to_string(i), Vec3::Ones(), 1, at(i)));
   const int post = b.box("post", Vec3::Ones(), 0, at(5));
   b.joint("1", JointType::hinge, kWorld, bars[0], at(0));
   b.joint("2", JointType::hinge, bars[0], bars[1], at(1));
   b.joint("3", JointType::hinge, bars[1], bars[2], at(2));
   b.joint("4", JointType::hinge, post, bars[2], at(3));  // a static body is ground, too
   const SceneModelPtr model = b.build();
-  for (int i = 0; i < 4; ++i) CHECK(model->joints[static_cast<std::size_t>(i)].closes_loop == (i == 3));
+  for (int i = 0; i < 4; ++i)
+    CHECK(model->joints[static_cast<std::size_t>(i)].closes_loop == (i == 3));
 }
 
 TEST_CASE("the collision filter lets pass what must not touch", "[model]") {
@@ -63,7 +65,8 @@ TEST_CASE("the collision filter lets pass what must not touch", "[model]") {
   const int ball = b.sphere("ball", 0.1, 1, at(0)), arm = b.sphere("arm", 0.1, 1, at(1));
   const int hand = b.sphere("hand", 0.1, 1, at(2)), floor = b.plane("floor");
   const int wall = b.box("wall", Vec3::Ones(), 0, at(3));
-  const int lift = b.box("lift", Vec3::Ones(), 1, at(4)), belt = b.box("belt", Vec3::Ones(), 1, at(5));
+  const int lift = b.box("lift", Vec3::Ones(), 1, at(4)),
+            belt = b.box("belt", Vec3::Ones(), 1, at(5));
   b.model.bodies[static_cast<std::size_t>(lift)].kind = BodyKind::kinematic;
   b.model.bodies[static_cast<std::size_t>(belt)].kind = BodyKind::kinematic;
   b.joint("base", JointType::hinge, kWorld, arm, at(1));

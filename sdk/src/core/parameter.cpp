@@ -32,8 +32,10 @@ std::string with_unit(const ParameterSpec& spec, const std::string& number) {
 }
 
 std::string range_text(const ParameterSpec& spec) {
-  if (std::isinf(spec.maximum)) return "at least " + with_unit(spec, fmt::format("{}", spec.minimum));
-  if (std::isinf(spec.minimum)) return "at most " + with_unit(spec, fmt::format("{}", spec.maximum));
+  if (std::isinf(spec.maximum))
+    return "at least " + with_unit(spec, fmt::format("{}", spec.minimum));
+  if (std::isinf(spec.minimum))
+    return "at most " + with_unit(spec, fmt::format("{}", spec.maximum));
   return with_unit(spec, fmt::format("{} to {}", spec.minimum, spec.maximum));
 }
 
@@ -99,11 +101,16 @@ std::string unknown_parameter(const ParameterTable& table, const std::string& na
 
 const char* to_string(ParameterType type) {
   switch (type) {
-    case ParameterType::boolean: return "boolean";
-    case ParameterType::integer: return "integer";
-    case ParameterType::number: return "number";
-    case ParameterType::text: return "text";
-    case ParameterType::number_list: return "number list";
+    case ParameterType::boolean:
+      return "boolean";
+    case ParameterType::integer:
+      return "integer";
+    case ParameterType::number:
+      return "number";
+    case ParameterType::text:
+      return "text";
+    case ParameterType::number_list:
+      return "number list";
   }
   return "?";
 }
@@ -118,9 +125,9 @@ Result<Parameters> complete_parameters(const ParameterTable& table, const Parame
       std::string problem = check_value(spec, value);
       if (!problem.empty()) problems.push_back(std::move(problem));
     } else if (spec.required) {
-      problems.push_back(fmt::format("parameter '{}' must be set: {}", spec.name,
-                                     spec.description.empty() ? to_string(spec.type())
-                                                              : spec.description.c_str()));
+      problems.push_back(fmt::format(
+          "parameter '{}' must be set: {}", spec.name,
+          spec.description.empty() ? to_string(spec.type()) : spec.description.c_str()));
     }
     out[spec.name] = std::move(value);
   }

@@ -118,8 +118,8 @@ int ModelBuilder::mesh(const std::string& name, TriangleMesh mesh, bool convex, 
 int ModelBuilder::heightmap(const std::string& name, HeightGrid grid, const Pose& X_WB,
                             int material) {
   assert(grid.columns >= 2 && grid.rows >= 2);
-  assert(grid.heights.size() == static_cast<std::size_t>(grid.columns) *
-                                    static_cast<std::size_t>(grid.rows));
+  assert(grid.heights.size() ==
+         static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows));
   model.heightmaps.push_back(std::move(grid));
   Shape shape;
   shape.type = ShapeType::heightmap;
@@ -217,8 +217,7 @@ SceneModelPtr ModelBuilder::build() {
     }
     if (joint.velocity.empty()) {
       joint.velocity.resize(static_cast<std::size_t>(speed_count(joint.type)));
-      const Twist V_FM =
-          relative_twist(joint, X_WP, twist(joint.parent), X_WC, twist(joint.child));
+      const Twist V_FM = relative_twist(joint, X_WP, twist(joint.parent), X_WC, twist(joint.child));
       joint_velocity(joint, X_FM, V_FM, joint.position.data(), joint.velocity.data());
     }
   }

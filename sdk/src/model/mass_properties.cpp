@@ -4,9 +4,9 @@
 #include <cassert>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <fmt/format.h>
 
 namespace cogrsim {
 namespace {
@@ -15,17 +15,15 @@ constexpr double kPi = 3.14159265358979323846;
 
 /// Volume, first and second moments of a homogeneous solid of density 1.
 struct Moments {
-  double volume = 0.0;           ///< [m^3]
-  Vec3 com = Vec3::Zero();       ///< [m]
-  Mat3 inertia = Mat3::Zero();   ///< about com, density 1 [m^5]
+  double volume = 0.0;          ///< [m^3]
+  Vec3 com = Vec3::Zero();      ///< [m]
+  Mat3 inertia = Mat3::Zero();  ///< about com, density 1 [m^5]
 };
 
 Mat3 diagonal(double x, double y, double z) { return Vec3(x, y, z).asDiagonal(); }
 
 /// Inertia of a point of unit mass at r, about the origin.
-Mat3 point_inertia(const Vec3& r) {
-  return r.squaredNorm() * Mat3::Identity() - r * r.transpose();
-}
+Mat3 point_inertia(const Vec3& r) { return r.squaredNorm() * Mat3::Identity() - r * r.transpose(); }
 
 // Tetrahedra from one point to every triangle; signed, so that those outside cancel. For vertices
 // 0, a, b, c with determinant D: volume D/6, first moment D (a+b+c)/24, second moment
@@ -48,8 +46,8 @@ Moments mesh_moments(const TriangleMesh& mesh) {
     const double D = a.dot(b.cross(c));
     out.volume += D / 6;
     first += D / 24 * s;
-    second += D / 120 *
-              (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
+    second +=
+        D / 120 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
   }
   // What is left when the tetrahedra of a flat mesh cancel is rounding.
   if (std::abs(out.volume) < 1e-13 * reach * reach * reach) return {};
@@ -84,8 +82,8 @@ Moments moments_of(const Shape& shape, const std::vector<TriangleMesh>& meshes) 
     case ShapeType::capsule: {
       // A cylinder and two half balls whose flat sides are l/2 from the middle.
       const double rod = kPi * r2 * l, ball = 4.0 / 3.0 * kPi * r * r2;
-      const double across = rod * (3 * r2 + l * l) / 12 +
-                            ball * (0.4 * r2 + l * l / 4 + 3 * l * r / 8);
+      const double across =
+          rod * (3 * r2 + l * l) / 12 + ball * (0.4 * r2 + l * l / 4 + 3 * l * r / 8);
       out.volume = rod + ball;
       out.inertia = diagonal(across, across, rod * r2 / 2 + 0.4 * ball * r2);
       break;
@@ -168,7 +166,8 @@ Result<> check_mass_properties(double mass, const Mat3& inertia) {
   // A flat plate reaches equality; files round.
   if (moments[0] + moments[1] < moments[2] * (1 - 1e-6)) {
     return fail(
-        "no body has such an inertia: the largest principal moment exceeds the sum of the others (" +
+        "no body has such an inertia: the largest principal moment exceeds the sum of the others "
+        "(" +
             values + ")",
         "", "check the units, and that the inertia is about the centre of mass");
   }

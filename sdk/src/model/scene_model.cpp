@@ -32,64 +32,95 @@ int find_by_name(const std::vector<Element>& elements, const std::string& name) 
 
 const char* to_string(ShapeType type) {
   switch (type) {
-    case ShapeType::box: return "box";
-    case ShapeType::sphere: return "sphere";
-    case ShapeType::cylinder: return "cylinder";
-    case ShapeType::capsule: return "capsule";
-    case ShapeType::plane: return "plane";
-    case ShapeType::convex_mesh: return "convex-mesh";
-    case ShapeType::mesh: return "mesh";
-    case ShapeType::heightmap: return "heightmap";
+    case ShapeType::box:
+      return "box";
+    case ShapeType::sphere:
+      return "sphere";
+    case ShapeType::cylinder:
+      return "cylinder";
+    case ShapeType::capsule:
+      return "capsule";
+    case ShapeType::plane:
+      return "plane";
+    case ShapeType::convex_mesh:
+      return "convex-mesh";
+    case ShapeType::mesh:
+      return "mesh";
+    case ShapeType::heightmap:
+      return "heightmap";
   }
   return "?";
 }
 
 const char* to_string(JointType type) {
   switch (type) {
-    case JointType::fixed: return "fixed";
-    case JointType::hinge: return "hinge";
-    case JointType::slider: return "slider";
-    case JointType::screw: return "screw";
-    case JointType::cylindrical: return "cylindrical";
-    case JointType::universal: return "universal";
-    case JointType::planar: return "planar";
-    case JointType::ball: return "ball";
-    case JointType::free: return "free";
+    case JointType::fixed:
+      return "fixed";
+    case JointType::hinge:
+      return "hinge";
+    case JointType::slider:
+      return "slider";
+    case JointType::screw:
+      return "screw";
+    case JointType::cylindrical:
+      return "cylindrical";
+    case JointType::universal:
+      return "universal";
+    case JointType::planar:
+      return "planar";
+    case JointType::ball:
+      return "ball";
+    case JointType::free:
+      return "free";
   }
   return "?";
 }
 
 const char* to_string(MotorMode mode) {
   switch (mode) {
-    case MotorMode::velocity: return "velocity";
-    case MotorMode::torque: return "torque";
-    case MotorMode::position: return "position";
-    case MotorMode::servo: return "servo";
-    case MotorMode::dc: return "dc";
+    case MotorMode::velocity:
+      return "velocity";
+    case MotorMode::torque:
+      return "torque";
+    case MotorMode::position:
+      return "position";
+    case MotorMode::servo:
+      return "servo";
+    case MotorMode::dc:
+      return "dc";
   }
   return "?";
 }
 
 int position_count(JointType type) {
   switch (type) {
-    case JointType::fixed: return 0;
+    case JointType::fixed:
+      return 0;
     case JointType::hinge:
     case JointType::slider:
-    case JointType::screw: return 1;
+    case JointType::screw:
+      return 1;
     case JointType::cylindrical:
-    case JointType::universal: return 2;
-    case JointType::planar: return 3;
-    case JointType::ball: return 4;
-    case JointType::free: return 7;
+    case JointType::universal:
+      return 2;
+    case JointType::planar:
+      return 3;
+    case JointType::ball:
+      return 4;
+    case JointType::free:
+      return 7;
   }
   return 0;
 }
 
 int speed_count(JointType type) {
   switch (type) {
-    case JointType::ball: return 3;
-    case JointType::free: return 6;
-    default: return position_count(type);
+    case JointType::ball:
+      return 3;
+    case JointType::free:
+      return 6;
+    default:
+      return position_count(type);
   }
 }
 
@@ -143,7 +174,7 @@ void mark_loops(SceneModel& model) {
 CollisionFilter::CollisionFilter(const SceneModel& model) {
   bodies_.reserve(model.bodies.size());
   for (const Body& body : model.bodies) {
-    bodies_.push_back(body.removed                        ? Part::absent
+    bodies_.push_back(body.removed                     ? Part::absent
                       : body.kind == BodyKind::dynamic ? Part::mobile
                                                        : Part::immobile);
   }

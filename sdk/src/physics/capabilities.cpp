@@ -128,18 +128,20 @@ void Check::check_pairs() {
   };
   for (std::size_t a = 0; a < kShapeTypes; ++a) {
     for (std::size_t b = a; b < kShapeTypes; ++b) {
-      const std::string feature = pair_feature(static_cast<ShapeType>(a), static_cast<ShapeType>(b));
+      const std::string feature =
+          pair_feature(static_cast<ShapeType>(a), static_cast<ShapeType>(b));
       if (capabilities_.get(feature).support == Support::exact) continue;
       ShapePair pair = first_meeting(mobile[a], all[b]);
       if (pair.first == nullptr) pair = first_meeting(mobile[b], all[a]);
       if (pair.first == nullptr) continue;
-      Diagnostic* d = need(
-          feature, fmt::format("contact of {} and {}", to_string(pair.first->type),
-                               to_string(pair.second->type)),
-          fmt::format("shapes '{}' and '{}'", pair.first->name, pair.second->name),
-          pair.first->origin,
-          "use another shape for one of them, keep them from colliding, or run the scene on "
-          "another backend");
+      Diagnostic* d =
+          need(feature,
+               fmt::format("contact of {} and {}", to_string(pair.first->type),
+                           to_string(pair.second->type)),
+               fmt::format("shapes '{}' and '{}'", pair.first->name, pair.second->name),
+               pair.first->origin,
+               "use another shape for one of them, keep them from colliding, or run the scene on "
+               "another backend");
       if (d == nullptr) continue;
       DiagnosticNote other;
       other.message = fmt::format("the other shape, '{}'", pair.second->name);
@@ -194,9 +196,12 @@ void Check::check_motors() {
 
 const char* to_string(Support support) {
   switch (support) {
-    case Support::unsupported: return "unsupported";
-    case Support::approximate: return "approximate";
-    case Support::exact: return "exact";
+    case Support::unsupported:
+      return "unsupported";
+    case Support::approximate:
+      return "approximate";
+    case Support::exact:
+      return "exact";
   }
   return "?";
 }

@@ -23,10 +23,9 @@ double spring_energy(const Joint& joint, const double* q) {
   for (std::size_t i = 0; i < joint.axes.size(); ++i) {
     const JointAxis& axis = joint.axes[i];
     if (axis.stiffness == 0.0) continue;
-    const double stretch =
-        joint.type == JointType::ball
-            ? 2 * std::atan2(std::hypot(q[1], q[2], q[3]), std::abs(q[0]))
-            : q[i] - axis.rest;
+    const double stretch = joint.type == JointType::ball
+                               ? 2 * std::atan2(std::hypot(q[1], q[2], q[3]), std::abs(q[0]))
+                               : q[i] - axis.rest;
     energy += 0.5 * axis.stiffness * stretch * stretch;
   }
   return energy;
@@ -43,8 +42,8 @@ Energy energy_of(const SceneModel& model, const WorldState& state) {
   for_each_dynamic(model, state, [&](const Body& body, const Pose& X_WB, const Twist& V_WB) {
     const Vec3 to_com = X_WB.q * body.com;
     const Vec3 w_B = X_WB.q.conjugate() * V_WB.angular;
-    out.kinetic += 0.5 * body.mass * V_WB.at(to_com).squaredNorm() +
-                   0.5 * w_B.dot(body.inertia * w_B);
+    out.kinetic +=
+        0.5 * body.mass * V_WB.at(to_com).squaredNorm() + 0.5 * w_B.dot(body.inertia * w_B);
     out.potential -= body.mass * model.physics.gravity.dot(X_WB.p + to_com);
   });
   assert(state.joint_positions.size() == static_cast<std::size_t>(model.joint_positions));

@@ -61,8 +61,7 @@ tl::unexpected<Error> damaged(const char* what) {
 
 Result<FileHeader> read_header(Bytes& file) {
   FileHeader header;
-  if (!file.read(0, sizeof header, &header) ||
-      std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) {
+  if (!file.read(0, sizeof header, &header) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) {
     return fail("not a shared library (not an ELF file)");
   }
   if (header.e_ident[EI_CLASS] != kOwnClass || header.e_ident[EI_DATA] != kOwnByteOrder) {

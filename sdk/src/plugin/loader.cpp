@@ -7,9 +7,9 @@
 #include <tuple>
 
 #define BOOST_DLL_USE_STD_FS
+#include <fmt/format.h>
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
-#include <fmt/format.h>
 
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/physics/backend_plugin.h"
@@ -54,7 +54,8 @@ Result<> check_file(const std::string& path) {
     return name.rfind(kMarkPrefix, 0) == 0;
   });
   if (mark == symbols->end()) {
-    return tl::unexpected<Error>(refused(path, "not a CogRSim plugin (it bears no cogrsim_abi mark)",
+    return tl::unexpected<Error>(refused(path,
+                                         "not a CogRSim plugin (it bears no cogrsim_abi mark)",
                                          "end its source with COGRSIM_CONTROLLER(…) or the like"));
   }
   if (!has(kOwnMark)) {
@@ -96,10 +97,14 @@ bool by_kind_and_name(const PluginPtr& a, const PluginPtr& b) {
 
 const char* to_string(PluginKind kind) {
   switch (kind) {
-    case PluginKind::backend: return "backend";
-    case PluginKind::controller: return "controller";
-    case PluginKind::supervisor: return "supervisor";
-    case PluginKind::sensor: return "sensor";
+    case PluginKind::backend:
+      return "backend";
+    case PluginKind::controller:
+      return "controller";
+    case PluginKind::supervisor:
+      return "supervisor";
+    case PluginKind::sensor:
+      return "sensor";
   }
   return "?";
 }
@@ -144,8 +149,7 @@ Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
     using boost::dll::load_mode::type;
     // The throwing overload carries the system's own text, the other one only an error number.
     impl->library.load(real, type::rtld_now | type::rtld_local);
-    impl->descriptor =
-        impl->library.get<const PluginDescriptor*()>(kDescriptorSymbol)();
+    impl->descriptor = impl->library.get<const PluginDescriptor*()>(kDescriptorSymbol)();
   } catch (const std::exception& e) {
     return tl::unexpected<Error>(refused(path, fmt::format("cannot be loaded: {}", e.what())));
   } catch (...) {
@@ -156,9 +160,9 @@ Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
   }
   const std::string stem = fs::path(path).stem().string();
   if (impl->descriptor->name != stem) {
-    return tl::unexpected<Error>(refused(
-        path, fmt::format("the plugin inside calls itself '{}'", impl->descriptor->name),
-        fmt::format("name the file {}.so", impl->descriptor->name)));
+    return tl::unexpected<Error>(
+        refused(path, fmt::format("the plugin inside calls itself '{}'", impl->descriptor->name),
+                fmt::format("name the file {}.so", impl->descriptor->name)));
   }
   loaded_.push_back(std::make_shared<const Plugin>(std::move(impl)));
   return loaded_.back();
