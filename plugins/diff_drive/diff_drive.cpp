@@ -1,6 +1,7 @@
 // Drives a vehicle with two wheels: by velocity commands, or along waypoints. See README.md.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,7 @@ class DiffDrive final : public cogrsim::Controller {
   PlanarPose measured_pose();
   Velocity commanded(double time) const;
 
-  cogrsim::Assembly* robot_ = nullptr;
+  std::optional<cogrsim::Assembly> robot_;  // a copy: the one of configure() is gone afterwards
   cogrsim::MotorHandle left_, right_;
   cogrsim::PoseSensor pose_sensor_;
   bool use_pose_sensor_ = false;
@@ -50,7 +51,7 @@ class DiffDrive final : public cogrsim::Controller {
 };
 
 void DiffDrive::configure(cogrsim::Assembly& robot) {
-  robot_ = &robot;
+  robot_ = robot;
   left_ = robot.motor(robot.parameter<std::string>("left"));
   right_ = robot.motor(robot.parameter<std::string>("right"));
   radius_ = robot.parameter<double>("wheel_radius");

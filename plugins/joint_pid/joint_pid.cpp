@@ -1,6 +1,7 @@
 // Holds joints at targets with one PID law each. See README.md.
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,7 @@ class JointPid final : public cogrsim::Controller {
   std::vector<double> per_motor(cogrsim::Assembly& robot, const std::string& name,
                                 std::size_t motors);
 
-  cogrsim::Assembly* robot_ = nullptr;
+  std::optional<cogrsim::Assembly> robot_;  // a copy: the one of configure() is gone afterwards
   std::vector<Loop> loops_;
 };
 
@@ -58,7 +59,7 @@ std::vector<double> JointPid::per_motor(cogrsim::Assembly& robot, const std::str
 }
 
 void JointPid::configure(cogrsim::Assembly& robot) {
-  robot_ = &robot;
+  robot_ = robot;
   const auto names = words(robot.parameter<std::string>("motors"));
   if (names.empty()) {
     robot.fail("parameter 'motors': expected the name of at least one motor");

@@ -94,6 +94,9 @@ class Imu : public SensorHandle {
 /// What a controller is given in configure(). Asking for something that is not there does not
 /// throw: it is noted, with what is there, and makes the load fail after configure() with all such
 /// mistakes at once; the handle then returned does nothing.
+///
+/// The object itself is gone after configure(); a controller that needs it later keeps a copy, which
+/// is cheap and refers to the same assembly.
 class COGRSIM_API Assembly {
  public:
   /// Dotted name of the assembly.
