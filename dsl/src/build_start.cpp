@@ -235,25 +235,6 @@ class Start {
 
 }  // namespace
 
-void decide_loops(SceneModel& model) {
-  // Set 0 is whatever does not yield; body b is set b + 1.
-  std::vector<std::size_t> parent(model.bodies.size() + 1);
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto find = [&](int body) {
-    std::size_t i = yields(model, body) ? at(body) + 1 : 0;
-    while (parent[i] != i) {
-      parent[i] = parent[parent[i]];
-      i = parent[i];
-    }
-    return i;
-  };
-  for (Joint& joint : model.joints) {
-    const std::size_t a = find(joint.parent), b = find(joint.child);
-    joint.closes_loop = a == b;
-    parent[std::max(a, b)] = std::min(a, b);
-  }
-}
-
 std::vector<StartProblem> settle_start(SceneModel& model, const StartHints& hints) {
   return Start(model, hints).settle();
 }

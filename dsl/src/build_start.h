@@ -30,16 +30,11 @@ struct StartProblem {
   double angular = 0.0;
 };
 
-/// Sets Joint::closes_loop, in file order: a joint closes a loop when the joints before it already
-/// connect its two bodies. The world, static and kinematic bodies count as one place, since none
-/// of them yields. Linear in the number of joints (union-find).
-void decide_loops(SceneModel& model);
-
 /// Moves the bodies along the joint tree by the joints' initial positions (the written poses are
 /// q = 0), then gives twists the same way, and coordinates and speeds to all joints without. The
 /// root of a tree is what cannot yield, else its first body that is no joint's child. A body that
 /// has a twist of its own keeps it, when its joint allows it.
-/// Needs decide_loops() first. Returns what does not fit.
+/// Needs mark_loops() first. Returns what does not fit.
 std::vector<StartProblem> settle_start(SceneModel& model, const StartHints& hints);
 
 }  // namespace cogrsim::dsl

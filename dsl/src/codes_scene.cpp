@@ -51,6 +51,13 @@ std::vector<CodeInfo> scene_codes() {
        "A rigid assembly is one body; nothing inside it can move against the rest.",
        "Delete the joint, or delete rigid=\"true\".",
        "bad:  <assembly rigid=\"true\"> <hinge …/> </assembly>"},
+      {"CG0610", error, "velocities that a joint does not allow",
+       "At the start two bodies move against each other in a direction in which the joint between "
+       "them holds, or at another speed than the joint's `velocity`.",
+       "Delete the velocity of the body that hangs on the joint: it follows from its parent's and "
+       "from the joint's `velocity`.",
+       "bad:  <box name=\"door\" linear-velocity=\"1 0 0\" …/> <hinge child=\"door\"/>\n"
+       "good: <box name=\"door\" …/> <hinge child=\"door\" velocity=\"1 rad/s\"/>"},
       // ---- CG07: physics
       {"CG0701", error, "mass that is not positive",
        "A body that moves needs a mass above 0, given or from its shapes' density and volume.",
@@ -144,6 +151,11 @@ std::vector<CodeInfo> scene_codes() {
       {"CG2003", advice, "a parameter nobody uses",
        "A `<param>` is declared but no expression mentions it.",
        "Delete it, or use it.", "<param name=\"wheel_r\" default=\"4 cm\"/>"},
+      {"CG2004", advice, "parts of an imported file that stay behind",
+       "An import takes over prototypes, materials and contacts. What else stands in that file, its "
+       "own floor or robot, is not built.",
+       "Nothing need be done. To build it here too, wrap it in a prototype.",
+       "<import href=\"robot.scene.xml\"/>"},
       {"CG2008", advice, "something the backend does approximately",
        "The engine chosen does something of this scene only nearly; the message says how.",
        "Nothing need be done. Another backend may do it exactly.", ""},

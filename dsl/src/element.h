@@ -3,8 +3,10 @@
 #pragma once
 
 #include <deque>
+#include <set>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -57,11 +59,24 @@ struct Element {
   Element* parent = nullptr;
   std::vector<Element*> children;
   std::string name;  ///< evaluated name=, or made up for one without ("box_3"); without dots
+  int index = -1;    ///< place in the tree, parents before children
   std::string path;  ///< dotted, unique; also the key of the element's random numbers
+  /// Of an instance: the import its prototype came from, whose materials it sees before those
+  /// around it; nullptr for a prototype of the scene file.
+  const Element* home = nullptr;
+  /// Something in here failed and was reported: names that are missing are not complained of.
+  bool incomplete = false;
 
   std::string_view tag() const { return node->name; }
   const SourceSpan& span() const { return node->span; }
   const Attribute* find(std::string_view attribute) const { return node->find(attribute); }
+};
+
+/// A `<param>` and the scope that holds its value, for the advice about unused ones.
+struct ParamUse {
+  const Scope* scope = nullptr;
+  const Node* node = nullptr;
+  std::string name;
 };
 
 /// Everything one compilation shares. Deques keep addresses valid.
@@ -70,9 +85,13 @@ struct CompileContext {
   SourceFiles& files;
   DiagnosticSink& sink;
   std::uint64_t seed = 1;  ///< set before the first random draw: options.seed, else physics seed=
-  std::deque<Element> elements;
-  std::deque<Scope> scopes;
-  std::deque<Trail> trails;
+  std::deque<Element> elements = {};
+  std::deque<Scope> scopes = {};
+  std::deque<Trail> trails = {};
+  std::vector<ParamUse> params = {};
+  int element_count = 0;  ///< in the tree; one more than the largest Element::index
+  /// Names of elements that failed, by the element they would stand in: silent when asked for.
+  std::unordered_map<const Element*, std::set<std::string, std::less<>>> lost_names = {};
 };
 
 /// Expansion (expand_*.cpp): imports, parameters, prototypes, repeats, conditions. Returns the root

@@ -4,12 +4,28 @@
 #include <array>
 #include <cctype>
 #include <cstdint>
+#include <fstream>
 
 #include "mesh_text.h"
-#include "resolve_file.h"
 
 namespace cogrsim::dsl {
 namespace {
+
+Result<std::string> read_whole_file(const std::string& path, std::size_t limit) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return fail("the file cannot be read");
+  std::string text;
+  std::string block(std::size_t{1} << 16, '\0');
+  while (in) {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
+    text.append(block, 0, static_cast<std::size_t>(in.gcount()));
+    if (text.size() > limit)
+      return fail("the file is longer than the " + std::to_string(limit) +
+                  " bytes that are read of such a file");
+  }
+  if (in.bad()) return fail("the file cannot be read to its end");
+  return text;
+}
 
 std::string ending(const std::string& path) {
   const std::size_t dot = path.find_last_of("./");
@@ -133,12 +149,13 @@ Result<std::vector<double>> parse_grid(std::string_view text, HeightGrid& grid) 
 
 }  // namespace
 
-Result<TriangleMesh> load_mesh(const std::string& path, const std::string& name) {
+Result<TriangleMesh> load_mesh(const std::string& path, const std::string& name,
+                               std::size_t max_bytes) {
   const std::string kind = ending(path);
   if (kind != "obj" && kind != "stl")
     return fail("'" + name + "': meshes are read from .obj and .stl files");
-  auto bytes = read_whole_file(path, kMaxMeshFileBytes);
-  if (!bytes) return tl::unexpected(bytes.error());
+  auto bytes = read_whole_file(path, max_bytes);
+  if (!bytes) return fail("'" + name + "': " + bytes.error().message);
   auto mesh = kind == "obj" ? parse_obj(*bytes) : parse_stl(*bytes);
   if (!mesh) return fail("'" + name + "': " + mesh.error().message);
   mesh->name = name;
@@ -186,9 +203,9 @@ Result<HeightGrid> parse_heightmap(std::string_view bytes, double size_x, double
 }
 
 Result<HeightGrid> load_heightmap(const std::string& path, const std::string& name, double size_x,
-                                  double size_y, double height) {
-  auto bytes = read_whole_file(path, kMaxMeshFileBytes);
-  if (!bytes) return tl::unexpected(bytes.error());
+                                  double size_y, double height, std::size_t max_bytes) {
+  auto bytes = read_whole_file(path, max_bytes);
+  if (!bytes) return fail("'" + name + "': " + bytes.error().message);
   auto grid = parse_heightmap(*bytes, size_x, size_y, height);
   if (!grid) return fail("'" + name + "': " + grid.error().message);
   grid->name = name;

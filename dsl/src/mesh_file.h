@@ -10,7 +10,6 @@
 
 namespace cogrsim::dsl {
 
-inline constexpr std::size_t kMaxMeshFileBytes = std::size_t{64} << 20;
 inline constexpr std::size_t kMaxMeshVertices = 2'000'000;
 inline constexpr std::size_t kMaxMeshTriangles = 4'000'000;
 inline constexpr std::size_t kMaxHeightSamples = 4'000'000;
@@ -25,8 +24,10 @@ Result<TriangleMesh> parse_obj(std::string_view text);
 /// Equal vertices become one. Errors name the line or the triangle.
 Result<TriangleMesh> parse_stl(std::string_view bytes);
 
-/// By the ending of `path`, .obj or .stl. `name` becomes the mesh's name.
-Result<TriangleMesh> load_mesh(const std::string& path, const std::string& name);
+/// By the ending of `path`, .obj or .stl. `name` becomes the mesh's name. No more than `max_bytes`
+/// are ever held of the file.
+Result<TriangleMesh> load_mesh(const std::string& path, const std::string& name,
+                               std::size_t max_bytes);
 
 /// Number of edges that do not have exactly one partner in the other direction; 0: the surface is
 /// closed and consistently wound, so that it has a volume.
@@ -40,6 +41,6 @@ Result<HeightGrid> parse_heightmap(std::string_view bytes, double size_x, double
 
 /// parse_heightmap() of a file.
 Result<HeightGrid> load_heightmap(const std::string& path, const std::string& name, double size_x,
-                                  double size_y, double height);
+                                  double size_y, double height, std::size_t max_bytes);
 
 }  // namespace cogrsim::dsl

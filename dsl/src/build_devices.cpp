@@ -1,0 +1,247 @@
+// Motors, servos and sensors.
+#include <cmath>
+
+#include "build_scene.h"
+
+namespace cogrsim::dsl {
+namespace {
+
+struct NoiseWord {
+  std::string_view name;
+  NoiseTerm::Kind kind;
+  std::size_t arguments;
+  std::string_view usage;
+};
+constexpr NoiseWord kNoiseWords[] = {
+    {"normal", NoiseTerm::Kind::normal, 2, "normal(mean, sigma)"},
+    {"uniform", NoiseTerm::Kind::uniform, 2, "uniform(low, high)"},
+    {"bias", NoiseTerm::Kind::bias, 1, "bias(offset)"},
+    {"dropout", NoiseTerm::Kind::dropout, 1, "dropout(probability)"},
+    {"quantisation", NoiseTerm::Kind::quantisation, 1, "quantisation(step)"},
+    {"bias-walk", NoiseTerm::Kind::bias_walk, 1, "bias-walk(sigma)"}};
+
+constexpr std::string_view kDcWords[] = {"kt",   "ke",          "resistance",
+                                         "gear", "max-voltage", "max-current"};
+
+}  // namespace
+
+void Builder::motor(const Element& element) {
+  Motor motor;
+  motor.name = element.path;
+  motor.assembly = note(element).assembly;
+  motor.origin = element.span();
+  Reader r = reader(element);
+  const auto word = r.word("joint");
+  const Element* joint_element =
+      word.given() ? names_.find(element, *word, Wanted::joint) : nullptr;
+  const auto axis = r.integer("axis");
+  if (joint_element == nullptr || axis.failed()) return;
+  motor.joint = note(*joint_element).joint;
+  const Joint& joint = model_.joints[static_cast<std::size_t>(motor.joint)];
+  const std::string kind = "'" + joint.name + "' is " + kind_of(*joint_element) + " joint";
+  if (joint.type == JointType::fixed || joint.type == JointType::free ||
+      joint.type == JointType::ball) {
+    fault("CG0704", element, "joint",
+          kind + (joint.type == JointType::ball
+                      ? ": it has no axis of its own that one motor could drive"
+                  : joint.type == JointType::free ? ": it leaves all freedom and drives nothing"
+                                                  : ": it cannot move"))
+        .help("drive a hinge, slider or another joint with axes");
+    return;
+  }
+  const int axes = speed_count(joint.type);
+  if (*axis > axes) {
+    fault("CG0704", element, "axis",
+          kind + " with " + std::to_string(axes) + (axes == 1 ? " axis" : " axes") +
+              ", there is none with number " + std::to_string(*axis));
+    return;
+  }
+  motor.axis = static_cast<int>(*axis) - 1;
+  const bool turns = axis_turns(joint.type, motor.axis);
+  const std::string_view wrong = turns ? "max-force" : "max-torque";
+  if (r.has(wrong))
+    fault("CG0704", element, wrong,
+          std::string("this axis of '") + joint.name + (turns ? "' turns" : "' slides") +
+              ", so it has no " + std::string(wrong))
+        .help(turns ? "use max-torque" : "use max-force");
+  const auto effort = r.number(turns ? "max-torque" : "max-force");
+  if (effort.given()) motor.max_effort = *effort;
+  const auto speed = r.number("max-speed", turns ? dim::kAngularSpeed : dim::kSpeed);
+  if (speed.given()) motor.max_speed = *speed;
+  if (motor_laws(element, motor, turns)) model_.motors.push_back(std::move(motor));
+}
+
+bool Builder::motor_laws(const Element& element, Motor& motor, bool turns) {
+  Reader r = reader(element);
+  bool good = true;
+  const auto take = [&](std::string_view attribute, const Dimension& dimension, double& value) {
+    const auto given = r.number(attribute, dimension);
+    good = good && !given.failed();
+    if (given.given()) value = *given;
+    return given.given();
+  };
+  Dimension target = turns ? dim::kAngle : dim::kLength;
+  if (element.tag() == "servo") {
+    motor.mode = MotorMode::servo;
+    take("kp", turns ? dim::kAngularStiffness : dim::kStiffness, motor.kp);
+    take("ki", turns ? dim::kAngularIntegralGain : dim::kIntegralGain, motor.ki);
+    take("kd", turns ? dim::kAngularDamping : dim::kDamping, motor.kd);
+  } else {
+    const auto mode = r.text("mode");
+    if (mode.failed()) return false;
+    if (*mode == "torque") {
+      motor.mode = MotorMode::torque;
+      target = turns ? dim::kTorque : dim::kForce;
+    } else if (*mode == "position") {
+      motor.mode = MotorMode::position;
+    } else if (*mode == "dc") {
+      motor.mode = MotorMode::dc;
+      target = dim::kVoltage;
+    } else {
+      motor.mode = MotorMode::velocity;
+      target = turns ? dim::kAngularSpeed : dim::kSpeed;
+    }
+    if (r.has("response") && motor.mode != MotorMode::position)
+      fault("CG0608", element, "response",
+            "'response' belongs to position mode, this motor is in " + *mode + " mode");
+    take("response", dim::kTime, motor.response);
+    if (motor.mode == MotorMode::dc) {
+      const bool has_kt = take("kt", turns ? dim::kTorqueConstant : dim::kForceConstant, motor.kt);
+      const bool has_ke = take("ke", turns ? dim::kBackEmf : dim::kForceConstant, motor.ke);
+      const bool has_resistance = take("resistance", dim::kResistance, motor.resistance);
+      // In SI units the two constants of an ideal motor are one number.
+      if (has_kt && !has_ke) motor.ke = motor.kt;
+      take("gear", dim::kNone, motor.gear);
+      take("max-voltage", dim::kVoltage, motor.max_voltage);
+      take("max-current", dim::kCurrent, motor.max_current);
+      if (good && (!has_kt || !has_resistance)) {
+        fault("CG0708", element, "mode",
+              std::string("a DC motor needs ") +
+                  (has_kt ? "" : has_resistance ? "'kt'" : "'kt' and ") +
+                  (has_resistance ? "" : "'resistance'"))
+            .help("for example kt=\"0.02 N*m/A\" resistance=\"1.5 ohm\"");
+        return false;
+      }
+    } else {
+      for (const std::string_view dc : kDcWords)
+        if (r.has(dc))
+          fault("CG0708", element, dc,
+                "'" + std::string(dc) + "' belongs to mode=\"dc\", this motor is in " + *mode +
+                    " mode");
+    }
+  }
+  const auto at = r.number("target", target);
+  good = good && !at.failed();
+  if (at.given()) motor.target = *at;
+  return good;
+}
+
+std::optional<std::vector<NoiseTerm>> Builder::noise(const Element& element) {
+  std::vector<NoiseTerm> terms;
+  const auto calls = reader(element).calls("noise");
+  if (calls.failed()) return std::nullopt;
+  if (!calls.given()) return terms;
+  for (const Call& call : *calls) {
+    const NoiseWord* word = nullptr;
+    std::vector<std::string> known;
+    for (const NoiseWord& w : kNoiseWords) {
+      known.emplace_back(w.name);
+      if (w.name == call.function) word = &w;
+    }
+    if (word == nullptr) {
+      sink()
+          .report("CG0517", call.span, element.trail, "there is no noise '" + call.function + "'")
+          .help(suggest(call.function, known));
+      return std::nullopt;
+    }
+    if (call.arguments.size() != word->arguments) {
+      sink()
+          .report("CG0517", call.span, element.trail,
+                  "'" + call.function + "' takes " + std::to_string(word->arguments) +
+                      (word->arguments == 1 ? " number" : " numbers") + ", found " +
+                      std::to_string(call.arguments.size()))
+          .help("write " + std::string(word->usage));
+      return std::nullopt;
+    }
+    NoiseTerm term;
+    term.kind = word->kind;
+    term.a = call.arguments[0].value;
+    if (call.arguments.size() > 1) term.b = call.arguments[1].value;
+    std::string problem;
+    switch (term.kind) {
+      case NoiseTerm::Kind::normal:
+        if (term.b < 0) problem = "sigma must not be negative";
+        break;
+      case NoiseTerm::Kind::uniform:
+        if (term.a > term.b) problem = "low must not exceed high";
+        break;
+      case NoiseTerm::Kind::dropout:
+        if (term.a < 0 || term.a > 1) problem = "a probability lies between 0 and 1";
+        if (!call.arguments[0].dimension.none()) problem = "a probability has no unit";
+        break;
+      case NoiseTerm::Kind::quantisation:
+        if (!(term.a > 0)) problem = "the step must be above 0";
+        break;
+      case NoiseTerm::Kind::bias_walk:
+        if (term.a < 0) problem = "sigma must not be negative";
+        break;
+      case NoiseTerm::Kind::bias: break;
+    }
+    if (!problem.empty()) {
+      sink().report("CG0517", call.span, element.trail, call.function + ": " + problem);
+      return std::nullopt;
+    }
+    terms.push_back(term);
+  }
+  return terms;
+}
+
+void Builder::sensor(const Element& element) {
+  SensorModel sensor;
+  sensor.name = element.path;
+  sensor.type = std::string(element.tag());
+  sensor.assembly = note(element).assembly;
+  sensor.origin = element.span();
+  Reader r = reader(element);
+  sensor.rate = *r.number("rate");
+  sensor.enabled = *r.boolean("enabled");
+  sensor.show = *r.boolean("show");
+  bool good = !note(element).faulty;
+  if (auto terms = noise(element))
+    sensor.noise = std::move(*terms);
+  else
+    good = false;
+  if (sensor.type == "sensor") {
+    const auto plugin = r.text("plugin");
+    if (plugin.given()) {
+      sensor.type = *plugin;
+      if (auto parameters = plugin_parameters(element, PluginKind::sensor, *plugin))
+        sensor.parameters = std::move(*parameters);
+      else
+        good = false;
+    }
+  }
+  if (knows(element, "joint") && r.has("joint")) {
+    const auto word = r.word("joint");
+    const Element* joint = word.given() ? names_.find(element, *word, Wanted::joint) : nullptr;
+    good = good && joint != nullptr;
+    if (joint != nullptr) sensor.joint = note(*joint).joint;
+  }
+  if (knows(element, "on") && r.has("on")) {
+    const auto word = r.word("on");
+    const auto body = word.given() ? body_at(element, *word, true) : std::nullopt;
+    good = good && body.has_value();
+    if (body) {
+      sensor.body = *body;
+      const Pose& X_WS = note(element).X_W;
+      sensor.X_BS = *body == kWorld
+                        ? X_WS
+                        : model_.bodies[static_cast<std::size_t>(*body)].X_WB.inverse() * X_WS;
+    }
+  } else if (sensor.type == "encoder" && sensor.joint >= 0) {
+    sensor.body = model_.joints[static_cast<std::size_t>(sensor.joint)].child;
+  }
+  if (good) model_.sensors.push_back(std::move(sensor));
+}
+
+}  // namespace cogrsim::dsl

@@ -1,0 +1,155 @@
+// Controllers, supervisors and engine blocks: what plugins are told.
+#include <algorithm>
+
+#include "build_scene.h"
+
+namespace cogrsim::dsl {
+namespace {
+
+// Without a catalog the declared type is unknown, and the value says itself what it is.
+std::optional<ParameterValue> plain_value(const Value& value) {
+  if (const Quantity* number = value.as_number()) return ParameterValue(number->value);
+  if (const bool* yes = value.as_boolean()) return ParameterValue(*yes);
+  if (const std::string* text = value.as_text()) return ParameterValue(*text);
+  if (const ValueList* list = value.as_list()) {
+    std::vector<double> numbers;
+    for (const Value& entry : *list) {
+      const Quantity* number = entry.as_number();
+      if (number == nullptr) return std::nullopt;
+      numbers.push_back(number->value);
+    }
+    return ParameterValue(std::move(numbers));
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+// All attributes of one element, checked against `table` (nullptr: as they stand).
+bool Builder::take_parameters(const Element& element, const ParameterTable* table,
+                              Parameters& given) {
+  Reader r = reader(element);
+  bool good = true;
+  for (const Attribute& attribute : element.node->attributes) {
+    const std::string name(attribute.name);
+    if (given.count(name) != 0) {
+      good = false;
+      sink().report("CG0904", attribute.name_span, element.trail,
+                    "parameter '" + name + "' is set twice");
+      continue;
+    }
+    if (table == nullptr) {
+      const auto value = r.value(attribute);
+      const auto plain = value.given() ? plain_value(*value) : std::nullopt;
+      if (plain)
+        given.emplace(name, *plain);
+      else
+        good = false;
+      continue;
+    }
+    const auto spec = std::find_if(table->begin(), table->end(),
+                                   [&](const ParameterSpec& s) { return s.name == name; });
+    if (spec == table->end()) {
+      good = false;
+      std::vector<std::string> known;
+      for (const ParameterSpec& s : *table) known.push_back(s.name);
+      sink()
+          .report("CG0904", attribute.name_span, element.trail,
+                  "there is no parameter '" + name + "' here")
+          .help(known.empty() ? "it takes no parameters" : suggest(name, known));
+      continue;
+    }
+    auto value = r.parameter(attribute, *spec);
+    if (value.given())
+      given.emplace(name, std::move(value.value));
+    else
+      good = false;
+  }
+  return good;
+}
+
+std::optional<Parameters> Builder::plugin_parameters(const Element& element, PluginKind kind,
+                                                     const std::string& plugin) {
+  const ParameterTable* table = nullptr;
+  Result<ParameterTable> found = ParameterTable{};
+  if (context_.options.plugins != nullptr) {
+    found = context_.options.plugins->parameters(kind, plugin);
+    if (!found) {
+      const Error& error = found.error();
+      fault(find_code(error.code) != nullptr ? error.code : "CG0901", element, "plugin",
+            error.message)
+          .help(error.hint);
+      return std::nullopt;
+    }
+    table = &*found;
+  }
+  Parameters given;
+  bool good = true;
+  for (const Element* child : element.children)
+    if (child->tag() == "set") good = take_parameters(*child, table, given) && good;
+  if (element.incomplete) good = false;
+  if (!good) return std::nullopt;
+  if (table == nullptr) return given;
+  auto complete = complete_parameters(*table, given);
+  if (!complete) {
+    fault("CG0904", element, "plugin", plugin + ": " + complete.error().message)
+        .help(complete.error().hint);
+    return std::nullopt;
+  }
+  return *complete;
+}
+
+void Builder::mind(const Element& element) {
+  ControllerModel mind;
+  mind.name = element.path;
+  mind.origin = element.span();
+  Reader r = reader(element);
+  mind.rate = *r.number("rate");
+  mind.on_fault =
+      *r.text("on-fault") == "end-run" ? FaultPolicy::end_run : FaultPolicy::stop_controller;
+  const auto plugin = r.text("plugin");
+  if (!plugin.given()) return;
+  mind.plugin = *plugin;
+  const bool is_supervisor = element.tag() == "supervisor";
+  if (!is_supervisor) {
+    mind.assembly = note(element).assembly;
+    if (mind.assembly < 0)
+      fault("CG0202", element, "a controller must stand inside the assembly it commands")
+          .help("wrap the robot and its controller in an <assembly>; a <supervisor> serves the "
+                "whole scene");
+  }
+  auto parameters = plugin_parameters(
+      element, is_supervisor ? PluginKind::supervisor : PluginKind::controller, mind.plugin);
+  if (!parameters) return;
+  mind.parameters = std::move(*parameters);
+  (is_supervisor ? model_.supervisors : model_.controllers).push_back(std::move(mind));
+}
+
+void Builder::engine_blocks(const Element& element,
+                            std::map<std::string, Parameters>& options) {
+  for (const Element* child : element.children) {
+    if (child->node->spec != nullptr || !is_engine_block(*child->node, context_.files)) continue;
+    const std::string engine(child->tag());
+    const ParameterTable* table = nullptr;
+    Result<ParameterTable> found = ParameterTable{};
+    if (context_.options.plugins != nullptr) {
+      found = element.tag() == "physics" ? context_.options.plugins->world_options(engine)
+                                         : context_.options.plugins->assembly_options(engine);
+      if (!found) {
+        const Error& error = found.error();
+        fault(find_code(error.code) != nullptr ? error.code : "CG0901", *child, error.message)
+            .help(error.hint);
+        continue;
+      }
+      table = &*found;
+    }
+    Parameters given;
+    if (options.count(engine) != 0) {
+      fault("CG0904", *child, "there are two blocks for '" + engine + "' here").help("merge them");
+      continue;
+    }
+    if (take_parameters(*child, table, given)) options.emplace(engine, std::move(given));
+  }
+}
+
+}  // namespace cogrsim::dsl

@@ -1,0 +1,149 @@
+#include "build_scene.h"
+
+#include <filesystem>
+
+namespace cogrsim::dsl {
+
+Builder::Builder(CompileContext& context, const Element& scene)
+    : context_(context),
+      scene_(scene),
+      names_(context, scene),
+      notes_(static_cast<std::size_t>(context.element_count)) {}
+
+bool Builder::knows(const Element& element, std::string_view attribute) {
+  return element.node->spec != nullptr && element.node->spec->find(attribute) != nullptr;
+}
+
+Report Builder::fault(std::string_view code, const Element& element, std::string message) {
+  return sink().report(code, element, std::move(message));
+}
+
+Report Builder::fault(std::string_view code, const Element& element, std::string_view attribute,
+                      std::string message) {
+  return sink().report(code, element, attribute, std::move(message));
+}
+
+SceneModelPtr Builder::build() {
+  for (int i = 0; i < context_.files.size(); ++i)
+    model_.files.push_back(context_.files.file(i).name);
+  settings();
+  // What there is, where it is, what it is made of; then what connects and drives it.
+  materials();
+  tree(scene_, Inherited{});
+  places();
+  shapes();
+  masses();
+  velocities();
+  for_each(scene_, [&](const Element& element) {
+    const std::string_view tag = element.tag();
+    if (tag == "frame") frame(element);
+    else if (tag == "light") light(element);
+    else if (tag == "view") view(element);
+    else if (is_joint(tag)) joint(element);
+  });
+  for_each(scene_, [&](const Element& element) {
+    const std::string_view tag = element.tag();
+    if (tag == "motor" || tag == "servo") motor(element);
+    else if (element.node->spec != nullptr && is_sensor(tag)) sensor(element);
+    else if (tag == "controller" || tag == "supervisor") mind(element);
+    else if (tag == "export") {
+      const auto of = reader(element).word("of");
+      if (of.given()) names_.find(element, *of, Wanted::any);
+    }
+  });
+  material_pairs();
+  collision_pairs();
+  if (sink().has_errors()) return nullptr;
+  start();
+  if (sink().has_errors()) return nullptr;
+  check_overlaps();
+  check_mass_ratios();
+  check_params();
+  finish_model(model_);
+  return std::make_shared<const SceneModel>(std::move(model_));
+}
+
+void Builder::settings() {
+  Reader scene = reader(scene_);
+  const auto name = scene.text("name");
+  const std::string& path = context_.files.file(0).name;
+  if (name.given()) {
+    model_.name = *name;
+  } else {
+    // "maze.scene.xml" -> "maze"
+    model_.name = std::filesystem::path(path).filename().string();
+    model_.name = model_.name.substr(0, model_.name.find('.'));
+  }
+  scene.text("version");
+
+  model_.physics.seed = context_.seed;
+  const Element* physics = nullptr;
+  for_each(scene_, [&](const Element& element) {
+    if (element.tag() != "physics") return;
+    if (physics != nullptr) {
+      fault("CG0207", element, "a scene has one <physics>").note("the other one", physics->span());
+      return;
+    }
+    physics = &element;
+  });
+  if (physics == nullptr) return;
+  PhysicsSettings& out = model_.physics;
+  Reader r = reader(*physics);
+  out.origin = physics->span();
+  const auto backend = r.text("backend");
+  if (backend.given()) out.backend = *backend;
+  out.step = *r.number("step");
+  out.gravity = *r.vec3("gravity");
+  const auto seed = r.integer("seed");
+  if (!context_.options.seed && seed.given())
+    out.seed = context_.seed = static_cast<std::uint64_t>(*seed);
+  const auto duration = r.number("duration");
+  if (duration.given()) out.duration = *duration;
+  out.bounce_threshold = *r.number("bounce-threshold");
+  engine_blocks(*physics, out.engine_options);
+}
+
+void Builder::frame(const Element& element) {
+  NamedFrame frame;
+  frame.name = element.path;
+  frame.body = carrier(element);
+  const Pose& X_WF = note(element).X_W;
+  frame.X_BF = frame.body == kWorld
+                   ? X_WF
+                   : model_.bodies[static_cast<std::size_t>(frame.body)].X_WB.inverse() * X_WF;
+  frame.assembly = note(element).assembly;
+  frame.origin = element.span();
+  model_.frames.push_back(std::move(frame));
+}
+
+void Builder::light(const Element& element) {
+  LightModel light;
+  Reader r = reader(element);
+  light.name = element.path;
+  light.X_WL = note(element).X_W;
+  const auto type = r.text("type");
+  light.type = *type == "point"  ? LightModel::Type::point
+               : *type == "spot" ? LightModel::Type::spot
+                                 : LightModel::Type::directional;
+  light.color = *r.color("color");
+  light.intensity = *r.number("intensity");
+  light.cone = *r.number("cone");
+  light.shadows = *r.boolean("shadows");
+  light.origin = element.span();
+  model_.lights.push_back(std::move(light));
+}
+
+void Builder::view(const Element& element) {
+  ViewModel view;
+  view.name = element.path;
+  view.X_WV = note(element).X_W;
+  view.fov = *reader(element).number("fov");
+  view.origin = element.span();
+  model_.views.push_back(std::move(view));
+}
+
+SceneModelPtr build_model(CompileContext& context, const Element& scene) {
+  return Builder(context, scene).build();
+}
+
+}  // namespace cogrsim::dsl

@@ -1,0 +1,188 @@
+// From the expanded tree to the SceneModel. One object lives for one compilation; its parts lie in
+// several files: build_scene (order of work, settings, lights, views), build_tree (assemblies and
+// bodies), resolve_places (poses), build_matter (materials), build_shapes, build_mass,
+// build_joints, build_devices (motors, sensors), build_minds (controllers, engine blocks),
+// check_scene (starts, advice).
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "build_start.h"
+#include "cogrsim/model/mass_properties.h"
+#include "cogrsim/model/scene_model.h"
+#include "diagnostics.h"
+#include "element.h"
+#include "reader.h"
+#include "resolve_names.h"
+#include "vocabulary.h"
+
+namespace cogrsim::dsl {
+
+/// Whether the freedom is an angle; `axis` counts from 0.
+bool axis_turns(JointType type, int axis);
+
+class Builder {
+ public:
+  Builder(CompileContext& context, const Element& scene);
+  SceneModelPtr build();
+
+ private:
+  /// What becomes known of an element on the way.
+  struct Note {
+    int body = kWorld;        ///< the body it is, or is part of
+    int first_body = kWorld;  ///< of an assembly: the one its frames move with
+    int body_count = 0;       ///< inside an assembly
+    int assembly = -1;        ///< itself or the nearest around it
+    int joint = -1;
+    const Element* owner = nullptr;  ///< the element that became `body`
+    bool faulty = false;      ///< something of it failed: later checks stay silent
+    // resolve_places
+    enum class Placing : char { open, at_work, done } placing = Placing::open;
+    bool reference_known = false;
+    const Element* reference = nullptr;  ///< what its place is relative to; nullptr: the world
+    Pose X_W;
+  };
+
+  /// What an assembly passes on to what is inside it.
+  struct Inherited {
+    int assembly = -1;
+    const Element* glue = nullptr;       ///< rigid assembly or body around, outermost
+    bool is_static = false, is_kinematic = false;
+    const Element* moving = nullptr;     ///< assembly whose initial velocity holds here
+    const Element* material = nullptr;   ///< <material> named by what is around
+    const Element* whole_material = nullptr;  ///< by a rigid assembly: wins over a shape's own
+    bool material_failed = false;
+  };
+
+  /// A shape and where its matter comes from; filled on the way down, used when poses are known.
+  struct ShapeJob {
+    const Element* element = nullptr;
+    const Element* material = nullptr;
+    const Element* whole_material = nullptr;
+    bool material_failed = false;
+  };
+
+  /// Motion at the start, as written on a body or an assembly around it.
+  struct VelocityJob {
+    int body = kWorld;
+    const Element* source = nullptr;
+  };
+
+  Note& note(const Element& element) { return notes_[static_cast<std::size_t>(element.index)]; }
+  const Note& note(const Element& element) const {
+    return notes_[static_cast<std::size_t>(element.index)];
+  }
+  Reader reader(const Element& element) { return Reader(context_, element); }
+  DiagnosticSink& sink() { return context_.sink; }
+  Report fault(std::string_view code, const Element& element, std::string message);
+  Report fault(std::string_view code, const Element& element, std::string_view attribute,
+               std::string message);
+  /// The attribute is in the vocabulary of this element.
+  static bool knows(const Element& element, std::string_view attribute);
+  template <class Use>
+  void for_each(const Element& root, Use&& use) const;
+
+  // build_scene.cpp
+  void settings();
+  void light(const Element& element);
+  void view(const Element& element);
+  void frame(const Element& element);
+
+  // build_tree.cpp
+  void tree(const Element& element, const Inherited& inherited);
+  void assembly(const Element& element, Inherited inside);
+  void new_body(const Element& element, const Inherited& inherited);
+  Inherited mobility(const Element& element, Inherited inherited);
+  void name_material(const Element& element, Inherited& inherited);
+  void count_bodies(const Element& element, int body);
+
+  // resolve_places.cpp
+  void places();
+  void place(const Element& element);
+  const Element* reference(const Element& element);
+  std::optional<Pose> own_pose(const Element& element);
+  void report_cycle(const std::vector<const Element*>& open, const Element& again);
+  Pose facing(const Element& element, Pose X_W);
+  /// The body a place moves with (kWorld: none).
+  int carrier(const Element& element);
+  /// The one body meant by a name; nullopt: reported.
+  std::optional<int> body_at(const Element& from, const Word& word, bool world_allowed);
+
+  // build_matter.cpp
+  void materials();
+  void material_pairs();
+  int material_index(const Element& material);
+  int shape_material(const ShapeJob& job);
+
+  // build_shapes.cpp
+  void shapes();
+  bool geometry(const Element& element, Shape& shape);
+  bool mesh(const Element& element, Shape& shape);
+  bool heightmap(const Element& element, Shape& shape);
+
+  // build_mass.cpp
+  void masses();
+  void velocities();
+  std::optional<MassProperties> mass_of(const Element& element, const Pose& X_BW);
+  std::optional<MassProperties> mass_of_shape(const Element& element);
+  void finish_mass(const Element& owner, int body);
+
+  // build_joints.cpp
+  void joint(const Element& element);
+  bool joint_frames(const Element& element, Joint& joint);
+  bool joint_axes(const Element& element, Joint& joint);
+  void joint_start(const Element& element, Joint& joint);
+  void collision_pairs();
+
+  // build_devices.cpp
+  void motor(const Element& element);
+  bool motor_laws(const Element& element, Motor& motor, bool turns);
+  void sensor(const Element& element);
+  std::optional<std::vector<NoiseTerm>> noise(const Element& element);
+
+  // build_minds.cpp
+  void mind(const Element& element);
+  std::optional<Parameters> plugin_parameters(const Element& element, PluginKind kind,
+                                              const std::string& plugin);
+  void engine_blocks(const Element& element, std::map<std::string, Parameters>& options);
+  bool take_parameters(const Element& element, const ParameterTable* table, Parameters& given);
+
+  // check_scene.cpp
+  void start();
+  void check_overlaps();
+  void check_mass_ratios();
+  void check_params();
+
+  CompileContext& context_;
+  const Element& scene_;
+  Names names_;
+  SceneModel model_;
+  std::vector<Note> notes_;                      // by Element::index
+  std::vector<const Element*> body_elements_;    // by body
+  std::vector<const Element*> joint_elements_;   // by joint
+  std::vector<std::vector<ShapeJob>> body_shapes_;  // by body
+  std::vector<VelocityJob> velocity_jobs_;
+  std::map<const Element*, int> material_indices_;
+  std::map<std::string, int> derived_materials_;  // by base and overrides
+  std::map<std::string, int> mesh_indices_;       // by file and scale; -1: failed
+  std::vector<std::size_t> mesh_open_edges_;      // by mesh
+  std::unordered_map<const Element*, std::pair<int, int>> shape_places_;  // body, shape
+  StartHints hints_;
+};
+
+template <class Use>
+void Builder::for_each(const Element& root, Use&& use) const {
+  for (const Element* child : root.children) {
+    use(*child);
+    for_each(*child, use);
+  }
+}
+
+}  // namespace cogrsim::dsl

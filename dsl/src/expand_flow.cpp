@@ -1,0 +1,158 @@
+#include <cmath>
+
+#include "expand_scene.h"
+
+namespace cogrsim::dsl {
+namespace {
+
+// Words of an attribute such as var="side y".
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  while (true) {
+    const std::size_t begin = text.find_first_not_of(' ');
+    if (begin == std::string_view::npos) return words;
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+    text.remove_prefix(end);
+  }
+}
+
+bool is_identifier(std::string_view word) {
+  if (word.empty() || (word[0] >= '0' && word[0] <= '9')) return false;
+  for (const char c : word)
+    if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'))
+      return false;
+  return true;
+}
+
+}  // namespace
+
+void Expander::repeat(const Node& node, const Place& place, const std::string& key) {
+  const Attribute* count = node.find("count");
+  const Attribute* var = node.find("var");
+  if (count == nullptr) {  // reported by the vocabulary
+    place.into->incomplete = true;
+    return;
+  }
+  if (var != nullptr && !is_identifier(var->value)) {
+    context_.sink.report("CG0403", var->value_span, place.trail,
+                         "'" + std::string(var->value) + "' cannot be a variable's name")
+        .help("use letters, digits and _, for example var=\"i\"");
+    var = nullptr;
+    place.into->incomplete = true;
+    return;
+  }
+  const Value value =
+      evaluate_attribute(context_, node, *count, place.scope, place.trail, key);
+  if (value.is_poison()) {
+    place.into->incomplete = true;
+    return;
+  }
+  const Quantity* number = value.as_number();
+  if (number == nullptr || !number->dimension.none() || number->value < 0 ||
+      number->value != std::floor(number->value)) {
+    place.into->incomplete = true;
+    context_.sink.report("CG0311", count->value_span, place.trail,
+                         "expected a whole number of rounds, 0 or more, found " +
+                             (number != nullptr && number->dimension.none()
+                                  ? number_text(number->value)
+                                  : describe(value)));
+    return;
+  }
+  const double limit = context_.options.limits.expanded_elements;
+  const auto rounds = static_cast<std::size_t>(std::min(number->value, limit + 1.0));
+  for (std::size_t i = 0; i < rounds; ++i) {
+    if (!room(node, place)) return;
+    Scope& scope = context_.scopes.emplace_back(place.scope);
+    if (var != nullptr) scope.set(std::string(var->value), Value::number(static_cast<double>(i)));
+    Place inner = place;
+    inner.scope = &scope;
+    inner.trail = step(place, "in round " + std::to_string(i) + " of a repeat", node.span);
+    inner.key = key + "[" + std::to_string(i) + "]";
+    children(node, inner);
+  }
+}
+
+void Expander::for_each(const Node& node, const Place& place, const std::string& key) {
+  const Attribute* var = node.find("var");
+  const Attribute* in = node.find("in");
+  if (var == nullptr || in == nullptr) {
+    place.into->incomplete = true;
+    return;
+  }
+  const auto names = words_of(var->value);
+  for (const std::string_view name : names)
+    if (!is_identifier(name)) {
+      place.into->incomplete = true;
+      context_.sink.report("CG0403", var->value_span, place.trail,
+                           "'" + std::string(name) + "' cannot be a variable's name")
+          .help("use letters, digits and _, for example var=\"side y\"");
+      return;
+    }
+  const Value value = evaluate_attribute(context_, node, *in, place.scope, place.trail, key);
+  if (value.is_poison() || names.empty()) {
+    place.into->incomplete = true;
+    return;
+  }
+  const ValueList* list = value.as_list();
+  if (list == nullptr) {
+    place.into->incomplete = true;
+    context_.sink.report("CG0312", in->value_span, place.trail,
+                         "expected a list to go through, found " + describe(value))
+        .help("write a list in square brackets: in=\"[1, 2, 3]\"");
+    return;
+  }
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    if (!room(node, place)) return;
+    const Value& item = (*list)[i];
+    Scope& scope = context_.scopes.emplace_back(place.scope);
+    if (names.size() == 1) {
+      scope.set(std::string(names[0]), item);
+    } else {
+      const ValueList* tuple = item.as_list();
+      if (item.is_poison() || tuple == nullptr || tuple->size() != names.size()) {
+        place.into->incomplete = true;
+        if (!item.is_poison())
+          context_.sink.report("CG0312", in->value_span, place.trail,
+                               "var has " + std::to_string(names.size()) + " names, but entry " +
+                                   std::to_string(i + 1) + " of the list is " + describe(item))
+              .help("give each entry as many parts: in=\"[['left', 1], ['right', -1]]\"");
+        continue;
+      }
+      for (std::size_t k = 0; k < names.size(); ++k)
+        scope.set(std::string(names[k]), (*tuple)[k]);
+    }
+    Place inner = place;
+    inner.scope = &scope;
+    inner.trail = step(place, "in round " + std::to_string(i) + " of a for", node.span);
+    inner.key = key + "[" + std::to_string(i) + "]";
+    children(node, inner);
+  }
+}
+
+void Expander::condition(const Node& node, const Place& place, const std::string& key) {
+  const Attribute* test = node.find("test");
+  if (test == nullptr) {
+    place.into->incomplete = true;
+    return;
+  }
+  const Value value = evaluate_attribute(context_, node, *test, place.scope, place.trail, key);
+  if (value.is_poison()) {
+    place.into->incomplete = true;
+    return;
+  }
+  const bool* yes = value.as_boolean();
+  if (yes == nullptr) {
+    place.into->incomplete = true;
+    context_.sink.report("CG0313", test->value_span, place.trail,
+                         "expected true or false, found " + describe(value))
+        .help("compare it: test=\"" + std::string(test->value) + " gt 0\"");
+    return;
+  }
+  if (!*yes) return;
+  Place inner = place;
+  inner.key = key;
+  children(node, inner);
+}
+
+}  // namespace cogrsim::dsl

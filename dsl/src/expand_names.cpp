@@ -1,0 +1,87 @@
+#include <algorithm>
+#include <cctype>
+#include <unordered_map>
+
+#include "expand_scene.h"
+
+namespace cogrsim::dsl {
+namespace {
+
+// Things, materials and so on have names of their own: a crate may be called "wood".
+int name_space(std::string_view tag) { return tag == "material" ? 1 : 0; }
+
+struct KeyHash {
+  std::size_t operator()(const std::pair<int, std::string_view>& key) const {
+    return std::hash<std::string_view>()(key.second) * 2 + static_cast<std::size_t>(key.first);
+  }
+};
+
+bool takes_name(const Element& element) {
+  const AttributeSpec* spec =
+      element.node->spec != nullptr ? element.node->spec->find("name") : nullptr;
+  return element.tag() == "import" || (spec != nullptr && spec->kind == Kind::name);
+}
+
+std::string base_name(const Element& element) {
+  if (element.tag() == "controller" || element.tag() == "supervisor")
+    if (const Attribute* plugin = element.find("plugin"); plugin != nullptr) {
+      const bool plain = std::all_of(plugin->value.begin(), plugin->value.end(), [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+      });
+      if (plain && !plugin->value.empty()) return std::string(plugin->value);
+    }
+  return std::string(element.tag());
+}
+
+}  // namespace
+
+// Written names first, so that a made-up one never takes a name that is written further down.
+void Expander::name_children(Element& parent) {
+  std::unordered_map<std::pair<int, std::string_view>, const Element*, KeyHash> taken;
+  taken.reserve(parent.children.size());
+  std::vector<Element*> unique;
+  unique.reserve(parent.children.size());
+  for (Element* child : parent.children) {
+    if (!child->name.empty()) {
+      if (child->name == "world" && parent.parent == nullptr && name_space(child->tag()) == 0)
+        context_.sink
+            .report("CG0403", *child, "name", "'world' is the name of the world itself")
+            .help("choose another name");
+      const auto [at, is_new] = taken.try_emplace({name_space(child->tag()), child->name}, child);
+      if (!is_new) {
+        parent.incomplete = true;
+        const Element& first = *at->second;
+        const std::string where = parent.path.empty() ? "the scene" : "'" + parent.path + "'";
+        auto report = context_.sink.report("CG0401", *child, child->tag() == "import" ? "as" : "name",
+                                           "the name '" + child->name + "' is taken in " + where);
+        report.note("first given to this " + std::string(first.tag()), first.span());
+        if (first.node == child->node)
+          report.help("let the name change from round to round: name=\"" + child->name + "_${i}\"");
+        continue;
+      }
+    }
+    unique.push_back(child);
+  }
+  parent.children = std::move(unique);
+
+  std::unordered_map<std::string, int> counts;
+  for (Element* child : parent.children) {
+    if (child->name.empty() && takes_name(*child)) {
+      const std::string base = base_name(*child);
+      // A controller is called like its plugin; what has no such word is numbered from 1.
+      const bool numbered = base == child->tag();
+      int& count = counts[base];
+      do {
+        ++count;
+        child->name = count == 1 && !numbered ? base : base + "_" + std::to_string(count);
+      } while (taken.count({name_space(child->tag()), child->name}) != 0);
+    }
+    const std::string own =
+        child->name.empty() ? "(" + std::string(child->tag()) + ")" : child->name;
+    child->path = parent.path.empty() ? own : parent.path + "." + own;
+    child->index = context_.element_count++;
+    name_children(*child);
+  }
+}
+
+}  // namespace cogrsim::dsl

@@ -1,0 +1,108 @@
+// Expansion: from what is written to what there is. Imports, parameters, prototypes, repeats and
+// conditions go in, a plain tree of Elements comes out.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "diagnostics.h"
+#include "element.h"
+#include "reader.h"
+#include "vocabulary.h"
+
+namespace cogrsim::dsl {
+
+/// The prototypes a place in a file can see.
+struct Definitions;
+
+struct Prototype {
+  const Node* node = nullptr;
+  const Definitions* definitions = nullptr;  ///< where it was written: what its inside can see
+  const Element* home = nullptr;             ///< the import element it came through
+};
+
+struct Definitions {
+  const Definitions* up = nullptr;
+  std::map<std::string, Prototype, std::less<>> prototypes;
+  std::map<std::string, const Definitions*, std::less<>> imports;  ///< by `as`
+  bool incomplete = false;  ///< an import failed: unknown names are its fault
+
+  /// "DiffBot", or "parts.DiffBot" through an import; nullptr: unknown here and further up.
+  const Prototype* find(std::string_view dotted) const;
+  void list(std::string_view prefix, std::vector<std::string>& names) const;
+  bool incomplete_anywhere() const;
+};
+
+/// What a `<param type=…>` stands for.
+struct ParamType {
+  std::string_view name;
+  enum class Form { any, quantity, integer, boolean, text, list } form = Form::quantity;
+  Dimension dimension;
+};
+/// nullptr: no such type. "" is a plain number.
+const ParamType* find_param_type(std::string_view name);
+
+class Expander {
+ public:
+  explicit Expander(CompileContext& context) : context_(context) {}
+  Element* run(const Document& scene);
+
+ private:
+  /// Where new elements go, and what they see.
+  struct Place {
+    Element* into = nullptr;
+    const Scope* scope = nullptr;
+    const Trail* trail = nullptr;
+    const Definitions* definitions = nullptr;
+    const Element* home = nullptr;
+    std::string key;  ///< of random numbers drawn while expanding
+    int instances = 0;  ///< instances around
+    int depth = 0;      ///< elements, rounds and instances around
+    /// Of an imported file: only its definitions are taken, the rest is named here.
+    std::vector<std::string_view>* left_behind = nullptr;
+  };
+
+  // expand_scene.cpp
+  Element* make(const Node& node, const Place& place);
+  void children(const Node& node, const Place& place, Definitions* own = nullptr);
+  void define(const Node& node, const Place& place, Definitions& definitions);
+  /// Remembers that `node` failed, so that nobody complains of its absence.
+  void lose(const Node& node, const Place& place);
+  void child(const Node& node, const Place& place, int ordinal);
+  void instance(const Node& node, const Place& place, const std::string& key);
+  const Trail* step(const Place& place, std::string text, const SourceSpan& at);
+  bool room(const Node& node, const Place& place);
+
+  // expand_flow.cpp
+  void repeat(const Node& node, const Place& place, const std::string& key);
+  void for_each(const Node& node, const Place& place, const std::string& key);
+  void condition(const Node& node, const Place& place, const std::string& key);
+
+  // expand_param.cpp
+  void define_params(const Node& container, Scope& scope, const Place& place,
+                     const Element* instance, bool is_scene);
+  void check_bounds(const Element& param, const ParamType& type, const Value& value,
+                    std::string_view name, const SourceSpan& at, const Trail* trail);
+  void check_given_names(const Node& container, const Element* instance, bool is_scene);
+
+  // expand_import.cpp
+  void import(const Node& node, const Place& place, Definitions& into);
+
+  // expand_names.cpp
+  void name_children(Element& parent);
+
+  CompileContext& context_;
+  std::deque<Definitions> definitions_;
+  std::vector<const Document*> open_documents_;
+  std::set<std::pair<const Element*, const Document*>> merged_;
+  std::size_t made_ = 0;
+  bool full_ = false;
+};
+
+}  // namespace cogrsim::dsl

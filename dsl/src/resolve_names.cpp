@@ -1,0 +1,146 @@
+#include "resolve_names.h"
+
+#include "vocabulary.h"
+
+namespace cogrsim::dsl {
+namespace {
+
+constexpr int kMaxExports = 16;            // one export may name another
+constexpr std::size_t kMaxSuggestions = 4000;  // names compared with an unknown one
+
+bool is_matter(std::string_view tag) {
+  return is_shape(tag) || tag == "body" || tag == "assembly" || tag == "instance";
+}
+
+bool matches(const Element& element, Wanted wanted) {
+  switch (wanted) {
+    case Wanted::place: return is_matter(element.tag()) || element.tag() == "frame";
+    case Wanted::matter: return is_matter(element.tag());
+    case Wanted::joint: return is_joint(element.tag());
+    case Wanted::material: return element.tag() == "material";
+    case Wanted::any: return true;
+  }
+  return false;
+}
+
+const char* describe(Wanted wanted) {
+  switch (wanted) {
+    case Wanted::place: return "body, assembly or frame";
+    case Wanted::matter: return "body or assembly";
+    case Wanted::joint: return "joint";
+    case Wanted::material: return "material";
+    case Wanted::any: return "element";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string kind_of(const Element& element) {
+  const std::string tag(element.tag());
+  const bool vowel = tag.find_first_of("aeio") == 0;
+  return (vowel ? "an " : "a ") + tag;
+}
+
+Names::Names(CompileContext& context, const Element& root) : context_(context) { index(root); }
+
+void Names::index(const Element& element) {
+  for (const Element* c : element.children) {
+    if (!c->name.empty()) {
+      (c->tag() == "material" ? materials_ : things_)[&element].emplace(c->name, c);
+      all_.push_back(c);
+    }
+    // An import is a way to materials and to nothing else.
+    if (c->tag() == "import") materials_[&element].emplace(c->name, c);
+    index(*c);
+  }
+}
+
+const Element* Names::child(const Element& scope, std::string_view name, bool materials) const {
+  const auto& table = materials ? materials_ : things_;
+  if (const auto s = table.find(&scope); s != table.end())
+    if (const auto it = s->second.find(name); it != s->second.end()) return it->second;
+  return nullptr;
+}
+
+bool Names::may_be_lost(const Element& scope, std::string_view name) const {
+  if (scope.incomplete) return true;
+  const auto it = context_.lost_names.find(&scope);
+  return it != context_.lost_names.end() && it->second.count(name) != 0;
+}
+
+Names::Walk Names::walk(const Element& scope, std::string_view dotted, bool materials,
+                        int depth) const {
+  const Element* at = &scope;
+  while (true) {
+    const std::size_t dot = dotted.find('.');
+    const std::string_view first = dotted.substr(0, dot);
+    const bool last = dot == std::string_view::npos;
+    const Element* next = child(*at, first, materials);
+    // A material may lie inside an assembly, which is a thing.
+    if (next == nullptr && materials && !last) next = child(*at, first, false);
+    if (next == nullptr) return {nullptr, may_be_lost(*at, first)};
+    if (next->tag() == "export" && depth < kMaxExports) {
+      const Attribute* of = next->find("of");
+      if (of == nullptr) return {nullptr, true};
+      const Walk inside = walk(*at, of->value, materials, depth + 1);
+      if (inside.found == nullptr) return {nullptr, true};  // complained of at the export
+      next = inside.found;
+    }
+    if (last) return {next, false};
+    at = next;
+    dotted.remove_prefix(dot + 1);
+  }
+}
+
+std::vector<std::string> Names::known(const Element& from, Wanted wanted) const {
+  std::vector<std::string> names;
+  for (const Element* level = from.parent; level != nullptr; level = level->parent) {
+    for (const Element* c : level->children) {
+      if (names.size() >= kMaxSuggestions) return names;
+      if (!c->name.empty() && matches(*c, wanted)) names.push_back(c->name);
+    }
+  }
+  for (const Element* c : all_) {
+    if (names.size() >= kMaxSuggestions) break;
+    if (matches(*c, wanted) && c->path.find('.') != std::string::npos) names.push_back(c->path);
+  }
+  return names;
+}
+
+const Element* Names::find(const Element& from, const Word& word, Wanted wanted) {
+  const bool materials = wanted == Wanted::material;
+  bool lost = false;
+  const Element* of_another_kind = nullptr;
+  // Names of the element's own children come before those around it only for scopes, which ask
+  // through their children.
+  for (const Element* level = from.parent != nullptr ? from.parent : &from; level != nullptr;
+       level = level->parent) {
+    for (const Element* scope : {level, level->home}) {
+      if (scope == nullptr) continue;
+      const Walk result = walk(*scope, word.text, materials, 0);
+      lost = lost || result.lost;
+      if (result.found == nullptr || result.found == &from) continue;
+      if (matches(*result.found, wanted)) return result.found;
+      if (of_another_kind == nullptr) of_another_kind = result.found;
+    }
+  }
+  if (lost || !failed_.emplace(&from, word.span.line, word.span.column).second) return nullptr;
+  if (of_another_kind != nullptr) {
+    context_.sink
+        .report("CG0404", word.span, from.trail,
+                "'" + word.text + "' is " + kind_of(*of_another_kind) + ", expected a " +
+                    describe(wanted))
+        .note("it stands here", of_another_kind->span());
+    return nullptr;
+  }
+  const std::vector<std::string> names = known(from, wanted);
+  context_.sink
+      .report("CG0402", word.span, from.trail,
+              "there is no " + std::string(describe(wanted)) + " '" + word.text + "' here")
+      .help(names.empty() ? "the scene has no " + std::string(describe(wanted)) + " with a name"
+                          : suggest(word.text, names));
+  return nullptr;
+}
+
+}  // namespace cogrsim::dsl

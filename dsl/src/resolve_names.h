@@ -1,0 +1,59 @@
+// From a name in an attribute to the element it means.
+#pragma once
+
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <unordered_map>
+#include <vector>
+
+#include "diagnostics.h"
+#include "element.h"
+#include "reader.h"
+
+namespace cogrsim::dsl {
+
+/// What an attribute wants to hear of.
+enum class Wanted {
+  place,     ///< anything with a place: bodies, shapes, assemblies, instances, frames
+  matter,    ///< bodies, shapes, assemblies, instances
+  joint,
+  material,
+  any        ///< any named thing but a material
+};
+
+/// A name is looked for in the scope it stands in, then further and further out. With dots it goes
+/// in again, through assemblies, bodies, instances and imports. An instance hides nothing: what its
+/// prototype mentions may stand inside it, in the file it was imported from, or around it.
+class Names {
+ public:
+  Names(CompileContext& context, const Element& root);
+
+  /// What `word` means as written in `from`; nullptr: reported (CG0402, CG0404), or silent when it
+  /// is the fault of something that failed before.
+  const Element* find(const Element& from, const Word& word, Wanted wanted);
+
+ private:
+  using Scope = std::unordered_map<std::string_view, const Element*>;
+  struct Walk {
+    const Element* found = nullptr;
+    bool lost = false;  ///< the name could be one that failed
+  };
+
+  void index(const Element& element);
+  const Element* child(const Element& scope, std::string_view name, bool materials) const;
+  Walk walk(const Element& scope, std::string_view dotted, bool materials, int depth) const;
+  bool may_be_lost(const Element& scope, std::string_view name) const;
+  std::vector<std::string> known(const Element& from, Wanted wanted) const;
+
+  CompileContext& context_;
+  std::unordered_map<const Element*, Scope> things_, materials_;
+  std::vector<const Element*> all_;
+  std::set<std::tuple<const Element*, int, int>> failed_;  ///< element, line, column: reported once
+};
+
+/// "a body", "a material", "an assembly", …: for "'x' is a hinge, expected a body".
+std::string kind_of(const Element& element);
+
+}  // namespace cogrsim::dsl
