@@ -1,0 +1,346 @@
+#include "command_line.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "options.h"
+#include "quantities.h"
+#include "terminal.h"
+
+namespace cogrsim::cli {
+namespace {
+
+// The base class of CLI11's exceptions has the same name.
+using Problem = cogrsim::Error;
+
+// Words as they were typed; they become options once all are known.
+struct Words {
+  std::vector<std::string> plugin_paths;
+  std::vector<std::string> scenes;
+  std::string scene, backend, duration, speed, seed, json, report, code, format = "text";
+  std::vector<std::string> steps, set, thresholds, backends;
+  int rows = 10;
+  bool json_flag = false, reference = false;
+};
+
+// A wrong word on the command line: what, and the way out.
+class UsageError : public CLI::ValidationError {
+ public:
+  UsageError(const std::string& option, const Problem& problem)
+      : CLI::ValidationError(option, problem.text()) {}
+};
+
+double duration_from(const std::string& word) {
+  const auto time = parse_time(word);
+  if (!time) throw UsageError("--duration", time.error());
+  if (*time <= 0.0 || *time > kLongestDuration) {
+    throw UsageError("--duration", Problem(fmt::format("'{}' is out of range", word), "",
+                                         "a run lasts more than 0 s and at most 1e9 s"));
+  }
+  return *time;
+}
+
+double step_from(const std::string& word) {
+  const auto time = parse_time(word);
+  if (!time) throw UsageError("--step", time.error());
+  if (*time < kSmallestStep || *time > kLargestStep) {
+    throw UsageError("--step", Problem(fmt::format("'{}' is out of range", word), "",
+                                     "a step is from 1 ns to 1 s; \"1 ms\" suits most scenes"));
+  }
+  return *time;
+}
+
+double speed_from(const std::string& word) {
+  if (word == "max") return std::numeric_limits<double>::infinity();
+  const std::string number = !word.empty() && word.back() == 'x' ? word.substr(0, word.size() - 1) : word;
+  const auto speed = parse_number(number);
+  if (!speed || *speed <= 0.0) {
+    throw UsageError("--speed", Problem(fmt::format("'{}' is no speed", word), "",
+                                      "write simulated seconds per second, such as 1 or 0.25, or max"));
+  }
+  return *speed;
+}
+
+std::uint64_t seed_from(const std::string& word) {
+  std::uint64_t seed = 0;
+  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
+  if (error != std::errc{} || rest != word.data() + word.size()) {
+    throw UsageError("--seed", Problem(fmt::format("'{}' is no seed", word), "",
+                                     "write a whole number from 0 to 18446744073709551615"));
+  }
+  return seed;
+}
+
+std::map<std::string, std::string> settings_from(const std::vector<std::string>& words) {
+  std::map<std::string, std::string> settings;
+  for (const std::string& word : words) {
+    const auto setting = parse_setting(word);
+    if (!setting) throw UsageError("--set", setting.error());
+    if (!settings.emplace(*setting).second) {
+      throw UsageError("--set", Problem(fmt::format("'{}' is set twice", setting->first)));
+    }
+  }
+  return settings;
+}
+
+SceneOptions scene_from(const Words& words) {
+  SceneOptions options;
+  options.scene = words.scene;
+  options.set = settings_from(words.set);
+  if (!words.seed.empty()) options.seed = seed_from(words.seed);
+  if (!words.duration.empty()) options.duration = duration_from(words.duration);
+  options.plugin_paths = words.plugin_paths;
+  return options;
+}
+
+RunOptions run_from(const Words& words) {
+  RunOptions options;
+  options.scene = scene_from(words);
+  options.backend = words.backend;
+  if (!words.steps.empty()) options.step = step_from(words.steps.front());
+  if (!words.speed.empty()) options.speed = speed_from(words.speed);
+  options.json = words.json;
+  return options;
+}
+
+CompareCommandOptions compare_from(const Words& words) {
+  CompareCommandOptions options;
+  options.scene = scene_from(words);
+  for (const std::string& list : words.backends) {
+    for (const std::string& name : split(list, ',')) {
+      if (!name.empty()) options.backends.push_back(name);
+    }
+  }
+  if (!words.backends.empty() && options.backends.size() < 2) {
+    throw UsageError("--backends", Problem("a comparison needs at least two", "",
+                                         "write them with commas: --backends A,B"));
+  }
+  for (const std::string& list : words.steps) {
+    for (const std::string& word : split(list, ',')) {
+      const double step = step_from(word);
+      for (const double other : options.steps) {
+        if (std::fabs(step - other) <= 1e-9 * step) {
+          throw UsageError("--step", Problem(fmt::format("'{}' is given twice", word)));
+        }
+      }
+      options.steps.push_back(step);
+    }
+  }
+  for (const std::string& list : words.thresholds) {
+    for (const std::string& word : split(list, ',')) {
+      const auto threshold = parse_length_or_angle(word);
+      if (!threshold) throw UsageError("--threshold", threshold.error());
+      if (threshold->value <= 0.0) {
+        throw UsageError("--threshold", Problem(fmt::format("'{}' is not greater than zero", word)));
+      }
+      const bool angle = threshold->dimension == Dimension::angle;
+      (angle ? options.angle_threshold : options.position_threshold) = threshold->value;
+    }
+  }
+  options.rows = words.rows;
+  options.json = words.json;
+  options.report = words.report;
+  if (!options.json.empty() && options.json == options.report) {
+    throw UsageError("--report", Problem("--json and --report name the same file"));
+  }
+  return options;
+}
+
+void add_plugin_path(CLI::App& command, Words& words) {
+  command
+      .add_option("--plugin-path", words.plugin_paths,
+                  "Folder in which plugins and backends are looked for first; may be repeated")
+      ->type_name("DIR")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void add_set(CLI::App& command, Words& words) {
+  command
+      .add_option("--set", words.set,
+                  "Value of a <param> of the scene, in the scene's own notation; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void add_scene_options(CLI::App& command, Words& words) {
+  command.add_option("scene", words.scene, "Scene file, NAME.scene.xml")->required()->type_name("SCENE");
+  command
+      .add_option("-d,--duration", words.duration,
+                  "Simulated time, such as 5, \"5 s\" or 500ms; default: the scene's, else 10 s")
+      ->type_name("T");
+  command.add_option("--seed", words.seed, "Seed of all randomness; default: the scene's")
+      ->type_name("N");
+  add_set(command, words);
+  add_plugin_path(command, words);
+}
+
+void add_run(CLI::App& app, Words& words, int& status) {
+  CLI::App& command = *app.add_subcommand("run", "Run a scene on one backend");
+  add_scene_options(command, words);
+  command.add_option("-b,--backend", words.backend, "Physics engine; default: the scene's")
+      ->type_name("B");
+  command.add_option("--step", words.steps, "Step length, such as 0.001 or \"1 ms\"; default: the scene's")
+      ->type_name("DT")
+      ->expected(1);
+  command
+      .add_option("--speed", words.speed,
+                  "Simulated seconds per second, or max, the default; never changes a result")
+      ->type_name("X|max");
+  command.add_option("--json", words.json, "Write the result as JSON; - is the standard output")
+      ->type_name("FILE|-");
+  command.footer(
+      "Examples:\n"
+      "  cogrsim run robot.scene.xml\n"
+      "  cogrsim run robot.scene.xml --backend simbody --duration 5s --step \"0.5 ms\"\n"
+      "  cogrsim run robot.scene.xml --set wheel_r=\"5 cm\" --seed 7 --json result.json\n"
+      "  cogrsim run robot.scene.xml --speed 1      as fast as the clock on the wall\n"
+      "  cogrsim run robot.scene.xml --json - | jq .energy\n"
+      "Ctrl-C ends the run and prints what there is; exit status 0 good, 1 failed, 2 wrong usage.");
+  command.callback([&] { status = run_command(run_from(words)); });
+}
+
+void add_compare(CLI::App& app, Words& words, int& status) {
+  CLI::App& command = *app.add_subcommand("compare", "Run a scene on several backends side by side");
+  add_scene_options(command, words);
+  command
+      .add_option("-b,--backends", words.backends,
+                  "Backends, with commas; the first is the reference; default: all there are")
+      ->type_name("A,B")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      .add_option("--step", words.steps,
+                  "Step length; the comparison uses the first, several add convergence: each backend "
+                  "against itself at smaller steps")
+      ->type_name("DT")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      .add_option("--threshold", words.thresholds,
+                  "From which difference on two runs are apart: a length (metres without unit), an "
+                  "angle, or both; default: 1cm,1deg")
+      ->type_name("X")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("--rows", words.rows, "Bodies and joints shown in the tables")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command.add_option("--json", words.json, "Write the result as JSON; - is the standard output")
+      ->type_name("FILE|-");
+  command.add_option("--report", words.report, "Write a page with curves for a browser")
+      ->type_name("FILE.html");
+  command.footer(
+      "Examples:\n"
+      "  cogrsim compare robot.scene.xml --backends bullet,simbody\n"
+      "  cogrsim compare robot.scene.xml --duration 3s --threshold 5mm,2deg\n"
+      "  cogrsim compare robot.scene.xml --report robot.html --json robot.json\n"
+      "  cogrsim compare robot.scene.xml --step 4ms --step 2ms --step 1ms      with convergence\n"
+      "Differences are a finding, not a failure: exit status 0 unless a scene or a run failed.");
+  command.callback([&] { status = compare_command(compare_from(words)); });
+}
+
+void add_check(CLI::App& app, Words& words, int& status) {
+  CLI::App& command = *app.add_subcommand("check", "Say what is wrong with scenes, without running them");
+  command.add_option("scenes", words.scenes, "Scene files")->required()->type_name("SCENE...");
+  command
+      .add_option("-b,--backend", words.backend,
+                  "Also say what this backend cannot do of the scene; default: the scene's own")
+      ->type_name("B");
+  command.add_option("--format", words.format, "How findings are written: text, json or sarif")
+      ->check(CLI::IsMember({"text", "json", "sarif"}))
+      ->type_name("F")
+      ->capture_default_str();
+  add_set(command, words);
+  add_plugin_path(command, words);
+  command.footer(
+      "Examples:\n"
+      "  cogrsim check robot.scene.xml\n"
+      "  cogrsim check scenes/*.scene.xml --backend bullet\n"
+      "  cogrsim check robot.scene.xml --format sarif > findings.sarif");
+  command.callback([&] {
+    CheckOptions options;
+    options.scenes = words.scenes;
+    options.set = settings_from(words.set);
+    options.backend = words.backend;
+    options.format = words.format;
+    options.plugin_paths = words.plugin_paths;
+    status = check_command(options);
+  });
+}
+
+void add_small_ones(CLI::App& app, Words& words, int& status) {
+  CLI::App& explain = *app.add_subcommand("explain", "Say what a code such as CG0502 means");
+  explain.add_option("code", words.code, "The code; without one, all are listed")->type_name("CODE");
+  explain.footer("Examples:\n  cogrsim explain CG0502\n  cogrsim explain");
+  explain.callback([&] { status = explain_command(words.code); });
+
+  CLI::App& schema = *app.add_subcommand("schema", "Print the scene language for an editor (XSD)");
+  schema.add_flag("--reference", words.reference, "Print the reference page (Markdown) instead");
+  add_plugin_path(schema, words);
+  schema.footer(
+      "Examples:\n"
+      "  cogrsim schema > scene.xsd      gives completion in an editor\n"
+      "  cogrsim schema --reference > scene-reference.md");
+  schema.callback([&] { status = schema_command(words.reference, words.plugin_paths); });
+
+  CLI::App& plugins = *app.add_subcommand("plugins", "List backends, controllers, supervisors, sensors");
+  plugins.add_flag("--json", words.json_flag, "As JSON");
+  add_plugin_path(plugins, words);
+  plugins.footer(
+      "Examples:\n"
+      "  cogrsim plugins\n"
+      "  cogrsim plugins --plugin-path ./build/cogrsim_plugins\n"
+      "  cogrsim plugins --json | jq -r '.plugins[].name'");
+  plugins.callback([&] {
+    PluginsOptions options;
+    options.json = words.json_flag;
+    options.plugin_paths = words.plugin_paths;
+    status = plugins_command(options);
+  });
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  CLI::App app("Robot simulation on several physics engines: one scene, every engine.", "cogrsim");
+  Words words;
+  int status = kGood;
+  app.set_version_flag("--version", "cogrsim " COGRSIM_VERSION);
+  add_plugin_path(app, words);
+  app.require_subcommand(1);
+  add_run(app, words, status);
+  add_compare(app, words, status);
+  add_check(app, words, status);
+  add_small_ones(app, words, status);
+  app.footer(
+      "Examples:\n"
+      "  cogrsim check robot.scene.xml\n"
+      "  cogrsim run robot.scene.xml\n"
+      "  cogrsim compare robot.scene.xml --backends bullet,simbody --report robot.html\n"
+      "  cogrsim run --help      each subcommand has examples of its own\n"
+      "Exit status: 0 good, 1 the scene or run failed, 2 wrong usage.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {
+    return app.exit(request);  // --help, --version
+  } catch (const CLI::ParseError& error) {
+    const auto chosen = app.get_subcommands();
+    const std::string command = chosen.empty() ? "cogrsim" : "cogrsim " + chosen.front()->get_name();
+    std::string text = error.what();
+    if (text.find("\nhelp: ") == std::string::npos) text += "\nhelp: see " + command + " --help";
+    print_error(text);
+    return kWrongUsage;
+  }
+  return status;
+}
+
+}  // namespace cogrsim::cli

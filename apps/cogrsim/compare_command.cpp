@@ -1,0 +1,182 @@
+// cogrsim compare: one scene on several backends, side by side.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "cogrsim/physics/backend.h"
+#include "compare_output.h"
+#include "interrupt.h"
+#include "options.h"
+#include "output_file.h"
+#include "progress.h"
+#include "scene_loading.h"
+
+namespace cogrsim::cli {
+namespace {
+
+constexpr double kTrajectoryInstants = 200.0;
+
+// With steps that share instants runs can be compared with each other: all must divide the largest.
+std::string steps_problem(const std::vector<double>& steps) {
+  const double largest = *std::max_element(steps.begin(), steps.end());
+  for (const double step : steps) {
+    const double ratio = largest / step;
+    if (std::fabs(ratio - std::round(ratio)) > 1e-6) {
+      return fmt::format("step {} does not divide {} evenly\n"
+                         "help: for convergence choose steps such as --step 4ms --step 2ms --step 1ms",
+                         elapsed_text(step), elapsed_text(largest));
+    }
+  }
+  return {};
+}
+
+// The backends asked for, else all that can be found, the scene's own first.
+std::vector<std::string> chosen_backends(const CompareCommandOptions& options,
+                                         const LoadedScene& scene) {
+  if (!options.backends.empty()) return options.backends;
+  std::vector<std::string> names;
+  for (const PluginPtr& plugin : scene.loader->all()) {
+    if (plugin->descriptor().kind == PluginKind::backend) names.push_back(plugin->descriptor().name);
+  }
+  const auto own = std::find(names.begin(), names.end(), scene.model->physics.backend);
+  if (own != names.end()) std::rotate(names.begin(), own, own + 1);
+  return names;
+}
+
+// Curves cost memory per body; a large scene gets coarser ones.
+int curve_points(const SceneModel& model) {
+  const auto elements = std::max<std::size_t>(1, model.bodies.size() + model.joints.size());
+  return static_cast<int>(std::clamp<std::size_t>(1000000 / elements, 20, 400));
+}
+
+// Runs the scene at every step; the first one's result is the comparison.
+bool run_all(const CompareCommandOptions& options, const LoadedScene& scene, CompareReport& report) {
+  std::vector<double> steps = options.steps;
+  if (steps.empty()) steps.push_back(scene.model->physics.step);
+  const bool converge = steps.size() > 1;
+  const double largest = *std::max_element(steps.begin(), steps.end());
+  const double stride = std::max(1.0, std::floor(report.duration / largest / kTrajectoryInstants));
+
+  LockstepOptions lockstep;
+  lockstep.backends = report.backends;
+  lockstep.duration = report.duration;
+  lockstep.seed = options.scene.seed;
+  lockstep.compare.position_threshold = options.position_threshold;
+  lockstep.compare.angle_threshold = options.angle_threshold;
+  lockstep.compare.curve_points = curve_points(*scene.model);
+  lockstep.interrupted = interrupted;
+
+  std::vector<std::pair<double, std::vector<Trajectory>>> trajectories;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const std::string title =
+        converge ? fmt::format("compare, step {}", elapsed_text(steps[i])) : "compare";
+    Progress progress(title, report.duration);
+    lockstep.step = steps[i];
+    lockstep.trajectory_every =
+        converge ? static_cast<std::uint64_t>(std::llround(largest / steps[i] * stride)) : 0;
+    lockstep.on_step = [&](double time) { progress.show(time); };
+    auto result = run_lockstep(scene.model, lockstep, scene.loader);
+    progress.finish();
+    if (!result) {
+      print_diagnostics(result.error());
+      report.diagnostics.insert(report.diagnostics.end(), result.error().begin(),
+                                result.error().end());
+      return false;
+    }
+    if (converge) trajectories.emplace_back(steps[i], std::move(result->trajectories));
+    if (i == 0) report.result = std::move(*result);
+    if (interrupted()) break;
+  }
+  if (trajectories.size() < 2) return true;
+  std::sort(trajectories.begin(), trajectories.end(),
+            [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<double> sorted;
+  std::vector<std::vector<Trajectory>> runs;
+  for (auto& [step, lanes] : trajectories) {
+    sorted.push_back(step);
+    runs.push_back(std::move(lanes));
+  }
+  report.convergence = convergence(report.result->comparison.runs, sorted, runs);
+  return true;
+}
+
+std::string status_of(const LockstepResult& result) {
+  // The gravest of all runs.
+  RunStatus worst = RunStatus::completed;
+  for (const RunEnd& run : result.runs) worst = std::max(worst, run.status);
+  return to_string(worst);
+}
+
+int deliver(const CompareCommandOptions& options, const CompareReport& report, int status) {
+  const auto check = [&](const Result<>& done) {
+    if (done) return;
+    print_error(done.error().text());
+    status = kFailed;
+  };
+  if (!options.json.empty()) check(write_output(options.json, json_text(to_json(report))));
+  if (!report.result) return status;
+  if (!options.report.empty()) check(write_output(options.report, compare_html(report)));
+  if (options.json == "-" || options.report == "-") {
+    std::fputs(compare_text(report, options.rows, style_of(STDERR_FILENO)).c_str(), stderr);
+  } else {
+    check(print_output(compare_text(report, options.rows, style_of(STDOUT_FILENO))));
+  }
+  return status;
+}
+
+}  // namespace
+
+int compare_command(const CompareCommandOptions& options) {
+  for (const std::string& path : {options.json, options.report}) {
+    if (path.empty()) continue;
+    if (const auto writable = check_writable(path); !writable) {
+      print_error(writable.error().text());
+      return kFailed;
+    }
+  }
+  if (!options.steps.empty()) {
+    if (const std::string problem = steps_problem(options.steps); !problem.empty()) {
+      print_error(problem);
+      return kWrongUsage;
+    }
+  }
+  catch_interrupts();
+
+  CompareReport report;
+  report.file = options.scene.scene;
+  report.backends = options.backends;
+  LoadedScene scene = load_scene(options.scene);
+  report.diagnostics = scene.diagnostics;
+  print_diagnostics(report.diagnostics);
+  if (!scene.model) return deliver(options, report, kFailed);
+  report.scene = scene.model->name;
+  report.duration = duration_of(*scene.model, options.scene);
+  report.backends = chosen_backends(options, scene);
+  if (report.backends.size() < 2) {
+    const std::string problem = fmt::format(
+        "a comparison needs two backends, found {}",
+        report.backends.empty() ? "none" : "only '" + report.backends.front() + "'");
+    print_error(problem + "\nhelp: name them with --backends A,B; cogrsim plugins lists what there is");
+    report.diagnostics.push_back(to_diagnostic(Error(problem)));
+    return deliver(options, report, kFailed);
+  }
+  const double step = options.steps.empty()
+                          ? scene.model->physics.step
+                          : *std::max_element(options.steps.begin(), options.steps.end());
+  if (const std::string problem = step_problem(step, report.duration); !problem.empty()) {
+    print_error(problem);
+    report.diagnostics.push_back(to_diagnostic(Error(problem.substr(0, problem.find('\n')))));
+    const bool asked = !options.steps.empty() || options.scene.duration;
+    return deliver(options, report, asked ? kWrongUsage : kFailed);
+  }
+
+  if (!run_all(options, scene, report)) return deliver(options, report, kFailed);
+  report.status = status_of(*report.result);
+  for (const RunEnd& run : report.result->runs) print_messages(run.messages, run.label + ": ");
+  return deliver(options, report, report.result->failed ? kFailed : kGood);
+}
+
+}  // namespace cogrsim::cli

@@ -1,0 +1,38 @@
+// A comparison as a table for the terminal, as JSON, and as a page for a browser.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "convergence.h"
+#include "json_text.h"
+#include "lockstep.h"
+#include "terminal.h"
+
+namespace cogrsim::cli {
+
+struct CompareReport {
+  std::string scene;  ///< its name; empty when it did not compile
+  std::string file;
+  std::string status = "failed";  ///< completed, stopped, diverged, fault; failed: never started
+  double duration = 0.0;          ///< asked for [s]
+  std::vector<std::string> backends;  ///< asked for
+  std::optional<LockstepResult> result;
+  std::vector<ConvergenceSeries> convergence;  ///< empty: one step only
+  std::vector<Diagnostic> diagnostics;
+};
+
+/// `rows`: of each table, the rest is counted.
+std::string compare_text(const CompareReport& report, int rows, const Style& style);
+
+/// Keys: scene, file, status, duration, time, samples, thresholds, first_over, ended_early, runs (one
+/// per backend), bodies, joints, convergence, diagnostics.
+Json to_json(const CompareReport& report);
+
+/// One HTML file that needs nothing else: figures, tables and curves, light and dark.
+std::string compare_html(const CompareReport& report);
+
+/// "1 cm or 1°": what counts as apart.
+std::string thresholds_text(const CompareOptions& options);
+
+}  // namespace cogrsim::cli

@@ -1,0 +1,162 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "compare_output.h"
+
+namespace cogrsim::cli {
+namespace {
+
+using Align = TextTable::Align;
+constexpr std::size_t kNameWidth = 28;
+
+std::string spread_cell(const std::optional<Spread>& spread, double Spread::*part, bool angle) {
+  if (!spread) return "";
+  return angle ? angle_text((*spread).*part) : length_text((*spread).*part);
+}
+
+std::string difference_table(const std::string& kind, const std::vector<Difference>& differences,
+                             const CompareReport& report, int rows, const Style& style) {
+  if (differences.empty()) return {};
+  const CompareResult& comparison = report.result->comparison;
+  const bool several = comparison.runs.size() > 2;
+  std::vector<Align> columns = {Align::left};
+  std::vector<std::string> head = {kind};
+  if (several) {
+    columns.push_back(Align::left);
+    head.push_back("backend");
+  }
+  for (const char* title : {"max", "rms", "at end", "max", "rms", "at end", "apart from"}) {
+    columns.push_back(Align::right);
+    head.push_back(title);
+  }
+  TextTable table(columns);
+  table.row(head);
+  const std::size_t shown = std::min(differences.size(), static_cast<std::size_t>(rows));
+  for (std::size_t i = 0; i < shown; ++i) {
+    const Difference& d = differences[i];
+    std::vector<std::string> row = {shortened(d.name, kNameWidth)};
+    if (several) row.push_back(comparison.runs[d.run]);
+    for (const auto part : {&Spread::max, &Spread::rms, &Spread::end}) {
+      row.push_back(spread_cell(d.distance, part, false));
+    }
+    for (const auto part : {&Spread::max, &Spread::rms, &Spread::end}) {
+      row.push_back(spread_cell(d.angle, part, true));
+    }
+    row.push_back(d.first_over ? style.red + time_text(*d.first_over) + style.off : "never");
+    table.row(row);
+  }
+  std::string out = "\n" + table.text("  ", style.bold, style.off);
+  if (shown < differences.size()) {
+    out += fmt::format("  and {} more, see --json\n", differences.size() - shown);
+  }
+  return out;
+}
+
+std::string extreme_cell(const Extreme& extreme, bool angle) {
+  if (extreme.where.empty()) return angle ? "0°" : "0 m";
+  return angle ? angle_text(extreme.value) : length_text(extreme.value);
+}
+
+// Backends side by side: one column each, so that figures to compare stand beside each other.
+std::string figures_table(const LockstepResult& result, const Style& style) {
+  std::vector<Align> columns = {Align::left};
+  std::vector<std::string> head = {""};
+  for (const RunEnd& run : result.runs) {
+    columns.push_back(Align::right);
+    head.push_back(fmt::format("{} {}", run.label, run.engine_version));
+  }
+  TextTable table(columns);
+  table.row(head);
+  const auto line = [&](const std::string& title, auto cell) {
+    std::vector<std::string> row = {title};
+    for (std::size_t i = 0; i < result.runs.size(); ++i) {
+      row.push_back(cell(result.runs[i], result.comparison.figures[i]));
+    }
+    table.row(row);
+  };
+  using Run = const RunEnd&;
+  using Figures = const RunFigures&;
+  line("ended", [&](Run r, Figures) {
+    const bool bad = r.status == RunStatus::diverged || r.status == RunStatus::fault;
+    const std::string text = fmt::format("{}, {}", to_string(r.status), time_text(r.time));
+    return bad ? style.red + text + style.off : text;
+  });
+  line("wall time", [](Run r, Figures) { return elapsed_text(r.wall_time); });
+  line("times real time", [](Run r, Figures) { return factor_text(r.time / r.wall_time); });
+  line("energy at start", [](Run, Figures f) { return quantity_text(f.energy.start, "J"); });
+  line("energy at end", [](Run, Figures f) { return quantity_text(f.energy.end, "J"); });
+  line("energy drift", [](Run, Figures f) { return quantity_text(f.energy.end - f.energy.start, "J"); });
+  line("momentum drift, largest",
+       [](Run, Figures f) { return quantity_text(f.linear_momentum.largest, "kg m/s"); });
+  line("angular momentum drift",
+       [](Run, Figures f) { return quantity_text(f.angular_momentum.largest, "kg m²/s"); });
+  line("contacts, mean", [](Run, Figures f) { return quantity_text(f.mean_contacts, ""); });
+  line("contacts, most", [](Run, Figures f) { return fmt::format("{}", f.most_contacts); });
+  line("deepest penetration", [](Run, Figures f) { return extreme_cell(f.penetration, false); });
+  line("joint error, distance", [](Run, Figures f) { return extreme_cell(f.joint_distance, false); });
+  line("joint error, angle", [](Run, Figures f) { return extreme_cell(f.joint_angle, true); });
+  return "\n" + table.text("  ", style.bold, style.off);
+}
+
+std::string convergence_table(const CompareReport& report, const Style& style) {
+  if (report.convergence.empty()) return {};
+  TextTable table({Align::left, Align::right, Align::right, Align::right});
+  table.row({"convergence", "step", "rms change", "order"});
+  for (const ConvergenceSeries& series : report.convergence) {
+    for (const ConvergencePoint& point : series.points) {
+      // A backend's smallest step has nothing smaller to be compared with.
+      if (!point.difference) continue;
+      table.row({series.name, elapsed_text(point.step), length_text(*point.difference),
+                 point.order ? fmt::format("{:.2f}", *point.order) : "-"});
+    }
+  }
+  return "\n" + table.text("  ", style.bold, style.off) +
+         "  A backend's change is from its own run at the next smaller step; of two backends it is\n"
+         "  the difference between them. Positions, root mean square over bodies and time.\n";
+}
+
+}  // namespace
+
+std::string thresholds_text(const CompareOptions& options) {
+  return fmt::format("{} or {}", length_text(options.position_threshold),
+                     angle_text(options.angle_threshold));
+}
+
+std::string compare_text(const CompareReport& report, int rows, const Style& style) {
+  if (!report.result) return {};
+  const LockstepResult& result = *report.result;
+  const CompareResult& comparison = result.comparison;
+  std::string others = comparison.runs[1];
+  for (std::size_t i = 2; i < comparison.runs.size(); ++i) others += ", " + comparison.runs[i];
+  std::string out =
+      fmt::format("{}{}{}: {} against {}, {} in steps of {}\n", style.bold, report.scene, style.off,
+                  others, comparison.runs[0], time_text(comparison.end_time),
+                  elapsed_text(result.runs[0].step));
+  if (!result.ended_early.empty()) {
+    out += fmt::format("  {}compared only up to {}: {}{}\n", style.yellow,
+                       time_text(comparison.end_time), result.ended_early, style.off);
+  }
+  const std::string limits = thresholds_text(comparison.options);
+  if (comparison.first_over) {
+    out += fmt::format("  {}apart by more than {} from {} on, first {}{}\n", style.red, limits,
+                       time_text(*comparison.first_over), comparison.first_over_name, style.off);
+  } else {
+    out += fmt::format("  {}never apart by more than {}{}\n", style.green, limits, style.off);
+  }
+  out += difference_table("body, worst first", comparison.bodies, report, rows, style);
+  out += difference_table("joint, worst first", comparison.joints, report, rows, style);
+  if (!comparison.only_in_some.empty()) {
+    out += fmt::format("\n  {}not in every run:{}", style.yellow, style.off);
+    const std::size_t shown = std::min<std::size_t>(comparison.only_in_some.size(), 10);
+    for (std::size_t i = 0; i < shown; ++i) out += " " + comparison.only_in_some[i];
+    if (shown < comparison.only_in_some.size()) {
+      out += fmt::format(" and {} more, see --json", comparison.only_in_some.size() - shown);
+    }
+    out += "\n";
+  }
+  return out + figures_table(result, style) + convergence_table(report, style);
+}
+
+}  // namespace cogrsim::cli

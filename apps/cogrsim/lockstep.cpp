@@ -1,0 +1,151 @@
+#include "lockstep.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace cogrsim::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Lane {
+  std::unique_ptr<Simulation> simulation;
+  RunEnd end;
+};
+
+std::string label_of(const std::string& backend, const std::vector<Lane>& lanes) {
+  const auto before = std::count_if(lanes.begin(), lanes.end(),
+                                    [&](const Lane& lane) { return lane.end.backend == backend; });
+  return before == 0 ? backend : fmt::format("{} ({})", backend, before + 1);
+}
+
+bool goes_on(RunStatus status) {
+  return status == RunStatus::running || status == RunStatus::completed;
+}
+
+tl::expected<std::vector<Lane>, std::vector<Diagnostic>> create_lanes(
+    const SceneModelPtr& scene, const LockstepOptions& options,
+    const std::shared_ptr<PluginLoader>& loader) {
+  std::vector<Lane> lanes;
+  std::vector<Diagnostic> problems;
+  for (const std::string& backend : options.backends) {
+    SimulationOptions settings;
+    settings.backend = backend;
+    settings.step = options.step;
+    settings.seed = options.seed;
+    auto created = Simulation::create(scene, settings, loader);
+    if (!created) {
+      for (Diagnostic diagnostic : created.error()) {
+        DiagnosticNote note;
+        note.message = fmt::format("on backend '{}'", backend);
+        diagnostic.notes.push_back(note);
+        problems.push_back(std::move(diagnostic));
+      }
+      continue;
+    }
+    Lane lane;
+    lane.simulation = std::move(*created);
+    lane.end.backend = lane.simulation->backend().name();
+    lane.end.engine_version = lane.simulation->backend().engine_version();
+    lane.end.label = label_of(lane.end.backend, lanes);
+    lanes.push_back(std::move(lane));
+  }
+  if (!problems.empty()) return tl::unexpected(std::move(problems));
+  return lanes;
+}
+
+// One step of every lane that still runs; why the comparison must end here, or "".
+std::string step_all(std::vector<Lane>& lanes) {
+  std::string reason;
+  for (Lane& lane : lanes) {
+    const auto start = Clock::now();
+    const RunStatus status = lane.simulation->step();
+    lane.end.wall_time += std::chrono::duration<double>(Clock::now() - start).count();
+    if (!goes_on(status)) {
+      reason = fmt::format("{}: {} at {:.9g} s", lane.end.label, to_string(status),
+                           lane.simulation->time());
+    } else if (lane.simulation->paused()) {
+      reason = fmt::format("{}: paused at {:.9g} s, and nobody is here to resume it", lane.end.label,
+                           lane.simulation->time());
+    }
+  }
+  if (!reason.empty()) return reason;
+  // A supervisor may restart its run or change the step, and then there is no common time.
+  const Simulation& first = *lanes.front().simulation;
+  for (const Lane& lane : lanes) {
+    if (std::fabs(lane.simulation->time() - first.time()) > 1e-6 * first.dt()) {
+      return fmt::format("the clocks of {} and {} went apart at {:.9g} s: a supervisor restarted a "
+                         "run or changed its step",
+                         lanes.front().end.label, lane.end.label, first.time());
+    }
+  }
+  return {};
+}
+
+std::vector<FramePtr> frames_of(std::vector<Lane>& lanes) {
+  std::vector<FramePtr> frames;
+  for (Lane& lane : lanes) frames.push_back(lane.simulation->frame());
+  return frames;
+}
+
+}  // namespace
+
+tl::expected<LockstepResult, std::vector<Diagnostic>> run_lockstep(
+    const SceneModelPtr& scene, const LockstepOptions& options,
+    const std::shared_ptr<PluginLoader>& loader) {
+  auto created = create_lanes(scene, options, loader);
+  if (!created) return tl::unexpected(std::move(created.error()));
+  std::vector<Lane> lanes = std::move(*created);
+
+  std::vector<std::string> labels;
+  for (const Lane& lane : lanes) labels.push_back(lane.end.label);
+  const double dt = lanes.front().simulation->dt();
+  const auto steps = static_cast<std::uint64_t>(std::llround(options.duration / dt));
+  Comparison comparison(labels, options.compare, static_cast<std::size_t>(steps) + 1);
+
+  LockstepResult result;
+  if (options.trajectory_every > 0) result.trajectories.resize(lanes.size());
+  const auto record = [&](std::uint64_t step, const std::vector<FramePtr>& frames) {
+    if (options.trajectory_every == 0 || step % options.trajectory_every != 0) return;
+    for (std::size_t i = 0; i < frames.size(); ++i) result.trajectories[i].add(*frames[i]);
+  };
+
+  std::vector<FramePtr> frames = frames_of(lanes);
+  comparison.add(0.0, frames);
+  record(0, frames);
+  for (std::uint64_t step = 1; step <= steps; ++step) {
+    if (options.interrupted && options.interrupted()) {
+      result.ended_early = "interrupted";
+      break;
+    }
+    result.ended_early = step_all(lanes);
+    if (!result.ended_early.empty()) break;
+    frames = frames_of(lanes);
+    comparison.add(frames.front()->time, frames);
+    record(step, frames);
+    if (options.on_step) options.on_step(frames.front()->time);
+  }
+
+  result.comparison = comparison.finish();
+  for (Lane& lane : lanes) {
+    RunEnd& end = lane.end;
+    const Simulation& simulation = *lane.simulation;
+    const bool all = result.ended_early.empty();
+    end.status = simulation.status();
+    // A run that was still going has come to the end asked for, or was ended with the others.
+    if (goes_on(end.status)) end.status = all ? RunStatus::completed : RunStatus::stopped;
+    result.failed = result.failed || end.status == RunStatus::diverged || end.status == RunStatus::fault;
+    end.step = simulation.dt();
+    end.steps = simulation.step_count();
+    end.time = simulation.time();
+    end.hash = state_hash(lane.simulation->frame()->state);
+    end.messages = simulation.messages();
+    result.runs.push_back(std::move(end));
+  }
+  return result;
+}
+
+}  // namespace cogrsim::cli

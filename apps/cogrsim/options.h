@@ -1,0 +1,75 @@
+// What the command line was told, one struct per subcommand, already checked.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cogrsim::cli {
+
+/// Exit status of the program.
+enum ExitStatus : int {
+  kGood = 0,
+  kFailed = 1,     ///< the scene or the run failed, a file could not be read or written
+  kWrongUsage = 2  ///< the command line itself
+};
+
+/// Bounds of what may be asked for; beyond them it is a slip of the pen.
+inline constexpr double kSmallestStep = 1e-9;    ///< [s]
+inline constexpr double kLargestStep = 1.0;      ///< [s]
+inline constexpr double kLongestDuration = 1e9;  ///< [s]
+inline constexpr double kDefaultDuration = 10.0;  ///< [s]
+
+/// What every subcommand that reads a scene shares.
+struct SceneOptions {
+  std::string scene;
+  std::map<std::string, std::string> set;
+  std::optional<std::uint64_t> seed;
+  std::optional<double> duration;  ///< [s]
+  std::vector<std::string> plugin_paths;
+};
+
+struct RunOptions {
+  SceneOptions scene;
+  std::string backend;
+  double step = 0.0;  ///< [s]; 0: the scene's
+  double speed = std::numeric_limits<double>::infinity();
+  std::string json;  ///< file, "-" or empty
+};
+
+struct CompareCommandOptions {
+  SceneOptions scene;
+  std::vector<std::string> backends;
+  std::vector<double> steps;  ///< [s]; empty: the scene's
+  double position_threshold = 0.01;                             ///< [m]
+  double angle_threshold = 3.14159265358979323846 / 180.0;      ///< [rad]
+  int rows = 10;
+  std::string json;
+  std::string report;
+};
+
+struct CheckOptions {
+  std::vector<std::string> scenes;
+  std::map<std::string, std::string> set;
+  std::string backend;
+  std::string format = "text";
+  std::vector<std::string> plugin_paths;
+};
+
+struct PluginsOptions {
+  bool json = false;
+  std::vector<std::string> plugin_paths;
+};
+
+/// The subcommands; each returns an ExitStatus.
+int run_command(const RunOptions& options);
+int compare_command(const CompareCommandOptions& options);
+int check_command(const CheckOptions& options);
+int explain_command(const std::string& code);
+int schema_command(bool reference, const std::vector<std::string>& plugin_paths);
+int plugins_command(const PluginsOptions& options);
+
+}  // namespace cogrsim::cli

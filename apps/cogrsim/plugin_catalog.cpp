@@ -1,0 +1,47 @@
+#include "plugin_catalog.h"
+
+#include <algorithm>
+
+#include "cogrsim/physics/backend.h"
+#include "cogrsim/sensing/sensor.h"
+
+namespace cogrsim::cli {
+
+Result<ParameterTable> LoaderCatalog::parameters(PluginKind kind, const std::string& name) {
+  if (kind == PluginKind::sensor) {
+    for (const PluginDescriptor& sensor : built_in_sensors()) {
+      if (sensor.name == name) return sensor.parameters;
+    }
+  }
+  const auto plugin = loader_->load(kind, name);
+  if (!plugin) return tl::unexpected(plugin.error());
+  return (*plugin)->descriptor().parameters;
+}
+
+std::vector<std::string> LoaderCatalog::names(PluginKind kind) {
+  std::vector<std::string> names;
+  if (kind == PluginKind::sensor) {
+    for (const PluginDescriptor& sensor : built_in_sensors()) names.push_back(sensor.name);
+  }
+  if (!all_) all_ = loader_->all();
+  for (const PluginPtr& plugin : *all_) {
+    if (plugin->descriptor().kind == kind) names.push_back(plugin->descriptor().name);
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+Result<ParameterTable> LoaderCatalog::world_options(const std::string& backend) {
+  const auto engine = loader_->backend(backend);
+  if (!engine) return tl::unexpected(engine.error());
+  return (*engine)->world_options();
+}
+
+Result<ParameterTable> LoaderCatalog::assembly_options(const std::string& backend) {
+  const auto engine = loader_->backend(backend);
+  if (!engine) return tl::unexpected(engine.error());
+  return (*engine)->assembly_options();
+}
+
+}  // namespace cogrsim::cli

@@ -1,0 +1,182 @@
+#include "run_result.h"
+
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "scene_loading.h"
+
+namespace cogrsim::cli {
+namespace {
+
+constexpr int kRows = 20;
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+Json bodies_json(const Frame& frame) {
+  Json out = Json::object();
+  const SceneModel& model = *frame.model;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    if (model.bodies[i].removed) continue;
+    const Pose& pose = frame.state.poses[i];
+    const Twist& twist = frame.state.twists[i];
+    out[model.bodies[i].name] = {{"position", to_json(pose.p)},
+                                 {"orientation", to_json(pose.q)},
+                                 {"linear_velocity", to_json(twist.linear)},
+                                 {"angular_velocity", to_json(twist.angular)}};
+  }
+  return out;
+}
+
+Json slice(const std::vector<double>& values, int offset, int count) {
+  Json out = Json::array();
+  for (int i = 0; i < count; ++i) out.push_back(values[static_cast<std::size_t>(offset + i)]);
+  return out;
+}
+
+Json joints_json(const Frame& frame) {
+  Json out = Json::object();
+  const WorldState& state = frame.state;
+  for (const Joint& joint : frame.model->joints) {
+    if (joint.removed) continue;
+    const int speeds = speed_count(joint.type);
+    out[joint.name] = {
+        {"position", slice(state.joint_positions, joint.position_offset, position_count(joint.type))},
+        {"velocity", slice(state.joint_velocities, joint.speed_offset, speeds)},
+        {"effort", slice(state.joint_efforts, joint.speed_offset, speeds)}};
+  }
+  return out;
+}
+
+Json contacts_json(const Frame& frame) {
+  Json out = Json::array();
+  for (const Contact& contact : frame.contacts) {
+    const auto name = [&](int body) { return frame.model->bodies[static_cast<std::size_t>(body)].name; };
+    out.push_back({{"a", name(contact.body_a)},
+                   {"b", name(contact.body_b)},
+                   {"point", to_json(contact.point)},
+                   {"normal", to_json(contact.normal)},
+                   {"depth", contact.depth},
+                   {"force", to_json(contact.force)}});
+  }
+  return out;
+}
+
+std::string fixed(double value, int digits) {
+  const std::string text = fmt::format("{:.{}f}", value, digits);
+  // "-0.000" says no more than "0.000".
+  if (text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos) return text.substr(1);
+  return text;
+}
+
+// Roll, pitch and yaw [deg] about fixed axes, as rpy= in a scene.
+Vec3 roll_pitch_yaw(const Quat& q) {
+  const Mat3 R = q.toRotationMatrix();
+  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
+  if (std::hypot(R(0, 0), R(1, 0)) < 1e-9) {  // gimbal lock: all of the turn is called roll
+    return Vec3(std::atan2(std::copysign(1.0, -R(2, 0)) * R(0, 1), R(1, 1)), pitch, 0.0) / kDegree;
+  }
+  return Vec3(std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))) / kDegree;
+}
+
+std::string more_text(std::size_t left) {
+  return left == 0 ? "" : fmt::format("  and {} more, see --json\n", left);
+}
+
+std::string body_table(const Frame& frame, const Style& style) {
+  using Align = TextTable::Align;
+  TextTable table({Align::left, Align::right, Align::right, Align::right, Align::right, Align::right,
+                   Align::right, Align::right});
+  table.row({"body", "x [m]", "y [m]", "z [m]", "roll [°]", "pitch [°]", "yaw [°]", "speed [m/s]"});
+  std::size_t rows = 0, left = 0;
+  for (std::size_t i = 0; i < frame.model->bodies.size(); ++i) {
+    const Body& body = frame.model->bodies[i];
+    if (body.removed || body.kind == BodyKind::fixed) continue;
+    if (rows == kRows) {
+      ++left;
+      continue;
+    }
+    ++rows;
+    const Pose& pose = frame.state.poses[i];
+    const Vec3 rpy = roll_pitch_yaw(pose.q);
+    table.row({shortened(body.name, 32), fixed(pose.p.x(), 4), fixed(pose.p.y(), 4),
+               fixed(pose.p.z(), 4), fixed(rpy.x(), 2), fixed(rpy.y(), 2), fixed(rpy.z(), 2),
+               fixed(frame.state.twists[i].linear.norm(), 4)});
+  }
+  if (rows == 0) return {};
+  return "\n" + table.text("  ", style.bold, style.off) + more_text(left);
+}
+
+std::string joint_table(const Frame& frame, const Style& style) {
+  using Align = TextTable::Align;
+  TextTable table({Align::left, Align::left, Align::right, Align::right, Align::right});
+  table.row({"joint", "type", "position", "speed", "effort"});
+  std::size_t rows = 0, left = 0;
+  for (const Joint& joint : frame.model->joints) {
+    // One number tells a joint of one freedom; the others are for programs.
+    if (joint.removed || speed_count(joint.type) != 1) continue;
+    if (rows == kRows) {
+      ++left;
+      continue;
+    }
+    ++rows;
+    const double q = frame.state.joint_positions[static_cast<std::size_t>(joint.position_offset)];
+    const double u = frame.state.joint_velocities[static_cast<std::size_t>(joint.speed_offset)];
+    const double effort = frame.state.joint_efforts[static_cast<std::size_t>(joint.speed_offset)];
+    const bool linear = joint.type == JointType::slider;
+    table.row({shortened(joint.name, 32), to_string(joint.type),
+               linear ? fixed(q, 4) + " m" : fixed(q / kDegree, 2) + " °",
+               fixed(u, 4) + (linear ? " m/s" : " rad/s"), fixed(effort, 4) + (linear ? " N" : " N m")});
+  }
+  if (rows == 0) return {};
+  return "\n" + table.text("  ", style.bold, style.off) + more_text(left);
+}
+
+}  // namespace
+
+Json to_json(const RunResult& result) {
+  Json out;
+  const bool ran = result.frame != nullptr;
+  out["scene"] = result.scene.empty() ? Json(nullptr) : Json(result.scene);
+  out["file"] = result.file;
+  out["backend"] = result.backend.empty() ? Json(nullptr) : Json(result.backend);
+  out["engine_version"] = result.engine_version.empty() ? Json(nullptr) : Json(result.engine_version);
+  out["step"] = ran ? Json(result.step) : Json(nullptr);
+  out["steps"] = result.steps;
+  out["time"] = result.time;
+  out["status"] = result.status;
+  out["wall_time"] = result.wall_time;
+  out["realtime_factor"] =
+      result.wall_time > 0.0 ? Json(result.time / result.wall_time) : Json(nullptr);
+  out["state_hash"] = ran ? Json(fmt::format("{:016x}", state_hash(result.frame->state))) : Json(nullptr);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Energy energy = ran ? energy_of(*result.frame->model, result.frame->state) : Energy{nan, nan};
+  out["energy"] = {{"kinetic", energy.kinetic}, {"potential", energy.potential}};
+  out["bodies"] = ran ? bodies_json(*result.frame) : Json::object();
+  out["joints"] = ran ? joints_json(*result.frame) : Json::object();
+  out["contacts"] = ran ? contacts_json(*result.frame) : Json::array();
+  out["diagnostics"] = diagnostics_json(result.diagnostics, result.messages);
+  return out;
+}
+
+std::string summary_text(const RunResult& result, const Style& style) {
+  const Frame& frame = *result.frame;
+  const bool failed = result.status == "diverged" || result.status == "fault";
+  std::string out = fmt::format(
+      "{}{}{} on {} {}: {}{}{}, {} in {} steps of {}\n", style.bold, result.scene, style.off,
+      result.backend, result.engine_version, failed ? style.red : style.green, result.status,
+      style.off, time_text(result.time), result.steps, elapsed_text(result.step));
+  out += fmt::format("  wall time {}, {} real time\n", elapsed_text(result.wall_time),
+                     factor_text(result.time / result.wall_time));
+  const Energy energy = energy_of(*frame.model, frame.state);
+  out += fmt::format("  energy    kinetic {}, potential {}\n", quantity_text(energy.kinetic, "J"),
+                     quantity_text(energy.potential, "J"));
+  double deepest = 0.0;
+  for (const Contact& contact : frame.contacts) deepest = std::max(deepest, contact.depth);
+  out += fmt::format("  contacts  {}", frame.contacts.size());
+  if (deepest > 0.0) out += fmt::format(", deepest penetration {}", length_text(deepest));
+  out += "\n";
+  return out + body_table(frame, style) + joint_table(frame, style);
+}
+
+}  // namespace cogrsim::cli

@@ -1,0 +1,36 @@
+// What a run comes to, as JSON and as a summary.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cogrsim/physics/frame.h"
+#include "cogrsim/simulation/simulation.h"
+#include "json_text.h"
+#include "terminal.h"
+
+namespace cogrsim::cli {
+
+struct RunResult {
+  std::string scene;  ///< its name; empty when it did not compile
+  std::string file;
+  std::string backend;
+  std::string engine_version;
+  std::string status = "failed";  ///< to_string(RunStatus), or "failed": it never started
+  double step = 0.0;       ///< [s]
+  std::uint64_t steps = 0;
+  double time = 0.0;       ///< [s]
+  double wall_time = 0.0;  ///< of stepping alone [s]
+  FramePtr frame;          ///< the last one; nullptr: it never started
+  std::vector<Diagnostic> diagnostics;
+  std::vector<RunMessage> messages;
+};
+
+/// The contract other programs read: all keys, always; what is not known is null or empty.
+Json to_json(const RunResult& result);
+
+/// For people: how it ended, then the bodies and joints at the end.
+std::string summary_text(const RunResult& result, const Style& style);
+
+}  // namespace cogrsim::cli

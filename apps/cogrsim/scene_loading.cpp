@@ -1,0 +1,135 @@
+#include "scene_loading.h"
+
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "plugin_catalog.h"
+#include "terminal.h"
+
+namespace cogrsim::cli {
+namespace {
+
+constexpr std::size_t kPrintedMessages = 20;
+
+const char* severity_text(Severity severity) {
+  return severity == Severity::error ? "error" : "advice";
+}
+
+// The keys every entry of a "diagnostics" array has.
+Json empty_finding() {
+  return {{"severity", "error"}, {"code", nullptr},   {"message", ""},     {"file", nullptr},
+          {"line", nullptr},     {"column", nullptr}, {"length", nullptr}, {"help", nullptr},
+          {"notes", Json::array()}, {"time", nullptr},  {"source", nullptr}};
+}
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+}  // namespace
+
+LoadedScene load_scene(const SceneOptions& options) {
+  LoadedScene scene;
+  scene.loader = std::make_shared<PluginLoader>(options.plugin_paths);
+  LoaderCatalog catalog(scene.loader);
+  dsl::CompileOptions compile;
+  compile.set_parameters = options.set;
+  compile.seed = options.seed;
+  compile.plugins = &catalog;
+  dsl::CompileResult result = dsl::compile_file(options.scene, compile);
+  scene.model = std::move(result.model);
+  scene.diagnostics = std::move(result.diagnostics);
+  return scene;
+}
+
+double duration_of(const SceneModel& model, const SceneOptions& options) {
+  if (options.duration) return *options.duration;
+  return model.physics.duration.value_or(kDefaultDuration);
+}
+
+std::string step_problem(double step, double duration) {
+  if (duration >= step * (1.0 - 1e-9)) return {};
+  return fmt::format("a duration of {} is shorter than one step of {}\n"
+                     "help: ask for a longer --duration or a smaller --step",
+                     time_text(duration), time_text(step));
+}
+
+Diagnostic to_diagnostic(const Error& error) {
+  Diagnostic diagnostic;
+  diagnostic.code = error.code;
+  diagnostic.message = error.message;
+  diagnostic.help = error.hint;
+  if (!error.where.empty()) {
+    DiagnosticNote note;
+    note.message = "in " + error.where;
+    diagnostic.notes.push_back(note);
+  }
+  return diagnostic;
+}
+
+Json to_json(const Diagnostic& diagnostic) {
+  Json out = empty_finding();
+  out["severity"] = severity_text(diagnostic.severity);
+  out["code"] = text_or_null(diagnostic.code);
+  out["message"] = diagnostic.message;
+  out["help"] = text_or_null(diagnostic.help);
+  if (!diagnostic.file.empty()) {
+    out["file"] = diagnostic.file;
+    out["line"] = diagnostic.line;
+    out["column"] = diagnostic.column;
+    out["length"] = diagnostic.length;
+  }
+  for (const DiagnosticNote& note : diagnostic.notes) {
+    out["notes"].push_back({{"message", note.message},
+                            {"file", text_or_null(note.file)},
+                            {"line", note.line},
+                            {"column", note.column}});
+  }
+  return out;
+}
+
+Json to_json(const RunMessage& message) {
+  Json out = empty_finding();
+  out["severity"] = severity_text(message.severity);
+  out["message"] = message.message;
+  out["time"] = message.time;
+  out["source"] = text_or_null(message.source);
+  return out;
+}
+
+Json diagnostics_json(const std::vector<Diagnostic>& diagnostics,
+                      const std::vector<RunMessage>& messages) {
+  Json out = Json::array();
+  for (const Diagnostic& diagnostic : diagnostics) out.push_back(to_json(diagnostic));
+  for (const RunMessage& message : messages) out.push_back(to_json(message));
+  return out;
+}
+
+void print_diagnostics(const std::vector<Diagnostic>& diagnostics) {
+  if (diagnostics.empty()) return;
+  const bool color = !style_of(STDERR_FILENO).off.empty();
+  std::string text = dsl::to_text(diagnostics, color);
+  if (!text.empty() && text.back() != '\n') text += '\n';
+  std::fputs(text.c_str(), stderr);
+}
+
+void print_messages(const std::vector<RunMessage>& messages, const std::string& prefix) {
+  const Style style = style_of(STDERR_FILENO);
+  std::size_t printed = 0;
+  for (const RunMessage& message : messages) {
+    if (printed == kPrintedMessages) {
+      std::fputs(fmt::format("and {} more messages, see --json\n", messages.size() - printed).c_str(),
+                 stderr);
+      break;
+    }
+    const bool error = message.severity == Severity::error;
+    std::fputs(fmt::format("{}{}:{} {}at {}, {}{}{}\n", error ? style.red : style.cyan,
+                           severity_text(message.severity), style.off, prefix,
+                           time_text(message.time), message.source,
+                           message.source.empty() ? "" : ": ", message.message)
+                   .c_str(),
+               stderr);
+    ++printed;
+  }
+}
+
+}  // namespace cogrsim::cli

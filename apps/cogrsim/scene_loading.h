@@ -1,0 +1,46 @@
+// Compiles a scene for a subcommand, and turns what was found into text and JSON.
+#pragma once
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cogrsim/dsl/compiler.h"
+#include "cogrsim/plugin/loader.h"
+#include "cogrsim/simulation/simulation.h"
+#include "json_text.h"
+#include "options.h"
+
+namespace cogrsim::cli {
+
+struct LoadedScene {
+  std::shared_ptr<PluginLoader> loader;
+  SceneModelPtr model;                  ///< nullptr: there are errors
+  std::vector<Diagnostic> diagnostics;  ///< errors and advice
+};
+
+/// Compiles the scene with the plugins found in the usual folders and those given.
+LoadedScene load_scene(const SceneOptions& options);
+
+/// The run's length [s]: what was asked for, else the scene's own, else 10 s.
+double duration_of(const SceneModel& model, const SceneOptions& options);
+
+/// Empty, or why `step` and `duration` [s] do not go together, with the way out.
+std::string step_problem(double step, double duration);
+
+/// An error without a place in a file as a finding; `where` becomes a note.
+Diagnostic to_diagnostic(const Error& error);
+
+Json to_json(const Diagnostic& diagnostic);
+/// The same keys as a finding's, with `time` and `source` filled in.
+Json to_json(const RunMessage& message);
+Json diagnostics_json(const std::vector<Diagnostic>& diagnostics,
+                      const std::vector<RunMessage>& messages);
+
+/// Prints findings to stderr, compiler style, in colour on a terminal.
+void print_diagnostics(const std::vector<Diagnostic>& diagnostics);
+/// "error: at 1.2 s, bot.driver: …", to stderr; long lists are cut. `prefix` stands in front.
+void print_messages(const std::vector<RunMessage>& messages, const std::string& prefix = {});
+
+}  // namespace cogrsim::cli
