@@ -65,8 +65,9 @@ std::string unit_of(const Dimension& dimension);
 bool fits(const Dimension& given, const Dimension& wanted);
 
 struct Unit {
-  double factor = 1.0;  ///< to SI
+  double above = 1.0, below = 1.0;  ///< to SI: times above, divided by below
   Dimension dimension;
+  double to_si(double value) const { return value * above / below; }
 };
 /// Reads "kg/m^3", "N*m", "deg", "1/s"; nullopt: not a unit.
 std::optional<Unit> parse_unit(std::string_view text);

@@ -38,7 +38,7 @@ class COGRSIM_API PluginCatalog {
 /// Bounds against hostile files; each has its coded error.
 struct Limits {
   std::size_t file_bytes = 16u << 20;   ///< of one scene or imported file
-  int depth = 200;                      ///< nested elements in a file
+  int depth = 90;                       ///< nested elements in a file; at most 90
   int elements = 500000;                ///< in a file
   int attribute_bytes = 64 << 10;       ///< of one attribute value
   int expanded_elements = 1000000;      ///< after prototypes and repeats

@@ -1,0 +1,42 @@
+// The driver: read, expand, build, report.
+#include "cogrsim/dsl/compiler.h"
+
+#include "diagnostics.h"
+#include "element.h"
+#include "node.h"
+
+namespace cogrsim::dsl {
+
+PluginCatalog::~PluginCatalog() = default;
+
+namespace {
+
+template <class Open>
+CompileResult compile(const CompileOptions& options, Open&& open) {
+  DiagnosticSink sink(options.limits);
+  SourceFiles files(options, sink);
+  CompileContext context{options, files, sink};
+  CompileResult result;
+  const Document* scene = open(files);
+  if (scene) {
+    // A faulty element does not keep the rest from being looked at: errors come in one go.
+    const Element* root = expand(context, *scene);
+    if (root) result.model = build_model(context, *root);
+  }
+  if (sink.has_errors()) result.model = nullptr;
+  result.diagnostics = sink.take();
+  return result;
+}
+
+}  // namespace
+
+CompileResult compile_file(const std::string& path, const CompileOptions& options) {
+  return compile(options, [&](SourceFiles& files) { return files.open_scene(path); });
+}
+
+CompileResult compile_text(const std::string& text, const std::string& name,
+                           const CompileOptions& options) {
+  return compile(options, [&](SourceFiles& files) { return files.open_scene_text(text, name); });
+}
+
+}  // namespace cogrsim::dsl

@@ -1,0 +1,351 @@
+#include "number_list.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cogrsim::dsl {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+ExpressionFault make_fault(const char* code, std::size_t begin, std::size_t length,
+                           std::string message, std::string help = {}) {
+  return {code, begin, std::max<std::size_t>(1, length), std::move(message), std::move(help)};
+}
+
+struct Token {
+  std::size_t begin = 0, length = 0;
+  bool expression = false;  // ${…}, perhaps with a minus before it
+};
+
+/// Splits at blanks, expressions staying whole.
+std::vector<Token> split(std::string_view text, std::optional<ExpressionFault>& fault) {
+  std::vector<Token> out;
+  std::size_t i = 0;
+  while (true) {
+    while (i < text.size() && is_blank(text[i])) ++i;
+    if (i >= text.size()) return out;
+    Token t;
+    t.begin = i;
+    while (i < text.size() && !is_blank(text[i])) {
+      if (text[i] == '$' && i + 1 < text.size() && text[i + 1] == '{') {
+        const std::size_t end = expression_end(text, i);
+        if (end == std::string_view::npos) {
+          fault = make_fault("CG0511", i, 2, "the expression's closing } is missing");
+          return {};
+        }
+        t.expression = true;
+        i = end;
+      } else {
+        ++i;
+      }
+    }
+    t.length = i - t.begin;
+    out.push_back(t);
+  }
+}
+
+/// What to say of a word that is no number.
+ExpressionFault not_a_number(std::string_view word, std::size_t begin) {
+  std::string help;
+  std::size_t digits = 0;
+  while (digits < word.size() && std::string_view("+-.0123456789").find(word[digits]) !=
+                                     std::string_view::npos) {
+    ++digits;
+  }
+  const std::size_t comma = word.find(',');
+  if (comma != std::string_view::npos) {
+    std::string pointed(word);
+    pointed[comma] = '.';
+    if (comma + 1 == word.size()) {
+      help = "entries are separated by blanks";
+    } else if (parse_number(pointed)) {
+      help = "did you mean \"" + pointed + "\"? numbers have a decimal point";
+    }
+  } else if (digits > 0 && digits < word.size() && parse_number(word.substr(0, digits)) &&
+             parse_unit(word.substr(digits))) {
+    help = "did you mean \"" + std::string(word.substr(0, digits)) + " " +
+           std::string(word.substr(digits)) + "\"?";
+  } else if (digits == 0 && !word.empty()) {
+    const char c = word[0];
+    if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '(') {
+      help = "parameters and expressions stand in ${…}";
+      if (word == "nan" || word == "NaN" || word == "inf" || word == "Infinity") {
+        help = "every value is a finite number";
+      }
+    }
+  }
+  return make_fault("CG0501", begin, word.size(),
+                    "\"" + std::string(word) + "\" is not a number", help);
+}
+
+class ListParser {
+ public:
+  ListParser(std::string_view text, const NumberSyntax& syntax,
+             const ExpressionEvaluator& evaluate, std::optional<ExpressionFault>& fault)
+      : text_(text), syntax_(syntax), evaluate_(evaluate), fault_(fault) {}
+
+  std::vector<NumberEntry> run() {
+    const std::vector<Token> tokens = split(text_, fault_);
+    for (const Token& t : tokens) {
+      if (fault_) return {};
+      take(t);
+    }
+    if (!fault_ && syntax_.dots && (dots_ != 1 || entries_.size() != 2)) {
+      fault_ = make_fault("CG0501", 0, text_.size(), "\"" + std::string(text_) + "\" is not a range",
+                          "write \"2 .. 80 cm\"");
+    }
+    if (!fault_) share_unit();
+    return fault_ ? std::vector<NumberEntry>{} : std::move(entries_);
+  }
+
+ private:
+  void take(Token t) {
+    if (t.expression) {
+      take_expression(t);
+      return;
+    }
+    std::string_view word = text_.substr(t.begin, t.length);
+    if (syntax_.commas) {
+      while (!word.empty() && (word.back() == ',' || word.back() == ';')) word.remove_suffix(1);
+      if (word.empty()) return;
+    }
+    if (syntax_.dots) {
+      if (word == "..") {
+        if (entries_.size() == 1) ++dots_;
+        return;
+      }
+      // "2..80" without blanks.
+      const std::size_t at = word.find("..");
+      if (at != std::string_view::npos) {
+        take({t.begin, at, false});
+        ++dots_;
+        if (!fault_ && at + 2 < word.size()) {
+          take({t.begin + at + 2, word.size() - at - 2, false});
+        }
+        return;
+      }
+    }
+    if (const auto number = parse_number(word)) {
+      NumberEntry e;
+      e.value = *number;
+      e.begin = t.begin;
+      e.length = e.number_length = word.size();
+      entries_.push_back(e);
+      unit_possible_ = true;
+      return;
+    }
+    if (word == "none") {
+      NumberEntry e;
+      e.none = true;
+      e.begin = t.begin;
+      e.length = e.number_length = word.size();
+      entries_.push_back(e);
+      unit_possible_ = false;
+      return;
+    }
+    if (unit_possible_) {
+      take_unit(t, word);
+    } else {
+      fault_ = parse_unit(word) ? make_fault("CG0501", t.begin, word.size(),
+                                             "the unit \"" + std::string(word) +
+                                                 "\" has no number before it")
+                                : not_a_number(word, t.begin);
+    }
+  }
+
+  void take_unit(const Token& t, std::string_view word) {
+    const auto unit = parse_unit(word);
+    if (!unit) {
+      const char c = word.empty() ? '\0' : word[0];
+      if ((c >= '0' && c <= '9') || c == '-' || c == '+' || c == '.') {
+        fault_ = not_a_number(word, t.begin);
+        return;
+      }
+      const std::string near = nearest_unit(word);
+      fault_ = make_fault("CG0504", t.begin, word.size(),
+                          "\"" + std::string(word) + "\" is not a unit",
+                          near.empty() ? "" : "did you mean \"" + near + "\"?");
+      return;
+    }
+    unit_possible_ = false;
+    NumberEntry& e = entries_.back();
+    if (e.expression && !e.bare) {
+      fault_ = make_fault("CG0502", e.begin, t.begin + word.size() - e.begin,
+                          "the expression is " + describe(e.dimension) + " already",
+                          "delete the unit behind it");
+      return;
+    }
+    e.value = unit->to_si(e.value);
+    e.dimension = unit->dimension;
+    e.bare = false;
+    e.length = t.begin + word.size() - e.begin;
+    last_unit_ = entries_.size() - 1;
+    unit_ = *unit;
+    unit_text_ = word;
+    ++units_;
+  }
+
+  void take_expression(const Token& t) {
+    std::string_view word = text_.substr(t.begin, t.length);
+    std::size_t begin = t.begin;
+    double sign = 1.0;
+    if (syntax_.commas) {
+      while (!word.empty() && (word.back() == ',' || word.back() == ';')) word.remove_suffix(1);
+    }
+    if (word[0] == '-' || word[0] == '+') {
+      sign = word[0] == '-' ? -1.0 : 1.0;
+      word.remove_prefix(1);
+      ++begin;
+    }
+    if (word.substr(0, 2) != "${" || expression_end(text_, begin) != begin + word.size()) {
+      fault_ = make_fault("CG0501", t.begin, t.length,
+                          "\"" + std::string(text_.substr(t.begin, t.length)) + "\" is not a number",
+                          "put a blank between entries, and write whole expressions in one ${…}");
+      return;
+    }
+    std::optional<ExpressionFault> inside;
+    const Value v = evaluate_(word.substr(2, word.size() - 3), begin + 2, inside);
+    if (inside) {
+      fault_ = std::move(inside);
+      return;
+    }
+    take_value(v, sign, t, 0);
+  }
+
+  void take_value(const Value& v, double sign, const Token& t, int depth) {
+    NumberEntry e;
+    e.begin = t.begin;
+    e.length = e.number_length = t.length;
+    e.expression = true;
+    if (v.is_poison()) {
+      e.poison = true;
+      entries_.push_back(e);
+    } else if (const Quantity* q = v.as_number()) {
+      e.value = sign * q->value;
+      e.dimension = q->dimension;
+      e.bare = q->dimension.none();
+      entries_.push_back(e);
+    } else if (v.as_list() && depth < 2) {
+      for (const Value& entry : *v.as_list()) take_value(entry, sign, t, depth + 1);
+      unit_possible_ = false;
+      return;
+    } else if (!fault_) {
+      fault_ = make_fault("CG0502", t.begin, t.length, "expected a number, found " + describe(v));
+    }
+    unit_possible_ = true;
+  }
+
+  /// One unit at the end goes for the whole list; otherwise all or none.
+  void share_unit() {
+    if (!syntax_.list_unit || entries_.size() < 2) return;
+    if (units_ == 1 && last_unit_ == entries_.size() - 1) {
+      for (NumberEntry& e : entries_) {
+        if (!e.bare || e.none) continue;
+        e.value = unit_.to_si(e.value);
+        e.dimension = unit_.dimension;
+        e.bare = false;
+      }
+      return;
+    }
+    const auto bare = [](const NumberEntry& e) {
+      return e.bare && !e.none && !e.poison && e.value != 0.0;
+    };
+    const auto with = [](const NumberEntry& e) { return !e.bare; };
+    if (!std::any_of(entries_.begin(), entries_.end(), bare) ||
+        !std::any_of(entries_.begin(), entries_.end(), with)) {
+      return;
+    }
+    // Both ways of writing it, with the unit that is there.
+    std::string unit(unit_text_);
+    for (const NumberEntry& e : entries_) {
+      if (unit.empty() && !e.bare) unit = unit_of(e.dimension);
+    }
+    std::string shared, each;
+    for (const NumberEntry& e : entries_) {
+      const std::string word(text_.substr(e.begin, e.number_length));
+      const bool own = e.expression && !e.bare && e.length == e.number_length;
+      shared += word + " ";
+      each += (each.empty() ? "" : " ") + word + (own || e.none ? "" : " " + unit);
+    }
+    const auto first = std::find_if(entries_.begin(), entries_.end(), bare);
+    const bool expressions = std::any_of(entries_.begin(), entries_.end(), [](const auto& e) {
+      return e.expression && !e.bare;
+    });
+    fault_ = make_fault("CG0505", first->begin, first->length, "units on some entries only",
+                        expressions ? "write \"" + each + "\""
+                                    : "write \"" + shared + unit + "\" or \"" + each + "\"");
+  }
+
+  std::string_view text_;
+  const NumberSyntax& syntax_;
+  const ExpressionEvaluator& evaluate_;
+  std::optional<ExpressionFault>& fault_;
+  std::vector<NumberEntry> entries_;
+  bool unit_possible_ = false;
+  int dots_ = 0;
+  int units_ = 0;
+  std::size_t last_unit_ = 0;
+  Unit unit_;
+  std::string_view unit_text_;
+};
+
+/// A unit that people use for a dimension, for suggestions.
+std::string everyday_unit(const Dimension& d) {
+  if (d == dim::kAngle) return "deg";
+  return unit_of(d);
+}
+
+}  // namespace
+
+std::size_t expression_end(std::string_view text, std::size_t begin) {
+  char quote = '\0';
+  for (std::size_t i = begin + 2; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quote) {
+      if (c == quote) quote = '\0';
+    } else if (c == '\'' || c == '"') {
+      quote = c;
+    } else if (c == '}') {
+      return i + 1;
+    }
+  }
+  return std::string_view::npos;
+}
+
+std::vector<NumberEntry> parse_numbers(std::string_view text, const NumberSyntax& syntax,
+                                       const ExpressionEvaluator& evaluate,
+                                       std::optional<ExpressionFault>& fault) {
+  return ListParser(text, syntax, evaluate, fault).run();
+}
+
+std::optional<ExpressionFault> check_dimension(const NumberEntry& entry, const Dimension& wanted,
+                                               std::string_view text) {
+  if (entry.poison || entry.none) return std::nullopt;
+  const std::string number(text.substr(entry.begin, entry.number_length));
+  if (entry.bare) {
+    if (wanted != dim::kAngle || entry.value == 0.0) return std::nullopt;
+    return make_fault("CG0503", entry.begin, entry.length, "an angle needs its unit",
+                      entry.expression
+                          ? "multiply by \"1 deg\" or \"1 rad\" inside of ${…}"
+                          : "write \"" + number + " deg\" or \"" + number + " rad\"");
+  }
+  if (fits(entry.dimension, wanted)) return std::nullopt;
+  std::string help;
+  if (entry.expression) {
+    Dimension difference = wanted;
+    difference.angle = entry.dimension.angle;
+    if (difference == entry.dimension) {
+      help = wanted.angle > entry.dimension.angle ? "multiply by \"1 rad\" if it is meant per radian"
+                                                  : "divide by \"1 rad\" if radians are meant";
+    }
+  } else if (wanted.none()) {
+    help = "leave the unit out";
+  } else {
+    help = "did you mean \"" + number + " " + everyday_unit(wanted) + "\"?";
+  }
+  return make_fault("CG0502", entry.begin, entry.length,
+                    "expected " + describe(wanted) + ", found " + describe(entry.dimension), help);
+}
+
+}  // namespace cogrsim::dsl

@@ -1,0 +1,49 @@
+// Numbers with units as they stand in attributes: "24 14 4 cm", "24 cm 14 cm 4 cm", "0 ${y} 0".
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "value.h"
+
+namespace cogrsim::dsl {
+
+/// One entry, in SI units.
+struct NumberEntry {
+  double value = 0.0;
+  Dimension dimension;
+  bool bare = true;      ///< no unit: its dimension is whatever is wanted
+  bool none = false;     ///< the word "none"
+  bool poison = false;
+  bool expression = false;
+  std::size_t begin = 0, length = 0;  ///< bytes in the text, unit included
+  std::size_t number_length = 0;      ///< without the unit
+};
+
+/// Evaluates the inside of a ${…} that begins at a byte of the text; faults are given with places
+/// in the whole text.
+using ExpressionEvaluator =
+    std::function<Value(std::string_view inside, std::size_t begin,
+                        std::optional<ExpressionFault>& fault)>;
+
+struct NumberSyntax {
+  bool dots = false;      ///< exactly two entries with ".." between them
+  bool commas = false;    ///< entries may be followed by a comma or semicolon
+  bool list_unit = true;  ///< one unit at the end goes for all
+};
+
+/// Takes a text apart. On a fault the entries are useless.
+std::vector<NumberEntry> parse_numbers(std::string_view text, const NumberSyntax& syntax,
+                                       const ExpressionEvaluator& evaluate,
+                                       std::optional<ExpressionFault>& fault);
+
+/// Checks one entry against what is wanted there; `text` is what was parsed.
+std::optional<ExpressionFault> check_dimension(const NumberEntry& entry, const Dimension& wanted,
+                                               std::string_view text);
+
+/// End of the ${…} that begins at `begin`: the byte behind its brace; npos when it does not end.
+std::size_t expression_end(std::string_view text, std::size_t begin);
+
+}  // namespace cogrsim::dsl

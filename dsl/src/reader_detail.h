@@ -1,0 +1,11 @@
+// Shared by the reader_*.cpp files.
+#pragma once
+
+#include "reader.h"
+
+namespace cogrsim::dsl::detail {
+
+/// The vocabulary's entry; it is our bug if there is none.
+const AttributeSpec& spec_of(const Element& element, std::string_view attribute);
+
+}  // namespace cogrsim::dsl::detail

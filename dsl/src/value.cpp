@@ -1,0 +1,75 @@
+#include "value.h"
+
+#include "element.h"
+
+namespace cogrsim::dsl {
+
+std::string describe(const Value& value) {
+  if (const Quantity* q = value.as_number()) return describe(q->dimension);
+  if (value.as_boolean()) return "true or false";
+  if (value.as_text()) return "text";
+  if (const ValueList* list = value.as_list()) return "a list of " + std::to_string(list->size());
+  return "nothing";
+}
+
+std::string to_text(const Value& value) {
+  if (const Quantity* q = value.as_number()) {
+    const std::string unit = unit_of(q->dimension);
+    return number_text(q->value) + (unit.empty() ? "" : " " + unit);
+  }
+  if (const bool* b = value.as_boolean()) return *b ? "true" : "false";
+  if (const std::string* t = value.as_text()) return *t;
+  std::string out;
+  if (const ValueList* list = value.as_list()) {
+    for (const Value& entry : *list) out += (out.empty() ? "[" : ", ") + to_text(entry);
+    out = list->empty() ? "[]" : out + "]";
+  }
+  return out;
+}
+
+void Scope::set(std::string name, Value value) {
+  for (Entry& e : entries_) {
+    if (e.name == name) {
+      e.value = std::move(value);
+      return;
+    }
+  }
+  entries_.push_back({std::move(name), std::move(value)});
+}
+
+const Value* Scope::find(std::string_view name) const {
+  for (const Scope* s = this; s; s = s->opaque_ ? nullptr : s->parent_) {
+    for (const Entry& e : s->entries_) {
+      if (e.name == name) {
+        e.used = true;
+        return &e.value;
+      }
+    }
+  }
+  return nullptr;
+}
+
+bool Scope::has_own(std::string_view name) const {
+  for (const Entry& e : entries_) {
+    if (e.name == name) return true;
+  }
+  return false;
+}
+
+std::vector<std::string> Scope::unused() const {
+  std::vector<std::string> out;
+  for (const Entry& e : entries_) {
+    if (!e.used) out.push_back(e.name);
+  }
+  return out;
+}
+
+std::vector<std::string> Scope::names() const {
+  std::vector<std::string> out;
+  for (const Scope* s = this; s; s = s->opaque_ ? nullptr : s->parent_) {
+    for (const Entry& e : s->entries_) out.push_back(e.name);
+  }
+  return out;
+}
+
+}  // namespace cogrsim::dsl
