@@ -1,8 +1,10 @@
 #include "cogrsim/plugin/loader.h"
 
+#include <link.h>
 #include <sys/stat.h>
 
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -160,16 +162,31 @@ TEST_CASE("a library that was cut off is refused", "[loader]") {
   }
 }
 
+TEST_CASE("a segment beyond the end of the file is found before it is mapped", "[loader]") {
+  std::string bytes = bytes_of(library("good.so"));
+  ElfW(Ehdr) header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  ElfW(Phdr) segment;
+  char* place = bytes.data() + header.e_phoff;  // the first segment is one to load
+  std::memcpy(&segment, place, sizeof segment);
+  REQUIRE(segment.p_type == PT_LOAD);
+  segment.p_filesz = segment.p_memsz = 2 * bytes.size();
+  std::memcpy(place, &segment, sizeof segment);
+  const Folder folder;
+  folder.write("good.so", bytes);
+  CHECK_THAT(refusal(folder, "good").message, Contains("damaged or cut off"));
+}
+
 TEST_CASE("reading symbols survives any damage", "[loader]") {
   const std::string whole = bytes_of(library("good.so"));
   const Folder folder;
   RandomStream random(1, "damage");
-  std::uint64_t offset_of_sections = 0;
-  whole.copy(reinterpret_cast<char*>(&offset_of_sections), 8, 0x28);  // e_shoff
+  ElfW(Ehdr) header;
+  std::memcpy(&header, whole.data(), sizeof header);
   for (int i = 0; i < 3000; ++i) {
     std::string bytes = whole;
     // Most bytes mean nothing to the reader: aim at the file header and the section headers.
-    const std::size_t begin = i % 2 ? 0 : static_cast<std::size_t>(offset_of_sections);
+    const std::size_t begin = i % 2 ? 0 : static_cast<std::size_t>(header.e_shoff);
     const std::size_t length = i % 2 ? 64 : whole.size() - begin;
     for (int k = 0; k < 4; ++k) {
       bytes[begin + random.next() % length] = static_cast<char>(random.next());

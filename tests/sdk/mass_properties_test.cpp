@@ -131,11 +131,15 @@ TEST_CASE("a ball of triangles nears the sphere in second order", "[mass]") {
 
 TEST_CASE("a shape's place turns and shifts its inertia", "[mass]") {
   Shape box = make_shape(ShapeType::box);
-  box.X_BS = Pose(Vec3(1, 2, 3), Quat(Eigen::AngleAxisd(kPi / 2, Vec3::UnitZ())));
+  box.X_BS = Pose(Vec3(1, 2, 3), Quat(Eigen::AngleAxisd(kPi / 6, Vec3::UnitZ())));
   const auto got = shape_mass(box, {}, 12.0);
   REQUIRE(got);
   CHECK((got->com - Vec3(1, 2, 3)).norm() < 1e-14);
-  check_close(got->inertia, Mat3(Vec3(0.01 + 0.81, 0.16 + 0.81, 0.01 + 0.16).asDiagonal()), 1e-14);
+  // Ixx = 0.97 and Iyy = 0.82 about the box's own axes; Mohr's circle for 30 degrees.
+  const double c = std::cos(kPi / 6), s = std::sin(kPi / 6);
+  Mat3 want = Vec3(0.97 * c * c + 0.82 * s * s, 0.97 * s * s + 0.82 * c * c, 0.17).asDiagonal();
+  want(0, 1) = want(1, 0) = (0.97 - 0.82) * s * c;
+  check_close(got->inertia, want, 1e-14);
 }
 
 TEST_CASE("two halves make the whole", "[mass]") {

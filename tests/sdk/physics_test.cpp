@@ -100,6 +100,14 @@ TEST_CASE("only shape pairs that could meet count", "[capabilities]") {
                Contains("contact of box and box (shapes 'a.shape' and 'c.shape')"));
     CHECK_THAT(found[1].message, Contains("contact of box and plane"));
   }
+  SECTION("whichever of the two types moves") {
+    b.model.bodies[static_cast<std::size_t>(c)].kind = BodyKind::fixed;
+    b.model.bodies[static_cast<std::size_t>(a)].kind = BodyKind::fixed;
+    b.sphere("ball", 0.1, 1, at(9));
+    const auto found = check_capabilities(*b.build(), "test", caps);
+    REQUIRE(found.size() == 1);
+    CHECK_THAT(found[0].message, Contains("contact of sphere and box"));
+  }
   SECTION("pairs that are kept apart do not count") {
     b.model.no_collide = {{a, c}, {floor, a}, {floor, c}};
     CHECK(check_capabilities(*b.build(), "test", caps).empty());
@@ -139,6 +147,7 @@ TEST_CASE("the rest of what a scene may need is asked for", "[capabilities]") {
 
 TEST_CASE("energy and momentum of a body with an offset centre of mass", "[frame]") {
   ModelBuilder b;
+  b.model.physics.gravity = Vec3(0, -2, -9.81);
   const int body = b.body("rod", 2.0, Mat3(Vec3(0.1, 0.2, 0.25).asDiagonal()), at(1, 0, 3));
   Body& rod = b.model.bodies[static_cast<std::size_t>(body)];
   rod.com = Vec3(0.5, 0, 0);
@@ -149,7 +158,7 @@ TEST_CASE("energy and momentum of a body with an offset centre of mass", "[frame
   const WorldState state = initial_state(*model);
   // The centre lies at (1, 0.5, 3) and moves with (1, 0, 0) + (0,0,4) x (0, 0.5, 0) = (-1, 0, 0).
   CHECK(energy_of(*model, state).kinetic == Approx(0.5 * 2 * 1 + 0.5 * 0.25 * 16));
-  CHECK(energy_of(*model, state).potential == Approx(2 * 9.81 * 3));
+  CHECK(energy_of(*model, state).potential == Approx(2 * (9.81 * 3 + 2 * 0.5)));
   const Momentum momentum = momentum_of(*model, state);
   CHECK((momentum.linear - Vec3(-2, 0, 0)).norm() < 1e-14);
   // r x p = (1, 0.5, 3) x (-2, 0, 0) = (0, -6, 1), and 0.25 * 4 about its own z.

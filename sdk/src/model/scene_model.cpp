@@ -178,10 +178,9 @@ CollisionFilter::CollisionFilter(const SceneModel& model) {
                       : body.kind == BodyKind::dynamic ? Part::mobile
                                                        : Part::immobile);
   }
-  std::vector<std::uint64_t> keys;
+  std::vector<std::uint64_t> keys;  // those with the world do no harm: nobody asks for them
   for (const Joint& joint : model.joints) {
     if (joint.removed || joint.bodies_collide) continue;
-    if (joint.parent == kWorld || joint.child == kWorld) continue;
     keys.push_back(pair_key(joint.parent, joint.child));
   }
   for (const BodyPair& pair : model.no_collide) keys.push_back(pair_key(pair.first, pair.second));
