@@ -1,0 +1,28 @@
+// The plugin: a stateless factory of Bullet worlds.
+#include "bullet_world.h"
+#include "capabilities.h"
+
+#include "cogrsim/physics/backend_plugin.h"
+
+namespace cogrsim::bullet {
+
+class BulletBackend final : public Backend {
+ public:
+  const char* name() const override { return "bullet"; }
+  const char* engine_version() const override { return "3.24"; }
+  const Capabilities& capabilities() const override { return capabilities_; }
+  const ParameterTable& world_options() const override { return world_option_table(); }
+  const ParameterTable& assembly_options() const override { return assembly_option_table(); }
+  Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
+    return BulletWorld::create(model);
+  }
+
+ private:
+  Capabilities capabilities_ = make_capabilities();
+};
+
+}  // namespace cogrsim::bullet
+
+COGRSIM_BACKEND(cogrsim::bullet::BulletBackend, "bullet", version("0.1.0"),
+                author("the CogRSim authors"),
+                summary("Bullet 3.24: fast rigid bodies with hard contact"))

@@ -1,0 +1,203 @@
+#include "bullet_world.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "convert.h"
+
+#include "cogrsim/model/joint_kinematics.h"
+
+namespace cogrsim::bullet {
+
+namespace {
+
+// Beyond these a world has exploded, whatever the numbers say.
+constexpr double kFarthest = 1e6;  // [m]
+constexpr double kFastest = 1e5;   // [m/s]
+
+Parameters options_of(const SceneModel& model) {
+  const auto it = model.physics.engine_options.find("bullet");
+  return it == model.physics.engine_options.end() ? Parameters{} : it->second;
+}
+
+bool sane(const PrincipalState& state) {
+  const btVector3& p = state.X_WP.getOrigin();
+  const double far = p.length2(), fast = state.v.length2(), spin = state.w.length2();
+  // Written so that a NaN fails.
+  return far <= kFarthest * kFarthest && fast <= kFastest * kFastest && std::isfinite(spin) &&
+         std::isfinite(state.X_WP.getBasis()[0][0]);
+}
+
+}  // namespace
+
+const ParameterTable& world_option_table() {
+  static const ParameterTable table = {
+      parameter("iterations", 10, "sweeps of the contact solver per step").range(1, 1000),
+      parameter("formulation", "auto", "how articulated assemblies are modelled, unless they say so")
+          .one_of({"auto", "reduced", "constraints"}),
+      parameter("split-impulse", false,
+                "bodies that overlap are pushed apart without giving them speed"),
+  };
+  return table;
+}
+
+const ParameterTable& assembly_option_table() {
+  static const ParameterTable table = {
+      parameter("formulation", "auto",
+                "reduced: joint coordinates (btMultiBody); constraints: rigid bodies held by "
+                "constraints; auto: whichever serves")
+          .one_of({"auto", "reduced", "constraints"}),
+  };
+  return table;
+}
+
+Result<std::unique_ptr<World>> BulletWorld::create(const SceneModelPtr& model) {
+  std::unique_ptr<BulletWorld> world(new BulletWorld);
+  if (auto built = world->build(model); !built) return tl::unexpected(built.error());
+  world->initial_ = model;
+  return world;
+}
+
+Result<> BulletWorld::build(const SceneModelPtr& model) {
+  const auto options = complete_parameters(world_option_table(), options_of(*model));
+  if (!options) return tl::unexpected(options.error());
+  SolverSettings settings;
+  settings.iterations = static_cast<int>(std::get<std::int64_t>(options->at("iterations")));
+  settings.split_impulse = std::get<bool>(options->at("split-impulse"));
+  settings.bounce_threshold = model->physics.bounce_threshold;
+
+  std::vector<RigidBody> bodies;
+  bodies.reserve(model->bodies.size());
+  for (const Body& body : model->bodies) bodies.emplace_back(body, model->physics.gravity);
+  auto collision = std::make_unique<Collision>();
+  if (auto added = collision->add(model, bodies, 0); !added) return added;
+
+  model_ = model;
+  time_ = last_dt_ = 0.0;
+  solver_ = make_solver(settings);
+  groups_.clear();
+  collision_ = std::move(collision);
+  bodies_ = std::move(bodies);
+  q_.clear();
+  contacts_kept_ = true;
+  kept_contacts_.clear();
+  report_ = {};
+  build_groups();
+  return {};
+}
+
+void BulletWorld::build_groups() {
+  const SceneModel& model = *model_;
+  groups_.clear();
+  for (const JointChain& chain : find_joint_groups(model)) {
+    groups_.emplace_back(model, chain.joints, bodies_);
+  }
+  moving_.clear();
+  moving_bodies_.clear();
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (bodies_[b].kind() == BodyKind::fixed || model.bodies[b].removed) continue;
+    moving_.push_back(&bodies_[b].object());
+    moving_bodies_.push_back(static_cast<int>(b));
+  }
+  before_.resize(moving_.size());
+  // Coordinates of joints that are new; those known keep theirs.
+  const auto known = q_.size();
+  q_.resize(static_cast<std::size_t>(model.joint_positions));
+  for (const Joint& joint : model.joints) {
+    if (static_cast<std::size_t>(joint.position_offset) < known) continue;
+    std::copy(joint.position.begin(), joint.position.end(), q_.begin() + joint.position_offset);
+  }
+  q_next_ = q_;
+  report_.joint_efforts.resize(static_cast<std::size_t>(model.joint_speeds), 0.0);
+  report_.motor_efforts.resize(model.motors.size(), 0.0);
+  report_.reactions.resize(model.joints.size());
+}
+
+StepResult BulletWorld::step(double dt, const std::vector<Drive>& drives) {
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    RigidBody& body = bodies_[static_cast<std::size_t>(moving_bodies_[i])];
+    before_[i] = body.principal();
+    if (!body.dynamic()) continue;
+    body.object().clearForces();
+    body.object().applyGravity();
+  }
+  collision_->detect(bodies_, dt);
+  for (ConstraintGroup& group : groups_) group.prepare(*model_, dt, drives, q_);
+  solver_->solve(moving_, collision_->manifolds(), collision_->manifold_count(), groups_, dt,
+                 collision_->dispatcher());
+  for (const int b : moving_bodies_) bodies_[static_cast<std::size_t>(b)].integrate(dt);
+
+  const int lost = find_diverged();
+  if (lost >= 0) {
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+      bodies_[static_cast<std::size_t>(moving_bodies_[i])].set_principal(before_[i]);
+    }
+    return {StepStatus::diverged, lost,
+            "body '" + model_->bodies[static_cast<std::size_t>(lost)].name +
+                "' has left all bounds (a million metres, 100 km/s) or is not a number"};
+  }
+  q_next_ = q_;
+  update_joints(q_next_);
+  q_.swap(q_next_);
+  std::fill(report_.motor_efforts.begin(), report_.motor_efforts.end(), 0.0);
+  for (const ConstraintGroup& group : groups_) group.report(*model_, dt, report_);
+  contacts_kept_ = false;
+  last_dt_ = dt;
+  time_ += dt;
+  return {};
+}
+
+int BulletWorld::find_diverged() const {
+  for (const int b : moving_bodies_) {
+    if (!sane(bodies_[static_cast<std::size_t>(b)].principal())) return b;
+  }
+  return -1;
+}
+
+void BulletWorld::update_joints(std::vector<double>& q) const {
+  for (const Joint& joint : model_->joints) {
+    if (joint.removed || joint.type == JointType::fixed) continue;
+    const auto pose_of = [&](int body) {
+      return body == kWorld ? Pose() : bodies_[static_cast<std::size_t>(body)].pose();
+    };
+    double* own = q.data() + joint.position_offset;
+    double previous[7];
+    std::copy(own, own + position_count(joint.type), previous);
+    joint_position(joint, relative_pose(joint, pose_of(joint.parent), pose_of(joint.child)),
+                   previous, own);
+  }
+}
+
+void BulletWorld::get_contacts(std::vector<Contact>& out) const {
+  if (contacts_kept_) {
+    out = kept_contacts_;
+  } else {
+    collision_->get_contacts(last_dt_, out);
+  }
+}
+
+void* BulletWorld::extension(std::string_view id) {
+  if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
+  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
+  return nullptr;
+}
+
+void BulletWorld::get_joint_reactions(std::vector<Wrench>& out) const { out = report_.reactions; }
+
+Result<> BulletWorld::set_kinematic_twist(int body, const Twist& twist) {
+  if (body < 0 || body >= static_cast<int>(bodies_.size())) {
+    return fail("there is no body " + std::to_string(body));
+  }
+  const Body& model = model_->bodies[static_cast<std::size_t>(body)];
+  if (model.kind != BodyKind::kinematic || model.removed) {
+    return fail("body '" + model.name + "' is not kinematic", place_of(*model_, model.origin));
+  }
+  if (!twist.linear.allFinite() || !twist.angular.allFinite()) {
+    return fail("body '" + model.name + "': its twist is not finite");
+  }
+  RigidBody& moved = bodies_[static_cast<std::size_t>(body)];
+  moved.set(moved.pose(), twist);
+  return {};
+}
+
+}  // namespace cogrsim::bullet

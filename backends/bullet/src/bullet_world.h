@@ -1,0 +1,70 @@
+// A scene running on Bullet.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "collision.h"
+#include "constraint_group.h"
+#include "grouping.h"
+#include "rigid_body.h"
+#include "solver.h"
+
+#include "cogrsim/physics/world.h"
+
+namespace cogrsim::bullet {
+
+/// Tables of the blocks `<bullet …/>` under `<physics>` and inside an assembly.
+const ParameterTable& world_option_table();
+const ParameterTable& assembly_option_table();
+
+class BulletWorld final : public World, public JointReactions, public KinematicDrive {
+ public:
+  /// Errors: bad options, a joint or shape this backend cannot do, with its place.
+  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
+
+  const SceneModelPtr& model() const override { return model_; }
+  double time() const override { return time_; }
+  StepResult step(double dt, const std::vector<Drive>& drives) override;
+  void get_state(WorldState& out) const override;
+  Result<> set_state(const WorldState& state) override;
+  void get_contacts(std::vector<Contact>& out) const override;
+  Result<> add(const SceneModelPtr& next) override;
+  Result<> remove(const SceneModelPtr& next) override;
+  SnapshotPtr save() const override;
+  Result<> restore(const SnapshotPtr& snapshot) override;
+  Result<> reset() override;
+  void* extension(std::string_view id) override;
+
+  void get_joint_reactions(std::vector<Wrench>& out) const override;
+  Result<> set_kinematic_twist(int body, const Twist& twist) override;
+
+ private:
+  BulletWorld() = default;
+
+  /// Everything from scratch, as `model` says.
+  Result<> build(const SceneModelPtr& model);
+  void build_groups();
+  /// Joint coordinates from the bodies' poses, angles near the last ones.
+  void update_joints(std::vector<double>& q) const;
+  /// The first body that is not finite or out of bounds; -1: none.
+  int find_diverged() const;
+  void place_trees(const WorldState& state);
+
+  SceneModelPtr initial_, model_;
+  double time_ = 0.0;
+  double last_dt_ = 0.0;
+  std::unique_ptr<StepSolver> solver_;
+  std::vector<RigidBody> bodies_;
+  std::unique_ptr<Collision> collision_;
+  std::vector<ConstraintGroup> groups_;
+  std::vector<btCollisionObject*> moving_;  ///< dynamic and kinematic, what the solver is given
+  std::vector<int> moving_bodies_;
+  std::vector<PrincipalState> before_;  ///< of moving_, in case the step fails
+  std::vector<double> q_, q_next_;
+  JointReport report_;
+  bool contacts_kept_ = false;           ///< `kept_contacts_` are those of the last step
+  std::vector<Contact> kept_contacts_;
+};
+
+}  // namespace cogrsim::bullet

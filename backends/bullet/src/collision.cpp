@@ -1,0 +1,406 @@
+#include "collision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCallback.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+
+#include "convert.h"
+
+namespace cogrsim::bullet {
+
+namespace {
+
+// Resting shapes feel each other from this part of their reach on (Bullet's own figure).
+constexpr double kBaseShare = 0.02;
+constexpr double kEverything = 1e18;  // bounds of a plane [m]
+
+std::uint64_t key_of(int a, int b) {
+  return (static_cast<std::uint64_t>(std::min(a, b)) << 32) |
+         static_cast<std::uint64_t>(std::max(a, b));
+}
+
+int proxy_index(const btBroadphaseProxy* proxy) {
+  return static_cast<int>(reinterpret_cast<std::intptr_t>(proxy->m_clientObject)) - 1;
+}
+
+bool is_surface(ShapeType type) { return type == ShapeType::mesh || type == ShapeType::heightmap; }
+
+btDefaultCollisionConstructionInfo configuration_info() {
+  btDefaultCollisionConstructionInfo info;
+  info.m_defaultMaxPersistentManifoldPoolSize = 1024;
+  info.m_defaultMaxCollisionAlgorithmPoolSize = 1024;
+  return info;
+}
+
+}  // namespace
+
+/// Hears from the broadphase which pairs it has come to propose and which it gave up.
+class Collision::PairListener final : public btOverlappingPairCallback {
+ public:
+  explicit PairListener(Collision& owner) : owner_(owner) {}
+
+  btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override {
+    owner_.added_.push_back(key_of(proxy_index(a), proxy_index(b)));
+    return nullptr;
+  }
+  void* removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b, btDispatcher*) override {
+    const std::uint64_t key = key_of(proxy_index(a), proxy_index(b));
+    if (Pair* pair = owner_.find(key)) {
+      pair->proposed = false;
+      owner_.dropped_ = true;
+    }
+    auto& added = owner_.added_;
+    added.erase(std::remove(added.begin(), added.end(), key), added.end());
+    return nullptr;
+  }
+  void removeOverlappingPairsContainingProxy(btBroadphaseProxy*, btDispatcher*) override {}
+
+ private:
+  Collision& owner_;
+};
+
+class Collision::Filter final : public btOverlapFilterCallback {
+ public:
+  explicit Filter(Collision& owner) : owner_(owner) {}
+  bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
+    const auto& proxies = owner_.proxies_;
+    const auto& pa = proxies[static_cast<std::size_t>(proxy_index(a))];
+    const auto& pb = proxies[static_cast<std::size_t>(proxy_index(b))];
+    return pa && pb && owner_.filter_rules_.collide(pa->body, pb->body);
+  }
+
+ private:
+  Collision& owner_;
+};
+
+Collision::Collision()
+    : configuration_(configuration_info()),
+      dispatcher_(&configuration_),
+      listener_(std::make_unique<PairListener>(*this)),
+      filter_(std::make_unique<Filter>(*this)),
+      broadphase_(std::make_unique<btDbvtBroadphase>()) {
+  dispatcher_.setDispatcherFlags(0);
+  // Enough points in one pass for shapes without a closed form, see the README.
+  configuration_.setConvexConvexMultipointIterations(4, 4);
+  broadphase_->getOverlappingPairCache()->setInternalGhostPairCallback(listener_.get());
+  broadphase_->getOverlappingPairCache()->setOverlapFilterCallback(filter_.get());
+}
+
+Collision::~Collision() {
+  clear();
+  for (auto& proxy : proxies_) {
+    if (proxy) broadphase_->destroyProxy(proxy->broad, &dispatcher_);
+  }
+}
+
+Result<> Collision::add(const SceneModelPtr& model, std::vector<RigidBody>& bodies,
+                        std::size_t first_body) {
+  std::vector<std::unique_ptr<Proxy>> fresh;
+  for (std::size_t b = first_body; b < model->bodies.size(); ++b) {
+    const Body& body = model->bodies[b];
+    if (body.removed) continue;
+    for (std::size_t s = 0; s < body.shapes.size(); ++s) {
+      const Shape& shape = body.shapes[s];
+      if (!shape.collides) continue;
+      auto collision = make_shape(*model, body, shape);
+      if (!collision) return tl::unexpected(collision.error());
+      auto proxy = std::make_unique<Proxy>();
+      proxy->body = static_cast<int>(b);
+      proxy->index = static_cast<int>(s);
+      proxy->collision = std::move(*collision);
+      proxy->X_PC = to_bt(bodies[b].X_BP().inverse() * shape.X_BS) * proxy->collision->X_SC;
+      proxy->base = kBaseShare * proxy->collision->reach;
+      proxy->moves = body.kind != BodyKind::fixed;
+      fresh.push_back(std::move(proxy));
+    }
+  }
+  model_ = model;
+  filter_rules_ = CollisionFilter(*model);
+  // Shapes live in the model, whose older bodies may have moved in memory with it.
+  for (auto& proxy : proxies_) {
+    if (proxy) {
+      proxy->shape = &model->bodies[static_cast<std::size_t>(proxy->body)]
+                          .shapes[static_cast<std::size_t>(proxy->index)];
+    }
+  }
+  for (auto& proxy : fresh) {
+    const RigidBody& body = bodies[static_cast<std::size_t>(proxy->body)];
+    proxy->shape = &model->bodies[static_cast<std::size_t>(proxy->body)]
+                        .shapes[static_cast<std::size_t>(proxy->index)];
+    update_bounds(*proxy, body, 0.0);
+    proxies_.push_back(std::move(proxy));
+    Proxy& placed = *proxies_.back();
+    placed.broad = broadphase_->createProxy(
+        placed.low, placed.high, placed.collision->shape->getShapeType(),
+        reinterpret_cast<void*>(static_cast<std::intptr_t>(proxies_.size())), 1, 1, &dispatcher_);
+  }
+  return {};
+}
+
+void Collision::remove(const SceneModelPtr& model) {
+  model_ = model;
+  for (std::size_t i = 0; i < proxies_.size(); ++i) {
+    auto& proxy = proxies_[i];
+    if (!proxy) continue;
+    const Body& body = model->bodies[static_cast<std::size_t>(proxy->body)];
+    if (body.removed) {
+      broadphase_->destroyProxy(proxy->broad, &dispatcher_);
+      for (Pair& pair : pairs_) {
+        if (pair.first == static_cast<int>(i) || pair.second == static_cast<int>(i)) {
+          close(pair);
+          pair.proposed = false;
+          dropped_ = true;
+        }
+      }
+      proxy.reset();
+    } else {
+      proxy->shape = &body.shapes[static_cast<std::size_t>(proxy->index)];
+    }
+  }
+  merge_new_pairs();
+  manifolds_.clear();
+  touching_.clear();
+  for (Pair& pair : pairs_) {
+    if (pair.manifold == nullptr || pair.manifold->getNumContacts() == 0) continue;
+    manifolds_.push_back(pair.manifold);
+    touching_.push_back(&pair);
+  }
+  filter_rules_ = CollisionFilter(*model);
+}
+
+void Collision::update_bounds(Proxy& proxy, const RigidBody& body, double dt) {
+  const btTransform& X_WP = body.collider()->getWorldTransform();
+  proxy.X_WC = X_WP * proxy.X_PC;
+  if (proxy.shape->type == ShapeType::plane) {
+    proxy.low.setValue(-kEverything, -kEverything, -kEverything);
+    proxy.high = -proxy.low;
+    proxy.ahead = 0.0;
+    return;
+  }
+  proxy.collision->shape->getAabb(proxy.X_WC, proxy.low, proxy.high);
+  proxy.ahead = proxy.base;
+  if (proxy.moves) {
+    const PrincipalState state = body.principal();
+    const double arm = proxy.collision->reach + (proxy.X_WC.getOrigin() - X_WP.getOrigin()).length();
+    proxy.ahead += dt * (state.v.length() + arm * state.w.length());
+  }
+  const btVector3 extra(proxy.ahead, proxy.ahead, proxy.ahead);
+  proxy.low -= extra;
+  proxy.high += extra;
+}
+
+Collision::Pair* Collision::find(std::uint64_t key) {
+  const auto it = std::lower_bound(pairs_.begin(), pairs_.end(), key,
+                                   [](const Pair& p, std::uint64_t k) { return p.key < k; });
+  return it != pairs_.end() && it->key == key ? &*it : nullptr;
+}
+
+void Collision::merge_new_pairs() {
+  if (dropped_) {
+    pairs_.erase(std::remove_if(pairs_.begin(), pairs_.end(),
+                                [&](Pair& pair) {
+                                  if (pair.proposed) return false;
+                                  close(pair);
+                                  return true;
+                                }),
+                 pairs_.end());
+    dropped_ = false;
+  }
+  if (added_.empty()) return;
+  std::sort(added_.begin(), added_.end());
+  const std::size_t old = pairs_.size();
+  for (const std::uint64_t key : added_) {
+    Pair pair;
+    pair.key = key;
+    pair.first = static_cast<int>(key >> 32);
+    pair.second = static_cast<int>(key & 0xffffffffu);
+    const Proxy* a = proxies_[static_cast<std::size_t>(pair.first)].get();
+    const Proxy* b = proxies_[static_cast<std::size_t>(pair.second)].get();
+    if (a->shape->type == ShapeType::plane || is_surface(a->shape->type)) {
+      std::swap(pair.first, pair.second);
+    }
+    pair.surface = surface_pair(*model_, a->shape->material, b->shape->material);
+    pairs_.push_back(pair);
+  }
+  added_.clear();
+  std::inplace_merge(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(old),
+                     pairs_.end(), [](const Pair& a, const Pair& b) { return a.key < b.key; });
+}
+
+void Collision::propose(std::vector<RigidBody>& bodies, double dt) {
+  for (auto& proxy : proxies_) {
+    if (!proxy || (!proxy->moves && proxy->broad != nullptr)) continue;
+    update_bounds(*proxy, bodies[static_cast<std::size_t>(proxy->body)], dt);
+    broadphase_->setAabb(proxy->broad, proxy->low, proxy->high, &dispatcher_);
+  }
+  broadphase_->calculateOverlappingPairs(&dispatcher_);
+  merge_new_pairs();
+}
+
+void Collision::open(Pair& pair, std::vector<RigidBody>& bodies) {
+  const Proxy& a = *proxies_[static_cast<std::size_t>(pair.first)];
+  const Proxy& b = *proxies_[static_cast<std::size_t>(pair.second)];
+  btCollisionObject* collider_a = bodies[static_cast<std::size_t>(a.body)].collider();
+  btCollisionObject* collider_b = bodies[static_cast<std::size_t>(b.body)].collider();
+  pair.manifold = dispatcher_.getNewManifold(collider_a, collider_b);
+  if (b.shape->type == ShapeType::plane || is_surface(b.shape->type)) return;
+  const btCollisionObjectWrapper wrap_a(nullptr, a.collision->shape.get(), collider_a, a.X_WC, -1, -1);
+  const btCollisionObjectWrapper wrap_b(nullptr, b.collision->shape.get(), collider_b, b.X_WC, -1, -1);
+  pair.algorithm =
+      dispatcher_.findAlgorithm(&wrap_a, &wrap_b, pair.manifold, BT_CONTACT_POINT_ALGORITHMS);
+}
+
+void Collision::close(Pair& pair) {
+  if (pair.algorithm != nullptr) {
+    pair.algorithm->~btCollisionAlgorithm();
+    dispatcher_.freeCollisionAlgorithm(pair.algorithm);
+    pair.algorithm = nullptr;
+  }
+  if (pair.manifold != nullptr) {
+    dispatcher_.releaseManifold(pair.manifold);
+    pair.manifold = nullptr;
+  }
+}
+
+void Collision::find_contacts(Pair& pair, std::vector<RigidBody>& bodies) {
+  const Proxy& a = *proxies_[static_cast<std::size_t>(pair.first)];
+  const Proxy& b = *proxies_[static_cast<std::size_t>(pair.second)];
+  btCollisionObject* collider_a = bodies[static_cast<std::size_t>(a.body)].collider();
+  btCollisionObject* collider_b = bodies[static_cast<std::size_t>(b.body)].collider();
+  btPersistentManifold& manifold = *pair.manifold;
+  const double base = b.base > 0.0 ? std::min(a.base, b.base) : a.base;
+  const double threshold = base + (a.ahead - a.base) + (b.ahead - b.base);
+  manifold.setContactBreakingThreshold(threshold);
+  const btTransform& X_WA = collider_a->getWorldTransform();
+  const btTransform& X_WB = collider_b->getWorldTransform();
+  if (b.shape->type == ShapeType::plane) {
+    patch_.clear();
+    const btVector3 normal = b.X_WC.getBasis().getColumn(2);
+    plane_contacts(*a.shape, *a.collision, a.X_WC, {normal, normal.dot(b.X_WC.getOrigin())},
+                   threshold, patch_);
+    patch_.commit(manifold, X_WA, X_WB, base);
+  } else if (is_surface(b.shape->type)) {
+    patch_.clear();
+    surface_contacts(*a.shape, *a.collision, a.X_WC, *b.collision, b.X_WC, threshold, patch_,
+                     scratch_);
+    patch_.commit(manifold, X_WA, X_WB, base);
+  } else {
+    const btCollisionObjectWrapper wrap_a(nullptr, a.collision->shape.get(), collider_a, a.X_WC, -1, -1);
+    const btCollisionObjectWrapper wrap_b(nullptr, b.collision->shape.get(), collider_b, b.X_WC, -1, -1);
+    btManifoldResult result(&wrap_a, &wrap_b);
+    result.setPersistentManifold(&manifold);
+    pair.algorithm->processCollision(&wrap_a, &wrap_b, dispatch_info_, &result);
+    manifold.refreshContactPoints(X_WA, X_WB);
+  }
+  const int n = manifold.getNumContacts();
+  for (int i = 0; i < n; ++i) {
+    btManifoldPoint& cp = manifold.getContactPoint(i);
+    cp.m_combinedFriction = pair.surface.friction;
+    cp.m_combinedRestitution = pair.surface.restitution;
+    cp.m_combinedRollingFriction = 0.0;
+    cp.m_contactPointFlags = 0;
+    if (pair.surface.stiffness) {
+      cp.m_contactPointFlags = BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
+      cp.m_combinedContactStiffness1 = *pair.surface.stiffness;
+      cp.m_combinedContactDamping1 = 0.0;  // the solver knows the masses, see Solver
+    }
+  }
+  if (n == 0) return;
+  manifolds_.push_back(&manifold);
+  touching_.push_back(&pair);
+}
+
+void Collision::detect(std::vector<RigidBody>& bodies, double dt) {
+  propose(bodies, dt);
+  manifolds_.clear();
+  touching_.clear();
+  for (Pair& pair : pairs_) {
+    const Proxy& a = *proxies_[static_cast<std::size_t>(pair.first)];
+    const Proxy& b = *proxies_[static_cast<std::size_t>(pair.second)];
+    if (!TestAabbAgainstAabb2(a.low, a.high, b.low, b.high)) {
+      if (pair.manifold != nullptr) close(pair);
+      continue;
+    }
+    if (pair.manifold == nullptr) open(pair, bodies);
+    find_contacts(pair, bodies);
+  }
+}
+
+void Collision::get_contacts(double dt, std::vector<Contact>& out) const {
+  out.clear();
+  if (dt <= 0.0) return;
+  for (std::size_t k = 0; k < touching_.size(); ++k) {
+    const Proxy& a = *proxies_[static_cast<std::size_t>(touching_[k]->first)];
+    const Proxy& b = *proxies_[static_cast<std::size_t>(touching_[k]->second)];
+    const btPersistentManifold& manifold = *manifolds_[k];
+    for (int i = 0; i < manifold.getNumContacts(); ++i) {
+      const btManifoldPoint& cp = manifold.getContactPoint(i);
+      Contact c;
+      c.body_a = a.body;
+      c.body_b = b.body;
+      c.shape_a = a.index;
+      c.shape_b = b.index;
+      c.point = from_bt((cp.m_positionWorldOnA + cp.m_positionWorldOnB) * 0.5);
+      c.normal = -from_bt(cp.m_normalWorldOnB);
+      c.depth = -cp.getDistance();
+      c.force = -from_bt(cp.m_normalWorldOnB * cp.m_appliedImpulse +
+                         cp.m_lateralFrictionDir1 * cp.m_appliedImpulseLateral1 +
+                         cp.m_lateralFrictionDir2 * cp.m_appliedImpulseLateral2) /
+                dt;
+      if (c.body_a > c.body_b) {
+        std::swap(c.body_a, c.body_b);
+        std::swap(c.shape_a, c.shape_b);
+        c.normal = -c.normal;
+        c.force = -c.force;
+      }
+      out.push_back(c);
+    }
+  }
+  std::stable_sort(out.begin(), out.end(), [](const Contact& x, const Contact& y) {
+    return std::tie(x.body_a, x.body_b, x.shape_a, x.shape_b) <
+           std::tie(y.body_a, y.body_b, y.shape_a, y.shape_b);
+  });
+}
+
+std::vector<SavedManifold> Collision::save() const {
+  std::vector<SavedManifold> out;
+  for (const Pair& pair : pairs_) {
+    if (pair.manifold == nullptr) continue;
+    SavedManifold saved;
+    saved.key = pair.key;
+    for (int i = 0; i < pair.manifold->getNumContacts(); ++i) {
+      saved.points.push_back(pair.manifold->getContactPoint(i));
+    }
+    out.push_back(std::move(saved));
+  }
+  return out;
+}
+
+void Collision::restore(const std::vector<SavedManifold>& saved, std::vector<RigidBody>& bodies) {
+  clear();
+  propose(bodies, 0.0);
+  for (const SavedManifold& entry : saved) {
+    // A pair that is not proposed here has parted; the next detect() would drop it as well.
+    Pair* pair = find(entry.key);
+    if (pair == nullptr) continue;
+    open(*pair, bodies);
+    pair->manifold->setNumContacts(static_cast<int>(entry.points.size()));
+    for (std::size_t i = 0; i < entry.points.size(); ++i) {
+      pair->manifold->getContactPoint(static_cast<int>(i)) = entry.points[i];
+    }
+  }
+}
+
+void Collision::clear() {
+  for (Pair& pair : pairs_) close(pair);
+  manifolds_.clear();
+  touching_.clear();
+}
+
+}  // namespace cogrsim::bullet

@@ -1,0 +1,329 @@
+#include "constraint_group.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "convert.h"
+
+namespace cogrsim::bullet {
+
+namespace {
+
+// A row whose pivot falls below this part of its diagonal says nothing new (loops that lie in a
+// plane have three such) and is left out.
+constexpr double kDependent = 1e-9;
+// Larger gaps of a joint are closed at this rate per step; smaller ones at once [m], [rad].
+constexpr double kGapAtOnce = 1e-3;
+constexpr double kGapRate = 0.2;
+// Axes of one group are swept until none changes by more than this part, or so often.
+constexpr double kAxisTolerance = 1e-12;
+constexpr int kAxisSweeps = 30;
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+Vec6 stacked(const btVector3& a, const btVector3& b) {
+  Vec6 out;
+  out << a.x(), a.y(), a.z(), b.x(), b.y(), b.z();
+  return out;
+}
+btVector3 head(const Vec6& v) { return {v[0], v[1], v[2]}; }
+btVector3 tail(const Vec6& v) { return {v[3], v[4], v[5]}; }
+
+double recovered(double gap) {
+  const double size = std::abs(gap);
+  if (size <= kGapAtOnce) return gap;
+  return std::copysign(kGapAtOnce + kGapRate * (size - kGapAtOnce), gap);
+}
+
+}  // namespace
+
+ConstraintGroup::ConstraintGroup(const SceneModel& model, const std::vector<int>& joints,
+                                 std::vector<RigidBody>& bodies)
+    : joint_indices_(joints) {
+  const auto member_of = [&](int body) {
+    if (body == kWorld || bodies[static_cast<std::size_t>(body)].kind() == BodyKind::fixed) return -1;
+    const auto it = std::find(body_indices_.begin(), body_indices_.end(), body);
+    if (it != body_indices_.end()) return static_cast<int>(it - body_indices_.begin());
+    Member member;
+    member.body = &bodies[static_cast<std::size_t>(body)];
+    member.moves = member.body->dynamic();
+    body_indices_.push_back(body);
+    members_.push_back(member);
+    return static_cast<int>(members_.size()) - 1;
+  };
+  const auto principal = [&](int body) {
+    if (body == kWorld) return Pose();
+    const RigidBody& b = bodies[static_cast<std::size_t>(body)];
+    // What does not move is written in world axes.
+    if (b.kind() == BodyKind::fixed) return model.bodies[static_cast<std::size_t>(body)].X_WB.inverse();
+    return b.X_BP();
+  };
+  int row = 0;
+  for (const int j : joints) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(j)];
+    JointSlot slot;
+    slot.joint = j;
+    slot.a = member_of(joint.child);
+    slot.b = member_of(joint.parent);
+    slot.X_PF = to_bt(principal(joint.parent).inverse() * joint.X_PF);
+    slot.X_CM = to_bt(principal(joint.child).inverse() * joint.X_CM);
+    slot.first_row = slot.first_open = row;
+    slot.rows = locked_count(joint.type);
+    row += slot.rows;
+    const auto moves = [&](int m) { return m >= 0 && members_[static_cast<std::size_t>(m)].moves; };
+    for (std::size_t s = 0; s < slots_.size(); ++s) {
+      const JointSlot& other = slots_[s];
+      const bool shared = (moves(slot.a) && (slot.a == other.a || slot.a == other.b)) ||
+                          (moves(slot.b) && (slot.b == other.a || slot.b == other.b));
+      if (!shared) continue;
+      slot.neighbours.push_back(static_cast<int>(s));
+      slot.first_open = std::min(slot.first_open, other.first_row);
+    }
+    slot.motors.resize(joint.axes.size());
+    for (std::size_t m = 0; m < model.motors.size(); ++m) {
+      const Motor& motor = model.motors[m];
+      if (motor.joint == j && !motor.removed) {
+        slot.motors[static_cast<std::size_t>(motor.axis)].push_back(static_cast<int>(m));
+      }
+    }
+    slots_.push_back(std::move(slot));
+  }
+  rows_.resize(static_cast<std::size_t>(row));
+  directions_.resize(static_cast<std::size_t>(row));
+  first_.resize(static_cast<std::size_t>(row));
+  for (const JointSlot& slot : slots_) {
+    for (int r = 0; r < slot.rows; ++r) first_[static_cast<std::size_t>(slot.first_row + r)] = slot.first_open;
+  }
+  factor_.setZero(row, row);
+  inverse_diagonal_.setZero(row);
+  target_.setZero(row);
+  impulses_.setZero(row);
+  work_.setZero(row);
+}
+
+ConstraintGroup::Row ConstraintGroup::make_row(const JointSlot& slot, const btTransform& X_WM,
+                                               const Direction& direction) const {
+  Row row;
+  row.a = slot.a;
+  row.b = slot.b;
+  const auto fill = [&](int m, double sign, Vec6& J, Vec6& K) {
+    if (m < 0) return;
+    const Member& member = members_[static_cast<std::size_t>(m)];
+    const btRigidBody& object = member.body->object();
+    const btVector3 arm = X_WM.getOrigin() - object.getWorldTransform().getOrigin();
+    const btVector3 lin = direction.lin * sign;
+    const btVector3 ang = direction.ang * sign + arm.cross(lin);
+    J = stacked(lin, ang);
+    if (member.moves) {
+      K = stacked(lin * object.getInvMass(), object.getInvInertiaTensorWorld() * ang);
+    }
+  };
+  fill(row.a, 1.0, row.Ja, row.Ka);
+  fill(row.b, -1.0, row.Jb, row.Kb);
+  return row;
+}
+
+double ConstraintGroup::along(const Row& row) const {
+  double sum = 0.0;
+  if (row.a >= 0) sum += row.Ja.dot(members_[static_cast<std::size_t>(row.a)].v);
+  if (row.b >= 0) sum += row.Jb.dot(members_[static_cast<std::size_t>(row.b)].v);
+  return sum;
+}
+
+void ConstraintGroup::prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,
+                              const std::vector<double>& q) {
+  for (Member& member : members_) {
+    const PrincipalState state = member.body->principal();
+    member.v = stacked(state.v, state.w);
+  }
+  axis_count_ = 0;
+  std::array<Direction, 6> directions;
+  std::array<double, 6> errors{};
+  for (const JointSlot& slot : slots_) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(slot.joint)];
+    const auto now = [&](int m) {
+      return m < 0 ? btTransform::getIdentity()
+                   : members_[static_cast<std::size_t>(m)].body->object().getWorldTransform();
+    };
+    const auto then = [&](int m) {
+      return m < 0 ? btTransform::getIdentity()
+                   : members_[static_cast<std::size_t>(m)].body->predicted(dt).X_WP;
+    };
+    const double* q_joint = q.data() + joint.position_offset;
+    const btTransform X_WF = now(slot.b) * slot.X_PF, X_WM = now(slot.a) * slot.X_CM;
+    const int n = locked_directions(joint, X_WF, X_WM, directions);
+    for (int k = 0; k < n; ++k) {
+      const auto r = static_cast<std::size_t>(slot.first_row + k);
+      directions_[r] = directions[static_cast<std::size_t>(k)];
+      rows_[r] = make_row(slot, X_WM, directions_[r]);
+    }
+    if (n > 0) {
+      // A screw's error is asked at the angle it will have.
+      double q_then[7] = {};
+      if (joint.type == JointType::screw) {
+        const Direction turn{{0, 0, 0}, X_WF.getBasis().getColumn(2)};
+        q_then[0] = q_joint[0] + dt * along(make_row(slot, X_WM, turn));
+      }
+      locked_errors(joint, then(slot.b) * slot.X_PF, then(slot.a) * slot.X_CM, q_then, errors);
+    }
+    for (int k = 0; k < n; ++k) {
+      const int r = slot.first_row + k;
+      target_[r] = along(rows_[static_cast<std::size_t>(r)]) -
+                   recovered(errors[static_cast<std::size_t>(k)]) / dt;
+    }
+    gather_axes(joint, slot, X_WF, X_WM, drives, q_joint);
+  }
+  factorise();
+  impulses_.setZero();
+  for (std::size_t i = 0; i < axis_count_; ++i) {
+    prepare_response(axes_[i]);
+    fill_law(model, axes_[i], dt, drives);
+  }
+}
+
+void ConstraintGroup::factorise() {
+  const int n = static_cast<int>(rows_.size());
+  const auto coupling = [&](int i, int j) {
+    const Row& r = rows_[static_cast<std::size_t>(i)];
+    const Row& s = rows_[static_cast<std::size_t>(j)];
+    double sum = 0.0;
+    if (r.a >= 0) {
+      if (r.a == s.a) sum += r.Ja.dot(s.Ka);
+      if (r.a == s.b) sum += r.Ja.dot(s.Kb);
+    }
+    if (r.b >= 0) {
+      if (r.b == s.a) sum += r.Jb.dot(s.Ka);
+      if (r.b == s.b) sum += r.Jb.dot(s.Kb);
+    }
+    return sum;
+  };
+  for (const JointSlot& slot : slots_) {
+    for (int i = slot.first_row; i < slot.first_row + slot.rows; ++i) {
+      auto row = factor_.row(i);
+      for (int j = slot.first_open; j < slot.first_row; ++j) row[j] = 0.0;
+      for (const int s : slot.neighbours) {
+        const JointSlot& other = slots_[static_cast<std::size_t>(s)];
+        for (int j = other.first_row; j < other.first_row + other.rows; ++j) row[j] = coupling(i, j);
+      }
+      for (int j = slot.first_row; j <= i; ++j) row[j] = coupling(i, j);
+    }
+  }
+  // L D L^T within the envelope; row i of the lower triangle is worked on in place.
+  for (int i = 0; i < n; ++i) {
+    const int fi = first_[static_cast<std::size_t>(i)];
+    const double diagonal = factor_(i, i);
+    double d = diagonal;
+    for (int j = fi; j < i; ++j) {
+      const int start = std::max(fi, first_[static_cast<std::size_t>(j)]);
+      double s = factor_(i, j);
+      for (int k = start; k < j; ++k) s -= factor_(i, k) * factor_(j, k);
+      factor_(i, j) = s;  // L_ij D_j for now
+    }
+    for (int j = fi; j < i; ++j) {
+      const double s = factor_(i, j);
+      const double l = s * inverse_diagonal_[j];
+      d -= s * l;
+      factor_(i, j) = l;
+    }
+    inverse_diagonal_[i] = d > kDependent * diagonal ? 1.0 / d : 0.0;
+  }
+}
+
+void ConstraintGroup::solve(Eigen::VectorXd& x) const {
+  const int n = static_cast<int>(rows_.size());
+  for (int i = 0; i < n; ++i) {
+    double s = x[i];
+    for (int k = first_[static_cast<std::size_t>(i)]; k < i; ++k) s -= factor_(i, k) * x[k];
+    x[i] = s;
+  }
+  for (int i = 0; i < n; ++i) x[i] *= inverse_diagonal_[i];
+  for (int i = n - 1; i >= 0; --i) {
+    const double s = x[i];
+    for (int k = first_[static_cast<std::size_t>(i)]; k < i; ++k) x[k] -= factor_(i, k) * s;
+  }
+}
+
+void ConstraintGroup::bind(btSolverBody* (*find)(void*, btRigidBody&), void* context) {
+  for (Member& member : members_) {
+    member.solver = find(context, member.body->object());
+    member.start = Vec6::Zero();
+    if (member.solver == nullptr) continue;
+    const btSolverBody& s = *member.solver;
+    member.start = stacked(s.m_linearVelocity + s.m_externalForceImpulse,
+                           s.m_angularVelocity + s.m_externalTorqueImpulse);
+  }
+}
+
+void ConstraintGroup::iterate() {
+  for (Member& member : members_) {
+    if (member.solver == nullptr) continue;
+    member.v = member.start + stacked(member.solver->internalGetDeltaLinearVelocity(),
+                                      member.solver->internalGetDeltaAngularVelocity());
+  }
+  const auto n = static_cast<Eigen::Index>(rows_.size());
+  for (Eigen::Index i = 0; i < n; ++i) work_[i] = target_[i] - along(rows_[static_cast<std::size_t>(i)]);
+  solve(work_);
+  impulses_ += work_;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Row& r = rows_[static_cast<std::size_t>(i)];
+    if (r.a >= 0) members_[static_cast<std::size_t>(r.a)].v += r.Ka * work_[i];
+    if (r.b >= 0) members_[static_cast<std::size_t>(r.b)].v += r.Kb * work_[i];
+  }
+  for (int sweep = 0; sweep < kAxisSweeps; ++sweep) {
+    bool settled = true;
+    for (std::size_t k = 0; k < axis_count_; ++k) {
+      Axis& axis = axes_[k];
+      if (axis.inverse_inertia <= 0.0) continue;
+      const double v = along(axis.row) - axis.inverse_inertia * axis.impulse;
+      const double impulse = axis.law.solve(v, axis.inverse_inertia);
+      const double change = impulse - axis.impulse;
+      if (std::abs(change) > kAxisTolerance * std::abs(impulse)) settled = false;
+      axis.impulse = impulse;
+      impulses_ += axis.reaction * change;
+      for (std::size_t m = 0; m < members_.size(); ++m) members_[m].v += axis.response[m] * change;
+    }
+    if (settled || axis_count_ < 2) break;
+  }
+  for (Member& member : members_) {
+    if (member.solver == nullptr || !member.moves) continue;
+    const Vec6 delta = member.v - member.start;
+    member.solver->internalGetDeltaLinearVelocity() = head(delta);
+    member.solver->internalGetDeltaAngularVelocity() = tail(delta);
+  }
+}
+
+void ConstraintGroup::report(const SceneModel& model, double dt, JointReport& out) const {
+  for (const JointSlot& slot : slots_) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(slot.joint)];
+    for (int k = 0; k < speed_count(joint.type); ++k) {
+      out.joint_efforts[static_cast<std::size_t>(joint.speed_offset + k)] = 0.0;
+    }
+    btVector3 force(0, 0, 0), torque(0, 0, 0);
+    for (int r = slot.first_row; r < slot.first_row + slot.rows; ++r) {
+      const Direction& d = directions_[static_cast<std::size_t>(r)];
+      force += d.lin * (impulses_[r] / dt);
+      torque += d.ang * (impulses_[r] / dt);
+    }
+    Wrench& wrench = out.reactions[static_cast<std::size_t>(slot.joint)];
+    wrench = {from_bt(force), from_bt(torque)};
+  }
+  for (std::size_t i = 0; i < axis_count_; ++i) {
+    const Axis& axis = axes_[i];
+    const double effort = axis.impulse / dt;
+    const JointSlot& slot = slots_[static_cast<std::size_t>(axis.slot)];
+    Wrench& wrench = out.reactions[static_cast<std::size_t>(slot.joint)];
+    wrench.force += from_bt(axis.direction.lin) * effort;
+    wrench.torque += from_bt(axis.direction.ang) * effort;
+    const auto speed = static_cast<std::size_t>(axis.speed);
+    if (axis.part != Axis::Part::whole) {
+      for (int k = 0; k < 3; ++k) out.joint_efforts[speed + static_cast<std::size_t>(k)] += axis.in_F[k] * effort;
+    } else {
+      out.joint_efforts[speed] += effort;
+    }
+    for (std::size_t m = 0; m < axis.motors.size() && axis.part == Axis::Part::whole; ++m) {
+      out.motor_efforts[static_cast<std::size_t>(axis.motors[m])] = axis.law.impulse(m) / dt;
+    }
+  }
+}
+
+}  // namespace cogrsim::bullet

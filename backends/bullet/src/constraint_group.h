@@ -1,0 +1,130 @@
+// An articulated group whose bodies are Bullet rigid bodies, joints being constraints between them.
+//
+// The forbidden directions of all joints of a group are solved together and exactly (a direct
+// factorisation of J M^-1 J^T), not row by row: a joint does not gape, whatever the mass ratio, and
+// loops are no special case. What acts along free axes (motors, springs, friction, limits) is
+// applied through the group's response to it, the joints' reactions included, so that an axis feels
+// the inertia it has in the mechanism.
+//
+// In time the joints are held as by SHAKE (Ryckaert, Ciccotti, Berendsen 1977): impulses along the
+// directions at the start of the step such that the joints close at its end. With symplectic Euler
+// this keeps the energy of a mechanism without loss.
+#pragma once
+
+#include <vector>
+
+#include <BulletDynamics/ConstraintSolver/btSolverBody.h>
+#include <Eigen/Core>
+
+#include "axis_law.h"
+#include "joint_rows.h"
+#include "rigid_body.h"
+
+#include "cogrsim/model/scene_model.h"
+#include "cogrsim/physics/drive.h"
+
+namespace cogrsim::bullet {
+
+/// What a step leaves to be reported about the joints of a world.
+struct JointReport {
+  std::vector<double> joint_efforts;  ///< SceneModel::joint_speeds
+  std::vector<double> motor_efforts;  ///< one per motor
+  std::vector<Wrench> reactions;      ///< on the child, about M's origin, world axes
+};
+
+/// Whether a drive does anything at all.
+bool acts(const Drive& drive);
+
+/// Everything on one scalar axis: `motors` first, in order, then spring and damper, friction, limits.
+void fill_axis_law(AxisLaw& law, const JointAxis& model, const AxisState& state,
+                   const std::vector<int>& motors, const std::vector<Drive>& drives);
+
+class ConstraintGroup {
+ public:
+  /// `joints`: those of the group, in an order in which neighbours are near each other.
+  ConstraintGroup(const SceneModel& model, const std::vector<int>& joints,
+                  std::vector<RigidBody>& bodies);
+
+  const std::vector<int>& joints() const { return joint_indices_; }
+  const std::vector<int>& bodies() const { return body_indices_; }
+
+  /// Rows and factorisation for a step of dt. `q`: coordinates of all joints of the world.
+  void prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,
+               const std::vector<double>& q);
+  /// Couples the group to the solver's bodies; null for what does not move.
+  void bind(btSolverBody* (*find)(void* context, btRigidBody& body), void* context);
+  /// Solves the group against the bodies' present velocity changes.
+  void iterate();
+  /// Efforts and reactions of the step.
+  void report(const SceneModel& model, double dt, JointReport& out) const;
+
+ private:
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+  struct Member {
+    RigidBody* body = nullptr;
+    btSolverBody* solver = nullptr;
+    Vec6 start = Vec6::Zero();  ///< velocity with this step's outer forces, without impulses
+    Vec6 v = Vec6::Zero();      ///< velocity now
+    bool moves = false;         ///< dynamic
+  };
+  /// One row: on the child's (a) and the parent's (b) velocity; -1: the world.
+  struct Row {
+    int a = -1, b = -1;
+    Vec6 Ja = Vec6::Zero(), Jb = Vec6::Zero();
+    Vec6 Ka = Vec6::Zero(), Kb = Vec6::Zero();  ///< M^-1 J^T
+  };
+  struct JointSlot {
+    int joint = -1;
+    int a = -1, b = -1;  ///< members
+    btTransform X_PF, X_CM;  ///< in the principal frames
+    int first_row = 0, rows = 0;
+    int first_open = 0;  ///< first row this joint's rows may be coupled with
+    std::vector<int> neighbours;  ///< earlier slots that share a moving body
+    std::vector<std::vector<int>> motors;  ///< by axis
+  };
+  /// One free axis on which something acts.
+  struct Axis {
+    enum class Part { whole, ball_spring, ball_cone } part = Part::whole;
+    int slot = -1;
+    int number = 0;           ///< of the joint's axes
+    int speed = -1;           ///< entry in joint_speeds; of a ball: the first of three
+    double q = 0.0;           ///< coordinate at the start of the step
+    btVector3 in_F{0, 0, 0};  ///< of a ball: direction in F's axes
+    Direction direction;
+    Row row;
+    AxisLaw law;
+    std::vector<int> motors;  ///< of the law's first elements
+    double inverse_inertia = 0.0;
+    double impulse = 0.0;
+    Eigen::VectorXd reaction;    ///< of the locked rows, per unit of impulse
+    std::vector<Vec6> response;  ///< of the members' velocities, per unit of impulse
+  };
+
+  Row make_row(const JointSlot& slot, const btTransform& X_WM, const Direction& direction) const;
+  void factorise();
+  void solve(Eigen::VectorXd& x) const;
+  double along(const Row& row) const;
+  void gather_axes(const Joint& joint, const JointSlot& slot, const btTransform& X_WF,
+                   const btTransform& X_WM, const std::vector<Drive>& drives, const double* q);
+  void gather_ball(const Joint& joint, const JointSlot& slot, const btTransform& X_WF,
+                   const btTransform& X_WM, const double* q);
+  void fill_law(const SceneModel& model, Axis& axis, double dt, const std::vector<Drive>& drives);
+  Axis& next_axis(const JointSlot& slot, const btTransform& X_WM, const Direction& direction);
+  void prepare_response(Axis& axis);
+
+  std::vector<int> joint_indices_, body_indices_;
+  std::vector<Member> members_;
+  std::vector<JointSlot> slots_;
+  std::vector<Row> rows_;
+  std::vector<Direction> directions_;  ///< of the rows
+  std::vector<int> first_;   ///< first column of each row of the factor
+  Eigen::MatrixXd factor_;   ///< unit lower triangle, below the diagonal
+  Eigen::VectorXd inverse_diagonal_;
+  Eigen::VectorXd target_;   ///< of J v at the end of the step
+  Eigen::VectorXd impulses_, work_;
+  std::vector<Axis> axes_;
+  std::size_t axis_count_ = 0;
+};
+
+}  // namespace cogrsim::bullet

@@ -1,0 +1,177 @@
+// The free axes of a ConstraintGroup: which ones have something acting on them, how the group
+// responds, and by what law.
+#include <algorithm>
+#include <cmath>
+
+#include "constraint_group.h"
+#include "convert.h"
+
+namespace cogrsim::bullet {
+
+namespace {
+
+// Below this speed friction of a ball joint has no direction yet [rad/s].
+constexpr double kAtRest = 1e-9;
+
+}  // namespace
+
+bool acts(const Drive& drive) {
+  return drive.kd != 0.0 || drive.kp != 0.0 || drive.bias != 0.0;
+}
+
+void fill_axis_law(AxisLaw& law, const JointAxis& model, const AxisState& state,
+                   const std::vector<int>& motors, const std::vector<Drive>& drives) {
+  law.clear();
+  for (const int m : motors) {
+    Drive drive = drives[static_cast<std::size_t>(m)];
+    if (drive.is_speed_source() && model.has_limit()) {
+      // An ideal source does not fight a stop: it ends where the stop is.
+      drive.velocity = std::clamp(drive.velocity, lower_limit_element(model.lower, state).speed,
+                                  upper_limit_element(model.upper, state).speed);
+    }
+    law.add(drive_element(drive, state));
+  }
+  if (model.stiffness > 0.0 || model.damping > 0.0) law.add(spring_damper_element(model, state));
+  if (model.friction > 0.0) law.add(friction_element(model.friction, state.dt));
+  if (std::isfinite(model.lower)) law.add(lower_limit_element(model.lower, state));
+  if (std::isfinite(model.upper)) law.add(upper_limit_element(model.upper, state));
+}
+
+ConstraintGroup::Axis& ConstraintGroup::next_axis(const JointSlot& slot, const btTransform& X_WM,
+                                                  const Direction& direction) {
+  if (axis_count_ == axes_.size()) axes_.emplace_back();
+  Axis& axis = axes_[axis_count_++];
+  axis.slot = static_cast<int>(&slot - slots_.data());
+  axis.direction = direction;
+  axis.row = make_row(slot, X_WM, direction);
+  axis.law.clear();
+  axis.motors.clear();
+  axis.impulse = 0.0;
+  axis.part = Axis::Part::whole;
+  return axis;
+}
+
+void ConstraintGroup::prepare_response(Axis& axis) {
+  const auto n = static_cast<Eigen::Index>(rows_.size());
+  axis.reaction.setZero(n);
+  const Row& own = axis.row;
+  const auto couple = [&](const JointSlot& slot) {
+    for (int i = slot.first_row; i < slot.first_row + slot.rows; ++i) {
+      const Row& r = rows_[static_cast<std::size_t>(i)];
+      double sum = 0.0;
+      if (r.a >= 0) {
+        if (r.a == own.a) sum += r.Ja.dot(own.Ka);
+        if (r.a == own.b) sum += r.Ja.dot(own.Kb);
+      }
+      if (r.b >= 0) {
+        if (r.b == own.a) sum += r.Jb.dot(own.Ka);
+        if (r.b == own.b) sum += r.Jb.dot(own.Kb);
+      }
+      axis.reaction[i] = -sum;
+    }
+  };
+  for (const JointSlot& slot : slots_) couple(slot);
+  solve(axis.reaction);
+  axis.response.assign(members_.size(), Vec6::Zero());
+  const auto spread = [&](const Row& r, double impulse) {
+    if (r.a >= 0) axis.response[static_cast<std::size_t>(r.a)] += r.Ka * impulse;
+    if (r.b >= 0) axis.response[static_cast<std::size_t>(r.b)] += r.Kb * impulse;
+  };
+  spread(own, 1.0);
+  for (Eigen::Index i = 0; i < n; ++i) spread(rows_[static_cast<std::size_t>(i)], axis.reaction[i]);
+  axis.inverse_inertia = 0.0;
+  if (own.a >= 0) axis.inverse_inertia += own.Ja.dot(axis.response[static_cast<std::size_t>(own.a)]);
+  if (own.b >= 0) axis.inverse_inertia += own.Jb.dot(axis.response[static_cast<std::size_t>(own.b)]);
+}
+
+void ConstraintGroup::gather_axes(const Joint& joint, const JointSlot& slot,
+                                  const btTransform& X_WF, const btTransform& X_WM,
+                                  const std::vector<Drive>& drives, const double* q) {
+  if (joint.type == JointType::ball) {
+    gather_ball(joint, slot, X_WF, X_WM, q);
+    return;
+  }
+  std::array<Direction, 3> directions;
+  const int n = free_directions(joint, X_WF, X_WM, directions);
+  for (int k = 0; k < n; ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    const JointAxis& model = joint.axes[index];
+    const bool driven = std::any_of(slot.motors[index].begin(), slot.motors[index].end(),
+                                    [&](int m) { return acts(drives[static_cast<std::size_t>(m)]); });
+    if (!driven && model.stiffness <= 0.0 && model.damping <= 0.0 && model.friction <= 0.0 &&
+        !model.has_limit()) {
+      continue;
+    }
+    Axis& axis = next_axis(slot, X_WM, directions[index]);
+    axis.number = k;
+    axis.q = q[k];
+    axis.motors = slot.motors[index];
+  }
+}
+
+void ConstraintGroup::gather_ball(const Joint& joint, const JointSlot& slot,
+                                  const btTransform& X_WF, const btTransform& X_WM,
+                                  const double* q) {
+  const JointAxis& model = joint.axes.front();
+  if (model.stiffness <= 0.0 && model.damping <= 0.0 && model.friction <= 0.0 &&
+      !std::isfinite(model.upper)) {
+    return;
+  }
+  const btMatrix3x3& F = X_WF.getBasis();
+  const btVector3 turn = rotation_vector(btQuaternion(q[1], q[2], q[3], q[0]));
+  // The triad: with friction one axis lies along the motion, which it opposes as a whole.
+  btVector3 triad[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const auto rate = [&](int k) {
+    return along(make_row(slot, X_WM, {{0, 0, 0}, F.getColumn(k)}));
+  };
+  const btVector3 w(rate(0), rate(1), rate(2));
+  if (model.friction > 0.0 && w.length() > kAtRest) {
+    triad[0] = w.normalized();
+    btPlaneSpace1(triad[0], triad[1], triad[2]);
+  }
+  if (model.stiffness > 0.0 || model.damping > 0.0 || model.friction > 0.0) {
+    for (int k = 0; k < 3; ++k) {
+      Axis& axis = next_axis(slot, X_WM, {{0, 0, 0}, F * triad[k]});
+      axis.number = 0;
+      axis.q = turn.dot(triad[k]);
+      axis.in_F = triad[k];
+      axis.part = Axis::Part::ball_spring;
+    }
+  }
+  const double angle = turn.length();
+  if (std::isfinite(model.upper) && angle > 1e-9) {
+    Axis& axis = next_axis(slot, X_WM, {{0, 0, 0}, F * (turn / angle)});
+    axis.number = 0;
+    axis.q = angle;
+    axis.in_F = turn / angle;
+    axis.part = Axis::Part::ball_cone;
+  }
+}
+
+void ConstraintGroup::fill_law(const SceneModel& model, Axis& axis, double dt,
+                               const std::vector<Drive>& drives) {
+  const Joint& joint =
+      model.joints[static_cast<std::size_t>(slots_[static_cast<std::size_t>(axis.slot)].joint)];
+  const JointAxis& law = joint.axes[static_cast<std::size_t>(axis.number)];
+  axis.speed = joint.speed_offset + axis.number;
+  const AxisState state{axis.q, along(axis.row), dt, axis.inverse_inertia};
+  switch (axis.part) {
+    case Axis::Part::whole:
+      fill_axis_law(axis.law, law, state, axis.motors, drives);
+      break;
+    case Axis::Part::ball_spring: {
+      JointAxis part = law;
+      part.lower = -std::numeric_limits<double>::infinity();
+      part.upper = -part.lower;
+      part.rest = 0.0;
+      fill_axis_law(axis.law, part, state, {}, drives);
+      break;
+    }
+    case Axis::Part::ball_cone:
+      axis.law.clear();
+      axis.law.add(upper_limit_element(law.upper, state));
+      break;
+  }
+}
+
+}  // namespace cogrsim::bullet
