@@ -60,21 +60,19 @@ class TableReporter : public Catch::StreamingReporterBase<TableReporter> {
     if (stats.assertionResult.isOk()) return true;
     if (current().status == Status::unsupported) return true;
     current().status = Status::fail;
-    bool is_figure = false;
     std::string text;
     for (const Catch::MessageInfo& message : stats.infoMessages) {
-      if (message.message.rfind("figure: ", 0) == 0) is_figure = true;
+      // Figures are reported once each, with their worst value.
+      if (message.message.rfind("figure: ", 0) == 0) return true;
       text += "      " + message.message + "\n";
     }
-    if (!is_figure) {
-      const Catch::AssertionResult& result = stats.assertionResult;
-      text += "      " + result.getExpressionInMacro();
-      if (result.hasExpandedExpression()) text += "  with  " + result.getExpandedExpression();
-      if (result.hasMessage()) text += "  " + result.getMessage();
-      const Catch::SourceLineInfo place = result.getSourceInfo();
-      text += std::string("  (") + place.file + ":" + std::to_string(place.line) + ")\n";
-      current().failures.push_back(text);
-    }
+    const Catch::AssertionResult& result = stats.assertionResult;
+    text += "      " + result.getExpressionInMacro();
+    if (result.hasExpandedExpression()) text += "  with  " + result.getExpandedExpression();
+    if (result.hasMessage()) text += "  " + result.getMessage();
+    const Catch::SourceLineInfo place = result.getSourceInfo();
+    text += std::string("  (") + place.file + ":" + std::to_string(place.line) + ")\n";
+    current().failures.push_back(text);
     details_ += text;
     return true;
   }
@@ -102,14 +100,16 @@ class TableReporter : public Catch::StreamingReporterBase<TableReporter> {
       std::printf("%s", details_.substr(0, kEnough).c_str());
       if (details_.size() > kEnough) std::printf("\n      …\n");
     }
-    if (the_run->options.figures) print_figures(outcome);
+    const bool all = the_run->options.figures;
+    if (all || !change.empty()) print_figures(outcome, all);
     if (the_run->options.update) the_run->table.update(name, outcome);
     std::fflush(stdout);
   }
 
  private:
-  static void print_figures(const Outcome& outcome) {
+  static void print_figures(const Outcome& outcome, bool all) {
     for (const Figure& figure : outcome.figures) {
+      if (!all && figure.within()) continue;
       if (std::isinf(figure.limit)) {
         std::printf("      %12.4g               %s\n", figure.value, figure.label.c_str());
       } else {

@@ -74,16 +74,14 @@ std::map<std::string, Pose> run_scene(const std::vector<Adder>& adders, const Po
   return poses;
 }
 
-void compare(const std::string& what, const std::vector<Adder>& one, const Pose& X_one,
-             const std::vector<Adder>& two, const Pose& X_two, double seconds, double limit) {
+void compare(const std::vector<Adder>& one, const Pose& X_one, const std::vector<Adder>& two,
+             const Pose& X_two, double seconds, double limit) {
   const auto a = run_scene(one, X_one, seconds), b = run_scene(two, X_two, seconds);
   REQUIRE(a.size() == b.size());
-  double largest = 0.0;
   for (const auto& [name, pose] : a) {
-    largest =
-        std::max({largest, (pose.p - b.at(name).p).norm(), angle_between(pose.q, b.at(name).q)});
+    measure("difference of the " + name + " [m]", (pose.p - b.at(name).p).norm(), limit);
+    measure("difference of the " + name + " [rad]", angle_between(pose.q, b.at(name).q), limit);
   }
-  measure(what + " [m, rad]", largest, limit);
 }
 
 const Pose kMoved(Vec3(10, -7, 3), Quat(1, 0, 0, 0));
@@ -99,33 +97,33 @@ constexpr double kContact = 1e-6;
 constexpr double kContactTurned = 5e-3;
 
 TEST_CASE("moved scene runs alike, smooth", "[metamorphic]") {
-  compare("difference", smooth_scene(), Pose(), smooth_scene(), kMoved, 1.0, kSmooth);
+  compare(smooth_scene(), Pose(), smooth_scene(), kMoved, 1.0, kSmooth);
 }
 
 TEST_CASE("moved scene runs alike, with contact", "[metamorphic]") {
-  compare("difference", contact_scene(), Pose(), contact_scene(), kMoved, 0.6, kContact);
+  compare(contact_scene(), Pose(), contact_scene(), kMoved, 0.6, kContact);
 }
 
 TEST_CASE("scene turned together with gravity runs alike, smooth", "[metamorphic]") {
   const Pose turned(Vec3::Zero(), turn(Vec3(1, -2, 0.5), 1.1));
-  compare("difference", smooth_scene(), Pose(), smooth_scene(), turned, 1.0, kSmooth);
+  compare(smooth_scene(), Pose(), smooth_scene(), turned, 1.0, kSmooth);
 }
 
 TEST_CASE("scene turned together with gravity runs alike, with contact", "[metamorphic]") {
   const Pose turned(Vec3::Zero(), turn(Vec3(1, -2, 0.5), 1.1));
-  compare("difference", contact_scene(), Pose(), contact_scene(), turned, 0.6, kContactTurned);
+  compare(contact_scene(), Pose(), contact_scene(), turned, 0.6, kContactTurned);
 }
 
 TEST_CASE("order of bodies does not matter, smooth", "[metamorphic]") {
   auto reversed = smooth_scene();
   std::reverse(reversed.begin(), reversed.end());
-  compare("difference", smooth_scene(), Pose(), reversed, Pose(), 1.0, kSmooth);
+  compare(smooth_scene(), Pose(), reversed, Pose(), 1.0, kSmooth);
 }
 
 TEST_CASE("order of bodies does not matter, with contact", "[metamorphic]") {
   auto reversed = contact_scene();
   std::reverse(reversed.begin(), reversed.end());
-  compare("difference", contact_scene(), Pose(), reversed, Pose(), 0.6, kContact);
+  compare(contact_scene(), Pose(), reversed, Pose(), 0.6, kContact);
 }
 
 TEST_CASE("bystanders do not matter", "[metamorphic]") {

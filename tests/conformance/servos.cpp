@@ -85,13 +85,14 @@ void pid(const AxisKind& kind) {
           kStepResponse);
 }
 
-// Far from its target it gives its bound: e t / I.
+// Far from its target it gives its bound: e t / I. Then it creeps in with kd / kp = 0.6 s, which six
+// seconds reduce to less than 1e-4 of the step.
 void saturated(const AxisKind& kind) {
   AxisRig rig(kind);
   const int motor = rig.motor(MotorMode::servo);
   Sim sim(rig.builder);
   const double bound = 2.0 * rig.inertia, target = 3.0;
-  sim.drive(motor) = servo(100.0 * rig.inertia, target, 20.0 * rig.inertia, bound);
+  sim.drive(motor) = servo(100.0 * rig.inertia, target, 60.0 * rig.inertia, bound);
   double largest = 0.0, t = 0.0;
   Worst speed;
   sim.run(0.8, kDt, [&] {
