@@ -55,12 +55,10 @@ configure() {
   (cd "$repo" && cmake --preset "$preset" --log-level=WARNING)
 }
 
-# Builds the targets given, or everything.
+# Builds the targets given.
 build() {
-  say "building ${*:-everything}"
-  local targets=()
-  [ $# -eq 0 ] || targets=(--target "$@")
-  cmake --build "$build_dir" --parallel "$(nproc)" "${targets[@]}"
+  say "building $*"
+  cmake --build "$build_dir" --parallel "$(nproc)" --target "$@"
 }
 
 # The main job: one scene, two engines, one table.
