@@ -24,6 +24,9 @@ constexpr Kind kKinds[] = {
     {"inertia", 1.02, "every body's inertia times AMOUNT"},
     {"effort", 0.98, "every motor's effort and gains times AMOUNT"},
     {"contact-force", 1.02, "reported contact forces times AMOUNT"},
+    {"limits", 1.05, "every joint's limits times AMOUNT"},
+    {"reaction", 1.01, "reported joint reactions times AMOUNT"},
+    {"forget", 1.0, "a restore forgets what contacts remember"},
 };
 
 // Faults that lie in the model the engine is given.
@@ -37,11 +40,18 @@ SceneModelPtr mutate_model(const SceneModelPtr& model, const Mutation& mutation)
   for (Body& body : copy->bodies) {
     if (mutation.name == "inertia") body.inertia *= mutation.amount;
   }
+  for (Joint& joint : copy->joints) {
+    if (mutation.name != "limits") break;
+    for (JointAxis& axis : joint.axes) {
+      axis.lower *= mutation.amount;
+      axis.upper *= mutation.amount;
+    }
+  }
   return copy;
 }
 
 // Faults that lie in what goes into the engine and what comes out.
-class MutatedWorld final : public World {
+class MutatedWorld final : public World, private JointReactions {
  public:
   MutatedWorld(std::unique_ptr<World> world, Mutation mutation)
       : world_(std::move(world)), mutation_(std::move(mutation)) {}
@@ -80,11 +90,32 @@ class MutatedWorld final : public World {
   Result<> add(const SceneModelPtr& next) override { return world_->add(next); }
   Result<> remove(const SceneModelPtr& next) override { return world_->remove(next); }
   SnapshotPtr save() const override { return world_->save(); }
-  Result<> restore(const SnapshotPtr& snapshot) override { return world_->restore(snapshot); }
   Result<> reset() override { return world_->reset(); }
-  void* extension(std::string_view id) override { return world_->extension(id); }
+
+  Result<> restore(const SnapshotPtr& snapshot) override {
+    Result<> restored = world_->restore(snapshot);
+    if (!restored || mutation_.name != "forget") return restored;
+    WorldState state;
+    world_->get_state(state);
+    return world_->set_state(state);
+  }
+
+  void* extension(std::string_view id) override {
+    void* found = world_->extension(id);
+    if (mutation_.name != "reaction" || id != JointReactions::kId || !found) return found;
+    reactions_ = static_cast<JointReactions*>(found);
+    return static_cast<JointReactions*>(this);
+  }
 
  private:
+  void get_joint_reactions(std::vector<Wrench>& out) const override {
+    reactions_->get_joint_reactions(out);
+    for (Wrench& wrench : out) {
+      wrench.force *= mutation_.amount;
+      wrench.torque *= mutation_.amount;
+    }
+  }
+
   void damp(double dt) {
     const double keep = std::exp(-mutation_.amount * dt);
     WorldState state;
@@ -99,6 +130,7 @@ class MutatedWorld final : public World {
 
   std::unique_ptr<World> world_;
   Mutation mutation_;
+  JointReactions* reactions_ = nullptr;
 };
 
 class MutatedBackend final : public Backend {

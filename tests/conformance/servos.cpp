@@ -85,8 +85,8 @@ void pid(const AxisKind& kind) {
           kStepResponse);
 }
 
-// Far from its target it gives its bound: e t / I. Then it creeps in with kd / kp = 0.6 s, which six
-// seconds reduce to less than 1e-4 of the step.
+// Far from its target it gives its bound: e t / I. Then it creeps in with kd / kp = 0.6 s, which
+// six seconds reduce to less than 1e-4 of the step.
 void saturated(const AxisKind& kind) {
   AxisRig rig(kind);
   const int motor = rig.motor(MotorMode::servo);
