@@ -254,9 +254,19 @@ void Collision::open(Pair& pair, std::vector<RigidBody>& bodies) {
   const btCollisionObjectWrapper wrap_b(nullptr, b.collision->shape.get(), collider_b, b.X_WC, -1, -1);
   pair.algorithm =
       dispatcher_.findAlgorithm(&wrap_a, &wrap_b, pair.manifold, BT_CONTACT_POINT_ALGORITHMS);
+  // Some algorithms insist on a manifold of their own.
+  algorithm_manifolds_.resizeNoInitialize(0);
+  pair.algorithm->getAllContactManifolds(algorithm_manifolds_);
+  if (algorithm_manifolds_.size() > 0 && algorithm_manifolds_[0] != pair.manifold) {
+    dispatcher_.releaseManifold(pair.manifold);
+    pair.manifold = algorithm_manifolds_[0];
+    pair.owned_by_algorithm = true;
+  }
 }
 
 void Collision::close(Pair& pair) {
+  if (pair.owned_by_algorithm) pair.manifold = nullptr;
+  pair.owned_by_algorithm = false;
   if (pair.algorithm != nullptr) {
     pair.algorithm->~btCollisionAlgorithm();
     dispatcher_.freeCollisionAlgorithm(pair.algorithm);

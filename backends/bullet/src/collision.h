@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
@@ -83,6 +84,7 @@ class Collision {
     bool proposed = true;
     btPersistentManifold* manifold = nullptr;
     btCollisionAlgorithm* algorithm = nullptr;
+    bool owned_by_algorithm = false;  ///< the manifold
     SurfacePair surface;
   };
 
@@ -110,6 +112,7 @@ class Collision {
   std::vector<std::uint64_t> added_;             ///< proposed since the last merge
   std::vector<btPersistentManifold*> manifolds_;
   std::vector<const Pair*> touching_;  ///< of manifolds_
+  btManifoldArray algorithm_manifolds_;
   ContactPatch patch_;
   std::vector<NearTriangle> scratch_;
   bool dropped_ = false;  ///< some pair is no longer proposed

@@ -118,8 +118,9 @@ class TriangleVisitor final : public btTriangleCallback {
  public:
   TriangleVisitor(const Shape& shape, const CollisionShape& collision, const btTransform& X_WS,
                   const btTransform& X_WC, double threshold, ContactPatch& patch,
-                  std::vector<NearTriangle>& open)
-      : shape_(shape),
+                  bool terrain, std::vector<NearTriangle>& open)
+      : terrain_(terrain),
+        shape_(shape),
         collision_(collision),
         X_WS_(X_WS),
         X_WC_(X_WC),
@@ -130,8 +131,13 @@ class TriangleVisitor final : public btTriangleCallback {
   }
 
   void processTriangle(btVector3* local, int, int) override {
-    const btVector3 t[3] = {X_WC_ * local[0], X_WC_ * local[1], X_WC_ * local[2]};
+    btVector3 t[3] = {X_WC_ * local[0], X_WC_ * local[1], X_WC_ * local[2]};
     btVector3 n = (t[1] - t[0]).cross(t[2] - t[0]);
+    if (terrain_ && n.dot(X_WC_.getBasis().getColumn(2)) < 0.0) {
+      // Bullet winds a heightfield's triangles either way; its outer side is up.
+      btSwap(t[1], t[2]);
+      n = -n;
+    }
     const double area = n.length();
     if (area <= 0.0) return;
     n /= area;
@@ -193,6 +199,7 @@ class TriangleVisitor final : public btTriangleCallback {
     patch_.add({on_a, on_a - normal * distance, normal, distance, -1});
   }
 
+  bool terrain_;
   const Shape& shape_;
   const CollisionShape& collision_;
   const btTransform& X_WS_;
@@ -210,7 +217,8 @@ void surface_contacts(const Shape& shape, const CollisionShape& collision, const
   btVector3 low, high;
   collision.shape->getAabb(X_WC.inverseTimes(X_WS), low, high);
   const btVector3 extra(threshold, threshold, threshold);
-  TriangleVisitor visitor(shape, collision, X_WS, X_WC, threshold, patch, scratch);
+  TriangleVisitor visitor(shape, collision, X_WS, X_WC, threshold, patch,
+                          surface.shape->getShapeType() == TERRAIN_SHAPE_PROXYTYPE, scratch);
   static_cast<const btConcaveShape*>(surface.shape.get())
       ->processAllTriangles(&visitor, low - extra, high + extra);
   visitor.finish();

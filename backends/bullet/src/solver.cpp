@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
 namespace cogrsim::bullet {
@@ -44,9 +45,12 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
  protected:
   void convertContacts(btPersistentManifold** manifolds, int count,
                        const btContactSolverInfo& info) override {
+    remember_friction(manifolds, count);
     btSequentialImpulseConstraintSolver::convertContacts(manifolds, count, info);
     for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
-      adjust(m_tmpSolverContactConstraintPool[i], info.m_timeStep);
+      btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
+      warm_start_friction(row, info.m_warmstartingFactor);
+      adjust(row, info.m_timeStep);
     }
   }
 
@@ -83,6 +87,42 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     auto& self = *static_cast<RigidSolver*>(context);
     const int id = body.getCompanionId();
     return id >= 0 ? &self.m_tmpSolverBodyPool[id] : nullptr;
+  }
+
+  /// Begins with the friction of the last step, turned into this step's directions. Bullet begins
+  /// with none, and what the sweeps then do not find again shows as creep.
+  void warm_start_friction(const btSolverConstraint& normal, double factor) {
+    const auto& point = *static_cast<const btManifoldPoint*>(normal.m_originalContactPoint);
+    const btVector3 old = old_friction_[point_index_++] * factor;
+    btSolverBody& a = m_tmpSolverBodyPool[normal.m_solverBodyIdA];
+    btSolverBody& b = m_tmpSolverBodyPool[normal.m_solverBodyIdB];
+    const btVector3* directions[2] = {&point.m_lateralFrictionDir1, &point.m_lateralFrictionDir2};
+    for (int k = 0; k < 2; ++k) {
+      btSolverConstraint& row = m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + k];
+      const double impulse = old.dot(*directions[k]);
+      row.m_appliedImpulse = impulse;
+      if (a.m_originalBody) {
+        a.internalApplyImpulse(row.m_contactNormal1 * a.internalGetInvMass(),
+                               row.m_angularComponentA, impulse);
+      }
+      if (b.m_originalBody) {
+        b.internalApplyImpulse(row.m_contactNormal2 * b.internalGetInvMass(),
+                               row.m_angularComponentB, impulse);
+      }
+    }
+  }
+
+  /// The friction impulses of the last step by contact point, before Bullet turns the directions.
+  void remember_friction(btPersistentManifold** manifolds, int count) {
+    old_friction_.clear();
+    point_index_ = 0;
+    for (int i = 0; i < count; ++i) {
+      for (int k = 0; k < manifolds[i]->getNumContacts(); ++k) {
+        const btManifoldPoint& p = manifolds[i]->getContactPoint(k);
+        old_friction_.push_back(p.m_lateralFrictionDir1 * p.m_appliedImpulseLateral1 +
+                                p.m_lateralFrictionDir2 * p.m_appliedImpulseLateral2);
+      }
+    }
   }
 
   void adjust(btSolverConstraint& row, double dt) {
@@ -140,6 +180,8 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
   SolverSettings settings_;
   btContactSolverInfo info_;
   std::vector<ConstraintGroup>* groups_ = nullptr;
+  std::vector<btVector3> old_friction_;
+  std::size_t point_index_ = 0;
 };
 
 }  // namespace
