@@ -145,5 +145,36 @@ TEST_CASE("friction of a pair is decided by the scene", "[friction]") {
   measure_relative("deceleration", fit.slope(), -(own ? 0.25 : 0.4) * kGravity, 5e-3);
 }
 
+TEST_CASE("friction is the same in every direction", "[friction]") {
+  // d = v^2 / (2 mu g), straight on; sampling the first-order way errs by v dt / 2.
+  const double v0 = 2.0, mu = 0.5;
+  const double heading = GENERATE(0.0, 15.0, 30.0, 45.0, 100.0) * kDegree;
+  ModelBuilder builder;
+  const int surface = builder.material("surface", mu);
+  builder.plane("floor", Pose(), surface);
+  const int block = builder.box("block", Vec3(0.4, 0.4, 0.05), 1.0, at(0, 0, 0.025), surface);
+  const Vec3 ahead(std::cos(heading), std::sin(heading), 0);
+  builder.model.bodies[1].V_WB.linear = v0 * ahead;
+  Sim sim(builder);
+  sim.run(1.0);
+  const Vec3 way = sim.pose(block).p - Vec3(0, 0, 0.025);
+  const double expected = v0 * v0 / (2.0 * mu * kGravity);
+  measure_relative("sliding distance", way.dot(ahead), expected, 5e-3);
+  measure("sideways over the distance", (way - way.dot(ahead) * ahead).norm() / expected, 5e-3);
+}
+
+TEST_CASE("a ball that rolls on the level loses nothing", "[friction]") {
+  const double v = 1.0, radius = 0.1, spin = 4.0;
+  ModelBuilder builder;
+  builder.plane("floor");
+  const int ball = builder.sphere("ball", radius, 1.0, at(0, 0, radius));
+  builder.model.bodies[1].V_WB = {Vec3(v, 0, 0), Vec3(0, v / radius, spin)};
+  Sim sim(builder);
+  sim.run(3.0);
+  measure_relative("speed after 3 s", sim.twist(ball).linear.x(), v, 1e-3);
+  // One point of contact has no torque about its normal.
+  measure_relative("spin about the vertical after 3 s", sim.twist(ball).angular.z(), spin, 1e-3);
+}
+
 }  // namespace
 }  // namespace conformance

@@ -68,5 +68,20 @@ TEST_CASE("heavy box on a light one", "[stack]") {
   measure("sideways drift [m]", sim.pose(2).p.head<2>().norm(), 2e-3);
 }
 
+TEST_CASE("contact as soft as the scene says", "[stack]") {
+  // A ball sinks in by m g / k; of two soft materials the stiffnesses are in series.
+  const bool both = GENERATE(false, true);
+  const double stiffness = 2000.0, mass = 1.0, radius = 0.1;
+  ModelBuilder builder;
+  const int hard = builder.material("hard", 0.5), soft = builder.material("soft", 0.5);
+  builder.model.materials[static_cast<std::size_t>(soft)].stiffness = stiffness;
+  builder.plane("floor", Pose(), both ? soft : hard);
+  const int ball = builder.sphere("ball", radius, mass, at(0, 0, radius), soft);
+  Sim sim(builder);
+  sim.run(5.0);
+  const double sag = mass * kGravity / (both ? 0.5 * stiffness : stiffness);
+  measure_relative("sag", radius - sim.pose(ball).p.z(), sag, 0.01);
+}
+
 }  // namespace
 }  // namespace conformance
