@@ -81,7 +81,7 @@ void Builder::settings() {
   for_each(scene_, [&](const Element& element) {
     if (element.tag() != "physics") return;
     if (physics != nullptr) {
-      fault("CG0207", element, "a scene has one <physics>").note("the other one", physics->span());
+      fault("CG0207", element, "a second <physics>");
       return;
     }
     physics = &element;

@@ -100,6 +100,7 @@ class Builder {
   void assembly(const Element& element, Inherited inside);
   void new_body(const Element& element, const Inherited& inherited);
   Inherited mobility(const Element& element, Inherited inherited);
+  void check_part(const Element& element, const Inherited& around, const Inherited& own);
   void name_material(const Element& element, Inherited& inherited);
   void count_bodies(const Element& element, int body);
 

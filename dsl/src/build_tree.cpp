@@ -47,6 +47,17 @@ Builder::Inherited Builder::mobility(const Element& element, Inherited inherited
   return inherited;
 }
 
+// A part of something rigid has no motion of its own.
+void Builder::check_part(const Element& element, const Inherited& around, const Inherited& own) {
+  if (around.glue == nullptr) return;
+  if (own.moving == around.moving && own.is_static == around.is_static &&
+      own.is_kinematic == around.is_kinematic)
+    return;
+  fault("CG0608", element,
+        "a part of the rigid '" + around.glue->path + "' cannot move, or stand, by itself")
+      .help("write static, kinematic and velocities on the whole");
+}
+
 void Builder::name_material(const Element& element, Inherited& inherited) {
   if (!knows(element, "material") || !reader(element).has("material")) return;
   const auto word = reader(element).word("material");
@@ -65,7 +76,9 @@ void Builder::assembly(const Element& element, Inherited inside) {
   if (!is_instance) {
     Reader r = reader(element);
     rigid = *r.boolean("rigid");
-    inside = mobility(element, inside);
+    const Inherited own = mobility(element, inside);
+    check_part(element, inside, own);
+    inside = own;
     name_material(element, inside);
     if (!rigid && r.has("mass"))
       fault("CG0709", element, "mass",
@@ -102,11 +115,7 @@ void Builder::new_body(const Element& element, const Inherited& around) {
   const bool is_part = around.glue != nullptr;
   if (element.tag() != "assembly") {
     const Inherited own = mobility(element, around);
-    if (is_part && (own.moving != around.moving || own.is_static != around.is_static ||
-                    own.is_kinematic != around.is_kinematic))
-      fault("CG0608", element,
-            "a part of the rigid '" + around.glue->path + "' cannot move, or stand, by itself")
-          .help("write static, kinematic and velocities on the whole");
+    check_part(element, around, own);
     inside = own;
     name_material(element, inside);
   }

@@ -7,6 +7,8 @@
 namespace cogrsim::dsl {
 namespace {
 
+constexpr std::size_t kMaxPathBytes = std::size_t{256} << 20;
+
 // Things, materials and so on have names of their own: a crate may be called "wood".
 int name_space(std::string_view tag) { return tag == "material" ? 1 : 0; }
 
@@ -37,6 +39,7 @@ std::string base_name(const Element& element) {
 
 // Written names first, so that a made-up one never takes a name that is written further down.
 void Expander::name_children(Element& parent) {
+  if (full_) return;
   std::unordered_map<std::pair<int, std::string_view>, const Element*, KeyHash> taken;
   taken.reserve(parent.children.size());
   std::vector<Element*> unique;
@@ -79,6 +82,14 @@ void Expander::name_children(Element& parent) {
     const std::string own =
         child->name.empty() ? "(" + std::string(child->tag()) + ")" : child->name;
     child->path = parent.path.empty() ? own : parent.path + "." + own;
+    path_bytes_ += child->path.size();
+    if (path_bytes_ > kMaxPathBytes) {
+      if (!full_)
+        context_.sink.report("CG0306", *child, "the names of all elements together are too long")
+            .help("shorten the names of what stands around many others");
+      full_ = true;
+      return;
+    }
     child->index = context_.element_count++;
     name_children(*child);
   }

@@ -67,9 +67,10 @@ Element* Expander::run(const Document& scene) {
   place.scope = &scope;
   define_params(root, scope, place, nullptr, true);
   children(root, place);
+  if (full_) return nullptr;  // whatever was left out would only be missed further on
   element.index = context_.element_count++;
   name_children(element);
-  return &element;
+  return full_ ? nullptr : &element;
 }
 
 bool Expander::room(const Node& node, const Place& place) {

@@ -102,6 +102,7 @@ class Expander {
   std::vector<const Document*> open_documents_;
   std::set<std::pair<const Element*, const Document*>> merged_;
   std::size_t made_ = 0;
+  std::size_t path_bytes_ = 0;  ///< of all dotted names: they grow with depth times width
   bool full_ = false;
 };
 

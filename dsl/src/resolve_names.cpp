@@ -134,12 +134,13 @@ const Element* Names::find(const Element& from, const Word& word, Wanted wanted)
         .note("it stands here", of_another_kind->span());
     return nullptr;
   }
-  const std::vector<std::string> names = known(from, wanted);
+  // Comparing with all names is for people's mistakes, of which there are not thousands.
+  const std::vector<std::string> names =
+      failed_.size() > kMaxSuggestions / 20 ? std::vector<std::string>{} : known(from, wanted);
   context_.sink
       .report("CG0402", word.span, from.trail,
               "there is no " + std::string(describe(wanted)) + " '" + word.text + "' here")
-      .help(names.empty() ? "the scene has no " + std::string(describe(wanted)) + " with a name"
-                          : suggest(word.text, names));
+      .help(names.empty() ? std::string() : suggest(word.text, names));
   return nullptr;
 }
 

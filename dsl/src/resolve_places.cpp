@@ -45,7 +45,15 @@ const Element* Builder::reference(const Element& element) {
     n.reference = &scene_;
     return n.reference;
   }
-  const Element* named = names_.find(element, *word, Wanted::place);
+  const Element* named =
+      names_.find(element, *word, attribute == "at" ? Wanted::any : Wanted::place);
+  if (named != nullptr && !has_place(*named)) {
+    fault("CG1001", element, "at", "'" + (*word).text + "' is " + kind_of(*named) +
+                                       ", nothing can stand on it")
+        .note("it stands here", named->span())
+        .help("name a frame, a body or an assembly");
+    named = nullptr;
+  }
   if (named == nullptr) {
     n.faulty = true;
     return n.reference;

@@ -1,0 +1,158 @@
+// Bodies, matter and rigid assemblies, against figures worked out by hand.
+#include "build_support.h"
+
+using namespace cogrsim;
+using namespace cogrsim::test;
+
+TEST_CASE("a beginner's scene becomes the model it describes", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <physics backend="bullet" step="1 ms" gravity="0 0 -9.81"/>
+    <plane name="floor" material="wood"/>
+    <material name="wood" density="600 kg/m^3" friction="0.6" restitution="0.1" color="#b58863"/>
+    <box    name="crate" size="40 40 40 cm" mass="3 kg" xyz="0 0 1" material="wood"/>
+    <sphere name="ball"  radius="10 cm"     density="300 kg/m^3" xyz="0.1 0 2"/>)");
+  CHECK(model->physics.backend == "bullet");
+  CHECK(model->physics.step == 1e-3);
+  REQUIRE(model->bodies.size() == 3);
+  CHECK(body(*model, "floor").kind == BodyKind::fixed);
+
+  const Body& crate = body(*model, "crate");
+  CHECK(crate.kind == BodyKind::dynamic);
+  CHECK(crate.mass == 3.0);
+  CHECK(near(crate.X_WB.p, {0, 0, 1}, 0.0));
+  // a cube's moment is m a^2 / 6
+  CHECK(crate.inertia(0, 0) == Approx(3.0 * 0.16 / 6).epsilon(1e-14));
+  const Material& wood = model->materials[static_cast<std::size_t>(crate.shapes[0].material)];
+  CHECK(wood.name == "wood");
+  CHECK(wood.friction == 0.6);
+  CHECK(wood.restitution == 0.1);
+
+  const Body& ball = body(*model, "ball");
+  const double mass = 300.0 * 4.0 / 3.0 * M_PI * 1e-3;
+  CHECK(ball.mass == Approx(mass).epsilon(1e-14));
+  CHECK(ball.inertia(2, 2) == Approx(0.4 * mass * 0.01).epsilon(1e-14));
+}
+
+TEST_CASE("a rigid assembly is one body with the mass of its parts", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <assembly name="robot" xyz="1 2 0">
+      <assembly name="chassis" rigid="true" xyz="0 0 4 cm">
+        <box      name="deck"   size="24 14 4 cm" mass="1.2 kg" color="red"/>
+        <cylinder name="mast"   radius="1 cm" length="12 cm" mass="80 g" xyz="8 0 8 cm"/>
+        <sphere   name="caster" radius="2 cm" mass="50 g" friction="0" xyz="-9 0 -2 cm"/>
+        <frame    name="eye"    xyz="8 0 14 cm" rpy="0 10 0 deg"/>
+      </assembly>
+      <imu name="imu" on="chassis.eye"/>
+    </assembly>)");
+  REQUIRE(model->bodies.size() == 1);
+  const Body& chassis = body(*model, "robot.chassis");
+  REQUIRE(chassis.shapes.size() == 3);
+  CHECK(chassis.shapes[1].name == "robot.chassis.mast");
+  CHECK(near(chassis.X_WB.p, {1, 2, 0.04}));
+
+  const double total = 1.2 + 0.08 + 0.05;
+  CHECK(chassis.mass == Approx(total).epsilon(1e-14));
+  const Vec3 com = (0.08 * Vec3(0.08, 0, 0.08) + 0.05 * Vec3(-0.09, 0, -0.02)) / total;
+  CHECK(near(chassis.com, com, 1e-15));
+  // parallel axes, about the y axis through the common centre: d^2 = dx^2 + dz^2
+  const auto far = [&](double m, double x, double z) {
+    return m * ((x - com.x()) * (x - com.x()) + (z - com.z()) * (z - com.z()));
+  };
+  const double iyy = 1.2 / 12 * (0.24 * 0.24 + 0.04 * 0.04) + far(1.2, 0, 0) +
+                     0.08 * (3 * 0.01 * 0.01 + 0.12 * 0.12) / 12 + far(0.08, 0.08, 0.08) +
+                     0.4 * 0.05 * 0.02 * 0.02 + far(0.05, -0.09, -0.02);
+  CHECK(chassis.inertia(1, 1) == Approx(iyy).epsilon(1e-12));
+
+  const Material& caster =
+      model->materials[static_cast<std::size_t>(chassis.shapes[2].material)];
+  CHECK(caster.friction == 0.0);
+  REQUIRE(model->sensors.size() == 1);
+  CHECK(model->sensors[0].body == 0);
+  CHECK(near(model->sensors[0].X_BS.p, {0.08, 0, 0.14}));
+  REQUIRE(model->frames.size() == 1);
+  CHECK(model->frames[0].name == "robot.chassis.eye");
+  CHECK(model->frames[0].body == 0);
+}
+
+TEST_CASE("mass and material of a rigid assembly hold for the whole", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <material name="steel" density="7800 kg/m^3" friction="0.4"/>
+    <material name="foam" density="50 kg/m^3" friction="0.9" color="blue"/>
+    <assembly name="a" rigid="true" mass="6 kg" material="steel">
+      <box name="l" size="1 1 1" material="foam" xyz="-1 0 0"/>
+      <box name="r" size="1 1 1" xyz="1 0 0"/>
+    </assembly>)");
+  const Body& a = body(*model, "a");
+  CHECK(a.mass == 6.0);
+  CHECK(near(a.com, Vec3::Zero()));  // the same steel on both sides
+  CHECK(a.inertia(0, 0) == Approx(6.0 / 6).epsilon(1e-12));
+  CHECK(a.inertia(2, 2) == Approx(6.0 / 6 + 6.0).epsilon(1e-12));
+  const Material& left = model->materials[static_cast<std::size_t>(a.shapes[0].material)];
+  CHECK(left.friction == 0.4);
+  CHECK(left.color.b > 0.9);  // looks stay the part's own
+}
+
+TEST_CASE("a body takes mass, centre and inertia as written", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <body name="b" mass="2 kg" com="1 0 0 cm" inertia="1 2 2.5 0.1 0 0 kg*m^2">
+      <box size="1 1 1"/>
+    </body>)");
+  const Body& b = body(*model, "b");
+  CHECK(b.mass == 2.0);
+  CHECK(near(b.com, {0.01, 0, 0}));
+  CHECK(b.inertia(0, 1) == Approx(0.1));
+  CHECK(b.inertia(2, 2) == Approx(2.5));
+}
+
+TEST_CASE("shapes that override a property share a derived material", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <material name="rubber" friction="0.9"/>
+    <repeat count="5" var="i">
+      <sphere name="s_${i}" radius="1 cm" material="rubber" friction="0.1" xyz="${i} 0 0"/>
+    </repeat>)");
+  REQUIRE(model->materials.size() == 3);  // default, rubber, its slippery kind
+  CHECK(model->materials[2].base == 1);
+  CHECK(model->materials[2].friction == 0.1);
+}
+
+TEST_CASE("places follow parents and named frames in any order", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <box name="b" size="1 1 1" frame="a" xyz="1 0 0"/>
+    <box name="a" size="1 1 1" frame="origin" xyz="0 0 1"/>
+    <frame name="origin" xyz="0 5 0" rpy="0 0 90 deg"/>)");
+  CHECK(near(body(*model, "a").X_WB.p, {0, 5, 1}));
+  CHECK(near(body(*model, "b").X_WB.p, {0, 6, 1}, 1e-12));
+}
+
+TEST_CASE("an assembly moves as a whole at the start", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <assembly name="a" linear-velocity="1 0 0" angular-velocity="0 0 2 rad/s">
+      <box name="b" size="1 1 1" xyz="0 3 0"/>
+    </assembly>
+    <box name="k" kinematic="true" size="1 1 1" xyz="9 0 0" linear-velocity="0 1 0"/>)");
+  CHECK(near(body(*model, "a.b").V_WB.linear, {1 - 6, 0, 0}));
+  CHECK(near(body(*model, "a.b").V_WB.angular, {0, 0, 2}));
+  CHECK(body(*model, "k").kind == BodyKind::kinematic);
+  CHECK(near(body(*model, "k").V_WB.linear, {0, 1, 0}));
+}
+
+TEST_CASE("collide names pairs of bodies and of assemblies", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <assembly name="a"> <box name="p" size="1 1 1"/> <box name="q" size="1 1 1" xyz="2 0 0"/> </assembly>
+    <box name="c" size="1 1 1" xyz="4 0 0"/>
+    <collide between="a c" with="false"/>
+    <collide between="a.p c" with="true"/>)");
+  REQUIRE(model->no_collide.size() == 1);
+  CHECK(model->no_collide[0] == BodyPair{1, 2});
+}
+
+TEST_CASE("heights stand in the file row by row from the lowest y", "[dsl][build]") {
+  const auto model = compile_scene(
+      R"(<heightmap name="h" size="2 1" columns="3" heights="0 1 2 3 4 5 cm"/>)");
+  REQUIRE(model->heightmaps.size() == 1);
+  const HeightGrid& grid = model->heightmaps[0];
+  CHECK(grid.columns == 3);
+  CHECK(grid.rows == 2);
+  CHECK(grid.heights[5] == Approx(0.05));
+  CHECK(body(*model, "h").kind == BodyKind::fixed);
+}
