@@ -1,0 +1,29 @@
+// Smooth accelerations: gravity, Coriolis and gyroscopic terms, explicit springs, dampers, motors.
+#pragma once
+
+#include <vector>
+
+#include "drives.h"
+#include "mechanism.h"
+
+namespace cogrsim::simbody {
+
+class Accelerations {
+ public:
+  explicit Accelerations(Mechanism& mechanism);
+
+  /// udot at the mechanism's state, which is realized here.
+  ///
+  /// Three ways to the same figures: small trees by M^-1 (f - c) with the blocks that contact needs
+  /// anyway, c from Simbody's inverse dynamics; long trees by Simbody's articulated-body recursion;
+  /// systems with loops by Simbody's constrained forward dynamics.
+  void compute(const std::vector<AxisLaw>& laws, SimTK::Vector& udot);
+
+ private:
+  Mechanism& mechanism_;
+  SimTK::Vector mobility_forces_, zero_, residual_;
+  SimTK::Vector_<SimTK::SpatialVec> body_forces_, body_accelerations_;
+  std::vector<double> local_;
+};
+
+}  // namespace cogrsim::simbody

@@ -1,0 +1,196 @@
+#include "components.h"
+
+#include <cassert>
+#include <cmath>
+
+#include "mechanism.h"
+
+namespace cogrsim::simbody {
+namespace {
+
+// Mass, first and second moment of a body about the component's origin, world axes.
+struct Inertia {
+  double mass = 0.0;
+  Vec3 moment = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+
+  void operator+=(const Inertia& o) {
+    mass += o.mass;
+    moment += o.moment;
+    second += o.second;
+  }
+  /// Momentum of the body moving with `v`.
+  Spatial operator*(const Spatial& v) const {
+    return {second * v.angular + moment.cross(v.linear),
+            mass * v.linear + v.angular.cross(moment)};
+  }
+};
+
+Inertia world_inertia(const Link& link, const Placement& X, const Vec3& origin) {
+  Inertia out;
+  const Vec3 c = X * link.com - origin;
+  out.mass = link.mass;
+  out.moment = link.mass * c;
+  out.second = X.R * link.inertia * X.R.transpose() +
+               link.mass * (c.squaredNorm() * Mat3::Identity() - c * c.transpose());
+  return out;
+}
+
+// In place, lower triangle, row-major.
+void factorize(std::vector<double>& a, int n) {
+  for (int i = 0; i < n; ++i) {
+    double* const ai = &a[std::size_t(i * n)];
+    for (int j = 0; j <= i; ++j) {
+      const double* const aj = &a[std::size_t(j * n)];
+      double sum = ai[j];
+      for (int k = 0; k < j; ++k) sum -= ai[k] * aj[k];
+      ai[j] = i == j ? std::sqrt(std::max(sum, 1e-300)) : sum / aj[j];
+    }
+  }
+}
+
+void update_loops(const Mechanism& mechanism, Component& c) {
+  const int n = c.size(), m = 6 * int(c.welds.size());
+  c.loop_rows.setZero(m, n);
+  std::vector<double> row;
+  for (std::size_t w = 0; w < c.welds.size(); ++w) {
+    const Weld& weld = c.welds[w];
+    const Placement X = mechanism.placement(mechanism.links()[std::size_t(weld.ghost)]);
+    const Vec3 r = X.p - c.origin;
+    for (int axis = 0; axis < 6; ++axis) {
+      const Vec3 d = Vec3::Unit(axis % 3);
+      const Spatial wrench = axis < 3 ? Spatial{d, Vec3::Zero()} : Spatial{r.cross(d), d};
+      row.assign(std::size_t(n), 0.0);
+      fill_row(c, c.find(weld.ghost), wrench, 1.0, row.data());
+      const int master = c.find(weld.master);
+      if (master >= 0) fill_row(c, master, wrench, -1.0, row.data());
+      for (int k = 0; k < n; ++k) c.loop_rows(6 * int(w) + axis, k) = row[std::size_t(k)];
+    }
+  }
+  c.loop_response.resize(n, m);
+  for (int i = 0; i < m; ++i) {
+    Eigen::VectorXd x = c.loop_rows.row(i).transpose();
+    solve_mass(c, x.data());
+    c.loop_response.col(i) = x;
+  }
+  // A planar loop of hinges forbids three of its six rows twice: the pseudo-inverse shares alike.
+  const Eigen::MatrixXd A = c.loop_rows * c.loop_response;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (A + A.transpose()));
+  const double cut = 1e-9 * eigen.eigenvalues().cwiseAbs().maxCoeff();
+  Eigen::VectorXd inverse = eigen.eigenvalues();
+  for (int i = 0; i < m; ++i) inverse[i] = inverse[i] > cut ? 1.0 / inverse[i] : 0.0;
+  c.loop_solve = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+int Component::find(int link) const {
+  for (std::size_t i = 0; i < links.size(); ++i)
+    if (links[i] == link) return int(i);
+  return -1;
+}
+
+void update_component(const Mechanism& mechanism, Component& c) {
+  if (c.current) return;
+  c.current = true;
+  const int n = c.size();
+  const SimTK::State& state = mechanism.state;
+  const auto link_of = [&](std::size_t i) -> const Link& {
+    return mechanism.links()[std::size_t(c.links[i])];
+  };
+
+  if (c.lone) {
+    const Link& link = link_of(0);
+    const Placement X = mechanism.placement(link);
+    c.origin = X * link.com;
+    c.inverse_mass = 1.0 / link.mass;
+    c.inverse_inertia = X.R * link.inertia.inverse() * X.R.transpose();
+    for (int k = 0; k < 3; ++k) {
+      c.motion[std::size_t(k)] = {Vec3::Unit(k), Vec3::Zero()};
+      c.motion[std::size_t(k + 3)] = {Vec3::Zero(), Vec3::Unit(k)};
+    }
+    return;
+  }
+
+  static thread_local std::vector<Inertia> composite;
+  composite.resize(c.links.size());
+  c.origin = from_simtk(link_of(0).mobod.getBodyTransform(state).p());
+  for (std::size_t i = 0; i < c.links.size(); ++i) {
+    const Link& link = link_of(i);
+    const Placement X = mechanism.placement(link);
+    composite[i] = world_inertia(link, X, c.origin);
+    const Vec3 to_origin = c.origin - X.p;
+    for (int k = 0; k < link.nu; ++k) {
+      const SimTK::SpatialVec h = link.mobod.getHCol(state, SimTK::MobilizerUIndex(k));
+      Spatial& s = c.motion[std::size_t(c.first[i] + k)];
+      s.angular = from_simtk(h[0]);
+      s.linear = from_simtk(h[1]) + s.angular.cross(to_origin);
+    }
+  }
+  for (std::size_t i = c.links.size(); i-- > 0;)
+    if (c.inboard[i] >= 0) composite[std::size_t(c.inboard[i])] += composite[i];
+
+  c.factor.assign(std::size_t(n * n), 0.0);
+  for (std::size_t i = 0; i < c.links.size(); ++i) {
+    for (int k = 0; k < link_of(i).nu; ++k) {
+      const int row = c.first[i] + k;
+      const Spatial momentum = composite[i] * c.motion[std::size_t(row)];
+      for (int on_path = int(i); on_path >= 0; on_path = c.inboard[std::size_t(on_path)]) {
+        const int first = c.first[std::size_t(on_path)];
+        const int end = first + link_of(std::size_t(on_path)).nu;
+        for (int col = first; col < end; ++col) {
+          const double value = dot(c.motion[std::size_t(col)], momentum);
+          c.factor[std::size_t(std::max(row, col) * n + std::min(row, col))] = value;
+        }
+      }
+    }
+  }
+  factorize(c.factor, n);
+  if (!c.welds.empty()) update_loops(mechanism, c);
+}
+
+void solve_mass(const Component& c, double* x) {
+  assert(c.current);
+  if (c.lone) {
+    Eigen::Map<Vec3> angular(x), linear(x + 3);
+    angular = (c.inverse_inertia * angular).eval();
+    linear *= c.inverse_mass;
+    return;
+  }
+  const int n = c.size();
+  const double* const L = c.factor.data();
+  for (int i = 0; i < n; ++i) {
+    double sum = x[i];
+    for (int k = 0; k < i; ++k) sum -= L[i * n + k] * x[k];
+    x[i] = sum / L[i * n + i];
+  }
+  for (int i = n; i-- > 0;) {
+    const double xi = x[i] /= L[i * n + i];
+    for (int k = 0; k < i; ++k) x[k] -= L[i * n + k] * xi;
+  }
+}
+
+void close_loop_velocities(const Component& c, double* x, double* loop_impulse) {
+  if (c.welds.empty()) return;
+  Eigen::Map<Eigen::VectorXd> v(x, c.size());
+  const Eigen::VectorXd impulse = -(c.loop_solve * (c.loop_rows * v));
+  v += c.loop_response * impulse;
+  if (loop_impulse)
+    Eigen::Map<Eigen::VectorXd>(loop_impulse, impulse.size()) += impulse;
+}
+
+void fill_row(const Component& c, int position_of_link, const Spatial& wrench, double sign,
+              double* row) {
+  if (c.lone) {
+    Eigen::Map<Vec3>(row) += sign * wrench.angular;
+    Eigen::Map<Vec3>(row + 3) += sign * wrench.linear;
+    return;
+  }
+  for (int i = position_of_link; i >= 0; i = c.inboard[std::size_t(i)]) {
+    const int end = std::size_t(i) + 1 < c.links.size() ? c.first[std::size_t(i) + 1] : c.size();
+    for (int k = c.first[std::size_t(i)]; k < end; ++k)
+      row[k] += sign * dot(c.motion[std::size_t(k)], wrench);
+  }
+}
+
+}  // namespace cogrsim::simbody

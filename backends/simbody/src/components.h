@@ -1,0 +1,74 @@
+// The mass matrix, block by block. A component is a tree, or several tied by loops; bodies of
+// different components meet through contact only, so the mass matrix has one block for each.
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "cogrsim/core/types.h"
+
+namespace cogrsim::simbody {
+
+class Mechanism;
+struct Link;
+
+/// Angular part first, linear velocity at (force through, torque about) the component's origin,
+/// world axes.
+struct Spatial {
+  Vec3 angular = Vec3::Zero();
+  Vec3 linear = Vec3::Zero();
+};
+inline double dot(const Spatial& a, const Spatial& b) {
+  return a.angular.dot(b.angular) + a.linear.dot(b.linear);
+}
+
+/// A ghost link and the link it is welded to.
+struct Weld {
+  int ghost = -1;
+  int master = -1;
+};
+
+struct Component {
+  // Fixed by the topology.
+  std::vector<int> links;   ///< of Mechanism::links(); parents first
+  std::vector<int> speeds;  ///< global u index of each local degree of freedom
+  std::vector<int> first;   ///< first local degree of freedom of each of `links`
+  std::vector<int> inboard;  ///< position in `links` of the parent; -1: none in this component
+  std::vector<Weld> welds;
+  bool lone = false;        ///< one free body: closed forms hold
+  int offset = 0;           ///< of its degrees of freedom in arrays over all components
+  int size() const { return int(speeds.size()); }
+
+  // At one configuration; valid when `current`.
+  bool current = false;
+  Vec3 origin = Vec3::Zero();     ///< what `motion` refers to [m]
+  std::vector<Spatial> motion;    ///< velocity of the outboard bodies per unit speed (size)
+  double inverse_mass = 0.0;      ///< lone only
+  Mat3 inverse_inertia = Mat3::Zero();  ///< lone only, world axes
+  std::vector<double> factor;     ///< lower Cholesky factor of the mass matrix (size x size)
+  Eigen::MatrixXd loop_rows;      ///< G: what the welds forbid (6 nweld x size)
+  Eigen::MatrixXd loop_solve;     ///< (G M^-1 G^T)^+
+  Eigen::MatrixXd loop_response;  ///< M^-1 G^T
+
+  /// Position of a link in `links`.
+  int find(int link) const;
+};
+
+/// Motion columns, composite inertias, mass matrix and its factor at the state's configuration
+/// (realized to Position). Composite-rigid-body method (Featherstone 2008, section 6.2) over
+/// Simbody's hinge matrices and body transforms.
+void update_component(const Mechanism& mechanism, Component& component);
+
+/// x := M^-1 x, the loops ignored.
+void solve_mass(const Component& component, double* x);
+
+/// x := the part of M^-1 x that keeps the loops closed, when x came from solve_mass:
+/// x - M^-1 G^T (G M^-1 G^T)^+ G x. Returns the impulses of the welds through `loop_impulse`
+/// (6 nweld), added to, when not null.
+void close_loop_velocities(const Component& component, double* x, double* loop_impulse);
+
+/// Row J of the velocity of a link along `wrench` (force and torque about the component's origin).
+void fill_row(const Component& component, int position_of_link, const Spatial& wrench, double sign,
+              double* row);
+
+}  // namespace cogrsim::simbody

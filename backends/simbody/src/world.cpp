@@ -1,0 +1,197 @@
+#include "world.h"
+
+#include <cmath>
+#include <exception>
+
+#include "cogrsim/core/random.h"
+
+namespace cogrsim::simbody {
+namespace {
+
+constexpr double kFarthest = 1e6;  // [m]
+constexpr double kFastest = 1e5;   // [m/s]
+
+struct SimbodySnapshot final : WorldSnapshot {
+  std::uint64_t scene = 0;
+  Progress progress;
+};
+
+// What makes two models the same scene: names, in order, of what was there at the start.
+std::uint64_t signature(const SceneModel& model) {
+  std::uint64_t hash = hash_bytes(model.name.data(), model.name.size());
+  for (const Body& b : model.bodies) hash = hash_bytes(b.name.c_str(), b.name.size() + 1, hash);
+  for (const Joint& j : model.joints) hash = hash_bytes(j.name.c_str(), j.name.size() + 1, hash);
+  return hash;
+}
+
+}  // namespace
+
+SimbodyWorld::SimbodyWorld(SceneModelPtr model, const StepperOptions& options)
+    : options_(options), initial_(model) {
+  start(std::move(model));
+}
+
+void SimbodyWorld::start(SceneModelPtr model) {
+  auto engine = std::make_unique<Engine>(model, options_);
+  Progress progress;
+  progress.model = std::move(model);
+  for (const Body& body : progress.model->bodies)
+    progress.twists.push_back(body.kind == BodyKind::kinematic ? body.V_WB : Twist());
+  engine_ = std::move(engine);
+  progress_ = std::move(progress);
+}
+
+StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
+  Mechanism& m = engine_->mechanism;
+  progress_.start_q = m.state.getQ();
+  progress_.start_u = m.state.getU();
+  StepResult result;
+  try {
+    engine_->stepper.advance(dt, drives, progress_.twists);
+    result.body = find_diverged();
+    if (result.body >= 0)
+      result.message = "body '" + progress_.model->bodies[std::size_t(result.body)].name +
+                       "' left all bounds (1000 km, 100 km/s)";
+  } catch (const std::exception& e) {
+    result.message = std::string("Simbody: ") + e.what();
+    result.status = StepStatus::diverged;
+    try {
+      result.body = find_diverged();
+    } catch (const std::exception&) {
+      result.body = -1;
+    }
+  }
+  if (result.body >= 0) result.status = StepStatus::diverged;
+  if (result.status == StepStatus::diverged) {
+    m.state.updQ() = progress_.start_q;
+    m.state.updU() = progress_.start_u;
+    engine_->stepper.memory.clear();
+    return result;
+  }
+  progress_.time += dt;
+  progress_.last_dt = dt;
+  return result;
+}
+
+int SimbodyWorld::find_diverged() const {
+  Mechanism& m = engine_->mechanism;
+  m.realize_velocity();
+  for (const Link& link : m.links()) {
+    const SimTK::Vec3& p = link.mobod.getBodyOriginLocation(m.state);
+    const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(m.state);
+    // Written so that a NaN fails.
+    const bool fine = p.norm() < kFarthest && V[1].norm() < kFastest && V[0].norm() < kFastest * 10;
+    if (!fine) return link.plan.body;
+  }
+  return -1;
+}
+
+void SimbodyWorld::get_contacts(std::vector<Contact>& out) const {
+  const std::vector<ContactRecord>& records = engine_->stepper.records;
+  const std::vector<Collider>& colliders = engine_->detector.colliders();
+  out.clear();
+  for (const ContactRecord& r : records) {
+    const Collider& a = colliders[std::size_t(r.collider_a)];
+    const Collider& b = colliders[std::size_t(r.collider_b)];
+    if (a.body < 0 || b.body < 0) continue;  // removed since
+    Contact c;
+    c.body_a = a.body;
+    c.shape_a = a.shape;
+    c.body_b = b.body;
+    c.shape_b = b.shape;
+    c.point = r.point;
+    c.normal = r.normal;
+    c.depth = -r.gap;
+    c.force = r.impulse / progress_.last_dt;
+    out.push_back(c);
+  }
+}
+
+void SimbodyWorld::capture(Progress& progress) const {
+  const Engine& e = *engine_;
+  progress = progress_;
+  progress.q = e.mechanism.state.getQ();
+  progress.u = e.mechanism.state.getU();
+  progress.memory = e.stepper.memory;
+  progress.impulses = e.stepper.impulses;
+  progress.records = e.stepper.records;
+}
+
+void SimbodyWorld::apply(const Progress& progress) {
+  Engine& e = *engine_;
+  progress_ = progress;
+  e.mechanism.state.updQ() = progress.q;
+  e.mechanism.state.updU() = progress.u;
+  e.stepper.memory = progress.memory;
+  e.stepper.impulses = progress.impulses;
+  e.stepper.records = progress.records;
+}
+
+SnapshotPtr SimbodyWorld::save() const {
+  auto snapshot = std::make_shared<SimbodySnapshot>();
+  snapshot->scene = signature(*initial_);
+  capture(snapshot->progress);
+  return snapshot;
+}
+
+Result<> SimbodyWorld::restore(const SnapshotPtr& snapshot) {
+  const auto* mine = dynamic_cast<const SimbodySnapshot*>(snapshot.get());
+  if (!mine) return fail("the snapshot is not of a world of the simbody backend");
+  if (mine->scene != signature(*initial_))
+    return fail("the snapshot is of another scene than '" + initial_->name + "'");
+  try {
+    if (mine->progress.model != progress_.model)
+      engine_ = std::make_unique<Engine>(mine->progress.model, options_);
+    apply(mine->progress);
+  } catch (const std::exception& e) {
+    return fail(std::string("Simbody: ") + e.what());
+  }
+  return {};
+}
+
+Result<> SimbodyWorld::reset() {
+  try {
+    start(initial_);
+  } catch (const std::exception& e) {
+    return fail(std::string("Simbody: ") + e.what());
+  }
+  return {};
+}
+
+void* SimbodyWorld::extension(std::string_view id) {
+  if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
+  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
+  return nullptr;
+}
+
+void SimbodyWorld::get_joint_reactions(std::vector<Wrench>& out) const {
+  Engine& e = *engine_;
+  StepRecord record;
+  record.dt = progress_.last_dt;
+  record.start_q = &progress_.start_q;
+  record.start_u = &progress_.start_u;
+  record.contacts = &e.stepper.records;
+  record.colliders = &e.detector.colliders();
+  std::vector<double> efforts = e.stepper.impulses.joints;
+  for (double& effort : efforts) effort /= record.dt > 0.0 ? record.dt : 1.0;
+  record.joint_efforts = &efforts;
+  // A step after which the scene was changed cannot be looked back on.
+  if (progress_.start_q.size() != e.mechanism.state.getNQ()) record.dt = 0.0;
+  calc_joint_reactions(e.mechanism, record, out);
+}
+
+Result<> SimbodyWorld::set_kinematic_twist(int body, const Twist& twist) {
+  const SceneModel& model = *progress_.model;
+  if (body < 0 || std::size_t(body) >= model.bodies.size())
+    return fail("there is no body " + std::to_string(body));
+  const Body& b = model.bodies[std::size_t(body)];
+  if (b.kind != BodyKind::kinematic || b.removed)
+    return fail("body '" + b.name + "' is not kinematic",
+                place_of(model, b.origin), "say kinematic=\"true\" on it");
+  if (!twist.linear.allFinite() || !twist.angular.allFinite())
+    return fail("body '" + b.name + "': a twist must be finite");
+  progress_.twists[std::size_t(body)] = twist;
+  return {};
+}
+
+}  // namespace cogrsim::simbody
