@@ -1,7 +1,7 @@
 // cogrsim check, explain, schema: what needs the scene compiler alone.
+#include <unistd.h>
 #include <algorithm>
 #include <cstdio>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -75,7 +75,8 @@ int check_command(const CheckOptions& options) {
       out += dsl::to_text(scene.diagnostics, color);
       if (!out.empty() && out.back() != '\n') out += '\n';
       if (found > 0) {
-        out += fmt::format("{}: {}{}{}", path, style.red, count_text(found, "error", "errors"), style.off);
+        out += fmt::format("{}: {}{}{}", path, style.red, count_text(found, "error", "errors"),
+                           style.off);
       } else {
         out += fmt::format("{}: {}good{}, {}", path, style.green, style.off,
                            contents_text(*scene.model));
@@ -109,9 +110,10 @@ int explain_command(const std::string& code) {
   std::string text = dsl::explain(wanted);
   if (text.empty()) {
     const std::string nearest = nearest_name(wanted, dsl::diagnostic_codes());
-    print_error(fmt::format("there is no code '{}'\nhelp: {}cogrsim explain, without a code, lists "
-                            "them all",
-                            code, nearest.empty() ? "" : fmt::format("did you mean {}? ", nearest)));
+    print_error(
+        fmt::format("there is no code '{}'\nhelp: {}cogrsim explain, without a code, lists "
+                    "them all",
+                    code, nearest.empty() ? "" : fmt::format("did you mean {}? ", nearest)));
     return kWrongUsage;
   }
   if (text.back() != '\n') text += '\n';

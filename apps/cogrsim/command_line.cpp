@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
+#include "cogrsim/core/parameter.h"
 #include "options.h"
 #include "quantities.h"
 #include "terminal.h"
@@ -21,7 +22,7 @@ using Problem = cogrsim::Error;
 
 // Words as they were typed; they become options once all are known.
 struct Words {
-  std::vector<std::string> plugin_paths;
+  std::vector<std::string> global_plugin_paths, plugin_paths;  // before and after the subcommand
   std::vector<std::string> scenes;
   std::string scene, backend, duration, speed, seed, json, report, code, format = "text";
   std::vector<std::string> steps, set, thresholds, backends;
@@ -41,7 +42,7 @@ double duration_from(const std::string& word) {
   if (!time) throw UsageError("--duration", time.error());
   if (*time <= 0.0 || *time > kLongestDuration) {
     throw UsageError("--duration", Problem(fmt::format("'{}' is out of range", word), "",
-                                         "a run lasts more than 0 s and at most 1e9 s"));
+                                           "a run lasts more than 0 s and at most 1e9 s"));
   }
   return *time;
 }
@@ -51,18 +52,20 @@ double step_from(const std::string& word) {
   if (!time) throw UsageError("--step", time.error());
   if (*time < kSmallestStep || *time > kLargestStep) {
     throw UsageError("--step", Problem(fmt::format("'{}' is out of range", word), "",
-                                     "a step is from 1 ns to 1 s; \"1 ms\" suits most scenes"));
+                                       "a step is from 1 ns to 1 s; \"1 ms\" suits most scenes"));
   }
   return *time;
 }
 
 double speed_from(const std::string& word) {
   if (word == "max") return std::numeric_limits<double>::infinity();
-  const std::string number = !word.empty() && word.back() == 'x' ? word.substr(0, word.size() - 1) : word;
+  const std::string number =
+      !word.empty() && word.back() == 'x' ? word.substr(0, word.size() - 1) : word;
   const auto speed = parse_number(number);
   if (!speed || *speed <= 0.0) {
-    throw UsageError("--speed", Problem(fmt::format("'{}' is no speed", word), "",
-                                      "write simulated seconds per second, such as 1 or 0.25, or max"));
+    throw UsageError("--speed",
+                     Problem(fmt::format("'{}' is no speed", word), "",
+                             "write simulated seconds per second, such as 1 or 0.25, or max"));
   }
   return *speed;
 }
@@ -72,7 +75,7 @@ std::uint64_t seed_from(const std::string& word) {
   const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
   if (error != std::errc{} || rest != word.data() + word.size()) {
     throw UsageError("--seed", Problem(fmt::format("'{}' is no seed", word), "",
-                                     "write a whole number from 0 to 18446744073709551615"));
+                                       "write a whole number from 0 to 18446744073709551615"));
   }
   return seed;
 }
@@ -89,13 +92,20 @@ std::map<std::string, std::string> settings_from(const std::vector<std::string>&
   return settings;
 }
 
+// Those behind the subcommand are nearer to the matter, and searched first.
+std::vector<std::string> plugin_paths_from(const Words& words) {
+  std::vector<std::string> paths = words.plugin_paths;
+  paths.insert(paths.end(), words.global_plugin_paths.begin(), words.global_plugin_paths.end());
+  return paths;
+}
+
 SceneOptions scene_from(const Words& words) {
   SceneOptions options;
   options.scene = words.scene;
   options.set = settings_from(words.set);
   if (!words.seed.empty()) options.seed = seed_from(words.seed);
   if (!words.duration.empty()) options.duration = duration_from(words.duration);
-  options.plugin_paths = words.plugin_paths;
+  options.plugin_paths = plugin_paths_from(words);
   return options;
 }
 
@@ -103,6 +113,10 @@ RunOptions run_from(const Words& words) {
   RunOptions options;
   options.scene = scene_from(words);
   options.backend = words.backend;
+  if (words.steps.size() > 1) {
+    throw UsageError("--step",
+                     Problem("a run has one step", "", "several are for cogrsim compare"));
+  }
   if (!words.steps.empty()) options.step = step_from(words.steps.front());
   if (!words.speed.empty()) options.speed = speed_from(words.speed);
   options.json = words.json;
@@ -119,7 +133,7 @@ CompareCommandOptions compare_from(const Words& words) {
   }
   if (!words.backends.empty() && options.backends.size() < 2) {
     throw UsageError("--backends", Problem("a comparison needs at least two", "",
-                                         "write them with commas: --backends A,B"));
+                                           "write them with commas: --backends A,B"));
   }
   for (const std::string& list : words.steps) {
     for (const std::string& word : split(list, ',')) {
@@ -137,7 +151,8 @@ CompareCommandOptions compare_from(const Words& words) {
       const auto threshold = parse_length_or_angle(word);
       if (!threshold) throw UsageError("--threshold", threshold.error());
       if (threshold->value <= 0.0) {
-        throw UsageError("--threshold", Problem(fmt::format("'{}' is not greater than zero", word)));
+        throw UsageError("--threshold",
+                         Problem(fmt::format("'{}' is not greater than zero", word)));
       }
       const bool angle = threshold->dimension == Dimension::angle;
       (angle ? options.angle_threshold : options.position_threshold) = threshold->value;
@@ -152,9 +167,9 @@ CompareCommandOptions compare_from(const Words& words) {
   return options;
 }
 
-void add_plugin_path(CLI::App& command, Words& words) {
+void add_plugin_path(CLI::App& command, std::vector<std::string>& paths) {
   command
-      .add_option("--plugin-path", words.plugin_paths,
+      .add_option("--plugin-path", paths,
                   "Folder in which plugins and backends are looked for first; may be repeated")
       ->type_name("DIR")
       ->expected(1)
@@ -171,7 +186,9 @@ void add_set(CLI::App& command, Words& words) {
 }
 
 void add_scene_options(CLI::App& command, Words& words) {
-  command.add_option("scene", words.scene, "Scene file, NAME.scene.xml")->required()->type_name("SCENE");
+  command.add_option("scene", words.scene, "Scene file, NAME.scene.xml")
+      ->required()
+      ->type_name("SCENE");
   command
       .add_option("-d,--duration", words.duration,
                   "Simulated time, such as 5, \"5 s\" or 500ms; default: the scene's, else 10 s")
@@ -179,7 +196,7 @@ void add_scene_options(CLI::App& command, Words& words) {
   command.add_option("--seed", words.seed, "Seed of all randomness; default: the scene's")
       ->type_name("N");
   add_set(command, words);
-  add_plugin_path(command, words);
+  add_plugin_path(command, words.plugin_paths);
 }
 
 void add_run(CLI::App& app, Words& words, int& status) {
@@ -187,9 +204,12 @@ void add_run(CLI::App& app, Words& words, int& status) {
   add_scene_options(command, words);
   command.add_option("-b,--backend", words.backend, "Physics engine; default: the scene's")
       ->type_name("B");
-  command.add_option("--step", words.steps, "Step length, such as 0.001 or \"1 ms\"; default: the scene's")
+  command
+      .add_option("--step", words.steps,
+                  "Step length, such as 0.001 or \"1 ms\"; default: the scene's")
       ->type_name("DT")
-      ->expected(1);
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command
       .add_option("--speed", words.speed,
                   "Simulated seconds per second, or max, the default; never changes a result")
@@ -208,7 +228,8 @@ void add_run(CLI::App& app, Words& words, int& status) {
 }
 
 void add_compare(CLI::App& app, Words& words, int& status) {
-  CLI::App& command = *app.add_subcommand("compare", "Run a scene on several backends side by side");
+  CLI::App& command =
+      *app.add_subcommand("compare", "Run a scene on several backends side by side");
   add_scene_options(command, words);
   command
       .add_option("-b,--backends", words.backends,
@@ -217,9 +238,10 @@ void add_compare(CLI::App& app, Words& words, int& status) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command
-      .add_option("--step", words.steps,
-                  "Step length; the comparison uses the first, several add convergence: each backend "
-                  "against itself at smaller steps")
+      .add_option(
+          "--step", words.steps,
+          "Step length; the comparison uses the first, several add convergence: each backend "
+          "against itself at smaller steps")
       ->type_name("DT")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -249,7 +271,8 @@ void add_compare(CLI::App& app, Words& words, int& status) {
 }
 
 void add_check(CLI::App& app, Words& words, int& status) {
-  CLI::App& command = *app.add_subcommand("check", "Say what is wrong with scenes, without running them");
+  CLI::App& command =
+      *app.add_subcommand("check", "Say what is wrong with scenes, without running them");
   command.add_option("scenes", words.scenes, "Scene files")->required()->type_name("SCENE...");
   command
       .add_option("-b,--backend", words.backend,
@@ -260,7 +283,7 @@ void add_check(CLI::App& app, Words& words, int& status) {
       ->type_name("F")
       ->capture_default_str();
   add_set(command, words);
-  add_plugin_path(command, words);
+  add_plugin_path(command, words.plugin_paths);
   command.footer(
       "Examples:\n"
       "  cogrsim check robot.scene.xml\n"
@@ -272,29 +295,31 @@ void add_check(CLI::App& app, Words& words, int& status) {
     options.set = settings_from(words.set);
     options.backend = words.backend;
     options.format = words.format;
-    options.plugin_paths = words.plugin_paths;
+    options.plugin_paths = plugin_paths_from(words);
     status = check_command(options);
   });
 }
 
 void add_small_ones(CLI::App& app, Words& words, int& status) {
   CLI::App& explain = *app.add_subcommand("explain", "Say what a code such as CG0502 means");
-  explain.add_option("code", words.code, "The code; without one, all are listed")->type_name("CODE");
+  explain.add_option("code", words.code, "The code; without one, all are listed")
+      ->type_name("CODE");
   explain.footer("Examples:\n  cogrsim explain CG0502\n  cogrsim explain");
   explain.callback([&] { status = explain_command(words.code); });
 
   CLI::App& schema = *app.add_subcommand("schema", "Print the scene language for an editor (XSD)");
   schema.add_flag("--reference", words.reference, "Print the reference page (Markdown) instead");
-  add_plugin_path(schema, words);
+  add_plugin_path(schema, words.plugin_paths);
   schema.footer(
       "Examples:\n"
       "  cogrsim schema > scene.xsd      gives completion in an editor\n"
       "  cogrsim schema --reference > scene-reference.md");
-  schema.callback([&] { status = schema_command(words.reference, words.plugin_paths); });
+  schema.callback([&] { status = schema_command(words.reference, plugin_paths_from(words)); });
 
-  CLI::App& plugins = *app.add_subcommand("plugins", "List backends, controllers, supervisors, sensors");
+  CLI::App& plugins =
+      *app.add_subcommand("plugins", "List backends, controllers, supervisors, sensors");
   plugins.add_flag("--json", words.json_flag, "As JSON");
-  add_plugin_path(plugins, words);
+  add_plugin_path(plugins, words.plugin_paths);
   plugins.footer(
       "Examples:\n"
       "  cogrsim plugins\n"
@@ -303,9 +328,21 @@ void add_small_ones(CLI::App& app, Words& words, int& status) {
   plugins.callback([&] {
     PluginsOptions options;
     options.json = words.json_flag;
-    options.plugin_paths = words.plugin_paths;
+    options.plugin_paths = plugin_paths_from(words);
     status = plugins_command(options);
   });
+}
+
+std::string unknown_subcommand(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  std::string list;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    names.push_back(command->get_name());
+    list += (list.empty() ? "" : ", ") + command->get_name();
+  }
+  const std::string nearest = nearest_name(word, names);
+  return fmt::format("there is no subcommand '{}'\nhelp: {}there are {}", word,
+                     nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), list);
 }
 
 }  // namespace
@@ -315,7 +352,7 @@ int run_command_line(int argc, char** argv) {
   Words words;
   int status = kGood;
   app.set_version_flag("--version", "cogrsim " COGRSIM_VERSION);
-  add_plugin_path(app, words);
+  add_plugin_path(app, words.global_plugin_paths);
   app.require_subcommand(1);
   add_run(app, words, status);
   add_compare(app, words, status);
@@ -328,14 +365,20 @@ int run_command_line(int argc, char** argv) {
       "  cogrsim compare robot.scene.xml --backends bullet,simbody --report robot.html\n"
       "  cogrsim run --help      each subcommand has examples of its own\n"
       "Exit status: 0 good, 1 the scene or run failed, 2 wrong usage.");
+  if (argc < 2) {
+    std::fputs(app.help().c_str(), stderr);
+    return kWrongUsage;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {
     return app.exit(request);  // --help, --version
   } catch (const CLI::ParseError& error) {
     const auto chosen = app.get_subcommands();
-    const std::string command = chosen.empty() ? "cogrsim" : "cogrsim " + chosen.front()->get_name();
+    const std::string command =
+        chosen.empty() ? "cogrsim" : "cogrsim " + chosen.front()->get_name();
     std::string text = error.what();
+    if (chosen.empty() && argv[1][0] != '-') text = unknown_subcommand(app, argv[1]);
     if (text.find("\nhelp: ") == std::string::npos) text += "\nhelp: see " + command + " --help";
     print_error(text);
     return kWrongUsage;

@@ -23,14 +23,21 @@ JointGap joint_gap(JointType type, const double* a, const double* b) {
     return angle_between(Quat(p[0], p[1], p[2], p[3]), Quat(q[0], q[1], q[2], q[3]));
   };
   switch (type) {
-    case JointType::fixed: return {};
+    case JointType::fixed:
+      return {};
     case JointType::hinge:
-    case JointType::screw: return {-1.0, apart(0)};
-    case JointType::slider: return {apart(0), -1.0};
-    case JointType::cylindrical: return {apart(1), apart(0)};
-    case JointType::universal: return {-1.0, std::max(apart(0), apart(1))};
-    case JointType::planar: return {std::hypot(apart(0), apart(1)), apart(2)};
-    case JointType::ball: return {-1.0, turn(a, b)};
+    case JointType::screw:
+      return {-1.0, apart(0)};
+    case JointType::slider:
+      return {apart(0), -1.0};
+    case JointType::cylindrical:
+      return {apart(1), apart(0)};
+    case JointType::universal:
+      return {-1.0, std::max(apart(0), apart(1))};
+    case JointType::planar:
+      return {std::hypot(apart(0), apart(1)), apart(2)};
+    case JointType::ball:
+      return {-1.0, turn(a, b)};
     case JointType::free:
       return {std::hypot(apart(0), apart(1), apart(2)), turn(a + 3, b + 3)};
   }
@@ -42,7 +49,8 @@ template <class Elements, class Wanted>
 std::unordered_map<std::string, int> indices(const Elements& elements, Wanted wanted) {
   std::unordered_map<std::string, int> out;
   for (std::size_t i = 0; i < elements.size(); ++i) {
-    if (!elements[i].removed && wanted(elements[i])) out.emplace(elements[i].name, static_cast<int>(i));
+    if (!elements[i].removed && wanted(elements[i]))
+      out.emplace(elements[i].name, static_cast<int>(i));
   }
   return out;
 }
@@ -58,6 +66,12 @@ void track(Drift& drift, double value, double change) {
 void track(Extreme& extreme, double value, double time, const std::string& where) {
   if (value <= extreme.value) return;
   extreme = {value, time, where};
+}
+
+// Joins values two by two, the later one stays.
+void halve_later(std::vector<double>& values) {
+  for (std::size_t i = 0; 2 * i + 1 < values.size(); ++i) values[i] = values[2 * i + 1];
+  values.resize(values.size() / 2);
 }
 
 bool worse(const Difference& a, const Difference& b) { return a.severity > b.severity; }
@@ -76,23 +90,32 @@ void Spread::add(double time, double value, std::size_t interval) {
   }
   // An element that came later, or was gone for a while, leaves a gap in its curve.
   while (curve.size() < interval) curve.push_back(std::nan(""));
-  if (curve.size() == interval) curve.push_back(value);
-  else curve[interval] = std::isnan(curve[interval]) ? value : std::max(curve[interval], value);
+  if (curve.size() == interval)
+    curve.push_back(value);
+  else
+    curve[interval] = std::isnan(curve[interval]) ? value : std::max(curve[interval], value);
   end = value;
   sum_of_squares_ += value * value;
   ++count_;
+}
+
+void Spread::halve() {
+  const std::size_t half = (curve.size() + 1) / 2;
+  for (std::size_t i = 0; i < half; ++i) {
+    const double first = curve[2 * i];
+    const double second = 2 * i + 1 < curve.size() ? curve[2 * i + 1] : first;
+    curve[i] = std::fmax(first, second);  // a gap yields to a value
+  }
+  curve.resize(half);
 }
 
 void Spread::finish() {
   if (count_ > 0) rms = std::sqrt(sum_of_squares_ / static_cast<double>(count_));
 }
 
-Comparison::Comparison(std::vector<std::string> runs, CompareOptions options,
-                       std::size_t expected_samples) {
+Comparison::Comparison(std::vector<std::string> runs, CompareOptions options) {
   assert(runs.size() >= 2 && options.curve_points > 0);
   const std::size_t others = runs.size() - 1;
-  const auto points = static_cast<std::size_t>(options.curve_points);
-  per_interval_ = std::max<std::size_t>(1, (expected_samples + points - 1) / points);
   result_.options = options;
   result_.figures.resize(runs.size());
   result_.runs = std::move(runs);
@@ -100,6 +123,19 @@ Comparison::Comparison(std::vector<std::string> runs, CompareOptions options,
   joint_pairs_.resize(others);
   body_index_.resize(others);
   joint_index_.resize(others);
+}
+
+// Nobody knows beforehand when a run ends: when there are too many intervals they are joined.
+void Comparison::halve_curves() {
+  per_interval_ *= 2;
+  halve_later(result_.times);
+  for (RunFigures& figures : result_.figures) halve_later(figures.energy_curve);
+  for (auto* differences : {&result_.bodies, &result_.joints}) {
+    for (Difference& difference : *differences) {
+      if (difference.distance) difference.distance->halve();
+      if (difference.angle) difference.angle->halve();
+    }
+  }
 }
 
 void Comparison::pair_up(const std::vector<FramePtr>& frames) {
@@ -131,7 +167,8 @@ void Comparison::pair_up(const std::vector<FramePtr>& frames) {
          result_.bodies);
     pair(reference.joints, other.joints, has_coordinates, run, joint_index_[run - 1],
          joint_pairs_[run - 1], result_.joints);
-    const auto first = indices(reference.bodies, can_move), second = indices(other.bodies, can_move);
+    const auto first = indices(reference.bodies, can_move),
+               second = indices(other.bodies, can_move);
     for (const auto& [name, i] : first) {
       if (second.count(name) == 0) lonely.insert(name);
     }
@@ -150,9 +187,15 @@ void Comparison::add(double time, const std::vector<FramePtr>& frames) {
   for (std::size_t i = 0; same && i < frames.size(); ++i) same = models_[i] == frames[i]->model;
   if (!same) pair_up(frames);
 
+  if (result_.samples / per_interval_ >=
+      2 * static_cast<std::size_t>(result_.options.curve_points)) {
+    halve_curves();
+  }
   const std::size_t interval = result_.samples / per_interval_;
-  if (result_.times.size() <= interval) result_.times.push_back(time);
-  else result_.times[interval] = time;
+  if (result_.times.size() <= interval)
+    result_.times.push_back(time);
+  else
+    result_.times[interval] = time;
   for (std::size_t run = 0; run < frames.size(); ++run) add_figures(time, *frames[run], run);
   for (std::size_t run = 1; run < frames.size(); ++run) {
     add_bodies(time, *frames[0], *frames[run], run);
@@ -232,8 +275,10 @@ void Comparison::add_figures(double time, const Frame& frame, std::size_t run) {
   track(figures.angular_momentum, momentum.angular.norm(),
         (momentum.angular - start.momentum.angular).norm());
   const std::size_t interval = result_.samples / per_interval_;
-  if (figures.energy_curve.size() <= interval) figures.energy_curve.push_back(energy);
-  else figures.energy_curve[interval] = energy;
+  if (figures.energy_curve.size() <= interval)
+    figures.energy_curve.push_back(energy);
+  else
+    figures.energy_curve[interval] = energy;
 
   // contacts are those of the step that led here
   contact_sums_[run] += static_cast<double>(frame.contacts.size());

@@ -16,9 +16,10 @@
 namespace cogrsim::cli {
 
 struct CompareOptions {
-  double position_threshold = 0.01;                        ///< [m]
+  double position_threshold = 0.01;                         ///< [m]
   double angle_threshold = 3.14159265358979323846 / 180.0;  ///< [rad]
-  /// Intervals of the curves; each keeps the largest difference in it, so that no peak is lost.
+  /// Curves have this many intervals, or up to twice as many; each keeps the largest difference in
+  /// it, so that no peak is lost.
   int curve_points = 400;
 };
 
@@ -31,6 +32,7 @@ struct Spread {
   std::vector<double> curve;  ///< against CompareResult::times
 
   void add(double time, double value, std::size_t interval);
+  void halve();  ///< joins the intervals of the curve two by two
   void finish();
 
  private:
@@ -42,8 +44,8 @@ struct Spread {
 /// no distance) is empty.
 struct Difference {
   std::string name;
-  std::size_t run = 1;  ///< CompareResult::runs
-  std::string type;     ///< of a joint
+  std::size_t run = 1;             ///< CompareResult::runs
+  std::string type;                ///< of a joint
   std::optional<Spread> distance;  ///< [m]
   std::optional<Spread> angle;     ///< [rad]
   /// First time either exceeds its threshold [s].
@@ -73,9 +75,9 @@ struct RunFigures {
   double mean_contacts = 0.0;
   std::size_t most_contacts = 0;
   std::size_t end_contacts = 0;
-  Extreme penetration;     ///< [m]
-  Extreme joint_distance;  ///< see joint_error() [m]
-  Extreme joint_angle;     ///< [rad]
+  Extreme penetration;               ///< [m]
+  Extreme joint_distance;            ///< see joint_error() [m]
+  Extreme joint_angle;               ///< [rad]
   std::vector<double> energy_curve;  ///< against CompareResult::times
 };
 
@@ -83,11 +85,11 @@ struct CompareResult {
   CompareOptions options;
   std::vector<std::string> runs;
   std::size_t samples = 0;
-  double end_time = 0.0;      ///< of the last sample [s]
-  std::vector<double> times;  ///< ends of the curves' intervals [s]
-  std::vector<RunFigures> figures;  ///< one per run
-  std::vector<Difference> bodies;   ///< that can move; worst first
-  std::vector<Difference> joints;   ///< worst first
+  double end_time = 0.0;             ///< of the last sample [s]
+  std::vector<double> times;         ///< ends of the curves' intervals [s]
+  std::vector<RunFigures> figures;   ///< one per run
+  std::vector<Difference> bodies;    ///< that can move; worst first
+  std::vector<Difference> joints;    ///< worst first
   std::optional<double> first_over;  ///< earliest of all [s]
   std::string first_over_name;
   std::vector<std::string> only_in_some;  ///< bodies that some run lacks at the end
@@ -96,8 +98,8 @@ struct CompareResult {
 /// Takes the frames one instant at a time.
 class Comparison {
  public:
-  /// `runs`: at least two names; `expected_samples`: how many instants will come, or a good guess.
-  Comparison(std::vector<std::string> runs, CompareOptions options, std::size_t expected_samples);
+  /// `runs`: at least two names.
+  Comparison(std::vector<std::string> runs, CompareOptions options);
 
   /// One frame per run, all of the same time [s], with contacts.
   void add(double time, const std::vector<FramePtr>& frames);
@@ -110,6 +112,7 @@ class Comparison {
     int first = -1, second = -1;
     std::size_t difference = 0;
   };
+  void halve_curves();
   void pair_up(const std::vector<FramePtr>& frames);
   void add_bodies(double time, const Frame& first, const Frame& second, std::size_t run);
   void add_joints(double time, const Frame& first, const Frame& second, std::size_t run);
@@ -122,12 +125,12 @@ class Comparison {
   };
 
   CompareResult result_;
-  std::vector<SceneModelPtr> models_;  // for which pairs_ hold
+  std::vector<SceneModelPtr> models_;                        // for which pairs_ hold
   std::vector<std::vector<Pair>> body_pairs_, joint_pairs_;  // per run beyond the reference
   std::vector<std::map<std::string, std::size_t>> body_index_, joint_index_;
   std::vector<Start> starts_;
   std::vector<double> contact_sums_;
-  std::size_t per_interval_ = 1;
+  std::size_t per_interval_ = 1;  // samples
 };
 
 /// Angle of the turn between two orientations, 0 to pi [rad].

@@ -1,8 +1,8 @@
 // cogrsim compare: one scene on several backends, side by side.
+#include <unistd.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -17,17 +17,16 @@
 namespace cogrsim::cli {
 namespace {
 
-constexpr double kTrajectoryInstants = 200.0;
-
 // With steps that share instants runs can be compared with each other: all must divide the largest.
 std::string steps_problem(const std::vector<double>& steps) {
   const double largest = *std::max_element(steps.begin(), steps.end());
   for (const double step : steps) {
     const double ratio = largest / step;
     if (std::fabs(ratio - std::round(ratio)) > 1e-6) {
-      return fmt::format("step {} does not divide {} evenly\n"
-                         "help: for convergence choose steps such as --step 4ms --step 2ms --step 1ms",
-                         elapsed_text(step), elapsed_text(largest));
+      return fmt::format(
+          "step {} does not divide {} evenly\n"
+          "help: for convergence choose steps such as --step 4ms --step 2ms --step 1ms",
+          step_text(step), step_text(largest));
     }
   }
   return {};
@@ -39,7 +38,8 @@ std::vector<std::string> chosen_backends(const CompareCommandOptions& options,
   if (!options.backends.empty()) return options.backends;
   std::vector<std::string> names;
   for (const PluginPtr& plugin : scene.loader->all()) {
-    if (plugin->descriptor().kind == PluginKind::backend) names.push_back(plugin->descriptor().name);
+    if (plugin->descriptor().kind == PluginKind::backend)
+      names.push_back(plugin->descriptor().name);
   }
   const auto own = std::find(names.begin(), names.end(), scene.model->physics.backend);
   if (own != names.end()) std::rotate(names.begin(), own, own + 1);
@@ -49,16 +49,24 @@ std::vector<std::string> chosen_backends(const CompareCommandOptions& options,
 // Curves cost memory per body; a large scene gets coarser ones.
 int curve_points(const SceneModel& model) {
   const auto elements = std::max<std::size_t>(1, model.bodies.size() + model.joints.size());
-  return static_cast<int>(std::clamp<std::size_t>(1000000 / elements, 20, 400));
+  return static_cast<int>(std::clamp<std::size_t>(500000 / elements, 20, 300));
+}
+
+// Instants at which convergence looks at positions: fewer of a large scene.
+double trajectory_instants(const SceneModel& model) {
+  const auto bodies = std::max<std::size_t>(1, model.bodies.size());
+  return static_cast<double>(std::clamp<std::size_t>(200000 / bodies, 10, 200));
 }
 
 // Runs the scene at every step; the first one's result is the comparison.
-bool run_all(const CompareCommandOptions& options, const LoadedScene& scene, CompareReport& report) {
+bool run_all(const CompareCommandOptions& options, const LoadedScene& scene,
+             CompareReport& report) {
   std::vector<double> steps = options.steps;
   if (steps.empty()) steps.push_back(scene.model->physics.step);
   const bool converge = steps.size() > 1;
   const double largest = *std::max_element(steps.begin(), steps.end());
-  const double stride = std::max(1.0, std::floor(report.duration / largest / kTrajectoryInstants));
+  const double stride =
+      std::max(1.0, std::floor(report.duration / largest / trajectory_instants(*scene.model)));
 
   LockstepOptions lockstep;
   lockstep.backends = report.backends;
@@ -72,7 +80,7 @@ bool run_all(const CompareCommandOptions& options, const LoadedScene& scene, Com
   std::vector<std::pair<double, std::vector<Trajectory>>> trajectories;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const std::string title =
-        converge ? fmt::format("compare, step {}", elapsed_text(steps[i])) : "compare";
+        converge ? fmt::format("compare, step {}", step_text(steps[i])) : "compare";
     Progress progress(title, report.duration);
     lockstep.step = steps[i];
     lockstep.trajectory_every =
@@ -156,10 +164,11 @@ int compare_command(const CompareCommandOptions& options) {
   report.duration = duration_of(*scene.model, options.scene);
   report.backends = chosen_backends(options, scene);
   if (report.backends.size() < 2) {
-    const std::string problem = fmt::format(
-        "a comparison needs two backends, found {}",
-        report.backends.empty() ? "none" : "only '" + report.backends.front() + "'");
-    print_error(problem + "\nhelp: name them with --backends A,B; cogrsim plugins lists what there is");
+    const std::string problem =
+        fmt::format("a comparison needs two backends, found {}",
+                    report.backends.empty() ? "none" : "only '" + report.backends.front() + "'");
+    print_error(problem +
+                "\nhelp: name them with --backends A,B; cogrsim plugins lists what there is");
     report.diagnostics.push_back(to_diagnostic(Error(problem)));
     return deliver(options, report, kFailed);
   }
@@ -175,7 +184,7 @@ int compare_command(const CompareCommandOptions& options) {
 
   if (!run_all(options, scene, report)) return deliver(options, report, kFailed);
   report.status = status_of(*report.result);
-  for (const RunEnd& run : report.result->runs) print_messages(run.messages, run.label + ": ");
+  for (const RunEnd& run : report.result->runs) print_messages(run.messages, run.label);
   return deliver(options, report, report.result->failed ? kFailed : kGood);
 }
 

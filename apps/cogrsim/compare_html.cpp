@@ -32,13 +32,12 @@ p { margin: .3rem 0; } .soft { color: var(--soft); } .bad { color: var(--bad); }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { padding: .3rem .7rem; text-align: right; white-space: nowrap; border-top: 1px solid var(--line); }
 thead tr:first-child th { border-top: 0; } th { font-weight: 600; } thead th { color: var(--soft); }
-th:first-child, td:first-child { text-align: left; }
+th:first-child, td:first-child { text-align: left; } .wrap td { white-space: normal; }
 .chart { position: relative; margin: 1rem 0; padding: .8rem; background: var(--panel);
   border: 1px solid var(--line); border-radius: 6px; }
 figcaption { margin-bottom: .4rem; }
 .chart label { float: right; font-size: .85rem; color: var(--soft); margin-left: .25rem; cursor: pointer; }
-.chart input { float: right; margin: .25rem 0 0 .8rem; }
-.chart input, .chart label { direction: ltr; }
+.chart input { float: right; margin: .3rem 0 0 .8rem; }
 svg { display: block; width: 100%; height: auto; touch-action: pan-y; }
 svg.log, .to-log:checked ~ svg.linear { display: none; } .to-log:checked ~ svg.log { display: block; }
 .grid { stroke: var(--line); } .tick { fill: var(--soft); font-size: 12px; }
@@ -100,9 +99,11 @@ std::string difference_table(const char* kind, const std::vector<Difference>& di
   if (differences.empty()) return {};
   const bool several = comparison.runs.size() > 2;
   std::string out = fmt::format(
-      "<h2>{}, worst first</h2>\n<div class=\"scroll\"><table><thead><tr><th rowspan=\"2\">name</th>{}"
+      "<h2>{}, worst first</h2>\n<div class=\"scroll\"><table><thead><tr><th "
+      "rowspan=\"2\">name</th>{}"
       "<th colspan=\"3\">{} difference</th><th colspan=\"3\">angle difference</th>"
-      "<th rowspan=\"2\">apart from</th></tr><tr><th>max</th><th>rms</th><th>at end</th><th>max</th>"
+      "<th rowspan=\"2\">apart from</th></tr><tr><th>max</th><th>rms</th><th>at "
+      "end</th><th>max</th>"
       "<th>rms</th><th>at end</th></tr></thead><tbody>\n",
       kind, several ? "<th rowspan=\"2\">backend</th>" : "",
       std::string(kind) == "Bodies" ? "position" : "travel");
@@ -125,7 +126,8 @@ std::string difference_table(const char* kind, const std::vector<Difference>& di
 }
 
 std::string figures_table(const LockstepResult& result) {
-  std::string out = "<h2>Backends</h2>\n<div class=\"scroll\"><table><thead><tr><th></th>";
+  std::string out =
+      "<h2>Backends</h2>\n<div class=\"scroll\"><table class=\"wrap\"><thead><tr><th></th>";
   for (const RunEnd& run : result.runs) {
     out += "<th>" + html_escaped(run.label + " " + run.engine_version) + "</th>";
   }
@@ -147,12 +149,15 @@ std::string figures_table(const LockstepResult& result) {
   };
   using Run = const RunEnd&;
   using Figures = const RunFigures&;
-  line("ended", [](Run r, Figures) { return fmt::format("{}, {}", to_string(r.status), time_text(r.time)); });
-  line("steps", [](Run r, Figures) { return fmt::format("{} of {}", r.steps, elapsed_text(r.step)); });
+  line("ended", [](Run r, Figures) {
+    return fmt::format("{}, {}", to_string(r.status), time_text(r.time));
+  });
+  line("steps", [](Run r, Figures) { return fmt::format("{} of {}", r.steps, step_text(r.step)); });
   line("wall time of its own steps", [](Run r, Figures) { return elapsed_text(r.wall_time); });
   line("times real time", [](Run r, Figures) { return factor_text(r.time / r.wall_time); });
   line("energy", [&](Run, Figures f) { return drift(f.energy, "J"); });
-  line("energy, largest drift", [](Run, Figures f) { return quantity_text(f.energy.largest, "J"); });
+  line("energy, largest drift",
+       [](Run, Figures f) { return quantity_text(f.energy.largest, "J"); });
   line("momentum", [&](Run, Figures f) { return drift(f.linear_momentum, "kg m/s"); });
   line("momentum, largest drift",
        [](Run, Figures f) { return quantity_text(f.linear_momentum.largest, "kg m/s"); });
@@ -162,7 +167,8 @@ std::string figures_table(const LockstepResult& result) {
     return fmt::format("{}, {}", quantity_text(f.mean_contacts, ""), f.most_contacts);
   });
   line("deepest penetration", [&](Run, Figures f) { return extreme(f.penetration, false); });
-  line("largest joint error, distance", [&](Run, Figures f) { return extreme(f.joint_distance, false); });
+  line("largest joint error, distance",
+       [&](Run, Figures f) { return extreme(f.joint_distance, false); });
   line("largest joint error, angle", [&](Run, Figures f) { return extreme(f.joint_angle, true); });
   return out + "</tbody></table></div>\n";
 }
@@ -170,14 +176,17 @@ std::string figures_table(const LockstepResult& result) {
 std::string convergence_table(const CompareReport& report) {
   if (report.convergence.empty()) return {};
   std::string out =
-      "<h2>Convergence</h2>\n<p class=\"soft\">A backend's change is from its own run at the next smaller "
-      "step; of two backends it is the difference between them. Positions, root mean square over bodies "
-      "and time.</p>\n<div class=\"scroll\"><table><thead><tr><th></th><th>step</th><th>rms change</th>"
+      "<h2>Convergence</h2>\n<p class=\"soft\">A backend's change is from its own run at the next "
+      "smaller "
+      "step; of two backends it is the difference between them. Positions, root mean square over "
+      "bodies "
+      "and time.</p>\n<div class=\"scroll\"><table><thead><tr><th></th><th>step</th><th>rms "
+      "change</th>"
       "<th>observed order</th></tr></thead><tbody>\n";
   for (const ConvergenceSeries& series : report.convergence) {
     for (const ConvergencePoint& point : series.points) {
       if (!point.difference) continue;
-      out += "<tr>" + cell(series.name) + cell(elapsed_text(point.step)) +
+      out += "<tr>" + cell(series.name) + cell(step_text(point.step)) +
              cell(length_text(*point.difference)) +
              cell(point.order ? fmt::format("{:.2f}", *point.order) : "-") + "</tr>\n";
     }
@@ -186,8 +195,9 @@ std::string convergence_table(const CompareReport& report) {
 }
 
 // The worst elements' curves of one kind; nothing when all are zero-length.
-std::string difference_chart(const std::string& id, const std::string& title, const std::string& unit,
-                             double factor, const std::vector<Difference>& differences,
+std::string difference_chart(const std::string& id, const std::string& title,
+                             const std::string& unit, double factor,
+                             const std::vector<Difference>& differences,
                              std::optional<Spread> Difference::*part,
                              const CompareResult& comparison) {
   std::vector<const Difference*> worst;
@@ -270,14 +280,15 @@ std::string compare_html(const CompareReport& report) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>{}: {} against {}</title>\n<style>{}</style></head>\n<body><main>\n",
       name, html_escaped(others), html_escaped(comparison.runs[0]), kStyleSheet);
-  out += fmt::format("<h1>{}</h1>\n<p class=\"soft\">{} against {}, {} in steps of {}, {}</p>\n", name,
-                     html_escaped(others), html_escaped(comparison.runs[0]),
-                     time_text(comparison.end_time), elapsed_text(result.runs[0].step),
+  out += fmt::format("<h1>{}</h1>\n<p class=\"soft\">{} against {}, {} in steps of {}, {}</p>\n",
+                     name, html_escaped(others), html_escaped(comparison.runs[0]),
+                     time_text(comparison.end_time), step_text(result.runs[0].step),
                      html_escaped(report.file));
   const std::string limits = html_escaped(thresholds_text(comparison.options));
   if (comparison.first_over) {
-    out += fmt::format("<p class=\"verdict bad\">Apart by more than {} from {} on, first {}</p>\n", limits,
-                       time_text(*comparison.first_over), html_escaped(comparison.first_over_name));
+    out += fmt::format("<p class=\"verdict bad\">Apart by more than {} from {} on, first {}</p>\n",
+                       limits, time_text(*comparison.first_over),
+                       html_escaped(comparison.first_over_name));
   } else {
     out += fmt::format("<p class=\"verdict good\">Never apart by more than {}</p>\n", limits);
   }
@@ -300,7 +311,8 @@ std::string compare_html(const CompareReport& report) {
   out += convergence_table(report);
   out += messages_list(report);
   out += fmt::format(
-      "<p class=\"soft\">{} instants were compared; a curve shows the largest difference in each of its "
+      "<p class=\"soft\">{} instants were compared; a curve shows the largest difference in each "
+      "of its "
       "{} intervals. Wall time is counted around each backend's own steps.</p>\n",
       comparison.samples, comparison.times.size());
   return out + "</main>\n<script>" + kScript + "</script>\n</body></html>\n";

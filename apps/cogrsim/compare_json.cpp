@@ -34,36 +34,36 @@ Json to_json(const std::optional<Spread>& spread) {
 }
 
 Json to_json(const RunEnd& run, const RunFigures& figures) {
-  return {{"backend", run.backend},
-          {"label", run.label},
-          {"engine_version", run.engine_version},
-          {"status", to_string(run.status)},
-          {"step", run.step},
-          {"steps", run.steps},
-          {"time", run.time},
-          {"wall_time", run.wall_time},
-          {"realtime_factor", run.wall_time > 0.0 ? Json(run.time / run.wall_time) : Json(nullptr)},
-          {"state_hash", fmt::format("{:016x}", run.hash)},
-          {"energy", to_json(figures.energy)},
-          {"linear_momentum", to_json(figures.linear_momentum)},
-          {"angular_momentum", to_json(figures.angular_momentum)},
-          {"contacts",
-           {{"mean", figures.mean_contacts},
-            {"most", figures.most_contacts},
-            {"end", figures.end_contacts}}},
-          {"deepest_penetration", to_json(figures.penetration)},
-          {"joint_error",
-           {{"distance", to_json(figures.joint_distance)}, {"angle", to_json(figures.joint_angle)}}},
-          {"energy_curve", figures.energy_curve}};
+  return {
+      {"backend", run.backend},
+      {"label", run.label},
+      {"engine_version", run.engine_version},
+      {"status", to_string(run.status)},
+      {"step", run.step},
+      {"steps", run.steps},
+      {"time", run.time},
+      {"wall_time", run.wall_time},
+      {"realtime_factor", run.wall_time > 0.0 ? Json(run.time / run.wall_time) : Json(nullptr)},
+      {"state_hash", fmt::format("{:016x}", run.hash)},
+      {"energy", to_json(figures.energy)},
+      {"linear_momentum", to_json(figures.linear_momentum)},
+      {"angular_momentum", to_json(figures.angular_momentum)},
+      {"contacts",
+       {{"mean", figures.mean_contacts},
+        {"most", figures.most_contacts},
+        {"end", figures.end_contacts}}},
+      {"deepest_penetration", to_json(figures.penetration)},
+      {"joint_error",
+       {{"distance", to_json(figures.joint_distance)}, {"angle", to_json(figures.joint_angle)}}},
+      {"energy_curve", figures.energy_curve}};
 }
 
 Json differences_json(const std::vector<Difference>& differences, const CompareResult& comparison,
                       const char* distance_key) {
   Json out = Json::array();
   for (const Difference& d : differences) {
-    Json entry = {{"name", d.name},
-                  {"reference", comparison.runs[0]},
-                  {"other", comparison.runs[d.run]}};
+    Json entry = {
+        {"name", d.name}, {"reference", comparison.runs[0]}, {"other", comparison.runs[d.run]}};
     if (!d.type.empty()) entry["type"] = d.type;
     entry[distance_key] = to_json(d.distance);
     entry["angle"] = to_json(d.angle);

@@ -25,14 +25,14 @@ struct CompareReport {
 /// `rows`: of each table, the rest is counted.
 std::string compare_text(const CompareReport& report, int rows, const Style& style);
 
-/// Keys: scene, file, status, duration, time, samples, thresholds, first_over, ended_early, runs (one
-/// per backend), bodies, joints, convergence, diagnostics.
+/// Keys: scene, file, status, duration, time, samples, thresholds, first_over, ended_early, runs
+/// (one per backend), bodies, joints, convergence, diagnostics.
 Json to_json(const CompareReport& report);
 
 /// One HTML file that needs nothing else: figures, tables and curves, light and dark.
 std::string compare_html(const CompareReport& report);
 
-/// "1 cm or 1°": what counts as apart.
+/// "10 mm or 1°": what counts as apart.
 std::string thresholds_text(const CompareOptions& options);
 
 }  // namespace cogrsim::cli

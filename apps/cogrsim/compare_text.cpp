@@ -16,21 +16,32 @@ std::string spread_cell(const std::optional<Spread>& spread, double Spread::*par
   return angle ? angle_text((*spread).*part) : length_text((*spread).*part);
 }
 
-std::string difference_table(const std::string& kind, const std::vector<Difference>& differences,
+std::string difference_table(const std::string& kind, const char* distance,
+                             const std::vector<Difference>& differences,
                              const CompareReport& report, int rows, const Style& style) {
   if (differences.empty()) return {};
   const CompareResult& comparison = report.result->comparison;
   const bool several = comparison.runs.size() > 2;
+  const auto any = [&](std::optional<Spread> Difference::*part) {
+    return std::any_of(differences.begin(), differences.end(),
+                       [&](const Difference& d) { return (d.*part).has_value(); });
+  };
+  const bool distances = any(&Difference::distance), angles = any(&Difference::angle);
   std::vector<Align> columns = {Align::left};
   std::vector<std::string> head = {kind};
-  if (several) {
-    columns.push_back(Align::left);
-    head.push_back("backend");
-  }
-  for (const char* title : {"max", "rms", "at end", "max", "rms", "at end", "apart from"}) {
-    columns.push_back(Align::right);
+  const auto column = [&](Align align, const std::string& title) {
+    columns.push_back(align);
     head.push_back(title);
-  }
+  };
+  const auto columns_of = [&](const std::string& quantity) {
+    column(Align::right, quantity + " max");
+    column(Align::right, "rms");
+    column(Align::right, "at end");
+  };
+  if (several) column(Align::left, "backend");
+  if (distances) columns_of(distance);
+  if (angles) columns_of("angle");
+  column(Align::right, "apart from");
   TextTable table(columns);
   table.row(head);
   const std::size_t shown = std::min(differences.size(), static_cast<std::size_t>(rows));
@@ -39,10 +50,10 @@ std::string difference_table(const std::string& kind, const std::vector<Differen
     std::vector<std::string> row = {shortened(d.name, kNameWidth)};
     if (several) row.push_back(comparison.runs[d.run]);
     for (const auto part : {&Spread::max, &Spread::rms, &Spread::end}) {
-      row.push_back(spread_cell(d.distance, part, false));
+      if (distances) row.push_back(spread_cell(d.distance, part, false));
     }
     for (const auto part : {&Spread::max, &Spread::rms, &Spread::end}) {
-      row.push_back(spread_cell(d.angle, part, true));
+      if (angles) row.push_back(spread_cell(d.angle, part, true));
     }
     row.push_back(d.first_over ? style.red + time_text(*d.first_over) + style.off : "never");
     table.row(row);
@@ -87,7 +98,8 @@ std::string figures_table(const LockstepResult& result, const Style& style) {
   line("times real time", [](Run r, Figures) { return factor_text(r.time / r.wall_time); });
   line("energy at start", [](Run, Figures f) { return quantity_text(f.energy.start, "J"); });
   line("energy at end", [](Run, Figures f) { return quantity_text(f.energy.end, "J"); });
-  line("energy drift", [](Run, Figures f) { return quantity_text(f.energy.end - f.energy.start, "J"); });
+  line("energy drift",
+       [](Run, Figures f) { return quantity_text(f.energy.end - f.energy.start, "J"); });
   line("momentum drift, largest",
        [](Run, Figures f) { return quantity_text(f.linear_momentum.largest, "kg m/s"); });
   line("angular momentum drift",
@@ -95,7 +107,8 @@ std::string figures_table(const LockstepResult& result, const Style& style) {
   line("contacts, mean", [](Run, Figures f) { return quantity_text(f.mean_contacts, ""); });
   line("contacts, most", [](Run, Figures f) { return fmt::format("{}", f.most_contacts); });
   line("deepest penetration", [](Run, Figures f) { return extreme_cell(f.penetration, false); });
-  line("joint error, distance", [](Run, Figures f) { return extreme_cell(f.joint_distance, false); });
+  line("joint error, distance",
+       [](Run, Figures f) { return extreme_cell(f.joint_distance, false); });
   line("joint error, angle", [](Run, Figures f) { return extreme_cell(f.joint_angle, true); });
   return "\n" + table.text("  ", style.bold, style.off);
 }
@@ -108,20 +121,24 @@ std::string convergence_table(const CompareReport& report, const Style& style) {
     for (const ConvergencePoint& point : series.points) {
       // A backend's smallest step has nothing smaller to be compared with.
       if (!point.difference) continue;
-      table.row({series.name, elapsed_text(point.step), length_text(*point.difference),
+      table.row({series.name, step_text(point.step), length_text(*point.difference),
                  point.order ? fmt::format("{:.2f}", *point.order) : "-"});
     }
   }
   return "\n" + table.text("  ", style.bold, style.off) +
-         "  A backend's change is from its own run at the next smaller step; of two backends it is\n"
+         "  A backend's change is from its own run at the next smaller step; of two backends it "
+         "is\n"
          "  the difference between them. Positions, root mean square over bodies and time.\n";
 }
 
 }  // namespace
 
 std::string thresholds_text(const CompareOptions& options) {
-  return fmt::format("{} or {}", length_text(options.position_threshold),
-                     angle_text(options.angle_threshold));
+  const double metres = options.position_threshold;
+  const bool metric = metres >= 1.0;
+  const double degrees = options.angle_threshold * 180.0 / 3.14159265358979323846;
+  return fmt::format("{:.4g} {} or {:.4g}°", metric ? metres : metres * 1e3, metric ? "m" : "mm",
+                     degrees);
 }
 
 std::string compare_text(const CompareReport& report, int rows, const Style& style) {
@@ -130,10 +147,9 @@ std::string compare_text(const CompareReport& report, int rows, const Style& sty
   const CompareResult& comparison = result.comparison;
   std::string others = comparison.runs[1];
   for (std::size_t i = 2; i < comparison.runs.size(); ++i) others += ", " + comparison.runs[i];
-  std::string out =
-      fmt::format("{}{}{}: {} against {}, {} in steps of {}\n", style.bold, report.scene, style.off,
-                  others, comparison.runs[0], time_text(comparison.end_time),
-                  elapsed_text(result.runs[0].step));
+  std::string out = fmt::format("{}{}{}: {} against {}, {} in steps of {}\n", style.bold,
+                                report.scene, style.off, others, comparison.runs[0],
+                                time_text(comparison.end_time), step_text(result.runs[0].step));
   if (!result.ended_early.empty()) {
     out += fmt::format("  {}compared only up to {}: {}{}\n", style.yellow,
                        time_text(comparison.end_time), result.ended_early, style.off);
@@ -145,8 +161,8 @@ std::string compare_text(const CompareReport& report, int rows, const Style& sty
   } else {
     out += fmt::format("  {}never apart by more than {}{}\n", style.green, limits, style.off);
   }
-  out += difference_table("body, worst first", comparison.bodies, report, rows, style);
-  out += difference_table("joint, worst first", comparison.joints, report, rows, style);
+  out += difference_table("body, worst first", "position", comparison.bodies, report, rows, style);
+  out += difference_table("joint, worst first", "travel", comparison.joints, report, rows, style);
   if (!comparison.only_in_some.empty()) {
     out += fmt::format("\n  {}not in every run:{}", style.yellow, style.off);
     const std::size_t shown = std::min<std::size_t>(comparison.only_in_some.size(), 10);

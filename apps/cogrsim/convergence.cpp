@@ -68,7 +68,8 @@ std::vector<ConvergenceSeries> convergence(const std::vector<std::string>& backe
   for (std::size_t b = 1; b < backends.size(); ++b) {
     ConvergenceSeries series{backends[0] + " and " + backends[b], true, {}};
     for (std::size_t i = 0; i < steps.size(); ++i) {
-      series.points.push_back({steps[i], Trajectory::distance(runs[i][0], runs[i][b]), std::nullopt});
+      series.points.push_back(
+          {steps[i], Trajectory::distance(runs[i][0], runs[i][b]), std::nullopt});
     }
     for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
       const auto &coarse = series.points[i].difference, &fine = series.points[i + 1].difference;

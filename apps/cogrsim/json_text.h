@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 /// in strings is replaced. Arrays of plain values stay on one line.
 std::string json_text(const Json& value);
 
-Json to_json(const Vec3& v);     ///< [x, y, z]
-Json to_json(const Quat& q);     ///< [w, x, y, z]
+Json to_json(const Vec3& v);  ///< [x, y, z]
+Json to_json(const Quat& q);  ///< [w, x, y, z]
 
 }  // namespace cogrsim::cli

@@ -68,8 +68,8 @@ std::string step_all(std::vector<Lane>& lanes) {
       reason = fmt::format("{}: {} at {:.9g} s", lane.end.label, to_string(status),
                            lane.simulation->time());
     } else if (lane.simulation->paused()) {
-      reason = fmt::format("{}: paused at {:.9g} s, and nobody is here to resume it", lane.end.label,
-                           lane.simulation->time());
+      reason = fmt::format("{}: paused at {:.9g} s, and nobody is here to resume it",
+                           lane.end.label, lane.simulation->time());
     }
   }
   if (!reason.empty()) return reason;
@@ -77,9 +77,10 @@ std::string step_all(std::vector<Lane>& lanes) {
   const Simulation& first = *lanes.front().simulation;
   for (const Lane& lane : lanes) {
     if (std::fabs(lane.simulation->time() - first.time()) > 1e-6 * first.dt()) {
-      return fmt::format("the clocks of {} and {} went apart at {:.9g} s: a supervisor restarted a "
-                         "run or changed its step",
-                         lanes.front().end.label, lane.end.label, first.time());
+      return fmt::format(
+          "the clocks of {} and {} went apart at {:.9g} s: a supervisor restarted a "
+          "run or changed its step",
+          lanes.front().end.label, lane.end.label, first.time());
     }
   }
   return {};
@@ -104,7 +105,7 @@ tl::expected<LockstepResult, std::vector<Diagnostic>> run_lockstep(
   for (const Lane& lane : lanes) labels.push_back(lane.end.label);
   const double dt = lanes.front().simulation->dt();
   const auto steps = static_cast<std::uint64_t>(std::llround(options.duration / dt));
-  Comparison comparison(labels, options.compare, static_cast<std::size_t>(steps) + 1);
+  Comparison comparison(labels, options.compare);
 
   LockstepResult result;
   if (options.trajectory_every > 0) result.trajectories.resize(lanes.size());
@@ -137,7 +138,8 @@ tl::expected<LockstepResult, std::vector<Diagnostic>> run_lockstep(
     end.status = simulation.status();
     // A run that was still going has come to the end asked for, or was ended with the others.
     if (goes_on(end.status)) end.status = all ? RunStatus::completed : RunStatus::stopped;
-    result.failed = result.failed || end.status == RunStatus::diverged || end.status == RunStatus::fault;
+    result.failed =
+        result.failed || end.status == RunStatus::diverged || end.status == RunStatus::fault;
     end.step = simulation.dt();
     end.steps = simulation.step_count();
     end.time = simulation.time();

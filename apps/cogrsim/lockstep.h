@@ -31,7 +31,7 @@ struct RunEnd {
   std::string backend;
   std::string engine_version;
   RunStatus status = RunStatus::running;
-  double step = 0.0;       ///< [s]
+  double step = 0.0;  ///< [s]
   std::uint64_t steps = 0;
   double time = 0.0;       ///< [s]
   double wall_time = 0.0;  ///< spent in this backend's own steps [s]
@@ -43,12 +43,13 @@ struct LockstepResult {
   CompareResult comparison;
   std::vector<RunEnd> runs;
   std::vector<Trajectory> trajectories;  ///< one per run, when asked for
-  std::string ended_early;  ///< why not all the duration was compared; empty: it was
-  bool failed = false;      ///< a run diverged or ended by a fault
+  std::string ended_early;               ///< why not all the duration was compared; empty: it was
+  bool failed = false;                   ///< a run diverged or ended by a fault
 };
 
 /// Takes every backend one step, then compares; wall time is counted around the steps alone. Ends
-/// for all when one ends. Errors: what Simulation::create found, with a note that names the backend.
+/// for all when one ends. Errors: what Simulation::create found, with a note that names the
+/// backend.
 tl::expected<LockstepResult, std::vector<Diagnostic>> run_lockstep(
     const SceneModelPtr& scene, const LockstepOptions& options,
     const std::shared_ptr<PluginLoader>& loader);

@@ -18,9 +18,9 @@ enum ExitStatus : int {
 };
 
 /// Bounds of what may be asked for; beyond them it is a slip of the pen.
-inline constexpr double kSmallestStep = 1e-9;    ///< [s]
-inline constexpr double kLargestStep = 1.0;      ///< [s]
-inline constexpr double kLongestDuration = 1e9;  ///< [s]
+inline constexpr double kSmallestStep = 1e-9;     ///< [s]
+inline constexpr double kLargestStep = 1.0;       ///< [s]
+inline constexpr double kLongestDuration = 1e9;   ///< [s]
 inline constexpr double kDefaultDuration = 10.0;  ///< [s]
 
 /// What every subcommand that reads a scene shares.
@@ -43,9 +43,9 @@ struct RunOptions {
 struct CompareCommandOptions {
   SceneOptions scene;
   std::vector<std::string> backends;
-  std::vector<double> steps;  ///< [s]; empty: the scene's
-  double position_threshold = 0.01;                             ///< [m]
-  double angle_threshold = 3.14159265358979323846 / 180.0;      ///< [rad]
+  std::vector<double> steps;                                ///< [s]; empty: the scene's
+  double position_threshold = 0.01;                         ///< [m]
+  double angle_threshold = 3.14159265358979323846 / 180.0;  ///< [rad]
   int rows = 10;
   std::string json;
   std::string report;

@@ -1,6 +1,6 @@
 // cogrsim plugins: what can be loaded, what it takes, where it was found, what was refused and why.
-#include <cmath>
 #include <unistd.h>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -99,11 +99,12 @@ std::string inventory_text(const Inventory& inventory, const Style& style) {
   std::string out;
   for (const Entry& entry : inventory.entries) {
     const PluginDescriptor& d = entry.descriptor;
-    out += fmt::format("{}{} {}{} {}{}\n", style.bold, to_string(d.kind), d.name, style.off, d.version,
-                       d.author.empty() ? "" : ", by " + d.author);
+    out += fmt::format("{}{} {}{} {}{}\n", style.bold, to_string(d.kind), d.name, style.off,
+                       d.version, d.author.empty() ? "" : ", by " + d.author);
     if (!d.summary.empty()) out += fmt::format("    {}\n", d.summary);
     out += fmt::format("    found: {}\n", entry.path.empty() ? "built in" : entry.path);
-    if (entry.backend) out += fmt::format("    engine version: {}\n", entry.backend->engine_version());
+    if (entry.backend)
+      out += fmt::format("    engine version: {}\n", entry.backend->engine_version());
     out += parameter_table("parameter", d.parameters, style);
     if (entry.backend) {
       out += parameter_table("world option", entry.backend->world_options(), style);
@@ -113,7 +114,8 @@ std::string inventory_text(const Inventory& inventory, const Style& style) {
     out += "\n";
   }
   for (const RefusedPlugin& refused : inventory.refused) {
-    out += fmt::format("{}refused{} {}\n    {}\n\n", style.red, style.off, refused.path, refused.reason);
+    out += fmt::format("{}refused{} {}\n    {}\n\n", style.red, style.off, refused.path,
+                       refused.reason);
   }
   out += style.bold + "places searched" + style.off + "\n";
   for (const std::string& folder : inventory.folders) out += "    " + folder + "\n";
@@ -128,7 +130,9 @@ Json to_json(const ParameterTable& parameters) {
   Json out = Json::array();
   for (const ParameterSpec& spec : parameters) {
     // an open end has no figure
-    const auto bound = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+    const auto bound = [](double value) {
+      return std::isfinite(value) ? Json(value) : Json(nullptr);
+    };
     out.push_back({{"name", spec.name},
                    {"type", to_string(spec.type())},
                    {"default", value_json(spec.default_value)},
@@ -160,7 +164,8 @@ Json to_json(const Inventory& inventory) {
       item["assembly_options"] = to_json(entry.backend->assembly_options());
       Json& capabilities = item["capabilities"] = Json::object();
       for (const auto& [feature, capability] : entry.backend->capabilities().all()) {
-        capabilities[feature] = {{"support", to_string(capability.support)}, {"note", capability.note}};
+        capabilities[feature] = {{"support", to_string(capability.support)},
+                                 {"note", capability.note}};
       }
     }
     plugins.push_back(std::move(item));

@@ -1,8 +1,8 @@
 #include "progress.h"
 
+#include <unistd.h>
 #include <algorithm>
 #include <cstdio>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -13,8 +13,8 @@ namespace cogrsim::cli {
 std::string progress_line(const std::string& title, double time, double duration, double elapsed,
                           int width) {
   const double done = duration > 0.0 ? std::clamp(time / duration, 0.0, 1.0) : 0.0;
-  std::string tail = fmt::format(" {:3.0f} %  {:.2f} s of {}", 100.0 * done, time,
-                                 time_text(duration));
+  std::string tail =
+      fmt::format(" {:3.0f} %  {:.2f} s of {}", 100.0 * done, time, time_text(duration));
   // The first moments say nothing about the speed.
   if (elapsed > 0.2 && time > 0.0) {
     tail += fmt::format("  {}  {} left", factor_text(time / elapsed),

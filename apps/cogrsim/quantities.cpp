@@ -77,7 +77,8 @@ Result<double> parse_number(const std::string& text) {
 Result<double> parse_time(const std::string& text) {
   const auto parts = number_and_unit(text);
   if (!parts) {
-    return fail(fmt::format("'{}' is not a time", text), "", "write a time such as \"1 ms\" or 0.001");
+    return fail(fmt::format("'{}' is not a time", text), "",
+                "write a time such as \"1 ms\" or 0.001");
   }
   if (parts->second.empty()) return parts->first;
   const Unit* unit = find_unit(parts->second);

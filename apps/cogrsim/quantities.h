@@ -16,8 +16,8 @@ struct Quantity {
   Dimension dimension = Dimension::length;
 };
 
-/// A number, independent of the locale, that takes all of `text`. Errors: anything else, and what is
-/// not finite.
+/// A number, independent of the locale, that takes all of `text`. Errors: anything else, and what
+/// is not finite.
 Result<double> parse_number(const std::string& text);
 
 /// "0.001", "1 ms", "2s", "1 min": seconds. Errors: no number, an unknown unit, not finite.

@@ -40,10 +40,10 @@ Json joints_json(const Frame& frame) {
   for (const Joint& joint : frame.model->joints) {
     if (joint.removed) continue;
     const int speeds = speed_count(joint.type);
-    out[joint.name] = {
-        {"position", slice(state.joint_positions, joint.position_offset, position_count(joint.type))},
-        {"velocity", slice(state.joint_velocities, joint.speed_offset, speeds)},
-        {"effort", slice(state.joint_efforts, joint.speed_offset, speeds)}};
+    out[joint.name] = {{"position", slice(state.joint_positions, joint.position_offset,
+                                          position_count(joint.type))},
+                       {"velocity", slice(state.joint_velocities, joint.speed_offset, speeds)},
+                       {"effort", slice(state.joint_efforts, joint.speed_offset, speeds)}};
   }
   return out;
 }
@@ -51,7 +51,9 @@ Json joints_json(const Frame& frame) {
 Json contacts_json(const Frame& frame) {
   Json out = Json::array();
   for (const Contact& contact : frame.contacts) {
-    const auto name = [&](int body) { return frame.model->bodies[static_cast<std::size_t>(body)].name; };
+    const auto name = [&](int body) {
+      return frame.model->bodies[static_cast<std::size_t>(body)].name;
+    };
     out.push_back({{"a", name(contact.body_a)},
                    {"b", name(contact.body_b)},
                    {"point", to_json(contact.point)},
@@ -85,8 +87,8 @@ std::string more_text(std::size_t left) {
 
 std::string body_table(const Frame& frame, const Style& style) {
   using Align = TextTable::Align;
-  TextTable table({Align::left, Align::right, Align::right, Align::right, Align::right, Align::right,
-                   Align::right, Align::right});
+  TextTable table({Align::left, Align::right, Align::right, Align::right, Align::right,
+                   Align::right, Align::right, Align::right});
   table.row({"body", "x [m]", "y [m]", "z [m]", "roll [°]", "pitch [°]", "yaw [°]", "speed [m/s]"});
   std::size_t rows = 0, left = 0;
   for (std::size_t i = 0; i < frame.model->bodies.size(); ++i) {
@@ -126,7 +128,8 @@ std::string joint_table(const Frame& frame, const Style& style) {
     const bool linear = joint.type == JointType::slider;
     table.row({shortened(joint.name, 32), to_string(joint.type),
                linear ? fixed(q, 4) + " m" : fixed(q / kDegree, 2) + " °",
-               fixed(u, 4) + (linear ? " m/s" : " rad/s"), fixed(effort, 4) + (linear ? " N" : " N m")});
+               fixed(u, 4) + (linear ? " m/s" : " rad/s"),
+               fixed(effort, 4) + (linear ? " N" : " N m")});
   }
   if (rows == 0) return {};
   return "\n" + table.text("  ", style.bold, style.off) + more_text(left);
@@ -140,7 +143,8 @@ Json to_json(const RunResult& result) {
   out["scene"] = result.scene.empty() ? Json(nullptr) : Json(result.scene);
   out["file"] = result.file;
   out["backend"] = result.backend.empty() ? Json(nullptr) : Json(result.backend);
-  out["engine_version"] = result.engine_version.empty() ? Json(nullptr) : Json(result.engine_version);
+  out["engine_version"] =
+      result.engine_version.empty() ? Json(nullptr) : Json(result.engine_version);
   out["step"] = ran ? Json(result.step) : Json(nullptr);
   out["steps"] = result.steps;
   out["time"] = result.time;
@@ -148,9 +152,11 @@ Json to_json(const RunResult& result) {
   out["wall_time"] = result.wall_time;
   out["realtime_factor"] =
       result.wall_time > 0.0 ? Json(result.time / result.wall_time) : Json(nullptr);
-  out["state_hash"] = ran ? Json(fmt::format("{:016x}", state_hash(result.frame->state))) : Json(nullptr);
+  out["state_hash"] =
+      ran ? Json(fmt::format("{:016x}", state_hash(result.frame->state))) : Json(nullptr);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const Energy energy = ran ? energy_of(*result.frame->model, result.frame->state) : Energy{nan, nan};
+  const Energy energy =
+      ran ? energy_of(*result.frame->model, result.frame->state) : Energy{nan, nan};
   out["energy"] = {{"kinetic", energy.kinetic}, {"potential", energy.potential}};
   out["bodies"] = ran ? bodies_json(*result.frame) : Json::object();
   out["joints"] = ran ? joints_json(*result.frame) : Json::object();
@@ -162,10 +168,10 @@ Json to_json(const RunResult& result) {
 std::string summary_text(const RunResult& result, const Style& style) {
   const Frame& frame = *result.frame;
   const bool failed = result.status == "diverged" || result.status == "fault";
-  std::string out = fmt::format(
-      "{}{}{} on {} {}: {}{}{}, {} in {} steps of {}\n", style.bold, result.scene, style.off,
-      result.backend, result.engine_version, failed ? style.red : style.green, result.status,
-      style.off, time_text(result.time), result.steps, elapsed_text(result.step));
+  std::string out = fmt::format("{}{}{} on {} {}: {}{}{}, {} in {} steps of {}\n", style.bold,
+                                result.scene, style.off, result.backend, result.engine_version,
+                                failed ? style.red : style.green, result.status, style.off,
+                                time_text(result.time), result.steps, step_text(result.step));
   out += fmt::format("  wall time {}, {} real time\n", elapsed_text(result.wall_time),
                      factor_text(result.time / result.wall_time));
   const Energy energy = energy_of(*frame.model, frame.state);

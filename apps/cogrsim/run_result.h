@@ -18,7 +18,7 @@ struct RunResult {
   std::string backend;
   std::string engine_version;
   std::string status = "failed";  ///< to_string(RunStatus), or "failed": it never started
-  double step = 0.0;       ///< [s]
+  double step = 0.0;              ///< [s]
   std::uint64_t steps = 0;
   double time = 0.0;       ///< [s]
   double wall_time = 0.0;  ///< of stepping alone [s]

@@ -18,9 +18,9 @@ const char* severity_text(Severity severity) {
 
 // The keys every entry of a "diagnostics" array has.
 Json empty_finding() {
-  return {{"severity", "error"}, {"code", nullptr},   {"message", ""},     {"file", nullptr},
-          {"line", nullptr},     {"column", nullptr}, {"length", nullptr}, {"help", nullptr},
-          {"notes", Json::array()}, {"time", nullptr},  {"source", nullptr}};
+  return {{"severity", "error"},    {"code", nullptr},   {"message", ""},     {"file", nullptr},
+          {"line", nullptr},        {"column", nullptr}, {"length", nullptr}, {"help", nullptr},
+          {"notes", Json::array()}, {"time", nullptr},   {"source", nullptr}};
 }
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
@@ -48,9 +48,10 @@ double duration_of(const SceneModel& model, const SceneOptions& options) {
 
 std::string step_problem(double step, double duration) {
   if (duration >= step * (1.0 - 1e-9)) return {};
-  return fmt::format("a duration of {} is shorter than one step of {}\n"
-                     "help: ask for a longer --duration or a smaller --step",
-                     time_text(duration), time_text(step));
+  return fmt::format(
+      "a duration of {} is shorter than one step of {}\n"
+      "help: ask for a longer --duration or a smaller --step",
+      time_text(duration), step_text(step));
 }
 
 Diagnostic to_diagnostic(const Error& error) {
@@ -112,22 +113,24 @@ void print_diagnostics(const std::vector<Diagnostic>& diagnostics) {
   std::fputs(text.c_str(), stderr);
 }
 
-void print_messages(const std::vector<RunMessage>& messages, const std::string& prefix) {
+void print_messages(const std::vector<RunMessage>& messages, const std::string& run) {
   const Style style = style_of(STDERR_FILENO);
   std::size_t printed = 0;
   for (const RunMessage& message : messages) {
     if (printed == kPrintedMessages) {
-      std::fputs(fmt::format("and {} more messages, see --json\n", messages.size() - printed).c_str(),
-                 stderr);
+      std::fputs(
+          fmt::format("and {} more messages, see --json\n", messages.size() - printed).c_str(),
+          stderr);
       break;
     }
     const bool error = message.severity == Severity::error;
-    std::fputs(fmt::format("{}{}:{} {}at {}, {}{}{}\n", error ? style.red : style.cyan,
-                           severity_text(message.severity), style.off, prefix,
-                           time_text(message.time), message.source,
-                           message.source.empty() ? "" : ": ", message.message)
-                   .c_str(),
-               stderr);
+    std::string text = error ? style.red : style.cyan;
+    text += std::string(severity_text(message.severity)) + ":" + style.off + " ";
+    if (!run.empty()) text += run + ", ";
+    // What was said before the start has no time worth telling.
+    if (message.time > 0.0) text += "at " + time_text(message.time) + ", ";
+    if (!message.source.empty()) text += message.source + ": ";
+    std::fputs((text + message.message + "\n").c_str(), stderr);
     ++printed;
   }
 }

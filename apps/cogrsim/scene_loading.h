@@ -40,7 +40,7 @@ Json diagnostics_json(const std::vector<Diagnostic>& diagnostics,
 
 /// Prints findings to stderr, compiler style, in colour on a terminal.
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics);
-/// "error: at 1.2 s, bot.driver: …", to stderr; long lists are cut. `prefix` stands in front.
-void print_messages(const std::vector<RunMessage>& messages, const std::string& prefix = {});
+/// "error: at 1.2 s, bot.driver: …", to stderr; long lists are cut. `run`: which of several.
+void print_messages(const std::vector<RunMessage>& messages, const std::string& run = {});
 
 }  // namespace cogrsim::cli

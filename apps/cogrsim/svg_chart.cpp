@@ -87,16 +87,18 @@ std::string tick_text(double value, double step) {
 std::string grid(const Axis& x, const Axis& y) {
   std::string out;
   const auto horizontal = [&](double position, const std::string& label) {
-    out += fmt::format("<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>"
-                       "<text class=\"tick\" text-anchor=\"end\" x=\"{}\" y=\"{:.1f}\">{}</text>",
-                       kLeft, kWidth - kRight, position, position, kLeft - 8, position + 4, label);
+    out += fmt::format(
+        "<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>"
+        "<text class=\"tick\" text-anchor=\"end\" x=\"{}\" y=\"{:.1f}\">{}</text>",
+        kLeft, kWidth - kRight, position, position, kLeft - 8, position + 4, label);
   };
   if (y.log) {
     const int decades = static_cast<int>(y.high - y.low);
     const int stride = std::max(1, (decades + 5) / 6);
     for (int d = static_cast<int>(y.low); d <= static_cast<int>(y.high); d += stride) {
       const double value = std::pow(10.0, d);
-      horizontal(y_of(y, value), d > -4 && d < 4 ? fmt::format("{:g}", value) : fmt::format("1e{}", d));
+      horizontal(y_of(y, value),
+                 d > -4 && d < 4 ? fmt::format("{:g}", value) : fmt::format("1e{}", d));
     }
   } else {
     const auto ticks = nice_ticks(y.low, y.high, 5);
@@ -106,8 +108,9 @@ std::string grid(const Axis& x, const Axis& y) {
   const auto ticks = nice_ticks(x.low, x.high, 8);
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 1.0;
   for (const double tick : ticks) {
-    out += fmt::format("<text class=\"tick\" text-anchor=\"middle\" x=\"{:.1f}\" y=\"{}\">{}</text>",
-                       x_of(x, tick), kHeight - kBottom + 18, tick_text(tick, step));
+    out +=
+        fmt::format("<text class=\"tick\" text-anchor=\"middle\" x=\"{:.1f}\" y=\"{}\">{}</text>",
+                    x_of(x, tick), kHeight - kBottom + 18, tick_text(tick, step));
   }
   return out;
 }
@@ -116,9 +119,11 @@ std::string svg(const Chart& chart, const Scaled& scaled, const Axis& y, const c
   const Axis x{chart.times.empty() ? 0.0 : std::min(0.0, chart.times.front()),
                chart.times.empty() || chart.times.back() <= 0.0 ? 1.0 : chart.times.back()};
   std::string out = fmt::format(
-      "<svg class=\"plot {}\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" data-left=\"{}\" "
+      "<svg class=\"plot {}\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" "
+      "data-left=\"{}\" "
       "data-right=\"{}\" data-t0=\"{:.9g}\" data-t1=\"{:.9g}\">",
-      scale_class, kWidth, kHeight, html_escaped(chart.title), kLeft, kWidth - kRight, x.low, x.high);
+      scale_class, kWidth, kHeight, html_escaped(chart.title), kLeft, kWidth - kRight, x.low,
+      x.high);
   out += grid(x, y);
   out += fmt::format("<text class=\"tick\" text-anchor=\"end\" x=\"{}\" y=\"{}\">time [s]</text>",
                      kWidth - kRight, kHeight - 4);
@@ -135,13 +140,14 @@ std::string svg(const Chart& chart, const Scaled& scaled, const Axis& y, const c
         drawing = false;
         continue;
       }
-      path += fmt::format("{}{:.1f} {:.1f}", drawing ? "L" : "M", x_of(x, chart.times[i]), y_of(y, value));
+      path += fmt::format("{}{:.1f} {:.1f}", drawing ? "L" : "M", x_of(x, chart.times[i]),
+                          y_of(y, value));
       drawing = true;
     }
     out += fmt::format("<path class=\"curve c{}\" d=\"{}\"/>", c, path);
   }
-  return out + fmt::format("<line class=\"cursor\" y1=\"{}\" y2=\"{}\"/></svg>", kTop,
-                           kHeight - kBottom);
+  return out +
+         fmt::format("<line class=\"cursor\" y1=\"{}\" y2=\"{}\"/></svg>", kTop, kHeight - kBottom);
 }
 
 std::string script_string(const std::string& text) {
@@ -149,8 +155,10 @@ std::string script_string(const std::string& text) {
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
     // No "<" may reach a script element: it could end it.
-    if (byte < 0x20 || c == '"' || c == '\\' || c == '<') out += fmt::format("\\u{:04x}", byte);
-    else out += c;
+    if (byte < 0x20 || c == '"' || c == '\\' || c == '<')
+      out += fmt::format("\\u{:04x}", byte);
+    else
+      out += c;
   }
   return out + "\"";
 }
@@ -170,12 +178,23 @@ std::string html_escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -206,11 +225,12 @@ std::string chart_html(const Chart& chart) {
 
   std::string out = fmt::format("<figure class=\"chart\" id=\"{}\">\n", chart.id);
   if (both) {
+    // Floated to the right, so the last comes first.
     out += fmt::format(
-        "<input type=\"radio\" class=\"to-linear\" name=\"{0}-scale\" id=\"{0}-linear\" checked>"
-        "<label for=\"{0}-linear\">linear</label>"
+        "<label for=\"{0}-log\">logarithmic</label>"
         "<input type=\"radio\" class=\"to-log\" name=\"{0}-scale\" id=\"{0}-log\">"
-        "<label for=\"{0}-log\">logarithmic</label>\n",
+        "<label for=\"{0}-linear\">linear</label>"
+        "<input type=\"radio\" class=\"to-linear\" name=\"{0}-scale\" id=\"{0}-linear\" checked>\n",
         chart.id);
   }
   out += fmt::format("<figcaption><b>{}</b>{}</figcaption>\n", html_escaped(chart.title),

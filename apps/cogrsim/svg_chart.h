@@ -12,10 +12,10 @@ struct Curve {
 };
 
 struct Chart {
-  std::string id;     ///< unique on the page, letters only
+  std::string id;  ///< unique on the page, letters only
   std::string title;
-  std::string unit;   ///< SI: "m", "J" get a prefix that fits; "deg" stays
-  std::string note;   ///< a sentence under the title; may be empty
+  std::string unit;           ///< SI: "m", "J" get a prefix that fits; "deg" stays
+  std::string note;           ///< a sentence under the title; may be empty
   std::vector<double> times;  ///< [s]
   std::vector<Curve> curves;  ///< at most kChartColours
   bool may_be_log = false;    ///< differences: offers a logarithmic scale too

@@ -1,12 +1,12 @@
 #include "terminal.h"
 
+#include <sys/ioctl.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -112,6 +112,12 @@ std::string time_text(double seconds) {
   return fmt::format("{:.6g} s", seconds);
 }
 
+std::string step_text(double seconds) {
+  if (seconds >= 1.0) return fmt::format("{:.6g} s", seconds);
+  if (seconds >= 1e-4) return fmt::format("{:.6g} ms", seconds * 1e3);
+  return fmt::format("{:.6g} µs", seconds * 1e6);
+}
+
 std::string elapsed_text(double seconds) {
   if (!std::isfinite(seconds)) return "-";
   if (seconds < 0.9995) return three_digits(seconds * 1e3) + " ms";
@@ -145,7 +151,7 @@ std::string TextTable::text(const std::string& indent, const std::string& head_o
     for (std::size_t c = 0; c < rows_[r].size() && c < widths.size(); ++c) {
       const std::string& cell = rows_[r][c];
       const std::string pad(widths[c] - display_width(cell), ' ');
-      if (c > 0) line += "   ";
+      if (c > 0) line += "  ";
       line += columns_[c] == Align::right ? pad + cell : cell + pad;
     }
     line.erase(line.find_last_not_of(' ') + 1);

@@ -33,6 +33,8 @@ std::string length_text(double metres);
 std::string angle_text(double radians);
 /// "4.213 s", "12 ms"; as many digits as a simulated time deserves.
 std::string time_text(double seconds);
+/// "1 ms", "0.5 ms", "1 s": a step, with all its digits up to six.
+std::string step_text(double seconds);
 /// "850 ms", "12.3 s", "2 min 03 s": how long something took or will take.
 std::string elapsed_text(double seconds);
 /// Three significant digits, then the unit.
