@@ -81,8 +81,8 @@ std::vector<Diagnostic> Simulation::Impl::build_controller(const ControllerModel
     auto thrown = slot.entry->create(made);
     slot.controller = {made, slot.entry->destroy};
     if (made) {
-      Assembly robot(slot.access);
-      thrown = slot.entry->configure(*made, robot);
+      slot.robot = std::make_unique<Assembly>(slot.access);
+      thrown = slot.entry->configure(*made, *slot.robot);
     }
     if (slot.access->fault) slot.access->mistakes.push_back(*slot.access->fault);
     slot.access->fault.reset();

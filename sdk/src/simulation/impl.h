@@ -54,8 +54,9 @@ struct MindClock {
 struct ControllerSlot {
   PluginPtr plugin;
   const ControllerEntry* entry = nullptr;
-  std::unique_ptr<Controller, void (*)(Controller*)> controller{nullptr, nullptr};
   std::shared_ptr<AssemblyAccess> access;
+  std::unique_ptr<Assembly> robot;
+  std::unique_ptr<Controller, void (*)(Controller*)> controller{nullptr, nullptr};
   MindClock clock;
 };
 
