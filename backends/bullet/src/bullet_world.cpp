@@ -35,8 +35,6 @@ const ParameterTable& world_option_table() {
       parameter("iterations", 10, "sweeps of the contact solver per step").range(1, 1000),
       parameter("formulation", "auto", "how articulated assemblies are modelled, unless they say so")
           .one_of({"auto", "reduced", "constraints"}),
-      parameter("split-impulse", false,
-                "bodies that overlap are pushed apart without giving them speed"),
   };
   return table;
 }
@@ -63,7 +61,6 @@ Result<> BulletWorld::build(const SceneModelPtr& model) {
   if (!options) return tl::unexpected(options.error());
   SolverSettings settings;
   settings.iterations = static_cast<int>(std::get<std::int64_t>(options->at("iterations")));
-  settings.split_impulse = std::get<bool>(options->at("split-impulse"));
   settings.bounce_threshold = model->physics.bounce_threshold;
 
   std::vector<RigidBody> bodies;

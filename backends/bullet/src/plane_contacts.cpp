@@ -62,8 +62,11 @@ void visit_near_plane(const Shape& shape, const CollisionShape& collision, const
       const btVector3 half = axis * (0.5 * shape.length);
       if (std::abs(cosine) < 0.7) {
         down *= shape.radius / sine;
+        // Both rims, and the middle: it is what rolls without slip while a wheel turns on the
+        // spot and the rims slide opposite ways. With rims alone the heavier one would hold.
         offer(half + down, 0);
         offer(-half + down, 1);
+        offer(down, 6);
         break;
       }
       // Standing: the lowest point of the lower rim and three more a quarter turn apart.

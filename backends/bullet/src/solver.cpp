@@ -1,5 +1,6 @@
 #include "solver.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -12,6 +13,12 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 // Restitution is ours: Bullet never sees an approach as fast as this [m/s].
 constexpr double kNever = 1e30;
+
+// Natural frequency times dt and damping ratio of a contact that carries.
+constexpr double kContactRate = 1.0;
+constexpr double kContactDamping = 1.0;
+// Bodies that overlap are driven apart no faster than this [m/s].
+constexpr double kFastestRecovery = 1.0;
 
 /// Speed after a bounce, see StepSolver; negative when it would not leave the surface.
 double rebound(double gap, double approach, double acceleration, double e, double dt) {
@@ -26,11 +33,11 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
  public:
   explicit RigidSolver(const SolverSettings& settings) : settings_(settings) {
     info_.m_numIterations = settings.iterations;
-    info_.m_splitImpulse = settings.split_impulse;
-    info_.m_splitImpulsePenetrationThreshold = 0.0;
+    info_.m_splitImpulse = false;
     info_.m_restitutionVelocityThreshold = kNever;
     info_.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_USE_2_FRICTION_DIRECTIONS;
     info_.m_leastSquaresResidualThreshold = 0.0;
+    info_.m_warmstartingFactor = 1.0;
   }
 
   void solve(std::vector<btCollisionObject*>& bodies, btPersistentManifold** manifolds,
@@ -69,10 +76,19 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
                                 btPersistentManifold** manifolds, int manifold_count,
                                 btTypedConstraint** constraints, int constraint_count,
                                 const btContactSolverInfo& info, btIDebugDraw* drawer) override {
+    (void)iteration, (void)bodies, (void)body_count, (void)manifolds, (void)manifold_count;
+    (void)constraints, (void)constraint_count, (void)info, (void)drawer;
     for (ConstraintGroup& group : *groups_) group.iterate();
-    return btSequentialImpulseConstraintSolver::solveSingleIteration(
-        iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count,
-        info, drawer);
+    for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
+      const btSolverConstraint& normal = m_tmpSolverContactConstraintPool[i];
+      btSolverBody& a = m_tmpSolverBodyPool[normal.m_solverBodyIdA];
+      btSolverBody& b = m_tmpSolverBodyPool[normal.m_solverBodyIdB];
+      solve_row(a, b, normal, std::max(normal.m_appliedImpulse + missing(a, b, normal), 0.0));
+      solve_friction(a, b, m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex],
+                     m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + 1],
+                     normal.m_friction * normal.m_appliedImpulse);
+    }
+    return 1.0;  // never done early: the number of sweeps is the scene's
   }
 
   btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
@@ -87,6 +103,41 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     auto& self = *static_cast<RigidSolver*>(context);
     const int id = body.getCompanionId();
     return id >= 0 ? &self.m_tmpSolverBodyPool[id] : nullptr;
+  }
+
+  /// What a row's impulse lacks to fulfil it, the others standing.
+  static double missing(const btSolverBody& a, const btSolverBody& b, const btSolverConstraint& row) {
+    const double change = row.m_contactNormal1.dot(a.m_deltaLinearVelocity) +
+                          row.m_relpos1CrossNormal.dot(a.m_deltaAngularVelocity) +
+                          row.m_contactNormal2.dot(b.m_deltaLinearVelocity) +
+                          row.m_relpos2CrossNormal.dot(b.m_deltaAngularVelocity);
+    return row.m_rhs - row.m_appliedImpulse * row.m_cfm - change * row.m_jacDiagABInv;
+  }
+
+  static void solve_row(btSolverBody& a, btSolverBody& b, const btSolverConstraint& row,
+                        double impulse) {
+    const double change = impulse - row.m_appliedImpulse;
+    row.m_appliedImpulse = impulse;
+    a.m_deltaLinearVelocity += row.m_contactNormal1 * a.m_invMass * change;
+    a.m_deltaAngularVelocity += row.m_angularComponentA * change;
+    b.m_deltaLinearVelocity += row.m_contactNormal2 * b.m_invMass * change;
+    b.m_deltaAngularVelocity += row.m_angularComponentB * change;
+  }
+
+  /// Both directions at once, cut back to the circle of Coulomb's law: the bound holds for the
+  /// friction's length, not for each direction, and is nil where the contact carries nothing.
+  static void solve_friction(btSolverBody& a, btSolverBody& b, const btSolverConstraint& first,
+                             const btSolverConstraint& second, double bound) {
+    double x = first.m_appliedImpulse + missing(a, b, first);
+    double y = second.m_appliedImpulse + missing(a, b, second);
+    const double size2 = x * x + y * y;
+    if (size2 > bound * bound) {
+      const double scale = bound / std::sqrt(size2);
+      x *= scale;
+      y *= scale;
+    }
+    solve_row(a, b, first, x);
+    solve_row(a, b, second, y);
   }
 
   /// Begins with the friction of the last step, turned into this step's directions. Bullet begins
@@ -127,9 +178,8 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
 
   void adjust(btSolverConstraint& row, double dt) {
     const auto& point = *static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
-    const bool soft = (point.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) != 0;
+    const bool spring = (point.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) != 0;
     const double e = point.m_combinedRestitution;
-    if (!soft && e <= 0.0) return;
     const btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdA];
     const btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdB];
     const double speed = row.m_contactNormal1.dot(a.m_linearVelocity) +
@@ -141,40 +191,42 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
                           row.m_contactNormal2.dot(b.m_externalForceImpulse) +
                           row.m_relpos2CrossNormal.dot(b.m_externalTorqueImpulse);
     const double gap = point.getDistance();
-    if (soft) {
-      soften(row, point.m_combinedContactStiffness1, e, gap, speed + gained, dt);
+    const double inverse_mass = (1.0 - row.m_cfm) / row.m_jacDiagABInv;
+    if (spring) {
+      const double stiffness = point.m_combinedContactStiffness1;
+      const double damping = 2.0 * damping_ratio(e) * std::sqrt(stiffness / inverse_mass);
+      soften(row, inverse_mass, stiffness, damping, gap, speed + gained, kNever, dt);
       return;
     }
-    if (speed >= -settings_.bounce_threshold || gap + (speed + gained) * dt >= 0.0) return;
-    const double wanted = rebound(gap, -speed, -gained / dt, e, dt);
-    if (wanted <= 0.0) return;
-    row.m_rhs = (wanted - speed - gained) * row.m_jacDiagABInv;
-    row.m_rhsPenetration = 0.0;
+    if (e > 0.0 && speed < -settings_.bounce_threshold && gap + (speed + gained) * dt < 0.0) {
+      const double wanted = rebound(gap, -speed, -gained / dt, e, dt);
+      if (wanted > 0.0) {
+        row.m_rhs = (wanted - speed - gained) * row.m_jacDiagABInv;
+        return;
+      }
+    }
+    if (gap > 0.0) return;
+    const double rate = kContactRate / dt;
+    soften(row, inverse_mass, rate * rate / inverse_mass,
+           2.0 * kContactDamping * rate / inverse_mass, gap, speed + gained, kFastestRecovery, dt);
   }
 
-  /// A spring of the scene's stiffness with the damping that gives its restitution (of the free
-  /// linear oscillator), both at the end of the step.
-  static void soften(btSolverConstraint& row, double stiffness, double e, double gap, double speed,
-                     double dt) {
-    const double inverse_mass =
-        row.m_contactNormal1.dot(row.m_contactNormal1) > 0.0 ||
-                row.m_contactNormal2.dot(row.m_contactNormal2) > 0.0
-            ? 1.0 / row.m_jacDiagABInv - (row.m_cfm / row.m_jacDiagABInv)
-            : 0.0;
-    if (inverse_mass <= 0.0) return;
-    double ratio = 1.0;
-    if (e > 0.0) {
-      const double log_e = std::log(e);
-      ratio = -log_e / std::sqrt(kPi * kPi + log_e * log_e);
-    }
-    const double damping = 2.0 * ratio * std::sqrt(stiffness / inverse_mass);
-    // impulse = -dt k (gap + dt u) - dt c u, and u = speed + inverse_mass * impulse
-    const double slope = dt * (dt * stiffness + damping);
-    const double compliance = 1.0 / slope;
+  /// Damping ratio of a free linear oscillator that leaves with e times the speed it came with.
+  static double damping_ratio(double e) {
+    if (e <= 0.0) return 1.0;
+    const double log_e = std::log(e);
+    return -log_e / std::sqrt(kPi * kPi + log_e * log_e);
+  }
+
+  /// Makes a row  impulse = -dt (k (gap + dt u) + c u)  of the speed u at the end of the step,
+  /// where it pushes.
+  static void soften(btSolverConstraint& row, double inverse_mass, double stiffness, double damping,
+                     double gap, double speed, double fastest_recovery, double dt) {
+    const double compliance = 1.0 / (dt * (dt * stiffness + damping));
+    const double wanted = std::min(-dt * stiffness * gap * compliance, fastest_recovery);
     row.m_jacDiagABInv = 1.0 / (inverse_mass + compliance);
     row.m_cfm = compliance * row.m_jacDiagABInv;
-    row.m_rhs = (-dt * stiffness * gap * compliance - speed) * row.m_jacDiagABInv;
-    row.m_rhsPenetration = 0.0;
+    row.m_rhs = (wanted - speed) * row.m_jacDiagABInv;
   }
 
   SolverSettings settings_;

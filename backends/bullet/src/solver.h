@@ -13,7 +13,6 @@ namespace cogrsim::bullet {
 
 struct SolverSettings {
   int iterations = 10;
-  bool split_impulse = false;      ///< overlap is removed without giving speed
   double bounce_threshold = 0.05;  ///< [m/s]
 };
 
@@ -24,6 +23,10 @@ struct SolverSettings {
 /// the acceleration into the contact, d the gap and v the approach speed at the start of the step,
 /// symplectic Euler keeps  E = a d + v^2/2 + v a dt/2  on the way down, and the speed u given on
 /// the way up must fulfil  u^2/2 + u a dt/2 + a d = e^2 E.
+///
+/// Contacts that carry are a little soft: a spring of natural frequency kContactRate per step and
+/// critical damping, both at the end of the step, on the mass felt at the point. What is sunk in is
+/// some micrometres, and the load spreads over the points of a body instead of jumping between them.
 class StepSolver {
  public:
   virtual ~StepSolver() = default;
