@@ -1,4 +1,5 @@
 // A controller: drives a two-wheel robot in waves.
+#include <algorithm>
 #include <cmath>
 
 #include <cogrsim/control/controller.h>
@@ -19,11 +20,14 @@ class Slalom final : public cogrsim::Controller {
 
   // At the rate that the scene gives.
   void update(const cogrsim::Tick& tick) override {
-    // The heading swings as swing * sin(w t), so the turn rate is its derivative.
+    // The heading swings as swing * sin(w t), so the turn rate is its derivative. Over the first wave
+    // everything grows from zero: wheels that jump to their speed would slip.
     const double w = 2 * 3.14159265358979323846 / period_;
-    const double turn_rate = swing_ * w * std::cos(w * tick.time);
-    left_.set((speed_ - turn_rate * track_ / 2) / radius_);
-    right_.set((speed_ + turn_rate * track_ / 2) / radius_);
+    const double grown = std::min(1.0, tick.time / period_);
+    const double speed = grown * speed_;
+    const double turn_rate = grown * swing_ * w * std::cos(w * tick.time);
+    left_.set((speed - turn_rate * track_ / 2) / radius_);
+    right_.set((speed + turn_rate * track_ / 2) / radius_);
   }
 
  private:
