@@ -6,12 +6,13 @@
 
 #include "element.h"
 #include "node.h"
+#include "xml_scan.h"
 
 namespace cogrsim::dsl {
 namespace {
 
 constexpr int kLongestTrail = 12;       // lines of backtrace shown
-constexpr std::size_t kLongestExcerpt = 400;  // bytes of source line kept
+constexpr std::size_t kLongestExcerpt = 4000;  // bytes of source line kept
 
 /// Identifies a place; line and column tell apart what matters.
 std::string place_key(std::string_view code, const SourceSpan& at) {
@@ -19,12 +20,21 @@ std::string place_key(std::string_view code, const SourceSpan& at) {
          std::to_string(at.column);
 }
 
-/// Cuts at a code point's border.
-std::string clipped(std::string_view line) {
-  if (line.size() <= kLongestExcerpt) return std::string(line);
-  std::size_t end = kLongestExcerpt;
-  while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0) == 0x80) --end;
-  return std::string(line.substr(0, end));
+/// The line as it may be shown: control characters, which could steer a terminal, and bytes that
+/// are no UTF-8 are replaced one for one; what is beyond reason long is cut.
+std::string presentable(std::string_view line) {
+  std::string out;
+  for (std::size_t i = 0; i < line.size() && out.size() < kLongestExcerpt;) {
+    const CodePoint c = decode_utf8(line, i);
+    const bool control = (c.value < 0x20 && c.value != '\t') || (c.value >= 0x7F && c.value < 0xA0);
+    if (c.length == 0 || control) {
+      out += "\xEF\xBF\xBD";
+    } else {
+      out += line.substr(i, static_cast<std::size_t>(c.length));
+    }
+    i += static_cast<std::size_t>(std::max(1, c.length));
+  }
+  return out;
 }
 
 }  // namespace
@@ -90,7 +100,7 @@ Report DiagnosticSink::report(std::string_view code, const SourceSpan& at, const
     e.diagnostic.line = at.line;
     e.diagnostic.column = at.column;
     e.diagnostic.length = at.length;
-    if (at.line > 0) e.diagnostic.source_line = clipped(file.line(at.line));
+    if (at.line > 0) e.diagnostic.source_line = presentable(file.line(at.line));
   }
   here.push_back(static_cast<int>(entries_.size()));
   entries_.push_back(std::move(e));

@@ -228,7 +228,7 @@ class ListParser {
       entries_.push_back(e);
     } else if (v.as_list() && depth < 2) {
       for (const Value& entry : *v.as_list()) take_value(entry, sign, t, depth + 1);
-      unit_possible_ = false;
+      unit_possible_ = !v.as_list()->empty();
       return;
     } else if (!fault_) {
       fault_ = make_fault("CG0502", t.begin, t.length, "expected a number, found " + describe(v));
@@ -248,33 +248,25 @@ class ListParser {
       }
       return;
     }
-    const auto bare = [](const NumberEntry& e) {
+    // An expression brings its dimension with it; only units that are written count here.
+    const auto first = std::find_if(entries_.begin(), entries_.end(), [](const NumberEntry& e) {
       return e.bare && !e.none && !e.poison && e.value != 0.0;
-    };
-    const auto with = [](const NumberEntry& e) { return !e.bare; };
-    if (!std::any_of(entries_.begin(), entries_.end(), bare) ||
-        !std::any_of(entries_.begin(), entries_.end(), with)) {
-      return;
-    }
+    });
+    if (units_ == 0 || first == entries_.end()) return;
     // Both ways of writing it, with the unit that is there.
-    std::string unit(unit_text_);
-    for (const NumberEntry& e : entries_) {
-      if (unit.empty() && !e.bare) unit = unit_of(e.dimension);
-    }
+    const std::string unit(unit_text_);
     std::string shared, each;
+    bool own_dimensions = false;
     for (const NumberEntry& e : entries_) {
       const std::string word(text_.substr(e.begin, e.number_length));
       const bool own = e.expression && !e.bare && e.length == e.number_length;
+      own_dimensions = own_dimensions || own;
       shared += word + " ";
       each += (each.empty() ? "" : " ") + word + (own || e.none ? "" : " " + unit);
     }
-    const auto first = std::find_if(entries_.begin(), entries_.end(), bare);
-    const bool expressions = std::any_of(entries_.begin(), entries_.end(), [](const auto& e) {
-      return e.expression && !e.bare;
-    });
     fault_ = make_fault("CG0505", first->begin, first->length, "units on some entries only",
-                        expressions ? "write \"" + each + "\""
-                                    : "write \"" + shared + unit + "\" or \"" + each + "\"");
+                        own_dimensions ? "write \"" + each + "\""
+                                       : "write \"" + shared + unit + "\" or \"" + each + "\"");
   }
 
   std::string_view text_;

@@ -189,7 +189,7 @@ Read<Interval> Reader::range(std::string_view attribute) {
   if (!entries || !check_entries(source, spec, *entries, spec.dimensions)) return out;
   out.value = {(*entries)[0].value, (*entries)[1].value};
   if (out.value.low >= out.value.high) {
-    source.report("CG0515", 0, source.text().size(),
+    source.report("CG0507", 0, source.text().size(),
                   "the first end of the range must be below the second");
     return out;
   }

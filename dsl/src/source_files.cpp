@@ -153,7 +153,9 @@ const Document* SourceFiles::open_scene_text(const std::string& text, const std:
     if (!fault) roots_.push_back(path.string());
   }
   if (text.size() > options_.limits.file_bytes) {
-    add(name, name, "");
+    auto file = std::make_unique<SourceFile>();
+    file->name = name;
+    files_.push_back(std::move(file));
     SourceSpan whole;
     whole.file = 0;
     sink_.report("CG0108", whole, nullptr,
@@ -284,11 +286,17 @@ const Document* SourceFiles::add(std::string name, std::string path, std::string
   document.file = index;
   Limits limits = options_.limits;
   limits.depth = std::min(limits.depth, 90);  // tinyxml2 itself ends at 100
-  if (!scan_xml(source, index, limits, sink_, document)) return nullptr;
+  std::vector<std::pair<std::size_t, std::size_t>> instructions;
+  if (!scan_xml(source, index, limits, sink_, document, instructions)) return nullptr;
+  // tinyxml2 takes processing instructions for misplaced XML declarations.
+  std::string plain;
+  if (!instructions.empty()) plain = source.text;
+  for (const auto& [begin, end] : instructions) plain.replace(begin, end - begin, end - begin, ' ');
+  const std::string& text_to_parse = instructions.empty() ? source.text : plain;
 
   tinyxml2::XMLDocument& xml = document.storage->xml;
   std::size_t next = 0;
-  if (xml.Parse(source.text.data(), source.text.size()) != tinyxml2::XML_SUCCESS ||
+  if (xml.Parse(text_to_parse.data(), text_to_parse.size()) != tinyxml2::XML_SUCCESS ||
       !xml.RootElement() || !take_decoded(xml.RootElement(), document.nodes, next)) {
     SourceSpan first;
     first.file = index;

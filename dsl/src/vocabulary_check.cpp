@@ -97,16 +97,6 @@ class Checker {
     check_attributes(root);
     // Nodes lie in document order, parents before children.
     for (std::size_t i = 1; i < document.nodes.size(); ++i) check(document.nodes[i]);
-    const Node* physics = nullptr;
-    for (const Node* child : root.children) {
-      if (child->name != "physics") continue;
-      if (physics) {
-        sink_.report("CG0207", child->span, nullptr, "a second <physics>")
-            .note("the first is here", physics->span);
-      } else {
-        physics = child;
-      }
-    }
   }
 
  private:
@@ -209,7 +199,7 @@ class Checker {
       sink_.report("CG0204", node.span, nullptr,
                    "<" + std::string(node.name) + "> needs the attribute \"" +
                        std::string(a.name) + "\"")
-          .help(std::string(a.name) + ": " + std::string(a.doc));
+          .help("add " + std::string(a.name) + "=\"…\"");
     }
   }
 

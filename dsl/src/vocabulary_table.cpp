@@ -290,7 +290,7 @@ void add_world(std::vector<ElementSpec>& out) {
        above_zero(number("duration", kTime, "How long a run lasts; 10 s if left out.")),
        at_least(number("bounce-threshold", kSpeed, "Slower impacts do not bounce.", "0.05 m/s"),
                 0.0)},
-      {}, "<physics backend=\"bullet\" step=\"1 ms\" gravity=\"0 0 -9.81\" duration=\"20 s\"/>");
+      {}, "<physics step=\"1 ms\" gravity=\"0 0 -9.81\" duration=\"20 s\"/>");
   physics.engine_blocks = true;
   out.push_back(std::move(physics));
   out.push_back(element(

@@ -50,7 +50,7 @@ std::string words_or_expression(const std::string& indent,
   out += "<xs:restriction base=\"xs:string\">";
   for (const auto w : words) out += "<xs:enumeration value=\"" + escaped(w) + "\"/>";
   out += "</xs:restriction></xs:simpleType><xs:simpleType><xs:restriction base=\"xs:string\">"
-         "<xs:pattern value=\"[\\s\\S]*\\$\\{[\\s\\S]*\\}[\\s\\S]*\"/></xs:restriction></xs:simpleType>"
+         "<xs:pattern value=\"[\\s\\S]*[$]\\{[\\s\\S]*\\}[\\s\\S]*\"/></xs:restriction></xs:simpleType>"
          "</xs:union></xs:simpleType>\n";
   return out;
 }

@@ -46,8 +46,13 @@ bool continues_name(std::uint32_t c) {
 class Scanner {
  public:
   Scanner(const SourceFile& file, int index, const Limits& limits, DiagnosticSink& sink,
-          Document& document)
-      : text_(file.text), file_(index), limits_(limits), sink_(sink), document_(document) {}
+          Document& document, std::vector<std::pair<std::size_t, std::size_t>>& instructions)
+      : text_(file.text),
+        file_(index),
+        limits_(limits),
+        sink_(sink),
+        document_(document),
+        instructions_(instructions) {}
 
   bool run() {
     check_characters();
@@ -279,6 +284,7 @@ class Scanner {
       error("CG0103", begin, 2, "the processing instruction needs a name");
     }
     at_ = end + 2;
+    instructions_.push_back({begin, at_});
   }
 
   void character_section() {
@@ -441,7 +447,11 @@ class Scanner {
             "'" + std::string(text_.substr(begin, static_cast<std::size_t>(
                                                       std::max(1, decode_utf8(text_, begin).length)))) +
                 "' cannot stand in the tag <" + std::string(node.name) + ">",
-            text_[begin] == '<' ? "the tag before it lacks its > or />" : "");
+            text_[begin] == '<' ? "the tag before it lacks its > or />"
+            : !blank_before && !node.attributes.empty()
+                ? "perhaps the closing quote of \"" + std::string(node.attributes.back().name) +
+                      "\" is missing"
+                : "");
       return false;
     }
     Attribute a;
@@ -569,6 +579,7 @@ class Scanner {
   const Limits& limits_;
   DiagnosticSink& sink_;
   Document& document_;
+  std::vector<std::pair<std::size_t, std::size_t>>& instructions_;
   std::size_t at_ = 0;
   std::vector<Node*> open_;
   bool root_seen_ = false;
@@ -614,8 +625,9 @@ std::vector<std::uint32_t> find_line_starts(std::string_view text) {
 }
 
 bool scan_xml(const SourceFile& file, int file_index, const Limits& limits, DiagnosticSink& sink,
-              Document& document) {
-  return Scanner(file, file_index, limits, sink, document).run();
+              Document& document,
+              std::vector<std::pair<std::size_t, std::size_t>>& instructions) {
+  return Scanner(file, file_index, limits, sink, document, instructions).run();
 }
 
 }  // namespace cogrsim::dsl

@@ -2,6 +2,9 @@
 // pass, and writes down where every name and value stands.
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "diagnostics.h"
 #include "node.h"
 
@@ -10,9 +13,10 @@ namespace cogrsim::dsl {
 /// Appends one Node per element to `document`, in document order, with spans, parents and raw
 /// attributes (names and values as views into the file's text, entities not yet replaced).
 /// Returns whether the text is well-formed and within limits; if not, that was reported, several
-/// errors where the scan could go on.
+/// errors where the scan could go on. `instructions` gets the byte ranges [begin, end) of processing
+/// instructions, which mean nothing here.
 bool scan_xml(const SourceFile& file, int file_index, const Limits& limits, DiagnosticSink& sink,
-              Document& document);
+              Document& document, std::vector<std::pair<std::size_t, std::size_t>>& instructions);
 
 /// Byte offsets at which the lines of a text begin; a line ends with \n, \r\n or \r.
 std::vector<std::uint32_t> find_line_starts(std::string_view text);

@@ -1,0 +1,116 @@
+// Every scene in bad/ with the words it must give, no more and no fewer; and every code has one.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "cogrsim/dsl/compiler.h"
+#include "fake_catalog.h"
+
+namespace fs = std::filesystem;
+using namespace cogrsim;
+
+namespace {
+
+std::string read(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+/// "<!-- limits: depth=4 -->" in a scene lowers a limit; "<!-- set: r=4 cm -->" is --set.
+std::string directive(const std::string& text, const std::string& name) {
+  const std::string mark = "<!-- " + name + ": ";
+  const std::size_t begin = text.find(mark);
+  if (begin == std::string::npos) return {};
+  const std::size_t first = begin + mark.size();
+  return text.substr(first, text.find(" -->", first) - first);
+}
+
+void apply_limit(const std::string& setting, dsl::Limits& limits) {
+  const std::size_t equals = setting.find('=');
+  const std::string name = setting.substr(0, equals);
+  const int value = std::stoi(setting.substr(equals + 1));
+  if (name == "file_bytes") limits.file_bytes = static_cast<std::size_t>(value);
+  else if (name == "depth") limits.depth = value;
+  else if (name == "elements") limits.elements = value;
+  else if (name == "attribute_bytes") limits.attribute_bytes = value;
+  else if (name == "expanded_elements") limits.expanded_elements = value;
+  else if (name == "expansion_depth") limits.expansion_depth = value;
+  else if (name == "files") limits.files = value;
+  else if (name == "asset_bytes") limits.asset_bytes = static_cast<std::size_t>(value);
+  else FAIL("unknown limit " << name);
+}
+
+std::vector<fs::path> bad_scenes() {
+  std::vector<fs::path> out;
+  for (const auto& entry : fs::directory_iterator(fs::path(COGRSIM_DSL_TEST_SCENES) / "bad")) {
+    const std::string name = entry.path().filename().string();
+    if (name.size() > 10 && name.substr(0, 2) == "CG" && name.find(".scene.xml") != std::string::npos) {
+      out.push_back(entry.path());
+    }
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+dsl::CompileResult compile_bad(const fs::path& path) {
+  dsl_test::FakeCatalog catalog;
+  dsl::CompileOptions options;
+  options.plugins = &catalog;
+  const std::string text = read(path);
+  const std::string limit = directive(text, "limits");
+  if (!limit.empty()) apply_limit(limit, options.limits);
+  const std::string set = directive(text, "set");
+  if (!set.empty()) {
+    const std::size_t equals = set.find('=');
+    options.set_parameters[set.substr(0, equals)] = set.substr(equals + 1);
+  }
+  // Names in reports are as the user gave them: the bare file name.
+  fs::current_path(path.parent_path());
+  return dsl::compile_file(path.filename().string(), options);
+}
+
+}  // namespace
+
+TEST_CASE("bad scenes are answered in the expected words", "[bad]") {
+  const bool renew = std::getenv("COGRSIM_RENEW_EXPECTED") != nullptr;
+  for (const fs::path& path : bad_scenes()) {
+    const std::string name = path.filename().string();
+    INFO(name);
+    const dsl::CompileResult result = compile_bad(path);
+    const std::string text = dsl::to_text(result.diagnostics);
+    const fs::path expected =
+        path.parent_path() / (name.substr(0, name.size() - std::string(".scene.xml").size()) +
+                              ".expected");
+    if (renew) std::ofstream(expected, std::ios::binary) << text;
+    CHECK(text == read(expected));
+    const std::string code = name.substr(0, 6);
+    CHECK(std::any_of(result.diagnostics.begin(), result.diagnostics.end(),
+                      [&](const Diagnostic& d) { return d.code == code; }));
+    const bool errors = std::any_of(result.diagnostics.begin(), result.diagnostics.end(),
+                                    [](const Diagnostic& d) { return d.severity == Severity::error; });
+    CHECK(result.ok() == !errors);
+  }
+}
+
+TEST_CASE("every code has a bad scene and an explanation", "[bad]") {
+  // No scene can show these: a file that is not there (see xml_test) and what a backend lacks.
+  const std::set<std::string> elsewhere = {"CG0101", "CG0801", "CG2008"};
+  std::set<std::string> shown;
+  for (const fs::path& path : bad_scenes()) shown.insert(path.filename().string().substr(0, 6));
+  for (const std::string& code : dsl::diagnostic_codes()) {
+    INFO(code);
+    CHECK((shown.count(code) == 1) != (elsewhere.count(code) == 1));
+    const std::string text = dsl::explain(code);
+    CHECK(text.find(code) != std::string::npos);
+    CHECK(text.size() > 80);
+  }
+  for (const std::string& code : shown) CHECK_FALSE(dsl::explain(code).empty());
+  CHECK(dsl::explain("CG9999").empty());
+}
