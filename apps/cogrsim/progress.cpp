@@ -28,7 +28,7 @@ std::string progress_line(const std::string& title, double time, double duration
     line += " [" + std::string(static_cast<std::size_t>(filled), '#') +
             std::string(static_cast<std::size_t>(bar - filled), '-') + "]";
   }
-  return shortened(line + tail, static_cast<std::size_t>(std::max(width - 1, 10)));
+  return shortened(line + tail, static_cast<std::size_t>(std::max(width - 1, 2)));
 }
 
 Progress::Progress(std::string title, double duration)

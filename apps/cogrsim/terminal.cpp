@@ -96,6 +96,7 @@ std::string length_text(double metres) {
   const double size = std::fabs(metres);
   if (!std::isfinite(metres)) return "-";
   if (metres == 0.0) return "0 m";
+  if (size < 1e-12) return "<0.001 nm";  // rounding
   if (size >= 0.9995) return three_digits(metres) + " m";
   if (size >= 0.9995e-3) return three_digits(metres * 1e3) + " mm";
   if (size >= 0.9995e-6) return three_digits(metres * 1e6) + " µm";
@@ -104,6 +105,7 @@ std::string length_text(double metres) {
 
 std::string angle_text(double radians) {
   if (!std::isfinite(radians)) return "-";
+  if (radians != 0.0 && std::fabs(radians) < 1e-6 * kDegree) return "<1e-6°";  // rounding
   return three_digits(radians / kDegree) + "°";
 }
 

@@ -27,7 +27,7 @@ std::size_t display_width(const std::string& text);
 /// `text` cut to `width` columns, with "…" where something was left out.
 std::string shortened(const std::string& text, std::size_t width);
 
-/// Three significant digits with a fitting prefix: "12.3 mm", "0 m", "1.20e+09 m". Not finite: "-".
+/// Three significant digits with a fitting prefix: "12.3 mm", "0 m", "<0.001 nm". Not finite: "-".
 std::string length_text(double metres);
 /// "1.23°", "0.00456°", "0°"; takes rad.
 std::string angle_text(double radians);

@@ -1,0 +1,132 @@
+// What people type, and what they are shown.
+#include <cmath>
+#include <limits>
+
+#include <catch2/catch.hpp>
+
+#include "json_text.h"
+#include "progress.h"
+#include "quantities.h"
+#include "svg_chart.h"
+#include "terminal.h"
+
+using namespace cogrsim;
+using namespace cogrsim::cli;
+
+TEST_CASE("times are read with and without units", "[cli][quantities]") {
+  CHECK(parse_time("0.001").value() == 0.001);
+  CHECK(parse_time("1 ms").value() == Approx(1e-3));
+  CHECK(parse_time(" 1.5ms ").value() == Approx(1.5e-3));
+  CHECK(parse_time("2 s").value() == 2.0);
+  CHECK(parse_time("2min").value() == 120.0);
+  CHECK(parse_time("1e-3").value() == 1e-3);
+  CHECK(parse_time("+3").value() == 3.0);
+  CHECK(parse_time("-3 s").value() == -3.0);
+  for (const char* wrong :
+       {"", " ", "ms", "1,5", "1 kg", "1 deg", "nan", "inf", "0x10", "1 2", "--1", "+-1"}) {
+    INFO(wrong);
+    CHECK_FALSE(parse_time(wrong));
+  }
+}
+
+TEST_CASE("thresholds are lengths or angles; an angle needs its unit", "[cli][quantities]") {
+  const auto length = parse_length_or_angle("5 mm");
+  REQUIRE(length);
+  CHECK(length->value == Approx(5e-3));
+  CHECK(length->dimension == Dimension::length);
+  CHECK(parse_length_or_angle("0.25")->dimension == Dimension::length);
+  const auto angle = parse_length_or_angle("180deg");
+  REQUIRE(angle);
+  CHECK(angle->value == Approx(3.14159265358979));
+  CHECK(angle->dimension == Dimension::angle);
+  CHECK_FALSE(parse_length_or_angle("1 s"));
+  CHECK_FALSE(parse_length_or_angle("wide"));
+}
+
+TEST_CASE("settings keep all that follows the first equals sign", "[cli][quantities]") {
+  CHECK(parse_setting("a=4 cm").value() == std::make_pair(std::string("a"), std::string("4 cm")));
+  CHECK(parse_setting("t=a=b")->second == "a=b");
+  CHECK(parse_setting("t=")->second.empty());
+  CHECK_FALSE(parse_setting("a"));
+  CHECK_FALSE(parse_setting("=3"));
+}
+
+TEST_CASE("figures get a fitting prefix and three digits", "[cli][text]") {
+  CHECK(length_text(0.0) == "0 m");
+  CHECK(length_text(0.012345) == "12.3 mm");
+  CHECK(length_text(1.5) == "1.50 m");
+  CHECK(length_text(2.5e-7) == "250 nm");
+  CHECK(length_text(0.99999) == "1.00 m");
+  CHECK(length_text(std::nan("")) == "-");
+  CHECK(angle_text(3.14159265358979 / 2) == "90.0°");
+  CHECK(step_text(0.001) == "1 ms");
+  CHECK(step_text(0.0005) == "0.5 ms");
+  CHECK(step_text(1.0 / 3.0) == "333.333 ms");
+  CHECK(elapsed_text(123.4) == "2 min 03 s");
+  CHECK(elapsed_text(7300.0) == "2 h 01 min");
+}
+
+TEST_CASE("tables line up by what is seen, not by bytes", "[cli][text]") {
+  CHECK(display_width("µm °") == 4);
+  CHECK(display_width("\033[1mbold\033[0m") == 4);
+  CHECK(shortened("abcdef", 4) == "abc…");
+  CHECK(shortened("abcd", 4) == "abcd");
+  TextTable table({TextTable::Align::left, TextTable::Align::right});
+  table.row({"name", "size"});
+  table.row({"a", "1 µm"});
+  table.row({"long name", "2"});
+  CHECK(table.text("") == "name       size\na          1 µm\nlong name     2\n");
+}
+
+TEST_CASE("JSON figures carry 17 digits, and what is not finite is null", "[cli][json]") {
+  Json value;
+  value["third"] = 1.0 / 3.0;
+  value["tenth"] = 0.1;
+  value["one"] = 1.0;
+  value["nan"] = std::nan("");
+  value["inf"] = std::numeric_limits<double>::infinity();
+  value["text"] = "a \"quoted\" <b>";
+  value["broken"] = std::string("\xff");
+  value["none"] = Json::array();
+  const std::string text = json_text(value);
+  CHECK_THAT(text, Catch::Contains("\"third\": 0.33333333333333331"));
+  CHECK_THAT(text, Catch::Contains("\"tenth\": 0.10000000000000001"));
+  CHECK_THAT(text, Catch::Contains("\"nan\": null"));
+  CHECK_THAT(text, Catch::Contains("\"inf\": null"));
+  const auto back = nlohmann::json::parse(text);
+  CHECK(back["third"].get<double>() == 1.0 / 3.0);
+  CHECK(back["text"] == "a \"quoted\" <b>");
+  CHECK(json_text(to_json(Vec3(1, 2, 3))) == "[1, 2, 3]\n");
+  CHECK(json_text(to_json(Quat(1, 0, 0, 0.5))) == "[1, 0, 0, 0.5]\n");
+}
+
+TEST_CASE("the progress line tells time, speed and what is left", "[cli][progress]") {
+  const std::string line = progress_line("toy", 2.5, 10.0, 5.0, 100);
+  CHECK_THAT(line, Catch::Contains("25 %") && Catch::Contains("2.50 s of 10 s"));
+  CHECK_THAT(line, Catch::Contains("0.5x") && Catch::Contains("15.0 s left"));
+  for (const int width : {10, 20, 40, 80, 200}) {
+    CHECK(display_width(progress_line("a backend", 1.0, 3.0, 2.0, width)) <
+          static_cast<std::size_t>(width));
+  }
+}
+
+TEST_CASE("ticks are round and cover the range", "[cli][chart]") {
+  CHECK(nice_ticks(0.0, 10.0, 5) == std::vector<double>{0, 2, 4, 6, 8, 10});
+  CHECK(nice_ticks(-1.0, 1.0, 4) == std::vector<double>{-1, -0.5, 0, 0.5, 1});
+  CHECK(nice_ticks(3.0, 3.0, 4).size() == 1);
+}
+
+TEST_CASE("a chart lets no text of the scene out of its place", "[cli][chart]") {
+  Chart chart;
+  chart.id = "test";
+  chart.title = "<script>alert(1)</script>";
+  chart.unit = "m";
+  chart.times = {0.0, 1.0, 2.0};
+  chart.curves.push_back({"a\"</script>", {0.0, std::nan(""), 0.5}});
+  chart.may_be_log = true;
+  const std::string html = chart_html(chart);
+  CHECK(html.find("<script>alert") == std::string::npos);
+  CHECK(html.find("</script>\"") == std::string::npos);
+  CHECK_THAT(html, Catch::Contains("null") && Catch::Contains("[mm]"));
+  CHECK(html.find("nan") == std::string::npos);
+}
