@@ -122,7 +122,20 @@ StepResult BulletWorld::step(double dt, const std::vector<Drive>& drives) {
   for (ConstraintGroup& group : groups_) group.prepare(*model_, dt, drives, q_);
   solver_->solve(moving_, collision_->manifolds(), collision_->manifold_count(), groups_, dt,
                  collision_->dispatcher());
-  for (const int b : moving_bodies_) bodies_[static_cast<std::size_t>(b)].integrate(dt);
+  const auto& extra = solver_->displacements();
+  const btVector3 none(0, 0, 0);
+  // The solver lists bodies in the order it was given them, with fixed ones in between.
+  std::size_t next = 0;
+  for (const int b : moving_bodies_) {
+    RigidBody& body = bodies_[static_cast<std::size_t>(b)];
+    while (next < extra.size() && extra[next].body == nullptr) ++next;
+    if (next < extra.size() && extra[next].body == &body.object()) {
+      body.integrate(dt, extra[next].v, extra[next].w);
+      ++next;
+    } else {
+      body.integrate(dt, none, none);
+    }
+  }
 
   const int lost = find_diverged();
   if (lost >= 0) {

@@ -152,6 +152,15 @@ void RigidBody::set(const Pose& X_WB, const Twist& V_WB) {
   set_principal({to_bt(X_WP), to_bt(V_WB.at(X_WP.p - X_WB.p)), to_bt(V_WB.angular)});
 }
 
-void RigidBody::integrate(double dt) { set_principal(predicted(dt)); }
+void RigidBody::integrate(double dt, const btVector3& extra_v, const btVector3& extra_w) {
+  PrincipalState state = principal();
+  const btVector3 v = state.v;
+  state.v += extra_v;
+  state.w += extra_w;
+  move_freely(state, moments_, symmetric_ || kind_ != BodyKind::dynamic, dt);
+  state.v = v;
+  state.w -= extra_w;
+  set_principal(state);
+}
 
 }  // namespace cogrsim::bullet

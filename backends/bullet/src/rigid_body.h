@@ -56,8 +56,8 @@ class RigidBody {
   Twist twist() const;  ///< of the body frame's origin, world axes
   void set(const Pose& X_WB, const Twist& V_WB);
 
-  /// Moves by the present velocities.
-  void integrate(double dt);
+  /// Moves by the present velocities, and in this step by `extra_v` and `extra_w` beside them.
+  void integrate(double dt, const btVector3& extra_v, const btVector3& extra_w);
 
  private:
   BodyKind kind_ = BodyKind::fixed;

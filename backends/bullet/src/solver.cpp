@@ -19,6 +19,7 @@ constexpr double kContactRate = 1.0;
 constexpr double kContactDamping = 1.0;
 // Bodies that overlap are driven apart no faster than this [m/s].
 constexpr double kFastestRecovery = 1.0;
+constexpr int kRelaxSweeps = 2;
 
 /// Speed after a bounce, see StepSolver; negative when it would not leave the surface.
 double rebound(double gap, double approach, double acceleration, double e, double dt) {
@@ -53,11 +54,12 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
   void convertContacts(btPersistentManifold** manifolds, int count,
                        const btContactSolverInfo& info) override {
     remember_friction(manifolds, count);
+    recovering_.clear();
+    displacement_.clear();
     btSequentialImpulseConstraintSolver::convertContacts(manifolds, count, info);
     for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
-      btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
-      warm_start_friction(row, info.m_warmstartingFactor);
-      adjust(row, info.m_timeStep);
+      warm_start_friction(m_tmpSolverContactConstraintPool[i], info.m_warmstartingFactor);
+      adjust(i, info.m_timeStep);
     }
   }
 
@@ -78,6 +80,12 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
                                 const btContactSolverInfo& info, btIDebugDraw* drawer) override {
     (void)iteration, (void)bodies, (void)body_count, (void)manifolds, (void)manifold_count;
     (void)constraints, (void)constraint_count, (void)info, (void)drawer;
+    sweep();
+    return 1.0;  // never done early: the number of sweeps is the scene's
+  }
+
+ private:
+  void sweep() {
     for (ConstraintGroup& group : *groups_) group.iterate();
     for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
       const btSolverConstraint& normal = m_tmpSolverContactConstraintPool[i];
@@ -88,12 +96,39 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
                      m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + 1],
                      normal.m_friction * normal.m_appliedImpulse);
     }
-    return 1.0;  // never done early: the number of sweeps is the scene's
+  }
+
+  /// The places at the end of the step follow from the velocities found so far. They contain what
+  /// drives overlapping bodies apart, which must not stay in the bodies as momentum: a few more
+  /// sweeps without it (Catto, Solver2D, 2023).
+  void relax() {
+    if (recovering_.empty()) return;
+    displacement_.clear();
+    for (int i = 0; i < m_tmpSolverBodyPool.size(); ++i) {
+      const btSolverBody& body = m_tmpSolverBodyPool[i];
+      displacement_.push_back({body.m_originalBody, body.m_deltaLinearVelocity,
+                               body.m_deltaAngularVelocity});
+    }
+    for (const Recovering& r : recovering_) {
+      btSolverConstraint& row = m_tmpSolverContactConstraintPool[r.row];
+      row.m_jacDiagABInv = 1.0 / r.inverse_mass;
+      row.m_cfm = 0.0;
+      row.m_rhs = -r.speed * row.m_jacDiagABInv;
+    }
+    for (int k = 0; k < kRelaxSweeps; ++k) sweep();
+    for (ConstraintGroup& group : *groups_) group.iterate();
+    for (int i = 0; i < m_tmpSolverBodyPool.size(); ++i) {
+      const btSolverBody& body = m_tmpSolverBodyPool[i];
+      Displacement& d = displacement_[static_cast<std::size_t>(i)];
+      d.v -= body.m_deltaLinearVelocity;
+      d.w -= body.m_deltaAngularVelocity;
+    }
   }
 
   btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
                                          const btContactSolverInfo& info) override {
     for (ConstraintGroup& group : *groups_) group.iterate();
+    relax();
     return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count,
                                                                               info);
   }
@@ -176,7 +211,8 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     }
   }
 
-  void adjust(btSolverConstraint& row, double dt) {
+  void adjust(int index, double dt) {
+    btSolverConstraint& row = m_tmpSolverContactConstraintPool[index];
     const auto& point = *static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
     const bool spring = (point.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) != 0;
     const double e = point.m_combinedRestitution;
@@ -206,6 +242,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
       }
     }
     if (gap > 0.0) return;
+    recovering_.push_back({index, inverse_mass, speed + gained});
     const double rate = kContactRate / dt;
     soften(row, inverse_mass, rate * rate / inverse_mass,
            2.0 * kContactDamping * rate / inverse_mass, gap, speed + gained, kFastestRecovery, dt);
@@ -232,7 +269,14 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
   SolverSettings settings_;
   btContactSolverInfo info_;
   std::vector<ConstraintGroup>* groups_ = nullptr;
+  /// A row that may be driving bodies apart, and what it is without that.
+  struct Recovering {
+    int row;
+    double inverse_mass, speed;
+  };
+
   std::vector<btVector3> old_friction_;
+  std::vector<Recovering> recovering_;
   std::size_t point_index_ = 0;
 };
 

@@ -29,10 +29,19 @@ struct SolverSettings {
 /// some micrometres, and the load spreads over the points of a body instead of jumping between them.
 class StepSolver {
  public:
+  /// What a body moves by in this step beside its velocity.
+  struct Displacement {
+    btRigidBody* body;
+    btVector3 v, w;
+  };
   virtual ~StepSolver() = default;
   virtual void solve(std::vector<btCollisionObject*>& bodies, btPersistentManifold** manifolds,
                      int manifold_count, std::vector<ConstraintGroup>& groups, double dt,
                      btDispatcher* dispatcher) = 0;
+  const std::vector<Displacement>& displacements() const { return displacement_; }
+
+ protected:
+  std::vector<Displacement> displacement_;
 };
 
 std::unique_ptr<StepSolver> make_solver(const SolverSettings& settings);
