@@ -97,7 +97,7 @@ TEST_CASE("between backends: servo that lifts an arm", "[.][between]") {
         sim.drives[0].kd = 2.0;
         sim.drives[0].position = 0.5;
       },
-      1.0);
+      0.12);  // still on its way: at the target there is nothing left to differ
 }
 
 TEST_CASE("between backends: spring on a slider, screw, ball pendulum", "[.][between]") {
@@ -118,7 +118,7 @@ TEST_CASE("between backends: spring on a slider, screw, ball pendulum", "[.][bet
       {}, 1.0);
 }
 
-TEST_CASE("between backends: driven four-bar linkage", "[.][between]") {
+TEST_CASE("between backends: swinging four-bar linkage", "[.][between]") {
   // Lengths 1, 2, 2.5, 2 (ground) at crank angle 90 degrees about -y; C by the triangle B C D.
   converges(
       [](ModelBuilder& b) {

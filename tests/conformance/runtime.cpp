@@ -64,9 +64,10 @@ TEST_CASE("add: the rest goes on, the new falls", "[runtime]") {
   measure("new body's way error [m]",
           (sim.pose(ball).p - Vec3(-3 + t, 0, 10 - 0.5 * kGravity * t * t)).norm(),
           0.5 * kGravity * kDt * t * 1.001 + 1e-9);
-  // The pendulum does not feel the addition; the box may find its contacts anew.
+  // The pendulum does not feel the addition, but an integrator that serves the whole world may now
+  // take other steps: its accuracy counts. The box may find its contacts anew.
   measure("pendulum off the undisturbed one [rad]",
-          std::abs(sim.q(scene.hinge) - undisturbed.q(scene.hinge)), 1e-9);
+          std::abs(sim.q(scene.hinge) - undisturbed.q(scene.hinge)), 1e-5);
   measure("box off the undisturbed one [m]",
           (sim.pose(scene.box).p - undisturbed.pose(scene.box).p).norm(), 1e-4);
 }
