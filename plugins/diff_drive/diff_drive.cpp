@@ -22,6 +22,15 @@ double towards(double value, double wanted, double change) {
   return value + std::clamp(wanted - value, -change, change);
 }
 
+cogrsim::MotorHandle wheel_motor(cogrsim::Assembly& robot, const std::string& name) {
+  const cogrsim::MotorHandle motor = robot.motor(name);
+  if (motor.valid() && motor.mode() != cogrsim::MotorMode::velocity) {
+    robot.fail("motor '" + name + "' has mode \"" + cogrsim::to_string(motor.mode()) +
+               "\", but diff_drive sets wheel speeds: expected mode \"velocity\"");
+  }
+  return motor;
+}
+
 class DiffDrive final : public cogrsim::Controller {
  public:
   void configure(cogrsim::Assembly& robot) override;
@@ -52,20 +61,14 @@ class DiffDrive final : public cogrsim::Controller {
 
 void DiffDrive::configure(cogrsim::Assembly& robot) {
   robot_ = robot;
-  left_ = robot.motor(robot.parameter<std::string>("left"));
-  right_ = robot.motor(robot.parameter<std::string>("right"));
+  left_ = wheel_motor(robot, robot.parameter<std::string>("left"));
+  right_ = wheel_motor(robot, robot.parameter<std::string>("right"));
   radius_ = robot.parameter<double>("wheel_radius");
   track_ = robot.parameter<double>("track");
   left_sign_ = robot.parameter<bool>("reverse_left") ? -1.0 : 1.0;
   right_sign_ = robot.parameter<bool>("reverse_right") ? -1.0 : 1.0;
   acceleration_ = robot.parameter<double>("acceleration");
   turn_acceleration_ = robot.parameter<double>("turn_acceleration");
-  for (const auto* motor : {&left_, &right_}) {
-    if (motor->valid() && motor->mode() != cogrsim::MotorMode::velocity) {
-      robot.fail("diff_drive sets wheel speeds: its motors must have mode=\"velocity\", not \"" +
-                 std::string(cogrsim::to_string(motor->mode())) + "\"");
-    }
-  }
   const std::string sensor = robot.parameter<std::string>("pose");
   use_pose_sensor_ = !sensor.empty();
   if (use_pose_sensor_) pose_sensor_ = robot.sensor<cogrsim::PoseSensor>(sensor);
