@@ -42,6 +42,8 @@ class Builder {
     int assembly = -1;        ///< itself or the nearest around it
     int joint = -1;
     const Element* owner = nullptr;  ///< the element that became `body`
+    bool carrier_known = false;
+    int carrier = kWorld;     ///< see Builder::carrier()
     bool faulty = false;      ///< something of it failed: later checks stay silent
     // resolve_places
     enum class Placing : char { open, at_work, done } placing = Placing::open;

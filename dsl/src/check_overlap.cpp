@@ -10,7 +10,8 @@ namespace cogrsim::dsl {
 namespace {
 
 constexpr double kTouching = 1e-5;  // [m] less is how people place things on each other
-constexpr std::size_t kMaxTests = 4'000'000;
+constexpr std::size_t kMaxTests = 2'000'000;
+constexpr std::size_t kMaxFound = 1000;
 
 struct Solid {
   int body = -1, index = -1;
@@ -229,7 +230,7 @@ class Finder {
     Overlap& worst = found_[{first.body, second.body}];
     if (depth > worst.depth)
       worst = {first.body, second.body, first.index, second.index, depth};
-    return true;
+    return found_.size() < kMaxFound;
   }
 
   std::vector<Overlap> finish() const {

@@ -16,8 +16,8 @@ struct Overlap {
 /// Bodies that collide with each other and overlap by more than a hundredth of a millimetre; one
 /// entry per pair of bodies, the deepest. Decided exactly for spheres, boxes and capsules among
 /// each other (capsule and box excepted) and for every solid against planes; other pairs are left
-/// to the engine. Linear in the number of shapes (a hashed grid for every size); gives up quietly
-/// after a number of comparisons that no sensible scene reaches.
+/// to the engine. Linear in the number of shapes (a hashed grid for every size); ends after a
+/// thousand pairs, and after a number of comparisons that no sensible scene reaches.
 std::vector<Overlap> find_overlaps(const SceneModel& model);
 
 }  // namespace cogrsim::dsl

@@ -11,6 +11,7 @@ namespace cogrsim::dsl {
 namespace {
 
 constexpr double kMassRatio = 1000.0;
+constexpr std::size_t kShownOverlaps = 20;
 
 // Four digits are enough to find a mistake by.
 std::string rounded(double value, const char* unit) {
@@ -88,7 +89,15 @@ void Builder::start() {
 }
 
 void Builder::check_overlaps() {
-  for (const Overlap& overlap : find_overlaps(model_)) {
+  const std::vector<Overlap> overlaps = find_overlaps(model_);
+  std::size_t shown = 0;
+  for (const Overlap& overlap : overlaps) {
+    if (++shown > kShownOverlaps) {
+      fault("CG2001", scene_,
+            std::to_string(overlaps.size() - kShownOverlaps) +
+                " or more other pairs of bodies start inside each other");
+      break;
+    }
     const Body& a = model_.bodies[static_cast<std::size_t>(overlap.body_a)];
     const Body& b = model_.bodies[static_cast<std::size_t>(overlap.body_b)];
     // Ground is where it should be; what moves is what was misplaced.

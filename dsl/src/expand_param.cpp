@@ -73,6 +73,12 @@ std::optional<Value> coerce(const Value& value, const ParamType& type, std::stri
   return std::nullopt;
 }
 
+std::string found(const Value& value) {
+  const Quantity* number = value.as_number();
+  return number != nullptr && number->dimension.none() ? number_text(number->value)
+                                                       : describe(value);
+}
+
 bool is_identifier(std::string_view word) {
   return !word.empty() && word.find('-') == std::string_view::npos;
 }
@@ -210,7 +216,7 @@ void Expander::define_params(const Node& container, Scope& scope, const Place& p
         auto report = context_.sink.report(
             "CG0310", at, trail,
             (from_set ? "--set " + name + "=" + raw : "parameter '" + name + "'") + ": expected " +
-                expected(*type) + ", found " + describe(value));
+                expected(*type) + ", found " + found(value));
         if (given != nullptr) report.note("the parameter", node->span);
         value = Value::poison();
       } else {

@@ -7,6 +7,7 @@ namespace {
 
 constexpr int kMaxExports = 16;            // one export may name another
 constexpr std::size_t kMaxSuggestions = 4000;  // names compared with an unknown one
+constexpr std::size_t kMaxHelped = 50;         // unknown names that get such help
 
 bool is_matter(std::string_view tag) {
   return is_shape(tag) || tag == "body" || tag == "assembly" || tag == "instance";
@@ -136,7 +137,7 @@ const Element* Names::find(const Element& from, const Word& word, Wanted wanted)
   }
   // Comparing with all names is for people's mistakes, of which there are not thousands.
   const std::vector<std::string> names =
-      failed_.size() > kMaxSuggestions / 20 ? std::vector<std::string>{} : known(from, wanted);
+      failed_.size() > kMaxHelped ? std::vector<std::string>{} : known(from, wanted);
   context_.sink
       .report("CG0402", word.span, from.trail,
               "there is no " + std::string(describe(wanted)) + " '" + word.text + "' here")

@@ -7,6 +7,8 @@
 namespace cogrsim::dsl {
 namespace {
 
+constexpr std::ptrdiff_t kShownOfCycle = 6;
+
 bool has_place(const Element& element) {
   const std::string_view tag = element.tag();
   return is_shape(tag) || is_joint(tag) || tag == "body" || tag == "assembly" ||
@@ -109,9 +111,15 @@ void Builder::place(const Element& element) {
 void Builder::report_cycle(const std::vector<const Element*>& open, const Element& again) {
   const auto first = std::find(open.begin(), open.end(), &again);
   std::string way;
+  const auto length = open.end() - first;
   for (auto it = first; it != open.end(); ++it) {
     note(**it).faulty = true;
-    way += "'" + (*it)->path + "' -> ";
+    // A long way is shown by its two ends.
+    const auto i = it - first;
+    if (i < kShownOfCycle || length - i <= kShownOfCycle)
+      way += "'" + (*it)->path + "' -> ";
+    else if (i == kShownOfCycle)
+      way += "… -> ";
   }
   way += "'" + again.path + "'";
   const Element& last = *open.back();
@@ -173,21 +181,31 @@ void Builder::places() {
 }
 
 int Builder::carrier(const Element& element) {
-  const Element* at = &element;
-  // A chain of frames ends at a body, or in an assembly, or in the world.
-  for (int i = 0; i <= context_.element_count; ++i) {
-    const Note& n = note(*at);
-    if (n.owner != nullptr) return n.body;
-    const std::string_view tag = at->tag();
-    if (tag == "assembly" || tag == "instance") {
-      if (n.body_count > 0) return n.first_body;
+  // A chain of frames ends at a body, in an assembly, or in the world; what was found holds for
+  // all of the chain, which may be as long as the scene.
+  std::vector<Note*> chain;
+  int body = kWorld;
+  for (const Element* at = &element; at != nullptr && at != &scene_;) {
+    Note& n = note(*at);
+    if (n.carrier_known) {
+      body = n.carrier;
+      break;
     }
-    const Element* next =
-        tag == "frame" || is_sensor(tag) ? reference(*at) : at->parent;
-    if (next == nullptr || next == &scene_) return kWorld;
-    at = next;
+    n.carrier_known = true;  // a circle of frames ends here; it is reported elsewhere
+    chain.push_back(&n);
+    const std::string_view tag = at->tag();
+    if (n.owner != nullptr) {
+      body = n.body;
+      break;
+    }
+    if ((tag == "assembly" || tag == "instance") && n.body_count > 0) {
+      body = n.first_body;
+      break;
+    }
+    at = tag == "frame" || is_sensor(tag) ? reference(*at) : at->parent;
   }
-  return kWorld;
+  for (Note* n : chain) n->carrier = body;
+  return body;
 }
 
 std::optional<int> Builder::body_at(const Element& from, const Word& word, bool world_allowed) {
