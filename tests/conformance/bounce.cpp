@@ -20,10 +20,10 @@ double bounce_height(ModelBuilder& builder, double rest_height) {
     if (v > 0.0) rebounded = true;
     if (rebounded && v < 0.0) down_again = true;
     if (!rebounded || down_again) return;
+    // Only once it has left the surface: before that the contact still gives it energy.
     const double height = sim.pose(1).p.z() - rest_height;
     if (height > 0.0) top = std::max(top, height + 0.5 * v * v / kGravity);
   });
-  // Energy counts while it rises only, from the moment it has left the surface.
   return top;
 }
 

@@ -2,6 +2,7 @@
 // order.
 #include <algorithm>
 
+#include "pair_rig.h"
 #include "scenes.h"
 
 namespace conformance {
@@ -145,6 +146,39 @@ TEST_CASE("bystanders do not matter", "[metamorphic]") {
   // An adaptive integrator takes shorter steps for the sake of the contacts, and a fixed one stays
   // as it was: what is left is the integrator's own accuracy.
   measure("difference [m, rad]", largest, 1e-4);
+}
+
+// Where a ball thrown with spin onto a floor of the given shape is after 0.6 s.
+Pose throw_onto(ShapeType shape) {
+  ModelBuilder builder;
+  const int surface = builder.material("surface", 0.4, 0.3);
+  const auto flat = [](double, double) { return 0.0; };
+  switch (shape) {
+    case ShapeType::box:
+      builder.box("floor", Vec3(20, 20, 1), 0.0, at(0, 0, -0.5), surface);
+      break;
+    case ShapeType::mesh:
+      builder.mesh("floor", grid_mesh(20.0, 7, flat), false, 0.0, Pose(), surface);
+      break;
+    case ShapeType::heightmap:
+      builder.heightmap("floor", grid_heights(20.0, 7, flat), Pose(), surface);
+      break;
+    default:
+      builder.plane("floor", Pose(), surface);
+  }
+  const int ball = builder.sphere("ball", 0.1, 1.0, at(0, 3, 0.3), surface);
+  builder.model.bodies[static_cast<std::size_t>(ball)].V_WB = {Vec3(1, 0.5, 0), Vec3(4, -3, 2)};
+  Sim sim(builder);
+  sim.run(0.6);
+  return sim.pose(ball);
+}
+
+TEST_CASE("a level floor is a level floor, whatever its shape", "[metamorphic]") {
+  const ShapeType shape = GENERATE(ShapeType::box, ShapeType::mesh, ShapeType::heightmap);
+  const Pose on_plane = throw_onto(ShapeType::plane), on_other = throw_onto(shape);
+  const std::string against = std::string(" on a ") + to_string(shape) + " against a plane";
+  measure("place" + against + " [m]", (on_plane.p - on_other.p).norm(), kContactTurned);
+  measure("turn" + against + " [rad]", angle_between(on_plane.q, on_other.q), kContactTurnedAngle);
 }
 
 }  // namespace
