@@ -135,20 +135,20 @@ void ConstraintGroup::prepare(const SceneModel& model, double dt, const std::vec
   for (Member& member : members_) {
     const PrincipalState state = member.body->principal();
     member.v = stacked(state.v, state.w);
+    member.then = member.body->predicted(dt).X_WP;
   }
   axis_count_ = 0;
   std::array<Direction, 6> directions;
   std::array<double, 6> errors{};
+  const auto now = [&](int m) {
+    return m < 0 ? btTransform::getIdentity()
+                 : members_[static_cast<std::size_t>(m)].body->object().getWorldTransform();
+  };
+  const auto then = [&](int m) {
+    return m < 0 ? btTransform::getIdentity() : members_[static_cast<std::size_t>(m)].then;
+  };
   for (const JointSlot& slot : slots_) {
     const Joint& joint = model.joints[static_cast<std::size_t>(slot.joint)];
-    const auto now = [&](int m) {
-      return m < 0 ? btTransform::getIdentity()
-                   : members_[static_cast<std::size_t>(m)].body->object().getWorldTransform();
-    };
-    const auto then = [&](int m) {
-      return m < 0 ? btTransform::getIdentity()
-                   : members_[static_cast<std::size_t>(m)].body->predicted(dt).X_WP;
-    };
     const double* q_joint = q.data() + joint.position_offset;
     const btTransform X_WF = now(slot.b) * slot.X_PF, X_WM = now(slot.a) * slot.X_CM;
     const int n = locked_directions(joint, X_WF, X_WM, directions);
@@ -211,19 +211,19 @@ void ConstraintGroup::factorise() {
   // L D L^T within the envelope; row i of the lower triangle is worked on in place.
   for (int i = 0; i < n; ++i) {
     const int fi = first_[static_cast<std::size_t>(i)];
-    const double diagonal = factor_(i, i);
+    double* own = factor_.row(i).data();
+    const double diagonal = own[i];
     double d = diagonal;
     for (int j = fi; j < i; ++j) {
-      const int start = std::max(fi, first_[static_cast<std::size_t>(j)]);
-      double s = factor_(i, j);
-      for (int k = start; k < j; ++k) s -= factor_(i, k) * factor_(j, k);
-      factor_(i, j) = s;  // L_ij D_j for now
+      const double* other = factor_.row(j).data();
+      double s = own[j];
+      for (int k = std::max(fi, first_[static_cast<std::size_t>(j)]); k < j; ++k) s -= own[k] * other[k];
+      own[j] = s;  // L_ij D_j for now
     }
     for (int j = fi; j < i; ++j) {
-      const double s = factor_(i, j);
-      const double l = s * inverse_diagonal_[j];
-      d -= s * l;
-      factor_(i, j) = l;
+      const double l = own[j] * inverse_diagonal_[j];
+      d -= own[j] * l;
+      own[j] = l;
     }
     inverse_diagonal_[i] = d > kDependent * diagonal ? 1.0 / d : 0.0;
   }
@@ -232,18 +232,21 @@ void ConstraintGroup::factorise() {
 void ConstraintGroup::solve(Eigen::VectorXd& x) const {
   const int n = static_cast<int>(rows_.size());
   for (int i = 0; i < n; ++i) {
+    const double* row = factor_.row(i).data();
     double s = x[i];
-    for (int k = first_[static_cast<std::size_t>(i)]; k < i; ++k) s -= factor_(i, k) * x[k];
+    for (int k = first_[static_cast<std::size_t>(i)]; k < i; ++k) s -= row[k] * x[k];
     x[i] = s;
   }
   for (int i = 0; i < n; ++i) x[i] *= inverse_diagonal_[i];
   for (int i = n - 1; i >= 0; --i) {
+    const double* row = factor_.row(i).data();
     const double s = x[i];
-    for (int k = first_[static_cast<std::size_t>(i)]; k < i; ++k) x[k] -= factor_(i, k) * s;
+    for (int k = first_[static_cast<std::size_t>(i)]; k < i; ++k) x[k] -= row[k] * s;
   }
 }
 
 void ConstraintGroup::bind(btSolverBody* (*find)(void*, btRigidBody&), void* context) {
+  solved_ = false;
   for (Member& member : members_) {
     member.solver = find(context, member.body->object());
     member.start = Vec6::Zero();
@@ -255,11 +258,18 @@ void ConstraintGroup::bind(btSolverBody* (*find)(void*, btRigidBody&), void* con
 }
 
 void ConstraintGroup::iterate() {
+  // Nothing to do where no contact has touched the group since.
+  bool same = solved_;
   for (Member& member : members_) {
     if (member.solver == nullptr) continue;
-    member.v = member.start + stacked(member.solver->internalGetDeltaLinearVelocity(),
-                                      member.solver->internalGetDeltaAngularVelocity());
+    const Vec6 delta = stacked(member.solver->internalGetDeltaLinearVelocity(),
+                               member.solver->internalGetDeltaAngularVelocity());
+    same = same && delta == member.delta;
+    member.delta = delta;
+    member.v = member.start + delta;
   }
+  if (same) return;
+  solved_ = true;
   const auto n = static_cast<Eigen::Index>(rows_.size());
   for (Eigen::Index i = 0; i < n; ++i) work_[i] = target_[i] - along(rows_[static_cast<std::size_t>(i)]);
   solve(work_);
@@ -286,9 +296,9 @@ void ConstraintGroup::iterate() {
   }
   for (Member& member : members_) {
     if (member.solver == nullptr || !member.moves) continue;
-    const Vec6 delta = member.v - member.start;
-    member.solver->internalGetDeltaLinearVelocity() = head(delta);
-    member.solver->internalGetDeltaAngularVelocity() = tail(delta);
+    member.delta = member.v - member.start;
+    member.solver->internalGetDeltaLinearVelocity() = head(member.delta);
+    member.solver->internalGetDeltaAngularVelocity() = tail(member.delta);
   }
 }
 

@@ -65,7 +65,9 @@ class ConstraintGroup {
     RigidBody* body = nullptr;
     btSolverBody* solver = nullptr;
     Vec6 start = Vec6::Zero();  ///< velocity with this step's outer forces, without impulses
+    Vec6 delta = Vec6::Zero();  ///< what impulses have changed
     Vec6 v = Vec6::Zero();      ///< velocity now
+    btTransform then;           ///< where free motion leads at the end of the step
     bool moves = false;         ///< dynamic
   };
   /// One row: on the child's (a) and the parent's (b) velocity; -1: the world.
@@ -119,12 +121,14 @@ class ConstraintGroup {
   std::vector<Row> rows_;
   std::vector<Direction> directions_;  ///< of the rows
   std::vector<int> first_;   ///< first column of each row of the factor
-  Eigen::MatrixXd factor_;   ///< unit lower triangle, below the diagonal
+  /// Unit lower triangle, below the diagonal.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> factor_;
   Eigen::VectorXd inverse_diagonal_;
   Eigen::VectorXd target_;   ///< of J v at the end of the step
   Eigen::VectorXd impulses_, work_;
   std::vector<Axis> axes_;
   std::size_t axis_count_ = 0;
+  bool solved_ = false;  ///< for the velocities in `members_`
 };
 
 }  // namespace cogrsim::bullet

@@ -89,13 +89,27 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     for (ConstraintGroup& group : *groups_) group.iterate();
     for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
       const btSolverConstraint& normal = m_tmpSolverContactConstraintPool[i];
-      btSolverBody& a = m_tmpSolverBodyPool[normal.m_solverBodyIdA];
-      btSolverBody& b = m_tmpSolverBodyPool[normal.m_solverBodyIdB];
-      solve_row(a, b, normal, std::max(normal.m_appliedImpulse + missing(a, b, normal), 0.0));
+      btSolverBody& body_a = m_tmpSolverBodyPool[normal.m_solverBodyIdA];
+      btSolverBody& body_b = m_tmpSolverBodyPool[normal.m_solverBodyIdB];
+      // Copies, so that the three rows of a point need no memory in between.
+      Change a{body_a.m_deltaLinearVelocity, body_a.m_deltaAngularVelocity, body_a.m_invMass.x()};
+      Change b{body_b.m_deltaLinearVelocity, body_b.m_deltaAngularVelocity, body_b.m_invMass.x()};
+      const double push = std::max(normal.m_appliedImpulse + missing(a, b, normal), 0.0);
+      if (push == 0.0 && normal.m_appliedImpulse == 0.0 && friction_free(normal)) continue;
+      solve_row(a, b, normal, push);
       solve_friction(a, b, m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex],
                      m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + 1],
-                     normal.m_friction * normal.m_appliedImpulse);
+                     normal.m_friction * push);
+      body_a.m_deltaLinearVelocity = a.v;
+      body_a.m_deltaAngularVelocity = a.w;
+      body_b.m_deltaLinearVelocity = b.v;
+      body_b.m_deltaAngularVelocity = b.w;
     }
+  }
+
+  bool friction_free(const btSolverConstraint& normal) const {
+    return m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex].m_appliedImpulse == 0.0 &&
+           m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + 1].m_appliedImpulse == 0.0;
   }
 
   /// The places at the end of the step follow from the velocities found so far. They contain what
@@ -140,28 +154,31 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     return id >= 0 ? &self.m_tmpSolverBodyPool[id] : nullptr;
   }
 
+  /// What impulses have changed of a body's velocity.
+  struct Change {
+    btVector3 v, w;
+    double inverse_mass;
+  };
+
   /// What a row's impulse lacks to fulfil it, the others standing.
-  static double missing(const btSolverBody& a, const btSolverBody& b, const btSolverConstraint& row) {
-    const double change = row.m_contactNormal1.dot(a.m_deltaLinearVelocity) +
-                          row.m_relpos1CrossNormal.dot(a.m_deltaAngularVelocity) +
-                          row.m_contactNormal2.dot(b.m_deltaLinearVelocity) +
-                          row.m_relpos2CrossNormal.dot(b.m_deltaAngularVelocity);
+  static double missing(const Change& a, const Change& b, const btSolverConstraint& row) {
+    const double change = row.m_contactNormal1.dot(a.v) + row.m_relpos1CrossNormal.dot(a.w) +
+                          row.m_contactNormal2.dot(b.v) + row.m_relpos2CrossNormal.dot(b.w);
     return row.m_rhs - row.m_appliedImpulse * row.m_cfm - change * row.m_jacDiagABInv;
   }
 
-  static void solve_row(btSolverBody& a, btSolverBody& b, const btSolverConstraint& row,
-                        double impulse) {
+  static void solve_row(Change& a, Change& b, const btSolverConstraint& row, double impulse) {
     const double change = impulse - row.m_appliedImpulse;
     row.m_appliedImpulse = impulse;
-    a.m_deltaLinearVelocity += row.m_contactNormal1 * a.m_invMass * change;
-    a.m_deltaAngularVelocity += row.m_angularComponentA * change;
-    b.m_deltaLinearVelocity += row.m_contactNormal2 * b.m_invMass * change;
-    b.m_deltaAngularVelocity += row.m_angularComponentB * change;
+    a.v += row.m_contactNormal1 * (a.inverse_mass * change);
+    a.w += row.m_angularComponentA * change;
+    b.v += row.m_contactNormal2 * (b.inverse_mass * change);
+    b.w += row.m_angularComponentB * change;
   }
 
   /// Both directions at once, cut back to the circle of Coulomb's law: the bound holds for the
   /// friction's length, not for each direction, and is nil where the contact carries nothing.
-  static void solve_friction(btSolverBody& a, btSolverBody& b, const btSolverConstraint& first,
+  static void solve_friction(Change& a, Change& b, const btSolverConstraint& first,
                              const btSolverConstraint& second, double bound) {
     double x = first.m_appliedImpulse + missing(a, b, first);
     double y = second.m_appliedImpulse + missing(a, b, second);
