@@ -48,15 +48,9 @@ void make_soft(const StepContext& context, const Approach& a, double stiffness, 
 
 }  // namespace
 
-double aim_unilateral(const StepContext& context, const Approach& a, Row& row, double* hit_time) {
+void aim_unilateral(const StepContext& context, const Approach& a, Row& row) {
   const double h = context.h;
   row.low = 0.0;
-  if (hit_time) *hit_time = 0.0;
-  if (h == 0.0) {
-    const bool bounces = a.restitution > 0.0 && -a.speed > context.bounce_threshold;
-    row.target = bounces ? -a.restitution * a.speed : 0.0;
-    return std::max(-a.speed, 0.0);
-  }
   row.has_gap = true;
   row.gap = a.gap + 0.5 * h * (a.speed + row.now);
   row.gap_target = 0.0;
@@ -64,7 +58,7 @@ double aim_unilateral(const StepContext& context, const Approach& a, Row& row, d
   const double end_gap = a.gap + 0.5 * h * (a.speed + end_speed);
   if (end_gap > kTouching) {
     row.target = end_speed - 2.0 * end_gap / h;
-    return 0.0;
+    return;
   }
   const Hit hit = find_hit(a, h);
   const double rest = h - hit.time;
@@ -81,8 +75,6 @@ double aim_unilateral(const StepContext& context, const Approach& a, Row& row, d
     row.gap_target = std::min(row.gap_target, a.gap + (kRecoverySpeed + std::abs(a.speed)) * h);
     row.pull = false;
   }
-  if (hit_time) *hit_time = hit.time;
-  return std::max(-hit.speed, 0.0);
 }
 
 void RowSet::clear() {
@@ -204,9 +196,8 @@ void RowBuilder::add_joint_rows(const StepContext& context, const std::vector<Ax
       add_ball_limit(context, int(j));
     else
       add_limits(context, int(j));
-    if (context.h > 0.0) add_friction(context, int(j));
+    add_friction(context, int(j));
   }
-  if (context.h == 0.0) return;
   for (const AxisLaw& law : laws)
     if (law.implicit) add_law(context, law);
   for (int index : set_.scalars) {
@@ -235,7 +226,7 @@ void RowBuilder::add_limits(const StepContext& context, int joint_index) {
       approach.speed = row.now - 0.5 * h * along_speeds(row, *context.start_udot);
       approach.gap = gap - 0.5 * h * approach.speed;
       approach.acceleration = along_speeds(row, *context.udot);
-      aim_unilateral(context, approach, row, nullptr);
+      aim_unilateral(context, approach, row);
       row.effort = joint.speed_offset + a;
       row.slot = slot_of(mechanism_.model(),
                          end == 0 ? SlotKind::lower_limit : SlotKind::upper_limit, row.effort);
@@ -267,7 +258,7 @@ void RowBuilder::add_ball_limit(const StepContext& context, int joint_index) {
   approach.speed = row.now - 0.5 * context.h * along_speeds(row, *context.start_udot);
   approach.gap = gap - 0.5 * context.h * approach.speed;
   approach.acceleration = along_speeds(row, *context.udot);
-  aim_unilateral(context, approach, row, nullptr);
+  aim_unilateral(context, approach, row);
   row.slot = slot_of(mechanism_.model(), SlotKind::upper_limit, joint.speed_offset);
   row.inverse_diagonal = 1.0 / row.diagonal;
   set_.ball_limits.push_back({int(set_.rows.size()) - 1, joint.speed_offset, direction});
@@ -292,6 +283,11 @@ void RowBuilder::add_friction(const StepContext& context, int joint_index) {
     row.slot = slot_of(mechanism_.model(), SlotKind::friction, row.effort);
     row.inverse_diagonal = 1.0 / row.diagonal;
   }
+  if (!ball || joint.axes[0].friction <= 0.0) return;
+  // One step length for all three: else the effort at the bound would not oppose the motion.
+  Row* const rows = &set_.rows[set_.rows.size() - 3];
+  const double most = std::max({rows[0].diagonal, rows[1].diagonal, rows[2].diagonal});
+  for (int k = 0; k < 3; ++k) rows[k].inverse_diagonal = 1.0 / most;
 }
 
 void RowBuilder::add_law(const StepContext& context, const AxisLaw& law) {
@@ -326,12 +322,6 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   contact.first = int(set_.rows.size());
   contact.friction = surface.friction;
   contact.point = point;
-  for (int link : {link_a, link_b}) {
-    if (link < 0) continue;
-    const int component = mechanism_.links()[std::size_t(link)].component;
-    if (component >= 0 && !mechanism_.components()[std::size_t(component)].lone)
-      contact.articulated = true;
-  }
   // Tangents depend on the normal alone.
   const Vec3& n = point.normal;
   const Vec3 least = std::abs(n[0]) < 0.6 ? Vec3::UnitX() : Vec3::UnitY();
@@ -349,17 +339,16 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   approach.speed = row.now - 0.5 * h * along_speeds(row, *context.start_udot);
   approach.gap = point.gap - 0.5 * h * approach.speed;
   approach.acceleration = along_speeds(row, *context.udot);
-  contact.approach = aim_unilateral(context, approach, row, &contact.hit_time);
-  if (surface.stiffness && h > 0.0) {
-    make_soft(context, approach, *surface.stiffness, row);
-    contact.approach = 0.0;
-  }
+  aim_unilateral(context, approach, row);
+  if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
   row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
   if (contact.friction > 0.0) {
-    for (const Vec3& t : {contact.tangent1, contact.tangent2}) {
-      Row& tangent = add_point_row(link_a, link_b, point.point, t);
-      tangent.inverse_diagonal = tangent.diagonal > 0.0 ? 1.0 / tangent.diagonal : 0.0;
-    }
+    for (const Vec3& t : {contact.tangent1, contact.tangent2})
+      add_point_row(link_a, link_b, point.point, t);
+    // One step length for both: else the impulse at the bound would not oppose the sliding.
+    Row* const rows = &set_.rows[std::size_t(contact.first)];
+    const double most = std::max(rows[1].diagonal, rows[2].diagonal);
+    rows[1].inverse_diagonal = rows[2].inverse_diagonal = most > 0.0 ? 1.0 / most : 0.0;
   }
   set_.contacts.push_back(contact);
 }

@@ -51,9 +51,6 @@ struct Row {
 struct ContactRows {
   int first = 0;
   double friction = 0.0;
-  double approach = 0.0;  ///< speed at which it hits in this step; 0: it rests or does not touch [m/s]
-  double hit_time = 0.0;  ///< within the step [s]
-  bool articulated = false;  ///< one of the bodies is part of a mechanism
   ContactPoint point;
   Vec3 tangent1 = Vec3::Zero(), tangent2 = Vec3::Zero();
 };
@@ -109,7 +106,7 @@ class RowSet {
 
 /// What the rows of a step are made from. All at the middle of the step.
 struct StepContext {
-  double h = 0.0;                ///< length of the step [s]; 0: an instantaneous impact
+  double h = 0.0;                ///< length of the step [s]
   double bounce_threshold = 0.05;
   const SimTK::Vector* start_udot = nullptr;  ///< estimate that led to the middle
   const SimTK::Vector* udot = nullptr;        ///< smooth, at the middle
@@ -126,16 +123,13 @@ struct Approach {
 };
 
 /// Fills target and position goal of a unilateral row; see README, "Unilateral conditions".
-/// Returns the speed of approach when it hits in this step (0 otherwise), its time in `hit_time`.
-double aim_unilateral(const StepContext& context, const Approach& approach, Row& row,
-                      double* hit_time);
+void aim_unilateral(const StepContext& context, const Approach& approach, Row& row);
 
 class RowBuilder {
  public:
   RowBuilder(Mechanism& mechanism, RowSet& set) : mechanism_(mechanism), set_(set) {}
 
   /// Adds the joints' rows: limits about to be reached, friction, implicit laws.
-  /// With context.h = 0 only limits.
   void add_joint_rows(const StepContext& context, const std::vector<AxisLaw>& laws);
 
   /// Adds the rows of one contact between two bodies of the model.

@@ -8,11 +8,19 @@ namespace {
 
 // Two surfaces nearer than twice this are watched even when nothing moves [m].
 constexpr double kWatch = 1e-4;
-// In an impact, what is nearer than this takes part [m].
-constexpr double kImpactGap = 1e-4;
-constexpr int kMostSplits = 8;
 // Contact points of successive steps that are nearer than this are the same point [m].
 constexpr double kSamePoint = 0.02;
+
+// One tree on a free base, tied to nothing else.
+bool is_free(const Mechanism& mechanism, const Component& c) {
+  for (std::size_t i = 0; i < c.links.size(); ++i) {
+    const PlannedLink& plan = mechanism.links()[std::size_t(c.links[i])].plan;
+    if ((c.inboard[i] < 0) != (i == 0) || (i == 0 && plan.joint >= 0)) return false;
+  }
+  for (const Weld& weld : c.welds)
+    if (c.find(weld.master) < 0) return false;
+  return true;
+}
 
 }  // namespace
 
@@ -30,7 +38,14 @@ Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions&
       model_(mechanism.model()),
       accelerations_(mechanism),
       laws_(make_laws(mechanism)),
+      untouched_(mechanism.components().size(), 0),
       margins_(mechanism.links().size(), 0.0) {
+  for (std::size_t i = 0; i < mechanism.components().size(); ++i) {
+    const Component& c = mechanism.components()[i];
+    if (c.lone || !is_free(mechanism, c)) continue;
+    momenta_.emplace_back();
+    momenta_.back().component = int(i);
+  }
   for (const Link& link : mechanism.links())
     has_shapes_ = has_shapes_ || detector.reach(link.plan.body) > 0.0;
   const int n = int(model_.materials.size());
@@ -61,23 +76,18 @@ void Stepper::advance(double dt, const std::vector<Drive>& drives,
       u[3 + k] = twist.linear[k];
     }
   }
-  for (int i = 0; i < options_.substeps; ++i) {
-    double rest = dt / options_.substeps;
-    for (int split = 0; rest > 0.0; ++split) {
-      const double done = move(rest, split < kMostSplits ? Impacts::split : Impacts::keep);
-      if (done == rest) break;
-      rest -= done;
-    }
-  }
+  if (mechanism_.state.getNU() == 0) return;
+  for (int i = 0; i < options_.substeps; ++i) move(dt / options_.substeps);
   std::stable_sort(records.begin(), records.end(), [](const auto& a, const auto& b) {
     return a.collider_a != b.collider_a ? a.collider_a < b.collider_a
                                         : a.collider_b < b.collider_b;
   });
 }
 
-void Stepper::sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double weight) {
+void Stepper::sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double weight,
+                          bool untouched) {
   for (const AxisLaw& law : laws_) {
-    if (law.implicit) continue;
+    if (law.implicit || bool(untouched_[std::size_t(law.component)]) != untouched) continue;
     const double impulse = weight * law.effort_at(q, u);
     impulses.joints[std::size_t(law.effort)] += impulse;
     if (law.motor >= 0) impulses.motors[std::size_t(law.motor)] += impulse;
@@ -108,7 +118,7 @@ void Stepper::detect() {
   detector_.detect(points_);
 }
 
-bool Stepper::build_rows(double h, Impacts impacts) {
+bool Stepper::build_rows(double h) {
   StepContext context;
   context.h = h;
   context.bounce_threshold = model_.physics.bounce_threshold;
@@ -124,30 +134,16 @@ bool Stepper::build_rows(double h, Impacts impacts) {
   for (const ContactPoint& point : points_) {
     const Collider& a = colliders[std::size_t(point.collider_a)];
     const Collider& b = colliders[std::size_t(point.collider_b)];
-    if (h == 0.0 && point.gap > kImpactGap) continue;
-    const std::size_t before = set_.contacts.size();
     builder.add_contact(context, point, a.body, b.body,
                         surfaces_[std::size_t(a.material) * materials + std::size_t(b.material)]);
-    if (set_.contacts.size() == before || impacts != Impacts::drop) continue;
-    const ContactRows& added = set_.contacts.back();
-    if (added.articulated && added.approach > context.bounce_threshold) {
-      set_.rows.resize(std::size_t(added.first));
-      set_.contacts.pop_back();
-    }
   }
+  std::fill(untouched_.begin(), untouched_.end(), 1);
+  for (const Row& row : set_.rows)
+    for (int k = 0; k < row.sides; ++k) untouched_[std::size_t(row.side[k].component)] = 0;
   return !set_.empty();
 }
 
-double Stepper::first_impact() const {
-  double first = -1.0;
-  for (const ContactRows& c : set_.contacts) {
-    if (!c.articulated || c.approach <= model_.physics.bounce_threshold) continue;
-    if (first < 0.0 || c.hit_time < first) first = c.hit_time;
-  }
-  return first;
-}
-
-double Stepper::move(double h, Impacts impacts) {
+void Stepper::move(double h) {
   Mechanism& m = mechanism_;
   m.realize_velocity();
   q0_ = m.state.getQ();
@@ -156,6 +152,7 @@ double Stepper::move(double h, Impacts impacts) {
   for (Component& c : m.components()) c.current = false;
   classify_laws(m, *drives_, h, laws_);
   measure_speeds(h);
+  measure_momenta();
 
   // To the middle of the step: positions by the speeds at the start; speeds by the acceleration of
   // the last step where contact was on then, so that steps with contact cost one evaluation.
@@ -173,24 +170,37 @@ double Stepper::move(double h, Impacts impacts) {
   set(qm_, um_);
   accelerations_.compute(laws_, udot_);
   detect();
-  const bool rows = build_rows(h, impacts);
+  const bool rows = build_rows(h);
 
   if (!rows && options_.scheme != Scheme::midpoint) {
     runge_kutta(h, !remembered);
     memory.clear();
-    return h;
+    set(displaced_, stage_);
+    m.project();
+    return;
   }
-  const double hit = impacts == Impacts::split ? first_impact() : -1.0;
-  if (hit >= 0.0) {
-    set(q0_, u0_);
-    constexpr double kNoTime = 1e-3;  // of the step: not worth a step of its own
-    double run = 0.0;
-    if (hit > kNoTime * h) run = move(hit > (1.0 - kNoTime) * h ? h : hit, Impacts::drop);
-    kick();
-    return run;
+  // Mechanisms that nothing concerns are integrated as if the rest were not there.
+  bool apart = false;
+  for (const Component& c : m.components())
+    apart = apart || (untouched_[std::size_t(&c - m.components().data())] && !c.lone && c.size() > 0);
+  apart = apart && options_.scheme != Scheme::midpoint;
+  if (!apart) std::fill(untouched_.begin(), untouched_.end(), 0);
+  solve_rows(h);
+  if (apart) {
+    smooth_q_ = displaced_;
+    smooth_u_ = end_u_;
+    runge_kutta(h, false);
+    for (const Link& link : m.links()) {
+      if (link.component < 0 || !untouched_[std::size_t(link.component)]) continue;
+      for (int k = 0; k < link.nq; ++k) smooth_q_[link.first_q + k] = displaced_[link.first_q + k];
+      for (int k = 0; k < link.nu; ++k) smooth_u_[link.first_u + k] = stage_[link.first_u + k];
+    }
+    set(smooth_q_, smooth_u_);
+  } else {
+    set(displaced_, end_u_);
   }
-  finish_with_rows(h);
-  return h;
+  m.project();
+  conserve_momentum(h);
 }
 
 void Stepper::runge_kutta(double h, bool have_first) {
@@ -216,14 +226,14 @@ void Stepper::runge_kutta(double h, bool have_first) {
     go_to(0.5 * h, 0);
     evaluate(1);
   }
-  sum_efforts(q0_, u0_, h / 6);
-  sum_efforts(m.state.getQ(), m.state.getU(), h / 3);
+  sum_efforts(q0_, u0_, h / 6, true);
+  sum_efforts(m.state.getQ(), m.state.getU(), h / 3, true);
   go_to(0.5 * h, 1);
   evaluate(2);
-  sum_efforts(m.state.getQ(), m.state.getU(), h / 3);
+  sum_efforts(m.state.getQ(), m.state.getU(), h / 3, true);
   go_to(h, 2);
   evaluate(3);
-  sum_efforts(m.state.getQ(), m.state.getU(), h / 6);
+  sum_efforts(m.state.getQ(), m.state.getU(), h / 6, true);
 
   displaced_ = q0_;
   stage_ = u0_;
@@ -232,11 +242,9 @@ void Stepper::runge_kutta(double h, bool have_first) {
     displaced_ += weight * qk_[i];
     stage_ += weight * k_[i];
   }
-  set(displaced_, stage_);
-  m.project();
 }
 
-void Stepper::finish_with_rows(double h) {
+void Stepper::solve_rows(double h) {
   Mechanism& m = mechanism_;
   int speeds = 0;
   for (const Component& c : m.components()) speeds += c.size();
@@ -248,9 +256,10 @@ void Stepper::finish_with_rows(double h) {
       dv_[std::size_t(c.offset + k)] = h * (udot_[u] - 0.5 * start_udot_[u]);
     }
   warm_start(h);
+  balance_pairs();
   solve_velocities(options_.solver, set_, dv_.data());
   solve_positions(options_.solver, set_, dv_.data(), h, displacement_.data());
-  sum_efforts(m.state.getQ(), m.state.getU(), h);
+  sum_efforts(m.state.getQ(), m.state.getU(), h, false);
 
   // u at the end; q over the second half with it, and the displacement of the position stage.
   end_u_ = u0_;
@@ -265,30 +274,77 @@ void Stepper::finish_with_rows(double h) {
   displaced_ += qm_;
   remember(h);
   report();
-  set(displaced_, end_u_);
-  m.project();
 }
 
-void Stepper::kick() {
+void Stepper::measure_momenta() {
+  const Mechanism& m = mechanism_;
+  for (FreeMomentum& f : momenta_) {
+    const Component& c = mechanism_.components()[std::size_t(f.component)];
+    f.mass = 0.0;
+    f.com = f.linear = f.angular = Vec3::Zero();
+    Mat3 about_origin = Mat3::Zero();
+    for (int index : c.links) {
+      const Link& link = m.links()[std::size_t(index)];
+      const Placement X = m.placement(link);
+      const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(m.state);
+      const Vec3 p = X * link.com, omega = from_simtk(V[0]);
+      const Vec3 momentum = link.mass * (from_simtk(V[1]) + omega.cross(p - X.p));
+      const Mat3 inertia = X.R * link.inertia * X.R.transpose();
+      f.mass += link.mass;
+      f.com += link.mass * p;
+      f.linear += momentum;
+      f.angular += inertia * omega + p.cross(momentum);
+      about_origin += inertia + link.mass * (p.squaredNorm() * Mat3::Identity() - p * p.transpose());
+    }
+    f.com /= f.mass;
+    f.inertia = about_origin - f.mass * (f.com.squaredNorm() * Mat3::Identity() -
+                                         f.com * f.com.transpose());
+  }
+}
+
+void Stepper::conserve_momentum(double h) {
   Mechanism& m = mechanism_;
+  if (momenta_.empty()) return;
+  const std::vector<FreeMomentum> start = momenta_;
   m.realize_velocity();
-  um_ = m.state.getU();
-  start_udot_ = um_;
-  start_udot_ = 0.0;
-  udot_ = start_udot_;
-  std::fill(margins_.begin(), margins_.end(), kImpactGap);
-  detect();
-  memory.clear();
-  if (!build_rows(0.0, Impacts::keep)) return;
-  int speeds = 0;
-  for (const Component& c : m.components()) speeds += c.size();
-  dv_.assign(std::size_t(speeds), 0.0);
-  solve_velocities(options_.solver, set_, dv_.data());
-  report();
-  SimTK::Vector& u = m.state.updU();
-  for (const Component& c : m.components())
-    for (int k = 0; k < c.size(); ++k)
-      u[c.speeds[std::size_t(k)]] += dv_[std::size_t(c.offset + k)];
+  measure_momenta();
+  for (std::size_t i = 0; i < momenta_.size(); ++i) {
+    const FreeMomentum& end = momenta_[i];
+    if (untouched_[std::size_t(end.component)]) continue;
+    const Vec3 weight = h * end.mass * model_.physics.gravity;
+    Vec3 linear = start[i].linear + weight - end.linear;
+    Vec3 angular = start[i].angular + (0.5 * (start[i].com + end.com)).cross(weight) - end.angular;
+    for (const ContactRows& contact : set_.contacts) {
+      const int bodies[2] = {
+          detector_.colliders()[std::size_t(contact.point.collider_a)].body,
+          detector_.colliders()[std::size_t(contact.point.collider_b)].body};
+      for (int side = 0; side < 2; ++side) {
+        const int link = m.body_link(bodies[side]);
+        if (link < 0 || m.links()[std::size_t(link)].component != end.component) continue;
+        const Vec3 impulse = (side == 0 ? -1.0 : 1.0) * impulse_of(contact);
+        linear += impulse;
+        angular += contact.point.point.cross(impulse);
+      }
+    }
+    const Vec3 omega = end.inertia.ldlt().solve(angular - end.com.cross(linear));
+    const Link& base = m.links()[std::size_t(
+        m.components()[std::size_t(end.component)].links[0])];
+    const Vec3 at = m.placement(base) * base.com;
+    const Vec3 v = linear / end.mass + omega.cross(at - end.com);
+    double* const u = &m.state.updU()[base.first_u];
+    for (int k = 0; k < 3; ++k) {
+      u[k] += omega[k];
+      u[3 + k] += v[k];
+    }
+  }
+}
+
+Vec3 Stepper::impulse_of(const ContactRows& contact) const {
+  const Row* const rows = &set_.rows[std::size_t(contact.first)];
+  Vec3 impulse = rows[0].lambda * contact.point.normal;
+  if (contact.friction > 0.0)
+    impulse += rows[1].lambda * contact.tangent1 + rows[2].lambda * contact.tangent2;
+  return impulse;
 }
 
 void Stepper::warm_start(double h) {
@@ -332,6 +388,38 @@ void Stepper::warm_start(double h) {
   }
 }
 
+void Stepper::balance_pairs() {
+  constexpr double kYield = 5e-3;  // of the inverse mass that the point feels
+  std::vector<ContactRows>& contacts = set_.contacts;
+  for (std::size_t first = 0, end = 0; first < contacts.size(); first = end) {
+    double sum = 0.0;
+    int resting = 0;
+    const auto row_of = [&](std::size_t i) -> Row& {
+      return set_.rows[std::size_t(contacts[i].first)];
+    };
+    const auto rests = [&](std::size_t i) {
+      const Row& row = row_of(i);
+      return row.has_gap && row.target == 0.0 && !row.pull;
+    };
+    for (end = first; end < contacts.size() &&
+                      contacts[end].point.collider_a == contacts[first].point.collider_a &&
+                      contacts[end].point.collider_b == contacts[first].point.collider_b;
+         ++end) {
+      if (!rests(end)) continue;
+      sum += row_of(end).lambda;
+      ++resting;
+    }
+    if (resting < 2) continue;
+    for (std::size_t i = first; i < end; ++i) {
+      if (!rests(i)) continue;
+      Row& row = row_of(i);
+      row.gamma = kYield * row.diagonal;
+      row.target = row.gamma * sum / resting;
+      row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
+    }
+  }
+}
+
 void Stepper::remember(double h) {
   memory.contacts.clear();
   memory.efforts.assign(std::size_t(RowBuilder::slot_count(model_)), 0.0);
@@ -345,10 +433,7 @@ void Stepper::remember(double h) {
     w.collider_b = contact.point.collider_b;
     const Placement& X_b = detector_.colliders()[std::size_t(w.collider_b)].X_WS;
     w.place = X_b.to_local(contact.point.point);
-    w.force = rows[0].lambda * contact.point.normal;
-    if (contact.friction > 0.0)
-      w.force += rows[1].lambda * contact.tangent1 + rows[2].lambda * contact.tangent2;
-    w.force /= h;
+    w.force = impulse_of(contact) / h;
     memory.contacts.push_back(w);
   }
   memory.udot = end_u_;
@@ -370,11 +455,9 @@ void Stepper::report() {
   const std::size_t earlier = records.size();
   for (const ContactRows& contact : set_.contacts) {
     const Row* const rows = &set_.rows[std::size_t(contact.first)];
-    Vec3 impulse = rows[0].lambda * contact.point.normal;
-    if (contact.friction > 0.0)
-      impulse += rows[1].lambda * contact.tangent1 + rows[2].lambda * contact.tangent2;
+    const Vec3 impulse = impulse_of(contact);
     if (rows[0].lambda <= 0.0 && contact.point.gap > 0.0) continue;
-    // A step that was split touches the same point twice.
+    // A step in parts touches the same point several times.
     ContactRecord* same = nullptr;
     for (std::size_t i = 0; i < earlier && !same; ++i) {
       ContactRecord& r = records[i];

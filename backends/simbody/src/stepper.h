@@ -45,6 +45,16 @@ struct StepMemory {
   void clear();
 };
 
+/// Momentum of an articulated component that no joint ties to the world.
+struct FreeMomentum {
+  int component = -1;
+  double mass = 0.0;
+  Vec3 com = Vec3::Zero();
+  Vec3 linear = Vec3::Zero();
+  Vec3 angular = Vec3::Zero();  ///< about the world's origin
+  Mat3 inertia = Mat3::Zero();  ///< of all together, about com
+};
+
 class Stepper {
  public:
   Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions& options);
@@ -58,27 +68,29 @@ class Stepper {
   std::vector<ContactRecord> records;  ///< of the last step
 
  private:
-  // What becomes of impacts that an articulated body takes part in. They change its configuration's
-  // momentum map, so they are taken at their own instant: the step is split there.
-  enum class Impacts { split, drop, keep };
-
-  // Moves on by h, or, when splitting, through the first such impact; returns how far in time.
-  double move(double h, Impacts impacts);
-  // Start of the step is in q0_, u0_, qdot0_; with `have_first` k_[0] and the state hold two stages.
+  void move(double h);
+  // The smooth motion, from q0_, u0_, qdot0_, to displaced_ and stage_; with `have_first`, k_[0],
+  // udot_ and the state hold the first two stages. Sums the efforts in `untouched_` components.
   void runge_kutta(double h, bool have_first);
-  // Impulses of an instant, at the state as it is.
-  void kick();
+  // The motion with all rows, to displaced_ and stage_; the state is at the middle.
+  void solve_rows(double h);
   void detect();
   // At the middle of the step. False when no row came out of it.
-  bool build_rows(double h, Impacts impacts);
-  // Time within the step; negative: none.
-  double first_impact() const;
-  void finish_with_rows(double h);
+  bool build_rows(double h);
+  // Momentum of what floats free is kept to rounding, see README; the state is at the end.
+  void conserve_momentum(double h);
+  void measure_momenta();
 
   void set(const SimTK::Vector& q, const SimTK::Vector& u);
-  void sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double weight);
+  // Of the components whose mark in `untouched_` is `untouched`.
+  void sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double weight, bool untouched);
   void measure_speeds(double h);
+  Vec3 impulse_of(const ContactRows& contact) const;  ///< on b
   void warm_start(double h);
+  // Shares the load of a resting pair among its points: makes each yield a little to what it bears
+  // beyond the mean of the last step. Without it rigid contact leaves the shares to chance, and a
+  // wheel rolls on one of its rims.
+  void balance_pairs();
   void remember(double h);
   // Adds the rows' impulses to `impulses` and `records`.
   void report();
@@ -94,10 +106,12 @@ class Stepper {
   std::vector<SurfacePair> surfaces_;  ///< (nmaterial x nmaterial)
 
   RowSet set_;
+  std::vector<char> untouched_;  ///< (ncomponent): no row concerns it in this step
+  std::vector<FreeMomentum> momenta_;
   std::vector<ContactPoint> points_;
   std::vector<double> margins_;  ///< (nlink)
   SimTK::Vector q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_,
-      displaced_, end_u_;
+      displaced_, end_u_, smooth_q_, smooth_u_;
   std::vector<double> dv_, displacement_;  ///< over all components
 };
 

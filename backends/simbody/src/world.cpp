@@ -55,11 +55,7 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
   } catch (const std::exception& e) {
     result.message = std::string("Simbody: ") + e.what();
     result.status = StepStatus::diverged;
-    try {
-      result.body = find_diverged();
-    } catch (const std::exception&) {
-      result.body = -1;
-    }
+    result.body = find_suspect();
   }
   if (result.body >= 0) result.status = StepStatus::diverged;
   if (result.status == StepStatus::diverged) {
@@ -84,6 +80,24 @@ int SimbodyWorld::find_diverged() const {
     if (!fine) return link.plan.body;
   }
   return -1;
+}
+
+int SimbodyWorld::find_suspect() const {
+  const Mechanism& m = engine_->mechanism;
+  const SimTK::Vector& q = m.state.getQ();
+  const SimTK::Vector& u = m.state.getU();
+  int body = -1;
+  double most = -1.0;
+  for (const Link& link : m.links()) {
+    double size = 0.0;
+    for (int k = 0; k < link.nq; ++k) size += 0.0 * q[link.first_q + k];
+    for (int k = 0; k < link.nu; ++k) size += std::abs(u[link.first_u + k]);
+    if (!std::isfinite(size)) return link.plan.body;
+    if (size <= most) continue;
+    most = size;
+    body = link.plan.body;
+  }
+  return body;
 }
 
 void SimbodyWorld::get_contacts(std::vector<Contact>& out) const {

@@ -66,6 +66,9 @@ class SimbodyWorld final : public World, public JointReactions, public Kinematic
   void apply(const Progress& progress);
   // The first body that is beyond bounds; -1: none.
   int find_diverged() const;
+  // Where Simbody refused to go on: the first body with a coordinate that is not finite, else the
+  // fastest.
+  int find_suspect() const;
   void fill_unmoved_joint(std::size_t joint, WorldState& out) const;
 
   StepperOptions options_;
