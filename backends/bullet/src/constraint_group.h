@@ -67,7 +67,7 @@ class ConstraintGroup {
     Vec6 start = Vec6::Zero();  ///< velocity with this step's outer forces, without impulses
     Vec6 delta = Vec6::Zero();  ///< what impulses have changed
     Vec6 v = Vec6::Zero();      ///< velocity now
-    btTransform then;           ///< where free motion leads at the end of the step
+    btTransform then = btTransform::getIdentity();  ///< where free motion leads at the end of the step
     bool moves = false;         ///< dynamic
   };
   /// One row: on the child's (a) and the parent's (b) velocity; -1: the world.

@@ -61,6 +61,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
       warm_start_friction(m_tmpSolverContactConstraintPool[i], info.m_warmstartingFactor);
       adjust(i, info.m_timeStep);
     }
+    pack();
   }
 
   btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int body_count,
@@ -78,38 +79,135 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
                                 btPersistentManifold** manifolds, int manifold_count,
                                 btTypedConstraint** constraints, int constraint_count,
                                 const btContactSolverInfo& info, btIDebugDraw* drawer) override {
-    (void)iteration, (void)bodies, (void)body_count, (void)manifolds, (void)manifold_count;
+    (void)bodies, (void)body_count, (void)manifolds, (void)manifold_count;
     (void)constraints, (void)constraint_count, (void)info, (void)drawer;
+    // Groups are dear and warm-started contacts change little: they take every other turn.
+    if (iteration % 2 == 0) solve_groups();
     sweep();
     return 1.0;  // never done early: the number of sweeps is the scene's
   }
 
  private:
-  void sweep() {
+  void solve_groups() {
     for (ConstraintGroup& group : *groups_) group.iterate();
-    for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
-      const btSolverConstraint& normal = m_tmpSolverContactConstraintPool[i];
-      btSolverBody& body_a = m_tmpSolverBodyPool[normal.m_solverBodyIdA];
-      btSolverBody& body_b = m_tmpSolverBodyPool[normal.m_solverBodyIdB];
-      // Copies, so that the three rows of a point need no memory in between.
-      Change a{body_a.m_deltaLinearVelocity, body_a.m_deltaAngularVelocity, body_a.m_invMass.x()};
-      Change b{body_b.m_deltaLinearVelocity, body_b.m_deltaAngularVelocity, body_b.m_invMass.x()};
-      const double push = std::max(normal.m_appliedImpulse + missing(a, b, normal), 0.0);
-      if (push == 0.0 && normal.m_appliedImpulse == 0.0 && friction_free(normal)) continue;
-      solve_row(a, b, normal, push);
-      solve_friction(a, b, m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex],
-                     m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + 1],
-                     normal.m_friction * push);
-      body_a.m_deltaLinearVelocity = a.v;
-      body_a.m_deltaAngularVelocity = a.w;
-      body_b.m_deltaLinearVelocity = b.v;
-      body_b.m_deltaAngularVelocity = b.w;
+  }
+
+  /// The three rows of a contact point, packed: sweeps are bound by memory, and Bullet's rows are
+  /// more than twice as long. Row 0 pushes, 1 and 2 are friction; normals point from b to a.
+  struct Point {
+    double direction[3][3];
+    double arm_a[3][3], arm_b[3][3];    ///< angular parts of J
+    double turn_a[3][3], turn_b[3][3];  ///< of M^-1 J^T
+    double rhs[3], inverse[3], impulse[3];
+    double softness, friction;
+    double inverse_mass_a, inverse_mass_b;
+    int a, b;
+  };
+
+  static void copy(const btVector3& v, double* out) {
+    out[0] = v.x();
+    out[1] = v.y();
+    out[2] = v.z();
+  }
+
+  void pack() {
+    points_.resize(static_cast<std::size_t>(m_tmpSolverContactConstraintPool.size()));
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const btSolverConstraint& normal = m_tmpSolverContactConstraintPool[static_cast<int>(i)];
+      const btSolverConstraint* rows[3] = {
+          &normal, &m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex],
+          &m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + 1]};
+      Point& p = points_[i];
+      p.a = normal.m_solverBodyIdA;
+      p.b = normal.m_solverBodyIdB;
+      p.inverse_mass_a = m_tmpSolverBodyPool[p.a].m_invMass.x();
+      p.inverse_mass_b = m_tmpSolverBodyPool[p.b].m_invMass.x();
+      p.friction = normal.m_friction;
+      p.softness = normal.m_cfm;
+      const bool a_there = m_tmpSolverBodyPool[p.a].m_originalBody != nullptr;
+      for (int k = 0; k < 3; ++k) {
+        const btSolverConstraint& row = *rows[k];
+        copy(a_there ? row.m_contactNormal1 : -row.m_contactNormal2, p.direction[k]);
+        copy(row.m_relpos1CrossNormal, p.arm_a[k]);
+        copy(row.m_relpos2CrossNormal, p.arm_b[k]);
+        copy(row.m_angularComponentA, p.turn_a[k]);
+        copy(row.m_angularComponentB, p.turn_b[k]);
+        p.rhs[k] = row.m_rhs;
+        p.inverse[k] = row.m_jacDiagABInv;
+        p.impulse[k] = row.m_appliedImpulse;
+      }
     }
   }
 
-  bool friction_free(const btSolverConstraint& normal) const {
-    return m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex].m_appliedImpulse == 0.0 &&
-           m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + 1].m_appliedImpulse == 0.0;
+  /// Gives the impulses to Bullet's rows, which hand them to the contact points.
+  void unpack() {
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      btSolverConstraint& normal = m_tmpSolverContactConstraintPool[static_cast<int>(i)];
+      normal.m_appliedImpulse = points_[i].impulse[0];
+      for (int k = 0; k < 2; ++k) {
+        m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + k].m_appliedImpulse =
+            points_[i].impulse[k + 1];
+      }
+    }
+  }
+
+  /// What impulses have changed of two bodies' velocities: v of a, w of a, v of b, w of b.
+  struct Change {
+    double va[3], wa[3], vb[3], wb[3];
+  };
+
+  static double dot(const double* x, const double* y) {
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+  }
+
+  /// Speed along row k that impulses have changed.
+  static double along(const Point& p, const Change& c, int k) {
+    return dot(p.direction[k], c.va) - dot(p.direction[k], c.vb) + dot(p.arm_a[k], c.wa) +
+           dot(p.arm_b[k], c.wb);
+  }
+
+  static void apply(const Point& p, Change& c, int k, double impulse) {
+    for (int i = 0; i < 3; ++i) {
+      c.va[i] += p.direction[k][i] * (p.inverse_mass_a * impulse);
+      c.wa[i] += p.turn_a[k][i] * impulse;
+      c.vb[i] -= p.direction[k][i] * (p.inverse_mass_b * impulse);
+      c.wb[i] += p.turn_b[k][i] * impulse;
+    }
+  }
+
+  void sweep() {
+    for (Point& p : points_) {
+      btSolverBody& a = m_tmpSolverBodyPool[p.a];
+      btSolverBody& b = m_tmpSolverBodyPool[p.b];
+      Change c;
+      copy(a.m_deltaLinearVelocity, c.va);
+      copy(a.m_deltaAngularVelocity, c.wa);
+      copy(b.m_deltaLinearVelocity, c.vb);
+      copy(b.m_deltaAngularVelocity, c.wb);
+      const double push = std::max(
+          p.impulse[0] + p.rhs[0] - p.impulse[0] * p.softness - along(p, c, 0) * p.inverse[0], 0.0);
+      if (push == 0.0 && p.impulse[0] == 0.0 && p.impulse[1] == 0.0 && p.impulse[2] == 0.0) continue;
+      apply(p, c, 0, push - p.impulse[0]);
+      p.impulse[0] = push;
+      // Friction in both directions at once, cut back to the circle of Coulomb's law: the bound
+      // holds for its length, not for each direction, and is nil where the contact carries nothing.
+      double x = p.impulse[1] + p.rhs[1] - along(p, c, 1) * p.inverse[1];
+      double y = p.impulse[2] + p.rhs[2] - along(p, c, 2) * p.inverse[2];
+      const double bound = p.friction * push, size2 = x * x + y * y;
+      if (size2 > bound * bound) {
+        const double scale = bound / std::sqrt(size2);
+        x *= scale;
+        y *= scale;
+      }
+      apply(p, c, 1, x - p.impulse[1]);
+      apply(p, c, 2, y - p.impulse[2]);
+      p.impulse[1] = x;
+      p.impulse[2] = y;
+      a.m_deltaLinearVelocity.setValue(c.va[0], c.va[1], c.va[2]);
+      a.m_deltaAngularVelocity.setValue(c.wa[0], c.wa[1], c.wa[2]);
+      b.m_deltaLinearVelocity.setValue(c.vb[0], c.vb[1], c.vb[2]);
+      b.m_deltaAngularVelocity.setValue(c.wb[0], c.wb[1], c.wb[2]);
+    }
   }
 
   /// The places at the end of the step follow from the velocities found so far. They contain what
@@ -124,13 +222,15 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
                                body.m_deltaAngularVelocity});
     }
     for (const Recovering& r : recovering_) {
-      btSolverConstraint& row = m_tmpSolverContactConstraintPool[r.row];
-      row.m_jacDiagABInv = 1.0 / r.inverse_mass;
-      row.m_cfm = 0.0;
-      row.m_rhs = -r.speed * row.m_jacDiagABInv;
+      Point& point = points_[static_cast<std::size_t>(r.row)];
+      point.inverse[0] = 1.0 / r.inverse_mass;
+      point.softness = 0.0;
+      point.rhs[0] = -r.speed * point.inverse[0];
     }
-    for (int k = 0; k < kRelaxSweeps; ++k) sweep();
-    for (ConstraintGroup& group : *groups_) group.iterate();
+    for (int k = 0; k < kRelaxSweeps; ++k) {
+      sweep();
+      solve_groups();
+    }
     for (int i = 0; i < m_tmpSolverBodyPool.size(); ++i) {
       const btSolverBody& body = m_tmpSolverBodyPool[i];
       Displacement& d = displacement_[static_cast<std::size_t>(i)];
@@ -141,8 +241,9 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
 
   btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
                                          const btContactSolverInfo& info) override {
-    for (ConstraintGroup& group : *groups_) group.iterate();
+    solve_groups();
     relax();
+    unpack();
     return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count,
                                                                               info);
   }
@@ -152,44 +253,6 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     auto& self = *static_cast<RigidSolver*>(context);
     const int id = body.getCompanionId();
     return id >= 0 ? &self.m_tmpSolverBodyPool[id] : nullptr;
-  }
-
-  /// What impulses have changed of a body's velocity.
-  struct Change {
-    btVector3 v, w;
-    double inverse_mass;
-  };
-
-  /// What a row's impulse lacks to fulfil it, the others standing.
-  static double missing(const Change& a, const Change& b, const btSolverConstraint& row) {
-    const double change = row.m_contactNormal1.dot(a.v) + row.m_relpos1CrossNormal.dot(a.w) +
-                          row.m_contactNormal2.dot(b.v) + row.m_relpos2CrossNormal.dot(b.w);
-    return row.m_rhs - row.m_appliedImpulse * row.m_cfm - change * row.m_jacDiagABInv;
-  }
-
-  static void solve_row(Change& a, Change& b, const btSolverConstraint& row, double impulse) {
-    const double change = impulse - row.m_appliedImpulse;
-    row.m_appliedImpulse = impulse;
-    a.v += row.m_contactNormal1 * (a.inverse_mass * change);
-    a.w += row.m_angularComponentA * change;
-    b.v += row.m_contactNormal2 * (b.inverse_mass * change);
-    b.w += row.m_angularComponentB * change;
-  }
-
-  /// Both directions at once, cut back to the circle of Coulomb's law: the bound holds for the
-  /// friction's length, not for each direction, and is nil where the contact carries nothing.
-  static void solve_friction(Change& a, Change& b, const btSolverConstraint& first,
-                             const btSolverConstraint& second, double bound) {
-    double x = first.m_appliedImpulse + missing(a, b, first);
-    double y = second.m_appliedImpulse + missing(a, b, second);
-    const double size2 = x * x + y * y;
-    if (size2 > bound * bound) {
-      const double scale = bound / std::sqrt(size2);
-      x *= scale;
-      y *= scale;
-    }
-    solve_row(a, b, first, x);
-    solve_row(a, b, second, y);
   }
 
   /// Begins with the friction of the last step, turned into this step's directions. Bullet begins
@@ -292,6 +355,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     double inverse_mass, speed;
   };
 
+  std::vector<Point> points_;
   std::vector<btVector3> old_friction_;
   std::vector<Recovering> recovering_;
   std::size_t point_index_ = 0;
