@@ -33,8 +33,6 @@ bool sane(const PrincipalState& state) {
 const ParameterTable& world_option_table() {
   static const ParameterTable table = {
       parameter("iterations", 10, "sweeps of the contact solver per step").range(1, 1000),
-      parameter("formulation", "auto", "how articulated assemblies are modelled, unless they say so")
-          .one_of({"auto", "reduced", "constraints"}),
   };
   return table;
 }
@@ -42,9 +40,8 @@ const ParameterTable& world_option_table() {
 const ParameterTable& assembly_option_table() {
   static const ParameterTable table = {
       parameter("formulation", "auto",
-                "reduced: joint coordinates (btMultiBody); constraints: rigid bodies held by "
-                "constraints; auto: whichever serves")
-          .one_of({"auto", "reduced", "constraints"}),
+                "constraints: rigid bodies, the joints of a group solved together; auto: the same")
+          .one_of({"auto", "constraints"}),
   };
   return table;
 }
@@ -59,6 +56,27 @@ Result<std::unique_ptr<World>> BulletWorld::create(const SceneModelPtr& model) {
 Result<> BulletWorld::build(const SceneModelPtr& model) {
   const auto options = complete_parameters(world_option_table(), options_of(*model));
   if (!options) return tl::unexpected(options.error());
+  for (const AssemblyInfo& assembly : model->assemblies) {
+    const auto block = assembly.engine_options.find("bullet");
+    if (block == assembly.engine_options.end()) continue;
+    auto complete = complete_parameters(assembly_option_table(), block->second);
+    if (!complete) {
+      Error error = complete.error();
+      error.message = "assembly '" + assembly.name + "': " + error.message;
+      error.where = place_of(*model, assembly.origin);
+      return tl::unexpected(error);
+    }
+  }
+  for (const Motor& motor : model->motors) {
+    const JointType type = model->joints[static_cast<std::size_t>(motor.joint)].type;
+    if (motor.removed || (type != JointType::ball && type != JointType::free &&
+                          type != JointType::fixed)) {
+      continue;
+    }
+    return fail("motor '" + motor.name + "': a " + std::string(to_string(type)) +
+                    " joint has no axis to drive",
+                place_of(*model, motor.origin), "use a hinge, slider, universal or another joint with axes");
+  }
   SolverSettings settings;
   settings.iterations = static_cast<int>(std::get<std::int64_t>(options->at("iterations")));
   settings.bounce_threshold = model->physics.bounce_threshold;

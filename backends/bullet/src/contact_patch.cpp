@@ -89,6 +89,7 @@ void ContactPatch::commit(btPersistentManifold& manifold, const btTransform& X_W
     }
     if (match == nullptr) continue;
     cp.m_appliedImpulse = match->m_appliedImpulse;
+    cp.m_prevRHS = match->m_prevRHS;
     cp.m_appliedImpulseLateral1 = match->m_appliedImpulseLateral1;
     cp.m_appliedImpulseLateral2 = match->m_appliedImpulseLateral2;
     cp.m_lateralFrictionDir1 = match->m_lateralFrictionDir1;

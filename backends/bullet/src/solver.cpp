@@ -20,6 +20,11 @@ constexpr double kContactDamping = 1.0;
 // Bodies that overlap are driven apart no faster than this [m/s].
 constexpr double kFastestRecovery = 1.0;
 constexpr int kRelaxSweeps = 2;
+// A contact sunk in by up to so many times what its load explains, and this much [m], is at rest.
+constexpr double kRestingShare = 3.0;
+constexpr double kNoOverlap = 1e-7;
+// Contacts that close faster than this are impacts [m/s].
+constexpr double kImpactSpeed = 0.03;
 
 /// Speed after a bounce, see StepSolver; negative when it would not leave the surface.
 double rebound(double gap, double approach, double acceleration, double e, double dt) {
@@ -55,6 +60,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
                        const btContactSolverInfo& info) override {
     remember_friction(manifolds, count);
     recovering_.clear();
+    impacts_.clear();
     displacement_.clear();
     btSequentialImpulseConstraintSolver::convertContacts(manifolds, count, info);
     for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
@@ -99,7 +105,9 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     double arm_a[3][3], arm_b[3][3];    ///< angular parts of J
     double turn_a[3][3], turn_b[3][3];  ///< of M^-1 J^T
     double rhs[3], inverse[3], impulse[3];
+    double coupling[2];  ///< speed along a friction row per impulse of the push
     double softness, friction;
+    double start;  ///< push that the last step left
     double inverse_mass_a, inverse_mass_b;
     int a, b;
   };
@@ -122,6 +130,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
       p.b = normal.m_solverBodyIdB;
       p.inverse_mass_a = m_tmpSolverBodyPool[p.a].m_invMass.x();
       p.inverse_mass_b = m_tmpSolverBodyPool[p.b].m_invMass.x();
+      p.start = normal.m_appliedImpulse;
       p.friction = normal.m_friction;
       p.softness = normal.m_cfm;
       const bool a_there = m_tmpSolverBodyPool[p.a].m_originalBody != nullptr;
@@ -136,6 +145,9 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
         p.inverse[k] = row.m_jacDiagABInv;
         p.impulse[k] = row.m_appliedImpulse;
       }
+      for (int k = 0; k < 2; ++k) {
+        p.coupling[k] = dot(p.arm_a[k + 1], p.turn_a[0]) + dot(p.arm_b[k + 1], p.turn_b[0]);
+      }
     }
   }
 
@@ -144,6 +156,10 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     for (std::size_t i = 0; i < points_.size(); ++i) {
       btSolverConstraint& normal = m_tmpSolverContactConstraintPool[static_cast<int>(i)];
       normal.m_appliedImpulse = points_[i].impulse[0];
+      // The smaller of two steps' pushes is the load: an impact lasts one. Kept in a field of the
+      // point that Bullet carries along and has no use for itself.
+      static_cast<btManifoldPoint*>(normal.m_originalContactPoint)->m_prevRHS =
+          std::min(points_[i].impulse[0], points_[i].start);
       for (int k = 0; k < 2; ++k) {
         m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + k].m_appliedImpulse =
             points_[i].impulse[k + 1];
@@ -151,62 +167,49 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     }
   }
 
-  /// What impulses have changed of two bodies' velocities: v of a, w of a, v of b, w of b.
-  struct Change {
-    double va[3], wa[3], vb[3], wb[3];
-  };
-
   static double dot(const double* x, const double* y) {
     return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
-  }
-
-  /// Speed along row k that impulses have changed.
-  static double along(const Point& p, const Change& c, int k) {
-    return dot(p.direction[k], c.va) - dot(p.direction[k], c.vb) + dot(p.arm_a[k], c.wa) +
-           dot(p.arm_b[k], c.wb);
-  }
-
-  static void apply(const Point& p, Change& c, int k, double impulse) {
-    for (int i = 0; i < 3; ++i) {
-      c.va[i] += p.direction[k][i] * (p.inverse_mass_a * impulse);
-      c.wa[i] += p.turn_a[k][i] * impulse;
-      c.vb[i] -= p.direction[k][i] * (p.inverse_mass_b * impulse);
-      c.wb[i] += p.turn_b[k][i] * impulse;
-    }
   }
 
   void sweep() {
     for (Point& p : points_) {
       btSolverBody& a = m_tmpSolverBodyPool[p.a];
       btSolverBody& b = m_tmpSolverBodyPool[p.b];
-      Change c;
-      copy(a.m_deltaLinearVelocity, c.va);
-      copy(a.m_deltaAngularVelocity, c.wa);
-      copy(b.m_deltaLinearVelocity, c.vb);
-      copy(b.m_deltaAngularVelocity, c.wb);
+      double* va = a.m_deltaLinearVelocity.m_floats;
+      double* wa = a.m_deltaAngularVelocity.m_floats;
+      double* vb = b.m_deltaLinearVelocity.m_floats;
+      double* wb = b.m_deltaAngularVelocity.m_floats;
+      // The speeds that impulses have changed, along all three rows at once; what the push then
+      // changes of the other two comes in through their coupling.
+      const double v[3] = {va[0] - vb[0], va[1] - vb[1], va[2] - vb[2]};
+      double speed[3];
+      for (int k = 0; k < 3; ++k) {
+        speed[k] = dot(p.direction[k], v) + (dot(p.arm_a[k], wa) + dot(p.arm_b[k], wb));
+      }
       const double push = std::max(
-          p.impulse[0] + p.rhs[0] - p.impulse[0] * p.softness - along(p, c, 0) * p.inverse[0], 0.0);
-      if (push == 0.0 && p.impulse[0] == 0.0 && p.impulse[1] == 0.0 && p.impulse[2] == 0.0) continue;
-      apply(p, c, 0, push - p.impulse[0]);
-      p.impulse[0] = push;
+          p.impulse[0] + p.rhs[0] - p.impulse[0] * p.softness - speed[0] * p.inverse[0], 0.0);
+      const double d0 = push - p.impulse[0];
       // Friction in both directions at once, cut back to the circle of Coulomb's law: the bound
       // holds for its length, not for each direction, and is nil where the contact carries nothing.
-      double x = p.impulse[1] + p.rhs[1] - along(p, c, 1) * p.inverse[1];
-      double y = p.impulse[2] + p.rhs[2] - along(p, c, 2) * p.inverse[2];
+      double x = p.impulse[1] + p.rhs[1] - (speed[1] + p.coupling[0] * d0) * p.inverse[1];
+      double y = p.impulse[2] + p.rhs[2] - (speed[2] + p.coupling[1] * d0) * p.inverse[2];
       const double bound = p.friction * push, size2 = x * x + y * y;
       if (size2 > bound * bound) {
         const double scale = bound / std::sqrt(size2);
         x *= scale;
         y *= scale;
       }
-      apply(p, c, 1, x - p.impulse[1]);
-      apply(p, c, 2, y - p.impulse[2]);
+      const double d1 = x - p.impulse[1], d2 = y - p.impulse[2];
+      p.impulse[0] = push;
       p.impulse[1] = x;
       p.impulse[2] = y;
-      a.m_deltaLinearVelocity.setValue(c.va[0], c.va[1], c.va[2]);
-      a.m_deltaAngularVelocity.setValue(c.wa[0], c.wa[1], c.wa[2]);
-      b.m_deltaLinearVelocity.setValue(c.vb[0], c.vb[1], c.vb[2]);
-      b.m_deltaAngularVelocity.setValue(c.wb[0], c.wb[1], c.wb[2]);
+      for (int i = 0; i < 3; ++i) {
+        const double lin = p.direction[0][i] * d0 + p.direction[1][i] * d1 + p.direction[2][i] * d2;
+        va[i] += lin * p.inverse_mass_a;
+        vb[i] -= lin * p.inverse_mass_b;
+        wa[i] += p.turn_a[0][i] * d0 + p.turn_a[1][i] * d1 + p.turn_a[2][i] * d2;
+        wb[i] += p.turn_b[0][i] * d0 + p.turn_b[1][i] * d1 + p.turn_b[2][i] * d2;
+      }
     }
   }
 
@@ -322,8 +325,18 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
       }
     }
     if (gap > 0.0) return;
-    recovering_.push_back({index, inverse_mass, speed + gained});
+    if (speed + gained < -kImpactSpeed) {
+      // Stop it dead: softness is for loads.
+      row.m_rhs = -(speed + gained) * row.m_jacDiagABInv;
+      impacts_.push_back(index);
+      return;
+    }
     const double rate = kContactRate / dt;
+    // What the load of the last steps accounts for is no overlap to recover from.
+    const double sunk = point.m_prevRHS / dt * inverse_mass / (rate * rate);
+    if (-gap > kRestingShare * sunk + kNoOverlap) {
+      recovering_.push_back({index, inverse_mass, speed + gained});
+    }
     soften(row, inverse_mass, rate * rate / inverse_mass,
            2.0 * kContactDamping * rate / inverse_mass, gap, speed + gained, kFastestRecovery, dt);
   }
@@ -358,6 +371,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
   std::vector<Point> points_;
   std::vector<btVector3> old_friction_;
   std::vector<Recovering> recovering_;
+  std::vector<int> impacts_;
   std::size_t point_index_ = 0;
 };
 
