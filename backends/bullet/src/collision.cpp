@@ -250,6 +250,7 @@ void Collision::open(Pair& pair, std::vector<RigidBody>& bodies) {
   btCollisionObject* collider_b = bodies[static_cast<std::size_t>(b.body)].collider();
   pair.manifold = dispatcher_.getNewManifold(collider_a, collider_b);
   if (b.shape->type == ShapeType::plane || is_surface(b.shape->type)) return;
+  if (a.shape->type == ShapeType::sphere || b.shape->type == ShapeType::sphere) return;
   const btCollisionObjectWrapper wrap_a(nullptr, a.collision->shape.get(), collider_a, a.X_WC, -1, -1);
   const btCollisionObjectWrapper wrap_b(nullptr, b.collision->shape.get(), collider_b, b.X_WC, -1, -1);
   pair.algorithm =
@@ -299,6 +300,10 @@ void Collision::find_contacts(Pair& pair, std::vector<RigidBody>& bodies) {
     patch_.clear();
     surface_contacts(*a.shape, *a.collision, a.X_WC, *b.collision, b.X_WC, threshold, patch_,
                      scratch_);
+    patch_.commit(manifold, X_WA, X_WB, base);
+  } else if (pair.algorithm == nullptr) {
+    patch_.clear();
+    closest_contact(*a.collision, a.X_WC, *b.collision, b.X_WC, threshold, patch_);
     patch_.commit(manifold, X_WA, X_WB, base);
   } else {
     const btCollisionObjectWrapper wrap_a(nullptr, a.collision->shape.get(), collider_a, a.X_WC, -1, -1);

@@ -25,6 +25,8 @@ constexpr double kRestingShare = 3.0;
 constexpr double kNoOverlap = 1e-7;
 // Contacts that close faster than this are impacts [m/s].
 constexpr double kImpactSpeed = 0.03;
+// Surfaces this near at the end of a step have met, whatever rounding says [m].
+constexpr double kReached = 1e-9;
 
 /// Speed after a bounce, see StepSolver; negative when it would not leave the surface.
 double rebound(double gap, double approach, double acceleration, double e, double dt) {
@@ -317,7 +319,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
       soften(row, inverse_mass, stiffness, damping, gap, speed + gained, kNever, dt);
       return;
     }
-    if (e > 0.0 && speed < -settings_.bounce_threshold && gap + (speed + gained) * dt < 0.0) {
+    if (e > 0.0 && speed < -settings_.bounce_threshold && gap + (speed + gained) * dt < kReached) {
       const double wanted = rebound(gap, -speed, -gained / dt, e, dt);
       if (wanted > 0.0) {
         row.m_rhs = (wanted - speed - gained) * row.m_jacDiagABInv;
