@@ -308,24 +308,31 @@ void Stepper::conserve_momentum(double h) {
   const std::vector<FreeMomentum> start = momenta_;
   m.realize_velocity();
   measure_momenta();
+  // Impulses of contact, by component.
+  struct Gain {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  };
+  std::vector<Gain> gained(m.components().size());
+  for (const ContactRows& contact : set_.contacts) {
+    const int bodies[2] = {detector_.colliders()[std::size_t(contact.point.collider_a)].body,
+                           detector_.colliders()[std::size_t(contact.point.collider_b)].body};
+    for (int side = 0; side < 2; ++side) {
+      const int link = m.body_link(bodies[side]);
+      const int component = link < 0 ? -1 : m.links()[std::size_t(link)].component;
+      if (component < 0) continue;
+      const Vec3 impulse = (side == 0 ? -1.0 : 1.0) * impulse_of(contact);
+      gained[std::size_t(component)].linear += impulse;
+      gained[std::size_t(component)].angular += contact.point.point.cross(impulse);
+    }
+  }
   for (std::size_t i = 0; i < momenta_.size(); ++i) {
     const FreeMomentum& end = momenta_[i];
     if (untouched_[std::size_t(end.component)]) continue;
     const Vec3 weight = h * end.mass * model_.physics.gravity;
     Vec3 linear = start[i].linear + weight - end.linear;
     Vec3 angular = start[i].angular + (0.5 * (start[i].com + end.com)).cross(weight) - end.angular;
-    for (const ContactRows& contact : set_.contacts) {
-      const int bodies[2] = {
-          detector_.colliders()[std::size_t(contact.point.collider_a)].body,
-          detector_.colliders()[std::size_t(contact.point.collider_b)].body};
-      for (int side = 0; side < 2; ++side) {
-        const int link = m.body_link(bodies[side]);
-        if (link < 0 || m.links()[std::size_t(link)].component != end.component) continue;
-        const Vec3 impulse = (side == 0 ? -1.0 : 1.0) * impulse_of(contact);
-        linear += impulse;
-        angular += contact.point.point.cross(impulse);
-      }
-    }
+    linear += gained[std::size_t(end.component)].linear;
+    angular += gained[std::size_t(end.component)].angular;
     const Vec3 omega = end.inertia.ldlt().solve(angular - end.com.cross(linear));
     const Link& base = m.links()[std::size_t(
         m.components()[std::size_t(end.component)].links[0])];
