@@ -326,7 +326,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
         return;
       }
     }
-    if (gap > 0.0) return;
+    if (gap > kReached) return;
     if (speed + gained < -kImpactSpeed) {
       // Stop it dead: softness is for loads.
       row.m_rhs = -(speed + gained) * row.m_jacDiagABInv;
