@@ -117,7 +117,7 @@ Vec3 RowBuilder::point_velocity(int link, const Vec3& point) const {
   return from_simtk(V[1]) + from_simtk(V[0]).cross(arm);
 }
 
-void RowBuilder::add_side(Row& row, int component, int link, const Vec3& point,
+void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
                           const Vec3& direction, double sign) {
   Component& c = mechanism_.components()[std::size_t(component)];
   if (c.size() == 0) return;
@@ -133,7 +133,8 @@ void RowBuilder::add_side(Row& row, int component, int link, const Vec3& point,
     side.w = side.j + std::size_t(side.size);
     set_.pool.resize(side.w + std::size_t(side.size), 0.0);
   }
-  const Spatial wrench{(point - c.origin).cross(direction), direction};
+  const Spatial wrench = point ? Spatial{(*point - c.origin).cross(direction), direction}
+                               : Spatial{direction, Vec3::Zero()};
   const int place = c.lone ? 0 : c.find(link);
   fill_row(c, place, wrench, sign, &set_.pool[row.side[row.sides - 1].j]);
 }
@@ -158,10 +159,26 @@ Row& RowBuilder::add_point_row(int link_a, int link_b, const Vec3& point, const 
   const std::vector<Link>& links = mechanism_.links();
   const int ca = link_a < 0 ? -1 : links[std::size_t(link_a)].component;
   const int cb = link_b < 0 ? -1 : links[std::size_t(link_b)].component;
-  if (ca >= 0) add_side(row, ca, link_a, point, direction, -1.0);
-  if (cb >= 0) add_side(row, cb, link_b, point, direction, 1.0);
+  if (ca >= 0) add_side(row, ca, link_a, &point, direction, -1.0);
+  if (cb >= 0) add_side(row, cb, link_b, &point, direction, 1.0);
   row.now = direction.dot(point_velocity(link_b, point) - point_velocity(link_a, point));
   finish_row(row);
+  return row;
+}
+
+Row& RowBuilder::add_twist_row(int link_a, int link_b, const Vec3& axis) {
+  set_.rows.emplace_back();
+  Row& row = set_.rows.back();
+  for (int side = 0; side < 2; ++side) {
+    const int index = side == 0 ? link_a : link_b;
+    if (index < 0) continue;
+    const Link& link = mechanism_.links()[std::size_t(index)];
+    const double sign = side == 0 ? -1.0 : 1.0;
+    if (link.component >= 0) add_side(row, link.component, index, nullptr, axis, sign);
+    row.now += sign * axis.dot(from_simtk(link.mobod.getBodyAngularVelocity(mechanism_.state)));
+  }
+  finish_row(row);
+  row.inverse_diagonal = row.diagonal > 0.0 ? 1.0 / row.diagonal : 0.0;
   return row;
 }
 
@@ -316,7 +333,7 @@ void RowBuilder::add_law(const StepContext& context, const AxisLaw& law) {
 }
 
 void RowBuilder::add_contact(const StepContext& context, const ContactPoint& point, int body_a,
-                             int body_b, const SurfacePair& surface) {
+                             int body_b, const SurfacePair& surface, const Line& line) {
   const int link_a = mechanism_.body_link(body_a), link_b = mechanism_.body_link(body_b);
   ContactRows contact;
   contact.first = int(set_.rows.size());
@@ -342,9 +359,20 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   aim_unilateral(context, approach, row);
   if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
   row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
-  if (contact.friction > 0.0) {
+  const int index = int(set_.contacts.size());
+  Vec3 at = point.point;
+  if (line.other) {
+    contact.kind = line.second ? FrictionKind::twist : FrictionKind::patch;
+    contact.partner = line.second ? index - 1 : index + 1;
+    at = 0.5 * (point.point + line.other->point);
+    // A load spread evenly along the line: the mean distance from its middle.
+    contact.lever = 0.25 * (point.point - line.other->point).norm();
+  }
+  if (contact.friction > 0.0 && contact.kind == FrictionKind::twist) {
+    add_twist_row(link_a, link_b, n);
+  } else if (contact.friction > 0.0) {
     for (const Vec3& t : {contact.tangent1, contact.tangent2})
-      add_point_row(link_a, link_b, point.point, t);
+      add_point_row(link_a, link_b, at, t);
     // One step length for both: else the impulse at the bound would not oppose the sliding.
     Row* const rows = &set_.rows[std::size_t(contact.first)];
     const double most = std::max(rows[1].diagonal, rows[2].diagonal);

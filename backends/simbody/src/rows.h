@@ -47,10 +47,20 @@ struct Row {
   int slot = -1;          ///< of the warm-start memory
 };
 
-/// Three rows: normal, then two tangents, with |lambda_t| <= friction lambda_n.
+/// How the friction of a contact point is made up.
+enum class FrictionKind {
+  point,  ///< two tangents at the point, |lambda_t| <= friction lambda_n
+  patch,  ///< first of the two points of a line: two tangents in the middle, bounded by both loads
+  twist   ///< second of the two: one row against turning about the normal
+};
+
+/// Rows of one point: the normal, then those of its friction, if there is any.
 struct ContactRows {
   int first = 0;
   double friction = 0.0;
+  FrictionKind kind = FrictionKind::point;
+  int partner = -1;       ///< contact with the other point of the line; patch and twist only
+  double lever = 0.0;     ///< twist: torque per load and friction [m]
   ContactPoint point;
   Vec3 tangent1 = Vec3::Zero(), tangent2 = Vec3::Zero();
 };
@@ -132,9 +142,14 @@ class RowBuilder {
   /// Adds the joints' rows: limits about to be reached, friction, implicit laws.
   void add_joint_rows(const StepContext& context, const std::vector<AxisLaw>& laws);
 
-  /// Adds the rows of one contact between two bodies of the model.
+  /// Adds the rows of one contact between two bodies of the model. `line`: the pair touches along a
+  /// line of which this is one end, `other` the other, and `second` tells that the other went before.
+  struct Line {
+    const ContactPoint* other = nullptr;
+    bool second = false;
+  };
   void add_contact(const StepContext& context, const ContactPoint& point, int body_a, int body_b,
-                   const SurfacePair& surface);
+                   const SurfacePair& surface, const Line& line);
 
   /// Place in the warm-start memory; `index`: flat speed index, or motor.
   static int slot_of(const SceneModel& model, SlotKind kind, int index);
@@ -143,8 +158,10 @@ class RowBuilder {
  private:
   Row& add_axis_row(int component, int local, double sign);
   Row& add_point_row(int link_a, int link_b, const Vec3& point, const Vec3& direction);
-  void add_side(Row& row, int component, int link, const Vec3& point, const Vec3& direction,
+  // Velocity along `direction` of the body's point, or, without a point, spin about it.
+  void add_side(Row& row, int component, int link, const Vec3* point, const Vec3& direction,
                 double sign);
+  Row& add_twist_row(int link_a, int link_b, const Vec3& axis);
   void finish_row(Row& row);
   double along_speeds(const Row& row, const SimTK::Vector& u) const;
   Vec3 point_velocity(int link, const Vec3& point) const;

@@ -25,8 +25,15 @@ double relax_contact(RowSet& set, const ContactRows& contact, double* dv) {
   double change = relax(set, normal, 0.0, normal.high, dv);
   if (contact.friction <= 0.0) return change;
   Row& t1 = set.rows[std::size_t(contact.first + 1)];
+  double load = normal.lambda;
+  if (contact.partner >= 0)
+    load += set.rows[std::size_t(set.contacts[std::size_t(contact.partner)].first)].lambda;
+  const double bound = contact.friction * load;
+  if (contact.kind == FrictionKind::twist) {
+    const double most = contact.lever * bound;
+    return std::max(change, relax(set, t1, -most, most, dv));
+  }
   Row& t2 = set.rows[std::size_t(contact.first + 2)];
-  const double bound = contact.friction * normal.lambda;
   if (bound <= 0.0 && t1.lambda == 0.0 && t2.lambda == 0.0) return change;
   double l1 = t1.lambda - (t1.now + set.along(t1, dv)) * t1.inverse_diagonal;
   double l2 = t2.lambda - (t2.now + set.along(t2, dv)) * t2.inverse_diagonal;

@@ -118,6 +118,28 @@ void Stepper::detect() {
   detector_.detect(points_);
 }
 
+RowBuilder::Line Stepper::find_line(std::size_t index) const {
+  const auto pair_with = [&](std::size_t other) {
+    return other < points_.size() && points_[other].collider_a == points_[index].collider_a &&
+           points_[other].collider_b == points_[index].collider_b;
+  };
+  const auto round = [&](int collider) {
+    const ShapeType type = detector_.colliders()[std::size_t(collider)].type;
+    return type == ShapeType::cylinder || type == ShapeType::capsule;
+  };
+  RowBuilder::Line line;
+  if (!round(points_[index].collider_a) && !round(points_[index].collider_b)) return line;
+  const bool before = pair_with(index - 1), after = pair_with(index + 1);
+  if (before == after || (before && pair_with(index - 2)) || (after && pair_with(index + 2)))
+    return line;
+  // A line lies across the normal; two ends of a pair with different normals are no line.
+  const ContactPoint& other = points_[before ? index - 1 : index + 1];
+  if (other.normal.dot(points_[index].normal) < 0.9999) return line;
+  line.other = &other;
+  line.second = before;
+  return line;
+}
+
 bool Stepper::build_rows(double h) {
   StepContext context;
   context.h = h;
@@ -131,11 +153,13 @@ bool Stepper::build_rows(double h) {
   builder.add_joint_rows(context, laws_);
   const std::vector<Collider>& colliders = detector_.colliders();
   const std::size_t materials = model_.materials.size();
-  for (const ContactPoint& point : points_) {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const ContactPoint& point = points_[i];
     const Collider& a = colliders[std::size_t(point.collider_a)];
     const Collider& b = colliders[std::size_t(point.collider_b)];
     builder.add_contact(context, point, a.body, b.body,
-                        surfaces_[std::size_t(a.material) * materials + std::size_t(b.material)]);
+                        surfaces_[std::size_t(a.material) * materials + std::size_t(b.material)],
+                        find_line(i));
   }
   std::fill(untouched_.begin(), untouched_.end(), 1);
   for (const Row& row : set_.rows)
@@ -349,9 +373,19 @@ void Stepper::conserve_momentum(double h) {
 Vec3 Stepper::impulse_of(const ContactRows& contact) const {
   const Row* const rows = &set_.rows[std::size_t(contact.first)];
   Vec3 impulse = rows[0].lambda * contact.point.normal;
-  if (contact.friction > 0.0)
-    impulse += rows[1].lambda * contact.tangent1 + rows[2].lambda * contact.tangent2;
-  return impulse;
+  if (contact.friction <= 0.0) return impulse;
+  if (contact.kind == FrictionKind::point)
+    return impulse + rows[1].lambda * contact.tangent1 + rows[2].lambda * contact.tangent2;
+  // Friction of a line as forces at its two ends: half of what slides each, and the twist as a couple.
+  const ContactRows& partner = set_.contacts[std::size_t(contact.partner)];
+  const bool second = contact.kind == FrictionKind::twist;
+  const ContactRows& patch = second ? partner : contact;
+  const ContactRows& twist = second ? contact : partner;
+  const Row* const slide = &set_.rows[std::size_t(patch.first)];
+  impulse += 0.5 * (slide[1].lambda * patch.tangent1 + slide[2].lambda * patch.tangent2);
+  const Vec3 r = contact.point.point - partner.point.point;
+  const double couple = set_.rows[std::size_t(twist.first + 1)].lambda;
+  return impulse + couple / std::max(r.squaredNorm(), 1e-18) * contact.point.normal.cross(r);
 }
 
 void Stepper::warm_start(double h) {
@@ -361,6 +395,7 @@ void Stepper::warm_start(double h) {
       if (row.slot >= 0)
         row.lambda = std::clamp(h * memory.efforts[std::size_t(row.slot)], row.low, row.high);
   }
+  warm_.assign(set_.contacts.size(), Vec3::Zero());
   std::size_t at = 0;
   static thread_local std::vector<char> taken;
   taken.assign(memory.contacts.size(), 0);
@@ -386,10 +421,23 @@ void Stepper::warm_start(double h) {
     }
     if (best == memory.contacts.size()) continue;
     taken[best] = 1;
-    const Vec3 impulse = h * memory.contacts[best].force;
+    warm_[std::size_t(&contact - set_.contacts.data())] = h * memory.contacts[best].force;
+  }
+  for (std::size_t i = 0; i < set_.contacts.size(); ++i) {
+    const ContactRows& contact = set_.contacts[i];
     Row* const rows = &set_.rows[std::size_t(contact.first)];
-    rows[0].lambda = std::max(impulse.dot(point.normal), 0.0);
+    rows[0].lambda = std::max(warm_[i].dot(contact.point.normal), 0.0);
     if (contact.friction <= 0.0) continue;
+    Vec3 impulse = warm_[i];
+    if (contact.kind != FrictionKind::point) {
+      const std::size_t partner = std::size_t(contact.partner);
+      if (contact.kind == FrictionKind::twist) {
+        const Vec3 arm = 0.5 * (contact.point.point - set_.contacts[partner].point.point);
+        rows[1].lambda = contact.point.normal.dot(arm.cross(warm_[i] - warm_[partner]));
+        continue;
+      }
+      impulse += warm_[partner];
+    }
     rows[1].lambda = impulse.dot(contact.tangent1);
     rows[2].lambda = impulse.dot(contact.tangent2);
   }
@@ -434,7 +482,7 @@ void Stepper::remember(double h) {
     if (row.slot >= 0) memory.efforts[std::size_t(row.slot)] = row.lambda / h;
   for (const ContactRows& contact : set_.contacts) {
     const Row* const rows = &set_.rows[std::size_t(contact.first)];
-    if (rows[0].lambda <= 0.0) continue;
+    if (rows[0].lambda <= 0.0 && contact.kind == FrictionKind::point) continue;
     StepMemory::WarmContact w;
     w.collider_a = contact.point.collider_a;
     w.collider_b = contact.point.collider_b;

@@ -77,6 +77,8 @@ class Stepper {
   void detect();
   // At the middle of the step. False when no row came out of it.
   bool build_rows(double h);
+  // The line, if any, that a point of points_ is an end of: of a cylinder or capsule on its side.
+  RowBuilder::Line find_line(std::size_t index) const;
   // Momentum of what floats free is kept to rounding, see README; the state is at the end.
   void conserve_momentum(double h);
   void measure_momenta();
@@ -108,6 +110,7 @@ class Stepper {
   RowSet set_;
   std::vector<char> untouched_;  ///< (ncomponent): no row concerns it in this step
   std::vector<FreeMomentum> momenta_;
+  std::vector<Vec3> warm_;       ///< impulses to start from, by contact
   std::vector<ContactPoint> points_;
   std::vector<double> margins_;  ///< (nlink)
   SimTK::Vector q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_,
