@@ -65,7 +65,7 @@ TEST_CASE("a robot from a prototype", "[dsl][expand]") {
   CHECK(near(model->lights.at(0).X_WL.q * Vec3::UnitX(), Vec3(0.3, 0.2, -1).normalized()));
 }
 
-TEST_CASE("--set replaces a parameter's default and is checked like it", "[dsl][expand]") {
+TEST_CASE("a value set from outside replaces a parameter's default and is checked like it", "[dsl][expand]") {
   dsl::CompileOptions options;
   options.set_parameters["wheel_r"] = "5 cm";
   CHECK(near(body(*compile_scene(kRobot, options), "bot.robot.chassis").X_WB.p, {1, 0, 0.05}));
