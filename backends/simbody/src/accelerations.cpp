@@ -53,7 +53,8 @@ void Accelerations::compute(const std::vector<AxisLaw>& laws, SimTK::Vector& udo
   for (Component& c : m.components()) {
     update_component(m, c);
     local_.resize(std::size_t(c.size()));
-    for (int k = 0; k < c.size(); ++k) local_[std::size_t(k)] = -residual_[c.speeds[std::size_t(k)]];
+    for (int k = 0; k < c.size(); ++k)
+      local_[std::size_t(k)] = -residual_[c.speeds[std::size_t(k)]];
     solve_mass(c, local_.data());
     for (int k = 0; k < c.size(); ++k) udot[c.speeds[std::size_t(k)]] = local_[std::size_t(k)];
   }

@@ -10,13 +10,12 @@
 namespace cogrsim::simbody {
 namespace {
 
-constexpr ShapeType kShapes[] = {ShapeType::box,         ShapeType::sphere, ShapeType::cylinder,
-                                 ShapeType::capsule,     ShapeType::plane,  ShapeType::convex_mesh,
-                                 ShapeType::mesh,        ShapeType::heightmap};
-constexpr JointType kJoints[] = {JointType::fixed,       JointType::hinge,     JointType::slider,
-                                 JointType::screw,       JointType::cylindrical,
-                                 JointType::universal,   JointType::planar,    JointType::ball,
-                                 JointType::free};
+constexpr ShapeType kShapes[] = {ShapeType::box,     ShapeType::sphere,   ShapeType::cylinder,
+                                 ShapeType::capsule, ShapeType::plane,    ShapeType::convex_mesh,
+                                 ShapeType::mesh,    ShapeType::heightmap};
+constexpr JointType kJoints[] = {JointType::fixed,  JointType::hinge,       JointType::slider,
+                                 JointType::screw,  JointType::cylindrical, JointType::universal,
+                                 JointType::planar, JointType::ball,        JointType::free};
 
 bool is_open(ShapeType type) {
   return type == ShapeType::plane || type == ShapeType::mesh || type == ShapeType::heightmap;
@@ -147,5 +146,6 @@ Result<> check_scene(const SceneModel& model) {
 }  // namespace cogrsim::simbody
 
 using cogrsim::simbody::SimbodyBackend;
-COGRSIM_BACKEND(SimbodyBackend, "simbody", version("0.1.0"), author("CogRSim"),
-                summary("Simbody: reduced coordinates, time stepping with exact friction and limits"))
+COGRSIM_BACKEND(
+    SimbodyBackend, "simbody", version("0.1.0"), author("CogRSim"),
+    summary("Simbody: reduced coordinates, time stepping with exact friction and limits"))

@@ -63,7 +63,8 @@ std::vector<AxisLaw> make_laws(const Mechanism& mechanism) {
   }
   for (std::size_t m = 0; m < model.motors.size(); ++m) {
     const Motor& motor = model.motors[m];
-    if (motor.removed || motor.joint < 0 || model.joints[std::size_t(motor.joint)].removed) continue;
+    if (motor.removed || motor.joint < 0 || model.joints[std::size_t(motor.joint)].removed)
+      continue;
     if (mechanism.joint_link(motor.joint) < 0) continue;
     AxisLaw law;
     law.joint = motor.joint;

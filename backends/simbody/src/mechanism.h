@@ -13,8 +13,8 @@
 namespace cogrsim::simbody {
 
 /// A mobilized body. Simbody's body frame is the model's body frame; a base moves in its centre of
-/// mass (kinematic: in its origin), so that its generalized speeds are angular velocity and velocity
-/// of that point, in world axes.
+/// mass (kinematic: in its origin), so that its generalized speeds are angular velocity and
+/// velocity of that point, in world axes.
 struct Link {
   PlannedLink plan;
   bool kinematic = false;
@@ -22,7 +22,7 @@ struct Link {
   int first_q = 0, nq = 0, first_u = 0, nu = 0;
   std::array<int, 7> q_map{};  ///< q_map[i]: place, among the mobilizer's q, of the model's q_i
   std::array<int, 6> u_map{};
-  double mass = 0.0;  ///< its share
+  double mass = 0.0;                ///< its share
   Vec3 com = Vec3::Zero();          ///< body frame
   Mat3 inertia = Mat3::Identity();  ///< its share, about com, body axes
   int component = -1;               ///< -1: kinematic

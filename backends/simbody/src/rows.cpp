@@ -236,7 +236,8 @@ void RowBuilder::add_limits(const StepContext& context, int joint_index) {
     for (int end = 0; end < 2; ++end) {
       const double gap = end == 0 ? q - axis.lower : axis.upper - q;
       if (!(gap < reach)) continue;
-      const int component = mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
+      const int component =
+          mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
       Row& row = add_axis_row(component, local_of(component, speed), end == 0 ? 1.0 : -1.0);
       const double h = context.h;
       Approach approach;
@@ -257,15 +258,15 @@ void RowBuilder::add_ball_limit(const StepContext& context, int joint_index) {
   const JointAxis& axis = joint.axes[0];
   if (!std::isfinite(axis.upper)) return;
   const SimTK::State& state = mechanism_.state;
-  const Vec3 rotation =
-      rotation_vector(state.getQ(), mechanism_.axis_position(joint_index, 0));
+  const Vec3 rotation = rotation_vector(state.getQ(), mechanism_.axis_position(joint_index, 0));
   const double angle = rotation.norm();
   const int first = mechanism_.axis_speed(joint_index, 0);
   const Vec3 u(state.getU()[first], state.getU()[first + 1], state.getU()[first + 2]);
   const double gap = axis.upper - angle;
   if (gap > kTouching * 10.0 + 2.0 * context.h * u.norm() || angle < 1e-9) return;
   const Vec3 direction = -rotation / angle;
-  const int component = mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
+  const int component =
+      mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
   Row& row = add_axis_row(component, -1, 1.0);
   const int local = local_of(component, first);
   for (int k = 0; k < 3; ++k) set_.pool[row.side[0].j + std::size_t(local + k)] = direction[k];
@@ -285,7 +286,8 @@ void RowBuilder::add_friction(const StepContext& context, int joint_index) {
   const Joint& joint = mechanism_.model().joints[std::size_t(joint_index)];
   const bool ball = joint.type == JointType::ball;
   const int count = ball ? 3 : int(joint.axes.size());
-  const int component = mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
+  const int component =
+      mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
   if (ball && joint.axes[0].friction > 0.0)
     set_.balls.push_back({int(set_.rows.size()), joint.axes[0].friction * context.h});
   for (int a = 0; a < count; ++a) {
@@ -371,8 +373,7 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   if (contact.friction > 0.0 && contact.kind == FrictionKind::twist) {
     add_twist_row(link_a, link_b, n);
   } else if (contact.friction > 0.0) {
-    for (const Vec3& t : {contact.tangent1, contact.tangent2})
-      add_point_row(link_a, link_b, at, t);
+    for (const Vec3& t : {contact.tangent1, contact.tangent2}) add_point_row(link_a, link_b, at, t);
     // One step length for both: else the impulse at the bound would not oppose the sliding.
     Row* const rows = &set_.rows[std::size_t(contact.first)];
     const double most = std::max(rows[1].diagonal, rows[2].diagonal);

@@ -19,7 +19,8 @@ struct RowSide {
   std::size_t w = 0;
 };
 
-/// J v + gamma lambda = target, with low <= lambda <= high; v is the velocity at the end of the step.
+/// J v + gamma lambda = target, with low <= lambda <= high; v is the velocity at the end of the
+/// step.
 struct Row {
   RowSide side[2];
   int sides = 0;
@@ -30,21 +31,21 @@ struct Row {
   double target = 0.0;
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
-  double lambda = 0.0;    ///< impulse [N s] or [N m s]
+  double lambda = 0.0;  ///< impulse [N s] or [N m s]
 
   // Position stage: the gap at the end of the step is `gap` + J (h/2 dv + p), p a displacement.
   bool has_gap = false;
-  bool pull = false;      ///< brought to `gap_target` from above, too, when it pressed
+  bool pull = false;  ///< brought to `gap_target` from above, too, when it pressed
   double gap = 0.0;
   double gap_target = 0.0;
-  double push = 0.0;      ///< impulse-like multiplier of the displacement
-  double settled = 0.0;   ///< what the displacement adds to the gap
+  double push = 0.0;     ///< impulse-like multiplier of the displacement
+  double settled = 0.0;  ///< what the displacement adds to the gap
 
   // A joint's rows: where efforts and warm starts are kept.
-  int effort = -1;        ///< flat speed index
+  int effort = -1;  ///< flat speed index
   double effort_sign = 1.0;
   int motor = -1;
-  int slot = -1;          ///< of the warm-start memory
+  int slot = -1;  ///< of the warm-start memory
 };
 
 /// How the friction of a contact point is made up.
@@ -59,8 +60,8 @@ struct ContactRows {
   int first = 0;
   double friction = 0.0;
   FrictionKind kind = FrictionKind::point;
-  int partner = -1;       ///< contact with the other point of the line; patch and twist only
-  double lever = 0.0;     ///< twist: torque per load and friction [m]
+  int partner = -1;    ///< contact with the other point of the line; patch and twist only
+  double lever = 0.0;  ///< twist: torque per load and friction [m]
   ContactPoint point;
   Vec3 tangent1 = Vec3::Zero(), tangent2 = Vec3::Zero();
 };
@@ -74,7 +75,7 @@ struct BallFriction {
 /// Limit of a ball joint: its effort has three components.
 struct BallLimit {
   int row = 0;
-  int effort = 0;         ///< the first of three
+  int effort = 0;  ///< the first of three
   Vec3 direction = Vec3::Zero();
 };
 
@@ -84,8 +85,8 @@ enum class SlotKind { lower_limit, upper_limit, friction, passive, motor };
 class RowSet {
  public:
   void clear();
-  std::vector<Row> rows;          ///< all
-  std::vector<int> scalars;       ///< joints' rows, solved one by one
+  std::vector<Row> rows;     ///< all
+  std::vector<int> scalars;  ///< joints' rows, solved one by one
   std::vector<BallFriction> balls;
   std::vector<BallLimit> ball_limits;
   std::vector<ContactRows> contacts;
@@ -116,7 +117,7 @@ class RowSet {
 
 /// What the rows of a step are made from. All at the middle of the step.
 struct StepContext {
-  double h = 0.0;                ///< length of the step [s]
+  double h = 0.0;  ///< length of the step [s]
   double bounce_threshold = 0.05;
   const SimTK::Vector* start_udot = nullptr;  ///< estimate that led to the middle
   const SimTK::Vector* udot = nullptr;        ///< smooth, at the middle
@@ -126,8 +127,8 @@ struct StepContext {
 
 /// Gap and speed along a unilateral row, and what the step shall make of them.
 struct Approach {
-  double gap = 0.0;       ///< at the start [m]
-  double speed = 0.0;     ///< its rate at the start, bodies apart when positive [m/s]
+  double gap = 0.0;           ///< at the start [m]
+  double speed = 0.0;         ///< its rate at the start, bodies apart when positive [m/s]
   double acceleration = 0.0;  ///< of the smooth motion [m/s^2]
   double restitution = 0.0;
 };
@@ -143,7 +144,8 @@ class RowBuilder {
   void add_joint_rows(const StepContext& context, const std::vector<AxisLaw>& laws);
 
   /// Adds the rows of one contact between two bodies of the model. `line`: the pair touches along a
-  /// line of which this is one end, `other` the other, and `second` tells that the other went before.
+  /// line of which this is one end, `other` the other, and `second` tells that the other went
+  /// before.
   struct Line {
     const ContactPoint* other = nullptr;
     bool second = false;

@@ -12,7 +12,8 @@ namespace {
 
 template <class T>
 void copy_entries(const std::vector<T>& from, std::size_t first, int count, std::vector<T>& to) {
-  for (std::size_t i = first; i < first + std::size_t(count) && i < from.size(); ++i) to[i] = from[i];
+  for (std::size_t i = first; i < first + std::size_t(count) && i < from.size(); ++i)
+    to[i] = from[i];
 }
 
 bool all_finite(const std::vector<double>& values) {
@@ -27,11 +28,13 @@ Result<> check_state(const SceneModel& model, const WorldState& s) {
   };
   if (auto r = sized("poses", s.poses.size(), model.bodies.size()); !r) return r;
   if (auto r = sized("twists", s.twists.size(), model.bodies.size()); !r) return r;
-  if (auto r = sized("joint positions", s.joint_positions.size(),
-                     std::size_t(model.joint_positions)); !r)
+  if (auto r =
+          sized("joint positions", s.joint_positions.size(), std::size_t(model.joint_positions));
+      !r)
     return r;
-  if (auto r = sized("joint velocities", s.joint_velocities.size(),
-                     std::size_t(model.joint_speeds)); !r)
+  if (auto r =
+          sized("joint velocities", s.joint_velocities.size(), std::size_t(model.joint_speeds));
+      !r)
     return r;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (model.bodies[b].removed) continue;
@@ -86,16 +89,15 @@ void SimbodyWorld::get_state(WorldState& out) const {
     const Joint& joint = model.joints[j];
     const int link = m.joint_link(int(j));
     if (link >= 0) {
-      m.get_joint(m.links()[std::size_t(link)],
-                  out.joint_positions.data() + joint.position_offset,
+      m.get_joint(m.links()[std::size_t(link)], out.joint_positions.data() + joint.position_offset,
                   out.joint_velocities.data() + joint.speed_offset);
     } else if (joint.removed &&
                gone.joint_positions.size() >=
                    std::size_t(joint.position_offset + position_count(joint.type))) {
       copy_entries(gone.joint_positions, std::size_t(joint.position_offset),
                    position_count(joint.type), out.joint_positions);
-      copy_entries(gone.joint_velocities, std::size_t(joint.speed_offset),
-                   speed_count(joint.type), out.joint_velocities);
+      copy_entries(gone.joint_velocities, std::size_t(joint.speed_offset), speed_count(joint.type),
+                   out.joint_velocities);
     } else {
       fill_unmoved_joint(j, out);
     }
@@ -190,9 +192,10 @@ void SimbodyWorld::carry_over(const Engine& from, const WorldState& before) {
     const std::size_t body = std::size_t(link.plan.body);
     if (body >= old_bodies || old_model.bodies[body].removed) continue;
     // The same mobilizer as before: bit for bit.
-    const int old_index = link.plan.joint >= 0 && std::size_t(link.plan.joint) < old_model.joints.size()
-                              ? old.joint_link(link.plan.joint)
-                              : (link.plan.joint < 0 ? old.body_link(int(body)) : -1);
+    const int old_index =
+        link.plan.joint >= 0 && std::size_t(link.plan.joint) < old_model.joints.size()
+            ? old.joint_link(link.plan.joint)
+            : (link.plan.joint < 0 ? old.body_link(int(body)) : -1);
     const Link* const was = old_index < 0 ? nullptr : &old.links()[std::size_t(old_index)];
     if (was && was->plan.joint == link.plan.joint && was->plan.reversed == link.plan.reversed &&
         was->plan.body == link.plan.body) {
@@ -216,22 +219,22 @@ void SimbodyWorld::carry_over(const Engine& from, const WorldState& before) {
     }
     // A new joint on an old body: what the bodies' places make of it.
     const auto pose = [&](int b) {
-      return b < 0 ? Pose()
-                   : std::size_t(b) < old_bodies ? before.poses[std::size_t(b)]
-                                                 : model.bodies[std::size_t(b)].X_WB;
+      return b < 0                         ? Pose()
+             : std::size_t(b) < old_bodies ? before.poses[std::size_t(b)]
+                                           : model.bodies[std::size_t(b)].X_WB;
     };
     const auto twist = [&](int b) {
-      return b < 0 ? Twist()
-                   : std::size_t(b) < old_bodies ? before.twists[std::size_t(b)]
-                                                 : model.bodies[std::size_t(b)].V_WB;
+      return b < 0                         ? Twist()
+             : std::size_t(b) < old_bodies ? before.twists[std::size_t(b)]
+                                           : model.bodies[std::size_t(b)].V_WB;
     };
     std::vector<double> q(std::size_t(position_count(joint.type)));
     std::vector<double> u(std::size_t(speed_count(joint.type)));
     const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
     joint_position(joint, X_FM, nullptr, q.data());
     joint_velocity(joint, X_FM,
-                   relative_twist(joint, pose(joint.parent), twist(joint.parent),
-                                  pose(joint.child), twist(joint.child)),
+                   relative_twist(joint, pose(joint.parent), twist(joint.parent), pose(joint.child),
+                                  twist(joint.child)),
                    q.data(), u.data());
     m.set_joint(link, q.data(), u.data());
   }
@@ -249,8 +252,8 @@ void SimbodyWorld::carry_over(const Engine& from, const WorldState& before) {
   if (!was.memory.efforts.empty()) {
     stepper.memory.efforts.assign(std::size_t(RowBuilder::slot_count(model)), 0.0);
     for (int kind = 0; kind <= int(SlotKind::motor); ++kind) {
-      const int count = kind == int(SlotKind::motor) ? int(old_model.motors.size())
-                                                     : old_model.joint_speeds;
+      const int count =
+          kind == int(SlotKind::motor) ? int(old_model.motors.size()) : old_model.joint_speeds;
       for (int i = 0; i < count; ++i)
         stepper.memory.efforts[std::size_t(RowBuilder::slot_of(model, SlotKind(kind), i))] =
             was.memory.efforts[std::size_t(RowBuilder::slot_of(old_model, SlotKind(kind), i))];

@@ -79,8 +79,7 @@ void Stepper::advance(double dt, const std::vector<Drive>& drives,
   if (mechanism_.state.getNU() == 0) return;
   for (int i = 0; i < options_.substeps; ++i) move(dt / options_.substeps);
   std::stable_sort(records.begin(), records.end(), [](const auto& a, const auto& b) {
-    return a.collider_a != b.collider_a ? a.collider_a < b.collider_a
-                                        : a.collider_b < b.collider_b;
+    return a.collider_a != b.collider_a ? a.collider_a < b.collider_a : a.collider_b < b.collider_b;
   });
 }
 
@@ -102,7 +101,8 @@ void Stepper::measure_speeds(double h) {
     const double reach = detector_.reach(link.plan.body);
     if (link.plan.ghost || reach == 0.0) continue;
     const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(mechanism_.state);
-    margins_[i] = kWatch + fall + h * (V[1].norm() + (std::isfinite(reach) ? reach * V[0].norm() : 0));
+    margins_[i] =
+        kWatch + fall + h * (V[1].norm() + (std::isfinite(reach) ? reach * V[0].norm() : 0));
   }
 }
 
@@ -206,7 +206,8 @@ void Stepper::move(double h) {
   // Mechanisms that nothing concerns are integrated as if the rest were not there.
   bool apart = false;
   for (const Component& c : m.components())
-    apart = apart || (untouched_[std::size_t(&c - m.components().data())] && !c.lone && c.size() > 0);
+    apart =
+        apart || (untouched_[std::size_t(&c - m.components().data())] && !c.lone && c.size() > 0);
   apart = apart && options_.scheme != Scheme::midpoint;
   if (!apart) std::fill(untouched_.begin(), untouched_.end(), 0);
   solve_rows(h);
@@ -318,11 +319,12 @@ void Stepper::measure_momenta() {
       f.com += link.mass * p;
       f.linear += momentum;
       f.angular += inertia * omega + p.cross(momentum);
-      about_origin += inertia + link.mass * (p.squaredNorm() * Mat3::Identity() - p * p.transpose());
+      about_origin +=
+          inertia + link.mass * (p.squaredNorm() * Mat3::Identity() - p * p.transpose());
     }
     f.com /= f.mass;
-    f.inertia = about_origin - f.mass * (f.com.squaredNorm() * Mat3::Identity() -
-                                         f.com * f.com.transpose());
+    f.inertia = about_origin -
+                f.mass * (f.com.squaredNorm() * Mat3::Identity() - f.com * f.com.transpose());
   }
 }
 
@@ -358,8 +360,7 @@ void Stepper::conserve_momentum(double h) {
     linear += gained[std::size_t(end.component)].linear;
     angular += gained[std::size_t(end.component)].angular;
     const Vec3 omega = end.inertia.ldlt().solve(angular - end.com.cross(linear));
-    const Link& base = m.links()[std::size_t(
-        m.components()[std::size_t(end.component)].links[0])];
+    const Link& base = m.links()[std::size_t(m.components()[std::size_t(end.component)].links[0])];
     const Vec3 at = m.placement(base) * base.com;
     const Vec3 v = linear / end.mass + omega.cross(at - end.com);
     double* const u = &m.state.updU()[base.first_u];
@@ -376,7 +377,8 @@ Vec3 Stepper::impulse_of(const ContactRows& contact) const {
   if (contact.friction <= 0.0) return impulse;
   if (contact.kind == FrictionKind::point)
     return impulse + rows[1].lambda * contact.tangent1 + rows[2].lambda * contact.tangent2;
-  // Friction of a line as forces at its two ends: half of what slides each, and the twist as a couple.
+  // Friction of a line as forces at its two ends: half of what slides each, and the twist as a
+  // couple.
   const ContactRows& partner = set_.contacts[std::size_t(contact.partner)];
   const bool second = contact.kind == FrictionKind::twist;
   const ContactRows& patch = second ? partner : contact;

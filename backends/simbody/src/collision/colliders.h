@@ -40,10 +40,10 @@ struct Collider {
   double half_length = 0.0;  ///< cylinder, capsule (without caps) [m]
   double reach = 0.0;        ///< no point is farther from the shape's origin [m]; plane: infinite
   std::shared_ptr<const HullFaces> hull;
-  std::shared_ptr<btConvexShape> convex;             ///< all convex types
-  std::shared_ptr<btTriangleMesh> triangles;         ///< mesh
-  std::shared_ptr<btBvhTriangleMeshShape> bvh;       ///< mesh
-  std::shared_ptr<const HeightGrid> grid;            ///< heightmap
+  std::shared_ptr<btConvexShape> convex;        ///< all convex types
+  std::shared_ptr<btTriangleMesh> triangles;    ///< mesh
+  std::shared_ptr<btBvhTriangleMeshShape> bvh;  ///< mesh
+  std::shared_ptr<const HeightGrid> grid;       ///< heightmap
 
   // At the time of the query.
   Placement X_WS;
@@ -58,7 +58,8 @@ struct Collider {
 /// the model only grows, because shapes that do not collide keep an empty place (body -1).
 std::vector<Collider> make_colliders(const SceneModel& model);
 
-/// What the shape turns towards `direction` (world, unit): a face, an edge or a corner, in the world.
+/// What the shape turns towards `direction` (world, unit): a face, an edge or a corner, in the
+/// world.
 void support_feature(const Collider& collider, const Vec3& direction, Feature& out);
 
 /// Farthest extent along a world direction beyond the shape's origin [m].
