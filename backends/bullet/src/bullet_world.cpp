@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constraint_group.h"
 #include "convert.h"
+#include "reduced_group.h"
 
 #include "cogrsim/model/joint_kinematics.h"
 
@@ -33,6 +35,10 @@ bool sane(const PrincipalState& state) {
 const ParameterTable& world_option_table() {
   static const ParameterTable table = {
       parameter("iterations", 10, "sweeps of the contact solver per step").range(1, 1000),
+      parameter("formulation", "auto",
+                "of articulated groups whose assembly does not say: reduced: btMultiBody wherever it "
+                "has the joints; constraints: rigid bodies; auto: whichever serves better")
+          .one_of({"auto", "reduced", "constraints"}),
   };
   return table;
 }
@@ -40,8 +46,9 @@ const ParameterTable& world_option_table() {
 const ParameterTable& assembly_option_table() {
   static const ParameterTable table = {
       parameter("formulation", "auto",
-                "constraints: rigid bodies, the joints of a group solved together; auto: the same")
-          .one_of({"auto", "constraints"}),
+                "reduced: joint coordinates by btMultiBody; constraints: rigid bodies, the joints "
+                "of a group solved together; auto: whichever serves better")
+          .one_of({"auto", "reduced", "constraints"}),
   };
   return table;
 }
@@ -81,6 +88,10 @@ Result<> BulletWorld::build(const SceneModelPtr& model) {
   settings.iterations = static_cast<int>(std::get<std::int64_t>(options->at("iterations")));
   settings.bounce_threshold = model->physics.bounce_threshold;
 
+  formulation_ = formulation_of(std::get<std::string>(options->at("formulation")));
+  auto plans = plan_groups(*model);
+  if (!plans) return tl::unexpected(plans.error());
+
   std::vector<RigidBody> bodies;
   bodies.reserve(model->bodies.size());
   for (const Body& body : model->bodies) bodies.emplace_back(body, model->physics.gravity);
@@ -97,15 +108,41 @@ Result<> BulletWorld::build(const SceneModelPtr& model) {
   contacts_kept_ = true;
   kept_contacts_.clear();
   report_ = {};
-  build_groups();
+  reactions_kept_ = true;
+  build_groups(*plans);
   return {};
 }
 
-void BulletWorld::build_groups() {
+Result<std::vector<GroupPlan>> BulletWorld::plan_groups(const SceneModel& model) const {
+  std::vector<GroupPlan> plans;
+  for (JointChain& chain : find_joint_groups(model)) {
+    const auto reduced = choose_reduced(model, chain, formulation_);
+    if (!reduced) return tl::unexpected(reduced.error());
+    plans.push_back({std::move(chain), *reduced});
+  }
+  return plans;
+}
+
+void BulletWorld::build_groups(const std::vector<GroupPlan>& plans) {
   const SceneModel& model = *model_;
-  groups_.clear();
-  for (const JointChain& chain : find_joint_groups(model)) {
-    groups_.emplace_back(model, chain.joints, bodies_);
+  std::vector<std::unique_ptr<JointGroup>> old;
+  old.swap(groups_);
+  counted_by_group_.assign(model.joints.size(), 0);
+  moved_by_group_.assign(bodies_.size(), 0);
+  for (const GroupPlan& plan : plans) {
+    const std::vector<int>& joints = plan.chain.joints;
+    if (!plan.reduced) {
+      groups_.push_back(std::make_unique<ConstraintGroup>(model, joints, bodies_));
+      continue;
+    }
+    groups_.push_back(std::make_unique<ReducedGroup>(model, joints, bodies_));
+    JointGroup& made = *groups_.back();
+    for (const int j : joints) counted_by_group_[static_cast<std::size_t>(j)] = 1;
+    for (const int b : made.bodies()) moved_by_group_[static_cast<std::size_t>(b)] = 1;
+    // A group that others come to or leave goes on as if nothing had happened.
+    for (const auto& before : old) {
+      if (before->joints() == joints) made.set_memory(before->memory());
+    }
   }
   moving_.clear();
   moving_bodies_.clear();
@@ -137,42 +174,54 @@ StepResult BulletWorld::step(double dt, const std::vector<Drive>& drives) {
     body.object().applyGravity();
   }
   collision_->detect(bodies_, dt);
-  for (ConstraintGroup& group : groups_) group.prepare(*model_, dt, drives, q_);
+  for (auto& group : groups_) group->prepare(*model_, dt, drives, q_);
   solver_->solve(moving_, collision_->manifolds(), collision_->manifold_count(), groups_, dt,
                  collision_->dispatcher());
-  const auto& extra = solver_->displacements();
-  const btVector3 none(0, 0, 0);
-  // The solver lists bodies in the order it was given them, with fixed ones in between.
-  std::size_t next = 0;
-  for (const int b : moving_bodies_) {
-    RigidBody& body = bodies_[static_cast<std::size_t>(b)];
-    while (next < extra.size() && extra[next].body == nullptr) ++next;
-    if (next < extra.size() && extra[next].body == &body.object()) {
-      body.integrate(dt, extra[next].v, extra[next].w);
-      ++next;
-    } else {
-      body.integrate(dt, none, none);
-    }
-  }
+  q_next_ = q_;
+  move_bodies(dt, q_next_);
 
   const int lost = find_diverged();
   if (lost >= 0) {
     for (std::size_t i = 0; i < moving_.size(); ++i) {
       bodies_[static_cast<std::size_t>(moving_bodies_[i])].set_principal(before_[i]);
     }
+    reactions_kept_ = true;  // those of this step are nobody's
     return {StepStatus::diverged, lost,
             "body '" + model_->bodies[static_cast<std::size_t>(lost)].name +
                 "' has left all bounds (a million metres, 100 km/s) or is not a number"};
   }
-  q_next_ = q_;
   update_joints(q_next_);
   q_.swap(q_next_);
   std::fill(report_.motor_efforts.begin(), report_.motor_efforts.end(), 0.0);
-  for (const ConstraintGroup& group : groups_) group.report(*model_, dt, report_);
-  contacts_kept_ = false;
+  for (auto& group : groups_) group->report(*model_, dt, report_);
+  contacts_kept_ = reactions_kept_ = false;
   last_dt_ = dt;
   time_ += dt;
   return {};
+}
+
+void BulletWorld::move_bodies(double dt, std::vector<double>& q) {
+  const auto& displacements = solver_->displacements();
+  const btVector3 none(0, 0, 0);
+  extra_.clear();
+  if (!displacements.empty()) extra_.resize(bodies_.size(), {none, none});
+  // The solver lists bodies in the order it was given them, with fixed ones in between.
+  std::size_t next = 0;
+  for (const int b : moving_bodies_) {
+    RigidBody& body = bodies_[static_cast<std::size_t>(b)];
+    btVector3 v = none, w = none;
+    while (next < displacements.size() && displacements[next].body == nullptr) ++next;
+    if (next < displacements.size() && displacements[next].body == &body.object()) {
+      v = displacements[next].v;
+      w = displacements[next].w;
+      extra_[static_cast<std::size_t>(b)] = {v, w};
+      ++next;
+    }
+    if (!moved_by_group_[static_cast<std::size_t>(b)]) body.integrate(dt, v, w);
+  }
+  for (auto& group : groups_) {
+    if (group->moves_bodies()) group->move(dt, extra_, q);
+  }
 }
 
 int BulletWorld::find_diverged() const {
@@ -185,6 +234,7 @@ int BulletWorld::find_diverged() const {
 void BulletWorld::update_joints(std::vector<double>& q) const {
   for (const Joint& joint : model_->joints) {
     if (joint.removed || joint.type == JointType::fixed) continue;
+    if (counted_by_group_[static_cast<std::size_t>(&joint - model_->joints.data())]) continue;
     const auto pose_of = [&](int body) {
       return body == kWorld ? Pose() : bodies_[static_cast<std::size_t>(body)].pose();
     };
@@ -210,7 +260,11 @@ void* BulletWorld::extension(std::string_view id) {
   return nullptr;
 }
 
-void BulletWorld::get_joint_reactions(std::vector<Wrench>& out) const { out = report_.reactions; }
+void BulletWorld::get_joint_reactions(std::vector<Wrench>& out) const {
+  out = report_.reactions;
+  if (reactions_kept_) return;
+  for (const auto& group : groups_) group->find_reactions(*model_, out);
+}
 
 Result<> BulletWorld::set_kinematic_twist(int body, const Twist& twist) {
   if (body < 0 || body >= static_cast<int>(bodies_.size())) {

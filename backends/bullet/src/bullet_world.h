@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "collision.h"
-#include "constraint_group.h"
+#include "formulation.h"
 #include "grouping.h"
+#include "joint_group.h"
 #include "rigid_body.h"
 #include "solver.h"
 
@@ -17,6 +18,12 @@ namespace cogrsim::bullet {
 /// Tables of the blocks `<bullet …/>` under `<physics>` and inside an assembly.
 const ParameterTable& world_option_table();
 const ParameterTable& assembly_option_table();
+
+/// One articulated group and how it is to be solved.
+struct GroupPlan {
+  JointChain chain;
+  bool reduced = false;
+};
 
 class BulletWorld final : public World, public JointReactions, public KinematicDrive {
  public:
@@ -44,12 +51,18 @@ class BulletWorld final : public World, public JointReactions, public KinematicD
 
   /// Everything from scratch, as `model` says.
   Result<> build(const SceneModelPtr& model);
-  void build_groups();
+  /// The formulation of every articulated group of a model; errors: see choose_reduced().
+  Result<std::vector<GroupPlan>> plan_groups(const SceneModel& model) const;
+  void build_groups(const std::vector<GroupPlan>& plans);
   /// Joint coordinates from the bodies' poses, angles near the last ones.
   void update_joints(std::vector<double>& q) const;
   /// The first body that is not finite or out of bounds; -1: none.
   int find_diverged() const;
+  /// Finds the reactions before the groups that know them change.
+  void keep_reactions();
   void place_trees(const WorldState& state);
+  /// Moves what the solver has given velocities.
+  void move_bodies(double dt, std::vector<double>& q);
 
   SceneModelPtr initial_, model_;
   double time_ = 0.0;
@@ -57,12 +70,17 @@ class BulletWorld final : public World, public JointReactions, public KinematicD
   std::unique_ptr<StepSolver> solver_;
   std::vector<RigidBody> bodies_;
   std::unique_ptr<Collision> collision_;
-  std::vector<ConstraintGroup> groups_;
+  std::vector<std::unique_ptr<JointGroup>> groups_;
   std::vector<btCollisionObject*> moving_;  ///< dynamic and kinematic, what the solver is given
   std::vector<int> moving_bodies_;
   std::vector<PrincipalState> before_;  ///< of moving_, in case the step fails
   std::vector<double> q_, q_next_;
+  std::vector<char> counted_by_group_;  ///< joints, see JointGroup::moves_bodies
+  std::vector<char> moved_by_group_;    ///< bodies
+  std::vector<std::pair<btVector3, btVector3>> extra_;  ///< by body, see JointGroup::move
+  Formulation formulation_ = Formulation::automatic;
   JointReport report_;
+  bool reactions_kept_ = false;          ///< `report_` has them all
   bool contacts_kept_ = false;           ///< `kept_contacts_` are those of the last step
   std::vector<Contact> kept_contacts_;
 };

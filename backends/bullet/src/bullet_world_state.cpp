@@ -20,6 +20,7 @@ class Snapshot final : public WorldSnapshot {
   JointReport report;
   std::vector<Contact> contacts;
   std::vector<SavedManifold> manifolds;
+  std::vector<std::vector<double>> memories;  ///< of the joint groups
 };
 
 bool same_elements(const SceneModel& a, const SceneModel& b) {
@@ -119,6 +120,8 @@ Result<> BulletWorld::set_state(const WorldState& state) {
   std::fill(report_.joint_efforts.begin(), report_.joint_efforts.end(), 0.0);
   std::fill(report_.motor_efforts.begin(), report_.motor_efforts.end(), 0.0);
   std::fill(report_.reactions.begin(), report_.reactions.end(), Wrench{});
+  reactions_kept_ = true;
+  for (const auto& group : groups_) group->set_memory({});
   return {};
 }
 
@@ -188,6 +191,13 @@ void BulletWorld::place_trees(const WorldState& state) {
   }
 }
 
+void BulletWorld::keep_reactions() {
+  std::vector<Wrench> reactions;
+  get_joint_reactions(reactions);
+  report_.reactions = std::move(reactions);
+  reactions_kept_ = true;
+}
+
 SnapshotPtr BulletWorld::save() const {
   auto out = std::make_shared<Snapshot>();
   out->initial = initial_;
@@ -198,6 +208,8 @@ SnapshotPtr BulletWorld::save() const {
   for (const RigidBody& body : bodies_) out->bodies.push_back(body.principal());
   out->q = q_;
   out->report = report_;
+  get_joint_reactions(out->report.reactions);
+  for (const auto& group : groups_) out->memories.push_back(group->memory());
   get_contacts(out->contacts);
   out->manifolds = collision_->save();
   return out;
@@ -218,6 +230,8 @@ Result<> BulletWorld::restore(const SnapshotPtr& snapshot) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) bodies_[b].set_principal(saved->bodies[b]);
   q_ = saved->q;
   report_ = saved->report;
+  reactions_kept_ = true;
+  for (std::size_t g = 0; g < groups_.size(); ++g) groups_[g]->set_memory(saved->memories[g]);
   time_ = saved->time;
   last_dt_ = saved->last_dt;
   kept_contacts_ = saved->contacts;
@@ -236,6 +250,9 @@ Result<> BulletWorld::add(const SceneModelPtr& next) {
   if (next->bodies.size() < known || next->joints.size() < model_->joints.size()) {
     return fail("the scene to add to has lost elements");
   }
+  auto plans = plan_groups(*next);
+  if (!plans) return tl::unexpected(plans.error());
+  keep_reactions();
   std::vector<RigidBody> grown = std::move(bodies_);
   grown.reserve(next->bodies.size());
   for (std::size_t b = known; b < next->bodies.size(); ++b) {
@@ -245,13 +262,13 @@ Result<> BulletWorld::add(const SceneModelPtr& next) {
   if (!added) grown.resize(known);
   bodies_ = std::move(grown);
   if (!added) {
-    build_groups();
+    if (const auto same = plan_groups(*model_); same) build_groups(*same);
     return added;
   }
   get_contacts(kept_contacts_);
   contacts_kept_ = true;
   model_ = next;
-  build_groups();
+  build_groups(*plans);
   return {};
 }
 
@@ -259,8 +276,11 @@ Result<> BulletWorld::remove(const SceneModelPtr& next) {
   if (next->bodies.size() != bodies_.size()) {
     return fail("the scene to remove from has other bodies");
   }
+  auto plans = plan_groups(*next);
+  if (!plans) return tl::unexpected(plans.error());
   std::vector<Contact> contacts;
   get_contacts(contacts);
+  keep_reactions();
   contacts.erase(std::remove_if(contacts.begin(), contacts.end(),
                                 [&](const Contact& c) {
                                   return next->bodies[static_cast<std::size_t>(c.body_a)].removed ||
@@ -271,7 +291,7 @@ Result<> BulletWorld::remove(const SceneModelPtr& next) {
   contacts_kept_ = true;
   collision_->remove(next);
   model_ = next;
-  build_groups();
+  build_groups(*plans);
   for (std::size_t j = 0; j < next->joints.size(); ++j) {
     if (next->joints[j].removed) report_.reactions[j] = {};
   }

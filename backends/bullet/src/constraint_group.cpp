@@ -38,8 +38,8 @@ double recovered(double gap) {
 }  // namespace
 
 ConstraintGroup::ConstraintGroup(const SceneModel& model, const std::vector<int>& joints,
-                                 std::vector<RigidBody>& bodies)
-    : joint_indices_(joints) {
+                                 std::vector<RigidBody>& bodies) {
+  joint_indices_ = joints;
   const auto member_of = [&](int body) {
     if (body == kWorld || bodies[static_cast<std::size_t>(body)].kind() == BodyKind::fixed) return -1;
     const auto it = std::find(body_indices_.begin(), body_indices_.end(), body);
@@ -79,13 +79,7 @@ ConstraintGroup::ConstraintGroup(const SceneModel& model, const std::vector<int>
       slot.neighbours.push_back(static_cast<int>(s));
       slot.first_open = std::min(slot.first_open, other.first_row);
     }
-    slot.motors.resize(joint.axes.size());
-    for (std::size_t m = 0; m < model.motors.size(); ++m) {
-      const Motor& motor = model.motors[m];
-      if (motor.joint == j && !motor.removed) {
-        slot.motors[static_cast<std::size_t>(motor.axis)].push_back(static_cast<int>(m));
-      }
-    }
+    slot.motors = motors_of(model, j);
     slots_.push_back(std::move(slot));
   }
   rows_.resize(static_cast<std::size_t>(row));
@@ -302,7 +296,7 @@ void ConstraintGroup::iterate() {
   }
 }
 
-void ConstraintGroup::report(const SceneModel& model, double dt, JointReport& out) const {
+void ConstraintGroup::report(const SceneModel& model, double dt, JointReport& out) {
   for (const JointSlot& slot : slots_) {
     const Joint& joint = model.joints[static_cast<std::size_t>(slot.joint)];
     for (int k = 0; k < speed_count(joint.type); ++k) {

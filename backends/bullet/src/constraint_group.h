@@ -13,50 +13,26 @@
 
 #include <vector>
 
-#include <BulletDynamics/ConstraintSolver/btSolverBody.h>
 #include <Eigen/Core>
 
-#include "axis_law.h"
+#include "joint_group.h"
 #include "joint_rows.h"
-#include "rigid_body.h"
-
-#include "cogrsim/model/scene_model.h"
-#include "cogrsim/physics/drive.h"
 
 namespace cogrsim::bullet {
 
-/// What a step leaves to be reported about the joints of a world.
-struct JointReport {
-  std::vector<double> joint_efforts;  ///< SceneModel::joint_speeds
-  std::vector<double> motor_efforts;  ///< one per motor
-  std::vector<Wrench> reactions;      ///< on the child, about M's origin, world axes
-};
-
-/// Whether a drive does anything at all.
-bool acts(const Drive& drive);
-
-/// Everything on one scalar axis: `motors` first, in order, then spring and damper, friction, limits.
-void fill_axis_law(AxisLaw& law, const JointAxis& model, const AxisState& state,
-                   const std::vector<int>& motors, const std::vector<Drive>& drives);
-
-class ConstraintGroup {
+class ConstraintGroup final : public JointGroup {
  public:
   /// `joints`: those of the group, in an order in which neighbours are near each other.
   ConstraintGroup(const SceneModel& model, const std::vector<int>& joints,
                   std::vector<RigidBody>& bodies);
 
-  const std::vector<int>& joints() const { return joint_indices_; }
-  const std::vector<int>& bodies() const { return body_indices_; }
-
-  /// Rows and factorisation for a step of dt. `q`: coordinates of all joints of the world.
+  /// Rows and factorisation.
   void prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,
-               const std::vector<double>& q);
-  /// Couples the group to the solver's bodies; null for what does not move.
-  void bind(btSolverBody* (*find)(void* context, btRigidBody& body), void* context);
-  /// Solves the group against the bodies' present velocity changes.
-  void iterate();
+               const std::vector<double>& q) override;
+  void bind(btSolverBody* (*find)(void* context, btRigidBody& body), void* context) override;
+  void iterate() override;
   /// Efforts and reactions of the step.
-  void report(const SceneModel& model, double dt, JointReport& out) const;
+  void report(const SceneModel& model, double dt, JointReport& out) override;
 
  private:
   using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -115,7 +91,6 @@ class ConstraintGroup {
   Axis& next_axis(const JointSlot& slot, const btTransform& X_WM, const Direction& direction);
   void prepare_response(Axis& axis);
 
-  std::vector<int> joint_indices_, body_indices_;
   std::vector<Member> members_;
   std::vector<JointSlot> slots_;
   std::vector<Row> rows_;

@@ -15,28 +15,6 @@ constexpr double kAtRest = 1e-9;
 
 }  // namespace
 
-bool acts(const Drive& drive) {
-  return drive.kd != 0.0 || drive.kp != 0.0 || drive.bias != 0.0;
-}
-
-void fill_axis_law(AxisLaw& law, const JointAxis& model, const AxisState& state,
-                   const std::vector<int>& motors, const std::vector<Drive>& drives) {
-  law.clear();
-  for (const int m : motors) {
-    Drive drive = drives[static_cast<std::size_t>(m)];
-    if (drive.is_speed_source() && model.has_limit()) {
-      // An ideal source does not fight a stop: it ends where the stop is.
-      drive.velocity = std::clamp(drive.velocity, lower_limit_element(model.lower, state).speed,
-                                  upper_limit_element(model.upper, state).speed);
-    }
-    law.add(drive_element(drive, state));
-  }
-  if (model.stiffness > 0.0 || model.damping > 0.0) law.add(spring_damper_element(model, state));
-  if (model.friction > 0.0) law.add(friction_element(model.friction, state.dt));
-  if (std::isfinite(model.lower)) law.add(lower_limit_element(model.lower, state));
-  if (std::isfinite(model.upper)) law.add(upper_limit_element(model.upper, state));
-}
-
 ConstraintGroup::Axis& ConstraintGroup::next_axis(const JointSlot& slot, const btTransform& X_WM,
                                                   const Direction& direction) {
   if (axis_count_ == axes_.size()) axes_.emplace_back();

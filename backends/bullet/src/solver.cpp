@@ -49,7 +49,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
   }
 
   void solve(std::vector<btCollisionObject*>& bodies, btPersistentManifold** manifolds,
-             int manifold_count, std::vector<ConstraintGroup>& groups, double dt,
+             int manifold_count, std::vector<std::unique_ptr<JointGroup>>& groups, double dt,
              btDispatcher* dispatcher) override {
     info_.m_timeStep = dt;
     groups_ = &groups;
@@ -79,7 +79,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
                                         btIDebugDraw* drawer) override {
     const btScalar result = btSequentialImpulseConstraintSolver::solveGroupCacheFriendlySetup(
         bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info, drawer);
-    for (ConstraintGroup& group : *groups_) group.bind(&RigidSolver::find_body, this);
+    for (auto& group : *groups_) group->bind(&RigidSolver::find_body, this);
     return result;
   }
 
@@ -97,7 +97,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
 
  private:
   void solve_groups() {
-    for (ConstraintGroup& group : *groups_) group.iterate();
+    for (auto& group : *groups_) group->iterate();
   }
 
   /// The three rows of a contact point, packed: sweeps are bound by memory, and Bullet's rows are
@@ -363,7 +363,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
 
   SolverSettings settings_;
   btContactSolverInfo info_;
-  std::vector<ConstraintGroup>* groups_ = nullptr;
+  std::vector<std::unique_ptr<JointGroup>>* groups_ = nullptr;
   /// A row that may be driving bodies apart, and what it is without that.
   struct Recovering {
     int row;

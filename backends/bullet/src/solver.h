@@ -7,7 +7,7 @@
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 
-#include "constraint_group.h"
+#include "joint_group.h"
 
 namespace cogrsim::bullet {
 
@@ -36,7 +36,7 @@ class StepSolver {
   };
   virtual ~StepSolver() = default;
   virtual void solve(std::vector<btCollisionObject*>& bodies, btPersistentManifold** manifolds,
-                     int manifold_count, std::vector<ConstraintGroup>& groups, double dt,
+                     int manifold_count, std::vector<std::unique_ptr<JointGroup>>& groups, double dt,
                      btDispatcher* dispatcher) = 0;
   const std::vector<Displacement>& displacements() const { return displacement_; }
 
