@@ -5,6 +5,10 @@
 namespace cogrsim::dsl {
 
 void Expander::import(const Node& node, const Place& place, Definitions& into) {
+  // Each import is gone through anew, so files that import each other twice double the work from
+  // file to file, and their names with it.
+  constexpr std::size_t kCostOfImport = 100;
+  if (!room(node, place, kCostOfImport)) return;
   Element* element = make(node, place);
   if (element == nullptr) return;
   element->path = place.key + "/import";

@@ -73,9 +73,10 @@ Element* Expander::run(const Document& scene) {
   return full_ ? nullptr : &element;
 }
 
-bool Expander::room(const Node& node, const Place& place) {
+bool Expander::room(const Node& node, const Place& place, std::size_t cost) {
   if (full_) return false;
-  if (++made_ > static_cast<std::size_t>(context_.options.limits.expanded_elements)) {
+  made_ += cost;
+  if (made_ > static_cast<std::size_t>(context_.options.limits.expanded_elements)) {
     full_ = true;
     context_.sink
         .report("CG0306", node.span, place.trail,
@@ -205,7 +206,7 @@ void Expander::child(const Node& node, const Place& place, int ordinal) {
   inner.into = element;
   inner.key = key();
   if (std::any_of(node.children.begin(), node.children.end(),
-                  [](const Node* c) { return c->spec != nullptr && c->name == "param"; })) {
+                  [](const Node* c) { return c->name == "param"; })) {
     Scope& scope = context_.scopes.emplace_back(place.scope);
     inner.scope = &scope;
     define_params(node, scope, inner, nullptr, false);

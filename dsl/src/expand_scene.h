@@ -77,7 +77,8 @@ class Expander {
   void child(const Node& node, const Place& place, int ordinal);
   void instance(const Node& node, const Place& place, const std::string& key);
   const Trail* step(const Place& place, std::string text, const SourceSpan& at);
-  bool room(const Node& node, const Place& place);
+  /// False, once and for all, when `cost` more elements would be too many.
+  bool room(const Node& node, const Place& place, std::size_t cost = 1);
 
   // expand_flow.cpp
   void repeat(const Node& node, const Place& place, const std::string& key);

@@ -103,6 +103,17 @@ TEST_CASE("files that import each other are refused", "[hostile]") {
   CHECK(codes(compile_file(a)).find("CG0302") != std::string::npos);
 }
 
+TEST_CASE("files that import the next one twice are given up soon", "[hostile]") {
+  const Folder folder;
+  const auto name = [](int i) { return "f" + std::to_string(i) + ".scene.xml"; };
+  for (int i = 0; i < 25; ++i) {
+    folder.write(name(i), "<scene><import href='" + name(i + 1) + "' as='a'/><import href='" +
+                              name(i + 1) + "' as='b'/></scene>");
+  }
+  folder.write(name(25), "<scene/>");
+  CHECK(codes(compile_file((folder.path / name(0)).string())) == "CG0306");
+}
+
 TEST_CASE("nothing is read from outside of the scene's folder", "[hostile]") {
   const Folder folder;
   folder.write("secret.scene.xml", "<scene/>");

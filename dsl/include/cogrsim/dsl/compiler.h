@@ -41,7 +41,9 @@ struct Limits {
   int depth = 90;                       ///< nested elements in a file; at most 90
   int elements = 500000;                ///< in a file
   int attribute_bytes = 64 << 10;       ///< of one attribute value
-  int expanded_elements = 1000000;      ///< after prototypes and repeats
+  /// After prototypes and repeats; an import counts as a hundred. Ten times what engines simulate
+  /// in bearable time; a file that runs away is given up within a second.
+  int expanded_elements = 250000;
   int expansion_depth = 64;             ///< instances inside instances
   int files = 256;                      ///< scene and imports
   std::size_t asset_bytes = 256u << 20; ///< of one mesh, heightmap or texture file
