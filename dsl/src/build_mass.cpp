@@ -133,9 +133,13 @@ void Builder::finish_mass(const Element& owner, int index) {
   const std::string_view at = owner.find("inertia") != nullptr ? "inertia" : "mass";
   if (body.inertia.isZero(0.0)) {
     note(owner).faulty = true;
-    fault("CG0702", owner, at,
-          "'" + owner.path + "' has a mass but no inertia: it has neither shapes nor 'inertia'")
-        .help("write inertia=\"ixx iyy izz\"");
+    if (at == "inertia")
+      fault("CG0702", owner, at, "'" + owner.path + "': the inertia is zero, as of no body")
+          .help("leave 'inertia' out to have it computed from the shapes");
+    else
+      fault("CG0702", owner, at,
+            "'" + owner.path + "' has a mass but no inertia: it has neither shapes nor 'inertia'")
+          .help("write inertia=\"ixx iyy izz\"");
     return;
   }
   if (const auto check = check_mass_properties(body.mass, body.inertia); !check) {

@@ -38,8 +38,7 @@ std::vector<CodeInfo> scene_codes() {
        "bad:  <universal … axis=\"1 0 0\" axis2=\"1 0 0\"/>\n"
        "good: <universal … axis=\"1 0 0\" axis2=\"0 1 0\"/>"},
       {"CG0607", error, "a joint that starts beyond its limits",
-       "The start position lies below `lower` or above `upper`.",
-       "Change `position` or the limit.",
+       "The start position lies below `lower` or above `upper`.", "Change `position` or the limit.",
        "bad:  <hinge … upper=\"30 deg\" position=\"40 deg\"/>\n"
        "good: <hinge … upper=\"30 deg\" position=\"20 deg\"/>"},
       {"CG0608", error, "things that exclude each other",
@@ -109,7 +108,8 @@ std::vector<CodeInfo> scene_codes() {
       {"CG0801", error, "something the backend cannot do",
        "The scene needs a shape, joint, motor or other feature that the chosen engine lacks. "
        "Nothing is ever left out in silence, so the scene does not run there.",
-       "Choose another backend with --backend, or replace the element. `cogrsim plugins` shows what "
+       "Choose another backend with --backend, or replace the element. `cogrsim plugins` shows "
+       "what "
        "each engine can do.",
        ""},
       // ---- CG09: plugins
@@ -128,10 +128,28 @@ std::vector<CodeInfo> scene_codes() {
        "bad:  <supervisor plugin=\"diff_drive\"/>\n"
        "good: <assembly> … <controller plugin=\"diff_drive\"/> </assembly>"},
       {"CG0904", error, "a parameter the plugin does not take",
-       "`<set>` or an engine's block has a name that the plugin or engine does not declare, a value "
+       "`<set>` or an engine's block has a name that the plugin or engine does not declare, a "
+       "value "
        "outside its range, or lacks one that must be set.",
        "`cogrsim plugins` lists the parameters with units and ranges.",
        "bad:  <set sped=\"1 m/s\"/>\ngood: <set speed=\"1 m/s\"/>"},
+      {"CG0905", error, "a step or a speed that no run can have",
+       "The step length must be a positive, finite time and the speed above 0.",
+       "Give another --step or --speed, or correct `step` in <physics>.",
+       "bad:  cogrsim run my.scene.xml --speed 0\ngood: cogrsim run my.scene.xml --speed 0.5"},
+      {"CG0906", error, "a sensor that cannot be set up",
+       "The sensor's own code refused its place or its parameters; the message says why.",
+       "Correct what the message names; `cogrsim plugins` lists sensors and their parameters.",
+       "bad:  an encoder with axis=\"2\" on a hinge, which has one axis"},
+      {"CG0907", error, "a controller that misses something",
+       "While it was configured, a controller or supervisor asked for a motor, sensor or parameter "
+       "that its robot does not have, or found a setting it cannot work with.",
+       "Correct the name in the controller or its <set>, or add what it asks for; the message "
+       "lists what there is.",
+       "robot.motor(\"left\") needs <motor name=\"left\" …/> in the same assembly"},
+      {"CG0908", error, "a controller that threw while being configured",
+       "The plugin's configure() ended in an exception, so the run does not start.",
+       "Mend the plugin; robot.fail(\"…\") reports a mistake without an exception.", ""},
       // ---- CG10: placement
       {"CG1001", error, "a place that cannot be stood on",
        "`at` names something that has no place of its own, such as a material.",
@@ -139,7 +157,8 @@ std::vector<CodeInfo> scene_codes() {
        "good: <frame name=\"door\" xyz=\"1 0 0\"/> <instance of=\"Robot\" at=\"door\"/>"},
       // ---- CG20: advice
       {"CG2001", advice, "bodies that overlap at the start",
-       "Two bodies that collide with each other interpenetrate when the run starts; the engine will "
+       "Two bodies that collide with each other interpenetrate when the run starts; the engine "
+       "will "
        "throw them apart.",
        "Move them apart, or say <collide between=\"a b\" with=\"false\"/>.",
        "<box name=\"a\" …/> <box name=\"b\" … xyz=\"0 0 1 mm\"/>"},
@@ -149,10 +168,11 @@ std::vector<CodeInfo> scene_codes() {
        "Use masses closer to each other, smaller steps, or an engine with reduced coordinates.",
        "<box mass=\"2 t\" …/> hinged to <box mass=\"1 g\" …/>"},
       {"CG2003", advice, "a parameter nobody uses",
-       "A `<param>` is declared but no expression mentions it.",
-       "Delete it, or use it.", "<param name=\"wheel_r\" default=\"4 cm\"/>"},
+       "A `<param>` is declared but no expression mentions it.", "Delete it, or use it.",
+       "<param name=\"wheel_r\" default=\"4 cm\"/>"},
       {"CG2004", advice, "parts of an imported file that stay behind",
-       "An import takes over prototypes, materials and contacts. What else stands in that file, its "
+       "An import takes over prototypes, materials and contacts. What else stands in that file, "
+       "its "
        "own floor or robot, is not built.",
        "Nothing need be done. To build it here too, wrap it in a prototype.",
        "<import href=\"robot.scene.xml\"/>"},

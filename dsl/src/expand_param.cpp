@@ -132,7 +132,13 @@ void Expander::define_params(const Node& container, Scope& scope, const Place& p
   check_given_names(container, instance, is_scene);
   const ElementSpec* instance_spec = find_element("instance");
   for (const Node* node : container.children) {
-    if (node->name != "param" || node->spec == nullptr) continue;
+    if (node->name != "param") continue;
+    if (node->spec == nullptr) {  // stands where none may: said once, and not of its every use
+      if (const Attribute* name = node->find("name");
+          name != nullptr && !scope.has_own(name->value))
+        scope.set(std::string(name->value), Value::poison());
+      continue;
+    }
     Element& param = context_.elements.emplace_back();
     param.node = node;
     param.scope = &scope;

@@ -62,6 +62,11 @@ ExpressionFault not_a_number(std::string_view word, std::size_t begin) {
     } else if (parse_number(pointed)) {
       help = "did you mean \"" + pointed + "\"? numbers have a decimal point";
     }
+  } else if (digits > 0 && word.substr(digits) == "°") {
+    help = "did you mean \"" + std::string(word.substr(0, digits)) + " deg\"?";
+  } else if (digits > 0 && word.find_first_not_of("+-.0123456789eE") == std::string_view::npos) {
+    // Of a number's own characters, and yet no number.
+    help = "numbers look like 12, -0.5 or 1.5e-3, up to about 1.8e308";
   } else if (digits > 0 && digits < word.size() && parse_number(word.substr(0, digits)) &&
              parse_unit(word.substr(digits))) {
     help = "did you mean \"" + std::string(word.substr(0, digits)) + " " +

@@ -114,9 +114,19 @@ Read<std::vector<double>> read_list(CompileContext& context, const Element& elem
       const NumberEntry& e = (*entries)[0];
       const std::string_view whole = source.text().substr(e.begin, e.length);
       const std::string word(whole.substr(0, e.number_length));
-      help = "write \"" + word;
-      for (int i = 1; i < most; ++i) help += " " + word;
-      help += std::string(whole.substr(e.number_length)) + "\" if all are the same";
+      const std::string unit(whole.substr(e.number_length));
+      // A size of one figure is a cube; one figure for a vector is meant to be along z.
+      if (spec.name == "size") {
+        help = "write \"" + word;
+        for (int i = 1; i < most; ++i) help += " " + word;
+        help += unit + "\" if all are the same";
+      } else if (most == 3 && spec.minimum < 0.0) {
+        const bool down = spec.name == "gravity" && word[0] != '-';
+        help = "write \"0 0 " + std::string(down ? "-" : "") + word + unit + "\" for " +
+               (spec.name == "rpy" ? "a turn about z"
+                : down             ? "straight down"
+                                   : "along z");
+      }
     }
     source.report("CG0506", 0, source.text().size(),
                   "\"" + std::string(spec.name) + "\" takes " + count_text(least, most) +

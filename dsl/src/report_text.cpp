@@ -70,7 +70,8 @@ std::string to_text(const Diagnostic& d, bool color) {
   if (!d.file.empty()) {
     out += gutter + s.frame + "--> " + s.off + place(d.file, d.line, d.column) + "\n";
   }
-  if (!d.source_line.empty() && d.line > 0) {
+  // Of very long lines only the start is kept; a caret would point into nothing.
+  if (!d.source_line.empty() && d.line > 0 && d.column <= code_points(d.source_line) + 1) {
     const Excerpt e = window(d.source_line, d.column);
     const int room = std::max(1, code_points(e.line) - e.column + 1);
     const auto carets = static_cast<std::size_t>(std::clamp(d.length, 1, room));

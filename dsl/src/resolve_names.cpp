@@ -135,6 +135,12 @@ const Element* Names::find(const Element& from, const Word& word, Wanted wanted)
         .note("it stands here", of_another_kind->span());
     return nullptr;
   }
+  if (word.text == from.name) {
+    context_.sink.report("CG0402", word.span, from.trail,
+                         "there is no other " + std::string(describe(wanted)) + " '" + word.text +
+                             "' here, and it cannot refer to itself");
+    return nullptr;
+  }
   // Comparing with all names is for people's mistakes, of which there are not thousands.
   const std::vector<std::string> names =
       failed_.size() > kMaxHelped ? std::vector<std::string>{} : known(from, wanted);

@@ -247,7 +247,11 @@ std::optional<double> parse_number(std::string_view text) {
 
 std::string number_text(double value) {
   char buffer[64];
-  const auto [end, fault] = std::to_chars(buffer, buffer + sizeof buffer, value);
+  // The shortest way to write 100000 is 1e+05, which nobody expects of a counter or in a name.
+  const bool whole = value == std::floor(value) && std::abs(value) < 1e15;
+  const auto [end, fault] =
+      whole ? std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed)
+            : std::to_chars(buffer, buffer + sizeof buffer, value);
   (void)fault;  // 64 bytes hold every double
   return std::string(buffer, end);
 }

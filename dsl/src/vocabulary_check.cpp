@@ -27,18 +27,49 @@ constexpr Translation kElements[] = {
     {"xacro:property", "param"}, {"variable", "param"}, {"arg", "param"},
     {"plugin", "controller"}, {"surface", "material"},  {"option", "physics"},
     {"ray", "lidar"},        {"cone", "mesh"},          {"replicate", "repeat"}};
-constexpr Translation kAttributes[] = {
-    {"origin", "xyz (and rpy)"}, {"pos", "xyz"},       {"position", "xyz"},  {"translation", "xyz"},
-    {"pose", "xyz and rpy"},     {"euler", "rpy"},      {"rotation", "rpy"},  {"orientation", "quat"},
-    {"rgba", "color"},           {"colour", "color"},   {"mu", "friction"},   {"bounce", "restitution"},
-    {"fixed", "static"},         {"height", "length"},  {"id", "name"},       {"weight", "mass"},
-    {"timestep", "step"},        {"time-step", "step"}, {"dt", "step"},       {"type", "mode"},
-    {"filename", "file"},        {"src", "file"},       {"href", "file"},     {"uri", "file"},
-    {"min", "lower"},            {"max", "upper"},      {"effort", "max-effort"},
-    {"velocity", "max-speed"},   {"max-velocity", "max-speed"}, {"frequency", "rate"},
-    {"diameter", "radius"},      {"dimensions", "size"}, {"extents", "size"},
-    {"half-size", "size"},       {"stiff", "stiffness"}, {"body", "on"},      {"parent", "on"},
-    {"prototype", "of"},         {"file", "href"},      {"n", "count"},       {"times", "count"}};
+constexpr Translation kAttributes[] = {{"origin", "xyz (and rpy)"},
+                                       {"pos", "xyz"},
+                                       {"position", "xyz"},
+                                       {"translation", "xyz"},
+                                       {"pose", "xyz and rpy"},
+                                       {"euler", "rpy"},
+                                       {"rotation", "rpy"},
+                                       {"orientation", "quat"},
+                                       {"rgba", "color"},
+                                       {"colour", "color"},
+                                       {"mu", "friction"},
+                                       {"bounce", "restitution"},
+                                       {"fixed", "static"},
+                                       {"height", "length"},
+                                       {"id", "name"},
+                                       {"weight", "mass"},
+                                       {"timestep", "step"},
+                                       {"time-step", "step"},
+                                       {"dt", "step"},
+                                       {"type", "mode"},
+                                       {"filename", "file"},
+                                       {"src", "file"},
+                                       {"href", "file"},
+                                       {"uri", "file"},
+                                       {"min", "lower"},
+                                       {"max", "upper"},
+                                       {"effort", "max-effort"},
+                                       {"effort", "max-torque"},
+                                       {"max-effort", "max-torque (or max-force)"},
+                                       {"velocity", "max-speed"},
+                                       {"max-velocity", "max-speed"},
+                                       {"frequency", "rate"},
+                                       {"diameter", "radius"},
+                                       {"dimensions", "size"},
+                                       {"extents", "size"},
+                                       {"half-size", "size"},
+                                       {"stiff", "stiffness"},
+                                       {"body", "on"},
+                                       {"parent", "on"},
+                                       {"prototype", "of"},
+                                       {"file", "href"},
+                                       {"n", "count"},
+                                       {"times", "count"}};
 
 /// Words that have no single counterpart.
 std::string element_advice(std::string_view word) {
@@ -161,7 +192,12 @@ class Checker {
         for (const ElementSpec& e : vocabulary()) known.emplace_back(e.name);
         near = nearest_name(std::string(node.name), known);
       }
-      if (!near.empty()) help = "did you mean <" + near + ">?";
+      if (!near.empty()) {
+        help = "did you mean <" + near + ">?";
+      } else if (where.spec->engine_blocks && where.spec->children.empty()) {
+        for (const std::string& engine : files_.engine_words())
+          help += (help.empty() ? "here stand the options of an engine: <" : ", <") + engine + ">";
+      }
     }
     report.help(help);
   }

@@ -82,6 +82,10 @@ AttributeSpec between(AttributeSpec a, double minimum, double maximum) {
   a.maximum = maximum;
   return a;
 }
+AttributeSpec up_to(AttributeSpec a, double maximum) {
+  a.maximum = maximum;
+  return a;
+}
 AttributeSpec or_none(AttributeSpec a) {
   a.none_allowed = true;
   return a;
@@ -284,10 +288,10 @@ void add_world(std::vector<ElementSpec>& out) {
       "How the scene is simulated. Engines' own options stand inside, in an element with the "
       "engine's name.",
       {attr("backend", Kind::text, "Engine to run on unless the user chooses another."),
-       above_zero(number("step", kTime, "Length of one step.", "1 ms")),
+       between(number("step", kTime, "Length of one step.", "1 ms"), 1e-9, 1.0),
        numbers("gravity", kAcceleration, 3, "Acceleration of free fall.", "0 0 -9.81"),
        at_least(attr("seed", Kind::integer, "Seed of all random numbers.", "1"), 0.0),
-       above_zero(number("duration", kTime, "How long a run lasts; 10 s if left out.")),
+       up_to(above_zero(number("duration", kTime, "How long a run lasts; 10 s if left out.")), 1e9),
        at_least(number("bounce-threshold", kSpeed, "Slower impacts do not bounce.", "0.05 m/s"),
                 0.0)},
       {}, "<physics step=\"1 ms\" gravity=\"0 0 -9.81\" duration=\"20 s\"/>");

@@ -123,6 +123,10 @@ class Scanner {
   // ---- characters
 
   void check_characters() {
+    if (text_.substr(0, 2) == "\xFF\xFE" || text_.substr(0, 2) == "\xFE\xFF") {
+      stop("CG0113", 0, 1, "the file is UTF-16", "save the file as UTF-8");
+      return;
+    }
     for (std::size_t i = at_; i < text_.size() && errors_ < 5;) {
       const auto c = static_cast<unsigned char>(text_[i]);
       if (c >= 0x20 && c < 0x80) {

@@ -51,6 +51,9 @@ TEST_CASE("numbers are read strictly and whatever the locale", "[units]") {
   std::setlocale(LC_NUMERIC, "de_DE.UTF-8");
   CHECK(parse_number("1.5") == 1.5);
   CHECK(number_text(1.5) == "1.5");
+  CHECK(number_text(100000.0) == "100000");  // not 1e+05: it may be part of a name
+  CHECK(number_text(-3e6) == "-3000000");
+  CHECK(number_text(1e20) == "1e+20");
   std::setlocale(LC_NUMERIC, before.c_str());
 }
 
