@@ -42,7 +42,15 @@ void check_backend(const std::string& asked, LoadedScene& scene) {
   if (name.empty()) return;
   const auto backend = scene.loader->backend(name);
   if (!backend) {
-    scene.diagnostics.push_back(to_diagnostic(backend.error()));
+    Diagnostic diagnostic = to_diagnostic(backend.error());
+    const SourceSpan& origin = scene.model->physics.backend_origin;
+    if (asked.empty() && origin.file >= 0) {
+      diagnostic.file = scene.model->files[static_cast<std::size_t>(origin.file)];
+      diagnostic.line = origin.line;
+      diagnostic.column = origin.column;
+      diagnostic.length = origin.length;
+    }
+    scene.diagnostics.push_back(std::move(diagnostic));
     return;
   }
   for (Diagnostic& diagnostic :

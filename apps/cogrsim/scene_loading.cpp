@@ -1,6 +1,8 @@
 #include "scene_loading.h"
 
 #include <unistd.h>
+#include <filesystem>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -21,6 +23,21 @@ Json empty_finding() {
   return {{"severity", "error"},    {"code", nullptr},   {"message", ""},     {"file", nullptr},
           {"line", nullptr},        {"column", nullptr}, {"length", nullptr}, {"help", nullptr},
           {"notes", Json::array()}, {"time", nullptr},   {"source", nullptr}};
+}
+
+// The line a finding of the run points at. The compiler brings its own excerpts; plugins and
+// engines know a place only.
+std::string source_line(const Diagnostic& diagnostic) {
+  constexpr std::size_t kLongest = 4000;  // [bytes]; a longer line is a machine's
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(diagnostic.file, error)) return {};
+  std::ifstream in(diagnostic.file, std::ios::binary);
+  std::string line;
+  for (int i = 0; i < diagnostic.line; ++i) {
+    if (!std::getline(in, line)) return {};
+  }
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  return line.size() > kLongest ? std::string() : printable(line);
 }
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
@@ -108,7 +125,15 @@ Json diagnostics_json(const std::vector<Diagnostic>& diagnostics,
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics) {
   if (diagnostics.empty()) return;
   const bool color = !style_of(STDERR_FILENO).off.empty();
-  std::string text = dsl::to_text(diagnostics, color);
+  std::vector<Diagnostic> shown = diagnostics;
+  for (Diagnostic& diagnostic : shown) {
+    if (diagnostic.source_line.empty() && diagnostic.line > 0) {
+      diagnostic.source_line = source_line(diagnostic);
+    }
+    diagnostic.message = printable(diagnostic.message);
+    diagnostic.help = printable(diagnostic.help);
+  }
+  std::string text = dsl::to_text(shown, color);
   if (!text.empty() && text.back() != '\n') text += '\n';
   std::fputs(text.c_str(), stderr);
 }
@@ -130,7 +155,7 @@ void print_messages(const std::vector<RunMessage>& messages, const std::string& 
     // What was said before the start has no time worth telling.
     if (message.time > 0.0) text += "at " + time_text(message.time) + ", ";
     if (!message.source.empty()) text += message.source + ": ";
-    std::fputs((text + message.message + "\n").c_str(), stderr);
+    std::fputs((text + printable(message.message) + "\n").c_str(), stderr);
     ++printed;
   }
 }

@@ -22,6 +22,9 @@ int terminal_width(int file_descriptor);
 void print_error(const std::string& text);
 void print_warning(const std::string& text);
 
+/// `text` without what could steer a terminal: control characters other than newline and tab become
+/// U+FFFD. For words that came from plugins and files.
+std::string printable(const std::string& text);
 /// Columns that `text` takes: its UTF-8 code points, colour codes not counted.
 std::size_t display_width(const std::string& text);
 /// `text` cut to `width` columns, with "…" where something was left out.

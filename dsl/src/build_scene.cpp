@@ -91,7 +91,13 @@ void Builder::settings() {
   Reader r = reader(*physics);
   out.origin = physics->span();
   const auto backend = r.text("backend");
-  if (backend.given()) out.backend = *backend;
+  if (backend.given()) {
+    out.backend = *backend;
+    out.backend_origin = physics->find("backend")->value_span;
+    if (out.backend.empty())
+      fault("CG0901", *physics, "backend", "the name of the backend is empty")
+          .help("leave 'backend' out to take the usual one");
+  }
   out.step = *r.number("step");
   out.gravity = *r.vec3("gravity");
   const auto seed = r.integer("seed");

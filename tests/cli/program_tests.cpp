@@ -204,6 +204,20 @@ TEST_CASE("an unknown backend: what exists and the places searched", "[cli][prog
   CHECK(json_of(outcome)["status"] == "failed");
 }
 
+TEST_CASE("a backend that the scene asks for and that is not there is shown in its file",
+          "[cli][program]") {
+  const std::string scene = kScenes + "/no_such_backend.scene.xml";
+  for (const char* command : {"run", "check"}) {
+    INFO(command);
+    const Outcome outcome = with_toys({command, scene});
+    CHECK(outcome.status == 1);
+    CHECK_THAT(outcome.out + outcome.err,
+               Contains("CG0901") && Contains("no_such_backend.scene.xml:2:21"));
+  }
+  // Whoever names another backend does not need the scene's.
+  CHECK(with_toys({"run", scene, "--backend", "toy", "--duration", "0.01"}).status == 0);
+}
+
 TEST_CASE("a backend that cannot do what the scene needs says where", "[cli][program]") {
   const std::string scene = kScenes + "/hinged.scene.xml";
   const Outcome run = with_toys({"run", scene, "--backend", "toy"});

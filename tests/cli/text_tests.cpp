@@ -130,3 +130,12 @@ TEST_CASE("a chart lets no text of the scene out of its place", "[cli][chart]") 
   CHECK_THAT(html, Catch::Contains("null") && Catch::Contains("[mm]"));
   CHECK(html.find("nan") == std::string::npos);
 }
+
+TEST_CASE("words of plugins cannot steer the terminal", "[cli][text]") {
+  CHECK(printable("plain\tä\n") == "plain\tä\n");
+  CHECK(printable("a\033[31mb") == "a\xEF\xBF\xBD[31mb");
+  CHECK(printable("a\xC2\x9B"
+                  "31mb") ==
+        "a\xEF\xBF\xBD"
+        "31mb");
+}

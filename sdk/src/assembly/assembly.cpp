@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "simulation/impl.h"
 
 namespace cogrsim {
@@ -21,7 +23,7 @@ std::string not_there(const std::string& kind, const std::string& name,
                       const std::vector<std::string>& names) {
   const std::string near = nearest_name(name, names);
   return "there is no " + kind + " '" + name + "'" +
-         (near.empty() ? "" : "; did you mean '" + near + "'?") + " It has: " + listed(names);
+         (near.empty() ? "" : ", did you mean '" + near + "'?") + "; it has " + listed(names);
 }
 
 /// Names of the elements inside an assembly, without its own name in front.
@@ -61,9 +63,9 @@ void MotorHandle::set(double target) {
   const Motor& motor = motor_of(*access_, motor_);
   if (!std::isfinite(target)) {
     if (!access_->fault) {
-      access_->fault = "sent " + std::to_string(target) + " to motor '" + motor.name +
-                       "'; its target stays " +
-                       std::to_string(access_->simulation->motors[static_cast<std::size_t>(motor_)].target);
+      access_->fault =
+          fmt::format("sent {} to motor '{}'; its target stays {}", target, motor.name,
+                      access_->simulation->motors[static_cast<std::size_t>(motor_)].target);
     }
     return;
   }

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <string_view>
 #include <tuple>
 
 #define BOOST_DLL_USE_STD_FS
@@ -93,6 +94,15 @@ bool by_kind_and_name(const PluginPtr& a, const PluginPtr& b) {
   return std::tie(da.kind, da.name) < std::tie(db.kind, db.name);
 }
 
+/// What the system said, without what Boost.DLL wraps around it.
+std::string system_text(const std::string& what) {
+  constexpr std::string_view kBefore = "dlerror system message: ";
+  const std::size_t begin = what.find(kBefore);
+  const std::size_t end = what.rfind("): ");
+  if (begin == std::string::npos || end == std::string::npos || end < begin) return what;
+  return what.substr(begin + kBefore.size(), end - begin - kBefore.size());
+}
+
 }  // namespace
 
 const char* to_string(PluginKind kind) {
@@ -151,7 +161,9 @@ Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
     impl->library.load(real, type::rtld_now | type::rtld_local);
     impl->descriptor = impl->library.get<const PluginDescriptor*()>(kDescriptorSymbol)();
   } catch (const std::exception& e) {
-    return tl::unexpected<Error>(refused(path, fmt::format("cannot be loaded: {}", e.what())));
+    return tl::unexpected<Error>(
+        refused(path, fmt::format("cannot be loaded: {}", system_text(e.what())),
+                "link it with every library it uses; `ldd -r` lists what is missing"));
   } catch (...) {
     return tl::unexpected<Error>(refused(path, "cannot be loaded: it threw while starting"));
   }
@@ -207,7 +219,9 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
   }
   std::string hint = names.empty() ? fmt::format("no {} was found at all", to_string(kind))
                                    : fmt::format("there are: {}", fmt::join(names, ", "));
-  const std::string near = nearest_name(name, names);
+  const bool with_suffix = name.size() > 3 && name.compare(name.size() - 3, 3, ".so") == 0;
+  const std::string near =
+      nearest_name(with_suffix ? name.substr(0, name.size() - 3) : name, names);
   if (!near.empty()) hint = fmt::format("did you mean '{}'? {}", near, hint);
   return fail(fmt::format("there is no {} '{}'; looked at{}", to_string(kind), name, tried), "",
               hint, "CG0901");

@@ -30,6 +30,15 @@ Diagnostic from_error(const Error& error, const std::string& default_code) {
   return d;
 }
 
+// Fills in the place in the scene's files, when it is known.
+void locate(Diagnostic& d, const SceneModel& scene, const SourceSpan& origin) {
+  if (origin.file < 0 || static_cast<std::size_t>(origin.file) >= scene.files.size()) return;
+  d.file = scene.files[static_cast<std::size_t>(origin.file)];
+  d.line = origin.line;
+  d.column = origin.column;
+  d.length = origin.length;
+}
+
 // The options a run overrules, and the engine's own options with their defaults filled in.
 tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneModel& scene,
                                                                    const SimulationOptions& options,
@@ -51,9 +60,7 @@ tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneMo
     }
     Diagnostic d = from_error(completed.error(), "CG0904");
     d.message = "options of backend '" + std::string(backend.name()) + "'" + where + ": " + d.message;
-    if (origin.file >= 0) d.file = scene.files[static_cast<std::size_t>(origin.file)];
-    d.line = origin.line;
-    d.column = origin.column;
+    locate(d, scene, origin);
     found.push_back(std::move(d));
   };
   complete(model->physics.engine_options, backend.world_options(), "", model->physics.origin);
@@ -84,7 +91,11 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   if (name.empty()) name = scene->physics.backend;
   if (name.empty()) name = kDefaultBackend;
   auto backend = impl->loader->backend(name);
-  if (!backend) return refuse(backend.error(), "CG0901");
+  if (!backend) {
+    Diagnostic d = from_error(backend.error(), "CG0901");
+    if (options.backend.empty()) locate(d, *scene, scene->physics.backend_origin);
+    return Failure(std::vector<Diagnostic>{std::move(d)});
+  }
   impl->backend = *backend;
 
   auto settled = settled_model(*scene, options, *impl->backend);
@@ -117,12 +128,7 @@ Diagnostic Simulation::Impl::problem(const std::string& message, const SourceSpa
   d.code = code;
   d.message = message;
   d.help = help;
-  if (origin.file >= 0 && static_cast<std::size_t>(origin.file) < model->files.size()) {
-    d.file = model->files[static_cast<std::size_t>(origin.file)];
-    d.line = origin.line;
-    d.column = origin.column;
-    d.length = origin.length;
-  }
+  locate(d, *model, origin);
   return d;
 }
 

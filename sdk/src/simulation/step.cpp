@@ -159,9 +159,10 @@ RunStatus Simulation::Impl::step() {
     status = RunStatus::diverged;
     const std::string body =
         result.body >= 0 ? model->bodies[static_cast<std::size_t>(result.body)].name : "";
+    // Some engines name the body themselves; once is enough.
+    const bool named = body.empty() || result.message.find("'" + body + "'") != std::string::npos;
     report(Severity::error, body.empty() ? "physics" : body,
-           (body.empty() ? "the physics" : "body '" + body + "'") + std::string(" diverged: ") +
-               result.message);
+           "diverged: " + (named ? "" : "body '" + body + "': ") + result.message);
     return status;
   }
   ++steps;

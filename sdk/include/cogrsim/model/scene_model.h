@@ -224,6 +224,7 @@ struct PhysicsSettings {
   double bounce_threshold = 0.05;
   std::map<std::string, Parameters> engine_options;  ///< by engine name
   SourceSpan origin;
+  SourceSpan backend_origin;  ///< where the scene names its backend
 };
 
 /// Two bodies that pass through each other.
