@@ -153,10 +153,14 @@ MultibodyTree::MultibodyTree(const SceneModel& model, const std::vector<int>& jo
   multibody_->setCanSleep(false);
   multibody_->clearForcesAndTorques();
   const btVector3 gravity = to_bt(model.physics.gravity);
-  if (base != nullptr) multibody_->addBaseForce(gravity * base->mass());
+  masses_.push_back(base != nullptr ? base->mass() : 0.0);
+  moments_.push_back(base != nullptr ? base->moments() : btVector3(0, 0, 0));
+  multibody_->addBaseForce(gravity * masses_.front());
   for (int i = 0; i < link_count; ++i) {
     const btMultibodyLink& l = multibody_->getLink(i);
     multibody_->addLinkForce(i, gravity * l.m_mass);
+    masses_.push_back(l.m_mass);
+    moments_.push_back(l.m_inertiaLocal);
     parents_.push_back(l.m_parent);
     first_dof_.push_back(static_cast<int>(dofs_.size()));
     for (int d = 0; d < l.m_dofCount; ++d) {
@@ -328,14 +332,6 @@ void MultibodyTree::project(std::vector<LinkVector>& forces, std::vector<double>
   }
 }
 
-double MultibodyTree::fastest_turn(const std::vector<double>& u) const {
-  double fastest = 0.0;
-  for (std::size_t k = 0; k < u.size(); ++k) {
-    if (k < 3 || (k >= 6 && dofs_[k - 6].turns)) fastest = std::max(fastest, std::abs(u[k]));
-  }
-  return fastest;
-}
-
 void MultibodyTree::accelerations(const std::vector<double>& u, std::vector<double>& out) {
   multibody_->setBaseOmega({u[0], u[1], u[2]});
   multibody_->setBaseVel({u[3], u[4], u[5]});
@@ -350,6 +346,33 @@ void MultibodyTree::accelerations(const std::vector<double>& u, std::vector<doub
                                                                    scratch_m_, false, false, false);
   const btScalar* found = &scratch_r_[multibody_->getNumDofs()];
   out.assign(found, found + speed_count());
+}
+
+void MultibodyTree::bias(const std::vector<double>& u, std::vector<double>& out) {
+  velocities(u, velocities_);
+  rates_.assign(frames_.size(), {});
+  forces_.assign(frames_.size(), {});
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    const LinkVector& v = velocities_[i];
+    LinkVector& rate = rates_[i];
+    if (i > 0) {
+      const auto parent = static_cast<std::size_t>(parents_[i - 1] + 1);
+      const LinkVector& below = velocities_[parent];
+      const btVector3 arm = frames_[i].getOrigin() - frames_[parent].getOrigin();
+      const btVector3 turning = v.ang - below.ang;
+      // The part of the relative velocity that turns with the link: the joint's.
+      const btVector3 joint = v.lin - below.lin - below.ang.cross(arm);
+      rate.ang = rates_[parent].ang + below.ang.cross(turning);
+      rate.lin = rates_[parent].lin + rates_[parent].ang.cross(arm) +
+                 below.ang.cross(v.lin - below.lin) + v.ang.cross(joint);
+    }
+    if (masses_[i] == 0.0) continue;
+    const btMatrix3x3& R = frames_[i].getBasis();
+    const btVector3 momentum = R * ((v.ang * R) * moments_[i]);
+    forces_[i].lin = rate.lin * masses_[i];
+    forces_[i].ang = R * ((rate.ang * R) * moments_[i]) + v.ang.cross(momentum);
+  }
+  project(forces_, out);
 }
 
 void MultibodyTree::respond(const std::vector<double>& impulses, std::vector<double>& out) {

@@ -74,10 +74,11 @@ class MultibodyTree {
   /// Efforts along the speeds that forces on all links come to. `forces` is used up.
   void project(std::vector<LinkVector>& forces, std::vector<double>& out) const;
 
-  /// The largest angular speed among `u` [rad/s].
-  double fastest_turn(const std::vector<double>& u) const;
   /// Accelerations at speeds `u` under gravity alone; prepares respond().
   void accelerations(const std::vector<double>& u, std::vector<double>& out);
+  /// Forces that keep every link on its way at speeds `u` without accelerations of the speeds
+  /// (Coriolis, centrifugal, gyroscopic), as efforts along the speeds.
+  void bias(const std::vector<double>& u, std::vector<double>& out);
   /// Change of speeds per impulses along them.
   void respond(const std::vector<double>& impulses, std::vector<double>& out);
 
@@ -102,7 +103,9 @@ class MultibodyTree {
   std::vector<int> parents_, first_dof_;  ///< by link; first_dof_ has one more
   std::vector<Dof> dofs_;
   std::vector<btTransform> frames_;
-  std::vector<double> q_;  ///< what the multibody has, in the order of its links
+  std::vector<double> masses_;  ///< by link, the base first
+  std::vector<btVector3> moments_;
+  std::vector<LinkVector> velocities_, rates_, forces_;
   btAlignedObjectArray<btScalar> scratch_r_;
   btAlignedObjectArray<btVector3> scratch_v_;
   btAlignedObjectArray<btMatrix3x3> scratch_m_;

@@ -12,8 +12,6 @@ namespace {
 // Axes of one group are swept until none changes by more than this part, or so often.
 constexpr double kAxisTolerance = 1e-12;
 constexpr int kAxisSweeps = 30;
-// Turns of joints by less than this in a step may be extrapolated [rad].
-constexpr double kGentle = 0.01;
 
 /// The lesser of two of one sign, else nothing.
 double lesser(double a, double b) {
@@ -61,16 +59,20 @@ void ReducedGroup::prepare(const SceneModel& model, double dt, const std::vector
   tree_.speeds(links_, u_start_);
   const std::size_t n = u_start_.size();
   work_.resize(n);
-  // The velocity half a step on.
-  const bool gentle = tree_.fastest_turn(u_start_) * dt < kGentle;
-  if (!gentle) tree_.accelerations(u_start_, free_);
+  tree_.accelerations(u_start_, free_);
+  // What depends on velocities, once more for those half a step on.
   for (std::size_t k = 0; k < n; ++k) {
-    const double own = gentle ? lesser(past_[0][k], past_[1][k]) : free_[k];
-    work_[k] = u_start_[k] + 0.5 * dt * (own + lesser(past_[2][k], past_[3][k]));
+    work_[k] = u_start_[k] + 0.5 * dt * (free_[k] + lesser(past_[0][k], past_[1][k]));
   }
-  tree_.accelerations(work_, free_);
+  tree_.bias(u_start_, impulses_);
+  tree_.bias(work_, response_);
+  for (std::size_t k = 0; k < n; ++k) impulses_[k] -= response_[k];
+  tree_.respond(impulses_, response_);
   u_.resize(n);
-  for (std::size_t k = 0; k < n; ++k) u_[k] = u_start_[k] + dt * free_[k];
+  for (std::size_t k = 0; k < n; ++k) {
+    free_[k] += response_[k];
+    u_[k] = u_start_[k] + dt * free_[k];
+  }
   for (Member& member : members_) {
     member.place = tree_.frame(member.link).getOrigin();
     member.before = momentum(member, links_[static_cast<std::size_t>(member.link + 1)]);
@@ -189,11 +191,7 @@ void ReducedGroup::move(double dt, const std::vector<std::pair<btVector3, btVect
 
 void ReducedGroup::report(const SceneModel& model, double dt, JointReport& out) {
   past_[1].swap(past_[0]);
-  past_[3].swap(past_[2]);
-  for (std::size_t k = 0; k < u_.size(); ++k) {
-    past_[0][k] = free_[k];
-    past_[2][k] = (u_[k] - u_start_[k]) / dt - free_[k];
-  }
+  for (std::size_t k = 0; k < u_.size(); ++k) past_[0][k] = (u_[k] - u_start_[k]) / dt - free_[k];
   for (const TreeJoint& t : tree_.joints()) {
     const Joint& joint = model.joints[static_cast<std::size_t>(t.joint)];
     for (int k = 0; k < speed_count(joint.type); ++k) {

@@ -6,11 +6,11 @@
 // motion that the joints allow. Axes are felt through the response of the whole tree to them.
 //
 // In time: symplectic Euler on the coordinates. What depends on velocities (Coriolis and
-// centrifugal terms) is taken at the middle of the step: taken at its start it would feed energy in
-// the first order of the step, and a long chain that whips would explode. The middle is found from
-// the accelerations at the start, or, while nothing turns fast, from those of the last two steps,
-// which saves half the work. Of two past ones the lesser counts, none where they disagree in sign,
-// so that a blow is not taken for a trend.
+// centrifugal terms) is taken at the middle of the step: taken at its start, as Bullet does, it
+// feeds energy in the first order of the step, and a long chain that whips explodes. The middle is
+// found from the accelerations at the start, and from what contacts and axes did in the last two
+// steps: the lesser of the two, nothing where they disagree in sign, so that a blow is not taken for
+// a trend.
 #pragma once
 
 #include <array>
@@ -86,8 +86,8 @@ class ReducedGroup final : public JointGroup {
   std::size_t axis_count_ = 0;
   std::vector<double> u_start_, u_;  ///< speeds: at the start of the step, now
   std::vector<double> free_;  ///< accelerations without contacts and axes
-  /// Accelerations in the last step and the one before: free ones, then what contacts and axes did.
-  std::array<std::vector<double>, 4> past_;
+  /// Accelerations by contacts and axes in the last step and the one before.
+  std::array<std::vector<double>, 2> past_;
   std::vector<double> impulses_, response_, work_;
   std::vector<LinkVector> links_, forces_;
   bool solved_ = false;
