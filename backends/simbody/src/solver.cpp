@@ -19,6 +19,24 @@ constexpr double kIdleLarge = 300.0, kSlowLarge = 0.7;
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
+// J v; unrolled where all sides are of one free body each, with sums in the same order.
+double along(const RowSet& set, const Row& row, const double* v) {
+  double sum = 0.0;
+  for (int s = 0; s < row.sides; ++s) {
+    const RowSide& side = row.side[s];
+    if (side.size != 6) return set.along(row, v);
+    const double* const j = &set.pool[side.j];
+    const double* const x = v + side.speeds;
+    sum += j[0] * x[0];
+    sum += j[1] * x[1];
+    sum += j[2] * x[2];
+    sum += j[3] * x[3];
+    sum += j[4] * x[4];
+    sum += j[5] * x[5];
+  }
+  return sum;
+}
+
 // A row as the sweeps need it. `numbers`: J and W of the first side, then those of the second.
 struct Line {
   const double* numbers = nullptr;
@@ -461,7 +479,7 @@ void solve_positions(const SolverOptions& options, RowSet& set, const double* dv
   for (std::size_t i = 0; i < set.rows.size(); ++i) {
     Row& row = set.rows[i];
     if (!row.has_gap) continue;
-    row.gap += 0.5 * h * set.along(row, dv);
+    row.gap += 0.5 * h * along(set, row, dv);
     row.pull = row.pull && row.lambda > 0.0;
     row.push = 0.0;
     active.push_back(int(i));
@@ -476,7 +494,7 @@ void solve_positions(const SolverOptions& options, RowSet& set, const double* dv
     double change = 0.0;
     for (std::size_t i = 0; i < active.size(); ++i) {
       Row& row = set.rows[std::size_t(active[sweep % 2 ? i : active.size() - 1 - i])];
-      const double error = row.gap_target - row.gap - set.along(row, p);
+      const double error = row.gap_target - row.gap - along(set, row, p);
       const double before = row.push;
       row.push = before + error / row.diagonal;
       if (!row.pull) row.push = std::max(row.push, 0.0);
@@ -489,7 +507,7 @@ void solve_positions(const SolverOptions& options, RowSet& set, const double* dv
   }
   for (int index : active) {
     Row& row = set.rows[std::size_t(index)];
-    row.settled = set.along(row, p);
+    row.settled = along(set, row, p);
   }
 }
 
