@@ -26,6 +26,7 @@ ReducedGroup::ReducedGroup(const SceneModel& model, const std::vector<int>& join
     : tree_(model, joints, bodies) {
   joint_indices_ = joints;
   body_indices_ = tree_.bodies();
+  gravity_ = to_bt(model.physics.gravity);
   for (std::size_t k = 0; k < body_indices_.size(); ++k) {
     Member member;
     member.body = &bodies[static_cast<std::size_t>(body_indices_[k])];
@@ -183,9 +184,49 @@ void ReducedGroup::move(double dt, const std::vector<std::pair<btVector3, btVect
   tree_.advance(work_, dt, q, base);
   tree_.set_positions(q, base);
   tree_.velocities(u_, links_);
+  if (tree_.floating()) keep_momentum();
   for (Member& member : members_) {
     const LinkVector& v = links_[static_cast<std::size_t>(member.link + 1)];
     member.body->set_principal({tree_.frame(member.link), v.lin, v.ang});
+  }
+}
+
+void ReducedGroup::keep_momentum() {
+  double mass = 0.0;
+  btVector3 then(0, 0, 0), now(0, 0, 0);  // centres of mass
+  for (const Member& member : members_) {
+    const double m = member.body->mass();
+    mass += m;
+    then += member.place * m;
+    now += tree_.frame(member.link).getOrigin() * m;
+  }
+  then /= mass;
+  now /= mass;
+  // About the centre of mass; what is missing, and the inertia of the whole as it stands.
+  LinkVector missing{gravity_ * (mass * dt_), btVector3(0, 0, 0)};
+  btMatrix3x3 inertia(0, 0, 0, 0, 0, 0, 0, 0, 0);
+  for (const Member& member : members_) {
+    const LinkVector after = momentum(member, links_[static_cast<std::size_t>(member.link + 1)]);
+    const btTransform& X = tree_.frame(member.link);
+    const btVector3 arm = X.getOrigin() - now;
+    const btVector3 given = member.before.lin + member.blow.lin;
+    missing.lin += given - after.lin;
+    missing.ang += member.before.ang + member.blow.ang + (member.place - then).cross(given) -
+                   after.ang - arm.cross(after.lin);
+    const double m = member.body->mass();
+    for (int k = 0; k < 3; ++k) {
+      btVector3 unit(0, 0, 0);
+      unit[k] = 1.0;
+      const btVector3 column = arm.cross(unit.cross(arm)) * m +
+                               X.getBasis() * ((unit * X.getBasis()) * member.body->moments());
+      for (int r = 0; r < 3; ++r) inertia[r][k] += column[r];
+    }
+  }
+  const btVector3 turn = inertia.inverse() * missing.ang, shift = missing.lin / mass;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const btVector3 arm = tree_.frame(static_cast<int>(i) - 1).getOrigin() - now;
+    links_[i].ang += turn;
+    links_[i].lin += shift + turn.cross(arm);
   }
 }
 

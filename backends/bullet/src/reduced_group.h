@@ -78,6 +78,9 @@ class ReducedGroup final : public JointGroup {
   void fill_law(const SceneModel& model, Axis& axis, double dt, const std::vector<Drive>& drives);
   void solve_axes();
   LinkVector momentum(const Member& member, const LinkVector& v) const;
+  /// Gives a tree that floats the momentum it had and what contacts and gravity added: at its new
+  /// place the old speeds would come to a little more or less.
+  void keep_momentum();
 
   MultibodyTree tree_;
   std::vector<Member> members_;
@@ -92,6 +95,7 @@ class ReducedGroup final : public JointGroup {
   std::vector<LinkVector> links_, forces_;
   bool solved_ = false;
   double dt_ = 0.0;
+  btVector3 gravity_{0, 0, 0};
 };
 
 }  // namespace cogrsim::bullet
