@@ -217,7 +217,7 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
 
   /// The places at the end of the step follow from the velocities found so far. They contain what
   /// drives overlapping bodies apart, which must not stay in the bodies as momentum: a few more
-  /// sweeps without it (Catto, Solver2D, 2023).
+  /// sweeps without it (the relaxing ones of Catto, "Solver2D", box2d.org, 2024).
   void relax() {
     if (recovering_.empty()) return;
     displacement_.clear();
