@@ -3,6 +3,7 @@
 //   cogrsim_conformance --backend bullet                     compare; exit 0: as the table says
 //   cogrsim_conformance --backend bullet --figures [pendulum]   show what was measured
 //   cogrsim_conformance --backend bullet --update            rewrite the table
+//   cogrsim_conformance --backend bullet --option formulation=reduced   with that set in all scenes
 //   cogrsim_conformance --backend bullet --mutate gravity=1.01  exit 0: some test turned red
 //
 // Exit status: 0 as expected, 1 something differs, 2 wrong usage or no such backend.
@@ -17,6 +18,7 @@
 #include "expectations.h"
 #include "generated_tests.h"
 #include "mutation.h"
+#include "optioned.h"
 #include "support.h"
 
 namespace {
@@ -28,6 +30,7 @@ struct Options {
   std::string against;
   std::string expectations;
   std::string mutate;
+  std::string option;
   bool figures = false;
   bool update = false;
 };
@@ -163,6 +166,8 @@ int stale_entries(Run& run, const std::set<std::string>& names) {
   return stale;
 }
 
+std::string value_of(const std::string& option) { return option.substr(option.find('=') + 1); }
+
 // The backends named on the command line, the fault built in.
 bool load_backends(const Options& options) {
   static cogrsim::PluginLoader loader;  // keeps the libraries until the end
@@ -176,6 +181,14 @@ bool load_backends(const Options& options) {
       return false;
     }
     loaded[i] = *backend;
+  }
+  if (!options.option.empty()) {
+    auto changed = with_option(loaded[0], options.option);
+    if (!changed) {
+      std::fprintf(stderr, "--option: %s\n", changed.error().text().c_str());
+      return false;
+    }
+    loaded[0] = *changed;
   }
   if (!options.mutate.empty()) {
     const auto mutation = parse_mutation(options.mutate);
@@ -198,6 +211,7 @@ int report(Run& run, const std::set<std::string>& names) {
   }
   if (options.update) {
     std::string title = options.backend;
+    if (!options.option.empty()) title += " with " + options.option;
     if (!options.against.empty()) title += " against " + options.against;
     run.table.save(options.expectations, title);
     std::printf("%d tests, table written: %s\n", run.tests, options.expectations.c_str());
@@ -229,6 +243,7 @@ int main(int argc, char** argv) {
               Opt(options.expectations, "file")["--expectations"]("table to compare with") |
               Opt(options.figures)["--figures"]("show every figure measured") |
               Opt(options.update)["--update"]("rewrite the table of the tests that run") |
+              Opt(options.option, "name=value")["--option"]("set an option of its world everywhere") |
               Opt(options.mutate, "fault[=amount]")["--mutate"](mutations));
   session.configData().reporterName = "table";
   if (session.applyCommandLine(argc, argv) != 0) return 2;
@@ -245,7 +260,8 @@ int main(int argc, char** argv) {
   }
   if (options.expectations.empty()) {
     options.expectations = std::string(CONFORMANCE_TABLES) + "/" + options.backend +
-                           (options.against.empty() ? "" : "-" + options.against) + ".json";
+                           (options.against.empty() ? "" : "-" + options.against) +
+                           (options.option.empty() ? "" : "-" + value_of(options.option)) + ".json";
   }
   if (!load_backends(options)) return 2;
   try {
