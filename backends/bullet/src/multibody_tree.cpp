@@ -33,7 +33,9 @@ bool dynamic(const SceneModel& model, int body) {
   return body != kWorld && model.bodies[static_cast<std::size_t>(body)].kind == BodyKind::dynamic;
 }
 
-btTransform principal_inverse(const SceneModel& model, const std::vector<RigidBody>& bodies, int body) {
+/// The body's frame in its principal frame.
+btTransform principal_inverse(const SceneModel& model, const std::vector<RigidBody>& bodies,
+                              int body) {
   if (body == kWorld) return btTransform::getIdentity();
   const RigidBody& b = bodies[static_cast<std::size_t>(body)];
   // What does not move is written in world axes.
@@ -69,7 +71,8 @@ std::string MultibodyTree::obstacle(const SceneModel& model, const std::vector<i
     const Joint& joint = model.joints[static_cast<std::size_t>(j)];
     if (joint.type == JointType::screw) return "is a screw, which a btMultiBody does not have";
     for (const int body : {joint.parent, joint.child}) {
-      if (body != kWorld && model.bodies[static_cast<std::size_t>(body)].kind == BodyKind::kinematic) {
+      if (body == kWorld) continue;
+      if (model.bodies[static_cast<std::size_t>(body)].kind == BodyKind::kinematic) {
         return "hangs on a kinematic body, which a btMultiBody does not";
       }
     }
@@ -233,9 +236,9 @@ void MultibodyTree::set_positions(const std::vector<double>& q, const btTransfor
       continue;
     }
     for (int i = 0; i < cogrsim::speed_count(joint.type); ++i) {
-      const int dof = joint.speed(i) - 6;
       // One speed per link here.
-      const int link = joint.to - (cogrsim::speed_count(joint.type) - 1) + (dof - (joint.first - 6));
+      const int first_link = joint.to - (cogrsim::speed_count(joint.type) - 1);
+      const int link = first_link + joint.speed(i) - joint.first;
       if (multibody_->getJointPos(link) != own[i]) multibody_->setJointPos(link, own[i]);
     }
   }
@@ -394,7 +397,8 @@ void MultibodyTree::advance(const std::vector<double>& u, double dt, std::vector
       const auto s = static_cast<std::size_t>(joint.first);
       // From the link's axes to F's; of M in F.
       const btTransform& X = frame(joint.to);
-      const btVector3 w = (X.getBasis() * btVector3(u[s], u[s + 1], u[s + 2])) * X_WF(joint).getBasis();
+      const btVector3 world = X.getBasis() * btVector3(u[s], u[s + 1], u[s + 2]);
+      const btVector3 w = world * X_WF(joint).getBasis();
       const btQuaternion next = turned(unit(own), w * (joint.reversed ? -dt : dt));
       own[0] = next.w();
       own[1] = next.x();

@@ -42,7 +42,8 @@ class MultibodyTree {
  public:
   /// What keeps `joints` from being one tree of joints that a btMultiBody has; "" when nothing
   /// does. `culprit`: the joint in question.
-  static std::string obstacle(const SceneModel& model, const std::vector<int>& joints, int& culprit);
+  static std::string obstacle(const SceneModel& model, const std::vector<int>& joints,
+                              int& culprit);
 
   /// Precondition: no obstacle.
   MultibodyTree(const SceneModel& model, const std::vector<int>& joints,

@@ -95,7 +95,9 @@ void ReducedGroup::prepare(const SceneModel& model, double dt, const std::vector
 
 double ReducedGroup::along(const Axis& axis, const std::vector<double>& u) const {
   double sum = 0.0;
-  for (int k = 0; k < axis.count; ++k) sum += axis.weight[k] * u[static_cast<std::size_t>(axis.first + k)];
+  for (int k = 0; k < axis.count; ++k) {
+    sum += axis.weight[k] * u[static_cast<std::size_t>(axis.first + k)];
+  }
   return sum;
 }
 
@@ -125,8 +127,9 @@ void ReducedGroup::iterate() {
     forces_.assign(links_.size(), {});
     for (Member& member : members_) {
       if (member.solver == nullptr) continue;
-      const LinkVector change{member.solver->internalGetDeltaLinearVelocity() - member.written.lin,
-                              member.solver->internalGetDeltaAngularVelocity() - member.written.ang};
+      btSolverBody& solver = *member.solver;
+      const LinkVector change{solver.internalGetDeltaLinearVelocity() - member.written.lin,
+                              solver.internalGetDeltaAngularVelocity() - member.written.ang};
       const LinkVector blow = momentum(member, change);
       member.blow.lin += blow.lin;
       member.blow.ang += blow.ang;

@@ -9,8 +9,8 @@
 // centrifugal terms) is taken at the middle of the step: taken at its start, as Bullet does, it
 // feeds energy in the first order of the step, and a long chain that whips explodes. The middle is
 // found from the accelerations at the start, and from what contacts and axes did in the last two
-// steps: the lesser of the two, nothing where they disagree in sign, so that a blow is not taken for
-// a trend.
+// steps: the lesser of the two, nothing where they disagree in sign, so that a blow is not taken
+// for a trend.
 #pragma once
 
 #include <array>
