@@ -80,8 +80,7 @@ int check_command(const CheckOptions& options) {
     const std::size_t advice = scene.diagnostics.size() - found;
     errors += found;
     if (text) {
-      out += dsl::to_text(scene.diagnostics, color);
-      if (!out.empty() && out.back() != '\n') out += '\n';
+      out += diagnostics_text(scene.diagnostics, color);
       if (found > 0) {
         out += fmt::format("{}: {}{}{}", path, style.red, count_text(found, "error", "errors"),
                            style.off);

@@ -122,20 +122,22 @@ Json diagnostics_json(const std::vector<Diagnostic>& diagnostics,
   return out;
 }
 
-void print_diagnostics(const std::vector<Diagnostic>& diagnostics) {
-  if (diagnostics.empty()) return;
-  const bool color = !style_of(STDERR_FILENO).off.empty();
-  std::vector<Diagnostic> shown = diagnostics;
-  for (Diagnostic& diagnostic : shown) {
+std::string diagnostics_text(std::vector<Diagnostic> diagnostics, bool color) {
+  for (Diagnostic& diagnostic : diagnostics) {
     if (diagnostic.source_line.empty() && diagnostic.line > 0) {
       diagnostic.source_line = source_line(diagnostic);
     }
     diagnostic.message = printable(diagnostic.message);
     diagnostic.help = printable(diagnostic.help);
   }
-  std::string text = dsl::to_text(shown, color);
+  std::string text = dsl::to_text(diagnostics, color);
   if (!text.empty() && text.back() != '\n') text += '\n';
-  std::fputs(text.c_str(), stderr);
+  return text;
+}
+
+void print_diagnostics(const std::vector<Diagnostic>& diagnostics) {
+  const bool color = !style_of(STDERR_FILENO).off.empty();
+  std::fputs(diagnostics_text(diagnostics, color).c_str(), stderr);
 }
 
 void print_messages(const std::vector<RunMessage>& messages, const std::string& run) {

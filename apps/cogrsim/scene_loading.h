@@ -38,6 +38,8 @@ Json to_json(const RunMessage& message);
 Json diagnostics_json(const std::vector<Diagnostic>& diagnostics,
                       const std::vector<RunMessage>& messages);
 
+/// Findings in compiler style, each with the line it points at.
+std::string diagnostics_text(std::vector<Diagnostic> diagnostics, bool color);
 /// Prints findings to stderr, compiler style, in colour on a terminal.
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics);
 /// "error: at 1.2 s, bot.driver: …", to stderr; long lists are cut. `run`: which of several.
