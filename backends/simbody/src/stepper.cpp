@@ -1,7 +1,10 @@
 #include "stepper.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "cogrsim/physics/friction_share.h"
 
 namespace cogrsim::simbody {
 namespace {
@@ -425,6 +428,7 @@ void Stepper::warm_start(double h) {
     taken[best] = 1;
     warm_[std::size_t(&contact - set_.contacts.data())] = h * memory.contacts[best].force;
   }
+  share_warm_friction();
   for (std::size_t i = 0; i < set_.contacts.size(); ++i) {
     const ContactRows& contact = set_.contacts[i];
     Row* const rows = &set_.rows[std::size_t(contact.first)];
@@ -442,6 +446,39 @@ void Stepper::warm_start(double h) {
     }
     rows[1].lambda = impulse.dot(contact.tangent1);
     rows[2].lambda = impulse.dot(contact.tangent2);
+  }
+}
+
+// What the sweeps leave of forces that only press the points of a face against each other would stay
+// for ever: the start is made without it.
+void Stepper::share_warm_friction() {
+  constexpr double kSameNormal = 1.0 - 1e-6;  // cosine
+  constexpr std::size_t kMost = 16;
+  const std::vector<ContactRows>& contacts = set_.contacts;
+  std::size_t end = 0;
+  for (std::size_t first = 0; first < contacts.size(); first = end) {
+    const ContactPoint& leader = contacts[first].point;
+    bool flat = true;
+    for (end = first; end < contacts.size(); ++end) {
+      const ContactPoint& point = contacts[end].point;
+      if (point.collider_a != leader.collider_a || point.collider_b != leader.collider_b) break;
+      flat = flat && contacts[end].kind == FrictionKind::point &&
+             point.normal.dot(leader.normal) > kSameNormal;
+    }
+    const std::size_t count = end - first;
+    if (!flat || count < 2 || count > kMost || contacts[first].friction <= 0.0) continue;
+    std::array<double, kMost> loads;
+    std::array<Vec3, kMost> points, friction;
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3& impulse = warm_[first + k];
+      loads[k] = std::max(impulse.dot(leader.normal), 0.0);
+      points[k] = contacts[first + k].point.point;
+      friction[k] = impulse - loads[k] * leader.normal;
+    }
+    share_friction(count, leader.normal, loads.data(), points.data(), friction.data());
+    for (std::size_t k = 0; k < count; ++k) {
+      warm_[first + k] = loads[k] * leader.normal + friction[k];
+    }
   }
 }
 

@@ -89,6 +89,7 @@ class Stepper {
   void measure_speeds(double h);
   Vec3 impulse_of(const ContactRows& contact) const;  ///< on b
   void warm_start(double h);
+  void share_warm_friction();
   // Shares the load of a resting pair among its points: makes each yield a little to what it bears
   // beyond the mean of the last step. Without it rigid contact leaves the shares to chance, and a
   // wheel rolls on one of its rims.
