@@ -175,7 +175,7 @@ void Collision::remove(const SceneModelPtr& model) {
 }
 
 void Collision::update_bounds(Proxy& proxy, const RigidBody& body, double dt) {
-  const btTransform& X_WP = body.collider()->getWorldTransform();
+  const btTransform& X_WP = body.object().getWorldTransform();
   proxy.X_WC = X_WP * proxy.X_PC;
   if (proxy.shape->type == ShapeType::plane) {
     proxy.low.setValue(-kEverything, -kEverything, -kEverything);
@@ -246,8 +246,8 @@ void Collision::propose(std::vector<RigidBody>& bodies, double dt) {
 void Collision::open(Pair& pair, std::vector<RigidBody>& bodies) {
   const Proxy& a = *proxies_[static_cast<std::size_t>(pair.first)];
   const Proxy& b = *proxies_[static_cast<std::size_t>(pair.second)];
-  btCollisionObject* collider_a = bodies[static_cast<std::size_t>(a.body)].collider();
-  btCollisionObject* collider_b = bodies[static_cast<std::size_t>(b.body)].collider();
+  btCollisionObject* collider_a = &bodies[static_cast<std::size_t>(a.body)].object();
+  btCollisionObject* collider_b = &bodies[static_cast<std::size_t>(b.body)].object();
   pair.manifold = dispatcher_.getNewManifold(collider_a, collider_b);
   if (b.shape->type == ShapeType::plane || is_surface(b.shape->type)) return;
   if (a.shape->type == ShapeType::sphere || b.shape->type == ShapeType::sphere) return;
@@ -282,8 +282,8 @@ void Collision::close(Pair& pair) {
 void Collision::find_contacts(Pair& pair, std::vector<RigidBody>& bodies) {
   const Proxy& a = *proxies_[static_cast<std::size_t>(pair.first)];
   const Proxy& b = *proxies_[static_cast<std::size_t>(pair.second)];
-  btCollisionObject* collider_a = bodies[static_cast<std::size_t>(a.body)].collider();
-  btCollisionObject* collider_b = bodies[static_cast<std::size_t>(b.body)].collider();
+  btCollisionObject* collider_a = &bodies[static_cast<std::size_t>(a.body)].object();
+  btCollisionObject* collider_b = &bodies[static_cast<std::size_t>(b.body)].object();
   btPersistentManifold& manifold = *pair.manifold;
   const double base = b.base > 0.0 ? std::min(a.base, b.base) : a.base;
   const double threshold = base + (a.ahead - a.base) + (b.ahead - b.base);

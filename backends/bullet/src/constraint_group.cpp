@@ -319,12 +319,12 @@ void ConstraintGroup::report(const SceneModel& model, double dt, JointReport& ou
     wrench.force += from_bt(axis.direction.lin) * effort;
     wrench.torque += from_bt(axis.direction.ang) * effort;
     const auto speed = static_cast<std::size_t>(axis.speed);
-    if (axis.part != Axis::Part::whole) {
+    if (axis.part != AxisPart::whole) {
       for (int k = 0; k < 3; ++k) out.joint_efforts[speed + static_cast<std::size_t>(k)] += axis.in_F[k] * effort;
     } else {
       out.joint_efforts[speed] += effort;
     }
-    for (std::size_t m = 0; m < axis.motors.size() && axis.part == Axis::Part::whole; ++m) {
+    for (std::size_t m = 0; m < axis.motors.size() && axis.part == AxisPart::whole; ++m) {
       out.motor_efforts[static_cast<std::size_t>(axis.motors[m])] = axis.law.impulse(m) / dt;
     }
   }

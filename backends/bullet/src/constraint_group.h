@@ -63,7 +63,7 @@ class ConstraintGroup final : public JointGroup {
   };
   /// One free axis on which something acts.
   struct Axis {
-    enum class Part { whole, ball_spring, ball_cone } part = Part::whole;
+    AxisPart part = AxisPart::whole;
     int slot = -1;
     int number = 0;           ///< of the joint's axes
     int speed = -1;           ///< entry in joint_speeds; of a ball: the first of three

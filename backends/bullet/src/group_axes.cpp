@@ -25,7 +25,7 @@ ConstraintGroup::Axis& ConstraintGroup::next_axis(const JointSlot& slot, const b
   axis.law.clear();
   axis.motors.clear();
   axis.impulse = 0.0;
-  axis.part = Axis::Part::whole;
+  axis.part = AxisPart::whole;
   return axis;
 }
 
@@ -113,7 +113,7 @@ void ConstraintGroup::gather_ball(const Joint& joint, const JointSlot& slot,
       axis.number = 0;
       axis.q = turn.dot(triad[k]);
       axis.in_F = triad[k];
-      axis.part = Axis::Part::ball_spring;
+      axis.part = AxisPart::ball_spring;
     }
   }
   const double angle = turn.length();
@@ -122,7 +122,7 @@ void ConstraintGroup::gather_ball(const Joint& joint, const JointSlot& slot,
     axis.number = 0;
     axis.q = angle;
     axis.in_F = turn / angle;
-    axis.part = Axis::Part::ball_cone;
+    axis.part = AxisPart::ball_cone;
   }
 }
 
@@ -133,23 +133,7 @@ void ConstraintGroup::fill_law(const SceneModel& model, Axis& axis, double dt,
   const JointAxis& law = joint.axes[static_cast<std::size_t>(axis.number)];
   axis.speed = joint.speed_offset + axis.number;
   const AxisState state{axis.q, along(axis.row), dt, axis.inverse_inertia};
-  switch (axis.part) {
-    case Axis::Part::whole:
-      fill_axis_law(axis.law, law, state, axis.motors, drives);
-      break;
-    case Axis::Part::ball_spring: {
-      JointAxis part = law;
-      part.lower = -std::numeric_limits<double>::infinity();
-      part.upper = -part.lower;
-      part.rest = 0.0;
-      fill_axis_law(axis.law, part, state, {}, drives);
-      break;
-    }
-    case Axis::Part::ball_cone:
-      axis.law.clear();
-      axis.law.add(upper_limit_element(law.upper, state));
-      break;
-  }
+  fill_axis_law(axis.law, axis.part, law, state, axis.motors, drives);
 }
 
 }  // namespace cogrsim::bullet

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cogrsim::bullet {
 
@@ -9,8 +10,10 @@ bool acts(const Drive& drive) {
   return drive.kd != 0.0 || drive.kp != 0.0 || drive.bias != 0.0;
 }
 
-void fill_axis_law(AxisLaw& law, const JointAxis& model, const AxisState& state,
-                   const std::vector<int>& motors, const std::vector<Drive>& drives) {
+namespace {
+
+void fill_whole_axis(AxisLaw& law, const JointAxis& model, const AxisState& state,
+                     const std::vector<int>& motors, const std::vector<Drive>& drives) {
   law.clear();
   for (const int m : motors) {
     Drive drive = drives[static_cast<std::size_t>(m)];
@@ -25,6 +28,29 @@ void fill_axis_law(AxisLaw& law, const JointAxis& model, const AxisState& state,
   if (model.friction > 0.0) law.add(friction_element(model.friction, state.dt));
   if (std::isfinite(model.lower)) law.add(lower_limit_element(model.lower, state));
   if (std::isfinite(model.upper)) law.add(upper_limit_element(model.upper, state));
+}
+
+}  // namespace
+
+void fill_axis_law(AxisLaw& law, AxisPart part, const JointAxis& model, const AxisState& state,
+                   const std::vector<int>& motors, const std::vector<Drive>& drives) {
+  switch (part) {
+    case AxisPart::whole:
+      fill_whole_axis(law, model, state, motors, drives);
+      break;
+    case AxisPart::ball_spring: {
+      JointAxis spring = model;
+      spring.lower = -std::numeric_limits<double>::infinity();
+      spring.upper = -spring.lower;
+      spring.rest = 0.0;
+      fill_whole_axis(law, spring, state, {}, drives);
+      break;
+    }
+    case AxisPart::ball_cone:
+      law.clear();
+      law.add(upper_limit_element(model.upper, state));
+      break;
+  }
 }
 
 std::vector<std::vector<int>> motors_of(const SceneModel& model, int joint) {

@@ -23,8 +23,12 @@ struct JointReport {
 /// Whether a drive does anything at all.
 bool acts(const Drive& drive);
 
-/// Everything on one scalar axis: `motors` first, in order, then spring and damper, friction, limits.
-void fill_axis_law(AxisLaw& law, const JointAxis& model, const AxisState& state,
+/// What of a joint's axis a scalar law stands for: all of it, or, on a ball joint, spring, damper and
+/// friction along one direction, or the cone.
+enum class AxisPart { whole, ball_spring, ball_cone };
+
+/// The part's law for this step. `whole` is everything on one scalar axis: `motors` first, in order, then spring and damper, friction, limits.
+void fill_axis_law(AxisLaw& law, AxisPart part, const JointAxis& model, const AxisState& state,
                    const std::vector<int>& motors, const std::vector<Drive>& drives);
 
 /// The motors of a joint, by axis.

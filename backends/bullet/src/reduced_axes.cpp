@@ -18,7 +18,7 @@ constexpr double kAtRest = 1e-9;
 ReducedGroup::Axis& ReducedGroup::next_axis(int tree_joint) {
   if (axis_count_ == axes_.size()) axes_.emplace_back();
   Axis& axis = axes_[axis_count_++];
-  axis.part = Axis::Part::whole;
+  axis.part = AxisPart::whole;
   axis.tree_joint = tree_joint;
   axis.number = 0;
   axis.count = 1;
@@ -70,7 +70,7 @@ void ReducedGroup::gather_ball(const Joint& joint, int tree_joint, const double*
   const btMatrix3x3 to_link = tree_.frame(t.to).getBasis().transpose() * tree_.X_WF(t).getBasis();
   const double sign = t.reversed ? -1.0 : 1.0;
   const btVector3 turn = rotation_vector(btQuaternion(q[1], q[2], q[3], q[0]));
-  const auto add = [&](const btVector3& in_F, double coordinate, Axis::Part part) {
+  const auto add = [&](const btVector3& in_F, double coordinate, AxisPart part) {
     Axis& axis = next_axis(tree_joint);
     axis.part = part;
     axis.q = coordinate;
@@ -90,10 +90,10 @@ void ReducedGroup::gather_ball(const Joint& joint, int tree_joint, const double*
     btPlaneSpace1(triad[0], triad[1], triad[2]);
   }
   if (law.stiffness > 0.0 || law.damping > 0.0 || law.friction > 0.0) {
-    for (const btVector3& axis : triad) add(axis, turn.dot(axis), Axis::Part::ball_spring);
+    for (const btVector3& axis : triad) add(axis, turn.dot(axis), AxisPart::ball_spring);
   }
   const double angle = turn.length();
-  if (std::isfinite(law.upper) && angle > 1e-9) add(turn / angle, angle, Axis::Part::ball_cone);
+  if (std::isfinite(law.upper) && angle > 1e-9) add(turn / angle, angle, AxisPart::ball_cone);
 }
 
 void ReducedGroup::fill_law(const SceneModel& model, Axis& axis, double dt,
@@ -102,23 +102,7 @@ void ReducedGroup::fill_law(const SceneModel& model, Axis& axis, double dt,
   const JointAxis& law = model.joints[static_cast<std::size_t>(t.joint)]
                              .axes[static_cast<std::size_t>(axis.number)];
   const AxisState state{axis.q, along(axis, u_start_), dt, axis.inverse_inertia};
-  switch (axis.part) {
-    case Axis::Part::whole:
-      fill_axis_law(axis.law, law, state, axis.motors, drives);
-      break;
-    case Axis::Part::ball_spring: {
-      JointAxis part = law;
-      part.lower = -std::numeric_limits<double>::infinity();
-      part.upper = -part.lower;
-      part.rest = 0.0;
-      fill_axis_law(axis.law, part, state, {}, drives);
-      break;
-    }
-    case Axis::Part::ball_cone:
-      axis.law.clear();
-      axis.law.add(upper_limit_element(law.upper, state));
-      break;
-  }
+  fill_axis_law(axis.law, axis.part, law, state, axis.motors, drives);
 }
 
 }  // namespace cogrsim::bullet

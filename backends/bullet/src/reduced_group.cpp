@@ -248,7 +248,7 @@ void ReducedGroup::report(const SceneModel& model, double dt, JointReport& out) 
     const TreeJoint& t = tree_.joints()[static_cast<std::size_t>(axis.tree_joint)];
     const auto speed =
         static_cast<std::size_t>(model.joints[static_cast<std::size_t>(t.joint)].speed_offset);
-    if (axis.part != Axis::Part::whole) {
+    if (axis.part != AxisPart::whole) {
       for (int k = 0; k < 3; ++k) {
         out.joint_efforts[speed + static_cast<std::size_t>(k)] += axis.in_F[k] * effort;
       }

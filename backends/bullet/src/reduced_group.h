@@ -57,7 +57,7 @@ class ReducedGroup final : public JointGroup {
   };
   /// One free axis on which something acts.
   struct Axis {
-    enum class Part { whole, ball_spring, ball_cone } part = Part::whole;
+    AxisPart part = AxisPart::whole;
     int tree_joint = -1;
     int number = 0;   ///< of the joint's axes
     double q = 0.0;   ///< coordinate at the start of the step

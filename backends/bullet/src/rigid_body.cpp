@@ -112,7 +112,6 @@ RigidBody::RigidBody(const Body& model, const Vec3& gravity) : kind_(model.kind)
                                btCollisionObject::CF_KINEMATIC_OBJECT);
   }
   if (kind_ == BodyKind::dynamic) object_->setGravity(to_bt(gravity));
-  collider_ = object_.get();
   set(model.X_WB, kind_ == BodyKind::fixed ? Twist{} : model.V_WB);
 }
 

@@ -35,18 +35,11 @@ class RigidBody {
   btRigidBody& object() { return *object_; }
   const btRigidBody& object() const { return *object_; }
 
-  /// What Bullet's collision detection and contacts know this body as: the rigid body itself, or a
-  /// link of a multibody.
-  btCollisionObject* collider() { return collider_; }
-  const btCollisionObject* collider() const { return collider_; }
-  void set_collider(btCollisionObject* collider) { collider_ = collider; }
-  bool is_link() const { return collider_ != object_.get(); }
-
   const Pose& X_BP() const { return X_BP_; }
   const btVector3& moments() const { return moments_; }
   double mass() const { return mass_; }
 
-  /// Of the principal frame; for a link it is what its multibody last wrote here.
+  /// Of the principal frame.
   PrincipalState principal() const;
   void set_principal(const PrincipalState& state);
   /// The same after a step of free motion with the present velocities.
@@ -66,7 +59,6 @@ class RigidBody {
   double mass_ = 0.0;
   bool symmetric_ = true;  ///< all moments equal: nothing gyroscopic
   std::unique_ptr<btRigidBody> object_;
-  btCollisionObject* collider_ = nullptr;
 };
 
 }  // namespace cogrsim::bullet
