@@ -27,7 +27,8 @@ bool acts(const Drive& drive);
 /// friction along one direction, or the cone.
 enum class AxisPart { whole, ball_spring, ball_cone };
 
-/// The part's law for this step. `whole` is everything on one scalar axis: `motors` first, in order, then spring and damper, friction, limits.
+/// The part's law for this step. `whole` is everything on one scalar axis: `motors` first, in order,
+/// then spring and damper, friction, limits.
 void fill_axis_law(AxisLaw& law, AxisPart part, const JointAxis& model, const AxisState& state,
                    const std::vector<int>& motors, const std::vector<Drive>& drives);
 
