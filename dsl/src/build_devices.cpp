@@ -117,7 +117,9 @@ bool Builder::motor_laws(const Element& element, Motor& motor, bool turns) {
       if (good && (!has_kt || !has_resistance)) {
         fault("CG0708", element, "mode",
               std::string("a DC motor needs ") +
-                  (has_kt ? "" : has_resistance ? "'kt'" : "'kt' and ") +
+                  (has_kt           ? ""
+                   : has_resistance ? "'kt'"
+                                    : "'kt' and ") +
                   (has_resistance ? "" : "'resistance'"))
             .help("for example kt=\"0.02 N*m/A\" resistance=\"1.5 ohm\"");
         return false;
@@ -185,7 +187,8 @@ std::optional<std::vector<NoiseTerm>> Builder::noise(const Element& element) {
       case NoiseTerm::Kind::bias_walk:
         if (term.a < 0) problem = "sigma must not be negative";
         break;
-      case NoiseTerm::Kind::bias: break;
+      case NoiseTerm::Kind::bias:
+        break;
     }
     if (!problem.empty()) {
       sink().report("CG0517", call.span, element.trail, call.function + ": " + problem);

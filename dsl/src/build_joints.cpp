@@ -40,10 +40,14 @@ std::size_t axis_count(JointType type) {
 
 bool axis_turns(JointType type, int axis) {
   switch (type) {
-    case JointType::slider: return false;
-    case JointType::cylindrical: return axis == 0;
-    case JointType::planar: return axis == 2;
-    default: return true;
+    case JointType::slider:
+      return false;
+    case JointType::cylindrical:
+      return axis == 0;
+    case JointType::planar:
+      return axis == 2;
+    default:
+      return true;
   }
 }
 
@@ -152,9 +156,8 @@ bool Builder::joint_frames(const Element& element, Joint& joint) {
   }
   if (note(element).faulty) return false;
   const auto in_body = [&](int body) {
-    return body == kWorld
-               ? X_WJ
-               : model_.bodies[static_cast<std::size_t>(body)].X_WB.inverse() * X_WJ;
+    return body == kWorld ? X_WJ
+                          : model_.bodies[static_cast<std::size_t>(body)].X_WB.inverse() * X_WJ;
   };
   joint.X_PF = in_body(joint.parent);
   joint.X_CM = in_body(joint.child);
@@ -242,8 +245,7 @@ void Builder::joint_start(const Element& element, Joint& joint) {
   };
   take("position", position_count(joint.type), joint.position);
   take("velocity", speed_count(joint.type), joint.velocity);
-  if (!joint.position.empty() &&
-      (joint.type == JointType::ball || joint.type == JointType::free)) {
+  if (!joint.position.empty() && (joint.type == JointType::ball || joint.type == JointType::free)) {
     const std::size_t first = joint.type == JointType::ball ? 0 : 3;
     double* q = &joint.position[first];
     const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -262,13 +264,16 @@ void Builder::joint_start(const Element& element, Joint& joint) {
     const JointAxis& axis = joint.axes[i];
     const bool is_ball = joint.type == JointType::ball;
     const double q = joint.position.empty() ? 0.0
-                     : is_ball              ? 2.0 * std::acos(std::min(1.0, std::abs(joint.position[0])))
-                                            : joint.position[i];
+                     : is_ball ? 2.0 * std::acos(std::min(1.0, std::abs(joint.position[0])))
+                               : joint.position[i];
     if (q >= axis.lower && q <= axis.upper) continue;
     if (!(axis.lower < axis.upper)) continue;  // complained of already
     const bool turns = axis_turns(joint.type, static_cast<int>(i));
     const bool low = q < axis.lower;
-    fault("CG0607", element, element.find("position") != nullptr ? "position" : low ? "lower" : "upper",
+    fault("CG0607", element,
+          element.find("position") != nullptr ? "position"
+          : low                               ? "lower"
+                                              : "upper",
           "the joint starts at " + shown(q, turns) + ", " + (low ? "below" : "above") +
               " its limit " + shown(low ? axis.lower : axis.upper, turns))
         .help("give 'position' a value between the limits");
@@ -282,8 +287,7 @@ void Builder::collision_pairs() {
   std::map<BodyPair, std::vector<std::size_t>> joined;
   for (std::size_t j = 0; j < model_.joints.size(); ++j) {
     const Joint& joint = model_.joints[j];
-    if (joint.parent != kWorld)
-      joined[std::minmax(joint.parent, joint.child)].push_back(j);
+    if (joint.parent != kWorld) joined[std::minmax(joint.parent, joint.child)].push_back(j);
   }
   std::size_t pairs = 0;
   for_each(scene_, [&](const Element& element) {

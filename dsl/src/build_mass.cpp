@@ -15,7 +15,8 @@ void scale_to(MassProperties& whole, double mass) {
 // In the frame of its body; zero for ground. nullopt: unknown for a reason already reported.
 std::optional<MassProperties> Builder::mass_of_shape(const Element& element) {
   const auto [b, s] = shape_places_.at(&element);
-  const Shape& shape = model_.bodies[static_cast<std::size_t>(b)].shapes[static_cast<std::size_t>(s)];
+  const Shape& shape =
+      model_.bodies[static_cast<std::size_t>(b)].shapes[static_cast<std::size_t>(s)];
   if (note(element).faulty) return std::nullopt;
   if (shape.type == ShapeType::plane || shape.type == ShapeType::heightmap) return MassProperties{};
   Reader r = reader(element);
@@ -39,8 +40,7 @@ std::optional<MassProperties> Builder::mass_of_shape(const Element& element) {
     }
   }
   const double density = model_.materials[static_cast<std::size_t>(shape.material)].density;
-  const double weight =
-      mass.given() ? *mass : density * shape_volume(shape, model_.meshes);
+  const double weight = mass.given() ? *mass : density * shape_volume(shape, model_.meshes);
   // shape_mass() works in the body's frame.
   const auto properties = shape_mass(shape, model_.meshes, weight);
   if (!properties) {
@@ -172,7 +172,7 @@ void Builder::velocities() {
     body.V_WB.linear = whole.at(body.X_WB.p - note(source).X_W.p);
     hints_.body_twist[static_cast<std::size_t>(job.body)] =
         &source == body_elements_[static_cast<std::size_t>(job.body)] ? TwistSource::itself
-                                                                       : TwistSource::assembly;
+                                                                      : TwistSource::assembly;
   }
 }
 

@@ -115,8 +115,9 @@ void Builder::mind(const Element& element) {
     mind.assembly = note(element).assembly;
     if (mind.assembly < 0)
       fault("CG0202", element, "a controller must stand inside the assembly it commands")
-          .help("wrap the robot and its controller in an <assembly>; a <supervisor> serves the "
-                "whole scene");
+          .help(
+              "wrap the robot and its controller in an <assembly>; a <supervisor> serves the "
+              "whole scene");
   }
   auto parameters = plugin_parameters(
       element, is_supervisor ? PluginKind::supervisor : PluginKind::controller, mind.plugin);
@@ -125,8 +126,7 @@ void Builder::mind(const Element& element) {
   (is_supervisor ? model_.supervisors : model_.controllers).push_back(std::move(mind));
 }
 
-void Builder::engine_blocks(const Element& element,
-                            std::map<std::string, Parameters>& options) {
+void Builder::engine_blocks(const Element& element, std::map<std::string, Parameters>& options) {
   for (const Element* child : element.children) {
     if (child->node->spec != nullptr || !is_engine_block(*child->node, context_.files)) continue;
     const std::string engine(child->tag());

@@ -36,16 +36,23 @@ SceneModelPtr Builder::build() {
   velocities();
   for_each(scene_, [&](const Element& element) {
     const std::string_view tag = element.tag();
-    if (tag == "frame") frame(element);
-    else if (tag == "light") light(element);
-    else if (tag == "view") view(element);
-    else if (is_joint(tag)) joint(element);
+    if (tag == "frame")
+      frame(element);
+    else if (tag == "light")
+      light(element);
+    else if (tag == "view")
+      view(element);
+    else if (is_joint(tag))
+      joint(element);
   });
   for_each(scene_, [&](const Element& element) {
     const std::string_view tag = element.tag();
-    if (tag == "motor" || tag == "servo") motor(element);
-    else if (element.node->spec != nullptr && is_sensor(tag)) sensor(element);
-    else if (tag == "controller" || tag == "supervisor") mind(element);
+    if (tag == "motor" || tag == "servo")
+      motor(element);
+    else if (element.node->spec != nullptr && is_sensor(tag))
+      sensor(element);
+    else if (tag == "controller" || tag == "supervisor")
+      mind(element);
     else if (tag == "export") {
       const auto of = reader(element).word("of");
       if (of.given()) names_.find(element, *of, Wanted::any);

@@ -43,8 +43,8 @@ class Builder {
     int joint = -1;
     const Element* owner = nullptr;  ///< the element that became `body`
     bool carrier_known = false;
-    int carrier = kWorld;     ///< see Builder::carrier()
-    bool faulty = false;      ///< something of it failed: later checks stay silent
+    int carrier = kWorld;  ///< see Builder::carrier()
+    bool faulty = false;   ///< something of it failed: later checks stay silent
     // resolve_places
     enum class Placing : char { open, at_work, done } placing = Placing::open;
     bool reference_known = false;
@@ -55,10 +55,10 @@ class Builder {
   /// What an assembly passes on to what is inside it.
   struct Inherited {
     int assembly = -1;
-    const Element* glue = nullptr;       ///< rigid assembly or body around, outermost
+    const Element* glue = nullptr;  ///< rigid assembly or body around, outermost
     bool is_static = false, is_kinematic = false;
-    const Element* moving = nullptr;     ///< assembly whose initial velocity holds here
-    const Element* material = nullptr;   ///< <material> named by what is around
+    const Element* moving = nullptr;          ///< assembly whose initial velocity holds here
+    const Element* material = nullptr;        ///< <material> named by what is around
     const Element* whole_material = nullptr;  ///< by a rigid assembly: wins over a shape's own
     bool material_failed = false;
   };
@@ -167,9 +167,9 @@ class Builder {
   const Element& scene_;
   Names names_;
   SceneModel model_;
-  std::vector<Note> notes_;                      // by Element::index
-  std::vector<const Element*> body_elements_;    // by body
-  std::vector<const Element*> joint_elements_;   // by joint
+  std::vector<Note> notes_;                         // by Element::index
+  std::vector<const Element*> body_elements_;       // by body
+  std::vector<const Element*> joint_elements_;      // by joint
   std::vector<std::vector<ShapeJob>> body_shapes_;  // by body
   std::vector<VelocityJob> velocity_jobs_;
   std::map<const Element*, int> material_indices_;

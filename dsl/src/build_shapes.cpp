@@ -34,7 +34,8 @@ bool Builder::mesh(const Element& element, Shape& shape) {
   if (is_new) {
     auto loaded = load_mesh(path, *file, context_.options.limits.asset_bytes);
     if (!loaded) {
-      sink().report("CG0706", at, element.trail, loaded.error().message)
+      sink()
+          .report("CG0706", at, element.trail, loaded.error().message)
           .help("meshes are read from OBJ and STL files, in metres");
       return false;
     }
@@ -73,10 +74,11 @@ bool Builder::heightmap(const Element& element, Shape& shape) {
     const SourceSpan& at = element.find("file")->value_span;
     const std::string path = context_.files.resolve_asset(*file, at);
     if (path.empty()) return false;
-    auto loaded = load_heightmap(path, *file, size_x, size_y, *height,
-                                 context_.options.limits.asset_bytes);
+    auto loaded =
+        load_heightmap(path, *file, size_x, size_y, *height, context_.options.limits.asset_bytes);
     if (!loaded) {
-      sink().report("CG0706", at, element.trail, loaded.error().message)
+      sink()
+          .report("CG0706", at, element.trail, loaded.error().message)
           .help("heightmaps are read from PGM pictures and from lines of numbers");
       return false;
     }

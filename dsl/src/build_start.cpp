@@ -10,9 +10,9 @@ namespace cogrsim::dsl {
 namespace {
 
 // Rounding of a few products of poses in a scene some hundred metres wide stays well below.
-constexpr double kGap = 1e-6;         // [m]
-constexpr double kTurn = 1e-6;        // [rad]
-constexpr double kSpeedGap = 1e-6;    // [m/s], [rad/s]
+constexpr double kGap = 1e-6;       // [m]
+constexpr double kTurn = 1e-6;      // [rad]
+constexpr double kSpeedGap = 1e-6;  // [m/s], [rad/s]
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
@@ -40,17 +40,15 @@ class Start {
   // A joint of the tree, walked from the side that is already placed.
   struct Edge {
     int joint;
-    bool forward;     // from parent to child
-    bool held;        // the tree hangs on something that does not yield
+    bool forward;  // from parent to child
+    bool held;     // the tree hangs on something that does not yield
   };
 
   const Pose& pose(int body) const {
     static const Pose kIdentity;
     return body == kWorld ? kIdentity : model_.bodies[at(body)].X_WB;
   }
-  Twist twist(int body) const {
-    return body == kWorld ? Twist{} : model_.bodies[at(body)].V_WB;
-  }
+  Twist twist(int body) const { return body == kWorld ? Twist{} : model_.bodies[at(body)].V_WB; }
 
   // Joints of the tree around each body that yields.
   void collect() {
@@ -143,8 +141,8 @@ class Start {
     const TwistSource source = hints_.body_twist[at(to)];
     // An assembly's twist reaches its bodies through their joints; but what hangs on the world
     // cannot have it from there, so that there it counts as the body's own.
-    const bool own = source == TwistSource::itself ||
-                     (source == TwistSource::assembly && edge.held);
+    const bool own =
+        source == TwistSource::itself || (source == TwistSource::assembly && edge.held);
     const bool driven = hints_.joint_velocity[at(edge.joint)] != 0;
     if (own) {
       read_velocity(edge.joint, driven);
@@ -194,8 +192,7 @@ class Start {
     const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
     const bool given = hints_.joint_position[at(j)] != 0;
     std::vector<double> q(at(position_count(joint.type)), 0.0);
-    if (!q.empty())
-      joint_position(joint, X_FM, given ? joint.position.data() : nullptr, q.data());
+    if (!q.empty()) joint_position(joint, X_FM, given ? joint.position.data() : nullptr, q.data());
     const Pose X_FM_here = joint_pose(joint, q.data());
     const double gap = (X_FM.p - X_FM_here.p).norm();
     const double turn = X_FM.q.angularDistance(X_FM_here.q);

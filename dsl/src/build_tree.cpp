@@ -39,8 +39,7 @@ Builder::Inherited Builder::mobility(const Element& element, Inherited inherited
       (r.has("linear-velocity") || r.has("angular-velocity"))) {
     inherited.moving = &element;
     if (inherited.is_static)
-      fault("CG0608", element,
-            r.has("linear-velocity") ? "linear-velocity" : "angular-velocity",
+      fault("CG0608", element, r.has("linear-velocity") ? "linear-velocity" : "angular-velocity",
             "a velocity for what is static and never moves")
           .help("kinematic=\"true\" moves with the velocity it is given");
   }
@@ -61,8 +60,7 @@ void Builder::check_part(const Element& element, const Inherited& around, const 
 void Builder::name_material(const Element& element, Inherited& inherited) {
   if (!knows(element, "material") || !reader(element).has("material")) return;
   const auto word = reader(element).word("material");
-  inherited.material =
-      word.given() ? names_.find(element, *word, Wanted::material) : nullptr;
+  inherited.material = word.given() ? names_.find(element, *word, Wanted::material) : nullptr;
   inherited.material_failed = inherited.material == nullptr;
 }
 

@@ -54,8 +54,8 @@ double box_box(const Solid& a, const Solid& b) {
     const double length = axis.norm();
     if (length < 1e-9) return;  // edges in parallel: the faces decide
     const Vec3 n = axis / length;
-    const double reach = box_reach(a.shape->size, A.transpose() * n) +
-                         box_reach(b.shape->size, B.transpose() * n);
+    const double reach =
+        box_reach(a.shape->size, A.transpose() * n) + box_reach(b.shape->size, B.transpose() * n);
     depth = std::min(depth, reach - std::abs(n.dot(between)));
   };
   for (int i = 0; i < 3; ++i) {
@@ -83,8 +83,10 @@ double below_plane(const Solid& plane, const Solid& solid, const SceneModel& mod
   const Shape& shape = *solid.shape;
   const double along = std::abs(n.dot(solid.X_WS.q * Vec3::UnitZ()));
   switch (shape.type) {
-    case ShapeType::sphere: return shape.radius - height;
-    case ShapeType::capsule: return shape.radius + 0.5 * shape.length * along - height;
+    case ShapeType::sphere:
+      return shape.radius - height;
+    case ShapeType::capsule:
+      return shape.radius + 0.5 * shape.length * along - height;
     case ShapeType::cylinder:
       return 0.5 * shape.length * along +
              shape.radius * std::sqrt(std::max(0.0, 1.0 - along * along)) - height;
@@ -97,7 +99,8 @@ double below_plane(const Solid& plane, const Solid& solid, const SceneModel& mod
         lowest = std::min(lowest, n_S.dot(v));
       return -(height + lowest);
     }
-    default: return -1.0;
+    default:
+      return -1.0;
   }
 }
 
@@ -122,17 +125,22 @@ double solid_solid(const Solid& a, const Solid& b) {
 
 double bounding_radius(const Shape& shape, const SceneModel& model) {
   switch (shape.type) {
-    case ShapeType::box: return 0.5 * shape.size.norm();
-    case ShapeType::sphere: return shape.radius;
-    case ShapeType::capsule: return shape.radius + 0.5 * shape.length;
-    case ShapeType::cylinder: return std::hypot(shape.radius, 0.5 * shape.length);
+    case ShapeType::box:
+      return 0.5 * shape.size.norm();
+    case ShapeType::sphere:
+      return shape.radius;
+    case ShapeType::capsule:
+      return shape.radius + 0.5 * shape.length;
+    case ShapeType::cylinder:
+      return std::hypot(shape.radius, 0.5 * shape.length);
     case ShapeType::convex_mesh: {
       double r2 = 0.0;
       for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)].vertices)
         r2 = std::max(r2, v.squaredNorm());
       return std::sqrt(r2);
     }
-    default: return 0.0;
+    default:
+      return 0.0;
   }
 }
 
@@ -218,9 +226,8 @@ class Finder {
   // False: enough.
   bool test(const Solid& a, const Solid& b, bool with_plane) {
     if (++tests_ > kMaxTests) return false;
-    const double gap = with_plane
-                           ? (a.X_WS.q * Vec3::UnitZ()).dot(b.X_WS.p - a.X_WS.p) - b.radius
-                           : (b.X_WS.p - a.X_WS.p).norm() - a.radius - b.radius;
+    const double gap = with_plane ? (a.X_WS.q * Vec3::UnitZ()).dot(b.X_WS.p - a.X_WS.p) - b.radius
+                                  : (b.X_WS.p - a.X_WS.p).norm() - a.radius - b.radius;
     if (gap > -kTouching || !filter_.collide(a.body, b.body)) return true;
     const double depth = with_plane ? below_plane(a, b, model_) : solid_solid(a, b);
     if (depth <= kTouching) return true;
@@ -228,8 +235,7 @@ class Finder {
     const Solid& first = swap ? b : a;
     const Solid& second = swap ? a : b;
     Overlap& worst = found_[{first.body, second.body}];
-    if (depth > worst.depth)
-      worst = {first.body, second.body, first.index, second.index, depth};
+    if (depth > worst.depth) worst = {first.body, second.body, first.index, second.index, depth};
     return found_.size() < kMaxFound;
   }
 

@@ -23,8 +23,7 @@ std::string rounded(double value, const char* unit) {
 std::string distance_and_angle(double metres, double radians) {
   std::string out;
   if (metres > 1e-6) out = rounded(metres * 1e3, "mm");
-  if (radians > 1e-6)
-    out += (out.empty() ? "" : " and ") + rounded(radians * 180.0 / M_PI, "deg");
+  if (radians > 1e-6) out += (out.empty() ? "" : " and ") + rounded(radians * 180.0 / M_PI, "deg");
   return out;
 }
 
@@ -34,7 +33,8 @@ bool mentions(std::string_view text, std::string_view word) {
   for (std::size_t at = text.find(word); at != std::string_view::npos;
        at = text.find(word, at + 1)) {
     const std::size_t end = at + word.size();
-    if ((at == 0 || !is_word_char(text[at - 1])) && (end == text.size() || !is_word_char(text[end])))
+    if ((at == 0 || !is_word_char(text[at - 1])) &&
+        (end == text.size() || !is_word_char(text[end])))
       return true;
   }
   return false;

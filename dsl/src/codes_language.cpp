@@ -22,16 +22,17 @@ std::vector<CodeInfo> language_codes() {
        "An element is closed by another name, or not at all.",
        "Close the innermost open element first, with its own name.",
        "bad:  <body> <box …/> </boy>\ngood: <body> <box …/> </body>"},
-      {"CG0105", error, "an attribute written twice",
-       "An element may have each attribute once.", "Delete one of the two.",
-       "bad:  <box mass=\"1\" mass=\"2\"/>\ngood: <box mass=\"2\"/>"},
+      {"CG0105", error, "an attribute written twice", "An element may have each attribute once.",
+       "Delete one of the two.", "bad:  <box mass=\"1\" mass=\"2\"/>\ngood: <box mass=\"2\"/>"},
       {"CG0106", error, "an unknown entity",
-       "XML knows &lt; &gt; &amp; &quot; &apos; and numbers such as &#176;. Others cannot be defined "
+       "XML knows &lt; &gt; &amp; &quot; &apos; and numbers such as &#176;. Others cannot be "
+       "defined "
        "here.",
        "Write the character itself: the file is UTF-8.",
        "bad:  doc=\"90&deg;\"\ngood: doc=\"90°\""},
       {"CG0107", error, "a DOCTYPE",
-       "Document types and entity definitions are refused: they are not needed, and can make a small "
+       "Document types and entity definitions are refused: they are not needed, and can make a "
+       "small "
        "file fill the memory or read others.",
        "Delete the DOCTYPE.", "bad:  <!DOCTYPE scene [ <!ENTITY a \"…\"> ]>"},
       {"CG0108", error, "a file that is too large",
@@ -41,8 +42,8 @@ std::vector<CodeInfo> language_codes() {
        "Flatten the scene, or use prototypes.", ""},
       {"CG0110", error, "too many elements", "A file is limited in its number of elements.",
        "Use `repeat`, or split the file.", ""},
-      {"CG0111", error, "an attribute that is too long", "An attribute's value is limited in length.",
-       "Put the data into a file of its own.", ""},
+      {"CG0111", error, "an attribute that is too long",
+       "An attribute's value is limited in length.", "Put the data into a file of its own.", ""},
       {"CG0112", error, "more than one root element, or none",
        "A file has exactly one outermost element; nothing but comments may follow it.",
        "Put everything into one <scene>.",
@@ -52,8 +53,7 @@ std::vector<CodeInfo> language_codes() {
        "Save the file as UTF-8 and write <?xml version=\"1.0\" encoding=\"UTF-8\"?>.",
        "bad:  <?xml version=\"1.0\" encoding=\"latin1\"?>"},
       // ---- CG02: vocabulary
-      {"CG0201", error, "an unknown element",
-       "The scene language has no element of this name.",
+      {"CG0201", error, "an unknown element", "The scene language has no element of this name.",
        "Use the one suggested; docs/scene-reference.md lists all.",
        "bad:  <link name=\"arm\"/>\ngood: <body name=\"arm\"/>"},
       {"CG0202", error, "an element in the wrong place",
@@ -70,12 +70,13 @@ std::vector<CodeInfo> language_codes() {
        "Between elements only white space and comments may stand.",
        "Put the text into a comment, <!-- like this -->.", "bad:  <scene> hello </scene>"},
       {"CG0206", error, "a reserved word",
-       "The word belongs to the language, but what it does comes with a later version of CogRSim. It "
+       "The word belongs to the language, but what it does comes with a later version of CogRSim. "
+       "It "
        "is not left out in silence.",
        "Remove the element for now, or install a later version.", "<lidar name=\"scan\" …/>"},
       {"CG0207", error, "an element that may stand once",
-       "There is a second element of a kind that a scene has only once.",
-       "Merge the two.", "bad:  <physics step=\"1 ms\"/> <physics gravity=\"0 0 0\"/>"},
+       "There is a second element of a kind that a scene has only once.", "Merge the two.",
+       "bad:  <physics step=\"1 ms\"/> <physics gravity=\"0 0 0\"/>"},
       {"CG0208", error, "a root that is not a scene", "The outermost element must be <scene>.",
        "Wrap everything in <scene>. Files of other formats (URDF, SDF, MJCF) cannot be read.",
        "bad:  <robot name=\"r\"/>\ngood: <scene name=\"r\"/>"},
@@ -98,14 +99,13 @@ std::vector<CodeInfo> language_codes() {
        "deep.",
        "Break the circle; `repeat` and `if` do not need recursion.", ""},
       {"CG0306", error, "a scene that grows too large",
-       "Prototypes and repeats make more elements than are allowed.",
-       "Lower the counts.", "<repeat count=\"1000000\"> … </repeat>"},
+       "Prototypes and repeats make more elements than are allowed.", "Lower the counts.",
+       "<repeat count=\"1000000\"> … </repeat>"},
       {"CG0307", error, "an unknown parameter",
        "An instance, or --set on the command line, gives a parameter that is not declared.",
        "Declare it with <param>, or correct the name.",
        "<prototype name=\"P\"> <param name=\"r\"/> </prototype> <instance of=\"P\" radius=\"1\"/>"},
-      {"CG0308", error, "a missing parameter",
-       "A parameter without default must be given.",
+      {"CG0308", error, "a missing parameter", "A parameter without default must be given.",
        "Give it on the instance (or with --set), or add a default to the <param>.",
        "good: <instance of=\"Lamp\" h=\"30 cm\"/>"},
       {"CG0309", error, "a parameter out of range",
@@ -115,9 +115,8 @@ std::vector<CodeInfo> language_codes() {
        "The value does not fit the `type` of its <param>.",
        "Write a value of that type, with its unit.",
        "bad:  <param name=\"r\" type=\"length\" default=\"3 kg\"/>"},
-      {"CG0311", error, "a count that cannot be",
-       "`count` must be a whole number, not negative.", "Use floor() or round() in the expression.",
-       "bad:  <repeat count=\"-1\">"},
+      {"CG0311", error, "a count that cannot be", "`count` must be a whole number, not negative.",
+       "Use floor() or round() in the expression.", "bad:  <repeat count=\"-1\">"},
       {"CG0312", error, "a list that does not fit",
        "`in` is not a list, or its entries have another number of parts than `var` has names.",
        "Write in=\"[1, 2]\", or in=\"[['a', 1], ['b', 2]]\" with var=\"name number\".", ""},
@@ -141,8 +140,8 @@ std::vector<CodeInfo> language_codes() {
        "separate scopes, in references.",
        "Choose another name.", "bad:  name=\"left wheel\"\ngood: name=\"left_wheel\""},
       {"CG0404", error, "a name of another kind of thing",
-       "The name exists, but is, say, a material where a body is needed.",
-       "Name the right thing.", "bad:  <hinge child=\"rubber\" …/>"},
+       "The name exists, but is, say, a material where a body is needed.", "Name the right thing.",
+       "bad:  <hinge child=\"rubber\" …/>"},
       {"CG0405", error, "a name that is not enough",
        "The name stands for an assembly of several bodies where one body is needed.",
        "Say which: robot.chassis; or make the assembly rigid.", "<imu on=\"robot\"/>"},
@@ -174,8 +173,8 @@ std::vector<CodeInfo> language_codes() {
        "The attribute takes another number of entries.", "Add or remove entries.",
        "bad:  xyz=\"0 1\"\ngood: xyz=\"0 1 0\""},
       {"CG0507", error, "a value out of range",
-       "The value is not one that this attribute can have.",
-       "The message says what is allowed.", "bad:  radius=\"-1 cm\""},
+       "The value is not one that this attribute can have.", "The message says what is allowed.",
+       "bad:  radius=\"-1 cm\""},
       {"CG0508", error, "a word that is not among the choices",
        "The attribute takes one of a few words.", "Use one that the message lists.",
        "bad:  mode=\"speed\"\ngood: mode=\"velocity\""},
@@ -185,15 +184,18 @@ std::vector<CodeInfo> language_codes() {
        "Correct it.", "bad:  color=\"#12\"\ngood: color=\"#112233\""},
       {"CG0511", error, "an expression that cannot be read",
        "The inside of ${…} is not a complete expression.",
-       "Operators are + - * / ^ %, lt le gt ge eq ne, and or not; functions are if min max abs sqrt "
+       "Operators are + - * / ^ %, lt le gt ge eq ne, and or not; functions are if min max abs "
+       "sqrt "
        "sin cos tan atan2 floor ceil round uniform normal; pi is a number; lists are [a, b].",
        "bad:  ${2 *}\ngood: ${2 * r}"},
       {"CG0512", error, "an unknown name in an expression",
-       "No parameter, variable or function of this name can be seen here. The inside of a prototype "
+       "No parameter, variable or function of this name can be seen here. The inside of a "
+       "prototype "
        "sees its own parameters only.",
        "Correct it, or declare a <param>.", "${raduis / 2}"},
       {"CG0513", error, "values that do not go together",
-       "The operation or function cannot take these values: lengths and angles cannot be added, text "
+       "The operation or function cannot take these values: lengths and angles cannot be added, "
+       "text "
        "cannot be multiplied, a function wants another number of arguments.",
        "Correct the expression. sin, cos and tan take angles; a length and a bare number do not "
        "add: write 0.1 m.",

@@ -11,7 +11,7 @@
 namespace cogrsim::dsl {
 namespace {
 
-constexpr int kLongestTrail = 12;       // lines of backtrace shown
+constexpr int kLongestTrail = 12;              // lines of backtrace shown
 constexpr std::size_t kLongestExcerpt = 4000;  // bytes of source line kept
 
 /// Identifies a place; line and column tell apart what matters.

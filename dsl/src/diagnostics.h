@@ -18,9 +18,9 @@ class DiagnosticSink;
 
 /// An entry of the catalog of codes (codes.cpp), where `explain` gets its text.
 struct CodeInfo {
-  const char* code;     ///< "CG0502"
+  const char* code;  ///< "CG0502"
   Severity severity;
-  const char* title;    ///< short, as in the SARIF rule
+  const char* title;  ///< short, as in the SARIF rule
   const char* cause;
   const char* cure;
   const char* example;  ///< bad and good XML

@@ -19,7 +19,7 @@ namespace cogrsim::dsl {
 /// Shown innermost first: "in instance 'bot' of prototype 'DiffBot', maze.scene.xml:52:5".
 struct Trail {
   const Trail* up = nullptr;
-  std::string text;   ///< "in instance 'bot' of prototype 'DiffBot'", "in round 3 of repeat"
+  std::string text;  ///< "in instance 'bot' of prototype 'DiffBot'", "in round 3 of repeat"
   SourceSpan at;
 };
 
@@ -55,7 +55,7 @@ class Scope {
 struct Element {
   const Node* node = nullptr;
   const Scope* scope = nullptr;
-  const Trail* trail = nullptr;   ///< nullptr: stands in the scene file itself
+  const Trail* trail = nullptr;  ///< nullptr: stands in the scene file itself
   Element* parent = nullptr;
   std::vector<Element*> children;
   std::string name;  ///< evaluated name=, or made up for one without ("box_3"); without dots

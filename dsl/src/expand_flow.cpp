@@ -35,15 +35,15 @@ void Expander::repeat(const Node& node, const Place& place, const std::string& k
     return;
   }
   if (var != nullptr && !is_identifier(var->value)) {
-    context_.sink.report("CG0403", var->value_span, place.trail,
-                         "'" + std::string(var->value) + "' cannot be a variable's name")
+    context_.sink
+        .report("CG0403", var->value_span, place.trail,
+                "'" + std::string(var->value) + "' cannot be a variable's name")
         .help("use letters, digits and _, for example var=\"i\"");
     var = nullptr;
     place.into->incomplete = true;
     return;
   }
-  const Value value =
-      evaluate_attribute(context_, node, *count, place.scope, place.trail, key);
+  const Value value = evaluate_attribute(context_, node, *count, place.scope, place.trail, key);
   if (value.is_poison()) {
     place.into->incomplete = true;
     return;
@@ -52,11 +52,11 @@ void Expander::repeat(const Node& node, const Place& place, const std::string& k
   if (number == nullptr || !number->dimension.none() || number->value < 0 ||
       number->value != std::floor(number->value)) {
     place.into->incomplete = true;
-    context_.sink.report("CG0311", count->value_span, place.trail,
-                         "expected a whole number of rounds, 0 or more, found " +
-                             (number != nullptr && number->dimension.none()
-                                  ? number_text(number->value)
-                                  : describe(value)));
+    context_.sink.report(
+        "CG0311", count->value_span, place.trail,
+        "expected a whole number of rounds, 0 or more, found " +
+            (number != nullptr && number->dimension.none() ? number_text(number->value)
+                                                           : describe(value)));
     return;
   }
   const double limit = context_.options.limits.expanded_elements;
@@ -84,8 +84,9 @@ void Expander::for_each(const Node& node, const Place& place, const std::string&
   for (const std::string_view name : names)
     if (!is_identifier(name)) {
       place.into->incomplete = true;
-      context_.sink.report("CG0403", var->value_span, place.trail,
-                           "'" + std::string(name) + "' cannot be a variable's name")
+      context_.sink
+          .report("CG0403", var->value_span, place.trail,
+                  "'" + std::string(name) + "' cannot be a variable's name")
           .help("use letters, digits and _, for example var=\"side y\"");
       return;
     }
@@ -97,8 +98,9 @@ void Expander::for_each(const Node& node, const Place& place, const std::string&
   const ValueList* list = value.as_list();
   if (list == nullptr) {
     place.into->incomplete = true;
-    context_.sink.report("CG0312", in->value_span, place.trail,
-                         "expected a list to go through, found " + describe(value))
+    context_.sink
+        .report("CG0312", in->value_span, place.trail,
+                "expected a list to go through, found " + describe(value))
         .help("write a list in square brackets: in=\"[1, 2, 3]\"");
     return;
   }
@@ -113,14 +115,14 @@ void Expander::for_each(const Node& node, const Place& place, const std::string&
       if (item.is_poison() || tuple == nullptr || tuple->size() != names.size()) {
         place.into->incomplete = true;
         if (!item.is_poison())
-          context_.sink.report("CG0312", in->value_span, place.trail,
-                               "var has " + std::to_string(names.size()) + " names, but entry " +
-                                   std::to_string(i + 1) + " of the list is " + describe(item))
+          context_.sink
+              .report("CG0312", in->value_span, place.trail,
+                      "var has " + std::to_string(names.size()) + " names, but entry " +
+                          std::to_string(i + 1) + " of the list is " + describe(item))
               .help("give each entry as many parts: in=\"[['left', 1], ['right', -1]]\"");
         continue;
       }
-      for (std::size_t k = 0; k < names.size(); ++k)
-        scope.set(std::string(names[k]), (*tuple)[k]);
+      for (std::size_t k = 0; k < names.size(); ++k) scope.set(std::string(names[k]), (*tuple)[k]);
     }
     Place inner = place;
     inner.scope = &scope;
@@ -144,8 +146,9 @@ void Expander::condition(const Node& node, const Place& place, const std::string
   const bool* yes = value.as_boolean();
   if (yes == nullptr) {
     place.into->incomplete = true;
-    context_.sink.report("CG0313", test->value_span, place.trail,
-                         "expected true or false, found " + describe(value))
+    context_.sink
+        .report("CG0313", test->value_span, place.trail,
+                "expected true or false, found " + describe(value))
         .help("compare it: test=\"" + std::string(test->value) + " gt 0\"");
     return;
   }

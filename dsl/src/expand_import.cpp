@@ -37,7 +37,8 @@ void Expander::import(const Node& node, const Place& place, Definitions& into) {
       way += context_.files.file((*it)->file).name + " -> ";
     way += context_.files.file(document->file).name;
     context_.sink
-        .report("CG0302", at->value_span, place.trail, "files import each other in a circle: " + way)
+        .report("CG0302", at->value_span, place.trail,
+                "files import each other in a circle: " + way)
         .help("move what they share into a file of its own");
     return give_up();
   }

@@ -47,16 +47,16 @@ void Expander::name_children(Element& parent) {
   for (Element* child : parent.children) {
     if (!child->name.empty()) {
       if (child->name == "world" && parent.parent == nullptr && name_space(child->tag()) == 0)
-        context_.sink
-            .report("CG0403", *child, "name", "'world' is the name of the world itself")
+        context_.sink.report("CG0403", *child, "name", "'world' is the name of the world itself")
             .help("choose another name");
       const auto [at, is_new] = taken.try_emplace({name_space(child->tag()), child->name}, child);
       if (!is_new) {
         parent.incomplete = true;
         const Element& first = *at->second;
         const std::string where = parent.path.empty() ? "the scene" : "'" + parent.path + "'";
-        auto report = context_.sink.report("CG0401", *child, child->tag() == "import" ? "as" : "name",
-                                           "the name '" + child->name + "' is taken in " + where);
+        auto report =
+            context_.sink.report("CG0401", *child, child->tag() == "import" ? "as" : "name",
+                                 "the name '" + child->name + "' is taken in " + where);
         report.note("first given to this " + std::string(first.tag()), first.span());
         if (first.node == child->node)
           report.help("let the name change from round to round: name=\"" + child->name + "_${i}\"");

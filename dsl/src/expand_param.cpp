@@ -10,32 +10,39 @@ namespace {
 
 using Form = ParamType::Form;
 
-constexpr std::array<ParamType, 17> kTypes = {{{"", Form::any, {}},
-                                               {"number", Form::quantity, dim::kNone},
-                                               {"int", Form::integer, dim::kNone},
-                                               {"bool", Form::boolean, {}},
-                                               {"text", Form::text, {}},
-                                               {"list", Form::list, {}},
-                                               {"length", Form::quantity, dim::kLength},
-                                               {"angle", Form::quantity, dim::kAngle},
-                                               {"mass", Form::quantity, dim::kMass},
-                                               {"time", Form::quantity, dim::kTime},
-                                               {"speed", Form::quantity, dim::kSpeed},
-                                               {"angular-speed", Form::quantity, dim::kAngularSpeed},
-                                               {"acceleration", Form::quantity, dim::kAcceleration},
-                                               {"force", Form::quantity, dim::kForce},
-                                               {"torque", Form::quantity, dim::kTorque},
-                                               {"density", Form::quantity, dim::kDensity},
-                                               {"frequency", Form::quantity, dim::kFrequency}}};
+constexpr std::array<ParamType, 17> kTypes = {
+    {{"", Form::any, {}},
+     {"number", Form::quantity, dim::kNone},
+     {"int", Form::integer, dim::kNone},
+     {"bool", Form::boolean, {}},
+     {"text", Form::text, {}},
+     {"list", Form::list, {}},
+     {"length", Form::quantity, dim::kLength},
+     {"angle", Form::quantity, dim::kAngle},
+     {"mass", Form::quantity, dim::kMass},
+     {"time", Form::quantity, dim::kTime},
+     {"speed", Form::quantity, dim::kSpeed},
+     {"angular-speed", Form::quantity, dim::kAngularSpeed},
+     {"acceleration", Form::quantity, dim::kAcceleration},
+     {"force", Form::quantity, dim::kForce},
+     {"torque", Form::quantity, dim::kTorque},
+     {"density", Form::quantity, dim::kDensity},
+     {"frequency", Form::quantity, dim::kFrequency}}};
 
 std::string expected(const ParamType& type) {
   switch (type.form) {
-    case Form::quantity: return describe(type.dimension);
-    case Form::integer: return "a whole number";
-    case Form::boolean: return "true or false";
-    case Form::text: return "a text";
-    case Form::list: return "a list";
-    case Form::any: break;
+    case Form::quantity:
+      return describe(type.dimension);
+    case Form::integer:
+      return "a whole number";
+    case Form::boolean:
+      return "true or false";
+    case Form::text:
+      return "a text";
+    case Form::list:
+      return "a list";
+    case Form::any:
+      break;
   }
   return "a value";
 }
@@ -46,7 +53,8 @@ std::optional<Value> coerce(const Value& value, const ParamType& type, std::stri
   if (value.is_poison()) return value;
   const Quantity* number = value.as_number();
   switch (type.form) {
-    case Form::any: return value;
+    case Form::any:
+      return value;
     case Form::boolean:
       if (value.as_boolean() == nullptr) return std::nullopt;
       return value;
@@ -58,7 +66,8 @@ std::optional<Value> coerce(const Value& value, const ParamType& type, std::stri
       if (value.as_list() == nullptr) return std::nullopt;
       return value;
     case Form::integer:
-      if (number == nullptr || !number->dimension.none() || number->value != std::floor(number->value))
+      if (number == nullptr || !number->dimension.none() ||
+          number->value != std::floor(number->value))
         return std::nullopt;
       return value;
     case Form::quantity:
@@ -212,7 +221,8 @@ void Expander::define_params(const Node& container, Scope& scope, const Place& p
           .help("add " + name + "=\"…\" to the instance");
     } else {
       context_.sink
-          .report("CG0308", node->span, trail, "parameter '" + name + "' has neither value nor default")
+          .report("CG0308", node->span, trail,
+                  "parameter '" + name + "' has neither value nor default")
           .help(is_scene ? "run with --set " + name + "=…, or write default=\"…\""
                          : "write default=\"…\"");
     }

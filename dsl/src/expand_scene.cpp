@@ -58,7 +58,8 @@ Element* Expander::run(const Document& scene) {
       const Attribute* seed = child->find("seed");
       const auto value = seed != nullptr ? parse_number(seed->value) : std::nullopt;
       // Anything but a plain number is looked at, and complained of, when the scene is built.
-      if (value && *value >= 0 && *value < 9.0e15) context_.seed = static_cast<std::uint64_t>(*value);
+      if (value && *value >= 0 && *value < 9.0e15)
+        context_.seed = static_cast<std::uint64_t>(*value);
     }
   }
 
@@ -137,8 +138,8 @@ void Expander::define(const Node& node, const Place& place, Definitions& definit
       definitions.incomplete = true;
       continue;
     }
-    const auto [at, is_new] = definitions.prototypes.try_emplace(
-        (*name).text, Prototype{c, &definitions, place.home});
+    const auto [at, is_new] =
+        definitions.prototypes.try_emplace((*name).text, Prototype{c, &definitions, place.home});
     if (!is_new)
       context_.sink
           .report("CG0401", element, "name", "prototype '" + (*name).text + "' exists twice")

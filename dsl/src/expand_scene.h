@@ -61,7 +61,7 @@ class Expander {
     const Trail* trail = nullptr;
     const Definitions* definitions = nullptr;
     const Element* home = nullptr;
-    std::string key;  ///< of random numbers drawn while expanding
+    std::string key;    ///< of random numbers drawn while expanding
     int instances = 0;  ///< instances around
     int depth = 0;      ///< elements, rounds and instances around
     /// Of an imported file: only its definitions are taken, the rest is named here.

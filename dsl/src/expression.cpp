@@ -275,7 +275,8 @@ class Parser {
       const std::string unit(text_.substr(end, at_ - end));
       std::string help;
       if (number && parse_unit(unit)) {
-        help = "did you mean \"" + std::string(text_.substr(begin, end - begin)) + " " + unit + "\"?";
+        help =
+            "did you mean \"" + std::string(text_.substr(begin, end - begin)) + " " + unit + "\"?";
       }
       return fail("CG0501", begin, word.size(), "\"" + word + "\" is not a number", help);
     }
@@ -303,8 +304,8 @@ class Parser {
     }
     // A word behind a number that is no operator was meant as a unit.
     const std::string_view word = peek_word();
-    static constexpr std::string_view kOperators[] = {"lt", "le", "gt",  "ge", "eq",
-                                                      "ne", "or", "and"};
+    static constexpr std::string_view kOperators[] = {"lt", "le", "gt", "ge",
+                                                      "eq", "ne", "or", "and"};
     if (!word.empty() &&
         std::find(std::begin(kOperators), std::end(kOperators), word) == std::end(kOperators)) {
       const std::string near = nearest_unit(word);

@@ -83,9 +83,12 @@ Outcome power(const Quantity& base, const Quantity& exponent) {
 
 const char* verb(char op) {
   switch (op) {
-    case '+': return "added to";
-    case '-': return "subtracted from";
-    default: return "combined with";
+    case '+':
+      return "added to";
+    case '-':
+      return "subtracted from";
+    default:
+      return "combined with";
   }
 }
 
@@ -170,7 +173,8 @@ Outcome arithmetic(char op, const Value& a, const Value& b) {
   if (a.is_poison() || b.is_poison()) return good(Value::poison());
   const Quantity* x = a.as_number();
   const Quantity* y = b.as_number();
-  if (op == '+' && a.as_text() && b.as_text()) return good(Value::text(*a.as_text() + *b.as_text()));
+  if (op == '+' && a.as_text() && b.as_text())
+    return good(Value::text(*a.as_text() + *b.as_text()));
   if (op == '+' && a.as_list() && b.as_list()) {
     if (a.as_list()->size() + b.as_list()->size() > 100000) {
       return problem("the list grows too long");
@@ -208,7 +212,8 @@ Outcome arithmetic(char op, const Value& a, const Value& b) {
       if (!dimension) return problem("the dimension's exponents grow too large");
       return number(op == '*' ? x->value * y->value : x->value / y->value, *dimension);
     }
-    default: return power(*x, *y);
+    default:
+      return power(*x, *y);
   }
 }
 
@@ -258,9 +263,9 @@ Outcome negation(const Value& a) {
 }
 
 const std::vector<std::string>& function_names() {
-  static const std::vector<std::string> names = {"if",    "min",  "max",   "abs",     "sqrt",
-                                                 "sin",   "cos",  "tan",   "atan2",   "floor",
-                                                 "ceil",  "round", "uniform", "normal"};
+  static const std::vector<std::string> names = {"if",   "min",   "max",     "abs",   "sqrt",
+                                                 "sin",  "cos",   "tan",     "atan2", "floor",
+                                                 "ceil", "round", "uniform", "normal"};
   return names;
 }
 
@@ -307,11 +312,11 @@ Outcome call(std::string_view name, const ValueList& arguments, RandomStream* ra
   }
   // floor, ceil, round: of what unit's whole number would be anyone's guess.
   if (!a.dimension.none()) {
-    return problem(std::string(name) + " takes a plain number, found " + describe(a.dimension),
-                   "divide by a unit first: " + std::string(name) + "(x / 1 " +
-                       unit_of(a.dimension) + ")");
+    return problem(
+        std::string(name) + " takes a plain number, found " + describe(a.dimension),
+        "divide by a unit first: " + std::string(name) + "(x / 1 " + unit_of(a.dimension) + ")");
   }
-  return number(name == "floor" ? std::floor(a.value)
+  return number(name == "floor"  ? std::floor(a.value)
                 : name == "ceil" ? std::ceil(a.value)
                                  : std::round(a.value),
                 {});

@@ -82,8 +82,9 @@ Result<std::vector<double>> parse_pgm(std::string_view bytes, HeightGrid& grid) 
     return fail("a damaged PGM header: expected width, height and a maximum of 1 to 65535");
   if (*columns > 1'000'000 || *rows > 1'000'000)
     return fail("more than " + std::to_string(kMaxHeightSamples) + " samples");
-  if (auto fits = check_samples(static_cast<std::size_t>(*columns),
-                                static_cast<std::size_t>(*rows)); !fits)
+  if (auto fits =
+          check_samples(static_cast<std::size_t>(*columns), static_cast<std::size_t>(*rows));
+      !fits)
     return tl::unexpected(fits.error());
   grid.columns = static_cast<int>(*columns);
   grid.rows = static_cast<int>(*rows);
@@ -169,7 +170,8 @@ std::size_t open_edges(const TriangleMesh& mesh) {
   reversed.reserve(3 * mesh.triangles.size());
   for (const Eigen::Vector3i& t : mesh.triangles)
     for (int i = 0; i < 3; ++i) {
-      const auto a = static_cast<std::uint64_t>(t[i]), b = static_cast<std::uint64_t>(t[(i + 1) % 3]);
+      const auto a = static_cast<std::uint64_t>(t[i]),
+                 b = static_cast<std::uint64_t>(t[(i + 1) % 3]);
       edges.push_back(a << 32 | b);
       reversed.push_back(b << 32 | a);
     }
@@ -177,8 +179,10 @@ std::size_t open_edges(const TriangleMesh& mesh) {
   std::sort(reversed.begin(), reversed.end());
   std::size_t open = 0;
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (i > 0 && edges[i] == edges[i - 1]) ++open;  // used twice in one direction
-    else if (!std::binary_search(reversed.begin(), reversed.end(), edges[i])) ++open;
+    if (i > 0 && edges[i] == edges[i - 1])
+      ++open;  // used twice in one direction
+    else if (!std::binary_search(reversed.begin(), reversed.end(), edges[i]))
+      ++open;
   }
   return open;
 }

@@ -23,9 +23,9 @@ class DiagnosticSink;
 /// One attribute as written.
 struct Attribute {
   std::string_view name;
-  std::string_view value;    ///< decoded: entities replaced, white space normalised to blanks
+  std::string_view value;  ///< decoded: entities replaced, white space normalised to blanks
   SourceSpan name_span;
-  SourceSpan value_span;     ///< between the quotes
+  SourceSpan value_span;        ///< between the quotes
   std::uint32_t raw_begin = 0;  ///< byte offset of the value in the file's text
   std::uint32_t raw_length = 0;
 };
@@ -33,12 +33,12 @@ struct Attribute {
 /// One element as written.
 struct Node {
   std::string_view name;
-  SourceSpan span;           ///< the element's name, in its start tag
+  SourceSpan span;                    ///< the element's name, in its start tag
   const ElementSpec* spec = nullptr;  ///< vocabulary entry; nullptr: an engine block or unknown
   const Node* parent = nullptr;
   std::vector<Attribute> attributes;
   std::vector<const Node*> children;
-  std::string_view text;     ///< character data, of elements that take text
+  std::string_view text;  ///< character data, of elements that take text
   SourceSpan text_span;
 
   /// nullptr when it is not written.

@@ -49,8 +49,8 @@ std::vector<Token> split(std::string_view text, std::optional<ExpressionFault>& 
 ExpressionFault not_a_number(std::string_view word, std::size_t begin) {
   std::string help;
   std::size_t digits = 0;
-  while (digits < word.size() && std::string_view("+-.0123456789").find(word[digits]) !=
-                                     std::string_view::npos) {
+  while (digits < word.size() &&
+         std::string_view("+-.0123456789").find(word[digits]) != std::string_view::npos) {
     ++digits;
   }
   const std::size_t comma = word.find(',');
@@ -80,14 +80,14 @@ ExpressionFault not_a_number(std::string_view word, std::size_t begin) {
       }
     }
   }
-  return make_fault("CG0501", begin, word.size(),
-                    "\"" + std::string(word) + "\" is not a number", help);
+  return make_fault("CG0501", begin, word.size(), "\"" + std::string(word) + "\" is not a number",
+                    help);
 }
 
 class ListParser {
  public:
-  ListParser(std::string_view text, const NumberSyntax& syntax,
-             const ExpressionEvaluator& evaluate, std::optional<ExpressionFault>& fault)
+  ListParser(std::string_view text, const NumberSyntax& syntax, const ExpressionEvaluator& evaluate,
+             std::optional<ExpressionFault>& fault)
       : text_(text), syntax_(syntax), evaluate_(evaluate), fault_(fault) {}
 
   std::vector<NumberEntry> run() {
@@ -97,8 +97,8 @@ class ListParser {
       take(t);
     }
     if (!fault_ && syntax_.dots && (dots_ != 1 || entries_.size() != 2)) {
-      fault_ = make_fault("CG0501", 0, text_.size(), "\"" + std::string(text_) + "\" is not a range",
-                          "write \"2 .. 80 cm\"");
+      fault_ = make_fault("CG0501", 0, text_.size(),
+                          "\"" + std::string(text_) + "\" is not a range", "write \"2 .. 80 cm\"");
     }
     if (!fault_) share_unit();
     return fault_ ? std::vector<NumberEntry>{} : std::move(entries_);
@@ -152,10 +152,10 @@ class ListParser {
     if (unit_possible_) {
       take_unit(t, word);
     } else {
-      fault_ = parse_unit(word) ? make_fault("CG0501", t.begin, word.size(),
-                                             "the unit \"" + std::string(word) +
-                                                 "\" has no number before it")
-                                : not_a_number(word, t.begin);
+      fault_ = parse_unit(word)
+                   ? make_fault("CG0501", t.begin, word.size(),
+                                "the unit \"" + std::string(word) + "\" has no number before it")
+                   : not_a_number(word, t.begin);
     }
   }
 
@@ -168,9 +168,9 @@ class ListParser {
         return;
       }
       const std::string near = nearest_unit(word);
-      fault_ = make_fault("CG0504", t.begin, word.size(),
-                          "\"" + std::string(word) + "\" is not a unit",
-                          near.empty() ? "" : "did you mean \"" + near + "\"?");
+      fault_ =
+          make_fault("CG0504", t.begin, word.size(), "\"" + std::string(word) + "\" is not a unit",
+                     near.empty() ? "" : "did you mean \"" + near + "\"?");
       return;
     }
     unit_possible_ = false;
@@ -204,9 +204,10 @@ class ListParser {
       ++begin;
     }
     if (word.substr(0, 2) != "${" || expression_end(text_, begin) != begin + word.size()) {
-      fault_ = make_fault("CG0501", t.begin, t.length,
-                          "\"" + std::string(text_.substr(t.begin, t.length)) + "\" is not a number",
-                          "put a blank between entries, and write whole expressions in one ${…}");
+      fault_ =
+          make_fault("CG0501", t.begin, t.length,
+                     "\"" + std::string(text_.substr(t.begin, t.length)) + "\" is not a number",
+                     "put a blank between entries, and write whole expressions in one ${…}");
       return;
     }
     std::optional<ExpressionFault> inside;
@@ -323,9 +324,8 @@ std::optional<ExpressionFault> check_dimension(const NumberEntry& entry, const D
   if (entry.bare) {
     if (wanted != dim::kAngle || entry.value == 0.0) return std::nullopt;
     return make_fault("CG0503", entry.begin, entry.length, "an angle needs its unit",
-                      entry.expression
-                          ? "multiply by \"1 deg\" or \"1 rad\" inside of ${…}"
-                          : "write \"" + number + " deg\" or \"" + number + " rad\"");
+                      entry.expression ? "multiply by \"1 deg\" or \"1 rad\" inside of ${…}"
+                                       : "write \"" + number + " deg\" or \"" + number + " rad\"");
   }
   if (fits(entry.dimension, wanted)) return std::nullopt;
   std::string help;
@@ -333,8 +333,9 @@ std::optional<ExpressionFault> check_dimension(const NumberEntry& entry, const D
     Dimension difference = wanted;
     difference.angle = entry.dimension.angle;
     if (difference == entry.dimension) {
-      help = wanted.angle > entry.dimension.angle ? "multiply by \"1 rad\" if it is meant per radian"
-                                                  : "divide by \"1 rad\" if radians are meant";
+      help = wanted.angle > entry.dimension.angle
+                 ? "multiply by \"1 rad\" if it is meant per radian"
+                 : "divide by \"1 rad\" if radians are meant";
     }
   } else if (wanted.none()) {
     help = "leave the unit out";

@@ -14,8 +14,8 @@ namespace cogrsim::dsl {
 struct NumberEntry {
   double value = 0.0;
   Dimension dimension;
-  bool bare = true;      ///< no unit: its dimension is whatever is wanted
-  bool none = false;     ///< the word "none"
+  bool bare = true;   ///< no unit: its dimension is whatever is wanted
+  bool none = false;  ///< the word "none"
   bool poison = false;
   bool expression = false;
   std::size_t begin = 0, length = 0;  ///< bytes in the text, unit included
@@ -24,9 +24,8 @@ struct NumberEntry {
 
 /// Evaluates the inside of a ${…} that begins at a byte of the text; faults are given with places
 /// in the whole text.
-using ExpressionEvaluator =
-    std::function<Value(std::string_view inside, std::size_t begin,
-                        std::optional<ExpressionFault>& fault)>;
+using ExpressionEvaluator = std::function<Value(std::string_view inside, std::size_t begin,
+                                                std::optional<ExpressionFault>& fault)>;
 
 struct NumberSyntax {
   bool dots = false;      ///< exactly two entries with ".." between them

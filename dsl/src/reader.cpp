@@ -55,8 +55,8 @@ std::string repaired(std::string_view name) {
       out += '_';
     }
   }
-  if (out.empty() || !((out[0] >= 'a' && out[0] <= 'z') || (out[0] >= 'A' && out[0] <= 'Z') ||
-                       out[0] == '_')) {
+  if (out.empty() ||
+      !((out[0] >= 'a' && out[0] <= 'z') || (out[0] >= 'A' && out[0] <= 'Z') || out[0] == '_')) {
     out.insert(out.begin(), '_');
   }
   return out;
@@ -82,8 +82,8 @@ std::vector<Word> split_words(const AttributeText& source, const std::string& te
     }
     const std::size_t begin = i;
     while (i < text.size() && !is_blank(text[i])) ++i;
-    out.push_back({text.substr(begin, i - begin), exact ? source.span(begin, i - begin)
-                                                        : source.span(0, source.text().size())});
+    out.push_back({text.substr(begin, i - begin),
+                   exact ? source.span(begin, i - begin) : source.span(0, source.text().size())});
   }
   return out;
 }
@@ -155,10 +155,10 @@ Read<std::string> Reader::text(std::string_view attribute) {
       std::find(spec.choices.begin(), spec.choices.end(), *text) == spec.choices.end()) {
     std::vector<std::string> choices(spec.choices.begin(), spec.choices.end());
     const std::string near = nearest_name(*text, choices);
-    source.report("CG0508", 0, source.text().size(),
-                  "\"" + std::string(attribute) + "\" is " + listed(choices) + ", found \"" + *text +
-                      "\"",
-                  near.empty() ? "" : "did you mean \"" + near + "\"?");
+    source.report(
+        "CG0508", 0, source.text().size(),
+        "\"" + std::string(attribute) + "\" is " + listed(choices) + ", found \"" + *text + "\"",
+        near.empty() ? "" : "did you mean \"" + near + "\"?");
     return out;
   }
   out.value = std::move(*text);
@@ -219,9 +219,9 @@ Read<std::vector<Word>> Reader::words(std::string_view attribute) {
       return out;
     }
     if (count < spec.min_count || count > spec.max_count) {
-      source.report("CG0506", 0, source.text().size(),
-                    "expected " + std::to_string(spec.max_count) + " names, found " +
-                        std::to_string(count));
+      source.report(
+          "CG0506", 0, source.text().size(),
+          "expected " + std::to_string(spec.max_count) + " names, found " + std::to_string(count));
       return out;
     }
   }
@@ -287,9 +287,10 @@ Read<std::vector<Call>> Reader::calls(std::string_view attribute) {
       if (fault) source.report(*fault);
       if (v.is_poison()) return out;
       const Quantity* q = v.as_number();
-      const bool fine = q && (q->dimension.none() ||
-                              std::any_of(spec.dimensions.begin(), spec.dimensions.end(),
-                                          [&](const Dimension& d) { return fits(q->dimension, d); }));
+      const bool fine =
+          q && (q->dimension.none() ||
+                std::any_of(spec.dimensions.begin(), spec.dimensions.end(),
+                            [&](const Dimension& d) { return fits(q->dimension, d); }));
       if (!fine) {
         const Dimension wanted = spec.dimensions.empty() ? Dimension{} : spec.dimensions[0];
         source.report("CG0502", at, length,

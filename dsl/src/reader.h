@@ -80,7 +80,8 @@ class Reader {
   /// One attribute of `<set>` or an engine block as a plugin's parameter: type, unit, range and
   /// choices are the spec's.
   Read<ParameterValue> parameter(const Attribute& attribute, const ParameterSpec& spec);
-  /// One attribute of `<instance>` for a `<param>`: as value(), for a name that is not in the vocabulary.
+  /// One attribute of `<instance>` for a `<param>`: as value(), for a name that is not in the
+  /// vocabulary.
   Read<Value> value(const Attribute& attribute);
 
   /// X_PE from xyz with rpy or quat; absent ones are zero. Both rpy and quat is an error.

@@ -70,9 +70,8 @@ bool check_entries(AttributeText& source, const AttributeSpec& spec,
     }
     const std::string problem = beyond(e.value, spec, wanted);
     if (!problem.empty()) {
-      const std::string found = e.expression
-                                    ? bound_text(e.value, wanted)
-                                    : std::string(source.text().substr(e.begin, e.length));
+      const std::string found = e.expression ? bound_text(e.value, wanted)
+                                             : std::string(source.text().substr(e.begin, e.length));
       source.report("CG0507", e.begin, e.length,
                     "\"" + std::string(spec.name) + "\" " + problem + ", found " + found);
       return false;
@@ -215,9 +214,9 @@ Read<std::int64_t> Reader::integer(std::string_view attribute) {
   out.state = static_cast<Read<std::int64_t>::State>(list.state);
   const double value = list.value.empty() ? 0.0 : list.value[0];
   if (list.given() && (value != std::floor(value) || std::abs(value) > 9007199254740992.0)) {
-    context_.sink.report("CG0516", element_, attribute,
-                         "\"" + std::string(attribute) + "\" must be a whole number, found " +
-                             number_text(value));
+    context_.sink.report(
+        "CG0516", element_, attribute,
+        "\"" + std::string(attribute) + "\" must be a whole number, found " + number_text(value));
     out.state = Read<std::int64_t>::State::failed;
     return out;
   }

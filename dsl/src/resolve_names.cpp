@@ -5,7 +5,7 @@
 namespace cogrsim::dsl {
 namespace {
 
-constexpr int kMaxExports = 16;            // one export may name another
+constexpr int kMaxExports = 16;                // one export may name another
 constexpr std::size_t kMaxSuggestions = 4000;  // names compared with an unknown one
 constexpr std::size_t kMaxHelped = 50;         // unknown names that get such help
 
@@ -15,22 +15,32 @@ bool is_matter(std::string_view tag) {
 
 bool matches(const Element& element, Wanted wanted) {
   switch (wanted) {
-    case Wanted::place: return is_matter(element.tag()) || element.tag() == "frame";
-    case Wanted::matter: return is_matter(element.tag());
-    case Wanted::joint: return is_joint(element.tag());
-    case Wanted::material: return element.tag() == "material";
-    case Wanted::any: return true;
+    case Wanted::place:
+      return is_matter(element.tag()) || element.tag() == "frame";
+    case Wanted::matter:
+      return is_matter(element.tag());
+    case Wanted::joint:
+      return is_joint(element.tag());
+    case Wanted::material:
+      return element.tag() == "material";
+    case Wanted::any:
+      return true;
   }
   return false;
 }
 
 const char* describe(Wanted wanted) {
   switch (wanted) {
-    case Wanted::place: return "body, assembly or frame";
-    case Wanted::matter: return "body or assembly";
-    case Wanted::joint: return "joint";
-    case Wanted::material: return "material";
-    case Wanted::any: return "element";
+    case Wanted::place:
+      return "body, assembly or frame";
+    case Wanted::matter:
+      return "body or assembly";
+    case Wanted::joint:
+      return "joint";
+    case Wanted::material:
+      return "material";
+    case Wanted::any:
+      return "element";
   }
   return "";
 }

@@ -16,11 +16,11 @@ namespace cogrsim::dsl {
 
 /// What an attribute wants to hear of.
 enum class Wanted {
-  place,     ///< anything with a place: bodies, shapes, assemblies, instances, frames
-  matter,    ///< bodies, shapes, assemblies, instances
+  place,   ///< anything with a place: bodies, shapes, assemblies, instances, frames
+  matter,  ///< bodies, shapes, assemblies, instances
   joint,
   material,
-  any        ///< any named thing but a material
+  any  ///< any named thing but a material
 };
 
 /// A name is looked for in the scope it stands in, then further and further out. With dots it goes

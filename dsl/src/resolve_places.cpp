@@ -50,8 +50,8 @@ const Element* Builder::reference(const Element& element) {
   const Element* named =
       names_.find(element, *word, attribute == "at" ? Wanted::any : Wanted::place);
   if (named != nullptr && !has_place(*named)) {
-    fault("CG1001", element, "at", "'" + (*word).text + "' is " + kind_of(*named) +
-                                       ", nothing can stand on it")
+    fault("CG1001", element, "at",
+          "'" + (*word).text + "' is " + kind_of(*named) + ", nothing can stand on it")
         .note("it stands here", named->span())
         .help("name a frame, a body or an assembly");
     named = nullptr;
@@ -171,8 +171,7 @@ void Builder::places() {
     Note& n = note(element);
     if (has_place(element)) {
       place(element);
-      if (element.tag() == "light" || element.tag() == "view")
-        n.X_W = facing(element, n.X_W);
+      if (element.tag() == "light" || element.tag() == "view") n.X_W = facing(element, n.X_W);
     } else if (n.placing == Note::Placing::open) {
       n.placing = Note::Placing::done;
       n.X_W = element.parent != nullptr ? note(*element.parent).X_W : Pose{};
@@ -228,8 +227,8 @@ std::optional<int> Builder::body_at(const Element& from, const Word& word, bool 
         .report("CG0405", word.span, from.trail,
                 "'" + word.text + "' is an assembly of " + std::to_string(n.body_count) +
                     " bodies, expected one body")
-        .help(n.body_count == 0 ? "name a body" : "name one of them: " + list +
-                                                      (shown > 5 ? ", …" : ""));
+        .help(n.body_count == 0 ? "name a body"
+                                : "name one of them: " + list + (shown > 5 ? ", …" : ""));
     return std::nullopt;
   }
   const int body = carrier(*target);

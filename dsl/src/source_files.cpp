@@ -125,8 +125,8 @@ const Document* SourceFiles::open_scene(const std::string& path) {
     const std::uintmax_t size = fs::file_size(path, fault);
     if (!fault && size > limit) {
       return refuse("CG0108",
-                    "the file has " + megabytes(static_cast<std::size_t>(size)) +
-                        ", at most " + megabytes(limit) + " are read",
+                    "the file has " + megabytes(static_cast<std::size_t>(size)) + ", at most " +
+                        megabytes(limit) + " are read",
                     "put large data into mesh files, or let <repeat> write the same things");
     }
   }
@@ -187,9 +187,9 @@ const Document* SourceFiles::open_import(std::string_view href, const SourceSpan
     return nullptr;
   }
   if (too_large) {
-    sink_.report("CG0108", at, nullptr,
-                 "\"" + std::string(href) + "\" is larger than " +
-                     megabytes(options_.limits.file_bytes));
+    sink_.report(
+        "CG0108", at, nullptr,
+        "\"" + std::string(href) + "\" is larger than " + megabytes(options_.limits.file_bytes));
     return nullptr;
   }
   // Shown the way the user named the scene, so that it can be clicked on.
@@ -210,9 +210,9 @@ std::string SourceFiles::resolve_asset(std::string_view href, const SourceSpan& 
   std::error_code fault;
   const std::uintmax_t size = fs::file_size(path, fault);
   if (fault || size > options_.limits.asset_bytes) {
-    sink_.report("CG0314", at, nullptr,
-                 "\"" + std::string(href) + "\" is larger than " +
-                     megabytes(options_.limits.asset_bytes));
+    sink_.report(
+        "CG0314", at, nullptr,
+        "\"" + std::string(href) + "\" is larger than " + megabytes(options_.limits.asset_bytes));
     return {};
   }
   return path;
@@ -252,8 +252,9 @@ std::string SourceFiles::locate(std::string_view href, const SourceSpan& at, con
     }
   }
   if (outside && tried.empty()) {
-    sink_.report("CG0303", at, nullptr,
-                 "\"" + shown + "\" lies outside of the scene's folder and the libraries")
+    sink_
+        .report("CG0303", at, nullptr,
+                "\"" + shown + "\" lies outside of the scene's folder and the libraries")
         .help("copy it below the scene's folder");
     return {};
   }

@@ -42,18 +42,18 @@ inline constexpr Dimension kDensity{-3, 1, 0, 0, 0};
 inline constexpr Dimension kInertia{2, 1, 0, 0, 0};
 inline constexpr Dimension kForce{1, 1, -2, 0, 0};
 inline constexpr Dimension kTorque{2, 1, -2, 0, 0};
-inline constexpr Dimension kStiffness{0, 1, -2, 0, 0};              // N/m
-inline constexpr Dimension kAngularStiffness{2, 1, -2, 0, -1};      // N*m/rad
-inline constexpr Dimension kDamping{0, 1, -1, 0, 0};                // N*s/m
-inline constexpr Dimension kAngularDamping{2, 1, -1, 0, -1};        // N*m*s/rad
-inline constexpr Dimension kIntegralGain{0, 1, -3, 0, 0};           // N/(m*s)
-inline constexpr Dimension kAngularIntegralGain{2, 1, -3, 0, -1};   // N*m/(rad*s)
+inline constexpr Dimension kStiffness{0, 1, -2, 0, 0};             // N/m
+inline constexpr Dimension kAngularStiffness{2, 1, -2, 0, -1};     // N*m/rad
+inline constexpr Dimension kDamping{0, 1, -1, 0, 0};               // N*s/m
+inline constexpr Dimension kAngularDamping{2, 1, -1, 0, -1};       // N*m*s/rad
+inline constexpr Dimension kIntegralGain{0, 1, -3, 0, 0};          // N/(m*s)
+inline constexpr Dimension kAngularIntegralGain{2, 1, -3, 0, -1};  // N*m/(rad*s)
 inline constexpr Dimension kVoltage{2, 1, -3, -1, 0};
 inline constexpr Dimension kCurrent{0, 0, 0, 1, 0};
 inline constexpr Dimension kResistance{2, 1, -3, -2, 0};
-inline constexpr Dimension kTorqueConstant{2, 1, -2, -1, 0};        // N*m/A
-inline constexpr Dimension kBackEmf{2, 1, -2, -1, -1};              // V*s/rad
-inline constexpr Dimension kForceConstant{1, 1, -2, -1, 0};         // N/A, V*s/m
+inline constexpr Dimension kTorqueConstant{2, 1, -2, -1, 0};  // N*m/A
+inline constexpr Dimension kBackEmf{2, 1, -2, -1, -1};        // V*s/rad
+inline constexpr Dimension kForceConstant{1, 1, -2, -1, 0};   // N/A, V*s/m
 }  // namespace dim
 
 /// "an angle", "a length", "a plain number", "a quantity in kg*m/s".

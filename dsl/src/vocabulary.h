@@ -34,7 +34,7 @@ enum class Kind {
 struct AttributeSpec {
   std::string_view name;
   Kind kind = Kind::text;
-  std::string_view doc;      ///< one sentence, with the meaning of leaving it out
+  std::string_view doc;                ///< one sentence, with the meaning of leaving it out
   std::string_view default_text = {};  ///< in the language's notation; empty: none
   bool required = false;
   /// Dimensions of number, numbers, range, noise. One: of every entry. Several: entry by entry when
@@ -45,23 +45,23 @@ struct AttributeSpec {
   bool none_allowed = false;         ///< entries may be the word "none": unlimited
   double minimum = -std::numeric_limits<double>::infinity();  ///< SI
   double maximum = std::numeric_limits<double>::infinity();
-  bool above_minimum = false;        ///< minimum itself is not allowed
+  bool above_minimum = false;  ///< minimum itself is not allowed
   std::vector<std::string_view> choices = {};
 };
 
 struct ElementSpec {
   std::string_view name;
-  std::string_view group;    ///< heading on the reference page
+  std::string_view group;  ///< heading on the reference page
   std::string_view doc;
   std::vector<AttributeSpec> attributes;
   std::vector<std::string_view> children;  ///< what may stand inside; flow elements are implied
                                            ///< wherever anything may
   std::string_view example = {};
-  bool reserved = false;          ///< known, comes with a later version
-  bool flow = false;              ///< repeat, for, if: takes what its parent takes
-  bool open_attributes = false;   ///< set, instance: any further attribute
-  bool engine_blocks = false;     ///< physics, assembly: may hold `<ENGINE …/>`
-  bool text = false;              ///< takes character data
+  bool reserved = false;         ///< known, comes with a later version
+  bool flow = false;             ///< repeat, for, if: takes what its parent takes
+  bool open_attributes = false;  ///< set, instance: any further attribute
+  bool engine_blocks = false;    ///< physics, assembly: may hold `<ENGINE …/>`
+  bool text = false;             ///< takes character data
 
   const AttributeSpec* find(std::string_view attribute) const;
 };

@@ -12,21 +12,48 @@ namespace {
 struct Translation {
   std::string_view theirs, ours;
 };
-constexpr Translation kElements[] = {
-    {"link", "body"},        {"revolute", "hinge"},     {"prismatic", "slider"},
-    {"continuous", "hinge"}, {"spherical", "ball"},     {"ball_joint", "ball"},
-    {"floating", "free"},    {"freejoint", "free"},     {"weld", "fixed"},
-    {"slide", "slider"},     {"robot", "assembly"},     {"model", "assembly"},
-    {"group", "assembly"},   {"actuator", "motor"},     {"include", "import"},
-    {"xacro:include", "import"}, {"macro", "prototype"}, {"template", "prototype"},
-    {"xacro:macro", "prototype"}, {"site", "frame"},    {"camera_view", "view"},
-    {"viewpoint", "view"},   {"ground", "plane"},       {"cube", "box"},
-    {"ball_shape", "sphere"}, {"ellipsoid", "mesh"},    {"hfield", "heightmap"},
-    {"terrain", "heightmap"}, {"gyro", "imu"},          {"accelerometer", "imu"},
-    {"loop", "repeat"},      {"foreach", "for"},        {"property", "param"},
-    {"xacro:property", "param"}, {"variable", "param"}, {"arg", "param"},
-    {"plugin", "controller"}, {"surface", "material"},  {"option", "physics"},
-    {"ray", "lidar"},        {"cone", "mesh"},          {"replicate", "repeat"}};
+constexpr Translation kElements[] = {{"link", "body"},
+                                     {"revolute", "hinge"},
+                                     {"prismatic", "slider"},
+                                     {"continuous", "hinge"},
+                                     {"spherical", "ball"},
+                                     {"ball_joint", "ball"},
+                                     {"floating", "free"},
+                                     {"freejoint", "free"},
+                                     {"weld", "fixed"},
+                                     {"slide", "slider"},
+                                     {"robot", "assembly"},
+                                     {"model", "assembly"},
+                                     {"group", "assembly"},
+                                     {"actuator", "motor"},
+                                     {"include", "import"},
+                                     {"xacro:include", "import"},
+                                     {"macro", "prototype"},
+                                     {"template", "prototype"},
+                                     {"xacro:macro", "prototype"},
+                                     {"site", "frame"},
+                                     {"camera_view", "view"},
+                                     {"viewpoint", "view"},
+                                     {"ground", "plane"},
+                                     {"cube", "box"},
+                                     {"ball_shape", "sphere"},
+                                     {"ellipsoid", "mesh"},
+                                     {"hfield", "heightmap"},
+                                     {"terrain", "heightmap"},
+                                     {"gyro", "imu"},
+                                     {"accelerometer", "imu"},
+                                     {"loop", "repeat"},
+                                     {"foreach", "for"},
+                                     {"property", "param"},
+                                     {"xacro:property", "param"},
+                                     {"variable", "param"},
+                                     {"arg", "param"},
+                                     {"plugin", "controller"},
+                                     {"surface", "material"},
+                                     {"option", "physics"},
+                                     {"ray", "lidar"},
+                                     {"cone", "mesh"},
+                                     {"replicate", "repeat"}};
 constexpr Translation kAttributes[] = {{"origin", "xyz (and rpy)"},
                                        {"pos", "xyz"},
                                        {"position", "xyz"},
@@ -117,8 +144,9 @@ class Checker {
     for (Node& node : document.nodes) node.spec = nullptr;
     Node& root = document.nodes.front();
     if (root.name != "scene") {
-      sink_.report("CG0208", root.span, nullptr,
-                   "the root element is <" + std::string(root.name) + ">, expected <scene>")
+      sink_
+          .report("CG0208", root.span, nullptr,
+                  "the root element is <" + std::string(root.name) + ">, expected <scene>")
           .help(find_element(root.name) ? "put it into <scene name=\"…\" version=\"1\"> … </scene>"
                                         : "files of other formats must be written anew");
       document.root = nullptr;
@@ -153,10 +181,11 @@ class Checker {
       return;
     }
     if (spec->reserved || reserved_contact(node)) {
-      sink_.report("CG0206", node.span, nullptr,
-                   "<" + std::string(node.name) + "> " +
-                       (reserved_contact(node) ? "as a sensor " : "") +
-                       "is reserved and comes with a later version")
+      sink_
+          .report("CG0206", node.span, nullptr,
+                  "<" + std::string(node.name) + "> " +
+                      (reserved_contact(node) ? "as a sensor " : "") +
+                      "is reserved and comes with a later version")
           .help("remove it for now");
       node.spec = spec->reserved ? spec : nullptr;
       return;
@@ -210,16 +239,18 @@ class Checker {
       if (e.name == where.name) continue;
       parents += (count++ ? ", <" : "<") + std::string(e.name) + ">";
     }
-    sink_.report("CG0202", node.span, nullptr,
-                 "<" + std::string(node.name) + "> cannot stand in <" + std::string(where.name) +
-                     ">")
+    sink_
+        .report(
+            "CG0202", node.span, nullptr,
+            "<" + std::string(node.name) + "> cannot stand in <" + std::string(where.name) + ">")
         .help(count ? "it belongs into " + parents : "");
   }
 
   void check_text(const Node& node, bool allowed) {
     if (allowed || node.text.empty()) return;
-    sink_.report("CG0205", node.text_span, nullptr,
-                 "text where none belongs, in <" + std::string(node.name) + ">")
+    sink_
+        .report("CG0205", node.text_span, nullptr,
+                "text where none belongs, in <" + std::string(node.name) + ">")
         .help("comments are written <!-- like this -->");
   }
 
@@ -232,9 +263,10 @@ class Checker {
     }
     for (const AttributeSpec& a : spec.attributes) {
       if (!a.required || node.find(a.name)) continue;
-      sink_.report("CG0204", node.span, nullptr,
-                   "<" + std::string(node.name) + "> needs the attribute \"" +
-                       std::string(a.name) + "\"")
+      sink_
+          .report("CG0204", node.span, nullptr,
+                  "<" + std::string(node.name) + "> needs the attribute \"" + std::string(a.name) +
+                      "\"")
           .help("add " + std::string(a.name) + "=\"…\"");
     }
   }
@@ -244,9 +276,9 @@ class Checker {
       return;  // how an editor is told of the schema
     }
     const ElementSpec& spec = *node.spec;
-    Report report = sink_.report("CG0203", a.name_span, nullptr,
-                                 "<" + std::string(node.name) + "> has no attribute \"" +
-                                     std::string(a.name) + "\"");
+    Report report = sink_.report(
+        "CG0203", a.name_span, nullptr,
+        "<" + std::string(node.name) + "> has no attribute \"" + std::string(a.name) + "\"");
     for (const Translation& t : kAttributes) {
       if (a.name != t.theirs) continue;
       const std::string_view first = t.ours.substr(0, t.ours.find(' '));

@@ -113,29 +113,32 @@ Attributes named() {
 Attributes named_always(std::string_view doc) { return {must(attr("name", Kind::name, doc))}; }
 
 Attributes placed() {
-  return {numbers("xyz", kLength, 3, "Position in the parent element or in `frame`.", "0 0 0"),
-          numbers("rpy", kAngle, 3, "Roll, pitch and yaw about fixed x, y and z axes.", "0 0 0"),
-          numbers("quat", kNone, 4, "Orientation as a quaternion w x y z, instead of `rpy`."),
-          attr("frame", Kind::reference,
-               "Body, assembly or frame that xyz and rpy refer to, instead of the parent element.")};
+  return {
+      numbers("xyz", kLength, 3, "Position in the parent element or in `frame`.", "0 0 0"),
+      numbers("rpy", kAngle, 3, "Roll, pitch and yaw about fixed x, y and z axes.", "0 0 0"),
+      numbers("quat", kNone, 4, "Orientation as a quaternion w x y z, instead of `rpy`."),
+      attr("frame", Kind::reference,
+           "Body, assembly or frame that xyz and rpy refer to, instead of the parent element.")};
 }
 
 Attributes moving() {
-  return {numbers("linear-velocity", kSpeed, 3,
-                  "Velocity of its origin at the start, world axes.", "0 0 0"),
+  return {numbers("linear-velocity", kSpeed, 3, "Velocity of its origin at the start, world axes.",
+                  "0 0 0"),
           numbers("angular-velocity", kAngularSpeed, 3,
                   "Angular velocity at the start, world axes.", "0 0 0")};
 }
 
 Attributes matter() {
-  return {above_zero(number("density", kDensity, "Mass per volume.")),
-          at_least(number("friction", kNone, "Coulomb friction coefficient."), 0.0),
-          between(number("restitution", kNone,
-                         "Coefficient of restitution: 0 does not bounce, 1 loses nothing."),
-                  0.0, 1.0),
-          above_zero(number("stiffness", kStiffness,
-                            "Stiffness of a contact point; as stiff as the engine can if left out.")),
-          attr("color", Kind::color, "Color."), attr("texture", Kind::file, "Picture file.")};
+  return {
+      above_zero(number("density", kDensity, "Mass per volume.")),
+      at_least(number("friction", kNone, "Coulomb friction coefficient."), 0.0),
+      between(number("restitution", kNone,
+                     "Coefficient of restitution: 0 does not bounce, 1 loses nothing."),
+              0.0, 1.0),
+      above_zero(number("stiffness", kStiffness,
+                        "Stiffness of a contact point; as stiff as the engine can if left out.")),
+      attr("color", Kind::color, "Color."),
+      attr("texture", Kind::file, "Picture file.")};
 }
 
 Attributes mobility() {
@@ -145,8 +148,9 @@ Attributes mobility() {
 }
 
 Attributes solid() {
-  return Attributes{attr("material", Kind::reference, "Material it is made of."),
-                    above_zero(number("mass", kMass, "Mass; from volume and density if left out."))} +
+  return Attributes{
+             attr("material", Kind::reference, "Material it is made of."),
+             above_zero(number("mass", kMass, "Mass; from volume and density if left out."))} +
          matter() +
          Attributes{attr("collide", Kind::boolean, "Touches other bodies.", "true"),
                     attr("visible", Kind::boolean, "Is seen in pictures.", "true")};
@@ -183,34 +187,32 @@ Attributes joint_axes(const std::vector<Dimension>& q) {
     if (d.size() == 1) return number(name, d[0], doc);
     return entries(name, d, doc);
   };
-  return {or_none(row("lower", q, "Lower limit; none if left out.")),
-          or_none(row("upper", q, "Upper limit; none if left out.")),
-          at_least(row("damping", damping, "Effort per speed; 0 if left out."), 0.0),
-          at_least(row("friction", effort,
-                       "Dry friction: holds below this effort, brakes with it; 0 if left out."),
-                   0.0),
-          at_least(row("stiffness", stiffness, "Effort per travel of a spring; 0 if left out."),
-                   0.0),
-          row("rest", q, "Where the spring is slack; 0 if left out."),
-          above_zero(or_none(row("max-effort", effort,
-                                 "No motor pushes harder through it; no bound if left out."))),
-          above_zero(or_none(row("max-speed", u,
-                                 "No motor runs it faster; no bound if left out."))),
-          row("position", q, "Where it stands at the start; 0 if left out."),
-          row("velocity", u, "Its speed at the start; 0 if left out.")};
+  return {
+      or_none(row("lower", q, "Lower limit; none if left out.")),
+      or_none(row("upper", q, "Upper limit; none if left out.")),
+      at_least(row("damping", damping, "Effort per speed; 0 if left out."), 0.0),
+      at_least(row("friction", effort,
+                   "Dry friction: holds below this effort, brakes with it; 0 if left out."),
+               0.0),
+      at_least(row("stiffness", stiffness, "Effort per travel of a spring; 0 if left out."), 0.0),
+      row("rest", q, "Where the spring is slack; 0 if left out."),
+      above_zero(or_none(
+          row("max-effort", effort, "No motor pushes harder through it; no bound if left out."))),
+      above_zero(or_none(row("max-speed", u, "No motor runs it faster; no bound if left out."))),
+      row("position", q, "Where it stands at the start; 0 if left out."),
+      row("velocity", u, "Its speed at the start; 0 if left out.")};
 }
 
 Attributes drive() {
   return named() +
-         Attributes{must(attr("joint", Kind::reference, "Joint it drives.")),
-                    between(attr("axis", Kind::integer,
-                                 "Which freedom of a joint that has several, counted from 1.", "1"),
-                            1, 3),
-                    above_zero(number("max-torque", kTorque,
-                                      "Largest torque, on a freedom that turns.")),
-                    above_zero(number("max-force", kForce,
-                                      "Largest force, on a freedom that slides.")),
-                    above_zero(either("max-speed", {kAngularSpeed, kSpeed}, "Largest speed."))};
+         Attributes{
+             must(attr("joint", Kind::reference, "Joint it drives.")),
+             between(attr("axis", Kind::integer,
+                          "Which freedom of a joint that has several, counted from 1.", "1"),
+                     1, 3),
+             above_zero(number("max-torque", kTorque, "Largest torque, on a freedom that turns.")),
+             above_zero(number("max-force", kForce, "Largest force, on a freedom that slides.")),
+             above_zero(either("max-speed", {kAngularSpeed, kSpeed}, "Largest speed."))};
 }
 
 Attributes sensing(std::vector<Dimension> noise) {
@@ -229,13 +231,12 @@ Attributes sensor_on_body(std::vector<Dimension> noise) {
 }
 
 Attributes mind() {
-  return Attributes{must(attr("plugin", Kind::text, "Name of the plugin; never a path.")),
-                    attr("name", Kind::name, "Name; the plugin's if left out."),
-                    at_least(number("rate", kFrequency, "Updates per second; 0: one every step.",
-                                    "0"),
-                             0.0),
-                    choice("on-fault", {"stop-controller", "end-run"},
-                           "What happens when it throws or sends nonsense.", "stop-controller")};
+  return Attributes{
+      must(attr("plugin", Kind::text, "Name of the plugin; never a path.")),
+      attr("name", Kind::name, "Name; the plugin's if left out."),
+      at_least(number("rate", kFrequency, "Updates per second; 0: one every step.", "0"), 0.0),
+      choice("on-fault", {"stop-controller", "end-run"},
+             "What happens when it throws or sends nonsense.", "stop-controller")};
 }
 
 // ---- what may stand where
@@ -243,8 +244,8 @@ Attributes mind() {
 const Words kShapes = {"box", "sphere", "cylinder", "capsule", "plane", "mesh", "heightmap"};
 const Words kJoints = {"hinge",       "slider", "ball",  "universal", "fixed",
                        "cylindrical", "planar", "screw", "free"};
-const Words kSensors = {"encoder", "pose",  "imu",         "sensor", "camera",
-                        "infrared", "lidar", "force-torque"};
+const Words kSensors = {"encoder", "pose",     "imu",   "sensor",
+                        "camera",  "infrared", "lidar", "force-torque"};
 const Words kMatter = {"material", "collide"};
 
 /// Inside an assembly.
@@ -254,12 +255,12 @@ Words assembly_content() {
 }
 Words scene_content() {
   return Words{"physics", "param", "import", "prototype"} + assembly_content() +
-         Words{"supervisor", "light", "view", "maze", "scatter", "region", "record", "plot",
-               "test"};
+         Words{"supervisor", "light",  "view", "maze", "scatter",
+               "region",     "record", "plot", "test"};
 }
 Words prototype_content() {
-  return Words{"param", "export"} + assembly_content() + Words{"light", "maze", "scatter",
-                                                               "region"};
+  return Words{"param", "export"} + assembly_content() +
+         Words{"light", "maze", "scatter", "region"};
 }
 
 // ---- the table
@@ -278,11 +279,11 @@ ElementSpec element(std::string_view group, std::string_view name, std::string_v
 
 void add_world(std::vector<ElementSpec>& out) {
   const auto group = "World";
-  out.push_back(element(
-      group, "scene", "The root of a file.",
-      {attr("name", Kind::text, "Title of the scene; the file's name if left out."),
-       choice("version", {"1"}, "Version of the language.", "1")},
-      scene_content(), "<scene name=\"first steps\" version=\"1\"> … </scene>"));
+  out.push_back(
+      element(group, "scene", "The root of a file.",
+              {attr("name", Kind::text, "Title of the scene; the file's name if left out."),
+               choice("version", {"1"}, "Version of the language.", "1")},
+              scene_content(), "<scene name=\"first steps\" version=\"1\"> … </scene>"));
   ElementSpec physics = element(
       group, "physics",
       "How the scene is simulated. Engines' own options stand inside, in an element with the "
@@ -300,13 +301,13 @@ void add_world(std::vector<ElementSpec>& out) {
   out.push_back(element(
       group, "light", "A light.",
       named() +
-          Attributes{choice("type", {"directional", "point", "spot"}, "Kind of light.",
-                            "directional"),
-                     numbers("direction", kNone, 3, "Where it shines, instead of rpy or quat."),
-                     attr("color", Kind::color, "Color of the light.", "white"),
-                     at_least(number("intensity", kNone, "Brightness, 1 being normal.", "1"), 0.0),
-                     above_zero(number("cone", kAngle, "Half opening angle of a spot.", "30 deg")),
-                     attr("shadows", Kind::boolean, "Casts shadows.", "true")} +
+          Attributes{
+              choice("type", {"directional", "point", "spot"}, "Kind of light.", "directional"),
+              numbers("direction", kNone, 3, "Where it shines, instead of rpy or quat."),
+              attr("color", Kind::color, "Color of the light.", "white"),
+              at_least(number("intensity", kNone, "Brightness, 1 being normal.", "1"), 0.0),
+              above_zero(number("cone", kAngle, "Half opening angle of a spot.", "30 deg")),
+              attr("shadows", Kind::boolean, "Casts shadows.", "true")} +
           placed(),
       {}, "<light name=\"sun\" type=\"directional\" direction=\"0.3 0.2 -1\"/>"));
   AttributeSpec fov = above_zero(number("fov", kAngle, "Horizontal opening angle.", "60 deg"));
@@ -357,7 +358,8 @@ void add_bodies(std::vector<ElementSpec>& out) {
       {radius, above_zero(must(number("length", kLength, "Whole length.")))},
       "<cylinder name=\"drum\" radius=\"3 cm\" length=\"10 cm\" mass=\"1 kg\"/>");
   add("capsule", "A cylinder along z with round ends, centred on its origin.",
-      {radius, above_zero(must(number("length", kLength, "Length of the cylinder, without ends.")))},
+      {radius,
+       above_zero(must(number("length", kLength, "Length of the cylinder, without ends.")))},
       "<capsule name=\"bar\" radius=\"3 cm\" length=\"20 cm\" mass=\"1 kg\"/>");
   {
     // A plane never moves and has no mass.
@@ -377,8 +379,8 @@ void add_bodies(std::vector<ElementSpec>& out) {
       "<mesh name=\"hook\" file=\"meshes/hook.stl\" scale=\"0.001\" convex=\"true\" "
       "mass=\"2 kg\"/>");
   {
-    AttributeSpec heights = numbers("heights", kLength, 65536,
-                                    "Heights row by row, the first at the lowest y.");
+    AttributeSpec heights =
+        numbers("heights", kLength, 65536, "Heights row by row, the first at the lowest y.");
     heights.min_count = 4;
     const auto size = above_zero(must(numbers("size", kLength, 2, "Whole extent along x and y.")));
     add("heightmap", "Ground from a grid of heights, centred on its origin. It never moves.",
@@ -411,11 +413,11 @@ void add_assemblies(std::vector<ElementSpec>& out) {
       "Assemblies", "assembly",
       "Bodies, joints and devices that belong together, in a frame of their own.",
       named() +
-          Attributes{attr("rigid", Kind::boolean, "Everything inside is glued into one body.",
-                          "false"),
-                     above_zero(number("mass", kMass, "Mass of the whole; needs rigid.")),
-                     attr("material", Kind::reference,
-                          "Material of the whole if rigid, else of what names none.")} +
+          Attributes{
+              attr("rigid", Kind::boolean, "Everything inside is glued into one body.", "false"),
+              above_zero(number("mass", kMass, "Mass of the whole; needs rigid.")),
+              attr("material", Kind::reference,
+                   "Material of the whole if rigid, else of what names none.")} +
           placed() + mobility() + moving(),
       assembly_content(), "<assembly name=\"robot\" xyz=\"0 0 5 cm\"> … </assembly>");
   e.engine_blocks = true;
@@ -497,12 +499,11 @@ void add_motion(std::vector<ElementSpec>& out) {
           Attributes{
               choice("mode", {"velocity", "torque", "position", "dc"},
                      "What its target means; dc: a voltage.", "velocity"),
-              either("target",
-                     {kAngularSpeed, kSpeed, kTorque, kForce, kAngle, kLength, kVoltage},
+              either("target", {kAngularSpeed, kSpeed, kTorque, kForce, kAngle, kLength, kVoltage},
                      "Target until a controller sets another; 0, or the joint's position."),
               above_zero(number("response", kTime, "Time constant in position mode.", "50 ms")),
-              above_zero(either("kt", {kTorqueConstant, kForceConstant},
-                                "DC model: torque per current.")),
+              above_zero(
+                  either("kt", {kTorqueConstant, kForceConstant}, "DC model: torque per current.")),
               at_least(either("ke", {kBackEmf, kForceConstant},
                               "DC model: voltage per speed; as kt if left out."),
                        0.0),
@@ -513,28 +514,28 @@ void add_motion(std::vector<ElementSpec>& out) {
       {}, "<motor name=\"left\" joint=\"axle_left\" mode=\"velocity\" max-torque=\"0.6 N*m\"/>"));
   out.push_back(element(
       group, "servo", "Holds a joint at a position with a PID law.",
-      drive() + Attributes{must(at_least(either("kp", {kAngularStiffness, kStiffness},
-                                                "Effort per error."),
-                                         0.0)),
-                           at_least(either("ki", {kAngularIntegralGain, kIntegralGain},
-                                           "Effort per error and time; 0 if left out."),
-                                    0.0),
-                           at_least(either("kd", {kAngularDamping, kDamping},
-                                           "Effort per speed of the error; 0 if left out."),
-                                    0.0),
-                           either("target", {kAngle, kLength},
-                                  "Position until a controller sets another; the joint's own if "
-                                  "left out.")},
+      drive() +
+          Attributes{must(at_least(
+                         either("kp", {kAngularStiffness, kStiffness}, "Effort per error."), 0.0)),
+                     at_least(either("ki", {kAngularIntegralGain, kIntegralGain},
+                                     "Effort per error and time; 0 if left out."),
+                              0.0),
+                     at_least(either("kd", {kAngularDamping, kDamping},
+                                     "Effort per speed of the error; 0 if left out."),
+                              0.0),
+                     either("target", {kAngle, kLength},
+                            "Position until a controller sets another; the joint's own if "
+                            "left out.")},
       {}, "<servo name=\"wrist\" joint=\"wrist_hinge\" kp=\"20 N*m/rad\" kd=\"1 N*m*s/rad\"/>"));
 }
 
 void add_sensors(std::vector<ElementSpec>& out) {
   const auto group = "Sensors";
-  out.push_back(element(
-      group, "encoder", "Reads a joint's position and speed.",
-      named() + Attributes{must(attr("joint", Kind::reference, "Joint it reads."))} +
-          sensing({kAngle, kLength, kNone}),
-      {}, "<encoder name=\"ticks\" joint=\"axle\" rate=\"100 Hz\"/>"));
+  out.push_back(element(group, "encoder", "Reads a joint's position and speed.",
+                        named() +
+                            Attributes{must(attr("joint", Kind::reference, "Joint it reads."))} +
+                            sensing({kAngle, kLength, kNone}),
+                        {}, "<encoder name=\"ticks\" joint=\"axle\" rate=\"100 Hz\"/>"));
   out.push_back(element(group, "pose", "Reads where a body or frame is.",
                         sensor_on_body({kLength, kAngle, kNone}), {},
                         "<pose name=\"gps\" on=\"chassis\" rate=\"10 Hz\"/>"));
@@ -542,12 +543,12 @@ void add_sensors(std::vector<ElementSpec>& out) {
                         sensor_on_body({kAcceleration, kAngularSpeed, kNone}), {},
                         "<imu name=\"imu\" on=\"chassis\" rate=\"200 Hz\" "
                         "noise=\"normal(0, 0.02 m/s^2)\"/>"));
-  out.push_back(element(
-      group, "sensor", "A sensor from a plugin; its parameters stand in `<set>`.",
-      Attributes{must(attr("plugin", Kind::text, "Name of the plugin; never a path."))} +
-          sensor_on_body({kNone, kLength, kAngle}) +
-          Attributes{attr("joint", Kind::reference, "Joint it reads, if it reads one.")},
-      {"set"}, "<sensor plugin=\"sonar\" name=\"front\" on=\"chassis\"/>"));
+  out.push_back(
+      element(group, "sensor", "A sensor from a plugin; its parameters stand in `<set>`.",
+              Attributes{must(attr("plugin", Kind::text, "Name of the plugin; never a path."))} +
+                  sensor_on_body({kNone, kLength, kAngle}) +
+                  Attributes{attr("joint", Kind::reference, "Joint it reads, if it reads one.")},
+              {"set"}, "<sensor plugin=\"sonar\" name=\"front\" on=\"chassis\"/>"));
   for (const std::string_view later : {"camera", "infrared", "lidar", "force-torque"}) {
     ElementSpec e = element(group, later, "A sensor that comes with a later version.", {});
     e.reserved = e.open_attributes = true;
@@ -574,29 +575,31 @@ void add_reuse(std::vector<ElementSpec>& out) {
   out.push_back(element(
       group, "param", "A value with a name, for expressions.",
       named_always("Name in expressions.") +
-          Attributes{choice("type",
-                            {"number", "int", "bool", "text", "length", "angle", "mass", "time",
-                             "speed", "angular-speed", "acceleration", "force", "torque", "density",
-                             "frequency", "list"},
-                            "What values it takes; anything if left out."),
-                     attr("default", Kind::value, "Value if none is given; without it one must be."),
-                     attr("min", Kind::value, "Smallest value."),
-                     attr("max", Kind::value, "Largest value."),
-                     attr("doc", Kind::text, "What it is for.")},
+          Attributes{
+              choice("type",
+                     {"number", "int", "bool", "text", "length", "angle", "mass", "time", "speed",
+                      "angular-speed", "acceleration", "force", "torque", "density", "frequency",
+                      "list"},
+                     "What values it takes; anything if left out."),
+              attr("default", Kind::value, "Value if none is given; without it one must be."),
+              attr("min", Kind::value, "Smallest value."),
+              attr("max", Kind::value, "Largest value."),
+              attr("doc", Kind::text, "What it is for.")},
       {}, "<param name=\"wheel_r\" type=\"length\" default=\"4 cm\" min=\"1 cm\" max=\"10 cm\"/>"));
-  out.push_back(element(group, "import", "Takes the prototypes and materials of another file.",
-                        {must(attr("href", Kind::file, "The file, beside this one or in a library.")),
-                         attr("as", Kind::name, "Prefix for its names: as.Name; none if left out.")},
-                        {}, "<import href=\"parts/wheels.scene.xml\" as=\"parts\"/>"));
+  out.push_back(
+      element(group, "import", "Takes the prototypes and materials of another file.",
+              {must(attr("href", Kind::file, "The file, beside this one or in a library.")),
+               attr("as", Kind::name, "Prefix for its names: as.Name; none if left out.")},
+              {}, "<import href=\"parts/wheels.scene.xml\" as=\"parts\"/>"));
   out.push_back(element(group, "prototype", "Something to be built several times, with parameters.",
                         named_always("Name of the prototype."), prototype_content(),
                         "<prototype name=\"Lamp\"> <param name=\"h\" type=\"length\"/> … "
                         "</prototype>"));
-  ElementSpec instance = element(
-      group, "instance", "Builds a prototype; its further attributes are the parameters.",
-      Attributes{must(attr("of", Kind::reference, "The prototype."))} + named() +
-          Attributes{attr("at", Kind::reference, "Named place to stand on.")} + placed(),
-      {}, "<instance of=\"Lamp\" name=\"left_lamp\" h=\"30 cm\" xyz=\"0 1 0\"/>");
+  ElementSpec instance =
+      element(group, "instance", "Builds a prototype; its further attributes are the parameters.",
+              Attributes{must(attr("of", Kind::reference, "The prototype."))} + named() +
+                  Attributes{attr("at", Kind::reference, "Named place to stand on.")} + placed(),
+              {}, "<instance of=\"Lamp\" name=\"left_lamp\" h=\"30 cm\" xyz=\"0 1 0\"/>");
   instance.open_attributes = true;
   out.push_back(std::move(instance));
   out.push_back(element(group, "export", "Gives something inside a prototype a short outside name.",

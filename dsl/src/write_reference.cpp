@@ -17,24 +17,37 @@ std::string cell(std::string_view text) {
 
 std::string kind_text(const AttributeSpec& a) {
   switch (a.kind) {
-    case Kind::name: return "name";
-    case Kind::reference: return "name of something";
-    case Kind::references: return std::to_string(a.max_count) + " names";
-    case Kind::text: return "text";
-    case Kind::boolean: return "true, false";
-    case Kind::integer: return "whole number";
-    case Kind::color: return "color";
-    case Kind::file: return "file";
-    case Kind::noise: return "noise";
-    case Kind::expression: return "expression";
-    case Kind::value: return "value";
-    case Kind::range: return "range";
+    case Kind::name:
+      return "name";
+    case Kind::reference:
+      return "name of something";
+    case Kind::references:
+      return std::to_string(a.max_count) + " names";
+    case Kind::text:
+      return "text";
+    case Kind::boolean:
+      return "true, false";
+    case Kind::integer:
+      return "whole number";
+    case Kind::color:
+      return "color";
+    case Kind::file:
+      return "file";
+    case Kind::noise:
+      return "noise";
+    case Kind::expression:
+      return "expression";
+    case Kind::value:
+      return "value";
+    case Kind::range:
+      return "range";
     case Kind::choice: {
       std::string out;
       for (const auto w : a.choices) out += (out.empty() ? "" : ", ") + std::string(w);
       return out;
     }
-    case Kind::number: return "number";
+    case Kind::number:
+      return "number";
     case Kind::numbers: {
       if (a.max_count >= 65536) return std::to_string(a.min_count) + " or more numbers";
       std::string out = std::to_string(a.max_count) + " numbers";
@@ -77,7 +90,7 @@ void write_element(const ElementSpec& e, std::string& out) {
       const std::string bounds = bounds_text(a);
       out += "| `" + std::string(a.name) + "` | " + cell(kind_text(a)) +
              (bounds.empty() ? "" : " (" + bounds + ")") + " | " + unit_text(a) + " | " +
-             (a.required             ? "**required**"
+             (a.required               ? "**required**"
               : a.default_text.empty() ? ""
                                        : "`" + cell(a.default_text) + "`") +
              " | " + cell(a.doc) + " |\n";

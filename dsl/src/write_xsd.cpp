@@ -13,11 +13,20 @@ std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -49,9 +58,11 @@ std::string words_or_expression(const std::string& indent,
   std::string out = indent + "<xs:simpleType><xs:union><xs:simpleType>";
   out += "<xs:restriction base=\"xs:string\">";
   for (const auto w : words) out += "<xs:enumeration value=\"" + escaped(w) + "\"/>";
-  out += "</xs:restriction></xs:simpleType><xs:simpleType><xs:restriction base=\"xs:string\">"
-         "<xs:pattern value=\"[\\s\\S]*[$]\\{[\\s\\S]*\\}[\\s\\S]*\"/></xs:restriction></xs:simpleType>"
-         "</xs:union></xs:simpleType>\n";
+  out +=
+      "</xs:restriction></xs:simpleType><xs:simpleType><xs:restriction base=\"xs:string\">"
+      "<xs:pattern "
+      "value=\"[\\s\\S]*[$]\\{[\\s\\S]*\\}[\\s\\S]*\"/></xs:restriction></xs:simpleType>"
+      "</xs:union></xs:simpleType>\n";
   return out;
 }
 
@@ -111,8 +122,9 @@ std::string write_xsd(PluginCatalog* plugins) {
       for (const std::string& name : engines) children.push_back(name);
     }
     if (open_content || (children.empty() && e.engine_blocks)) {
-      out += "      <xs:sequence><xs:any minOccurs=\"0\" maxOccurs=\"unbounded\" "
-             "processContents=\"skip\"/></xs:sequence>\n";
+      out +=
+          "      <xs:sequence><xs:any minOccurs=\"0\" maxOccurs=\"unbounded\" "
+          "processContents=\"skip\"/></xs:sequence>\n";
     } else if (!children.empty()) {
       out += "      <xs:choice minOccurs=\"0\" maxOccurs=\"unbounded\">\n";
       for (const auto child : children) {

@@ -8,7 +8,7 @@ namespace cogrsim::dsl {
 namespace {
 
 constexpr std::size_t kMostAttributes = 500;  // of one element
-constexpr int kMostErrors = 20;  // of one file; what follows is mostly a consequence
+constexpr int kMostErrors = 20;               // of one file; what follows is mostly a consequence
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
@@ -97,9 +97,8 @@ class Scanner {
   }
 
   static int code_points(std::string_view s) {
-    return static_cast<int>(std::count_if(s.begin(), s.end(), [](char c) {
-      return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-    }));
+    return static_cast<int>(std::count_if(
+        s.begin(), s.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
   }
 
   void error(const char* code, std::size_t offset, std::size_t bytes, std::string message,
@@ -343,8 +342,7 @@ class Scanner {
     static constexpr std::array<std::string_view, 5> kKnown = {"lt", "gt", "amp", "quot", "apos"};
     for (std::size_t i = begin; (i = text_.substr(0, end).find('&', i)) < end && !stopped_; ++i) {
       const std::size_t limit = std::min(end, i + 40);
-      const std::size_t semicolon =
-          text_.substr(0, limit).find_first_of("; \t\r\n<&\"'", i + 1);
+      const std::size_t semicolon = text_.substr(0, limit).find_first_of("; \t\r\n<&\"'", i + 1);
       if (semicolon >= limit || text_[semicolon] != ';') {
         error("CG0103", i, 1, "a raw '&'", "write &amp;");
         continue;
@@ -448,8 +446,9 @@ class Scanner {
     const std::string_view key = name();
     if (key.empty()) {
       error("CG0103", begin, 1,
-            "'" + std::string(text_.substr(begin, static_cast<std::size_t>(
-                                                      std::max(1, decode_utf8(text_, begin).length)))) +
+            "'" +
+                std::string(text_.substr(begin, static_cast<std::size_t>(std::max(
+                                                    1, decode_utf8(text_, begin).length)))) +
                 "' cannot stand in the tag <" + std::string(node.name) + ">",
             text_[begin] == '<' ? "the tag before it lacks its > or />"
             : !blank_before && !node.attributes.empty()
@@ -482,8 +481,8 @@ class Scanner {
     const std::size_t value_begin = ++at_;
     const std::size_t end = text_.find(quote, value_begin);
     if (end == std::string_view::npos) {
-      stop("CG0103", value_begin - 1, 1,
-           "the value of \"" + std::string(key) + "\" does not end", "add the closing quote");
+      stop("CG0103", value_begin - 1, 1, "the value of \"" + std::string(key) + "\" does not end",
+           "add the closing quote");
       return false;
     }
     at_ = end + 1;
@@ -552,11 +551,11 @@ class Scanner {
       open_.pop_back();
       return;
     }
-    const auto match = std::find_if(open_.rbegin(), open_.rend(),
-                                    [&](const Node* n) { return n->name == tag; });
+    const auto match =
+        std::find_if(open_.rbegin(), open_.rend(), [&](const Node* n) { return n->name == tag; });
     const Node& inner = *open_.back();
-    const std::string opened = "<" + std::string(inner.name) + "> was opened in line " +
-                               std::to_string(inner.span.line);
+    const std::string opened =
+        "<" + std::string(inner.name) + "> was opened in line " + std::to_string(inner.span.line);
     error("CG0104", begin, tag.size() + 2,
           "</" + std::string(tag) + "> does not close <" + std::string(inner.name) + ">",
           opened + "; close it with </" + std::string(inner.name) + ">");
@@ -603,9 +602,10 @@ CodePoint decode_utf8(std::string_view text, std::size_t at) {
   const std::uint32_t b = byte(at);
   if (at >= text.size()) return {0, 0};
   if (b < 0x80) return {b, 1};
-  const int length = b >= 0xC2 && b <= 0xDF ? 2 : b >= 0xE0 && b <= 0xEF ? 3
-                     : b >= 0xF0 && b <= 0xF4                            ? 4
-                                                                         : 0;
+  const int length = b >= 0xC2 && b <= 0xDF   ? 2
+                     : b >= 0xE0 && b <= 0xEF ? 3
+                     : b >= 0xF0 && b <= 0xF4 ? 4
+                                              : 0;
   if (length == 0) return {0, 0};
   std::uint32_t value = b & (0x7Fu >> length);
   for (int i = 1; i < length; ++i) {
@@ -629,8 +629,7 @@ std::vector<std::uint32_t> find_line_starts(std::string_view text) {
 }
 
 bool scan_xml(const SourceFile& file, int file_index, const Limits& limits, DiagnosticSink& sink,
-              Document& document,
-              std::vector<std::pair<std::size_t, std::size_t>>& instructions) {
+              Document& document, std::vector<std::pair<std::size_t, std::size_t>>& instructions) {
   return Scanner(file, file_index, limits, sink, document, instructions).run();
 }
 

@@ -13,8 +13,8 @@ namespace cogrsim::dsl {
 /// Appends one Node per element to `document`, in document order, with spans, parents and raw
 /// attributes (names and values as views into the file's text, entities not yet replaced).
 /// Returns whether the text is well-formed and within limits; if not, that was reported, several
-/// errors where the scan could go on. `instructions` gets the byte ranges [begin, end) of processing
-/// instructions, which mean nothing here.
+/// errors where the scan could go on. `instructions` gets the byte ranges [begin, end) of
+/// processing instructions, which mean nothing here.
 bool scan_xml(const SourceFile& file, int file_index, const Limits& limits, DiagnosticSink& sink,
               Document& document, std::vector<std::pair<std::size_t, std::size_t>>& instructions);
 

@@ -20,8 +20,8 @@ class Slalom final : public cogrsim::Controller {
 
   // At the rate that the scene gives.
   void update(const cogrsim::Tick& tick) override {
-    // The heading swings as swing * sin(w t), so the turn rate is its derivative. Over the first wave
-    // everything grows from zero: wheels that jump to their speed would slip.
+    // The heading swings as swing * sin(w t), so the turn rate is its derivative. Over the first
+    // wave everything grows from zero: wheels that jump to their speed would slip.
     const double w = 2 * 3.14159265358979323846 / period_;
     const double grown = std::min(1.0, tick.time / period_);
     const double speed = grown * speed_;

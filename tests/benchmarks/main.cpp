@@ -78,7 +78,8 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--json") == 0) {
       json = true;
-    } else if (std::strcmp(argv[i], "--rounds") == 0 && i + 1 < argc && std::atoi(argv[i + 1]) > 0) {
+    } else if (std::strcmp(argv[i], "--rounds") == 0 && i + 1 < argc &&
+               std::atoi(argv[i + 1]) > 0) {
       rounds = std::atoi(argv[++i]);
     } else {
       fmt::print(stderr, "usage: {} [--rounds N] [--json]\n", argv[0]);
@@ -99,9 +100,8 @@ int main(int argc, char** argv) {
       return 1;
     }
     for (const Scene scene : kScenes) {
-      const std::unique_ptr<Runner> raw = std::strcmp(engine, "bullet") == 0
-                                              ? make_raw_bullet(scene)
-                                              : make_raw_simbody(scene);
+      const std::unique_ptr<Runner> raw =
+          std::strcmp(engine, "bullet") == 0 ? make_raw_bullet(scene) : make_raw_simbody(scene);
       BackendRunner ours(*backend, scene);
       microseconds_per_step(*raw, kWarmUp);
       microseconds_per_step(ours, kWarmUp);
@@ -114,9 +114,11 @@ int main(int argc, char** argv) {
       }
       const double heights[] = {raw->last_height(), ours.last_height()};
       if (json) {
-        rows.push_back({{"engine", engine}, {"scene", title(scene)},
+        rows.push_back({{"engine", engine},
+                        {"scene", title(scene)},
                         {"raw_us_per_step", median(raw_times)},
-                        {"backend_us_per_step", median(our_times)}, {"ratio", median(ratios)},
+                        {"backend_us_per_step", median(our_times)},
+                        {"ratio", median(ratios)},
                         {"heights", {heights[0], heights[1]}}});
       } else {
         fmt::print("{:<9} {:<22} {:>11.1f} {:>11.1f} {:>7.2f}   {:.4f}  {:.4f}\n", engine,

@@ -116,7 +116,8 @@ class Robots final : public BulletRunner {
         shape<btSphereShape>(kCasterRadius));
     btVector3 inertia;
     deck->calculateLocalInertia(kChassisMass, inertia);
-    auto* wheel_form = shape<btCylinderShapeZ>(btVector3(kWheelRadius, kWheelRadius, kWheelWidth / 2));
+    auto* wheel_form =
+        shape<btCylinderShapeZ>(btVector3(kWheelRadius, kWheelRadius, kWheelWidth / 2));
     const btQuaternion along_y(btVector3(1, 0, 0), -SIMD_HALF_PI);
     for (int i = 0; i < kPerSide * kPerSide; ++i) {
       const btVector3 place((i / kPerSide) * kSpacing, (i % kPerSide) * kSpacing, kHeight);
@@ -173,10 +174,14 @@ class Chain final : public BulletRunner {
 
 std::unique_ptr<Runner> make_raw_bullet(Scene scene) {
   switch (scene) {
-    case Scene::free_boxes: return std::make_unique<Boxes>();
-    case Scene::pyramid: return std::make_unique<Pyramid>();
-    case Scene::robots: return std::make_unique<Robots>();
-    case Scene::chain: return std::make_unique<Chain>();
+    case Scene::free_boxes:
+      return std::make_unique<Boxes>();
+    case Scene::pyramid:
+      return std::make_unique<Pyramid>();
+    case Scene::robots:
+      return std::make_unique<Robots>();
+    case Scene::chain:
+      return std::make_unique<Chain>();
   }
   return nullptr;
 }

@@ -128,7 +128,8 @@ class SpringContact final : public SimTK::Force::Custom::Implementation {
       p.on_b = ~b.body.getBodyTransform(state) * from_bullet(m.getPositionWorldOnB());
       p.normal = ~b.body.getBodyRotation(state) * from_bullet(m.m_normalWorldOnB);
       p.friction = a.friction * b.friction;
-      p.damping = 2 * law_.damping_ratio * std::sqrt(law_.stiffness / (a.inverse_mass + b.inverse_mass));
+      p.damping =
+          2 * law_.damping_ratio * std::sqrt(law_.stiffness / (a.inverse_mass + b.inverse_mass));
       // The friction spring's stretch is that of the nearest old point of the pair.
       Real nearest = 0.02;
       const auto range = old_.equal_range(key(p));
@@ -175,8 +176,8 @@ class SpeedMotor final : public SimTK::Force::Custom::Implementation {
   void calcForce(const State& state, SimTK::Vector_<SimTK::SpatialVec>&, SimTK::Vector_<STVec3>&,
                  SimTK::Vector& mobility) const override {
     constexpr Real kGain = 0.1;  // [N m s/rad], as stiff as the substep allows
-    const Real torque = SimTK::clamp(-robots::kMaxTorque, kGain * (target_ - body_.getOneU(state, 0)),
-                                     robots::kMaxTorque);
+    const Real torque = SimTK::clamp(
+        -robots::kMaxTorque, kGain * (target_ - body_.getOneU(state, 0)), robots::kMaxTorque);
     body_.applyOneMobilityForce(state, 0, torque, mobility);
   }
   Real calcPotentialEnergy(const State&) const override { return 0; }
@@ -201,10 +202,18 @@ class SimbodyRunner final : public Runner {
   explicit SimbodyRunner(Scene scene) : gravity_(forces_, matter_, STVec3(0, 0, -9.81)) {
     forces_.setNumberOfThreads(1);
     switch (scene) {
-      case Scene::free_boxes: add_boxes(); break;
-      case Scene::pyramid: add_pyramid(); break;
-      case Scene::robots: add_robots(); break;
-      case Scene::chain: add_chain(); break;
+      case Scene::free_boxes:
+        add_boxes();
+        break;
+      case Scene::pyramid:
+        add_pyramid();
+        break;
+      case Scene::robots:
+        add_robots();
+        break;
+      case Scene::chain:
+        add_chain();
+        break;
     }
     state_ = system_.realizeTopology();
     system_.realizeModel(state_);
@@ -299,11 +308,14 @@ class SimbodyRunner final : public Runner {
     contact_->add(matter_.Ground(), shape<btStaticPlaneShape>(btVector3(0, 0, 1), 0), 1, -1);
     auto* form = shape<btCompoundShape>();
     const btQuaternion straight = btQuaternion::getIdentity();
-    form->addChildShape(btTransform(straight), shape<btBoxShape>(btVector3(kChassisX / 2, kChassisY / 2, kChassisZ / 2)));
+    form->addChildShape(btTransform(straight),
+                        shape<btBoxShape>(btVector3(kChassisX / 2, kChassisY / 2, kChassisZ / 2)));
     form->addChildShape(btTransform(straight, btVector3(kCasterX, 0, kCasterRadius - kHeight)),
                         shape<btSphereShape>(kCasterRadius));
-    auto* wheel_form = shape<btCylinderShapeZ>(btVector3(kWheelRadius, kWheelRadius, kWheelWidth / 2));
-    const Real across = kWheelMass * (3 * kWheelRadius * kWheelRadius + kWheelWidth * kWheelWidth) / 12;
+    auto* wheel_form =
+        shape<btCylinderShapeZ>(btVector3(kWheelRadius, kWheelRadius, kWheelWidth / 2));
+    const Real across =
+        kWheelMass * (3 * kWheelRadius * kWheelRadius + kWheelWidth * kWheelWidth) / 12;
     const auto wheel_body =
         rigid(kWheelMass, STVec3(across, across, kWheelMass * kWheelRadius * kWheelRadius / 2));
     const auto chassis_body =
@@ -328,9 +340,9 @@ class SimbodyRunner final : public Runner {
     const auto body = rigid(kMass, box_moments(kMass, kWidth, kWidth, kLength));
     for (int i = 0; i < kLinks; ++i) {
       MobilizedBody parent = i == 0 ? MobilizedBody(matter_.Ground()) : last_.back();
-      last_.push_back(MobilizedBody::Pin(
-          parent, Transform(kZToY, STVec3(0, 0, i == 0 ? 0 : -kLength / 2)), body,
-          Transform(kZToY, STVec3(0, 0, kLength / 2))));
+      last_.push_back(MobilizedBody::Pin(parent,
+                                         Transform(kZToY, STVec3(0, 0, i == 0 ? 0 : -kLength / 2)),
+                                         body, Transform(kZToY, STVec3(0, 0, kLength / 2))));
     }
   }
 

@@ -7,10 +7,14 @@ namespace cogrsim::bench {
 
 const char* title(Scene scene) {
   switch (scene) {
-    case Scene::free_boxes: return "200 free boxes";
-    case Scene::pyramid: return "210-box pyramid";
-    case Scene::robots: return "100 two-wheel robots";
-    case Scene::chain: return "30-link chain";
+    case Scene::free_boxes:
+      return "200 free boxes";
+    case Scene::pyramid:
+      return "210-box pyramid";
+    case Scene::robots:
+      return "100 two-wheel robots";
+    case Scene::chain:
+      return "30-link chain";
   }
   return "";
 }
@@ -33,8 +37,8 @@ Pose at(double x, double y, double z) { return {Vec3(x, y, z), Quat(1, 0, 0, 0)}
 void add_boxes(ModelBuilder& builder) {
   using namespace boxes;
   for (int i = 0; i < kCount; ++i) {
-    const int body = builder.box("box" + std::to_string(i), Vec3(kSize, 2 * kSize, 3 * kSize), kMass,
-                                 at((i % kPerRow) * kPitch, (i / kPerRow) * kPitch, 1000.0));
+    const int body = builder.box("box" + std::to_string(i), Vec3(kSize, 2 * kSize, 3 * kSize),
+                                 kMass, at((i % kPerRow) * kPitch, (i / kPerRow) * kPitch, 1000.0));
     builder.model.bodies[static_cast<std::size_t>(body)].V_WB.angular = Vec3(0.1, kSpin, 0.1);
   }
 }
@@ -116,10 +120,18 @@ SceneModelPtr model(Scene scene) {
   ModelBuilder builder(title(scene));
   builder.model.physics.step = kStep;
   switch (scene) {
-    case Scene::free_boxes: add_boxes(builder); break;
-    case Scene::pyramid: add_pyramid(builder); break;
-    case Scene::robots: add_robots(builder); break;
-    case Scene::chain: add_chain(builder); break;
+    case Scene::free_boxes:
+      add_boxes(builder);
+      break;
+    case Scene::pyramid:
+      add_pyramid(builder);
+      break;
+    case Scene::robots:
+      add_robots(builder);
+      break;
+    case Scene::chain:
+      add_chain(builder);
+      break;
   }
   return builder.build();
 }

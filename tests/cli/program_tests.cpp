@@ -211,9 +211,9 @@ TEST_CASE("a backend that the scene asks for and that is not there is shown in i
     INFO(command);
     const Outcome outcome = with_toys({command, scene});
     CHECK(outcome.status == 1);
-    CHECK_THAT(outcome.out + outcome.err,
-               Contains("CG0901") && Contains("no_such_backend.scene.xml:2:21") &&
-                   Contains("2 |   <physics backend=\"newton\"/>"));
+    CHECK_THAT(outcome.out + outcome.err, Contains("CG0901") &&
+                                              Contains("no_such_backend.scene.xml:2:21") &&
+                                              Contains("2 |   <physics backend=\"newton\"/>"));
   }
   // Whoever names another backend does not need the scene's.
   CHECK(with_toys({"run", scene, "--backend", "toy", "--duration", "0.01"}).status == 0);

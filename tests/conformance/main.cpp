@@ -238,13 +238,14 @@ int main(int argc, char** argv) {
   std::string mutations = "build a fault in and expect a test to turn red:";
   for (const std::string& line : mutation_help()) mutations += "\n  " + line;
   using Catch::clara::Opt;
-  session.cli(session.cli() | Opt(options.backend, "name")["--backend"]("the backend under test") |
-              Opt(options.against, "name")["--against"]("a second one to compare it with") |
-              Opt(options.expectations, "file")["--expectations"]("table to compare with") |
-              Opt(options.figures)["--figures"]("show every figure measured") |
-              Opt(options.update)["--update"]("rewrite the table of the tests that run") |
-              Opt(options.option, "name=value")["--option"]("set an option of its world everywhere") |
-              Opt(options.mutate, "fault[=amount]")["--mutate"](mutations));
+  session.cli(
+      session.cli() | Opt(options.backend, "name")["--backend"]("the backend under test") |
+      Opt(options.against, "name")["--against"]("a second one to compare it with") |
+      Opt(options.expectations, "file")["--expectations"]("table to compare with") |
+      Opt(options.figures)["--figures"]("show every figure measured") |
+      Opt(options.update)["--update"]("rewrite the table of the tests that run") |
+      Opt(options.option, "name=value")["--option"]("set an option of its world everywhere") |
+      Opt(options.mutate, "fault[=amount]")["--mutate"](mutations));
   session.configData().reporterName = "table";
   if (session.applyCommandLine(argc, argv) != 0) return 2;
   const Catch::ConfigData& config = session.configData();

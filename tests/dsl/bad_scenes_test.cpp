@@ -36,22 +36,32 @@ void apply_limit(const std::string& setting, dsl::Limits& limits) {
   const std::size_t equals = setting.find('=');
   const std::string name = setting.substr(0, equals);
   const int value = std::stoi(setting.substr(equals + 1));
-  if (name == "file_bytes") limits.file_bytes = static_cast<std::size_t>(value);
-  else if (name == "depth") limits.depth = value;
-  else if (name == "elements") limits.elements = value;
-  else if (name == "attribute_bytes") limits.attribute_bytes = value;
-  else if (name == "expanded_elements") limits.expanded_elements = value;
-  else if (name == "expansion_depth") limits.expansion_depth = value;
-  else if (name == "files") limits.files = value;
-  else if (name == "asset_bytes") limits.asset_bytes = static_cast<std::size_t>(value);
-  else FAIL("unknown limit " << name);
+  if (name == "file_bytes")
+    limits.file_bytes = static_cast<std::size_t>(value);
+  else if (name == "depth")
+    limits.depth = value;
+  else if (name == "elements")
+    limits.elements = value;
+  else if (name == "attribute_bytes")
+    limits.attribute_bytes = value;
+  else if (name == "expanded_elements")
+    limits.expanded_elements = value;
+  else if (name == "expansion_depth")
+    limits.expansion_depth = value;
+  else if (name == "files")
+    limits.files = value;
+  else if (name == "asset_bytes")
+    limits.asset_bytes = static_cast<std::size_t>(value);
+  else
+    FAIL("unknown limit " << name);
 }
 
 std::vector<fs::path> bad_scenes() {
   std::vector<fs::path> out;
   for (const auto& entry : fs::directory_iterator(fs::path(COGRSIM_DSL_TEST_SCENES) / "bad")) {
     const std::string name = entry.path().filename().string();
-    if (name.size() > 10 && name.substr(0, 2) == "CG" && name.find(".scene.xml") != std::string::npos) {
+    if (name.size() > 10 && name.substr(0, 2) == "CG" &&
+        name.find(".scene.xml") != std::string::npos) {
       out.push_back(entry.path());
     }
   }
@@ -86,15 +96,16 @@ TEST_CASE("bad scenes are answered in the expected words", "[bad]") {
     const dsl::CompileResult result = compile_bad(path);
     const std::string text = dsl::to_text(result.diagnostics);
     const fs::path expected =
-        path.parent_path() / (name.substr(0, name.size() - std::string(".scene.xml").size()) +
-                              ".expected");
+        path.parent_path() /
+        (name.substr(0, name.size() - std::string(".scene.xml").size()) + ".expected");
     if (renew) std::ofstream(expected, std::ios::binary) << text;
     CHECK(text == read(expected));
     const std::string code = name.substr(0, 6);
     CHECK(std::any_of(result.diagnostics.begin(), result.diagnostics.end(),
                       [&](const Diagnostic& d) { return d.code == code; }));
-    const bool errors = std::any_of(result.diagnostics.begin(), result.diagnostics.end(),
-                                    [](const Diagnostic& d) { return d.severity == Severity::error; });
+    const bool errors =
+        std::any_of(result.diagnostics.begin(), result.diagnostics.end(),
+                    [](const Diagnostic& d) { return d.severity == Severity::error; });
     CHECK(result.ok() == !errors);
   }
 }

@@ -63,8 +63,7 @@ TEST_CASE("a rigid assembly is one body with the mass of its parts", "[dsl][buil
                      0.4 * 0.05 * 0.02 * 0.02 + far(0.05, -0.09, -0.02);
   CHECK(chassis.inertia(1, 1) == Approx(iyy).epsilon(1e-12));
 
-  const Material& caster =
-      model->materials[static_cast<std::size_t>(chassis.shapes[2].material)];
+  const Material& caster = model->materials[static_cast<std::size_t>(chassis.shapes[2].material)];
   CHECK(caster.friction == 0.0);
   REQUIRE(model->sensors.size() == 1);
   CHECK(model->sensors[0].body == 0);
@@ -147,8 +146,8 @@ TEST_CASE("collide names pairs of bodies and of assemblies", "[dsl][build]") {
 }
 
 TEST_CASE("heights stand in the file row by row from the lowest y", "[dsl][build]") {
-  const auto model = compile_scene(
-      R"(<heightmap name="h" size="2 1" columns="3" heights="0 1 2 3 4 5 cm"/>)");
+  const auto model =
+      compile_scene(R"(<heightmap name="h" size="2 1" columns="3" heights="0 1 2 3 4 5 cm"/>)");
   REQUIRE(model->heightmaps.size() == 1);
   const HeightGrid& grid = model->heightmaps[0];
   CHECK(grid.columns == 3);

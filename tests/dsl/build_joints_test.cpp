@@ -14,8 +14,10 @@ std::string arms(const std::string& first, const std::string& second,
                  const std::string& more = "") {
   return R"(<box name="a" size="1 0.1 0.1" xyz="0.5 0 0"/>
             <box name="b" size="1 0.1 0.1" xyz="1.5 0 0"/>
-            <hinge name="j1" child="a" xyz="0 0 0" axis="0 0 1" )" + first + R"(/>
-            <hinge name="j2" parent="a" child="b" xyz="1 0 0" axis="0 0 1" )" + second + "/>" + more;
+            <hinge name="j1" child="a" xyz="0 0 0" axis="0 0 1" )" +
+         first + R"(/>
+            <hinge name="j2" parent="a" child="b" xyz="1 0 0" axis="0 0 1" )" +
+         second + "/>" + more;
 }
 
 }  // namespace
@@ -113,7 +115,8 @@ TEST_CASE("each joint type has the axes and coordinates the model promises", "[d
   CHECK(model->joint_speeds == 3 + 2 + 0 + 2 + 3 + 1 + 6 + 1);
 }
 
-TEST_CASE("motors and servos take limits, gains and targets in their joint's units", "[dsl][motors]") {
+TEST_CASE("motors and servos take limits, gains and targets in their joint's units",
+          "[dsl][motors]") {
   const auto model = compile_scene(R"(
     <box name="a" size="1 1 1"/> <box name="b" size="1 1 1" xyz="2 0 0"/>
     <hinge name="h" child="a"/> <slider name="s" child="b"/>

@@ -12,8 +12,8 @@ namespace cogrsim::test {
 /// Compiles the inside of a <scene>; fails the test, showing what was reported, when it does not.
 inline SceneModelPtr compile_scene(const std::string& inside,
                                    const dsl::CompileOptions& options = {}) {
-  const auto result =
-      dsl::compile_text("<scene name=\"t\" version=\"1\">" + inside + "</scene>", "t.scene.xml", options);
+  const auto result = dsl::compile_text("<scene name=\"t\" version=\"1\">" + inside + "</scene>",
+                                        "t.scene.xml", options);
   INFO(dsl::to_text(result.diagnostics));
   REQUIRE(result.model != nullptr);
   return result.model;
@@ -21,8 +21,8 @@ inline SceneModelPtr compile_scene(const std::string& inside,
 
 /// Codes reported for the inside of a <scene>, in file order, separated by blanks.
 inline std::string codes_of(const std::string& inside, const dsl::CompileOptions& options = {}) {
-  const auto result =
-      dsl::compile_text("<scene name=\"t\" version=\"1\">" + inside + "</scene>", "t.scene.xml", options);
+  const auto result = dsl::compile_text("<scene name=\"t\" version=\"1\">" + inside + "</scene>",
+                                        "t.scene.xml", options);
   std::string codes;
   for (const Diagnostic& d : result.diagnostics) codes += (codes.empty() ? "" : " ") + d.code;
   return codes;

@@ -83,7 +83,8 @@ TEST_CASE("good scenes compile and obey the schema", "[documents]") {
   for (const char* bad : {"CG0201_unknown_element", "CG0203_unknown_attribute",
                           "CG0204_missing_attribute", "CG0508_not_a_choice"}) {
     INFO(bad);
-    const fs::path scene = fs::path(COGRSIM_DSL_TEST_SCENES) / "bad" / (std::string(bad) + ".scene.xml");
+    const fs::path scene =
+        fs::path(COGRSIM_DSL_TEST_SCENES) / "bad" / (std::string(bad) + ".scene.xml");
     const std::string command = std::string(COGRSIM_XMLLINT) + " --noout --schema " +
                                 schema.string() + " " + scene.string() + " > /dev/null 2>&1";
     CHECK(std::system(command.c_str()) != 0);

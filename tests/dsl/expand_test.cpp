@@ -49,8 +49,10 @@ TEST_CASE("a robot from a prototype", "[dsl][expand]") {
   CHECK(body(*model, "bot.robot.chassis").mass == Approx(1.33));
   // 9 cm to the left of a robot that looks along y
   CHECK(near(body(*model, "bot.robot.wheel_left").X_WB.p, {1 - 0.09, 0, 0.04}));
-  CHECK(model->materials[static_cast<std::size_t>(
-                             body(*model, "bot.robot.wheel_left").shapes[0].material)].name == "rubber");
+  CHECK(model
+            ->materials[static_cast<std::size_t>(
+                body(*model, "bot.robot.wheel_left").shapes[0].material)]
+            .name == "rubber");
   REQUIRE(model->motors.size() == 2);
   CHECK(model->motors[1].name == "bot.robot.right");
   REQUIRE(model->sensors.size() == 5);
@@ -65,7 +67,8 @@ TEST_CASE("a robot from a prototype", "[dsl][expand]") {
   CHECK(near(model->lights.at(0).X_WL.q * Vec3::UnitX(), Vec3(0.3, 0.2, -1).normalized()));
 }
 
-TEST_CASE("a value set from outside replaces a parameter's default and is checked like it", "[dsl][expand]") {
+TEST_CASE("a value set from outside replaces a parameter's default and is checked like it",
+          "[dsl][expand]") {
   dsl::CompileOptions options;
   options.set_parameters["wheel_r"] = "5 cm";
   CHECK(near(body(*compile_scene(kRobot, options), "bot.robot.chassis").X_WB.p, {1, 0, 0.05}));
@@ -75,13 +78,15 @@ TEST_CASE("a value set from outside replaces a parameter's default and is checke
   CHECK(codes_of(kRobot, options) == "CG0310");
   options.set_parameters = {{"weel_r", "5 cm"}};
   const auto result = dsl::compile_text(
-      "<scene name=\"t\" version=\"1\"><param name=\"wheel_r\" default=\"1\"/></scene>", "t", options);
+      "<scene name=\"t\" version=\"1\"><param name=\"wheel_r\" default=\"1\"/></scene>", "t",
+      options);
   REQUIRE(result.diagnostics.size() >= 1);
   CHECK(result.diagnostics[0].code == "CG0307");
   CHECK(result.diagnostics[0].help.find("wheel_r") != std::string::npos);
 }
 
-TEST_CASE("names are looked for outwards, and instances have scopes of their own", "[dsl][expand]") {
+TEST_CASE("names are looked for outwards, and instances have scopes of their own",
+          "[dsl][expand]") {
   const auto model = compile_scene(R"(
     <prototype name="Pair">
       <box name="a" size="1 1 1"/> <box name="b" size="1 1 1" xyz="2 0 0"/>
@@ -117,7 +122,9 @@ TEST_CASE("random numbers follow the seed and the element, not the order", "[dsl
   const double alone = body(*compile_scene(thing, options), "b").X_WB.p.x();
   const double later =
       body(*compile_scene(R"(<box name="a" size="1 1 1" xyz="${uniform(0, 1)} 9 5"/>)" + thing,
-                          options), "b").X_WB.p.x();
+                          options),
+           "b")
+          .X_WB.p.x();
   CHECK(alone == later);
   options.seed = 7;
   CHECK(body(*compile_scene(thing, options), "b").X_WB.p.x() != alone);
@@ -126,8 +133,9 @@ TEST_CASE("random numbers follow the seed and the element, not the order", "[dsl
 TEST_CASE("ten thousand bodies, repeated and spelled out, are the same scene", "[dsl][expand]") {
   std::string spelled;
   for (int i = 0; i < 10000; ++i)
-    spelled += "<box name=\"b_" + std::to_string(i) + "\" size=\"10 10 10 cm\" mass=\"1 kg\" xyz=\"" +
-               std::to_string(i % 100) + " " + std::to_string(i / 100) + " 1\"/>\n";
+    spelled += "<box name=\"b_" + std::to_string(i) +
+               "\" size=\"10 10 10 cm\" mass=\"1 kg\" xyz=\"" + std::to_string(i % 100) + " " +
+               std::to_string(i / 100) + " 1\"/>\n";
   const auto a = compile_scene(R"(<repeat count="10000" var="i">
     <box name="b_${i}" size="10 10 10 cm" mass="1 kg" xyz="${i % 100} ${floor(i/100)} 1"/>
   </repeat>)");
@@ -142,13 +150,16 @@ TEST_CASE("one mistake is one message", "[dsl][expand]") {
   // nothing that hangs on the faulty element is complained of
   CHECK(codes_of(R"(
     <box name="a" size="1 1 kg 1"/> <box name="b" size="1 1 1" frame="a"/>
-    <hinge name="j" parent="a" child="b"/> <motor joint="j" name="m"/>)").find(' ') ==
-        std::string::npos);
-  CHECK(codes_of(R"(<bxo name="a" size="1 1 1"/> <hinge name="j" child="a"/> <motor name="m" joint="j"/>)") ==
-        "CG0201");
-  CHECK(codes_of(R"(<repeat count="-1"> <box name="a" size="1 1 1"/> </repeat> <hinge child="a"/>)") ==
+    <hinge name="j" parent="a" child="b"/> <motor joint="j" name="m"/>)")
+            .find(' ') == std::string::npos);
+  CHECK(
+      codes_of(
+          R"(<bxo name="a" size="1 1 1"/> <hinge name="j" child="a"/> <motor name="m" joint="j"/>)") ==
+      "CG0201");
+  CHECK(codes_of(
+            R"(<repeat count="-1"> <box name="a" size="1 1 1"/> </repeat> <hinge child="a"/>)") ==
         "CG0311");
   // the same mistake in every round is said once
-  CHECK(codes_of(R"(<repeat count="9" var="i"> <box name="a_${i}" size="1 1"/> </repeat>)").find(' ') ==
-        std::string::npos);
+  CHECK(codes_of(R"(<repeat count="9" var="i"> <box name="a_${i}" size="1 1"/> </repeat>)")
+            .find(' ') == std::string::npos);
 }

@@ -105,8 +105,8 @@ TEST_CASE("units in expressions", "[expression]") {
   Scope scope;
   scope.set("s", Value::number(4));
   scope.set("n", Value::number(5));
-  CHECK(number("2 m / s", &scope) == 0.5);   // blanks: divided by the variable
-  CHECK(number("2 m/s", &scope) == 2);       // none: the unit
+  CHECK(number("2 m / s", &scope) == 0.5);  // blanks: divided by the variable
+  CHECK(number("2 m/s", &scope) == 2);      // none: the unit
   CHECK(number("10 cm/n", &scope) == 0.02);
   CHECK(code("1 m + 1") == "CG0513");
   CHECK(code("1 m + 1 kg") == "CG0513");
@@ -149,8 +149,7 @@ TEST_CASE("drawing is seeded, ordered, and refused without a stream", "[expressi
   CHECK(first.as_number()->dimension == dim::kLength);
   CHECK(first.as_number()->value >= 1.0);
   CHECK(first.as_number()->value < 2.0);
-  CHECK(run("uniform(1 m, 2 m)", nullptr, &b).value.as_number()->value ==
-        first.as_number()->value);
+  CHECK(run("uniform(1 m, 2 m)", nullptr, &b).value.as_number()->value == first.as_number()->value);
   CHECK(run("normal(0, 3 mm)", nullptr, &a).value.as_number()->dimension == dim::kLength);
   CHECK(code("uniform(0, 1)") == "CG0513");
   CHECK(run("uniform(2, 1)", nullptr, &a).fault->code == "CG0513");
@@ -162,8 +161,9 @@ TEST_CASE("faults point at what is wrong", "[expression]") {
   CHECK(r.fault->code == "CG0512");
   CHECK(r.fault->begin == 4);
   CHECK(r.fault->length == 6);
-  for (const char* bad : {"", " ", "1 +", "(1", "1)", "[1, 2", "1 2", "a b", "1 == 2", "1 < 2", "&",
-                          "f(", "'abc", "1,5", ",", "if(", "*", "lt", "1 lt", "not", "§"}) {
+  for (const char* bad :
+       {"",   " ",    "1 +", "(1", "1)",  "[1, 2", "1 2", "a b",  "1 == 2", "1 < 2", "&",
+        "f(", "'abc", "1,5", ",",  "if(", "*",     "lt",  "1 lt", "not",    "§"}) {
     INFO(bad);
     const Result broken = run(bad);
     CHECK(broken.fault);

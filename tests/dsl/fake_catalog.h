@@ -37,10 +37,16 @@ class FakeCatalog final : public cogrsim::dsl::PluginCatalog {
 
   std::vector<std::string> names(cogrsim::PluginKind kind) override {
     switch (kind) {
-      case cogrsim::PluginKind::backend: return {"tiny"};
-      case cogrsim::PluginKind::controller: return {"walker"};
-      case cogrsim::PluginKind::supervisor: return {"referee"};
-      case cogrsim::PluginKind::sensor: return {"sonar"};
+      case cogrsim::PluginKind::backend:
+        return {"tiny"};
+      case cogrsim::PluginKind::controller:
+        return {"walker"};
+      case cogrsim::PluginKind::supervisor:
+        return {"referee"};
+      case cogrsim::PluginKind::sensor:
+        return {"sonar"};
+      case cogrsim::PluginKind::renderer:
+        return {"softraster"};
     }
     return {};
   }

@@ -57,8 +57,8 @@ TEST_CASE("billion laughs, external entities and other DOCTYPEs are refused", "[
 }
 
 TEST_CASE("10,000 nested elements are refused", "[hostile]") {
-  const std::string text = "<scene>" + repeated("<assembly>", 10000) +
-                           repeated("</assembly>", 10000) + "</scene>";
+  const std::string text =
+      "<scene>" + repeated("<assembly>", 10000) + repeated("</assembly>", 10000) + "</scene>";
   CHECK(codes(compile_text(text, "deep")) == "CG0109");
   CHECK(codes(compile_text(repeated("<a>", 1000000), "deep")) == "CG0109");
 }
@@ -75,20 +75,20 @@ TEST_CASE("floods of elements, attributes and errors are cut off", "[hostile]") 
       compile_text("<scene name='" + repeated("&", 60000) + "'/>", "references");
   CHECK(references.diagnostics.size() <= 20);
   // One line of 8 MB with a slip at its end.
-  CHECK(codes(compile_text("<scene>" + repeated("<frame name='f'/>", 400000) + "<</scene>", "line")) !=
-        "");
+  CHECK(codes(compile_text("<scene>" + repeated("<frame name='f'/>", 400000) + "<</scene>",
+                           "line")) != "");
 }
 
 TEST_CASE("expressions cannot run away", "[hostile]") {
-  const auto deep = compile_text("<scene><view xyz='${" + repeated("(", 50000) + "} 0 0'/></scene>",
-                                 "deep");
+  const auto deep =
+      compile_text("<scene><view xyz='${" + repeated("(", 50000) + "} 0 0'/></scene>", "deep");
   CHECK(codes(deep) == "CG0511");
   const auto doubling = [](int times) {
     std::string text = "<scene><param name='p0' default='${[1]}'/>";
     for (int i = 1; i <= times; ++i) {
       const std::string before = "p" + std::to_string(i - 1);
-      text += "<param name='p" + std::to_string(i) + "' default='${" + before + " + " + before +
-              "}'/>";
+      text +=
+          "<param name='p" + std::to_string(i) + "' default='${" + before + " + " + before + "}'/>";
     }
     return text + "</scene>";
   };
@@ -120,8 +120,8 @@ TEST_CASE("nothing is read from outside of the scene's folder", "[hostile]") {
   const std::string inside =
       folder.write("scenes/a.scene.xml", "<scene><import href='../secret.scene.xml'/></scene>");
   CHECK(codes(compile_file(inside)) == "CG0303");
-  const std::string absolute = folder.write(
-      "scenes/b.scene.xml", "<scene><import href='/etc/passwd'/></scene>");
+  const std::string absolute =
+      folder.write("scenes/b.scene.xml", "<scene><import href='/etc/passwd'/></scene>");
   CHECK(codes(compile_file(absolute)) == "CG0303");
   fs::create_symlink(folder.path / "secret.scene.xml", folder.path / "scenes" / "link.scene.xml");
   const std::string link =

@@ -100,13 +100,14 @@ TEST_CASE("height grids come from text and from PGM pictures", "[dsl][mesh]") {
   REQUIRE(raw);
   CHECK(raw->heights[0] == Approx(0.2));
   CHECK(raw->heights[3] == 1.0);
-  const auto deep = parse_heightmap(std::string("P5 2 2 65535\n\xff\xff\x00\x00\x80\x00\x00\x01", 21), 1, 1, 1.0);
+  const auto deep =
+      parse_heightmap(std::string("P5 2 2 65535\n\xff\xff\x00\x00\x80\x00\x00\x01", 21), 1, 1, 1.0);
   REQUIRE(deep);
   CHECK(deep->heights[2] == 1.0);
 }
 
 TEST_CASE("broken height grids are refused", "[dsl][mesh]") {
-  for (const char* bad : {"", "1 2\n3\n", "1\n2\n", "1 2\n3 x\n", "P5 2 2 255\n\x01", "P5 99999999 99999999 255\n",
-                          "P2 2 2 1\n0 0 0 2\n", "P5 2 2 0\n"})
+  for (const char* bad : {"", "1 2\n3\n", "1\n2\n", "1 2\n3 x\n", "P5 2 2 255\n\x01",
+                          "P5 99999999 99999999 255\n", "P2 2 2 1\n0 0 0 2\n", "P5 2 2 0\n"})
     CHECK_FALSE(parse_heightmap(bad, 1, 1, 1));
 }

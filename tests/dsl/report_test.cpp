@@ -61,8 +61,9 @@ TEST_CASE("a mistake in a prototype is said once and counted", "[report]") {
 }
 
 TEST_CASE("JSON and SARIF can be read back", "[report]") {
-  const auto result = compile_text("<scene>\n<link/>\n<sphere radius='1 kg'/><sphere radius='\xC3\xA4'/></scene>",
-                                   "a b/\xC3\xA4.scene.xml");
+  const auto result =
+      compile_text("<scene>\n<link/>\n<sphere radius='1 kg'/><sphere radius='\xC3\xA4'/></scene>",
+                   "a b/\xC3\xA4.scene.xml");
   REQUIRE(result.diagnostics.size() == 3);
   const auto json = nlohmann::json::parse(to_json(result.diagnostics));
   REQUIRE(json.size() == 3);

@@ -41,8 +41,8 @@ TEST_CASE("numbers are read strictly and whatever the locale", "[units]") {
   CHECK(parse_number("+.5") == 0.5);
   CHECK(parse_number("7.") == 7.0);
   CHECK(parse_number("1e-400") == 0.0);
-  for (const char* bad : {"", "nan", "inf", "-inf", "NAN", "12abc", "1,5", "0x10", "1e", "--1", "+-1",
-                          "1 2", " 1", "1e999", "-1e999", ".", "e5", "1.2.3", "infinity"}) {
+  for (const char* bad : {"", "nan", "inf", "-inf", "NAN", "12abc", "1,5", "0x10", "1e", "--1",
+                          "+-1", "1 2", " 1", "1e999", "-1e999", ".", "e5", "1.2.3", "infinity"}) {
     INFO(bad);
     CHECK_FALSE(parse_number(bad));
   }
@@ -70,21 +70,39 @@ TEST_CASE("units compose and keep their last bit", "[units]") {
   CHECK(parse_unit("1/s")->dimension == dim::kFrequency);
   CHECK(parse_unit("rpm")->to_si(60) == Approx(2 * 3.14159265358979323846).epsilon(1e-15));
   CHECK(parse_unit("V*s/rad")->dimension == dim::kBackEmf);
-  for (const char* bad : {"", "x", "m/", "/s", "m**2", "m^", "m^a", "kg m", "M", "1/", "N/(m*s",
-                          "m^99"}) {
+  for (const char* bad :
+       {"", "x", "m/", "/s", "m**2", "m^", "m^a", "kg m", "M", "1/", "N/(m*s", "m^99"}) {
     INFO(bad);
     CHECK_FALSE(parse_unit(bad));
   }
 }
 
 TEST_CASE("every dimension's own unit can be read back", "[units]") {
-  for (const Dimension d : {dim::kLength, dim::kMass, dim::kTime, dim::kAngle, dim::kSpeed,
-                            dim::kAcceleration, dim::kAngularSpeed, dim::kFrequency, dim::kDensity,
-                            dim::kInertia, dim::kForce, dim::kTorque, dim::kStiffness,
-                            dim::kAngularStiffness, dim::kDamping, dim::kAngularDamping,
-                            dim::kIntegralGain, dim::kAngularIntegralGain, dim::kVoltage,
-                            dim::kCurrent, dim::kResistance, dim::kTorqueConstant, dim::kBackEmf,
-                            dim::kForceConstant, Dimension{2, -1, 3, -2, 1}}) {
+  for (const Dimension d : {dim::kLength,
+                            dim::kMass,
+                            dim::kTime,
+                            dim::kAngle,
+                            dim::kSpeed,
+                            dim::kAcceleration,
+                            dim::kAngularSpeed,
+                            dim::kFrequency,
+                            dim::kDensity,
+                            dim::kInertia,
+                            dim::kForce,
+                            dim::kTorque,
+                            dim::kStiffness,
+                            dim::kAngularStiffness,
+                            dim::kDamping,
+                            dim::kAngularDamping,
+                            dim::kIntegralGain,
+                            dim::kAngularIntegralGain,
+                            dim::kVoltage,
+                            dim::kCurrent,
+                            dim::kResistance,
+                            dim::kTorqueConstant,
+                            dim::kBackEmf,
+                            dim::kForceConstant,
+                            Dimension{2, -1, 3, -2, 1}}) {
     INFO(unit_of(d));
     const auto unit = parse_unit(unit_of(d));
     REQUIRE(unit);

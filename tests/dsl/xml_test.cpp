@@ -16,7 +16,9 @@ struct Parsed {
   DiagnosticSink sink{options.limits};
   SourceFiles files{options, sink};
   const Document* document = nullptr;
-  explicit Parsed(const std::string& text) { document = files.open_scene_text(text, "t.scene.xml"); }
+  explicit Parsed(const std::string& text) {
+    document = files.open_scene_text(text, "t.scene.xml");
+  }
 };
 
 std::string first_code(const std::string& text) {
@@ -28,14 +30,14 @@ std::string first_code(const std::string& text) {
 }  // namespace
 
 TEST_CASE("well-formed documents are read", "[xml]") {
-  for (const char* good : {
-           "<scene/>", "<scene></scene>", "\xEF\xBB\xBF<scene/>",
-           "<?xml version=\"1.0\" encoding=\"UTF-8\" standalone='yes' ?>\n<scene/>\n",
-           "<?xml version='1.0' encoding='utf-8'?><scene/>",
-           "<!-- a --><?go on?><scene  name = 'a&lt;b' ><!-- b --></scene ><!-- c -->\n",
-           "<scene name=\"&#x41;&#66;&quot;\"/>", "<scene name='two\nlines'/>",
-           "<scene xmlns:xsi='x' xsi:noNamespaceSchemaLocation='scene.xsd'/>",
-           "<scene name='\xC3\xA4\xE2\x82\xAC\xF0\x9F\xA4\x96'/>", "<scene>\r\n  \r\n</scene>"}) {
+  for (const char* good :
+       {"<scene/>", "<scene></scene>", "\xEF\xBB\xBF<scene/>",
+        "<?xml version=\"1.0\" encoding=\"UTF-8\" standalone='yes' ?>\n<scene/>\n",
+        "<?xml version='1.0' encoding='utf-8'?><scene/>",
+        "<!-- a --><?go on?><scene  name = 'a&lt;b' ><!-- b --></scene ><!-- c -->\n",
+        "<scene name=\"&#x41;&#66;&quot;\"/>", "<scene name='two\nlines'/>",
+        "<scene xmlns:xsi='x' xsi:noNamespaceSchemaLocation='scene.xsd'/>",
+        "<scene name='\xC3\xA4\xE2\x82\xAC\xF0\x9F\xA4\x96'/>", "<scene>\r\n  \r\n</scene>"}) {
     INFO(good);
     Parsed p(good);
     CHECK(to_text(p.sink.take()) == "");
@@ -116,7 +118,8 @@ TEST_CASE("every beginning of a good scene is refused without a crash", "[xml]")
 }
 
 TEST_CASE("places count code points, entities and line breaks included", "[xml]") {
-  Parsed p("<scene>\n  <!-- \xC3\xA4\xC3\xA4 --><view name='\xC3\xA4' xyz=\"0 &#48;\n 1\"/>\n</scene>");
+  Parsed p(
+      "<scene>\n  <!-- \xC3\xA4\xC3\xA4 --><view name='\xC3\xA4' xyz=\"0 &#48;\n 1\"/>\n</scene>");
   REQUIRE(p.document);
   const Node& view = *p.document->root->children.at(0);
   CHECK(view.span.line == 2);

@@ -20,8 +20,7 @@ TEST_CASE("a controller ticks k times in k periods, whatever the step", "[clock]
   // The controller writes its tick count into the motor; ticks fall due at k / rate up to the
   // start of the last step, but not more than one a step.
   const double last_start = (steps - 1) * dt;
-  const double expected =
-      1.0 / rate < dt ? steps : std::floor(last_start * rate + 1e-6) + 1.0;
+  const double expected = 1.0 / rate < dt ? steps : std::floor(last_start * rate + 1e-6) + 1.0;
   const FramePtr frame = simulation->frame();
   CHECK(frame->state.joint_velocities[0] == Approx(expected).margin(1e-6));
 }

@@ -53,7 +53,8 @@ TEST_CASE("commands that cannot be carried out are reported and change nothing",
   simulation->send(SetKinematicTwist{"ball", Twist{}});
   Flywheel broken;
   broken.add_mind("missing-devices");
-  simulation->send(AddAssembly{broken.builder.build(), "robot", Pose(Vec3(5, 5, 5), Quat(1, 0, 0, 0))});
+  simulation->send(
+      AddAssembly{broken.builder.build(), "robot", Pose(Vec3(5, 5, 5), Quat(1, 0, 0, 0))});
   simulation->run_until(0.1);
   undisturbed->run_until(0.1);
   const std::string said = messages_of(*simulation);
@@ -76,7 +77,8 @@ TEST_CASE("an added robot brings its controller", "[commands]") {
   simulation->run_until(0.05);
   Flywheel robot;
   robot.add_mind("drive");
-  simulation->send(AddAssembly{robot.builder.build(), "guest", Pose(Vec3(0, 0, 3), Quat(1, 0, 0, 0))});
+  simulation->send(
+      AddAssembly{robot.builder.build(), "guest", Pose(Vec3(0, 0, 3), Quat(1, 0, 0, 0))});
   simulation->run_until(0.3);
   CHECK(messages_of(*simulation).empty());
   CHECK(simulation->frame()->state.joint_velocities[0] == Approx(2.0).margin(1e-6));

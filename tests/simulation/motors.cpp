@@ -49,7 +49,8 @@ TEST_CASE("a DC motor runs up to its no-load speed with its own time constant", 
   motor.target = 6.0;
   motor.max_voltage = 3.0;  // clamps the 6 V asked for
   auto simulation = simulate(scene.builder.build(), backend);
-  // gear^2 kt ke / R = 0.045 N m s/rad; tau = I / 0.045 = 0.444 s; no-load 3 V / (ke gear) = 20 rad/s.
+  // gear^2 kt ke / R = 0.045 N m s/rad; tau = I / 0.045 = 0.444 s; no-load 3 V / (ke gear) = 20
+  // rad/s.
   const double tau = Flywheel::kInertia / 0.045;
   simulation->run_until(tau);
   CHECK(speed_of(*simulation) == Approx(20.0 * (1.0 - std::exp(-1.0))).epsilon(5e-3));

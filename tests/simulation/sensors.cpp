@@ -29,8 +29,10 @@ TEST_CASE("an imu feels gravity at rest, nothing in free fall", "[sensors]") {
   ModelBuilder builder("imu");
   // Tilted by 90 degrees about y: the sensor's x points down.
   const Pose X_BS(Vec3::Zero(), Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitY())));
-  const int resting = builder.box("resting", Vec3(0.2, 0.2, 0.2), 1.0, Pose(Vec3(0, 0, 0.1), Quat(1, 0, 0, 0)));
-  const int falling = builder.box("falling", Vec3(0.2, 0.2, 0.2), 1.0, Pose(Vec3(3, 0, 50), Quat(1, 0, 0, 0)));
+  const int resting =
+      builder.box("resting", Vec3(0.2, 0.2, 0.2), 1.0, Pose(Vec3(0, 0, 0.1), Quat(1, 0, 0, 0)));
+  const int falling =
+      builder.box("falling", Vec3(0.2, 0.2, 0.2), 1.0, Pose(Vec3(3, 0, 50), Quat(1, 0, 0, 0)));
   builder.plane("floor");
   builder.model.sensors = {sensor("imu", resting, X_BS), sensor("imu", falling)};
   builder.model.sensors[1].name = "imu2";
@@ -42,7 +44,8 @@ TEST_CASE("an imu feels gravity at rest, nothing in free fall", "[sensors]") {
   for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(values(frame, 1)[i]) < 1e-6);
 }
 
-TEST_CASE("an imu off the axis of a spinning wheel feels the centripetal acceleration", "[sensors]") {
+TEST_CASE("an imu off the axis of a spinning wheel feels the centripetal acceleration",
+          "[sensors]") {
   const std::string backend = GENERATE(both_backends());
   Flywheel scene;
   scene.builder.model.motors[0].target = 4.0;

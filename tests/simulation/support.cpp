@@ -25,7 +25,8 @@ std::string refusal(const SceneModelPtr& scene, const std::string& backend) {
   auto simulation = Simulation::create(scene, options, loader());
   REQUIRE_FALSE(simulation);
   std::string out;
-  for (const Diagnostic& d : simulation.error()) out += d.code + " " + d.message + "\n" + d.help + "\n";
+  for (const Diagnostic& d : simulation.error())
+    out += d.code + " " + d.message + "\n" + d.help + "\n";
   return out;
 }
 

@@ -12,7 +12,9 @@
 namespace cogrsim::test {
 
 /// The engines every test here runs on.
-inline auto both_backends() { return Catch::Generators::values<std::string>({"bullet", "simbody"}); }
+inline auto both_backends() {
+  return Catch::Generators::values<std::string>({"bullet", "simbody"});
+}
 
 std::shared_ptr<PluginLoader> loader();
 

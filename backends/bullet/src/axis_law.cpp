@@ -12,8 +12,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnbounded = 1e12;
 // A coordinate found beyond its limit is brought back by this part of the way per step.
 constexpr double kLimitRecovery = 0.2;
-// Up to these products of gain, step and inverse inertia an axis counts as soft. Symplectic Euler is
-// stable up to 4 for the spring; damping at the mean speed never changes sign up to 2.
+// Up to these products of gain, step and inverse inertia an axis counts as soft. Symplectic Euler
+// is stable up to 4 for the spring; damping at the mean speed never changes sign up to 2.
 constexpr double kSoftSpring = 0.25;
 constexpr double kSoftDamper = 1.0;
 

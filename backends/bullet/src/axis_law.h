@@ -13,7 +13,8 @@ namespace cogrsim::bullet {
 ///
 ///     impulse(u) = clamp(offset - slope * u, low, high)
 ///
-/// With infinite slope it is a step at `speed`: `high` below it, `low` above, anything between at it.
+/// With infinite slope it is a step at `speed`: `high` below it, `low` above, anything between at
+/// it.
 struct AxisElement {
   double offset = 0.0;  ///< impulse at u = 0
   double slope = 0.0;   ///< impulse per speed, >= 0
@@ -28,9 +29,9 @@ struct AxisElement {
 ///
 ///     u = v + a * sum_i impulse_i(u),
 ///
-/// v being the speed without this axis and a > 0 the inverse of the inertia felt along it. The right
-/// side does not increase with u, so there is exactly one solution; between break points it is
-/// linear.
+/// v being the speed without this axis and a > 0 the inverse of the inertia felt along it. The
+/// right side does not increase with u, so there is exactly one solution; between break points it
+/// is linear.
 class AxisLaw {
  public:
   void clear();

@@ -35,9 +35,10 @@ bool sane(const PrincipalState& state) {
 const ParameterTable& world_option_table() {
   static const ParameterTable table = {
       parameter("iterations", 10, "sweeps of the contact solver per step").range(1, 1000),
-      parameter("formulation", "auto",
-                "of articulated groups whose assembly does not say: reduced: btMultiBody wherever it "
-                "has the joints; constraints: rigid bodies; auto: whichever serves better")
+      parameter(
+          "formulation", "auto",
+          "of articulated groups whose assembly does not say: reduced: btMultiBody wherever it "
+          "has the joints; constraints: rigid bodies; auto: whichever serves better")
           .one_of({"auto", "reduced", "constraints"}),
   };
   return table;
@@ -76,13 +77,14 @@ Result<> BulletWorld::build(const SceneModelPtr& model) {
   }
   for (const Motor& motor : model->motors) {
     const JointType type = model->joints[static_cast<std::size_t>(motor.joint)].type;
-    if (motor.removed || (type != JointType::ball && type != JointType::free &&
-                          type != JointType::fixed)) {
+    if (motor.removed ||
+        (type != JointType::ball && type != JointType::free && type != JointType::fixed)) {
       continue;
     }
     return fail("motor '" + motor.name + "': a " + std::string(to_string(type)) +
                     " joint has no axis to drive",
-                place_of(*model, motor.origin), "use a hinge, slider, universal or another joint with axes");
+                place_of(*model, motor.origin),
+                "use a hinge, slider, universal or another joint with axes");
   }
   SolverSettings settings;
   settings.iterations = static_cast<int>(std::get<std::int64_t>(options->at("iterations")));

@@ -75,13 +75,13 @@ class BulletWorld final : public World, public JointReactions, public KinematicD
   std::vector<int> moving_bodies_;
   std::vector<PrincipalState> before_;  ///< of moving_, in case the step fails
   std::vector<double> q_, q_next_;
-  std::vector<char> counted_by_group_;  ///< joints, see JointGroup::moves_bodies
-  std::vector<char> moved_by_group_;    ///< bodies
+  std::vector<char> counted_by_group_;                  ///< joints, see JointGroup::moves_bodies
+  std::vector<char> moved_by_group_;                    ///< bodies
   std::vector<std::pair<btVector3, btVector3>> extra_;  ///< by body, see JointGroup::move
   Formulation formulation_ = Formulation::automatic;
   JointReport report_;
-  bool reactions_kept_ = false;          ///< `report_` has them all
-  bool contacts_kept_ = false;           ///< `kept_contacts_` are those of the last step
+  bool reactions_kept_ = false;  ///< `report_` has them all
+  bool contacts_kept_ = false;   ///< `kept_contacts_` are those of the last step
   std::vector<Contact> kept_contacts_;
 };
 

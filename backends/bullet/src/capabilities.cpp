@@ -6,13 +6,12 @@ namespace cogrsim::bullet {
 
 namespace {
 
-constexpr std::array kShapes = {ShapeType::box,     ShapeType::sphere,      ShapeType::cylinder,
-                                ShapeType::capsule, ShapeType::plane,       ShapeType::convex_mesh,
+constexpr std::array kShapes = {ShapeType::box,     ShapeType::sphere,   ShapeType::cylinder,
+                                ShapeType::capsule, ShapeType::plane,    ShapeType::convex_mesh,
                                 ShapeType::mesh,    ShapeType::heightmap};
-constexpr std::array kJoints = {JointType::fixed,       JointType::hinge,     JointType::slider,
-                                JointType::screw,       JointType::cylindrical,
-                                JointType::universal,   JointType::planar,    JointType::ball,
-                                JointType::free};
+constexpr std::array kJoints = {JointType::fixed,  JointType::hinge,       JointType::slider,
+                                JointType::screw,  JointType::cylindrical, JointType::universal,
+                                JointType::planar, JointType::ball,        JointType::free};
 constexpr std::array kModes = {MotorMode::velocity, MotorMode::torque, MotorMode::position,
                                MotorMode::servo, MotorMode::dc};
 
@@ -53,10 +52,9 @@ Capabilities make_capabilities() {
   }
   out.set("contact.stiffness", Support::approximate,
           "a spring per contact point; restitution becomes its damping");
-  for (const char* feature :
-       {"body.static", "body.kinematic", "runtime.add", "runtime.remove", "runtime.save",
-        "runtime.set_state", "report.contact_force", "report.joint_reaction",
-        "report.joint_effort"}) {
+  for (const char* feature : {"body.static", "body.kinematic", "runtime.add", "runtime.remove",
+                              "runtime.save", "runtime.set_state", "report.contact_force",
+                              "report.joint_reaction", "report.joint_effort"}) {
     out.set(feature, Support::exact);
   }
   return out;

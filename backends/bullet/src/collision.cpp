@@ -187,7 +187,8 @@ void Collision::update_bounds(Proxy& proxy, const RigidBody& body, double dt) {
   proxy.ahead = proxy.base;
   if (proxy.moves) {
     const PrincipalState state = body.principal();
-    const double arm = proxy.collision->reach + (proxy.X_WC.getOrigin() - X_WP.getOrigin()).length();
+    const double arm =
+        proxy.collision->reach + (proxy.X_WC.getOrigin() - X_WP.getOrigin()).length();
     proxy.ahead += dt * (state.v.length() + arm * state.w.length());
   }
   const btVector3 extra(proxy.ahead, proxy.ahead, proxy.ahead);
@@ -251,8 +252,10 @@ void Collision::open(Pair& pair, std::vector<RigidBody>& bodies) {
   pair.manifold = dispatcher_.getNewManifold(collider_a, collider_b);
   if (b.shape->type == ShapeType::plane || is_surface(b.shape->type)) return;
   if (a.shape->type == ShapeType::sphere || b.shape->type == ShapeType::sphere) return;
-  const btCollisionObjectWrapper wrap_a(nullptr, a.collision->shape.get(), collider_a, a.X_WC, -1, -1);
-  const btCollisionObjectWrapper wrap_b(nullptr, b.collision->shape.get(), collider_b, b.X_WC, -1, -1);
+  const btCollisionObjectWrapper wrap_a(nullptr, a.collision->shape.get(), collider_a, a.X_WC, -1,
+                                        -1);
+  const btCollisionObjectWrapper wrap_b(nullptr, b.collision->shape.get(), collider_b, b.X_WC, -1,
+                                        -1);
   pair.algorithm =
       dispatcher_.findAlgorithm(&wrap_a, &wrap_b, pair.manifold, BT_CONTACT_POINT_ALGORITHMS);
   // Some algorithms insist on a manifold of their own.
@@ -306,8 +309,10 @@ void Collision::find_contacts(Pair& pair, std::vector<RigidBody>& bodies) {
     closest_contact(*a.collision, a.X_WC, *b.collision, b.X_WC, threshold, patch_);
     patch_.commit(manifold, X_WA, X_WB, base);
   } else {
-    const btCollisionObjectWrapper wrap_a(nullptr, a.collision->shape.get(), collider_a, a.X_WC, -1, -1);
-    const btCollisionObjectWrapper wrap_b(nullptr, b.collision->shape.get(), collider_b, b.X_WC, -1, -1);
+    const btCollisionObjectWrapper wrap_a(nullptr, a.collision->shape.get(), collider_a, a.X_WC, -1,
+                                          -1);
+    const btCollisionObjectWrapper wrap_b(nullptr, b.collision->shape.get(), collider_b, b.X_WC, -1,
+                                          -1);
     btManifoldResult result(&wrap_a, &wrap_b);
     result.setPersistentManifold(&manifold);
     pair.algorithm->processCollision(&wrap_a, &wrap_b, dispatch_info_, &result);

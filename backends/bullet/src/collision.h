@@ -68,11 +68,11 @@ class Collision {
     int index = -1;  ///< of the shape within the body
     const Shape* shape = nullptr;
     std::unique_ptr<CollisionShape> collision;
-    btTransform X_PC;    ///< in the body's principal frame
-    btTransform X_WC;    ///< now
-    double base = 0.0;   ///< how far it feels others at rest [m]
-    double ahead = 0.0;  ///< now [m]
-    btVector3 low, high; ///< bounds at the last detect()
+    btTransform X_PC;     ///< in the body's principal frame
+    btTransform X_WC;     ///< now
+    double base = 0.0;    ///< how far it feels others at rest [m]
+    double ahead = 0.0;   ///< now [m]
+    btVector3 low, high;  ///< bounds at the last detect()
     btBroadphaseProxy* broad = nullptr;
     bool moves = false;
   };

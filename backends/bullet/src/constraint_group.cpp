@@ -41,7 +41,8 @@ ConstraintGroup::ConstraintGroup(const SceneModel& model, const std::vector<int>
                                  std::vector<RigidBody>& bodies) {
   joint_indices_ = joints;
   const auto member_of = [&](int body) {
-    if (body == kWorld || bodies[static_cast<std::size_t>(body)].kind() == BodyKind::fixed) return -1;
+    if (body == kWorld || bodies[static_cast<std::size_t>(body)].kind() == BodyKind::fixed)
+      return -1;
     const auto it = std::find(body_indices_.begin(), body_indices_.end(), body);
     if (it != body_indices_.end()) return static_cast<int>(it - body_indices_.begin());
     Member member;
@@ -55,7 +56,8 @@ ConstraintGroup::ConstraintGroup(const SceneModel& model, const std::vector<int>
     if (body == kWorld) return Pose();
     const RigidBody& b = bodies[static_cast<std::size_t>(body)];
     // What does not move is written in world axes.
-    if (b.kind() == BodyKind::fixed) return model.bodies[static_cast<std::size_t>(body)].X_WB.inverse();
+    if (b.kind() == BodyKind::fixed)
+      return model.bodies[static_cast<std::size_t>(body)].X_WB.inverse();
     return b.X_BP();
   };
   int row = 0;
@@ -86,7 +88,8 @@ ConstraintGroup::ConstraintGroup(const SceneModel& model, const std::vector<int>
   directions_.resize(static_cast<std::size_t>(row));
   first_.resize(static_cast<std::size_t>(row));
   for (const JointSlot& slot : slots_) {
-    for (int r = 0; r < slot.rows; ++r) first_[static_cast<std::size_t>(slot.first_row + r)] = slot.first_open;
+    for (int r = 0; r < slot.rows; ++r)
+      first_[static_cast<std::size_t>(slot.first_row + r)] = slot.first_open;
   }
   factor_.setZero(row, row);
   inverse_diagonal_.setZero(row);
@@ -197,7 +200,8 @@ void ConstraintGroup::factorise() {
       for (int j = slot.first_open; j < slot.first_row; ++j) row[j] = 0.0;
       for (const int s : slot.neighbours) {
         const JointSlot& other = slots_[static_cast<std::size_t>(s)];
-        for (int j = other.first_row; j < other.first_row + other.rows; ++j) row[j] = coupling(i, j);
+        for (int j = other.first_row; j < other.first_row + other.rows; ++j)
+          row[j] = coupling(i, j);
       }
       for (int j = slot.first_row; j <= i; ++j) row[j] = coupling(i, j);
     }
@@ -211,7 +215,8 @@ void ConstraintGroup::factorise() {
     for (int j = fi; j < i; ++j) {
       const double* other = factor_.row(j).data();
       double s = own[j];
-      for (int k = std::max(fi, first_[static_cast<std::size_t>(j)]); k < j; ++k) s -= own[k] * other[k];
+      for (int k = std::max(fi, first_[static_cast<std::size_t>(j)]); k < j; ++k)
+        s -= own[k] * other[k];
       own[j] = s;  // L_ij D_j for now
     }
     for (int j = fi; j < i; ++j) {
@@ -265,7 +270,8 @@ void ConstraintGroup::iterate() {
   if (same) return;
   solved_ = true;
   const auto n = static_cast<Eigen::Index>(rows_.size());
-  for (Eigen::Index i = 0; i < n; ++i) work_[i] = target_[i] - along(rows_[static_cast<std::size_t>(i)]);
+  for (Eigen::Index i = 0; i < n; ++i)
+    work_[i] = target_[i] - along(rows_[static_cast<std::size_t>(i)]);
   solve(work_);
   impulses_ += work_;
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -320,7 +326,8 @@ void ConstraintGroup::report(const SceneModel& model, double dt, JointReport& ou
     wrench.torque += from_bt(axis.direction.ang) * effort;
     const auto speed = static_cast<std::size_t>(axis.speed);
     if (axis.part != AxisPart::whole) {
-      for (int k = 0; k < 3; ++k) out.joint_efforts[speed + static_cast<std::size_t>(k)] += axis.in_F[k] * effort;
+      for (int k = 0; k < 3; ++k)
+        out.joint_efforts[speed + static_cast<std::size_t>(k)] += axis.in_F[k] * effort;
     } else {
       out.joint_efforts[speed] += effort;
     }

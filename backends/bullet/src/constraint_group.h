@@ -43,8 +43,9 @@ class ConstraintGroup final : public JointGroup {
     Vec6 start = Vec6::Zero();  ///< velocity with this step's outer forces, without impulses
     Vec6 delta = Vec6::Zero();  ///< what impulses have changed
     Vec6 v = Vec6::Zero();      ///< velocity now
-    btTransform then = btTransform::getIdentity();  ///< where free motion leads at the end of the step
-    bool moves = false;         ///< dynamic
+    btTransform then =
+        btTransform::getIdentity();  ///< where free motion leads at the end of the step
+    bool moves = false;              ///< dynamic
   };
   /// One row: on the child's (a) and the parent's (b) velocity; -1: the world.
   struct Row {
@@ -54,11 +55,11 @@ class ConstraintGroup final : public JointGroup {
   };
   struct JointSlot {
     int joint = -1;
-    int a = -1, b = -1;  ///< members
+    int a = -1, b = -1;      ///< members
     btTransform X_PF, X_CM;  ///< in the principal frames
     int first_row = 0, rows = 0;
-    int first_open = 0;  ///< first row this joint's rows may be coupled with
-    std::vector<int> neighbours;  ///< earlier slots that share a moving body
+    int first_open = 0;                    ///< first row this joint's rows may be coupled with
+    std::vector<int> neighbours;           ///< earlier slots that share a moving body
     std::vector<std::vector<int>> motors;  ///< by axis
   };
   /// One free axis on which something acts.
@@ -95,11 +96,11 @@ class ConstraintGroup final : public JointGroup {
   std::vector<JointSlot> slots_;
   std::vector<Row> rows_;
   std::vector<Direction> directions_;  ///< of the rows
-  std::vector<int> first_;   ///< first column of each row of the factor
+  std::vector<int> first_;             ///< first column of each row of the factor
   /// Unit lower triangle, below the diagonal.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> factor_;
   Eigen::VectorXd inverse_diagonal_;
-  Eigen::VectorXd target_;   ///< of J v at the end of the step
+  Eigen::VectorXd target_;  ///< of J v at the end of the step
   Eigen::VectorXd impulses_, work_;
   std::vector<Axis> axes_;
   std::size_t axis_count_ = 0;

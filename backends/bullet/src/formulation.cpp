@@ -27,8 +27,7 @@ int asking_assembly(const SceneModel& model, int assembly, Formulation& wanted) 
 
 bool hangs(const SceneModel& model, const JointChain& group) {
   const auto still = [&](int body) {
-    return body == kWorld ||
-           model.bodies[static_cast<std::size_t>(body)].kind != BodyKind::dynamic;
+    return body == kWorld || model.bodies[static_cast<std::size_t>(body)].kind != BodyKind::dynamic;
   };
   return std::any_of(group.joints.begin(), group.joints.end(), [&](int j) {
     const Joint& joint = model.joints[static_cast<std::size_t>(j)];
@@ -43,7 +42,8 @@ Formulation formulation_of(const std::string& name) {
   return name == "constraints" ? Formulation::constraints : Formulation::automatic;
 }
 
-Result<bool> choose_reduced(const SceneModel& model, const JointChain& group, Formulation of_world) {
+Result<bool> choose_reduced(const SceneModel& model, const JointChain& group,
+                            Formulation of_world) {
   int asking = -1;
   Formulation wanted = Formulation::automatic;
   for (const int j : group.joints) {

@@ -58,8 +58,10 @@ void ConstraintGroup::prepare_response(Axis& axis) {
   spread(own, 1.0);
   for (Eigen::Index i = 0; i < n; ++i) spread(rows_[static_cast<std::size_t>(i)], axis.reaction[i]);
   axis.inverse_inertia = 0.0;
-  if (own.a >= 0) axis.inverse_inertia += own.Ja.dot(axis.response[static_cast<std::size_t>(own.a)]);
-  if (own.b >= 0) axis.inverse_inertia += own.Jb.dot(axis.response[static_cast<std::size_t>(own.b)]);
+  if (own.a >= 0)
+    axis.inverse_inertia += own.Ja.dot(axis.response[static_cast<std::size_t>(own.a)]);
+  if (own.b >= 0)
+    axis.inverse_inertia += own.Jb.dot(axis.response[static_cast<std::size_t>(own.b)]);
 }
 
 void ConstraintGroup::gather_axes(const Joint& joint, const JointSlot& slot,
@@ -74,8 +76,9 @@ void ConstraintGroup::gather_axes(const Joint& joint, const JointSlot& slot,
   for (int k = 0; k < n; ++k) {
     const auto index = static_cast<std::size_t>(k);
     const JointAxis& model = joint.axes[index];
-    const bool driven = std::any_of(slot.motors[index].begin(), slot.motors[index].end(),
-                                    [&](int m) { return acts(drives[static_cast<std::size_t>(m)]); });
+    const bool driven =
+        std::any_of(slot.motors[index].begin(), slot.motors[index].end(),
+                    [&](int m) { return acts(drives[static_cast<std::size_t>(m)]); });
     if (!driven && model.stiffness <= 0.0 && model.damping <= 0.0 && model.friction <= 0.0 &&
         !model.has_limit()) {
       continue;
@@ -99,9 +102,7 @@ void ConstraintGroup::gather_ball(const Joint& joint, const JointSlot& slot,
   const btVector3 turn = rotation_vector(btQuaternion(q[1], q[2], q[3], q[0]));
   // The triad: with friction one axis lies along the motion, which it opposes as a whole.
   btVector3 triad[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  const auto rate = [&](int k) {
-    return along(make_row(slot, X_WM, {{0, 0, 0}, F.getColumn(k)}));
-  };
+  const auto rate = [&](int k) { return along(make_row(slot, X_WM, {{0, 0, 0}, F.getColumn(k)})); };
   const btVector3 w(rate(0), rate(1), rate(2));
   if (model.friction > 0.0 && w.length() > kAtRest) {
     triad[0] = w.normalized();

@@ -6,9 +6,7 @@
 
 namespace cogrsim::bullet {
 
-bool acts(const Drive& drive) {
-  return drive.kd != 0.0 || drive.kp != 0.0 || drive.bias != 0.0;
-}
+bool acts(const Drive& drive) { return drive.kd != 0.0 || drive.kp != 0.0 || drive.bias != 0.0; }
 
 namespace {
 

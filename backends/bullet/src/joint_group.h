@@ -23,21 +23,21 @@ struct JointReport {
 /// Whether a drive does anything at all.
 bool acts(const Drive& drive);
 
-/// What of a joint's axis a scalar law stands for: all of it, or, on a ball joint, spring, damper and
-/// friction along one direction, or the cone.
+/// What of a joint's axis a scalar law stands for: all of it, or, on a ball joint, spring, damper
+/// and friction along one direction, or the cone.
 enum class AxisPart { whole, ball_spring, ball_cone };
 
-/// The part's law for this step. `whole` is everything on one scalar axis: `motors` first, in order,
-/// then spring and damper, friction, limits.
+/// The part's law for this step. `whole` is everything on one scalar axis: `motors` first, in
+/// order, then spring and damper, friction, limits.
 void fill_axis_law(AxisLaw& law, AxisPart part, const JointAxis& model, const AxisState& state,
                    const std::vector<int>& motors, const std::vector<Drive>& drives);
 
 /// The motors of a joint, by axis.
 std::vector<std::vector<int>> motors_of(const SceneModel& model, int joint);
 
-/// One articulated group within a step: prepare(), bind(), iterate() in turn with the contacts, then
-/// move() and report(). Contacts act on its bodies, one rigid body each; iterate() makes of what
-/// they did the motion that the joints allow.
+/// One articulated group within a step: prepare(), bind(), iterate() in turn with the contacts,
+/// then move() and report(). Contacts act on its bodies, one rigid body each; iterate() makes of
+/// what they did the motion that the joints allow.
 class JointGroup {
  public:
   JointGroup() = default;

@@ -20,12 +20,18 @@ struct Factor {
 std::vector<Factor> factors_of(JointType type) {
   const btVector3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
   switch (type) {
-    case JointType::hinge: return {{true, z, 0}};
-    case JointType::slider: return {{false, z, 0}};
-    case JointType::cylindrical: return {{true, z, 0}, {false, z, 1}};
-    case JointType::universal: return {{true, x, 0}, {true, y, 1}};
-    case JointType::planar: return {{false, x, 0}, {false, y, 1}, {true, z, 2}};
-    default: return {};
+    case JointType::hinge:
+      return {{true, z, 0}};
+    case JointType::slider:
+      return {{false, z, 0}};
+    case JointType::cylindrical:
+      return {{true, z, 0}, {false, z, 1}};
+    case JointType::universal:
+      return {{true, x, 0}, {true, y, 1}};
+    case JointType::planar:
+      return {{false, x, 0}, {false, y, 1}, {true, z, 2}};
+    default:
+      return {};
   }
 }
 

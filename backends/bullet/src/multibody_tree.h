@@ -28,10 +28,10 @@ struct LinkVector {
 struct TreeJoint {
   int joint = -1;
   JointType type = JointType::fixed;
-  bool reversed = false;  ///< the tree goes from the joint's child to its parent
-  int from = -1;          ///< link, -1: base
-  int to = -1;            ///< link of the body it carries
-  int first = 0;          ///< first of its speeds
+  bool reversed = false;     ///< the tree goes from the joint's child to its parent
+  int from = -1;             ///< link, -1: base
+  int to = -1;               ///< link of the body it carries
+  int first = 0;             ///< first of its speeds
   btTransform X_from, X_to;  ///< the joint's frames in the two links' principal frames
   /// Entry in the speeds of the joint's speed k, unless a ball.
   int speed(int k) const { return order[k]; }

@@ -94,11 +94,11 @@ void visit_near_plane(const Shape& shape, const CollisionShape& collision, const
 
 void plane_contacts(const Shape& shape, const CollisionShape& collision, const btTransform& X_WS,
                     const HalfSpace& plane, double threshold, ContactPatch& patch) {
-  visit_near_plane(shape, collision, X_WS, plane, threshold,
-                   [&](const btVector3& point, double distance, int feature) {
-                     patch.add({point, point - plane.normal * distance, plane.normal, distance,
-                                feature});
-                   });
+  visit_near_plane(
+      shape, collision, X_WS, plane, threshold,
+      [&](const btVector3& point, double distance, int feature) {
+        patch.add({point, point - plane.normal * distance, plane.normal, distance, feature});
+      });
 }
 
 namespace {
@@ -120,8 +120,8 @@ bool over_triangle(const btVector3* t, const btVector3& n, const btVector3& p, d
 class TriangleVisitor final : public btTriangleCallback {
  public:
   TriangleVisitor(const Shape& shape, const CollisionShape& collision, const btTransform& X_WS,
-                  const btTransform& X_WC, double threshold, ContactPatch& patch,
-                  bool terrain, std::vector<NearTriangle>& open)
+                  const btTransform& X_WC, double threshold, ContactPatch& patch, bool terrain,
+                  std::vector<NearTriangle>& open)
       : terrain_(terrain),
         shape_(shape),
         collision_(collision),

@@ -83,8 +83,7 @@ void ReducedGroup::gather_ball(const Joint& joint, int tree_joint, const double*
   // The triad: with friction one axis lies along the motion, which it opposes as a whole.
   btVector3 triad[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const auto s = static_cast<std::size_t>(t.first);
-  const btVector3 w =
-      (btVector3(u_start_[s], u_start_[s + 1], u_start_[s + 2]) * sign) * to_link;
+  const btVector3 w = (btVector3(u_start_[s], u_start_[s + 1], u_start_[s + 2]) * sign) * to_link;
   if (law.friction > 0.0 && w.length() > kAtRest) {
     triad[0] = w.normalized();
     btPlaneSpace1(triad[0], triad[1], triad[2]);
@@ -99,8 +98,8 @@ void ReducedGroup::gather_ball(const Joint& joint, int tree_joint, const double*
 void ReducedGroup::fill_law(const SceneModel& model, Axis& axis, double dt,
                             const std::vector<Drive>& drives) {
   const TreeJoint& t = tree_.joints()[static_cast<std::size_t>(axis.tree_joint)];
-  const JointAxis& law = model.joints[static_cast<std::size_t>(t.joint)]
-                             .axes[static_cast<std::size_t>(axis.number)];
+  const JointAxis& law =
+      model.joints[static_cast<std::size_t>(t.joint)].axes[static_cast<std::size_t>(axis.number)];
   const AxisState state{axis.q, along(axis, u_start_), dt, axis.inverse_inertia};
   fill_axis_law(axis.law, axis.part, law, state, axis.motors, drives);
 }

@@ -270,8 +270,8 @@ void ReducedGroup::find_reactions(const SceneModel& model, std::vector<Wrench>& 
   for (const Member& member : members_) {
     const auto link = static_cast<std::size_t>(member.link + 1);
     const LinkVector after = momentum(member, links_[link]);
-    open[link].lin = (after.lin - member.before.lin - member.blow.lin) / dt_ -
-                     gravity * member.body->mass();
+    open[link].lin =
+        (after.lin - member.before.lin - member.blow.lin) / dt_ - gravity * member.body->mass();
     open[link].ang = (after.ang - member.before.ang - member.blow.ang) / dt_;
     place[link] = member.place;
   }

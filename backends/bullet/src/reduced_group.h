@@ -45,10 +45,10 @@ class ReducedGroup final : public JointGroup {
     RigidBody* body = nullptr;
     int link = -1;
     btSolverBody* solver = nullptr;
-    LinkVector start;    ///< velocity the solver began with, outer forces included
-    LinkVector written;  ///< change of velocity that stands in the solver's body
-    LinkVector before;   ///< momentum and angular momentum at the start of the step
-    LinkVector blow;     ///< impulse of contacts in this step
+    LinkVector start;          ///< velocity the solver began with, outer forces included
+    LinkVector written;        ///< change of velocity that stands in the solver's body
+    LinkVector before;         ///< momentum and angular momentum at the start of the step
+    LinkVector blow;           ///< impulse of contacts in this step
     btVector3 place{0, 0, 0};  ///< at the start of the step
   };
   struct JointSlot {
@@ -59,9 +59,9 @@ class ReducedGroup final : public JointGroup {
   struct Axis {
     AxisPart part = AxisPart::whole;
     int tree_joint = -1;
-    int number = 0;   ///< of the joint's axes
-    double q = 0.0;   ///< coordinate at the start of the step
-    btVector3 in_F{0, 0, 0};  ///< of a ball
+    int number = 0;            ///< of the joint's axes
+    double q = 0.0;            ///< coordinate at the start of the step
+    btVector3 in_F{0, 0, 0};   ///< of a ball
     int first = 0, count = 1;  ///< its speeds in the tree
     double weight[3] = {1.0, 0.0, 0.0};
     AxisLaw law;
@@ -88,7 +88,7 @@ class ReducedGroup final : public JointGroup {
   std::vector<Axis> axes_;
   std::size_t axis_count_ = 0;
   std::vector<double> u_start_, u_;  ///< speeds: at the start of the step, now
-  std::vector<double> free_;  ///< accelerations without contacts and axes
+  std::vector<double> free_;         ///< accelerations without contacts and axes
   /// Accelerations by contacts and axes in the last step and the one before.
   std::array<std::vector<double>, 2> past_;
   std::vector<double> impulses_, response_, work_;

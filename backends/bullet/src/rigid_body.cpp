@@ -12,7 +12,8 @@ namespace cogrsim::bullet {
 
 namespace {
 
-/// Shapes are dispatched one by one (see collision.h); Bullet only wants the pointer not to be null.
+/// Shapes are dispatched one by one (see collision.h); Bullet only wants the pointer not to be
+/// null.
 btCollisionShape* no_shape() {
   static btEmptyShape shape;
   return &shape;
@@ -135,14 +136,12 @@ PrincipalState RigidBody::predicted(double dt) const {
   return state;
 }
 
-Pose RigidBody::pose() const {
-  return from_bt(object_->getWorldTransform()) * X_BP_.inverse();
-}
+Pose RigidBody::pose() const { return from_bt(object_->getWorldTransform()) * X_BP_.inverse(); }
 
 Twist RigidBody::twist() const {
   const Vec3 w = from_bt(object_->getAngularVelocity());
-  const Vec3 to_origin = -(from_bt(object_->getWorldTransform().getBasis()) *
-                           (X_BP_.q.conjugate() * X_BP_.p));
+  const Vec3 to_origin =
+      -(from_bt(object_->getWorldTransform().getBasis()) * (X_BP_.q.conjugate() * X_BP_.p));
   return {from_bt(object_->getLinearVelocity()) + w.cross(to_origin), w};
 }
 

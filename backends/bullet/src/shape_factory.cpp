@@ -63,7 +63,8 @@ Result<std::unique_ptr<CollisionShape>> make_hull(const TriangleMesh& mesh, cons
 std::unique_ptr<CollisionShape> make_mesh(const TriangleMesh& mesh) {
   auto out = std::make_unique<CollisionShape>();
   out->numbers.reserve(3 * mesh.vertices.size());
-  for (const Vec3& v : mesh.vertices) out->numbers.insert(out->numbers.end(), {v.x(), v.y(), v.z()});
+  for (const Vec3& v : mesh.vertices)
+    out->numbers.insert(out->numbers.end(), {v.x(), v.y(), v.z()});
   out->indices.reserve(3 * mesh.triangles.size());
   for (const auto& t : mesh.triangles) out->indices.insert(out->indices.end(), {t[0], t[1], t[2]});
   auto triangles = std::make_unique<btTriangleIndexVertexArray>(
@@ -82,7 +83,8 @@ std::unique_ptr<CollisionShape> make_heightmap(const HeightGrid& grid) {
   const auto [low, high] = std::minmax_element(out->numbers.begin(), out->numbers.end());
   auto shape = std::make_unique<btHeightfieldTerrainShape>(
       grid.columns, grid.rows, out->numbers.data(), *low, *high, 2, false);
-  shape->setLocalScaling(btVector3(grid.size_x / (grid.columns - 1), grid.size_y / (grid.rows - 1), 1));
+  shape->setLocalScaling(
+      btVector3(grid.size_x / (grid.columns - 1), grid.size_y / (grid.rows - 1), 1));
   shape->setMargin(0.0);
   // Bullet centres the field between its lowest and highest point.
   out->X_SC.setOrigin(btVector3(0, 0, 0.5 * (*low + *high)));

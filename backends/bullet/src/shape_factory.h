@@ -24,7 +24,8 @@ struct CollisionShape {
 };
 
 /// Shapes keep their true outer size: what Bullet adds as a collision margin is taken off inside.
-/// Errors: a hull or mesh without volume or triangles, a plane, mesh or heightmap on a body that moves.
+/// Errors: a hull or mesh without volume or triangles, a plane, mesh or heightmap on a body that
+/// moves.
 Result<std::unique_ptr<CollisionShape>> make_shape(const SceneModel& model, const Body& body,
                                                    const Shape& shape);
 

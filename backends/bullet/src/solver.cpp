@@ -30,7 +30,8 @@ constexpr double kReached = 1e-9;
 
 /// Speed after a bounce, see StepSolver; negative when it would not leave the surface.
 double rebound(double gap, double approach, double acceleration, double e, double dt) {
-  const double fall = acceleration * gap + 0.5 * approach * approach + 0.5 * approach * acceleration * dt;
+  const double fall =
+      acceleration * gap + 0.5 * approach * approach + 0.5 * approach * acceleration * dt;
   const double left = e * e * fall - acceleration * gap;
   const double half = 0.5 * acceleration * dt;
   if (left <= 0.0) return -1.0;
@@ -223,8 +224,8 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     displacement_.clear();
     for (int i = 0; i < m_tmpSolverBodyPool.size(); ++i) {
       const btSolverBody& body = m_tmpSolverBodyPool[i];
-      displacement_.push_back({body.m_originalBody, body.m_deltaLinearVelocity,
-                               body.m_deltaAngularVelocity});
+      displacement_.push_back(
+          {body.m_originalBody, body.m_deltaLinearVelocity, body.m_deltaAngularVelocity});
     }
     for (const Recovering& r : recovering_) {
       Point& point = points_[static_cast<std::size_t>(r.row)];
@@ -269,7 +270,8 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
     btSolverBody& b = m_tmpSolverBodyPool[normal.m_solverBodyIdB];
     const btVector3* directions[2] = {&point.m_lateralFrictionDir1, &point.m_lateralFrictionDir2};
     for (int k = 0; k < 2; ++k) {
-      btSolverConstraint& row = m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + k];
+      btSolverConstraint& row =
+          m_tmpSolverContactFrictionConstraintPool[normal.m_frictionIndex + k];
       const double impulse = old.dot(*directions[k]);
       row.m_appliedImpulse = impulse;
       if (a.m_originalBody) {
@@ -299,7 +301,8 @@ class RigidSolver final : public btSequentialImpulseConstraintSolver, public Ste
   void adjust(int index, double dt) {
     btSolverConstraint& row = m_tmpSolverContactConstraintPool[index];
     const auto& point = *static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
-    const bool spring = (point.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) != 0;
+    const bool spring =
+        (point.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) != 0;
     const double e = point.m_combinedRestitution;
     const btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdA];
     const btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdB];

@@ -26,7 +26,8 @@ struct SolverSettings {
 ///
 /// Contacts that carry are a little soft: a spring of natural frequency kContactRate per step and
 /// critical damping, both at the end of the step, on the mass felt at the point. What is sunk in is
-/// some micrometres, and the load spreads over the points of a body instead of jumping between them.
+/// some micrometres, and the load spreads over the points of a body instead of jumping between
+/// them.
 class StepSolver {
  public:
   /// What a body moves by in this step beside its velocity.
@@ -36,8 +37,8 @@ class StepSolver {
   };
   virtual ~StepSolver() = default;
   virtual void solve(std::vector<btCollisionObject*>& bodies, btPersistentManifold** manifolds,
-                     int manifold_count, std::vector<std::unique_ptr<JointGroup>>& groups, double dt,
-                     btDispatcher* dispatcher) = 0;
+                     int manifold_count, std::vector<std::unique_ptr<JointGroup>>& groups,
+                     double dt, btDispatcher* dispatcher) = 0;
   const std::vector<Displacement>& displacements() const { return displacement_; }
 
  protected:

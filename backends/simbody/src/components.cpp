@@ -21,8 +21,7 @@ struct Inertia {
   }
   /// Momentum of the body moving with `v`.
   Spatial operator*(const Spatial& v) const {
-    return {second * v.angular + moment.cross(v.linear),
-            mass * v.linear + v.angular.cross(moment)};
+    return {second * v.angular + moment.cross(v.linear), mass * v.linear + v.angular.cross(moment)};
   }
 };
 
@@ -175,8 +174,7 @@ void close_loop_velocities(const Component& c, double* x, double* loop_impulse) 
   Eigen::Map<Eigen::VectorXd> v(x, c.size());
   const Eigen::VectorXd impulse = -(c.loop_solve * (c.loop_rows * v));
   v += c.loop_response * impulse;
-  if (loop_impulse)
-    Eigen::Map<Eigen::VectorXd>(loop_impulse, impulse.size()) += impulse;
+  if (loop_impulse) Eigen::Map<Eigen::VectorXd>(loop_impulse, impulse.size()) += impulse;
 }
 
 void fill_row(const Component& c, int position_of_link, const Spatial& wrench, double sign,

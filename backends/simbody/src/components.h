@@ -30,25 +30,25 @@ struct Weld {
 
 struct Component {
   // Fixed by the topology.
-  std::vector<int> links;   ///< of Mechanism::links(); parents first
-  std::vector<int> speeds;  ///< global u index of each local degree of freedom
-  std::vector<int> first;   ///< first local degree of freedom of each of `links`
+  std::vector<int> links;    ///< of Mechanism::links(); parents first
+  std::vector<int> speeds;   ///< global u index of each local degree of freedom
+  std::vector<int> first;    ///< first local degree of freedom of each of `links`
   std::vector<int> inboard;  ///< position in `links` of the parent; -1: none in this component
   std::vector<Weld> welds;
-  bool lone = false;        ///< one free body: closed forms hold
-  int offset = 0;           ///< of its degrees of freedom in arrays over all components
+  bool lone = false;  ///< one free body: closed forms hold
+  int offset = 0;     ///< of its degrees of freedom in arrays over all components
   int size() const { return int(speeds.size()); }
 
   // At one configuration; valid when `current`.
   bool current = false;
-  Vec3 origin = Vec3::Zero();     ///< what `motion` refers to [m]
-  std::vector<Spatial> motion;    ///< velocity of the outboard bodies per unit speed (size)
-  double inverse_mass = 0.0;      ///< lone only
+  Vec3 origin = Vec3::Zero();           ///< what `motion` refers to [m]
+  std::vector<Spatial> motion;          ///< velocity of the outboard bodies per unit speed (size)
+  double inverse_mass = 0.0;            ///< lone only
   Mat3 inverse_inertia = Mat3::Zero();  ///< lone only, world axes
-  std::vector<double> factor;     ///< lower Cholesky factor of the mass matrix (size x size)
-  Eigen::MatrixXd loop_rows;      ///< G: what the welds forbid (6 nweld x size)
-  Eigen::MatrixXd loop_solve;     ///< (G M^-1 G^T)^+
-  Eigen::MatrixXd loop_response;  ///< M^-1 G^T
+  std::vector<double> factor;           ///< lower Cholesky factor of the mass matrix (size x size)
+  Eigen::MatrixXd loop_rows;            ///< G: what the welds forbid (6 nweld x size)
+  Eigen::MatrixXd loop_solve;           ///< (G M^-1 G^T)^+
+  Eigen::MatrixXd loop_response;        ///< M^-1 G^T
 
   /// Position of a link in `links`.
   int find(int link) const;

@@ -107,8 +107,8 @@ void Mechanism::add_link(const PlannedLink& plan) {
       link.mobod = MobilizedBody::Slider(inboard, in, rigid, out, direction);
       break;
     case JointType::screw:
-      link.mobod = MobilizedBody::Screw(inboard, in, rigid, out, joint.pitch / (2 * SimTK::Pi),
-                                        direction);
+      link.mobod =
+          MobilizedBody::Screw(inboard, in, rigid, out, joint.pitch / (2 * SimTK::Pi), direction);
       break;
     case JointType::cylindrical:
       link.mobod = MobilizedBody::Cylinder(inboard, in, rigid, out, direction);
@@ -219,8 +219,7 @@ void Mechanism::project() {
   SimTK::Vector none;
   system.realize(state, SimTK::Stage::Position);
   system.projectQ(state, none, options, result);
-  if (result.getExitStatus() != SimTK::ProjectResults::Succeeded &&
-      result.getNormOnExit() > 1e-6)
+  if (result.getExitStatus() != SimTK::ProjectResults::Succeeded && result.getNormOnExit() > 1e-6)
     throw std::runtime_error("joints that close a loop cannot all be satisfied");
   system.realize(state, SimTK::Stage::Velocity);
   system.projectU(state, none, options, result);

@@ -65,8 +65,7 @@ void share_loops(Mechanism& m, Component& c, const StepRecord& record,
     }
   }
   const Eigen::MatrixXd Gt = c.loop_rows.transpose();
-  const Eigen::VectorXd f =
-      Gt.completeOrthogonalDecomposition().solve(excess);
+  const Eigen::VectorXd f = Gt.completeOrthogonalDecomposition().solve(excess);
   for (std::size_t w = 0; w < c.welds.size(); ++w) {
     const Vec3 torque = f.segment<3>(Eigen::Index(6 * w)) * record.dt;
     const Vec3 force = f.segment<3>(Eigen::Index(6 * w + 3)) * record.dt;

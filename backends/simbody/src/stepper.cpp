@@ -449,8 +449,8 @@ void Stepper::warm_start(double h) {
   }
 }
 
-// What the sweeps leave of forces that only press the points of a face against each other would stay
-// for ever: the start is made without it.
+// What the sweeps leave of forces that only press the points of a face against each other would
+// stay for ever: the start is made without it.
 void Stepper::share_warm_friction() {
   constexpr double kSameNormal = 1.0 - 1e-6;  // cosine
   constexpr std::size_t kMost = 16;

@@ -27,8 +27,8 @@ struct EffortSums {
 struct ContactRecord {
   int collider_a = -1, collider_b = -1;
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ();  ///< world
-  double gap = 0.0;             ///< [m]
-  Vec3 impulse = Vec3::Zero();  ///< on b, world [N s]
+  double gap = 0.0;                                   ///< [m]
+  Vec3 impulse = Vec3::Zero();                        ///< on b, world [N s]
 };
 
 /// What a step takes from the one before, beside the state. All of it is part of a snapshot.
@@ -111,11 +111,11 @@ class Stepper {
   RowSet set_;
   std::vector<char> untouched_;  ///< (ncomponent): no row concerns it in this step
   std::vector<FreeMomentum> momenta_;
-  std::vector<Vec3> warm_;       ///< impulses to start from, by contact
+  std::vector<Vec3> warm_;  ///< impulses to start from, by contact
   std::vector<ContactPoint> points_;
   std::vector<double> margins_;  ///< (nlink)
-  SimTK::Vector q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_,
-      displaced_, end_u_, smooth_q_, smooth_u_;
+  SimTK::Vector q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_,
+      end_u_, smooth_q_, smooth_u_;
   std::vector<double> dv_, displacement_;  ///< over all components
 };
 

@@ -18,7 +18,7 @@ struct PlannedLink {
   /// Where a loop is cut, one of the two bodies is split: this link stands for it at the joint, has
   /// its share of mass and inertia, and is welded to the body's own link.
   bool ghost = false;
-  double share = 1.0;     ///< of the body's mass and inertia
+  double share = 1.0;  ///< of the body's mass and inertia
 };
 
 struct TreePlan {

@@ -200,8 +200,8 @@ Result<> SimbodyWorld::set_kinematic_twist(int body, const Twist& twist) {
     return fail("there is no body " + std::to_string(body));
   const Body& b = model.bodies[std::size_t(body)];
   if (b.kind != BodyKind::kinematic || b.removed)
-    return fail("body '" + b.name + "' is not kinematic",
-                place_of(model, b.origin), "say kinematic=\"true\" on it");
+    return fail("body '" + b.name + "' is not kinematic", place_of(model, b.origin),
+                "say kinematic=\"true\" on it");
   if (!twist.linear.allFinite() || !twist.angular.allFinite())
     return fail("body '" + b.name + "': a twist must be finite");
   progress_.twists[std::size_t(body)] = twist;

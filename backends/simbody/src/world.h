@@ -14,7 +14,8 @@ namespace cogrsim::simbody {
 /// Mechanics, collision detection and stepper of one scene; replaced whole when the scene changes.
 struct Engine {
   Engine(SceneModelPtr scene, const StepperOptions& options)
-      : mechanism(std::move(scene)), detector(mechanism.model()),
+      : mechanism(std::move(scene)),
+        detector(mechanism.model()),
         stepper(mechanism, detector, options) {}
   Mechanism mechanism;
   Detector detector;

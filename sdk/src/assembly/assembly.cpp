@@ -236,8 +236,8 @@ std::string Assembly::scene_folder() const {
 }
 
 void Assembly::report(const std::string& message) {
-  access_->simulation->report(Severity::advice, "controller '" + access_->plugin + "' of '" + access_->name + "'",
-                              message);
+  access_->simulation->report(
+      Severity::advice, "controller '" + access_->plugin + "' of '" + access_->name + "'", message);
 }
 
 void Assembly::fail(const std::string& message) { access_->mistakes.push_back(message); }

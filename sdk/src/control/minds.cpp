@@ -29,8 +29,7 @@ std::optional<LoadedMind> load_mind(const Simulation::Impl& simulation, PluginKi
                                        plugin.error().code, plugin.error().hint));
     return std::nullopt;
   }
-  auto parameters =
-      complete_parameters((*plugin)->descriptor().parameters, description.parameters);
+  auto parameters = complete_parameters((*plugin)->descriptor().parameters, description.parameters);
   if (!parameters) {
     found.push_back(simulation.problem(std::string(to_string(kind)) + " '" + description.plugin +
                                            "': " + parameters.error().message,
@@ -99,9 +98,8 @@ std::vector<Diagnostic> Simulation::Impl::build_supervisor(const ControllerModel
   if (auto loaded = load_mind(*this, PluginKind::supervisor, description, found)) {
     slot.plugin = loaded->plugin;
     slot.entry = static_cast<const SupervisorEntry*>(slot.plugin->descriptor().factory);
-    slot.stage = std::make_unique<SupervisorStage>(*this, description.name,
-                                                   std::move(loaded->parameters),
-                                                   original->physics.seed);
+    slot.stage = std::make_unique<SupervisorStage>(
+        *this, description.name, std::move(loaded->parameters), original->physics.seed);
     Supervisor* made = nullptr;
     auto thrown = slot.entry->create(made);
     slot.supervisor = {made, slot.entry->destroy};

@@ -14,6 +14,7 @@
 
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/physics/backend_plugin.h"
+#include "cogrsim/rendering/renderer.h"
 #include "elf_symbols.h"
 
 namespace cogrsim {
@@ -115,6 +116,8 @@ const char* to_string(PluginKind kind) {
       return "supervisor";
     case PluginKind::sensor:
       return "sensor";
+    case PluginKind::renderer:
+      return "renderer";
   }
   return "?";
 }
@@ -227,6 +230,10 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
               hint, "CG0901");
 }
 
+namespace {
+constexpr const char* kDefaultRenderer = "osmesa";
+}
+
 Result<std::shared_ptr<const Backend>> PluginLoader::backend(const std::string& name) {
   const Result<PluginPtr> plugin = load(PluginKind::backend, name);
   if (!plugin) return tl::unexpected<Error>(plugin.error());
@@ -241,6 +248,20 @@ Result<std::shared_ptr<const Backend>> PluginLoader::backend(const std::string& 
   }
   return tl::unexpected<Error>(
       refused((*plugin)->path(), fmt::format("backend '{}' did not start", name)));
+}
+
+Result<std::shared_ptr<Renderer>> load_renderer(PluginLoader& loader, const std::string& name) {
+  const std::string wanted = name.empty() ? kDefaultRenderer : name;
+  const Result<PluginPtr> plugin = loader.load(PluginKind::renderer, wanted);
+  if (!plugin) return tl::unexpected<Error>(plugin.error());
+  const auto* entry = static_cast<const RendererEntry*>((*plugin)->descriptor().factory);
+  std::string problem;
+  if (Renderer* renderer = entry->create(&problem)) {
+    return std::shared_ptr<Renderer>(
+        renderer, [keep = *plugin, destroy = entry->destroy](Renderer* r) { destroy(r); });
+  }
+  return tl::unexpected<Error>(
+      refused((*plugin)->path(), fmt::format("renderer '{}' did not start: {}", wanted, problem)));
 }
 
 std::vector<PluginPtr> PluginLoader::all(std::vector<RefusedPlugin>* refused_ones) {

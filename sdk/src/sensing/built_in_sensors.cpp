@@ -56,9 +56,9 @@ class EncoderSensor final : public Sensor {
                       to_string(joint.type) + ") has no axis " + std::to_string(axis),
                   place_of(model, sensor.origin));
     }
-    const bool linear =
-        joint.type == JointType::slider || (joint.type == JointType::cylindrical && axis == 1) ||
-        (joint.type == JointType::planar && axis < 2);
+    const bool linear = joint.type == JointType::slider ||
+                        (joint.type == JointType::cylindrical && axis == 1) ||
+                        (joint.type == JointType::planar && axis < 2);
     unit_ = linear ? "m" : "rad";
     position_ = static_cast<std::size_t>(joint.position_offset + axis);
     speed_ = static_cast<std::size_t>(joint.speed_offset + axis);
@@ -67,9 +67,10 @@ class EncoderSensor final : public Sensor {
   std::vector<Channel> channels() const override {
     return {{"position", unit_, true}, {"velocity", unit_ + "/s", false}};
   }
-  void read(const Frame& frame, std::vector<double>& values) override {
-    values[0] = frame.state.joint_positions[position_];
-    values[1] = frame.state.joint_velocities[speed_];
+  Result<> read(Sensing& sensing, Reading& reading) override {
+    const WorldState& state = sensing.frame().state;
+    reading.values = {state.joint_positions[position_], state.joint_velocities[speed_]};
+    return {};
   }
 
  private:
@@ -92,8 +93,9 @@ class PoseOfFrame final : public Sensor {
     for (const char* axis : {"wx", "wy", "wz"}) all.push_back({axis, "rad/s", false});
     return all;
   }
-  void read(const Frame& frame, std::vector<double>& values) override {
-    const SensorMotion motion = motion_of(sensor_, frame.state);
+  Result<> read(Sensing& sensing, Reading& reading) override {
+    std::vector<double>& values = reading.values;
+    const SensorMotion motion = motion_of(sensor_, sensing.frame().state);
     put(values, 0, motion.X_WS.p);
     const Quat& q = motion.X_WS.q;
     values[3] = q.w();
@@ -102,14 +104,15 @@ class PoseOfFrame final : public Sensor {
     values[6] = q.z();
     put(values, 7, motion.V_WS.linear);
     put(values, 10, motion.V_WS.angular);
+    return {};
   }
 
  private:
   SensorModel sensor_;
 };
 
-/// Specific force f = R_SW (a_S - g) and angular velocity, in the sensor's axes. The acceleration is
-/// the mean over the last step (a difference of twists), as an instrument integrating over its
+/// Specific force f = R_SW (a_S - g) and angular velocity, in the sensor's axes. The acceleration
+/// is the mean over the last step (a difference of twists), as an instrument integrating over its
 /// sample time would report.
 class ImuSensor final : public Sensor {
  public:
@@ -134,7 +137,9 @@ class ImuSensor final : public Sensor {
     contents.accelerations = true;
     return contents;
   }
-  void read(const Frame& frame, std::vector<double>& values) override {
+  Result<> read(Sensing& sensing, Reading& reading) override {
+    const Frame& frame = sensing.frame();
+    std::vector<double>& values = reading.values;
     const SensorMotion motion = motion_of(sensor_, frame.state);
     const auto body = static_cast<std::size_t>(sensor_.body);
     if (body >= frame.accelerations.size()) {
@@ -146,6 +151,7 @@ class ImuSensor final : public Sensor {
       put(values, 0, motion.X_WS.q.conjugate() * (at_sensor - gravity_));
     }
     put(values, 3, motion.X_WS.q.conjugate() * motion.V_WS.angular);
+    return {};
   }
 
  private:

@@ -63,9 +63,18 @@ void Simulation::Impl::apply_commands() {
 void Simulation::Impl::apply(Command& command) {
   const Result<> done = std::visit(
       Overloaded{
-          [&](Pause&) -> Result<> { paused = true; return {}; },
-          [&](Resume&) -> Result<> { paused = false; return {}; },
-          [&](StepOnce&) -> Result<> { single_step = true; return {}; },
+          [&](Pause&) -> Result<> {
+            paused = true;
+            return {};
+          },
+          [&](Resume&) -> Result<> {
+            paused = false;
+            return {};
+          },
+          [&](StepOnce&) -> Result<> {
+            single_step = true;
+            return {};
+          },
           [&](SetSpeed& c) -> Result<> {
             if (!(c.factor > 0.0)) return fail("the speed must be above 0");
             speed = c.factor;
@@ -78,8 +87,7 @@ void Simulation::Impl::apply(Command& command) {
             dt = c.dt;
             return {};
           },
-          [&](Restart&) { return restart(); },
-          [&](AddAssembly& c) { return add_assembly(c); },
+          [&](Restart&) { return restart(); }, [&](AddAssembly& c) { return add_assembly(c); },
           [&](RemoveAssembly& c) { return remove_assembly(c.name); },
           [&](SetMotor& c) { return set_motor(c.motor, c.target); },
           [&](EnableSensor& c) -> Result<> {
@@ -118,7 +126,8 @@ void Simulation::Impl::apply(Command& command) {
 Result<> Simulation::Impl::set_motor(const std::string& name, double target) {
   const auto found = find_named(model->motors, "motor", name);
   if (!found) return tl::unexpected(found.error());
-  if (!std::isfinite(target)) return fail("motor '" + name + "': the target is not a finite number");
+  if (!std::isfinite(target))
+    return fail("motor '" + name + "': the target is not a finite number");
   const auto index = static_cast<std::size_t>(*found);
   motors[index].target = clamp_target(*model, model->motors[index], target);
   return {};

@@ -9,11 +9,16 @@ namespace cogrsim {
 
 const char* to_string(RunStatus status) {
   switch (status) {
-    case RunStatus::running: return "running";
-    case RunStatus::completed: return "completed";
-    case RunStatus::stopped: return "stopped";
-    case RunStatus::fault: return "fault";
-    case RunStatus::diverged: return "diverged";
+    case RunStatus::running:
+      return "running";
+    case RunStatus::completed:
+      return "completed";
+    case RunStatus::stopped:
+      return "stopped";
+    case RunStatus::fault:
+      return "fault";
+    case RunStatus::diverged:
+      return "diverged";
   }
   return "running";
 }
@@ -59,7 +64,8 @@ tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneMo
       return;
     }
     Diagnostic d = from_error(completed.error(), "CG0904");
-    d.message = "options of backend '" + std::string(backend.name()) + "'" + where + ": " + d.message;
+    d.message =
+        "options of backend '" + std::string(backend.name()) + "'" + where + ": " + d.message;
     locate(d, scene, origin);
     found.push_back(std::move(d));
   };

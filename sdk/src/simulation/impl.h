@@ -25,9 +25,9 @@ struct AssemblyAccess {
   std::string plugin;
   const ParameterTable* table = nullptr;
   Parameters parameters;
-  std::vector<int> motors;             ///< those it asked for
-  std::vector<std::string> mistakes;   ///< of configure()
-  std::optional<std::string> fault;    ///< of the update that is running
+  std::vector<int> motors;            ///< those it asked for
+  std::vector<std::string> mistakes;  ///< of configure()
+  std::optional<std::string> fault;   ///< of the update that is running
 };
 
 /// One sensor with its instrument, clock and noise.
@@ -133,7 +133,7 @@ struct Simulation::Impl {
   std::shared_ptr<FramePool> pool = std::make_shared<FramePool>();
   FramePtr cached;  ///< of the present step
   FrameContents cached_contents;
-  WorldState state;           ///< scratch: present state
+  WorldState state;  ///< scratch: present state
   bool state_fresh = false;
   std::vector<Twist> twists_before;  ///< of the step before; empty when nobody needs them
   double last_dt = 0.0;

@@ -180,7 +180,8 @@ Result<SceneModelPtr> with_removed(const SceneModel& model, const std::string& n
   // Parents come before their children, so one pass finds all that lies inside.
   for (std::size_t i = 0; i < gone.size(); ++i) {
     const int parent = model.assemblies[i].parent;
-    gone[i] = static_cast<int>(i) == target || (parent >= 0 && gone[static_cast<std::size_t>(parent)]);
+    gone[i] =
+        static_cast<int>(i) == target || (parent >= 0 && gone[static_cast<std::size_t>(parent)]);
     if (gone[i]) next->assemblies[i].removed = true;
   }
   const auto inside = [&gone](int assembly) {

@@ -29,7 +29,8 @@ Drive velocity_drive(double velocity, double max_effort) {
 // push no harder than asked.
 Drive torque_drive(double effort, double max_speed, double max_effort) {
   const double bounded = clamp_to(effort, max_effort);
-  if (max_speed < kInfinity) return velocity_drive(std::copysign(max_speed, bounded), std::abs(bounded));
+  if (max_speed < kInfinity)
+    return velocity_drive(std::copysign(max_speed, bounded), std::abs(bounded));
   Drive drive;
   drive.bias = bounded;
   drive.max_effort = max_effort;
@@ -39,7 +40,8 @@ Drive torque_drive(double effort, double max_speed, double max_effort) {
 Drive servo_drive(const Motor& motor, MotorState& state, double q, double last_effort, double dt,
                   double max_speed, double max_effort) {
   double error = state.target - q;
-  // Anti-windup by conditional integration: not while the drive is saturated in the error's direction.
+  // Anti-windup by conditional integration: not while the drive is saturated in the error's
+  // direction.
   const bool saturated = std::abs(last_effort) >= max_effort * (1.0 - 1e-9);
   if (motor.ki > 0.0 && !(saturated && last_effort * error > 0.0)) state.integral += error * dt;
   // A PD drive cruises at kp * error / kd: bounding the error bounds the speed.

@@ -68,7 +68,8 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
   }
   for (std::size_t i = 0; i < snapshot->supervisors.size(); ++i) {
     to.supervisors[i].clock = snapshot->supervisors[i];
-    if (to.supervisors[i].stage) to.supervisors[i].stage->random().set_state(snapshot->supervisor_random[i]);
+    if (to.supervisors[i].stage)
+      to.supervisors[i].stage->random().set_state(snapshot->supervisor_random[i]);
   }
   if (!problems.empty()) return fail("restore: " + problems);
   return {};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <thread>
 
+#include "cogrsim/rendering/renderer.h"
 #include "simulation/impl.h"
 
 namespace cogrsim {
@@ -22,6 +23,21 @@ bool covers(const FrameContents& has, const FrameContents& wanted) {
   return (has.contacts || !wanted.contacts) && (has.joint_reactions || !wanted.joint_reactions) &&
          (has.accelerations || !wanted.accelerations);
 }
+
+/// One frame, as sensors see it.
+class FrameSensing final : public Sensing {
+ public:
+  explicit FrameSensing(const Frame& frame) : frame_(frame) {}
+  const Frame& frame() const override { return frame_; }
+  const RayCaster& rays() override { std::abort(); }
+  Color surface_color(const RayHit&) override { return {}; }
+  Result<std::vector<Picture>> render(const std::vector<RenderRequest>&) override {
+    return fail("there is no renderer");
+  }
+
+ private:
+  const Frame& frame_;
+};
 
 }  // namespace
 
@@ -113,6 +129,7 @@ void Simulation::Impl::read_sensors() {
   }
   if (!any) return;
   const FramePtr frame = frame_with(needed);
+  FrameSensing sensing(*frame);
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     SensorSlot& slot = sensors[i];
     if (!slot.sensor || model->sensors[i].removed || !slot.timer.due(now, dt)) continue;
@@ -121,9 +138,9 @@ void Simulation::Impl::read_sensors() {
     Reading& reading = slot.reading;
     const double period = reading.sequence == 0 ? 0.0 : now - reading.time;
     reading.values.assign(slot.channels.size(), 0.0);
-    slot.sensor->read(*frame, reading.values);
-    reading.valid = apply_noise(model->sensors[i].noise, slot.channels, period, slot.random,
-                                slot.walk, reading.values);
+    const Result<> seen = slot.sensor->read(sensing, reading);
+    reading.valid = seen && slot.sensor->disturb(model->sensors[i].noise, period, slot.random,
+                                                 slot.walk, reading);
     reading.time = now;
     ++reading.sequence;
   }
@@ -229,8 +246,9 @@ RunStatus Simulation::run_until(double end_time) {
       simulated_start = time();
     }
     if (!std::isfinite(speed)) continue;
-    const auto due = wall_start + std::chrono::duration_cast<Clock::duration>(
-                                      std::chrono::duration<double>((time() - simulated_start) / speed));
+    const auto due =
+        wall_start + std::chrono::duration_cast<Clock::duration>(
+                         std::chrono::duration<double>((time() - simulated_start) / speed));
     // In small naps, so that stop() is heard.
     while (Clock::now() < due && !impl_->stop_requested.load()) {
       std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(10)));

@@ -40,7 +40,7 @@ class ProbeMind final : public cogrsim::Controller {
 }  // namespace
 
 COGRSIM_CONTROLLER(ProbeMind, "probe_mind", version("1.0.0"), summary("misbehaves on request"),
-                   parameter("mode", "drive", "what to do").one_of(
-                       {"drive", "count", "missing-devices", "throw-in-configure",
-                        "throw-int-in-configure", "throw-in-update", "nan"}),
+                   parameter("mode", "drive", "what to do")
+                       .one_of({"drive", "count", "missing-devices", "throw-in-configure",
+                                "throw-int-in-configure", "throw-in-update", "nan"}),
                    parameter("speed", 2.0, "rad/s", "wheel speed").range(-10.0, 10.0))

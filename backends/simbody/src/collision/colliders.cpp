@@ -10,7 +10,7 @@
 namespace cogrsim::simbody {
 namespace {
 
-constexpr double kMostMargin = 1e-3;     // rounding of edges in distance queries [m]
+constexpr double kMostMargin = 1e-3;      // rounding of edges in distance queries [m]
 constexpr double kMarginFraction = 0.05;  // of the smallest half extent
 constexpr int kCapCorners = 12;
 

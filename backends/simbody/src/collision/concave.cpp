@@ -70,9 +70,7 @@ bool lies_on(const Triangle& t, const Vec3& n, const Vec3& p, double tolerance) 
   return true;
 }
 
-Vec3 normal_of(const Triangle& t) {
-  return (t.p[1] - t.p[0]).cross(t.p[2] - t.p[0]).normalized();
-}
+Vec3 normal_of(const Triangle& t) { return (t.p[1] - t.p[0]).cross(t.p[2] - t.p[0]).normalized(); }
 
 }  // namespace
 
@@ -154,8 +152,8 @@ void concave_contacts(const Collider& concave, const Collider& convex, double ma
     for (std::size_t k = i; k < all.size(); ++k) {
       if (used[k] || all[k].normal.dot(all[i].normal) < 0.999) continue;
       used[k] = 1;
-      const bool twice = std::any_of(
-          out.begin() + std::ptrdiff_t(group), out.end(), [&](const ContactPoint& c) {
+      const bool twice =
+          std::any_of(out.begin() + std::ptrdiff_t(group), out.end(), [&](const ContactPoint& c) {
             return (c.point - all[k].point).squaredNorm() < tolerance * tolerance;
           });
       if (!twice) out.push_back(all[k]);

@@ -29,10 +29,10 @@ class Detector {
 
   CollisionFilter filter_;
   std::vector<Collider> colliders_;
-  std::vector<int> first_;       ///< first collider of each body (nbody + 1)
+  std::vector<int> first_;  ///< first collider of each body (nbody + 1)
   std::vector<double> reach_;
-  std::vector<int> sorted_;      ///< bounded colliders by lower x
-  std::vector<int> unbounded_;   ///< planes
+  std::vector<int> sorted_;     ///< bounded colliders by lower x
+  std::vector<int> unbounded_;  ///< planes
   std::vector<std::pair<int, int>> pairs_;
   std::vector<int> open_;
 };

@@ -26,9 +26,9 @@ struct Sink final : btDiscreteCollisionDetectorInterface::Result {
 
 btTransform to_bullet(const Placement& X) {
   const Mat3& R = X.R;
-  return btTransform(btMatrix3x3(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0),
-                                 R(2, 1), R(2, 2)),
-                     btVector3(X.p[0], X.p[1], X.p[2]));
+  return btTransform(
+      btMatrix3x3(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)),
+      btVector3(X.p[0], X.p[1], X.p[2]));
 }
 
 Separation separate_convex(const btConvexShape& a, const btTransform& X_a, const btConvexShape& b,

@@ -37,17 +37,17 @@ class COGRSIM_API PluginCatalog {
 
 /// Bounds against hostile files; each has its coded error.
 struct Limits {
-  std::size_t file_bytes = 16u << 20;   ///< of one scene or imported file
-  int depth = 90;                       ///< nested elements in a file; at most 90
-  int elements = 500000;                ///< in a file
-  int attribute_bytes = 64 << 10;       ///< of one attribute value
+  std::size_t file_bytes = 16u << 20;  ///< of one scene or imported file
+  int depth = 90;                      ///< nested elements in a file; at most 90
+  int elements = 500000;               ///< in a file
+  int attribute_bytes = 64 << 10;      ///< of one attribute value
   /// After prototypes and repeats; an import counts as a hundred. Ten times what engines simulate
   /// in bearable time; a file that runs away is given up within a second.
   int expanded_elements = 250000;
-  int expansion_depth = 64;             ///< instances inside instances
-  int files = 256;                      ///< scene and imports
-  std::size_t asset_bytes = 256u << 20; ///< of one mesh, heightmap or texture file
-  int diagnostics = 100;                ///< told apart; the rest is counted
+  int expansion_depth = 64;              ///< instances inside instances
+  int files = 256;                       ///< scene and imports
+  std::size_t asset_bytes = 256u << 20;  ///< of one mesh, heightmap or texture file
+  int diagnostics = 100;                 ///< told apart; the rest is counted
 };
 
 struct CompileOptions {

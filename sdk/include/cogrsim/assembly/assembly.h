@@ -42,7 +42,8 @@ class COGRSIM_API MotorHandle {
   int motor_ = -1;
 };
 
-/// Handle of a sensor: its latest reading. Typed views (Encoder, PoseSensor, Imu, …) derive from it.
+/// Handle of a sensor: its latest reading. Typed views (Encoder, PoseSensor, Imu, …) derive from
+/// it.
 class COGRSIM_API SensorHandle {
  public:
   SensorHandle() = default;
@@ -95,8 +96,8 @@ class Imu : public SensorHandle {
 /// throw: it is noted, with what is there, and makes the load fail after configure() with all such
 /// mistakes at once; the handle then returned does nothing.
 ///
-/// The object itself is gone after configure(); a controller that needs it later keeps a copy, which
-/// is cheap and refers to the same assembly.
+/// The object itself is gone after configure(); a controller that needs it later keeps a copy,
+/// which is cheap and refers to the same assembly.
 class COGRSIM_API Assembly {
  public:
   /// Dotted name of the assembly.

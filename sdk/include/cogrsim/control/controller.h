@@ -21,9 +21,9 @@ namespace cogrsim {
 
 /// When an update happens.
 struct Tick {
-  double time = 0.0;         ///< of the frame that the sensors read [s]
-  double period = 0.0;       ///< since the update before [s]; the nominal one at the first
-  std::uint64_t count = 0;   ///< updates before this one
+  double time = 0.0;        ///< of the frame that the sensors read [s]
+  double period = 0.0;      ///< since the update before [s]; the nominal one at the first
+  std::uint64_t count = 0;  ///< updates before this one
 };
 
 class Controller {
@@ -64,18 +64,18 @@ struct ControllerEntry {
 }  // namespace cogrsim
 
 /// Exports a Controller. After class and name: parameter(…), version(…), author(…), summary(…).
-#define COGRSIM_CONTROLLER(Class, name, ...)                                                   \
-  namespace {                                                                                  \
-  const ::cogrsim::ControllerEntry cogrsim_entry = {                                           \
-      [](::cogrsim::Controller*& out) {                                                        \
-        return ::cogrsim::detail::guarded([&] { out = new Class; });                           \
-      },                                                                                       \
-      [](::cogrsim::Controller* c) { ::cogrsim::detail::guarded([&] { delete c; }); },         \
-      [](::cogrsim::Controller& c, ::cogrsim::Assembly& robot) {                               \
-        return ::cogrsim::detail::guarded([&] { c.configure(robot); });                        \
-      },                                                                                       \
-      [](::cogrsim::Controller& c, const ::cogrsim::Tick& tick) {                              \
-        return ::cogrsim::detail::guarded([&] { c.update(tick); });                            \
-      }};                                                                                      \
-  }                                                                                            \
+#define COGRSIM_CONTROLLER(Class, name, ...)                                           \
+  namespace {                                                                          \
+  const ::cogrsim::ControllerEntry cogrsim_entry = {                                   \
+      [](::cogrsim::Controller*& out) {                                                \
+        return ::cogrsim::detail::guarded([&] { out = new Class; });                   \
+      },                                                                               \
+      [](::cogrsim::Controller* c) { ::cogrsim::detail::guarded([&] { delete c; }); }, \
+      [](::cogrsim::Controller& c, ::cogrsim::Assembly& robot) {                       \
+        return ::cogrsim::detail::guarded([&] { c.configure(robot); });                \
+      },                                                                               \
+      [](::cogrsim::Controller& c, const ::cogrsim::Tick& tick) {                      \
+        return ::cogrsim::detail::guarded([&] { c.update(tick); });                    \
+      }};                                                                              \
+  }                                                                                    \
   COGRSIM_EXPORT_PLUGIN(::cogrsim::PluginKind::controller, name, &cogrsim_entry, ##__VA_ARGS__)

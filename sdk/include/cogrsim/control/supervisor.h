@@ -40,18 +40,18 @@ struct SupervisorEntry {
 
 }  // namespace cogrsim
 
-#define COGRSIM_SUPERVISOR(Class, name, ...)                                                   \
-  namespace {                                                                                  \
-  const ::cogrsim::SupervisorEntry cogrsim_entry = {                                           \
-      [](::cogrsim::Supervisor*& out) {                                                        \
-        return ::cogrsim::detail::guarded([&] { out = new Class; });                           \
-      },                                                                                       \
-      [](::cogrsim::Supervisor* s) { ::cogrsim::detail::guarded([&] { delete s; }); },         \
-      [](::cogrsim::Supervisor& s, ::cogrsim::Stage& stage) {                                  \
-        return ::cogrsim::detail::guarded([&] { s.configure(stage); });                        \
-      },                                                                                       \
-      [](::cogrsim::Supervisor& s, const ::cogrsim::Tick& tick, ::cogrsim::Stage& stage) {     \
-        return ::cogrsim::detail::guarded([&] { s.update(tick, stage); });                     \
-      }};                                                                                      \
-  }                                                                                            \
+#define COGRSIM_SUPERVISOR(Class, name, ...)                                               \
+  namespace {                                                                              \
+  const ::cogrsim::SupervisorEntry cogrsim_entry = {                                       \
+      [](::cogrsim::Supervisor*& out) {                                                    \
+        return ::cogrsim::detail::guarded([&] { out = new Class; });                       \
+      },                                                                                   \
+      [](::cogrsim::Supervisor* s) { ::cogrsim::detail::guarded([&] { delete s; }); },     \
+      [](::cogrsim::Supervisor& s, ::cogrsim::Stage& stage) {                              \
+        return ::cogrsim::detail::guarded([&] { s.configure(stage); });                    \
+      },                                                                                   \
+      [](::cogrsim::Supervisor& s, const ::cogrsim::Tick& tick, ::cogrsim::Stage& stage) { \
+        return ::cogrsim::detail::guarded([&] { s.update(tick, stage); });                 \
+      }};                                                                                  \
+  }                                                                                        \
   COGRSIM_EXPORT_PLUGIN(::cogrsim::PluginKind::supervisor, name, &cogrsim_entry, ##__VA_ARGS__)

@@ -26,12 +26,13 @@ COGRSIM_API const char* to_string(ParameterType type);
 struct ParameterSpec {
   std::string name;
   ParameterValue default_value;
-  std::string unit;  ///< SI unit of number and number list, as in the scene language; "" or "1": none
+  std::string
+      unit;  ///< SI unit of number and number list, as in the scene language; "" or "1": none
   std::string description;
   double minimum = -std::numeric_limits<double>::infinity();  ///< numbers, list elements [unit]
   double maximum = std::numeric_limits<double>::infinity();
   std::vector<std::string> choices = {};  ///< of a text; empty: any
-  bool required = false;             ///< the scene must set it
+  bool required = false;                  ///< the scene must set it
 
   ParameterType type() const { return static_cast<ParameterType>(default_value.index()); }
 
@@ -82,6 +83,7 @@ COGRSIM_API Result<Parameters> complete_parameters(const ParameterTable& table,
 
 /// The entry of `names` nearest to `word` (edit distance at most a third of its length, at least
 /// 1), or "" when none is near.
-COGRSIM_API std::string nearest_name(const std::string& word, const std::vector<std::string>& names);
+COGRSIM_API std::string nearest_name(const std::string& word,
+                                     const std::vector<std::string>& names);
 
 }  // namespace cogrsim

@@ -15,8 +15,8 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 /// Pose X_AB of a frame B in a frame A: p_A = p + q * p_B.
 struct Pose {
-  Vec3 p = Vec3::Zero();         ///< origin of B in A [m]
-  Quat q = Quat(1, 0, 0, 0);     ///< orientation of B in A, unit length
+  Vec3 p = Vec3::Zero();      ///< origin of B in A [m]
+  Quat q = Quat(1, 0, 0, 0);  ///< orientation of B in A, unit length
 
   Pose() = default;
   Pose(const Vec3& position, const Quat& orientation) : p(position), q(orientation) {}
@@ -47,7 +47,7 @@ struct Wrench {
   Vec3 torque = Vec3::Zero();  ///< [N m]
 };
 
-/// Linear RGB with opacity, each 0 to 1.
+/// Red, green and blue as screens and picture files have them (sRGB), and opacity; each 0 to 1.
 struct Color {
   double r = 0.7, g = 0.7, b = 0.7, a = 1.0;
 };

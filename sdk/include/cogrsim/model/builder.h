@@ -19,8 +19,10 @@ class COGRSIM_API ModelBuilder {
   int material(const std::string& name, double friction, double restitution = 0.0);
 
   // A body with one shape at its origin; mass 0 makes it static.
-  int box(const std::string& name, const Vec3& size, double mass, const Pose& X_WB, int material = 0);
-  int sphere(const std::string& name, double radius, double mass, const Pose& X_WB, int material = 0);
+  int box(const std::string& name, const Vec3& size, double mass, const Pose& X_WB,
+          int material = 0);
+  int sphere(const std::string& name, double radius, double mass, const Pose& X_WB,
+             int material = 0);
   int cylinder(const std::string& name, double radius, double length, double mass, const Pose& X_WB,
                int material = 0);
   int capsule(const std::string& name, double radius, double length, double mass, const Pose& X_WB,

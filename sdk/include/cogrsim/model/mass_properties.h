@@ -10,9 +10,9 @@
 namespace cogrsim {
 
 struct MassProperties {
-  double mass = 0.0;               ///< [kg]
-  Vec3 com = Vec3::Zero();         ///< [m]
-  Mat3 inertia = Mat3::Zero();     ///< about com [kg m^2], in the axes com is given in
+  double mass = 0.0;            ///< [kg]
+  Vec3 com = Vec3::Zero();      ///< [m]
+  Mat3 inertia = Mat3::Zero();  ///< about com [kg m^2], in the axes com is given in
 };
 
 /// Volume [m^3] of a solid shape; meshes by the divergence theorem. 0 for planes and heightmaps.
@@ -28,7 +28,8 @@ COGRSIM_API Result<MassProperties> shape_mass(const Shape& shape,
 COGRSIM_API MassProperties combine(const std::vector<MassProperties>& parts);
 
 /// Errors when mass is not positive or finite, or the inertia is not symmetric, not positive
-/// definite, or its principal moments violate the triangle inequality; the message shows the moments.
+/// definite, or its principal moments violate the triangle inequality; the message shows the
+/// moments.
 COGRSIM_API Result<> check_mass_properties(double mass, const Mat3& inertia);
 
 }  // namespace cogrsim

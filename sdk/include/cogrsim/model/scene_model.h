@@ -32,20 +32,20 @@ enum class BodyKind {
 struct Body {
   std::string name;  ///< dotted, unique: "robot.wheel_left"
   BodyKind kind = BodyKind::dynamic;
-  Pose X_WB;      ///< at time 0
-  Twist V_WB;     ///< at time 0: of the body frame's origin, world axes
-  double mass = 1.0;                 ///< [kg], > 0 when dynamic
-  Vec3 com = Vec3::Zero();           ///< centre of mass, in the body frame [m]
-  Mat3 inertia = Mat3::Identity();   ///< about the centre of mass, body axes [kg m^2]
+  Pose X_WB;                        ///< at time 0
+  Twist V_WB;                       ///< at time 0: of the body frame's origin, world axes
+  double mass = 1.0;                ///< [kg], > 0 when dynamic
+  Vec3 com = Vec3::Zero();          ///< centre of mass, in the body frame [m]
+  Mat3 inertia = Mat3::Identity();  ///< about the centre of mass, body axes [kg m^2]
   std::vector<Shape> shapes;
-  int assembly = -1;     ///< SceneModel::assemblies
+  int assembly = -1;  ///< SceneModel::assemblies
   bool removed = false;
   SourceSpan origin;
 };
 
 /// A named place: `<frame>`.
 struct NamedFrame {
-  std::string name;   ///< dotted
+  std::string name;  ///< dotted
   int body = kWorld;
   Pose X_BF;
   int assembly = -1;
@@ -55,17 +55,17 @@ struct NamedFrame {
 
 // Joint frames: F is fixed in the parent, M in the child; q = 0 where they coincide.
 //
-// | type        | coordinates q                            | speeds u                               |
+// | type        | coordinates q                            | speeds u |
 // |-------------|------------------------------------------|----------------------------------------|
-// | fixed       | -                                        | -                                      |
-// | hinge       | angle about z [rad], not wrapped         | its rate                               |
-// | slider      | travel along z [m]                       | its rate                               |
-// | screw       | angle about z [rad]; travel = pitch*angle/(2 pi) | its rate                       |
-// | cylindrical | angle about z [rad], travel along z [m]  | their rates                            |
-// | universal   | angle about F's x, then about M's y [rad]| their rates                            |
-// | planar      | x, y in F [m], angle about z [rad]       | their rates                            |
-// | ball        | quaternion w x y z of M in F             | angular velocity of M in F, axes F     |
-// | free        | x y z in F [m], quaternion w x y z       | linear, then angular velocity, axes F  |
+// | fixed       | -                                        | - | | hinge       | angle about z
+// [rad], not wrapped         | its rate                               | | slider      | travel
+// along z [m]                       | its rate                               | | screw       |
+// angle about z [rad]; travel = pitch*angle/(2 pi) | its rate                       | | cylindrical
+// | angle about z [rad], travel along z [m]  | their rates                            | | universal
+// | angle about F's x, then about M's y [rad]| their rates                            | | planar |
+// x, y in F [m], angle about z [rad]       | their rates                            | | ball |
+// quaternion w x y z of M in F             | angular velocity of M in F, axes F     | | free | x y
+// z in F [m], quaternion w x y z       | linear, then angular velocity, axes F  |
 enum class JointType { fixed, hinge, slider, screw, cylindrical, universal, planar, ball, free };
 
 /// "hinge", "slider", ….
@@ -103,7 +103,7 @@ struct Joint {
   Pose X_PF;  ///< in the parent body (the world: world frame)
   Pose X_CM;  ///< in the child body
   std::vector<JointAxis> axes;
-  double pitch = 0.0;  ///< of a screw: travel per turn [m]
+  double pitch = 0.0;            ///< of a screw: travel per turn [m]
   std::vector<double> position;  ///< at time 0, position_count(type); agrees with the bodies' poses
   std::vector<double> velocity;  ///< at time 0, speed_count(type); agrees with the bodies' twists
   /// Closes a loop: the other joints already connect its two bodies. Decided by the compiler
@@ -126,12 +126,13 @@ COGRSIM_API const char* to_string(MotorMode mode);
 struct Motor {
   std::string name;  ///< dotted
   int joint = -1;
-  int axis = 0;      ///< of the joint
+  int axis = 0;  ///< of the joint
   MotorMode mode = MotorMode::velocity;
   double max_effort = std::numeric_limits<double>::infinity();
   double max_speed = std::numeric_limits<double>::infinity();
   double response = 0.05;  ///< position mode: time constant [s], > 0
-  double kp = 0.0, ki = 0.0, kd = 0.0;  ///< servo gains: effort per coordinate, per its integral, per speed
+  double kp = 0.0, ki = 0.0,
+         kd = 0.0;  ///< servo gains: effort per coordinate, per its integral, per speed
   // DC model; the effort at the joint is gear * kt * current.
   double kt = 0.0;          ///< torque constant [N m/A]
   double ke = 0.0;          ///< back-EMF constant [V s/rad]
@@ -150,7 +151,8 @@ struct Motor {
 /// One term of a sensor's noise, applied in file order.
 struct NoiseTerm {
   enum class Kind { normal, uniform, bias, dropout, quantisation, bias_walk } kind = Kind::normal;
-  double a = 0.0;  ///< normal: mean; uniform: low; bias: offset; dropout: probability; quantisation: step; bias walk: sigma per sqrt(s)
+  double a = 0.0;  ///< normal: mean; uniform: low; bias: offset; dropout: probability;
+                   ///< quantisation: step; bias walk: sigma per sqrt(s)
   double b = 0.0;  ///< normal: sigma; uniform: high
 };
 
@@ -158,9 +160,9 @@ struct SensorModel {
   std::string name;  ///< dotted
   std::string type;  ///< "encoder", "pose", "imu", or a plugin's
   int body = kWorld;
-  Pose X_BS;         ///< looks along its own +x, z up
-  int joint = -1;    ///< encoder, force-torque
-  double rate = 0.0;    ///< [Hz]; 0: every step
+  Pose X_BS;          ///< looks along its own +x, z up
+  int joint = -1;     ///< encoder, force-torque
+  double rate = 0.0;  ///< [Hz]; 0: every step
   bool enabled = true;
   bool show = false;
   std::vector<NoiseTerm> noise;
@@ -174,9 +176,9 @@ enum class FaultPolicy { stop_controller, end_run };
 
 /// `<controller>` of an assembly, or `<supervisor>` of the scene (assembly -1).
 struct ControllerModel {
-  std::string name;    ///< dotted, unique
+  std::string name;  ///< dotted, unique
   std::string plugin;
-  double rate = 0.0;   ///< [Hz]; 0: every step
+  double rate = 0.0;  ///< [Hz]; 0: every step
   Parameters parameters;
   FaultPolicy on_fault = FaultPolicy::stop_controller;
   int assembly = -1;
@@ -198,10 +200,10 @@ struct AssemblyInfo {
 struct LightModel {
   enum class Type { directional, point, spot } type = Type::directional;
   std::string name;
-  Pose X_WL;                       ///< shines along its own +x
+  Pose X_WL;  ///< shines along its own +x
   Color color{1, 1, 1, 1};
   double intensity = 1.0;
-  double cone = 0.5;               ///< spot: half angle [rad]
+  double cone = 0.5;  ///< spot: half angle [rad]
   bool shadows = true;
   SourceSpan origin;
 };
@@ -215,16 +217,43 @@ struct ViewModel {
 };
 
 struct PhysicsSettings {
-  std::string backend;              ///< the scene's wish; empty: none
-  double step = 1e-3;               ///< [s]
+  std::string backend;               ///< the scene's wish; empty: none
+  double step = 1e-3;                ///< [s]
   Vec3 gravity = Vec3(0, 0, -9.81);  ///< [m/s^2]
   std::uint64_t seed = 1;
-  std::optional<double> duration;   ///< [s]
+  std::optional<double> duration;  ///< [s]
   /// Slower approaches than this do not bounce [m/s].
   double bounce_threshold = 0.05;
   std::map<std::string, Parameters> engine_options;  ///< by engine name
   SourceSpan origin;
   SourceSpan backend_origin;  ///< where the scene names its backend
+};
+
+/// `<record>`: what a run keeps of itself.
+struct RecordModel {
+  std::string file;    ///< relative to where the program was started; empty: SCENE.mcap
+  double every = 0.0;  ///< time between frames kept [s]; 0: every step
+  bool contacts = true;
+  bool images = true;  ///< of cameras
+  bool jpeg = false;   ///< colour pictures as JPEG; else PNG
+  SourceSpan origin;
+};
+
+/// One line, cloud or box of a plot. Entries are signals, see cogrsim/signals/signal.h.
+struct PlotSeries {
+  std::string x, y, z;  ///< empty where the kind of plot needs none
+  std::string label;    ///< empty: the signal's own text
+  SourceSpan origin;
+};
+
+/// `<plot>`.
+struct PlotModel {
+  std::string name;            ///< dotted, unique
+  std::string kind = "curve";  ///< "curve", "box", "surface", "histogram" or "map"
+  std::string title;
+  double every = 0.0;  ///< time between samples [s]; 0: every step
+  std::vector<PlotSeries> series;
+  SourceSpan origin;
 };
 
 /// Two bodies that pass through each other.
@@ -248,9 +277,11 @@ struct SceneModel {
   std::vector<ControllerModel> supervisors;
   std::vector<LightModel> lights;
   std::vector<ViewModel> views;
+  std::optional<RecordModel> record;
+  std::vector<PlotModel> plots;
   std::vector<BodyPair> no_collide;  ///< sorted, without doubles; joints' pairs are not in it
-  int joint_positions = 0;  ///< length of the flat array of all q
-  int joint_speeds = 0;     ///< length of the flat array of all u
+  int joint_positions = 0;           ///< length of the flat array of all q
+  int joint_speeds = 0;              ///< length of the flat array of all u
 };
 
 using SceneModelPtr = std::shared_ptr<const SceneModel>;

@@ -14,14 +14,16 @@ namespace cogrsim {
 /// Matter and looks. A shape that overrides one property gets a material of its own (see `base`),
 /// so that a backend needs to look at one index only.
 struct Material {
-  std::string name;           ///< empty for one made by an override or a default
-  int base = -1;              ///< the named material it was made from; -1: none, or itself named
-  double density = 1000.0;    ///< [kg/m^3], > 0
-  double friction = 0.5;      ///< Coulomb coefficient, >= 0
-  double restitution = 0.0;   ///< coefficient of restitution, 0 to 1
+  std::string name;          ///< empty for one made by an override or a default
+  int base = -1;             ///< the named material it was made from; -1: none, or itself named
+  double density = 1000.0;   ///< [kg/m^3], > 0
+  double friction = 0.5;     ///< Coulomb coefficient, >= 0
+  double restitution = 0.0;  ///< coefficient of restitution, 0 to 1
   std::optional<double> stiffness;  ///< of a contact point [N/m]; empty: as stiff as the engine can
   Color color;
-  std::string texture;  ///< file path, resolved; empty: none
+  std::string texture;  ///< file path, resolved; empty: none. Multiplied by `color`
+  /// Extent of one copy of the texture along u and v [m]; empty: see cogrsim/model/surface.h.
+  std::optional<Eigen::Vector2d> texture_size;
   SourceSpan origin;
 };
 
@@ -38,12 +40,15 @@ struct TriangleMesh {
   std::string name;  ///< file it came from
   std::vector<Vec3> vertices;
   std::vector<Eigen::Vector3i> triangles;
+  /// Texture coordinates (3 x ntriangle), three to a triangle in its order; empty: the file has
+  /// none.
+  std::vector<Eigen::Vector2d> uv;
 };
 
 /// Heights over a regular grid, centred on the shape's origin, x to the right, y up the rows.
 struct HeightGrid {
   std::string name;
-  int columns = 0, rows = 0;    ///< samples, each at least 2
+  int columns = 0, rows = 0;      ///< samples, each at least 2
   double size_x = 1, size_y = 1;  ///< whole extent [m]
   std::vector<double> heights;    ///< [m], (rows x columns), row 0 at the lowest y
 };
@@ -57,13 +62,13 @@ COGRSIM_API const char* to_string(ShapeType type);
 struct Shape {
   std::string name;  ///< dotted, unique in the scene
   ShapeType type = ShapeType::box;
-  Pose X_BS;                   ///< in the body
-  Vec3 size = Vec3::Ones();    ///< box: full extents [m]
-  double radius = 0.5;         ///< sphere, cylinder, capsule [m]
-  double length = 1.0;         ///< cylinder: whole, capsule: without caps; along S's z [m]
-  int mesh = -1;               ///< SceneModel::meshes, of convex_mesh and mesh
-  int heightmap = -1;          ///< SceneModel::heightmaps
-  int material = 0;            ///< SceneModel::materials
+  Pose X_BS;                 ///< in the body
+  Vec3 size = Vec3::Ones();  ///< box: full extents [m]
+  double radius = 0.5;       ///< sphere, cylinder, capsule [m]
+  double length = 1.0;       ///< cylinder: whole, capsule: without caps; along S's z [m]
+  int mesh = -1;             ///< SceneModel::meshes, of convex_mesh and mesh
+  int heightmap = -1;        ///< SceneModel::heightmaps
+  int material = 0;          ///< SceneModel::materials
   bool collides = true;
   bool visible = true;
   SourceSpan origin;

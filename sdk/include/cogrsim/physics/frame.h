@@ -11,14 +11,18 @@
 
 namespace cogrsim {
 
+struct Picture;
+
 /// What a sensor saw, as numbers; what they mean is said by the sensor's type
-/// (Sensor::channels()).
+/// (Sensor::channels()). Cameras add a picture, touch sensors the contacts they feel.
 struct Reading {
   int sensor = -1;             ///< SceneModel::sensors
   double time = 0.0;           ///< of the frame that was read [s]
   std::uint64_t sequence = 0;  ///< readings of this sensor so far; 0: none yet
   bool valid = false;          ///< false: none yet, switched off, or dropped out
   std::vector<double> values;
+  std::shared_ptr<const Picture> picture;  ///< of a camera, see cogrsim/rendering/renderer.h
+  std::vector<Contact> contacts;           ///< of a contact sensor
 };
 
 /// Something that happened during the step: a controller's fault, an added assembly.

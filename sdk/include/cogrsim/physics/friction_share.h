@@ -19,9 +19,9 @@ namespace cogrsim {
 /// about c along n. Points in one plane keep all six components of the wrench. A resultant force
 /// alone never exceeds the cone at any point; a moment may, and a solver must still clamp.
 ///
-/// `loads` (count): normal forces or impulses, >= 0; `points` (count): [m]; `friction` (count): in and
-/// out, in the unit of the loads, perpendicular to `normal` (unit). Nothing is changed for fewer
-/// than two loaded points. All vectors in the same axes.
+/// `loads` (count): normal forces or impulses, >= 0; `points` (count): [m]; `friction` (count): in
+/// and out, in the unit of the loads, perpendicular to `normal` (unit). Nothing is changed for
+/// fewer than two loaded points. All vectors in the same axes.
 COGRSIM_API void share_friction(std::size_t count, const Vec3& normal, const double* loads,
                                 const Vec3* points, Vec3* friction);
 

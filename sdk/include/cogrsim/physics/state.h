@@ -9,9 +9,9 @@
 namespace cogrsim {
 
 struct WorldState {
-  std::vector<Pose> poses;    ///< X_WB of every body (nbody)
-  std::vector<Twist> twists;  ///< of every body frame's origin, world axes (nbody)
-  std::vector<double> joint_positions;  ///< q of every joint (SceneModel::joint_positions)
+  std::vector<Pose> poses;               ///< X_WB of every body (nbody)
+  std::vector<Twist> twists;             ///< of every body frame's origin, world axes (nbody)
+  std::vector<double> joint_positions;   ///< q of every joint (SceneModel::joint_positions)
   std::vector<double> joint_velocities;  ///< u of every joint (SceneModel::joint_speeds)
   /// Mean effort along every speed during the last step by motors, springs, damping, friction and
   /// limits of the joint: all that acts along the axis, nothing of the joint's reaction

@@ -71,7 +71,8 @@ class World {
   /// Back to the scene it was created from, at time 0: equal to a fresh world, bit for bit.
   virtual Result<> reset() = 0;
 
-  /// Optional interfaces by id, nullptr when the engine lacks it: see JointReactions, KinematicDrive.
+  /// Optional interfaces by id, nullptr when the engine lacks it: see JointReactions,
+  /// KinematicDrive.
   virtual void* extension(std::string_view id) {
     (void)id;
     return nullptr;
@@ -94,7 +95,8 @@ class KinematicDrive {
  public:
   static constexpr std::string_view kId = "cogrsim.kinematic_drive/1";
   virtual ~KinematicDrive() = default;
-  /// From the next step on a kinematic body moves with this constant twist (body origin, world axes).
+  /// From the next step on a kinematic body moves with this constant twist (body origin, world
+  /// axes).
   virtual Result<> set_kinematic_twist(int body, const Twist& twist) = 0;
 };
 

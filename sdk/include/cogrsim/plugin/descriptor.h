@@ -12,7 +12,7 @@
 #include "cogrsim/core/parameter.h"
 
 /// Raised whenever an interface that plugins see changes its layout or meaning.
-#define COGRSIM_ABI_VERSION 1
+#define COGRSIM_ABI_VERSION 2
 
 #if defined(__clang__)
 #define COGRSIM_COMPILER_TAG clang
@@ -25,21 +25,21 @@
 #define COGRSIM_CONCAT_(a, b, c, d, e, f) a##b##_##c##d##_cxx##e##f
 #define COGRSIM_CONCAT(a, b, c, d, e, f) COGRSIM_CONCAT_(a, b, c, d, e, f)
 /// e.g. cogrsim_abi_1_gcc12_cxx11
-#define COGRSIM_ABI_SYMBOL                                                           \
-  COGRSIM_CONCAT(cogrsim_abi_, COGRSIM_ABI_VERSION, COGRSIM_COMPILER_TAG,            \
-                 COGRSIM_COMPILER_MAJOR, 1, _GLIBCXX_USE_CXX11_ABI)
+#define COGRSIM_ABI_SYMBOL                                                                        \
+  COGRSIM_CONCAT(cogrsim_abi_, COGRSIM_ABI_VERSION, COGRSIM_COMPILER_TAG, COGRSIM_COMPILER_MAJOR, \
+                 1, _GLIBCXX_USE_CXX11_ABI)
 #define COGRSIM_STRING_(x) #x
 #define COGRSIM_STRING(x) COGRSIM_STRING_(x)
 
 namespace cogrsim {
 
-enum class PluginKind { backend, controller, supervisor, sensor };
+enum class PluginKind { backend, controller, supervisor, sensor, renderer };
 
-/// "backend", "controller", "supervisor", "sensor".
+/// "backend", "controller", "supervisor", "sensor", "renderer".
 COGRSIM_API const char* to_string(PluginKind kind);
 
 /// Name, version and the rest of one plugin; `factory` points to the entry table of its kind
-/// (ControllerEntry, SupervisorEntry, SensorEntry, BackendEntry).
+/// (ControllerEntry, SupervisorEntry, SensorEntry, BackendEntry, RendererEntry).
 struct PluginDescriptor {
   PluginKind kind = PluginKind::controller;
   std::string name;
@@ -51,9 +51,15 @@ struct PluginDescriptor {
 };
 
 /// Items of the macros beside parameter(): version("1.2.0"), author("…"), summary("…").
-struct PluginVersion { std::string text; };
-struct PluginAuthor { std::string text; };
-struct PluginSummary { std::string text; };
+struct PluginVersion {
+  std::string text;
+};
+struct PluginAuthor {
+  std::string text;
+};
+struct PluginSummary {
+  std::string text;
+};
 inline PluginVersion version(std::string text) { return {std::move(text)}; }
 inline PluginAuthor author(std::string text) { return {std::move(text)}; }
 inline PluginSummary summary(std::string text) { return {std::move(text)}; }
@@ -66,7 +72,8 @@ inline void add_item(PluginDescriptor& d, ParameterSpec item) {
   d.parameters.push_back(std::move(item));
 }
 template <class... Items>
-PluginDescriptor describe(PluginKind kind, const char* name, const void* factory, Items&&... items) {
+PluginDescriptor describe(PluginKind kind, const char* name, const void* factory,
+                          Items&&... items) {
   PluginDescriptor d;
   d.kind = kind;
   d.name = name;
@@ -79,11 +86,11 @@ PluginDescriptor describe(PluginKind kind, const char* name, const void* factory
 }  // namespace cogrsim
 
 /// Used by the macros of each kind: exports the ABI mark and the descriptor function.
-#define COGRSIM_EXPORT_PLUGIN(kind, name, factory, ...)                                       \
+#define COGRSIM_EXPORT_PLUGIN(kind, name, factory, ...)                                        \
   extern "C" COGRSIM_API const char COGRSIM_ABI_SYMBOL[] = COGRSIM_STRING(COGRSIM_ABI_SYMBOL); \
-  extern "C" COGRSIM_API const ::cogrsim::PluginDescriptor* cogrsim_plugin() {                \
-    using namespace ::cogrsim; /* parameter(), version(), … without prefix */                 \
-    static const ::cogrsim::PluginDescriptor descriptor =                                     \
-        ::cogrsim::detail::describe(kind, name, factory, ##__VA_ARGS__);                      \
-    return &descriptor;                                                                       \
+  extern "C" COGRSIM_API const ::cogrsim::PluginDescriptor* cogrsim_plugin() {                 \
+    using namespace ::cogrsim; /* parameter(), version(), … without prefix */                \
+    static const ::cogrsim::PluginDescriptor descriptor =                                      \
+        ::cogrsim::detail::describe(kind, name, factory, ##__VA_ARGS__);                       \
+    return &descriptor;                                                                        \
   }

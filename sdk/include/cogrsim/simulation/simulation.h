@@ -24,9 +24,9 @@
 namespace cogrsim {
 
 struct SimulationOptions {
-  std::string backend;              ///< empty: the scene's, else "bullet"
-  double step = 0.0;                ///< [s]; 0: the scene's
-  std::optional<std::uint64_t> seed;  ///< empty: the scene's
+  std::string backend;                                     ///< empty: the scene's, else "bullet"
+  double step = 0.0;                                       ///< [s]; 0: the scene's
+  std::optional<std::uint64_t> seed;                       ///< empty: the scene's
   double speed = std::numeric_limits<double>::infinity();  ///< see SetSpeed
 };
 
