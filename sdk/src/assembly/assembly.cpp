@@ -94,33 +94,27 @@ double MotorHandle::max_effort() const {
   return access_ ? motor_max_effort(*access_->simulation->model, motor_of(*access_, motor_)) : 0.0;
 }
 
-bool SensorHandle::valid() const {
-  return access_ && access_->simulation->sensors[static_cast<std::size_t>(sensor_)].reading.valid;
+const Reading& SensorHandle::reading() const {
+  static const Reading kNone;
+  return access_ ? access_->simulation->sensors.reading(static_cast<std::size_t>(sensor_)) : kNone;
 }
 
-double SensorHandle::time() const {
-  return access_ ? access_->simulation->sensors[static_cast<std::size_t>(sensor_)].reading.time
-                 : kNaN;
-}
+bool SensorHandle::valid() const { return access_ && reading().valid; }
 
-std::uint64_t SensorHandle::sequence() const {
-  return access_ ? access_->simulation->sensors[static_cast<std::size_t>(sensor_)].reading.sequence
-                 : 0;
-}
+double SensorHandle::time() const { return access_ ? reading().time : kNaN; }
+
+std::uint64_t SensorHandle::sequence() const { return reading().sequence; }
 
 double SensorHandle::value(int channel) const {
   if (!valid() || channel < 0) return kNaN;
-  const auto& values =
-      access_->simulation->sensors[static_cast<std::size_t>(sensor_)].reading.values;
+  const auto& values = reading().values;
   const auto index = static_cast<std::size_t>(channel);
   return index < values.size() ? values[index] : kNaN;
 }
 
 void SensorHandle::enable(bool on) {
   if (!access_) return;
-  SensorSlot& slot = access_->simulation->sensors[static_cast<std::size_t>(sensor_)];
-  slot.enabled = on;
-  if (!on) slot.reading.valid = false;
+  access_->simulation->sensors.enable(static_cast<std::size_t>(sensor_), on);
 }
 
 const std::string& Assembly::name() const { return access_->name; }

@@ -93,9 +93,7 @@ void Simulation::Impl::apply(Command& command) {
           [&](EnableSensor& c) -> Result<> {
             const auto found = find_named(model->sensors, "sensor", c.sensor);
             if (!found) return tl::unexpected(found.error());
-            SensorSlot& slot = sensors[static_cast<std::size_t>(*found)];
-            slot.enabled = c.on;
-            if (!c.on) slot.reading.valid = false;
+            sensors.enable(static_cast<std::size_t>(*found), c.on);
             return {};
           },
           [&](SetKinematicTwist& c) -> Result<> {
@@ -147,7 +145,7 @@ Result<> Simulation::Impl::add_assembly(const AddAssembly& command) {
   const auto undo = [&] {
     model = before;
     motors.resize(motors_before);
-    sensors.erase(sensors.begin() + static_cast<std::ptrdiff_t>(sensors_before), sensors.end());
+    sensors.cut(sensors_before);
     controllers.erase(controllers.begin() + static_cast<std::ptrdiff_t>(controllers_before),
                       controllers.end());
     world_changed();
@@ -186,9 +184,7 @@ Result<> Simulation::Impl::remove_assembly(const std::string& name) {
     controllers[i].controller.reset();
   }
   for (std::size_t i = 0; i < sensors.size(); ++i) {
-    if (!model->sensors[i].removed) continue;
-    sensors[i].enabled = false;
-    sensors[i].reading.valid = false;
+    if (model->sensors[i].removed) sensors.enable(i, false);
   }
   events.push_back({time(), "removed", name, ""});
   return {};

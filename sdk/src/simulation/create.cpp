@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "model/diagnose.h"
 #include "simulation/impl.h"
 
 namespace cogrsim {
@@ -33,15 +34,6 @@ Diagnostic from_error(const Error& error, const std::string& default_code) {
   d.message = error.where.empty() ? error.message : error.where + ": " + error.message;
   d.help = error.hint;
   return d;
-}
-
-// Fills in the place in the scene's files, when it is known.
-void locate(Diagnostic& d, const SceneModel& scene, const SourceSpan& origin) {
-  if (origin.file < 0 || static_cast<std::size_t>(origin.file) >= scene.files.size()) return;
-  d.file = scene.files[static_cast<std::size_t>(origin.file)];
-  d.line = origin.line;
-  d.column = origin.column;
-  d.length = origin.length;
 }
 
 // The options a run overrules, and the engine's own options with their defaults filled in.
@@ -130,12 +122,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
 
 Diagnostic Simulation::Impl::problem(const std::string& message, const SourceSpan& origin,
                                      const std::string& code, const std::string& help) const {
-  Diagnostic d;
-  d.code = code;
-  d.message = message;
-  d.help = help;
-  locate(d, *model, origin);
-  return d;
+  return diagnose(*model, origin, message, code, help);
 }
 
 void Simulation::Impl::build_motors(std::size_t first) {
@@ -146,50 +133,7 @@ void Simulation::Impl::build_motors(std::size_t first) {
 }
 
 std::vector<Diagnostic> Simulation::Impl::build_sensors(std::size_t first) {
-  std::vector<Diagnostic> found;
-  sensors.erase(sensors.begin() + static_cast<std::ptrdiff_t>(first), sensors.end());
-  for (std::size_t i = first; i < model->sensors.size(); ++i) {
-    const SensorModel& description = model->sensors[i];
-    SensorSlot slot;
-    const SensorEntry* entry = built_in_sensor(description.type);
-    ParameterTable table;
-    if (entry) {
-      for (PluginDescriptor& d : built_in_sensors()) {
-        if (d.name == description.type) table = std::move(d.parameters);
-      }
-    } else if (auto plugin = loader->load(PluginKind::sensor, description.type)) {
-      slot.plugin = *plugin;
-      entry = static_cast<const SensorEntry*>((*plugin)->descriptor().factory);
-      table = (*plugin)->descriptor().parameters;
-    } else {
-      found.push_back(problem("sensor '" + description.name + "': " + plugin.error().message,
-                              description.origin, plugin.error().code, plugin.error().hint));
-    }
-    if (entry && !description.removed) {
-      slot.sensor = {entry->create(), entry->destroy};
-      auto parameters = complete_parameters(table, description.parameters);
-      Result<> ready;
-      if (parameters) {
-        ready = slot.sensor->configure(*model, description, *parameters);
-      } else {
-        ready = tl::unexpected(parameters.error());
-      }
-      if (ready) {
-        slot.channels = slot.sensor->channels();
-        slot.needs = slot.sensor->needs();
-      } else {
-        found.push_back(problem("sensor '" + description.name + "': " + ready.error().message,
-                                description.origin, "CG0906", ready.error().hint));
-      }
-    }
-    slot.timer = RateTimer(description.rate);
-    slot.enabled = description.enabled;
-    slot.random = RandomStream(original->physics.seed, description.name);
-    slot.walk.assign(slot.channels.size(), 0.0);
-    slot.reading.sensor = static_cast<int>(i);
-    sensors.push_back(std::move(slot));
-  }
-  return found;
+  return sensors.build(model, original->physics.seed, *loader, first);
 }
 
 std::vector<Diagnostic> Simulation::Impl::build_minds(std::size_t first_controller,

@@ -11,6 +11,7 @@
 #include "cogrsim/core/random.h"
 #include "cogrsim/sensing/sensor.h"
 #include "cogrsim/simulation/simulation.h"
+#include "sensing/sensor_suite.h"
 #include "simulation/frame_pool.h"
 #include "simulation/motor_law.h"
 #include "simulation/rate_timer.h"
@@ -28,19 +29,6 @@ struct AssemblyAccess {
   std::vector<int> motors;            ///< those it asked for
   std::vector<std::string> mistakes;  ///< of configure()
   std::optional<std::string> fault;   ///< of the update that is running
-};
-
-/// One sensor with its instrument, clock and noise.
-struct SensorSlot {
-  PluginPtr plugin;  ///< keeps the code loaded; empty for built-in ones
-  std::unique_ptr<Sensor, void (*)(Sensor*)> sensor{nullptr, nullptr};
-  std::vector<Channel> channels;
-  FrameContents needs;
-  RateTimer timer;
-  bool enabled = true;
-  RandomStream random{0, ""};
-  std::vector<double> walk;
-  Reading reading;
 };
 
 /// When a mind ran last.
@@ -82,13 +70,6 @@ struct SimulationSnapshot {
   std::uint64_t steps = 0, steps_since_base = 0;
   RunStatus status = RunStatus::running;
   std::vector<MotorState> motors;
-  struct SensorMemory {
-    RateTimer timer;
-    bool enabled;
-    std::uint64_t random;
-    std::vector<double> walk;
-    Reading reading;
-  };
   std::vector<SensorMemory> sensors;
   std::vector<MindClock> controllers, supervisors;
   std::vector<std::uint64_t> supervisor_random;
@@ -114,7 +95,7 @@ struct Simulation::Impl {
 
   std::vector<MotorState> motors;
   std::vector<Drive> drives;
-  std::vector<SensorSlot> sensors;
+  SensorSuite sensors;
   std::vector<ControllerSlot> controllers;
   std::vector<SupervisorSlot> supervisors;
   std::vector<RunMessage> messages;

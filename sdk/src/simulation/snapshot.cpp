@@ -14,10 +14,7 @@ SimulationSnapshotPtr Simulation::save() const {
   snapshot->steps_since_base = from.steps_since_base;
   snapshot->status = from.status;
   snapshot->motors = from.motors;
-  for (const SensorSlot& slot : from.sensors) {
-    snapshot->sensors.push_back(
-        {slot.timer, slot.enabled, slot.random.state(), slot.walk, slot.reading});
-  }
+  snapshot->sensors = from.sensors.save();
   for (const ControllerSlot& slot : from.controllers) snapshot->controllers.push_back(slot.clock);
   for (const SupervisorSlot& slot : from.supervisors) {
     snapshot->supervisors.push_back(slot.clock);
@@ -54,15 +51,7 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
     }
   }
   to.motors = snapshot->motors;
-  for (std::size_t i = 0; i < snapshot->sensors.size() && i < to.sensors.size(); ++i) {
-    SensorSlot& slot = to.sensors[i];
-    const SimulationSnapshot::SensorMemory& memory = snapshot->sensors[i];
-    slot.timer = memory.timer;
-    slot.enabled = memory.enabled;
-    slot.random.set_state(memory.random);
-    slot.walk = memory.walk;
-    slot.reading = memory.reading;
-  }
+  to.sensors.restore(snapshot->sensors);
   for (std::size_t i = 0; i < snapshot->controllers.size() && i < to.controllers.size(); ++i) {
     to.controllers[i].clock = snapshot->controllers[i];
   }

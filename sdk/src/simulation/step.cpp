@@ -14,11 +14,6 @@ namespace {
 /// A controller that reports every tick must not fill the memory.
 constexpr std::size_t kMaxMessages = 1000;
 
-FrameContents operator|(const FrameContents& a, const FrameContents& b) {
-  return {a.contacts || b.contacts, a.joint_reactions || b.joint_reactions,
-          a.accelerations || b.accelerations};
-}
-
 bool covers(const FrameContents& has, const FrameContents& wanted) {
   return (has.contacts || !wanted.contacts) && (has.joint_reactions || !wanted.joint_reactions) &&
          (has.accelerations || !wanted.accelerations);
@@ -74,13 +69,7 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   frame->state = present_state();
   frame->accelerations.clear();
   if (wanted.accelerations && !twists_before.empty() && last_dt > 0.0) {
-    frame->accelerations.resize(model->bodies.size());
-    const std::size_t known = std::min(twists_before.size(), frame->accelerations.size());
-    for (std::size_t i = 0; i < known; ++i) {
-      const Twist& now = frame->state.twists[i];
-      frame->accelerations[i].linear = (now.linear - twists_before[i].linear) / last_dt;
-      frame->accelerations[i].angular = (now.angular - twists_before[i].angular) / last_dt;
-    }
+    mean_accelerations(twists_before, frame->state.twists, last_dt, frame->accelerations);
   }
   frame->contacts.clear();
   if (wanted.contacts) world->get_contacts(frame->contacts);
@@ -90,8 +79,7 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
       reactions->get_joint_reactions(frame->joint_reactions);
     }
   }
-  frame->readings.resize(sensors.size());
-  for (std::size_t i = 0; i < sensors.size(); ++i) frame->readings[i] = sensors[i].reading;
+  sensors.copy_readings(frame->readings);
   frame->events = events;
   cached = std::move(frame);
   cached_contents = wanted;
@@ -109,8 +97,7 @@ void Simulation::Impl::report(Severity severity, const std::string& source,
 }
 
 bool Simulation::Impl::wants_accelerations() const {
-  return std::any_of(sensors.begin(), sensors.end(),
-                     [](const SensorSlot& s) { return s.enabled && s.needs.accelerations; }) ||
+  return sensors.wants_accelerations() ||
          std::any_of(supervisors.begin(), supervisors.end(),
                      [](const SupervisorSlot& s) { return s.needs.accelerations; }) ||
          std::any_of(watchers.begin(), watchers.end(),
@@ -118,31 +105,12 @@ bool Simulation::Impl::wants_accelerations() const {
 }
 
 void Simulation::Impl::read_sensors() {
-  const double now = time();
-  bool any = false;
-  FrameContents needed;
-  for (const SensorSlot& slot : sensors) {
-    if (slot.sensor && slot.enabled && slot.timer.due(now, dt)) {
-      any = true;
-      needed = needed | slot.needs;
-    }
-  }
-  if (!any) return;
-  const FramePtr frame = frame_with(needed);
-  FrameSensing sensing(*frame);
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    SensorSlot& slot = sensors[i];
-    if (!slot.sensor || model->sensors[i].removed || !slot.timer.due(now, dt)) continue;
-    slot.timer.advance(now, dt);
-    if (!slot.enabled) continue;
-    Reading& reading = slot.reading;
-    const double period = reading.sequence == 0 ? 0.0 : now - reading.time;
-    reading.values.assign(slot.channels.size(), 0.0);
-    const Result<> seen = slot.sensor->read(sensing, reading);
-    reading.valid = seen && slot.sensor->disturb(model->sensors[i].noise, period, slot.random,
-                                                 slot.walk, reading);
-    reading.time = now;
-    ++reading.sequence;
+  const auto needed = sensors.begin(time(), dt);
+  if (!needed) return;
+  FrameSensing sensing(*frame_with(*needed));
+  for (const SensorFault& fault : sensors.read(sensing)) {
+    const std::string& name = model->sensors[static_cast<std::size_t>(fault.sensor)].name;
+    report(Severity::error, name, "sensor '" + name + "' cannot see: " + fault.error.text());
   }
 }
 
@@ -222,7 +190,7 @@ void Simulation::observe(FrameContents contents, Observer observer) {
 }
 
 const std::vector<Channel>& Simulation::channels(int sensor) const {
-  return impl_->sensors[static_cast<std::size_t>(sensor)].channels;
+  return impl_->sensors.channels(static_cast<std::size_t>(sensor));
 }
 
 RunStatus Simulation::step() { return impl_->step(); }

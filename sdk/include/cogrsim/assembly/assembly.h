@@ -56,6 +56,8 @@ class COGRSIM_API SensorHandle {
   std::uint64_t sequence() const;
   /// Value of a channel by index, NaN when not valid.
   double value(int channel) const;
+  /// All of it; an empty one before the first reading. Valid until the next step.
+  const Reading& reading() const;
   void enable(bool on);
 
  private:

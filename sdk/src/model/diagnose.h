@@ -1,0 +1,29 @@
+// Findings about elements of a model, with the element's place in the scene's files.
+#pragma once
+
+#include "cogrsim/core/diagnostic.h"
+#include "cogrsim/model/scene_model.h"
+
+namespace cogrsim {
+
+/// Fills in the place, when it is known.
+inline void locate(Diagnostic& d, const SceneModel& model, const SourceSpan& origin) {
+  if (origin.file < 0 || static_cast<std::size_t>(origin.file) >= model.files.size()) return;
+  d.file = model.files[static_cast<std::size_t>(origin.file)];
+  d.line = origin.line;
+  d.column = origin.column;
+  d.length = origin.length;
+}
+
+inline Diagnostic diagnose(const SceneModel& model, const SourceSpan& origin,
+                           const std::string& message, const std::string& code,
+                           const std::string& help = {}) {
+  Diagnostic d;
+  d.code = code;
+  d.message = message;
+  d.help = help;
+  locate(d, model, origin);
+  return d;
+}
+
+}  // namespace cogrsim

@@ -1,0 +1,149 @@
+#include "sensing/sensor_suite.h"
+
+#include <algorithm>
+
+#include "model/diagnose.h"
+
+namespace cogrsim {
+
+std::vector<Diagnostic> SensorSuite::make(const SceneModel& model, std::size_t index,
+                                          PluginLoader& loader, Slot& slot) const {
+  const SensorModel& description = model.sensors[index];
+  const auto refuse = [&](const Error& error, const char* code) {
+    return std::vector<Diagnostic>{diagnose(model, description.origin,
+                                            "sensor '" + description.name + "': " + error.message,
+                                            error.code.empty() ? code : error.code, error.hint)};
+  };
+  const SensorEntry* entry = built_in_sensor(description.type);
+  ParameterTable table;
+  if (entry) {
+    for (PluginDescriptor& d : built_in_sensors()) {
+      if (d.name == description.type) table = std::move(d.parameters);
+    }
+  } else {
+    auto plugin = loader.load(PluginKind::sensor, description.type);
+    if (!plugin) return refuse(plugin.error(), "CG0901");
+    slot.plugin = *plugin;
+    entry = static_cast<const SensorEntry*>((*plugin)->descriptor().factory);
+    table = (*plugin)->descriptor().parameters;
+  }
+  if (description.removed) return {};
+  slot.sensor = {entry->create(), entry->destroy};
+  const auto parameters = complete_parameters(table, description.parameters);
+  if (!parameters) return refuse(parameters.error(), "CG0906");
+  if (auto ready = slot.sensor->configure(model, description, *parameters); !ready) {
+    return refuse(ready.error(), "CG0906");
+  }
+  slot.channels = slot.sensor->channels();
+  slot.needs = slot.sensor->needs();
+  return {};
+}
+
+std::vector<Diagnostic> SensorSuite::build(const SceneModelPtr& model, std::uint64_t seed,
+                                           PluginLoader& loader, std::size_t first) {
+  std::vector<Diagnostic> found;
+  cut(first);
+  for (std::size_t i = first; i < model->sensors.size(); ++i) {
+    const SensorModel& description = model->sensors[i];
+    Slot slot;
+    for (Diagnostic& d : make(*model, i, loader, slot)) found.push_back(std::move(d));
+    slot.noise = description.noise;
+    slot.random = RandomStream(seed, description.name);
+    slot.memory.timer = RateTimer(description.rate);
+    slot.memory.enabled = description.enabled;
+    slot.memory.walk.assign(slot.channels.size(), 0.0);
+    slot.memory.reading.sensor = static_cast<int>(i);
+    slots_.push_back(std::move(slot));
+  }
+  return found;
+}
+
+void SensorSuite::cut(std::size_t count) {
+  due_.clear();
+  if (count < slots_.size()) {
+    slots_.erase(slots_.begin() + static_cast<std::ptrdiff_t>(count), slots_.end());
+  }
+}
+
+std::optional<FrameContents> SensorSuite::begin(double time, double dt) {
+  now_ = time;
+  due_.clear();
+  FrameContents needed;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    Slot& slot = slots_[i];
+    if (!slot.sensor || !slot.memory.timer.due(time, dt)) continue;
+    slot.memory.timer.advance(time, dt);
+    if (!slot.memory.enabled) continue;
+    due_.push_back(i);
+    needed = needed | slot.needs;
+  }
+  if (due_.empty()) return std::nullopt;
+  return needed;
+}
+
+std::vector<SensorFault> SensorSuite::read(Sensing& sensing) {
+  std::vector<SensorFault> faults;
+  for (const std::size_t i : due_) {
+    Slot& slot = slots_[i];
+    Reading& reading = slot.memory.reading;
+    const double period = reading.sequence == 0 ? 0.0 : now_ - reading.time;
+    reading.values.assign(slot.channels.size(), 0.0);
+    reading.picture.reset();
+    reading.contacts.clear();
+    const Result<> seen = slot.sensor->read(sensing, reading);
+    if (!seen && !slot.memory.complained) faults.push_back({static_cast<int>(i), seen.error()});
+    slot.memory.complained = !seen;
+    reading.valid =
+        seen && slot.sensor->disturb(slot.noise, period, slot.random, slot.memory.walk, reading);
+    reading.time = now_;
+    ++reading.sequence;
+  }
+  due_.clear();
+  return faults;
+}
+
+void SensorSuite::copy_readings(std::vector<Reading>& out) const {
+  out.resize(slots_.size());
+  for (std::size_t i = 0; i < slots_.size(); ++i) out[i] = slots_[i].memory.reading;
+}
+
+void SensorSuite::enable(std::size_t sensor, bool on) {
+  SensorMemory& memory = slots_[sensor].memory;
+  memory.enabled = on;
+  if (!on) memory.reading.valid = false;
+}
+
+bool SensorSuite::wants_accelerations() const {
+  return std::any_of(slots_.begin(), slots_.end(), [](const Slot& slot) {
+    return slot.memory.enabled && slot.needs.accelerations;
+  });
+}
+
+std::vector<SensorMemory> SensorSuite::save() const {
+  std::vector<SensorMemory> memories;
+  memories.reserve(slots_.size());
+  for (const Slot& slot : slots_) {
+    memories.push_back(slot.memory);
+    memories.back().random = slot.random.state();
+  }
+  return memories;
+}
+
+void SensorSuite::restore(const std::vector<SensorMemory>& memories) {
+  for (std::size_t i = 0; i < memories.size() && i < slots_.size(); ++i) {
+    slots_[i].memory = memories[i];
+    slots_[i].random.set_state(memories[i].random);
+  }
+}
+
+void mean_accelerations(const std::vector<Twist>& before, const std::vector<Twist>& now, double dt,
+                        std::vector<Twist>& out) {
+  out.assign(now.size(), Twist());
+  const std::size_t known = std::min(before.size(), now.size());
+  for (std::size_t i = 0; i < known; ++i) {
+    out[i].linear = (now[i].linear - before[i].linear) / dt;
+    out[i].angular = (now[i].angular - before[i].angular) / dt;
+  }
+}
+
+}  // namespace cogrsim
