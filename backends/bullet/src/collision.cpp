@@ -4,13 +4,10 @@
 #include <cmath>
 #include <tuple>
 
-#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCallback.h>
-#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
-#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 
 #include "convert.h"
+#include "convex_contacts.h"
 
 namespace cogrsim::bullet {
 
@@ -34,7 +31,7 @@ bool is_surface(ShapeType type) { return type == ShapeType::mesh || type == Shap
 btDefaultCollisionConstructionInfo configuration_info() {
   btDefaultCollisionConstructionInfo info;
   info.m_defaultMaxPersistentManifoldPoolSize = 1024;
-  info.m_defaultMaxCollisionAlgorithmPoolSize = 1024;
+  info.m_defaultMaxCollisionAlgorithmPoolSize = 1;  // none is used
   return info;
 }
 
@@ -86,8 +83,6 @@ Collision::Collision()
       filter_(std::make_unique<Filter>(*this)),
       broadphase_(std::make_unique<btDbvtBroadphase>()) {
   dispatcher_.setDispatcherFlags(0);
-  // Enough points in one pass for shapes without a closed form, see the README.
-  configuration_.setConvexConvexMultipointIterations(4, 4);
   broadphase_->getOverlappingPairCache()->setInternalGhostPairCallback(listener_.get());
   broadphase_->getOverlappingPairCache()->setOverlapFilterCallback(filter_.get());
 }
@@ -250,36 +245,12 @@ void Collision::open(Pair& pair, std::vector<RigidBody>& bodies) {
   btCollisionObject* collider_a = &bodies[static_cast<std::size_t>(a.body)].object();
   btCollisionObject* collider_b = &bodies[static_cast<std::size_t>(b.body)].object();
   pair.manifold = dispatcher_.getNewManifold(collider_a, collider_b);
-  if (b.shape->type == ShapeType::plane || is_surface(b.shape->type)) return;
-  if (a.shape->type == ShapeType::sphere || b.shape->type == ShapeType::sphere) return;
-  const btCollisionObjectWrapper wrap_a(nullptr, a.collision->shape.get(), collider_a, a.X_WC, -1,
-                                        -1);
-  const btCollisionObjectWrapper wrap_b(nullptr, b.collision->shape.get(), collider_b, b.X_WC, -1,
-                                        -1);
-  pair.algorithm =
-      dispatcher_.findAlgorithm(&wrap_a, &wrap_b, pair.manifold, BT_CONTACT_POINT_ALGORITHMS);
-  // Some algorithms insist on a manifold of their own.
-  algorithm_manifolds_.resizeNoInitialize(0);
-  pair.algorithm->getAllContactManifolds(algorithm_manifolds_);
-  if (algorithm_manifolds_.size() > 0 && algorithm_manifolds_[0] != pair.manifold) {
-    dispatcher_.releaseManifold(pair.manifold);
-    pair.manifold = algorithm_manifolds_[0];
-    pair.owned_by_algorithm = true;
-  }
 }
 
 void Collision::close(Pair& pair) {
-  if (pair.owned_by_algorithm) pair.manifold = nullptr;
-  pair.owned_by_algorithm = false;
-  if (pair.algorithm != nullptr) {
-    pair.algorithm->~btCollisionAlgorithm();
-    dispatcher_.freeCollisionAlgorithm(pair.algorithm);
-    pair.algorithm = nullptr;
-  }
-  if (pair.manifold != nullptr) {
-    dispatcher_.releaseManifold(pair.manifold);
-    pair.manifold = nullptr;
-  }
+  if (pair.manifold == nullptr) return;
+  dispatcher_.releaseManifold(pair.manifold);
+  pair.manifold = nullptr;
 }
 
 void Collision::find_contacts(Pair& pair, std::vector<RigidBody>& bodies) {
@@ -304,19 +275,11 @@ void Collision::find_contacts(Pair& pair, std::vector<RigidBody>& bodies) {
     surface_contacts(*a.shape, *a.collision, a.X_WC, *b.collision, b.X_WC, threshold, patch_,
                      scratch_);
     patch_.commit(manifold, X_WA, X_WB, base);
-  } else if (pair.algorithm == nullptr) {
-    patch_.clear();
-    closest_contact(*a.collision, a.X_WC, *b.collision, b.X_WC, threshold, patch_);
-    patch_.commit(manifold, X_WA, X_WB, base);
   } else {
-    const btCollisionObjectWrapper wrap_a(nullptr, a.collision->shape.get(), collider_a, a.X_WC, -1,
-                                          -1);
-    const btCollisionObjectWrapper wrap_b(nullptr, b.collision->shape.get(), collider_b, b.X_WC, -1,
-                                          -1);
-    btManifoldResult result(&wrap_a, &wrap_b);
-    result.setPersistentManifold(&manifold);
-    pair.algorithm->processCollision(&wrap_a, &wrap_b, dispatch_info_, &result);
-    manifold.refreshContactPoints(X_WA, X_WB);
+    patch_.clear();
+    convex_contacts(*a.shape, *a.collision, a.X_WC, *b.shape, *b.collision, b.X_WC, threshold,
+                    patch_);
+    patch_.commit(manifold, X_WA, X_WB, base);
   }
   const int n = manifold.getNumContacts();
   for (int i = 0; i < n; ++i) {

@@ -1,6 +1,6 @@
 // Collision detection: every shape of every body on its own, pairs in an order of our own.
 //
-// Bullet's broadphase proposes pairs and its algorithms find contact points; what is kept between
+// Bullet's broadphase proposes pairs; their contact points are found afresh; what is kept between
 // steps is only the contact points, so that a snapshot can hold it all. Which pairs are looked at,
 // and in which order, depends on the present poses and velocities alone, never on the past: the
 // broadphase may propose more than touch, each is tested again.
@@ -10,7 +10,6 @@
 #include <memory>
 #include <vector>
 
-#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
@@ -83,8 +82,6 @@ class Collision {
     int first = -1, second = -1;
     bool proposed = true;
     btPersistentManifold* manifold = nullptr;
-    btCollisionAlgorithm* algorithm = nullptr;
-    bool owned_by_algorithm = false;  ///< the manifold
     SurfacePair surface;
   };
 
@@ -103,7 +100,6 @@ class Collision {
   CollisionFilter filter_rules_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
-  btDispatcherInfo dispatch_info_;
   std::unique_ptr<PairListener> listener_;
   std::unique_ptr<Filter> filter_;
   std::unique_ptr<btDbvtBroadphase> broadphase_;
@@ -112,7 +108,6 @@ class Collision {
   std::vector<std::uint64_t> added_;             ///< proposed since the last merge
   std::vector<btPersistentManifold*> manifolds_;
   std::vector<const Pair*> touching_;  ///< of manifolds_
-  btManifoldArray algorithm_manifolds_;
   ContactPatch patch_;
   std::vector<NearTriangle> scratch_;
   bool dropped_ = false;  ///< some pair is no longer proposed

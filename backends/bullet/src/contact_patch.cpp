@@ -6,6 +6,15 @@
 
 namespace cogrsim::bullet {
 
+namespace {
+
+// What differs by less is the same: rounding must not decide which points are kept, or they change
+// from step to step and begin without the loads of the last.
+constexpr double kSameDepth = 1e-7;  // [m]
+constexpr double kClearly = 1.0 + 1e-6;
+
+}  // namespace
+
 void ContactPatch::add(const PatchPoint& point) {
   if (count_ < kCapacity) {
     points_[static_cast<std::size_t>(count_++)] = point;
@@ -27,11 +36,11 @@ int ContactPatch::reduce(std::array<int, 4>& chosen) const {
   // The deepest; the farthest from it; the farthest from their line, to either side.
   int a = 0;
   for (int i = 1; i < count_; ++i) {
-    if (at(i).distance < at(a).distance) a = i;
+    if (at(i).distance < at(a).distance - kSameDepth) a = i;
   }
   int b = a;
   for (int i = 0; i < count_; ++i) {
-    if ((at(i).on_a - at(a).on_a).length2() > (at(b).on_a - at(a).on_a).length2()) b = i;
+    if ((at(i).on_a - at(a).on_a).length2() > kClearly * (at(b).on_a - at(a).on_a).length2()) b = i;
   }
   const btVector3 line = at(b).on_a - at(a).on_a;
   const btVector3 side = at(a).normal.cross(line);
@@ -39,11 +48,11 @@ int ContactPatch::reduce(std::array<int, 4>& chosen) const {
   double most = 0.0, least = 0.0;
   for (int i = 0; i < count_; ++i) {
     const double s = side.dot(at(i).on_a - at(a).on_a);
-    if (s > most) {
+    if (s > kClearly * most) {
       most = s;
       c = i;
     }
-    if (s < least) {
+    if (s < kClearly * least) {
       least = s;
       d = i;
     }

@@ -30,7 +30,7 @@ class ContactPatch {
               double reach) const;
 
  private:
-  static constexpr int kCapacity = 24;
+  static constexpr int kCapacity = 48;
   int reduce(std::array<int, 4>& chosen) const;
 
   std::array<PatchPoint, kCapacity> points_;

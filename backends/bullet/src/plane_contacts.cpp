@@ -214,26 +214,6 @@ class TriangleVisitor final : public btTriangleCallback {
 
 }  // namespace
 
-void closest_contact(const CollisionShape& a, const btTransform& X_WA, const CollisionShape& b,
-                     const btTransform& X_WB, double threshold, ContactPatch& patch) {
-  const auto* shape_a = static_cast<const btConvexShape*>(a.shape.get());
-  const auto* shape_b = static_cast<const btConvexShape*>(b.shape.get());
-  btVoronoiSimplexSolver simplex;
-  btGjkEpaPenetrationDepthSolver depth_solver;
-  btGjkPairDetector detector(shape_a, shape_b, &simplex, &depth_solver);
-  btGjkPairDetector::ClosestPointInput input;
-  input.m_transformA = X_WA;
-  input.m_transformB = X_WB;
-  const double reach = threshold + shape_a->getMargin() + shape_b->getMargin();
-  input.m_maximumDistanceSquared = reach * reach;
-  btPointCollector result;
-  detector.getClosestPoints(input, result, nullptr);
-  if (!result.m_hasResult || result.m_distance > threshold) return;
-  const btVector3& n = result.m_normalOnBInWorld;
-  patch.add({result.m_pointInWorld + n * result.m_distance, result.m_pointInWorld, n,
-             result.m_distance, 0});
-}
-
 void surface_contacts(const Shape& shape, const CollisionShape& collision, const btTransform& X_WS,
                       const CollisionShape& surface, const btTransform& X_WC, double threshold,
                       ContactPatch& patch, std::vector<NearTriangle>& scratch) {

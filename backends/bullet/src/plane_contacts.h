@@ -23,11 +23,6 @@ struct HalfSpace {
 void plane_contacts(const Shape& shape, const CollisionShape& collision, const btTransform& X_WS,
                     const HalfSpace& plane, double threshold, ContactPatch& patch);
 
-/// The one pair of closest points of two convex shapes (Gilbert-Johnson-Keerthi): all there is to a
-/// sphere. Bullet's own way keeps points of earlier steps, which hold a rolling ball up.
-void closest_contact(const CollisionShape& a, const btTransform& X_WA, const CollisionShape& b,
-                     const btTransform& X_WB, double threshold, ContactPatch& patch);
-
 struct NearTriangle {
   btVector3 corners[3];
   btVector3 normal;

@@ -52,6 +52,7 @@ Result<std::unique_ptr<CollisionShape>> make_hull(const TriangleMesh& mesh, cons
     const btVector3& v = exact.vertices[i];
     out->numbers.insert(out->numbers.end(), {v.x(), v.y(), v.z()});
   }
+  out->faces = hull_faces(out->numbers);
   auto convex = std::make_unique<btConvexHullShape>();
   for (int i = 0; i < hull.vertices.size(); ++i) convex->addPoint(hull.vertices[i], false);
   convex->recalcLocalAabb();
