@@ -45,7 +45,9 @@ struct TriangleMesh {
   std::vector<Eigen::Vector2d> uv;
 };
 
-/// Heights over a regular grid, centred on the shape's origin, x to the right, y up the rows.
+/// Heights over a regular grid, centred on the shape's origin, x to the right, y up the rows. Cell
+/// k = row (columns - 1) + column is made of the triangles 2k, below, and 2k + 1, above the line
+/// from its lower left to its upper right sample.
 struct HeightGrid {
   std::string name;
   int columns = 0, rows = 0;      ///< samples, each at least 2
@@ -53,6 +55,7 @@ struct HeightGrid {
   std::vector<double> heights;    ///< [m], (rows x columns), row 0 at the lowest y
 };
 
+/// A convex_mesh looks like its mesh and is touched as the convex hull of it.
 enum class ShapeType { box, sphere, cylinder, capsule, plane, convex_mesh, mesh, heightmap };
 
 /// "box", "sphere", …, "convex-mesh".
