@@ -1,0 +1,35 @@
+// Viewpoints that show the whole scene.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cogrsim/rendering/renderer.h"
+
+namespace cogrsim {
+
+/// front: from +x, looking along -x; back: from -x; left: from +y; right: from -y; top, bottom:
+/// from +z and -z, y up in the picture; iso: from the front left, above.
+enum class StandardView { front, back, left, right, top, bottom, iso };
+
+/// "front", "back", …
+COGRSIM_API const char* to_string(StandardView view);
+COGRSIM_API std::optional<StandardView> standard_view(const std::string& name);
+
+/// A box that encloses bodies, world [m].
+struct Bounds {
+  Vec3 low = Vec3::Constant(-1.0), high = Vec3::Constant(1.0);
+};
+
+/// What encloses all visible shapes of the frame but planes. Without any: 2 m around the origin.
+COGRSIM_API Bounds visible_bounds(const Frame& frame);
+/// Encloses both.
+COGRSIM_API Bounds joined(const Bounds& a, const Bounds& b);
+
+/// A camera that looks in the view's direction at the middle of `bounds`, from as near as shows all
+/// of it with a margin of 5 %. `fov` horizontal [rad].
+COGRSIM_API Camera standard_camera(StandardView view, const Bounds& bounds, int width, int height,
+                                   double fov = 0.8);
+
+}  // namespace cogrsim
