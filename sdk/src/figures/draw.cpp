@@ -1,0 +1,188 @@
+#include "cogrsim/figures/draw.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "gnuplot_script.h"
+
+extern char** environ;  // NOLINT: POSIX wants it declared by its user
+
+namespace cogrsim::figures {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kPatience = std::chrono::seconds(300);  // for the largest figures
+constexpr std::size_t kMostSaid = 4000;                // of gnuplot's own words [byte]
+
+struct FileActions {
+  posix_spawn_file_actions_t actions;
+  FileActions() { posix_spawn_file_actions_init(&actions); }
+  ~FileActions() { posix_spawn_file_actions_destroy(&actions); }
+  FileActions(const FileActions&) = delete;
+  FileActions& operator=(const FileActions&) = delete;
+};
+
+// The environment without what would change gnuplot's ways.
+std::vector<char*> neutral_environment() {
+  std::vector<char*> out;
+  for (char** entry = environ; *entry != nullptr; ++entry)
+    if (std::strncmp(*entry, "GNUTERM", 7) != 0 && std::strncmp(*entry, "GNUPLOT", 7) != 0 &&
+        std::strncmp(*entry, "GDFONTPATH", 10) != 0)
+      out.push_back(*entry);
+  out.push_back(nullptr);
+  return out;
+}
+
+// Reads what the process says until it ends or patience does. False: it was killed.
+bool listen(int pipe, pid_t process, std::string& said) {
+  const auto deadline = Clock::now() + kPatience;
+  while (true) {
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
+    pollfd wait{pipe, POLLIN, 0};
+    const int ready = left > 0 ? poll(&wait, 1, static_cast<int>(left)) : 0;
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready <= 0) {
+      kill(process, SIGKILL);
+      return false;
+    }
+    char buffer[1024];
+    const ssize_t count = read(pipe, buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return true;
+    if (said.size() < kMostSaid) said.append(buffer, static_cast<std::size_t>(count));
+  }
+}
+
+// `gnuplot ./NAME.gp` in `folder`, without a shell.
+Result<> run_gnuplot(const fs::path& folder, const std::string& script) {
+  int pipe[2];
+  if (pipe2(pipe, O_CLOEXEC) != 0)
+    return fail(fmt::format("cannot start gnuplot: {}", std::strerror(errno)));
+  FileActions files;
+  posix_spawn_file_actions_addchdir_np(&files.actions, folder.c_str());
+  posix_spawn_file_actions_addopen(&files.actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&files.actions, pipe[1], 1);
+  posix_spawn_file_actions_adddup2(&files.actions, pipe[1], 2);
+  std::string program = "gnuplot", bare = "-d", file = "./" + script;
+  char* const arguments[] = {program.data(), bare.data(), file.data(), nullptr};
+  std::vector<char*> environment = neutral_environment();
+  pid_t process = 0;
+  const int problem =
+      posix_spawnp(&process, "gnuplot", &files.actions, nullptr, arguments, environment.data());
+  close(pipe[1]);
+  if (problem != 0) {
+    close(pipe[0]);
+    if (problem == ENOENT || problem == EACCES)
+      return fail(
+          "gnuplot, which draws the figures, was not found", "",
+          "install it: apt-get install gnuplot-nox; the figure itself is in the .json file");
+    return fail(fmt::format("cannot start gnuplot: {}", std::strerror(problem)));
+  }
+  std::string said;
+  const bool finished = listen(pipe[0], process, said);
+  close(pipe[0]);
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  const std::string place = (folder / script).string();
+  if (!finished)
+    return fail(fmt::format("gnuplot was ended after {} s", kPatience.count()), place,
+                "draw fewer samples: every=\"…\" in the scene, --every on the command line");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    return fail(fmt::format("gnuplot could not draw the figure: {}", said), place);
+  return {};
+}
+
+Result<> write_text(const fs::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out << text;
+  out.close();
+  if (out) return {};
+  return fail(fmt::format("cannot write '{}': {}", path.string(), std::strerror(errno)));
+}
+
+Result<std::string> format_of(const fs::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (const char* known : {"png", "svg", "pdf", "json"})
+    if (ending == std::string(".") + known) return std::string(known);
+  return fail(fmt::format("'{}' does not say what kind of picture it is", path.string()), "",
+              "let the name end in .png, .svg or .pdf, or in .json for the figure's data");
+}
+
+Result<> check(const DrawOptions& options) {
+  for (const int size : {options.width, options.height})
+    if (size < 100 || size > 10000)
+      return fail(fmt::format("a picture of {} x {} pixels", options.width, options.height), "",
+                  "width and height are from 100 to 10000");
+  if (!(options.font_size >= 4.0 && options.font_size <= 100.0))
+    return fail(fmt::format("a font size of {:g}", options.font_size), "", "it is from 4 to 100");
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> draw(Figure figure, const std::string& path,
+                                      const DrawOptions& options) {
+  const fs::path picture(path);
+  const auto format = format_of(picture);
+  if (!format) return tl::unexpected(format.error());
+  if (const auto good = check(options); !good) return tl::unexpected(good.error());
+  if (const auto good = complete(figure); !good) return tl::unexpected(good.error());
+
+  const fs::path folder = picture.has_parent_path() ? picture.parent_path() : fs::path(".");
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    return fail(fmt::format("there is no folder '{}'", folder.string()), "", "create it first");
+  const auto json = to_json(figure);
+  if (!json) return tl::unexpected(json.error());
+  const std::string stem = picture.stem().string();
+  if (*format == "json") {
+    if (const auto written = write_text(picture, *json); !written)
+      return tl::unexpected(written.error());
+    return std::vector<std::string>{path};
+  }
+
+  const GnuplotJob job = gnuplot_job(figure, stem, *format, options);
+  // The script writes STEM.png whatever the case of the ending asked for.
+  const fs::path drawn = folder / (stem + "." + *format);
+  std::vector<std::string> files = {path};
+  std::vector<TextFile> texts = job.data;
+  texts.push_back(job.script);
+  texts.push_back({stem + ".json", *json});
+  for (const TextFile& text : texts) {
+    const fs::path place = folder / text.name;
+    if (const auto written = write_text(place, text.text); !written)
+      return tl::unexpected(written.error());
+    files.push_back(place.string());
+  }
+  // What lies there from before must not pass for the new picture.
+  fs::remove(drawn, error);
+  if (const auto good = run_gnuplot(folder, job.script.name); !good)
+    return tl::unexpected(good.error());
+  if (fs::file_size(drawn, error) == 0 || error)
+    return fail(fmt::format("gnuplot drew nothing into '{}'", drawn.string()), "",
+                "is the disk full?");
+  if (drawn.filename() != picture.filename()) {
+    fs::rename(drawn, picture, error);
+    if (error) return fail(fmt::format("cannot write '{}': {}", path, error.message()));
+  }
+  return files;
+}
+
+}  // namespace cogrsim::figures

@@ -1,0 +1,268 @@
+#include "terms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "node.h"
+
+namespace cogrsim {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+/// Whether the frame still has the element.
+template <class Element>
+bool present(const std::vector<Element>& elements, int index) {
+  return index >= 0 && at(index) < elements.size() && !elements[at(index)].removed;
+}
+
+/// Whether the place has a pose in this frame; the world's always has.
+bool present(const SignalPlace& place, const Frame& frame) {
+  return place.body == kWorld ||
+         (present(frame.model->bodies, place.body) && at(place.body) < frame.state.poses.size());
+}
+
+Pose pose_of(const SignalPlace& place, const Frame& frame) {
+  return place.body == kWorld ? place.X_BF : frame.state.poses[at(place.body)] * place.X_BF;
+}
+
+Twist twist_of(const SignalPlace& place, const Frame& frame) {
+  if (place.body == kWorld) return {};
+  const Twist& body = frame.state.twists[at(place.body)];
+  const Vec3 arm = frame.state.poses[at(place.body)].q * place.X_BF.p;
+  return {body.at(arm), body.angular};
+}
+
+/// Angles of R = Rz(yaw) Ry(pitch) Rx(roll); pitch within [-pi/2, pi/2], the others within
+/// (-pi, pi]. At pitch = +-pi/2 roll and yaw are not unique, only their sum or difference is.
+Vec3 roll_pitch_yaw(const Quat& q) {
+  const Mat3 R = q.toRotationMatrix();
+  return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
+          std::atan2(R(1, 0), R(0, 0))};
+}
+
+struct TimeTerm final : Signal::Node {
+  TimeTerm() {
+    text = quantity = "time";
+    unit = "s";
+  }
+  double value(const Frame& frame) const override { return frame.time; }
+};
+
+struct PlaceTerm final : Signal::Node {
+  SignalPlace place;
+  int which = 0;
+
+  double value(const Frame& frame) const override {
+    if (!present(place, frame)) return kNaN;
+    if (which < 3) return pose_of(place, frame).p[which];
+    if (which < 6) return roll_pitch_yaw(pose_of(place, frame).q)[which - 3];
+    const Twist twist = twist_of(place, frame);
+    if (which < 9) return twist.linear[which - 6];
+    if (which == 9) return twist.linear.norm();
+    if (which < 13) return twist.angular[which - 10];
+    return twist.angular.norm();
+  }
+};
+
+/// Whether speed number `i` of a joint is an angular one.
+bool turns(JointType type, int i) {
+  switch (type) {
+    case JointType::slider:
+      return false;
+    case JointType::cylindrical:
+      return i == 0;
+    case JointType::planar:
+      return i == 2;
+    case JointType::free:
+      return i >= 3;
+    default:
+      return true;
+  }
+}
+
+std::string joint_unit(const Joint& joint, int quantity, int entry) {
+  if (quantity == 0) {
+    if (joint.type == JointType::ball || (joint.type == JointType::free && entry >= 3)) return "1";
+    return turns(joint.type, entry) ? "rad" : "m";
+  }
+  if (quantity == 1) return turns(joint.type, entry) ? "rad/s" : "m/s";
+  return turns(joint.type, entry) ? "N*m" : "N";
+}
+
+struct JointTerm final : Signal::Node {
+  int index = -1, which = 0, entry = 0;
+
+  double value(const Frame& frame) const override {
+    if (!present(frame.model->joints, index)) return kNaN;
+    const Joint& joint = frame.model->joints[at(index)];
+    const std::vector<double>& all = which == 0   ? frame.state.joint_positions
+                                     : which == 1 ? frame.state.joint_velocities
+                                                  : frame.state.joint_efforts;
+    const std::size_t i = at((which == 0 ? joint.position_offset : joint.speed_offset) + entry);
+    return i < all.size() ? all[i] : kNaN;
+  }
+};
+
+struct MotorTerm final : Signal::Node {
+  int index = -1;
+
+  double value(const Frame& frame) const override {
+    return present(frame.model->motors, index) && at(index) < frame.state.motor_efforts.size()
+               ? frame.state.motor_efforts[at(index)]
+               : kNaN;
+  }
+};
+
+struct SensorTerm final : Signal::Node {
+  int index = -1, channel = -1;
+
+  double value(const Frame& frame) const override {
+    if (channel < 0 || !present(frame.model->sensors, index) ||
+        at(index) >= frame.readings.size()) {
+      return kNaN;
+    }
+    const Reading& reading = frame.readings[at(index)];
+    return reading.valid && at(channel) < reading.values.size() ? reading.values[at(channel)]
+                                                                : kNaN;
+  }
+  std::uint64_t revision(const Frame& frame) const override {
+    return at(index) < frame.readings.size() ? frame.readings[at(index)].sequence : 0;
+  }
+};
+
+struct EnergyTerm final : Signal::Node {
+  int which = 0;
+
+  double value(const Frame& frame) const override {
+    const Energy energy = energy_of(*frame.model, frame.state);
+    return which == 0   ? energy.kinetic
+           : which == 1 ? energy.potential
+                        : energy.kinetic + energy.potential;
+  }
+};
+
+struct DistanceTerm final : Signal::Node {
+  SignalPlace a, b;
+
+  double value(const Frame& frame) const override {
+    if (!present(a, frame) || !present(b, frame)) return kNaN;
+    return (pose_of(a, frame).p - pose_of(b, frame).p).norm();
+  }
+};
+
+bool among(const std::vector<int>& bodies, int body) {
+  return std::binary_search(bodies.begin(), bodies.end(), body);
+}
+
+struct ContactTerm final : Signal::Node {
+  std::vector<int> a, b;
+  bool force = false;
+
+  double value(const Frame& frame) const override {
+    const auto gone = [&](const std::vector<int>& bodies) {
+      return std::none_of(bodies.begin(), bodies.end(),
+                          [&](int body) { return present(frame.model->bodies, body); });
+    };
+    if (gone(a) || (!b.empty() && gone(b))) return kNaN;
+    int points = 0;
+    Vec3 sum = Vec3::Zero();
+    for (const Contact& contact : frame.contacts) {
+      // Contacts within the bodies themselves are none of theirs with the rest of the world.
+      const bool first = among(a, contact.body_a) &&
+                         (b.empty() ? !among(a, contact.body_b) : among(b, contact.body_b));
+      const bool second = among(a, contact.body_b) &&
+                          (b.empty() ? !among(a, contact.body_a) : among(b, contact.body_a));
+      if (!first && !second) continue;
+      ++points;
+      sum += first ? Vec3(-contact.force) : contact.force;
+    }
+    return force ? sum.norm() : points;
+  }
+};
+
+}  // namespace
+
+SignalNode time_term() { return std::make_shared<TimeTerm>(); }
+
+SignalNode place_term(std::string text, const SignalPlace& place, int quantity) {
+  auto term = std::make_shared<PlaceTerm>();
+  term->text = std::move(text);
+  term->unit = quantity < 3 ? "m" : quantity < 6 ? "rad" : quantity < 10 ? "m/s" : "rad/s";
+  term->quantity = kPlaceQuantities[at(quantity)];
+  term->place = place;
+  term->which = quantity;
+  return term;
+}
+
+SignalNode joint_term(std::string text, const Joint& joint, int index, int quantity, int entry) {
+  auto term = std::make_shared<JointTerm>();
+  term->text = std::move(text);
+  term->unit = joint_unit(joint, quantity, entry);
+  term->quantity = kJointQuantities[at(quantity)];
+  term->index = index;
+  term->which = quantity;
+  term->entry = entry;
+  return term;
+}
+
+SignalNode motor_term(std::string text, const SceneModel& model, int index) {
+  const Motor& motor = model.motors[at(index)];
+  auto term = std::make_shared<MotorTerm>();
+  term->text = std::move(text);
+  term->unit = turns(model.joints[at(motor.joint)].type, motor.axis) ? "N*m" : "N";
+  term->quantity = "effort";
+  term->index = index;
+  return term;
+}
+
+SignalNode sensor_term(std::string text, int index, int channel, std::string name,
+                       std::string unit) {
+  auto term = std::make_shared<SensorTerm>();
+  term->text = std::move(text);
+  term->unit = std::move(unit);
+  term->quantity = std::move(name);
+  term->index = index;
+  term->channel = channel;
+  return term;
+}
+
+SignalNode energy_term(int quantity) {
+  auto term = std::make_shared<EnergyTerm>();
+  term->text = std::string("energy.") + kEnergyQuantities[at(quantity)];
+  term->unit = "J";
+  term->quantity = "energy";
+  term->which = quantity;
+  return term;
+}
+
+SignalNode distance_term(std::string text, const SignalPlace& a, const SignalPlace& b) {
+  auto term = std::make_shared<DistanceTerm>();
+  term->text = std::move(text);
+  term->unit = "m";
+  term->quantity = "distance";
+  term->a = a;
+  term->b = b;
+  return term;
+}
+
+SignalNode contact_term(std::string text, std::vector<int> a, std::vector<int> b, bool force) {
+  auto term = std::make_shared<ContactTerm>();
+  term->text = std::move(text);
+  term->unit = force ? "N" : "1";
+  term->quantity = force ? "contact force" : "contacts";
+  term->needs.contacts = true;
+  term->a = std::move(a);
+  term->b = std::move(b);
+  term->force = force;
+  return term;
+}
+
+int joint_entries(const Joint& joint, int quantity) {
+  return quantity == 0 ? position_count(joint.type) : speed_count(joint.type);
+}
+
+}  // namespace cogrsim
