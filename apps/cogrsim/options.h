@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/map/map.h"
+
 namespace cogrsim::cli {
 
 /// Exit status of the program.
@@ -64,9 +66,42 @@ struct PluginsOptions {
   std::vector<std::string> plugin_paths;
 };
 
+/// Frames for the subcommands that draw.
+struct FrameSourceOptions {
+  SceneOptions source;  ///< a scene or a recording (.mcap)
+  std::string backend;  ///< of a scene; empty: its own
+  double step = 0.0;    ///< of a scene [s]; 0: its own
+};
+
+struct MapCommandOptions {
+  FrameSourceOptions source;
+  std::optional<double> at;  ///< [s]; empty: the end
+  double every = 0.0;        ///< of a film [s]
+  double speed = 1.0;        ///< of a film
+  std::string output;
+  int width = 900;  ///< [pixel]
+  std::optional<MapArea> area;
+  std::vector<std::string> trails;
+  bool names = true, rays = true;
+};
+
+struct RenderCommandOptions {
+  FrameSourceOptions source;
+  std::optional<double> at;  ///< [s]; empty: the end
+  double every = 0.0;        ///< of a film [s]
+  double speed = 1.0;        ///< of a film
+  std::string output;
+  std::string camera, view;
+  int width = 0, height = 0;  ///< [pixel]; 0: the camera's own
+  bool depth = false, segmentation = false, shadows = true;
+  std::vector<std::string> overlays;
+};
+
 /// The subcommands; each returns an ExitStatus.
 int run_command(const RunOptions& options);
 int compare_command(const CompareCommandOptions& options);
+int map_command(const MapCommandOptions& options);
+int render_command(const RenderCommandOptions& options);
 int check_command(const CheckOptions& options);
 int explain_command(const std::string& code);
 int schema_command(bool reference, const std::vector<std::string>& plugin_paths);

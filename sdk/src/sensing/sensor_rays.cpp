@@ -1,0 +1,39 @@
+#include "cogrsim/sensing/sensor_rays.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cogrsim/sensing/instruments.h"
+
+namespace cogrsim {
+
+std::vector<SensorRay> sensor_rays(const Frame& frame) {
+  std::vector<SensorRay> out;
+  const std::vector<SensorModel>& sensors = frame.model->sensors;
+  for (std::size_t i = 0; i < sensors.size() && i < frame.readings.size(); ++i) {
+    const SensorModel& sensor = sensors[i];
+    const Reading& reading = frame.readings[i];
+    if (sensor.removed || !reading.valid || reading.values.empty()) continue;
+    std::vector<Vec3> directions;
+    if (sensor.type == "infrared") {
+      directions = {Vec3::UnitX()};  // a cone has one distance, drawn along its middle
+    } else {
+      directions = ray_directions(sensor);
+    }
+    const RangeLimits limits = range_limits(sensor);
+    const Pose X_WS = sensor_pose(sensor, frame.state);
+    for (std::size_t k = 0; k < directions.size() && k < reading.values.size(); ++k) {
+      const double distance = reading.values[k];  // -inf: nearer than the least, inf: nothing
+      if (std::isnan(distance)) continue;
+      SensorRay ray;
+      ray.sensor = static_cast<int>(i);
+      ray.from = X_WS.p;
+      ray.hit = distance < std::numeric_limits<double>::infinity();
+      ray.to = X_WS * Vec3(std::clamp(distance, limits.least, limits.most) * directions[k]);
+      out.push_back(ray);
+    }
+  }
+  return out;
+}
+
+}  // namespace cogrsim
