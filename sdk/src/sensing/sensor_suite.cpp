@@ -53,6 +53,7 @@ std::vector<Diagnostic> SensorSuite::build(const SceneModelPtr& model, std::uint
     slot.memory.enabled = description.enabled;
     slot.memory.walk.assign(slot.channels.size(), 0.0);
     slot.memory.reading.sensor = static_cast<int>(i);
+    slot.memory.reading.enabled = description.enabled;
     slots_.push_back(std::move(slot));
   }
   return found;
@@ -109,8 +110,16 @@ void SensorSuite::copy_readings(std::vector<Reading>& out) const {
 
 void SensorSuite::enable(std::size_t sensor, bool on) {
   SensorMemory& memory = slots_[sensor].memory;
-  memory.enabled = on;
+  memory.enabled = memory.reading.enabled = on;
   if (!on) memory.reading.valid = false;
+}
+
+FrameContents SensorSuite::needs() const {
+  FrameContents needed;
+  for (const Slot& slot : slots_) {
+    if (slot.sensor && slot.memory.enabled) needed = needed | slot.needs;
+  }
+  return needed;
 }
 
 bool SensorSuite::wants_accelerations() const {

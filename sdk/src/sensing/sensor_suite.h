@@ -58,6 +58,8 @@ class SensorSuite {
 
   void enable(std::size_t sensor, bool on);
   bool enabled(std::size_t sensor) const { return slots_[sensor].memory.enabled; }
+  /// What the sensors that are on need of the frames they read.
+  FrameContents needs() const;
   /// Whether a sensor that is on needs accelerations: they take the twists of the step before.
   bool wants_accelerations() const;
 
@@ -91,7 +93,7 @@ void mean_accelerations(const std::vector<Twist>& before, const std::vector<Twis
 
 inline FrameContents operator|(const FrameContents& a, const FrameContents& b) {
   return {a.contacts || b.contacts, a.joint_reactions || b.joint_reactions,
-          a.accelerations || b.accelerations};
+          a.accelerations || b.accelerations, a.for_sensors || b.for_sensors};
 }
 
 }  // namespace cogrsim

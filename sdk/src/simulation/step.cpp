@@ -4,7 +4,6 @@
 #include <cmath>
 #include <thread>
 
-#include "cogrsim/rendering/renderer.h"
 #include "simulation/impl.h"
 
 namespace cogrsim {
@@ -18,21 +17,6 @@ bool covers(const FrameContents& has, const FrameContents& wanted) {
   return (has.contacts || !wanted.contacts) && (has.joint_reactions || !wanted.joint_reactions) &&
          (has.accelerations || !wanted.accelerations);
 }
-
-/// One frame, as sensors see it.
-class FrameSensing final : public Sensing {
- public:
-  explicit FrameSensing(const Frame& frame) : frame_(frame) {}
-  const Frame& frame() const override { return frame_; }
-  const RayCaster& rays() override { std::abort(); }
-  Color surface_color(const RayHit&) override { return {}; }
-  Result<std::vector<Picture>> render(const std::vector<RenderRequest>&) override {
-    return fail("there is no renderer");
-  }
-
- private:
-  const Frame& frame_;
-};
 
 }  // namespace
 
@@ -107,11 +91,12 @@ bool Simulation::Impl::wants_accelerations() const {
 void Simulation::Impl::read_sensors() {
   const auto needed = sensors.begin(time(), dt);
   if (!needed) return;
-  FrameSensing sensing(*frame_with(*needed));
+  sensing.show(frame_with(*needed));
   for (const SensorFault& fault : sensors.read(sensing)) {
     const std::string& name = model->sensors[static_cast<std::size_t>(fault.sensor)].name;
     report(Severity::error, name, "sensor '" + name + "' cannot see: " + fault.error.text());
   }
+  sensing.hide();
 }
 
 void Simulation::Impl::show_start() {
@@ -119,6 +104,7 @@ void Simulation::Impl::show_start() {
   start_shown = true;
   FrameContents needed;
   for (const Watcher& watcher : watchers) needed = needed | watcher.contents;
+  if (needed.for_sensors) needed = needed | sensors.needs();
   const FramePtr frame = frame_with(needed);
   for (const Watcher& watcher : watchers) watcher.observer(frame);
 }
@@ -156,6 +142,7 @@ RunStatus Simulation::Impl::step() {
   if (!watchers.empty()) {
     FrameContents needed;
     for (const Watcher& watcher : watchers) needed = needed | watcher.contents;
+    if (needed.for_sensors) needed = needed | sensors.needs();
     const FramePtr frame = frame_with(needed);
     for (const Watcher& watcher : watchers) watcher.observer(frame);
   }

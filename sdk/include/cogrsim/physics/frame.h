@@ -23,6 +23,7 @@ struct Reading {
   std::vector<double> values;
   std::shared_ptr<const Picture> picture;  ///< of a camera, see cogrsim/rendering/renderer.h
   std::vector<Contact> contacts;           ///< of a contact sensor
+  bool enabled = true;                     ///< the sensor is switched on
 };
 
 /// Something that happened during the step: a controller's fault, an added assembly.
@@ -55,6 +56,9 @@ struct FrameContents {
   bool contacts = false;
   bool joint_reactions = false;
   bool accelerations = false;
+  /// Also whatever the run's sensors read, as long as they are switched on: with it, readings can
+  /// be computed again from the frames.
+  bool for_sensors = false;
 };
 
 /// Kinetic and potential energy [J]: bodies' motion; gravity with zero at the world's origin, and
