@@ -1,0 +1,129 @@
+#include "rays/triangle_set.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cogrsim::rays {
+namespace {
+
+/// Woop, Benthin, Wald: Watertight Ray/Triangle Intersection (JCGT 2(1), 2013), sections 3.1 to
+/// 3.3, here in double precision. Corners are moved to the ray's origin and sheared so that the ray
+/// runs along z; the areas between the ray and the two ends of an edge are then the same number
+/// with opposite signs for both triangles at that edge. Unlike the paper both sides are hit.
+class Shear {
+ public:
+  Shear(const Vec3& origin, const Vec3& direction) : origin_(origin) {
+    direction.cwiseAbs().maxCoeff(&z_);
+    x_ = (z_ + 1) % 3;
+    y_ = (z_ + 2) % 3;
+    shear_x_ = direction[x_] / direction[z_];
+    shear_y_ = direction[y_] / direction[z_];
+    scale_ = 1.0 / direction[z_];
+  }
+
+  /// Distance along the ray; NaN: the line misses the triangle.
+  double hit(const Vec3& corner_a, const Vec3& corner_b, const Vec3& corner_c) const {
+    const Vec3 a = corner_a - origin_, b = corner_b - origin_, c = corner_c - origin_;
+    const double ax = a[x_] - shear_x_ * a[z_], ay = a[y_] - shear_y_ * a[z_];
+    const double bx = b[x_] - shear_x_ * b[z_], by = b[y_] - shear_y_ * b[z_];
+    const double cx = c[x_] - shear_x_ * c[z_], cy = c[y_] - shear_y_ * c[z_];
+    const double u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) return none;
+    const double area = u + v + w;
+    if (area == 0.0) return none;  // seen edge on, or without area
+    return scale_ * (u * a[z_] + v * b[z_] + w * c[z_]) / area;
+  }
+
+ private:
+  Vec3 origin_;
+  int x_ = 0, y_ = 1, z_ = 2;
+  double shear_x_, shear_y_, scale_;
+};
+
+std::vector<Box> boxes_of(const std::vector<Vec3>& vertices,
+                          const std::vector<Eigen::Vector3i>& triangles) {
+  std::vector<Box> boxes;
+  boxes.reserve(triangles.size());
+  for (const Eigen::Vector3i& t : triangles) {
+    const Vec3& a = vertices[static_cast<std::size_t>(t[0])];
+    const Vec3& b = vertices[static_cast<std::size_t>(t[1])];
+    const Vec3& c = vertices[static_cast<std::size_t>(t[2])];
+    boxes.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
+  }
+  return boxes;
+}
+
+}  // namespace
+
+TriangleSet::TriangleSet(const TreeDevice& device, std::vector<Vec3> vertices,
+                         std::vector<Eigen::Vector3i> triangles)
+    : vertices_(std::move(vertices)), triangles_(std::move(triangles)), tree_(device, false) {
+  const std::vector<Box> boxes = boxes_of(vertices_, triangles_);
+  if (!boxes.empty()) box_ = boxes.front();
+  for (const Box& box : boxes) {
+    box_.low = box_.low.cwiseMin(box.low);
+    box_.high = box_.high.cwiseMax(box.high);
+  }
+  tree_.build(boxes);
+}
+
+TriangleSet::Hit TriangleSet::nearest(const Vec3& origin, const Vec3& direction, double from,
+                                      double to) const {
+  struct Visitor final : BoxVisitor {
+    Visitor(const TriangleSet& triangles, const Vec3& ray_origin, const Vec3& ray_direction)
+        : set(triangles), shear(ray_origin, ray_direction) {}
+    double visit(unsigned index) override {
+      const Eigen::Vector3i& t = set.triangles_[index];
+      const double distance = shear.hit(set.vertices_[static_cast<std::size_t>(t[0])],
+                                        set.vertices_[static_cast<std::size_t>(t[1])],
+                                        set.vertices_[static_cast<std::size_t>(t[2])]);
+      const int number = static_cast<int>(index);
+      if (distance >= from &&
+          (distance < best.distance || (distance == best.distance && number < best.triangle))) {
+        best = {distance, number};
+      }
+      return std::min(best.distance, to);
+    }
+    const TriangleSet& set;
+    Shear shear;
+    Hit best;
+    double from = 0.0, to = 0.0;
+  };
+  Visitor visitor(*this, origin, direction);
+  visitor.from = from;
+  visitor.to = to;
+  tree_.trace(origin, direction, from, to, visitor);
+  return visitor.best.distance <= to ? visitor.best : Hit{};
+}
+
+Vec3 TriangleSet::normal(int triangle) const {
+  const Eigen::Vector3i& t = triangles_[static_cast<std::size_t>(triangle)];
+  const Vec3& a = vertices_[static_cast<std::size_t>(t[0])];
+  const Vec3& b = vertices_[static_cast<std::size_t>(t[1])];
+  const Vec3& c = vertices_[static_cast<std::size_t>(t[2])];
+  return (b - a).cross(c - a).stableNormalized();
+}
+
+TriangleMesh triangles_of(const HeightGrid& grid) {
+  TriangleMesh out;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const double x = static_cast<double>(column) / (grid.columns - 1) - 0.5;
+      const double y = static_cast<double>(row) / (grid.rows - 1) - 0.5;
+      const auto sample = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns) +
+                          static_cast<std::size_t>(column);
+      out.vertices.emplace_back(grid.size_x * x, grid.size_y * y, grid.heights[sample]);
+    }
+  }
+  for (int row = 0; row + 1 < grid.rows; ++row) {
+    for (int column = 0; column + 1 < grid.columns; ++column) {
+      const int low = row * grid.columns + column, high = low + grid.columns;
+      out.triangles.emplace_back(low, low + 1, high + 1);
+      out.triangles.emplace_back(low, high + 1, high);
+    }
+  }
+  return out;
+}
+
+}  // namespace cogrsim::rays
