@@ -115,6 +115,7 @@ std::string notch_csv(const Figure& figure) {
       corner(side * kHalf, left ? box.notch_high : box.notch_low);
       corner(side * kHalf, left ? box.q3 : box.q1);
     }
+    corner(-kHalf, box.q1);
     csv += "\n";
   }
   return csv;

@@ -79,6 +79,12 @@ class Extent {
     return text(fmt::format("{}", low), fmt::format("{}", high));
   }
 
+  /// Of bars: they stand on 0, or reach below the last decade.
+  std::string range_from_zero() const {
+    if (!axis_.log) return text("0", "*");
+    return text(fmt::format("{}", low_ / 2.0), low_ < high_ ? "*" : fmt::format("{}", high_ * 10));
+  }
+
  private:
   std::string text(const std::string& low, const std::string& high) const {
     return fmt::format("[{}:{}]", axis_.minimum ? fmt::format("{}", *axis_.minimum) : low,
@@ -164,12 +170,15 @@ class Writer {
     line("set style line 1001 lc rgb \"#dfdfdf\" lw 0.6  # grid");
     line("set border 31 ls 1000");
     line("set tics scale 0.6 textcolor rgb \"#262626\"");
+    line("set format \"%g\"");
     line("set grid ls 1001");
     line("set title {} font \":Bold\"", gnuplot_string(figure_.title, true));
     line("set xlabel {}", gnuplot_string(axis_title(figure_.x)));
     line("set ylabel {}", gnuplot_string(axis_title(figure_.y)));
     const bool legend = figure_.legend.value_or(figure_.series.size() > 1);
-    if (!legend || figure_.kind == Kind::box || figure_.kind == Kind::surface)
+    if (figure_.kind == Kind::map && figure_.legend.value_or(true))
+      line("set key below center horizontal Left reverse samplen 2.5 height 1.5");
+    else if (!legend || figure_.kind == Kind::box || figure_.kind == Kind::surface)
       line("unset key");
     else if (figure_.series.size() > kInnerLegend)
       line("set key outside right top Left reverse samplen 2");
@@ -190,7 +199,8 @@ class Writer {
 
   /// Axes without data, which say so.
   void nothing(const std::string& command = "plot") {
-    line("set label 9 \"no data\" at graph 0.5, graph 0.5 center front textcolor rgb \"#808080\"");
+    line("set label 9 \"no data\" at {} center front textcolor rgb \"#808080\"",
+         command == "plot" ? "graph 0.5, graph 0.5" : "screen 0.5, screen 0.5");
     line("{} NaN notitle", command);
   }
 
@@ -267,20 +277,17 @@ class Writer {
     if (x.empty()) return nothing();
     line("\n# first and last point of every path, and its style\n$ends << END\n{}END\n", ends);
     elements.push_back(
-        "$ends using 1:2:5 with points lc variable pt 6 ps 1.6 lw 1.6 notitle  # start");
-    elements.back() =
-        "$ends using 1:2:(color($5)) with points lc rgb variable pt 6 ps 1.6 lw 1.6 "
-        "notitle";
+        "$ends using 1:2:(color($5)) with points lc rgb variable pt 6 ps 1.6 lw 1.6 notitle");
     elements.push_back(
         "$ends using 3:4:(color($5)) with points lc rgb variable pt 5 ps 1.3 notitle");
     elements.push_back("NaN with points lc rgb \"#606060\" pt 6 ps 1.6 lw 1.6 title \"start\"");
     elements.push_back("NaN with points lc rgb \"#606060\" pt 5 ps 1.3 title \"end\"");
+    // Numbers, since a colour that varies along the data is one.
     std::string colors;
     for (const char* color : kColors)
       colors += (colors.empty() ? "0x" : ", 0x") + std::string(color + 1);
     line("array colors[{}] = [{}]", kColorCount, colors);
     line("color(i) = colors[1 + (int(i) - 1) % {}]", kColorCount);
-    if (figure_.legend.value_or(true)) line("set key outside right top Left reverse samplen 2.5");
     plot(elements);
   }
 
@@ -305,7 +312,10 @@ class Writer {
     const std::size_t count = std::max<std::size_t>(figure_.series.size(), 1);
     line("set xrange [0.5:{}.5]", count);
     line("set yrange {}", y.range(y.empty() ? 0.0 : 0.06));
-    line("set xtics ({}){}", tics, label_length * count > 90 ? " rotate by -30" : "");
+    if (tics.empty())
+      line("unset xtics");
+    else
+      line("set xtics ({}){}", tics, label_length * count > 90 ? " rotate by -30" : "");
     line("set grid noxtics ytics");
     if (y.empty()) return nothing();
     line("half = {}  # half a box' width", 0.25);
@@ -356,14 +366,13 @@ class Writer {
   void histograms() {
     Extent x(figure_.x), y(figure_.y);
     x.add(figure_.bins->edges);
-    if (!figure_.y.log) y.add(0.0);
     double most = 0.0;
     for (const Series& series : figure_.series) {
       y.add(series.counts);
       for (const double count : series.counts) most = std::max(most, count);
     }
     line("set xrange {}", x.range());
-    line("set yrange {}", y.range());
+    line("set yrange {}", most == 0.0 ? (figure_.y.log ? "[1:10]" : "[0:1]") : y.range_from_zero());
     line("set grid noxtics ytics");
     if (x.empty() || most == 0.0) return nothing();
     const std::string name = data(".csv", histogram_csv(figure_));
@@ -386,13 +395,14 @@ class Writer {
       z.add(tiles.heights);
     }
     line("set zlabel {} rotate parallel", gnuplot_string(axis_title(figure_.z)));
-    line("set cblabel {}", gnuplot_string(axis_title(figure_.z)));
+    line("set cblabel {} offset 1.5,0", gnuplot_string(axis_title(figure_.z)));
     line("set xrange {}", x.range());
     line("set yrange {}", y.range());
     line("set zrange {}", z.range());
     line("set view 55, 322");
     line("set xyplane relative 0");
-    line("set border 4095 ls 1000 lw 0.5");
+    line("set border 895 ls 1000 lw 0.5");
+    line("set xtics offset 0,-0.3\nset ytics offset 0,-0.4");
     line("set grid x y z back ls 1001");
     line("set xlabel rotate parallel\nset ylabel rotate parallel");
     if (tiles.csv.empty()) {
