@@ -1,0 +1,35 @@
+// Lens distortion: a wider picture without any is drawn and bent.
+#pragma once
+
+#include <optional>
+
+#include "cogrsim/rendering/renderer.h"
+
+namespace cogrsim::osmesa {
+
+bool has_distortion(const Camera& camera);
+
+/// Where the point (X, Y) of the plane x = 1 lands, see Camera.
+Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& point);
+
+/// The point that lands on `bent`: the branch of the formula that begins at the middle, as far as
+/// it rises. Empty where nothing lands.
+std::optional<Eigen::Vector2d> undistort(const Camera& camera, const Eigen::Vector2d& bent);
+
+/// For each pixel of a camera, where in the straight picture it looks; one look-up table serves as
+/// long as lens and size stay.
+struct Bending {
+  Camera lens;                          ///< whose table this is; pose, near and far do not matter
+  Camera straight;                      ///< what to draw instead, no distortion
+  std::vector<Eigen::Vector2f> places;  ///< (height x width) columns and rows; NaN: sees nothing
+  bool serves(const Camera& camera) const;
+};
+
+/// Errors: the straight picture would be too large.
+Result<Bending> make_bending(const Camera& camera);
+
+/// Colour by the four pixels around (mixed in linear light), the rest by the nearest. What the
+/// lens does not reach is black, infinitely far and nobody.
+Picture bend(const Bending& bending, const Picture& straight);
+
+}  // namespace cogrsim::osmesa

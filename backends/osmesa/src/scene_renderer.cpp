@@ -1,0 +1,464 @@
+#include "scene_renderer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "srgb.h"
+
+namespace cogrsim::osmesa {
+
+namespace {
+
+constexpr int kShadowMapSize = 1024;
+constexpr std::size_t kTargetsKept = 8;
+
+Eigen::Vector3f linear(double r, double g, double b) {
+  return Vec3(to_linear(r), to_linear(g), to_linear(b)).cast<float>();
+}
+
+CasterBounds bounds_of(const std::vector<Item>& items, const std::vector<Placement>& places) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (items[i].type == ShapeType::plane) continue;
+    box.extend((places[i].middle.array() - items[i].reach).matrix());
+    box.extend((places[i].middle.array() + items[i].reach).matrix());
+  }
+  CasterBounds bounds;
+  if (box.isEmpty()) return bounds;
+  bounds.middle = box.center();
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (items[i].type == ShapeType::plane) continue;
+    bounds.radius =
+        std::max(bounds.radius, (places[i].middle - bounds.middle).norm() + items[i].reach);
+  }
+  return bounds;
+}
+
+bool same(const std::vector<Pose>& a, const std::vector<Pose>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Pose& x, const Pose& y) {
+    return x.p == y.p && x.q.coeffs() == y.q.coeffs();
+  });
+}
+
+bool same(const TriangleMesh& a, const TriangleMesh& b) {
+  return a.vertices == b.vertices && a.triangles == b.triangles;
+}
+
+bool same(const HeightGrid& a, const HeightGrid& b) {
+  return a.columns == b.columns && a.size_x == b.size_x && a.size_y == b.size_y &&
+         a.heights == b.heights;
+}
+
+/// Whether entry `i` is in both and the same.
+template <class T>
+bool kept(const std::vector<T>& before, const std::vector<T>& now, int i) {
+  const auto at = static_cast<std::size_t>(i);
+  return at < before.size() && at < now.size() && same(before[at], now[at]);
+}
+
+}  // namespace
+
+SceneRenderer::SceneRenderer(const Gl& gl) : gl_(gl) {
+  gl_.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.Enable(GL_FRAMEBUFFER_SRGB);
+  gl_.FrontFace(GL_CW);  // rows count downwards, which mirrors everything
+  gl_.CullFace(GL_BACK);
+  gl_.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl_.GetIntegerv(GL_MAX_SAMPLES, &max_samples_);
+  gl_.GenBuffers(1, &instances_);
+  gl_.GenVertexArrays(1, &empty_array_);
+  gl_.GenFramebuffers(1, &shadow_framebuffer_);
+}
+
+SceneRenderer::~SceneRenderer() {
+  gl_.DeleteBuffers(1, &instances_);
+  gl_.DeleteVertexArrays(1, &empty_array_);
+  gl_.DeleteFramebuffers(1, &shadow_framebuffer_);
+  if (shadow_texture_ != 0) gl_.DeleteTextures(1, &shadow_texture_);
+}
+
+Result<std::vector<Picture>> SceneRenderer::render(const Frame& frame,
+                                                   const std::vector<RenderRequest>& requests) {
+  if (frame.model != model_) {
+    if (Result<> taken = take_model(frame.model); !taken) {
+      return tl::unexpected<Error>(taken.error());
+    }
+  }
+  take_poses(frame.state.poses);
+  std::vector<Picture> pictures;
+  for (const RenderRequest& request : requests) {
+    Result<Picture> picture = take_picture(request);
+    if (!picture) return tl::unexpected<Error>(picture.error());
+    pictures.push_back(std::move(*picture));
+  }
+  return pictures;
+}
+
+Result<> SceneRenderer::take_model(const SceneModelPtr& model) {
+  Result<std::vector<Item>> items = collect_items(*model, store_);
+  if (!items) return tl::unexpected<Error>(items.error());
+  for (auto it = meshes_.begin(); it != meshes_.end();) {
+    const auto& [type, index] = it->first;
+    const bool keep = model_ != nullptr && (type == ShapeType::heightmap
+                                                ? kept(model_->heightmaps, model->heightmaps, index)
+                                                : kept(model_->meshes, model->meshes, index));
+    it = keep ? std::next(it) : meshes_.erase(it);
+  }
+  textured_.clear();
+  items_ = std::move(*items);
+  for (auto it = textures_.begin(); it != textures_.end();) {
+    const bool used = std::any_of(items_.begin(), items_.end(), [&](const Item& item) {
+      return item.picture.get() == it->first;
+    });
+    it = used ? std::next(it) : textures_.erase(it);
+  }
+  for (const Item& item : items_) {
+    if (item.picture == nullptr) continue;
+    std::unique_ptr<Texture>& texture = textures_[item.picture.get()];
+    if (texture == nullptr) texture = std::make_unique<Texture>(gl_, *item.picture);
+  }
+  lights_ = lights_of(*model);
+  model_ = model;
+  poses_.clear();
+  places_.clear();
+  return {};
+}
+
+void SceneRenderer::take_poses(const std::vector<Pose>& poses) {
+  if (!poses_.empty() && same(poses, poses_)) return;
+  poses_ = poses;
+  places_ = place_items(items_, poses);
+  casters_ = bounds_of(items_, places_);
+  shadows_drawn_ = false;
+}
+
+const Geometry& SceneRenderer::geometry_of(std::size_t index, int segments) {
+  const Item& item = items_[index];
+  if (item.picture != nullptr) {
+    std::unique_ptr<Geometry>& made = textured_[{index, segments}];
+    if (made == nullptr) {
+      const Triangles plain =
+          item.closed() ? unit_shape(item.type, segments) : faces_of(*model_, *item.source);
+      made = std::make_unique<Geometry>(gl_, textured(*model_, *item.source, plain));
+    }
+    return *made;
+  }
+  if (item.closed()) {
+    std::unique_ptr<Geometry>& made = unit_shapes_[{item.type, segments}];
+    if (made == nullptr) made = std::make_unique<Geometry>(gl_, unit_shape(item.type, segments));
+    return *made;
+  }
+  const bool grid = item.type == ShapeType::heightmap;
+  std::unique_ptr<Geometry>& made =
+      meshes_[{item.type, grid ? item.source->heightmap : item.source->mesh}];
+  if (made == nullptr) made = std::make_unique<Geometry>(gl_, faces_of(*model_, *item.source));
+  return *made;
+}
+
+const Texture* SceneRenderer::texture_of(std::size_t index) const {
+  const Image* picture = items_[index].picture.get();
+  return picture == nullptr ? nullptr : textures_.at(picture).get();
+}
+
+Program& SceneRenderer::lit_program(bool shadows, bool textured) {
+  const std::string letters = letters_of(lights_, shadows);
+  std::unique_ptr<Program>& made = programs_[(textured ? "textured " : "plain ") + letters];
+  if (made == nullptr) {
+    made = std::make_unique<Program>(gl_, instanced_vertex_shader(true, textured),
+                                     lit_fragment_shader(letters, textured));
+    made->use();
+    made->set("u_texture", 0);
+    made->set("u_shadows", 1);
+  }
+  return *made;
+}
+
+Program& SceneRenderer::program(const std::string& name, std::string (*vertex)(),
+                                std::string (*fragment)()) {
+  std::unique_ptr<Program>& made = programs_[name];
+  if (made == nullptr) made = std::make_unique<Program>(gl_, vertex(), fragment());
+  return *made;
+}
+
+Target& SceneRenderer::target(Target::Kind kind, int width, int height, int samples) {
+  const auto found = std::find_if(targets_.begin(), targets_.end(), [&](const auto& target) {
+    return target->is(kind, width, height, samples);
+  });
+  if (found != targets_.end()) {
+    std::rotate(targets_.begin(), found, found + 1);  // last used first
+    return *targets_.front();
+  }
+  if (targets_.size() == kTargetsKept) targets_.pop_back();
+  targets_.insert(targets_.begin(), std::make_unique<Target>(gl_, kind, width, height, samples));
+  return *targets_.front();
+}
+
+void SceneRenderer::draw(const DrawList& list, bool transparent,
+                         const std::function<void(const Batch&)>& use) {
+  for (const Batch& batch : list.batches) {
+    if (batch.transparent != transparent) continue;
+    if (use) use(batch);
+    gl_.BindVertexArray(batch.geometry->array());
+    gl_.BindBuffer(GL_ARRAY_BUFFER, instances_);
+    const GLsizei stride = sizeof(Instance);
+    const auto point = [&](GLuint place, GLint size, std::size_t bytes) {
+      gl_.VertexAttribPointer(
+          place, size, GL_FLOAT, GL_FALSE, stride,
+          reinterpret_cast<const void*>(batch.first * sizeof(Instance) + bytes));
+    };
+    for (GLuint i = 0; i < 3; ++i) point(kRows + i, 4, offsetof(Instance, rows) + 16 * i);
+    point(kScale, 4, offsetof(Instance, scale));
+    point(kColor, 4, offsetof(Instance, color));
+    point(kBody, 1, offsetof(Instance, body));
+    if (batch.cull) gl_.Enable(GL_CULL_FACE);
+    gl_.DrawElementsInstanced(GL_TRIANGLES, batch.geometry->index_count(), GL_UNSIGNED_INT, nullptr,
+                              static_cast<GLsizei>(batch.count));
+    if (batch.cull) gl_.Disable(GL_CULL_FACE);
+  }
+}
+
+void SceneRenderer::upload(const DrawList& list) {
+  gl_.BindBuffer(GL_ARRAY_BUFFER, instances_);
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(list.instances.size() * sizeof(Instance)),
+                 list.instances.data(), GL_STREAM_DRAW);
+}
+
+void SceneRenderer::add_planes(DrawList& list, const View& view, const RenderRequest& request) {
+  plane_patches_.clear();
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    const Item& item = items_[i];
+    if (item.type != ShapeType::plane ||
+        std::binary_search(request.hidden_bodies.begin(), request.hidden_bodies.end(), item.body)) {
+      continue;
+    }
+    // A square around the camera's foot on it, as large as the camera sees.
+    const Placement& place = places_[i];
+    const Vec3 camera_S = place.R_WS.transpose() * (view.origin - place.p_WS);
+    double reach = 0.0;
+    for (const double column : {0.0, double(view.width)}) {
+      for (const double row : {0.0, double(view.height)}) {
+        reach = std::max(reach, 1.01 * view.far * view.ray(column, row).norm());
+      }
+    }
+    std::vector<Vec3> polygon;
+    const double corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    for (const auto& corner : corners) {
+      polygon.push_back(place.R_WS * Vec3(reach * corner[0], reach * corner[1], -camera_S.z()));
+    }
+    polygon = cut(std::move(polygon), view);
+    if (polygon.size() < 3) continue;
+    const Material& material = model_->materials[static_cast<std::size_t>(item.source->material)];
+    const Eigen::Vector2d size = material.texture_size.value_or(Eigen::Vector2d(1.0, 1.0));
+    // Whole copies are taken off, so that the numbers stay small far from the origin.
+    const Eigen::Vector2d start = (camera_S.head<2>().array() / size.array());
+    const Eigen::Vector2d shift = start.array().floor();
+    Triangles fan;
+    for (const Vec3& corner : polygon) {
+      Vertex vertex;
+      const Vec3 normal = place.R_WS.col(2), local = place.R_WS.transpose() * corner;
+      const Eigen::Vector2d uv =
+          (local.head<2>().array() / size.array()).matrix() + (start - shift);
+      for (int k = 0; k < 3; ++k) {
+        vertex.position[static_cast<std::size_t>(k)] = static_cast<float>(corner[k]);
+        vertex.normal[static_cast<std::size_t>(k)] = static_cast<float>(normal[k]);
+      }
+      vertex.uv = {static_cast<float>(uv.x()), static_cast<float>(1.0 - uv.y())};
+      fan.vertices.push_back(vertex);
+    }
+    for (std::uint32_t k = 2; k < fan.vertices.size(); ++k) {
+      fan.indices.insert(fan.indices.end(), {0, k - 1, k});
+    }
+    plane_patches_.push_back(std::make_unique<Geometry>(gl_, fan));
+    const bool transparent = item.color[3] < 1.0F;
+    list.batches.push_back(
+        {plane_patches_.back().get(), texture_of(i), false, transparent, list.instances.size(), 1});
+    list.instances.push_back(make_instance(item, Placement(), Vec3::Zero()));
+  }
+}
+
+void SceneRenderer::draw_shadow_maps() {
+  if (shadows_drawn_) return;
+  shadows_drawn_ = true;
+  int layers = 0;
+  for (const Light& light : lights_) layers += light.shadows ? light.layer_count() : 0;
+  if (layers == 0) return;
+  gl_.ActiveTexture(GL_TEXTURE0 + 1);
+  if (layers > shadow_layers_) {
+    if (shadow_texture_ != 0) gl_.DeleteTextures(1, &shadow_texture_);
+    gl_.GenTextures(1, &shadow_texture_);
+    gl_.BindTexture(GL_TEXTURE_2D_ARRAY, shadow_texture_);
+    gl_.TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT32F, kShadowMapSize, kShadowMapSize,
+                   layers, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+    const GLenum target = GL_TEXTURE_2D_ARRAY;
+    gl_.TexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl_.TexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl_.TexParameteri(target, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    gl_.TexParameteri(target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    const float far[] = {1.0F, 1.0F, 1.0F, 1.0F};
+    gl_.TexParameterfv(target, GL_TEXTURE_BORDER_COLOR, far);
+    gl_.TexParameteri(target, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    gl_.TexParameteri(target, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    shadow_layers_ = layers;
+  }
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, shadow_framebuffer_);
+  const GLenum none = GL_NONE;
+  gl_.DrawBuffers(1, &none);
+  gl_.ReadBuffer(GL_NONE);
+  gl_.Viewport(0, 0, kShadowMapSize, kShadowMapSize);
+  gl_.DepthFunc(GL_LESS);
+  gl_.Enable(GL_POLYGON_OFFSET_FILL);
+  gl_.PolygonOffset(1.5F, 4.0F);
+  Program& program = this->program(
+      "shadow", [] { return instanced_vertex_shader(false, false); }, shadow_fragment_shader);
+  program.use();
+  for (const Light& light : lights_) {
+    if (!light.shadows) continue;
+    int layer = light.layer;
+    for (const ShadowMap& map : shadow_maps(light, casters_)) {
+      gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadow_texture_, 0, layer++);
+      const float far = 1.0F;
+      gl_.ClearBufferfv(GL_DEPTH, 0, &far);
+      if (casters_.radius <= 0.0) continue;
+      View view;
+      view.origin = map.origin;
+      view.clip = map.clip;
+      view.planes = clip_planes(map.clip);
+      DrawOptions options;
+      options.segments = 24;
+      options.opaque_only = true;
+      DrawList list = list_items(
+          items_, places_, view, options,
+          [this](std::size_t i, int segments) -> const Geometry& {
+            return geometry_of(i, segments);
+          },
+          nullptr);
+      for (Batch& batch : list.batches) batch.cull = false;
+      upload(list);
+      program.set("u_clip", Eigen::Matrix4f(map.clip.cast<float>()));
+      draw(list, false, nullptr);
+    }
+  }
+  gl_.Disable(GL_POLYGON_OFFSET_FILL);
+}
+
+void SceneRenderer::draw_sky(const View& view) {
+  Program& sky = program("sky", full_screen_vertex_shader, sky_fragment_shader);
+  sky.use();
+  const Vec3 corner = view.ray(0, 0);
+  sky.set("u_corner", Eigen::Vector3f(corner.cast<float>()));
+  sky.set("u_right", Eigen::Vector3f((view.ray(view.width, 0) - corner).cast<float>()));
+  sky.set("u_down", Eigen::Vector3f((view.ray(0, view.height) - corner).cast<float>()));
+  sky.set("u_zenith", linear(0.36, 0.56, 0.80));
+  sky.set("u_horizon", linear(0.86, 0.91, 0.96));
+  sky.set("u_nadir", linear(0.62, 0.63, 0.64));
+  gl_.BindVertexArray(empty_array_);
+  gl_.DepthFunc(GL_GEQUAL);
+  gl_.DepthMask(GL_FALSE);
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl_.DepthMask(GL_TRUE);
+  gl_.DepthFunc(GL_GREATER);
+}
+
+void SceneRenderer::draw_color(const View& view, const RenderRequest& request, int samples) {
+  if (request.shadows) draw_shadow_maps();
+  gl_.BindFramebuffer(GL_FRAMEBUFFER,
+                      target(Target::Kind::color, view.width, view.height, samples).framebuffer());
+  gl_.Viewport(0, 0, view.width, view.height);
+  const Color& plain = request.background.color;
+  const float clear[] = {static_cast<float>(to_linear(plain.r)),
+                         static_cast<float>(to_linear(plain.g)),
+                         static_cast<float>(to_linear(plain.b)), 1.0F};
+  const float far = 0.0F;
+  gl_.ClearBufferfv(GL_COLOR, 0, clear);
+  gl_.ClearBufferfv(GL_DEPTH, 0, &far);
+  gl_.DepthFunc(GL_GREATER);
+
+  DrawOptions options;
+  options.hidden_bodies = &request.hidden_bodies;
+  options.pixel_tolerance = 0.1;
+  DrawList list = list_items(
+      items_, places_, view, options,
+      [this](std::size_t i, int segments) -> const Geometry& { return geometry_of(i, segments); },
+      [this](std::size_t i) { return texture_of(i); });
+  add_planes(list, view, request);
+  upload(list);
+  gl_.ActiveTexture(GL_TEXTURE0 + 1);
+  gl_.BindTexture(GL_TEXTURE_2D_ARRAY, shadow_texture_);
+  gl_.ActiveTexture(GL_TEXTURE0);
+  Program* current = nullptr;
+  const Texture* bound = nullptr;
+  std::vector<Program*> ready;
+  const auto use = [&](const Batch& batch) {
+    Program& wanted = lit_program(request.shadows, batch.texture != nullptr);
+    if (&wanted != current) {
+      current = &wanted;
+      wanted.use();
+      if (std::find(ready.begin(), ready.end(), &wanted) == ready.end()) {
+        ready.push_back(&wanted);
+        wanted.set("u_clip", Eigen::Matrix4f(view.clip.cast<float>()));
+        set_lights(wanted, lights_, request.shadows, casters_, view, kShadowMapSize);
+      }
+    }
+    if (batch.texture != nullptr && batch.texture != bound) {
+      bound = batch.texture;
+      gl_.BindTexture(GL_TEXTURE_2D, bound->id());
+    }
+  };
+  draw(list, false, use);
+  if (request.background.kind == Background::Kind::sky) draw_sky(view);
+  gl_.Enable(GL_BLEND);
+  current = nullptr;
+  gl_.DepthMask(GL_FALSE);
+  draw(list, true, use);
+  gl_.DepthMask(GL_TRUE);
+  gl_.Disable(GL_BLEND);
+}
+
+void SceneRenderer::read_color(const View& view, int samples, std::uint8_t* rgba) {
+  if (samples > 1) {
+    const GLuint from = target(Target::Kind::color, view.width, view.height, samples).framebuffer();
+    const GLuint to = target(Target::Kind::color, view.width, view.height, 1).framebuffer();
+    gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, from);
+    gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, to);
+    gl_.BlitFramebuffer(0, 0, view.width, view.height, 0, 0, view.width, view.height,
+                        GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, to);
+  }
+  gl_.ReadPixels(0, 0, view.width, view.height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+}
+
+void SceneRenderer::draw_data(const View& view, const RenderRequest& request, float* data) {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER,
+                      target(Target::Kind::data, view.width, view.height, 1).framebuffer());
+  gl_.Viewport(0, 0, view.width, view.height);
+  const float nothing[] = {std::numeric_limits<float>::infinity(), -1.0F, 0.0F, 0.0F};
+  const float far = 0.0F;
+  gl_.ClearBufferfv(GL_COLOR, 0, nothing);
+  gl_.ClearBufferfv(GL_DEPTH, 0, &far);
+  gl_.DepthFunc(GL_GREATER);
+  DrawOptions options;
+  options.hidden_bodies = &request.hidden_bodies;
+  options.pixel_tolerance = 0.05;
+  options.relative_tolerance = 1e-4;
+  DrawList list = list_items(
+      items_, places_, view, options,
+      [this](std::size_t i, int segments) -> const Geometry& { return geometry_of(i, segments); },
+      nullptr);
+  add_planes(list, view, request);
+  upload(list);
+  Program& program = this->program(
+      "data", [] { return instanced_vertex_shader(false, false); }, data_fragment_shader);
+  program.use();
+  program.set("u_clip", Eigen::Matrix4f(view.clip.cast<float>()));
+  draw(list, false, nullptr);
+  draw(list, true, nullptr);
+  gl_.ReadPixels(0, 0, view.width, view.height, GL_RG, GL_FLOAT, data);
+}
+
+}  // namespace cogrsim::osmesa

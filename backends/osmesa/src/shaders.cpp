@@ -1,0 +1,278 @@
+#include "shaders.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace cogrsim::osmesa {
+
+namespace {
+
+constexpr const char* kVersion = "#version 330 core\n";
+
+GLuint compile(const Gl& gl, GLenum kind, const std::string& source) {
+  const GLuint id = gl.CreateShader(kind);
+  const char* text = source.c_str();
+  gl.ShaderSource(id, 1, &text, nullptr);
+  gl.CompileShader(id);
+  GLint ok = 0;
+  gl.GetShaderiv(id, GL_COMPILE_STATUS, &ok);
+  if (ok == 0) {
+    char log[2000] = "";
+    gl.GetShaderInfoLog(id, sizeof log, nullptr, log);
+    throw std::runtime_error(fmt::format("a shader does not compile: {}\n{}", log, source));
+  }
+  return id;
+}
+
+// Shadow maps are layers of one array. A lit point is moved off its surface by about a texel before
+// it is compared, which keeps surfaces from shading themselves; each look-up is the mean of 2 x 2
+// comparisons weighted by place, four of them make a soft edge two texels wide.
+constexpr const char* kShadowFunctions = R"(
+uniform sampler2DArrayShadow u_shadows;
+float shadow_at(vec3 place, float layer) {
+  vec4 where = vec4(place.xy, layer, min(place.z, 1.0));  // behind all that casts: lit
+  vec2 step = 0.5 / vec2(textureSize(u_shadows, 0).xy);
+  float sum = texture(u_shadows, where + vec4(step.x, step.y, 0.0, 0.0));
+  sum += texture(u_shadows, where + vec4(-step.x, step.y, 0.0, 0.0));
+  sum += texture(u_shadows, where + vec4(step.x, -step.y, 0.0, 0.0));
+  sum += texture(u_shadows, where + vec4(-step.x, -step.y, 0.0, 0.0));
+  return 0.25 * sum;
+}
+// One of six layers around a point light: those of +x, -x, +y, -y, +z, -z.
+float shadow_around(vec3 d, float layer, vec2 depth) {
+  vec3 a = abs(d);
+  bool x = a.x >= a.y && a.x >= a.z;
+  bool y = !x && a.y >= a.z;
+  float along = x ? d.x : (y ? d.y : d.z);
+  vec2 across = x ? d.yz : (y ? d.xz : d.xy);
+  float w = abs(along);
+  layer += (x ? 0.0 : (y ? 2.0 : 4.0)) + (along > 0.0 ? 0.0 : 1.0);
+  return shadow_at(vec3(0.5 + 0.5 * across / w, depth.x - depth.y / w), layer);
+}
+)";
+
+}  // namespace
+
+Program::Program(const Gl& gl, const std::string& vertex, const std::string& fragment) : gl_(gl) {
+  const GLuint v = compile(gl, GL_VERTEX_SHADER, vertex);
+  const GLuint f = compile(gl, GL_FRAGMENT_SHADER, fragment);
+  id_ = gl.CreateProgram();
+  gl.AttachShader(id_, v);
+  gl.AttachShader(id_, f);
+  gl.LinkProgram(id_);
+  gl.DeleteShader(v);
+  gl.DeleteShader(f);
+  GLint ok = 0;
+  gl.GetProgramiv(id_, GL_LINK_STATUS, &ok);
+  if (ok == 0) {
+    char log[2000] = "";
+    gl.GetProgramInfoLog(id_, sizeof log, nullptr, log);
+    throw std::runtime_error(fmt::format("shaders do not link: {}", log));
+  }
+}
+
+Program::~Program() { gl_.DeleteProgram(id_); }
+
+GLint Program::place(const char* name) {
+  const auto [it, is_new] = places_.try_emplace(name, -1);
+  if (is_new) it->second = gl_.GetUniformLocation(id_, name);
+  return it->second;
+}
+
+void Program::set(const char* name, int value) { gl_.Uniform1i(place(name), value); }
+void Program::set(const char* name, const Eigen::Vector3f& value) {
+  gl_.Uniform3fv(place(name), 1, value.data());
+}
+void Program::set(const char* name, const Eigen::Vector4f& value) {
+  gl_.Uniform4fv(place(name), 1, value.data());
+}
+void Program::set(const char* name, const Eigen::Matrix4f& value) {
+  gl_.UniformMatrix4fv(place(name), 1, GL_FALSE, value.data());
+}
+
+std::string instanced_vertex_shader(bool shading, bool textured) {
+  std::string out = kVersion;
+  out += R"(
+layout(location = 0) in vec4 a_position;
+layout(location = 3) in vec4 i_row_x;
+layout(location = 4) in vec4 i_row_y;
+layout(location = 5) in vec4 i_row_z;
+layout(location = 6) in vec4 i_scale;
+layout(location = 8) in float i_body;
+uniform mat4 u_clip;
+)";
+  if (shading) {
+    out += R"(
+layout(location = 1) in vec3 a_normal;
+layout(location = 7) in vec4 i_color;
+out vec3 v_position;
+out vec3 v_normal;
+flat out vec4 v_color;
+)";
+  } else {
+    out += "flat out float v_body;\n";
+  }
+  if (textured) out += "layout(location = 2) in vec2 a_uv;\nout vec2 v_uv;\n";
+  out += R"(
+void main() {
+  vec4 p = vec4(a_position.xyz * i_scale.xyz, 1.0);
+  p.z += a_position.w * i_scale.w;
+  vec4 w = vec4(dot(i_row_x, p), dot(i_row_y, p), dot(i_row_z, p), 1.0);
+  gl_Position = u_clip * w;
+)";
+  if (shading) {
+    out += R"(
+  vec3 n = a_normal / i_scale.xyz;
+  v_position = w.xyz;
+  v_normal = vec3(dot(i_row_x.xyz, n), dot(i_row_y.xyz, n), dot(i_row_z.xyz, n));
+  v_color = i_color;
+)";
+  } else {
+    out += "  v_body = i_body;\n";
+  }
+  if (textured) out += "  v_uv = a_uv;\n";
+  return out + "}\n";
+}
+
+std::string data_fragment_shader() {
+  // 1 / w as it was interpolated: w is the distance along the camera's x.
+  return std::string(kVersion) + R"(
+flat in float v_body;
+out vec2 o_data;
+void main() { o_data = vec2(1.0 / gl_FragCoord.w, v_body); }
+)";
+}
+
+std::string shadow_fragment_shader() { return std::string(kVersion) + "void main() {}\n"; }
+
+std::string lit_fragment_shader(const std::string& lights, bool textured) {
+  std::string out = kVersion;
+  out += R"(
+in vec3 v_position;
+in vec3 v_normal;
+flat in vec4 v_color;
+out vec4 o_color;
+uniform vec3 u_ambient_middle;
+uniform vec3 u_ambient_up;
+)";
+  if (textured) out += "in vec2 v_uv;\nuniform sampler2D u_texture;\n";
+  bool shadows = false;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    out += fmt::format("uniform vec3 u_light{0}_color;\nuniform vec3 u_light{0}_place;\n", i);
+    if (lights[i] != 'd' && lights[i] != 'D')
+      out += fmt::format("uniform vec4 u_light{}_reach;\n", i);
+    if (lights[i] == 's' || lights[i] == 'S')
+      out += fmt::format("uniform vec3 u_light{}_axis;\n", i);
+    if (lights[i] < 'a') {
+      shadows = true;
+      out += fmt::format("uniform vec4 u_light{}_shadow;\n", i);
+      if (lights[i] != 'P') out += fmt::format("uniform mat4 u_light{}_map;\n", i);
+    }
+  }
+  if (shadows) out += kShadowFunctions;
+  out += R"(
+void main() {
+  vec3 n = normalize(gl_FrontFacing ? v_normal : -v_normal);
+  vec3 light = u_ambient_middle + n.z * u_ambient_up;
+)";
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const char kind = static_cast<char>(lights[i] | 0x20);
+    const bool casts = lights[i] < 'a';
+    out += "  {\n";
+    if (kind == 'd') {
+      out += fmt::format("    float s = max(dot(n, u_light{}_place), 0.0);\n", i);
+      if (casts) {
+        // u_light_shadow: layer, offset along the normal [m]
+        out += fmt::format(
+            "    vec4 m = u_light{0}_map * vec4(v_position + u_light{0}_shadow.y * n, 1.0);\n"
+            "    s *= shadow_at(m.xyz, u_light{0}_shadow.x);\n",
+            i);
+      }
+    } else {
+      // u_light_reach: 1 / range^2, cosines at which a spot ends and is full
+      out += fmt::format(
+          "    vec3 d = v_position - u_light{0}_place;\n"
+          "    float r2 = dot(d, d);\n"
+          "    float r = sqrt(r2);\n"
+          "    float s = max(-dot(n, d), 0.0) / (r * (1.0 + r2 * u_light{0}_reach.x));\n",
+          i);
+      if (kind == 's') {
+        out += fmt::format(
+            "    s *= smoothstep(u_light{0}_reach.y, u_light{0}_reach.z, "
+            "dot(d, u_light{0}_axis) / r);\n",
+            i);
+      }
+      // u_light_shadow: layer, offset along the normal per distance, depth = z - w / distance
+      if (casts && kind == 's') {
+        out += fmt::format(
+            "    vec4 m = u_light{0}_map * vec4(v_position + r * u_light{0}_shadow.y * n, 1.0);\n"
+            "    s *= m.w > 0.0 ? shadow_at(m.xyz / m.w, u_light{0}_shadow.x) : 0.0;\n",
+            i);
+      } else if (casts) {
+        out += fmt::format(
+            "    s *= shadow_around(d + r * u_light{0}_shadow.y * n, u_light{0}_shadow.x, "
+            "u_light{0}_shadow.zw);\n",
+            i);
+      }
+    }
+    out += fmt::format("    light += s * u_light{}_color;\n  }}\n", i);
+  }
+  out += textured ? "  vec4 color = v_color * texture(u_texture, v_uv);\n"
+                  : "  vec4 color = v_color;\n";
+  return out + "  o_color = vec4(color.rgb * light, color.a);\n}\n";
+}
+
+std::string full_screen_vertex_shader() {
+  // One triangle over the whole screen, at the far end of a reversed depth buffer.
+  return std::string(kVersion) + R"(
+uniform vec3 u_corner;
+uniform vec3 u_right;
+uniform vec3 u_down;
+out vec3 v_ray;
+void main() {
+  vec2 p = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
+  v_ray = u_corner + p.x * u_right + p.y * u_down;
+  gl_Position = vec4(2.0 * p - 1.0, 0.0, 1.0);
+}
+)";
+}
+
+std::string sky_fragment_shader() {
+  return std::string(kVersion) + R"(
+in vec3 v_ray;
+out vec4 o_color;
+uniform vec3 u_zenith;
+uniform vec3 u_horizon;
+uniform vec3 u_nadir;
+void main() {
+  float up = v_ray.z * inversesqrt(dot(v_ray, v_ray));
+  // Fast near the horizon, slow above: 1 - (1 - up)^3; below, the haze ends within a few degrees.
+  float a = 1.0 - clamp(up, 0.0, 1.0);
+  vec3 above = mix(u_horizon, u_zenith, 1.0 - a * a * a);
+  o_color = vec4(mix(above, u_nadir, clamp(-8.0 * up, 0.0, 1.0)), 1.0);
+}
+)";
+}
+
+std::string overlay_vertex_shader() {
+  return std::string(kVersion) + R"(
+layout(location = 0) in vec4 a_clip;
+layout(location = 1) in vec4 a_color;
+flat out vec4 v_color;
+void main() {
+  v_color = a_color;
+  gl_Position = a_clip;
+}
+)";
+}
+
+std::string overlay_fragment_shader() {
+  return std::string(kVersion) + R"(
+flat in vec4 v_color;
+out vec4 o_color;
+void main() { o_color = v_color; }
+)";
+}
+
+}  // namespace cogrsim::osmesa
