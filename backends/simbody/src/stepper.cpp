@@ -40,6 +40,7 @@ Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions&
       options_(options),
       model_(mechanism.model()),
       accelerations_(mechanism),
+      solver_(options.solver),
       laws_(make_laws(mechanism)),
       untouched_(mechanism.components().size(), 0),
       margins_(mechanism.links().size(), 0.0) {
@@ -285,8 +286,8 @@ void Stepper::solve_rows(double h) {
     }
   warm_start(h);
   balance_pairs();
-  solve_velocities(options_.solver, set_, dv_.data());
-  solve_positions(options_.solver, set_, dv_.data(), h, displacement_.data());
+  solver_.solve_velocities(set_, dv_.data());
+  solver_.solve_positions(set_, h, displacement_.data());
   sum_efforts(m.state.getQ(), m.state.getU(), h, false);
 
   // u at the end; q over the second half with it, and the displacement of the position stage.

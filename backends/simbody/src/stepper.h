@@ -103,6 +103,7 @@ class Stepper {
   StepperOptions options_;
   const SceneModel& model_;
   Accelerations accelerations_;
+  Solver solver_;
   std::vector<AxisLaw> laws_;
   bool has_shapes_ = false;
   const std::vector<Drive>* drives_ = nullptr;

@@ -1,0 +1,335 @@
+#include "islands.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cogrsim::simbody {
+namespace {
+
+constexpr int kPositionSweeps = 40;
+// Islands of up to so many rows are sped up by conjugate steps.
+constexpr std::size_t kSmall = 64;
+// Sweeps stop, too, when changes are below so many tolerances and fell, within kPatience sweeps, to
+// no less than so much of what they were: the warm start, or the next step's gaps, carry on from
+// there.
+constexpr int kPatience = 4;
+constexpr double kIdle = 30.0, kSlow = 0.3;
+constexpr double kIdleLarge = 300.0, kSlowLarge = 0.7;
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Read6 = Eigen::Map<const Vec6>;
+using Write6 = Eigen::Map<Vec6>;
+
+// Two sums side by side: one alone waits for each addition.
+double product(const double* a, const double* b, int size) {
+  double even = 0.0, odd = 0.0;
+  int k = 0;
+  for (; k + 1 < size; k += 2) {
+    even += a[k] * b[k];
+    odd += a[k + 1] * b[k + 1];
+  }
+  if (k < size) even += a[k] * b[k];
+  return even + odd;
+}
+
+// J v.
+inline double along(const Line& line, const double* v) {
+  const double* const j = line.numbers;
+  if (line.lone) {
+    double sum = Read6(j).dot(Read6(v + line.at[0]));
+    if (line.size[1] > 0) sum += Read6(j + 12).dot(Read6(v + line.at[1]));
+    return sum;
+  }
+  double sum = product(j, v + line.at[0], line.size[0]);
+  if (line.size[1] > 0) sum += product(j + 2 * line.size[0], v + line.at[1], line.size[1]);
+  return sum;
+}
+
+// v += W impulse.
+inline void apply(const Line& line, double impulse, double* v) {
+  const double* w = line.numbers + line.size[0];
+  if (line.lone) {
+    Write6(v + line.at[0]) += impulse * Read6(w);
+    if (line.size[1] > 0) Write6(v + line.at[1]) += impulse * Read6(w + 12);
+    return;
+  }
+  for (int s = 0; s < 2; ++s) {
+    double* const x = v + line.at[s];
+    for (int k = 0; k < line.size[s]; ++k) x[k] += w[k] * impulse;
+    w += line.size[0] + line.size[1];
+  }
+}
+
+// v += W1 impulse1 + W2 impulse2, of two rows with the same sides.
+inline void apply_both(const Line& one, double impulse1, const Line& two, double impulse2,
+                       double* v) {
+  if (!one.lone) {
+    apply(one, impulse1, v);
+    apply(two, impulse2, v);
+    return;
+  }
+  const double* const w1 = one.numbers + 6;
+  const double* const w2 = two.numbers + 6;
+  Write6(v + one.at[0]) += impulse1 * Read6(w1) + impulse2 * Read6(w2);
+  if (one.size[1] == 0) return;
+  Write6(v + one.at[1]) += impulse1 * Read6(w1 + 12) + impulse2 * Read6(w2 + 12);
+}
+
+// J of one row times W of another with the same sides.
+double across(const Line& one, const Line& other) {
+  const int first = one.size[0], second = one.size[1];
+  const double sum = product(one.numbers, other.numbers + first, first);
+  if (second == 0) return sum;
+  return sum + product(one.numbers + 2 * first, other.numbers + 2 * first + second, second);
+}
+
+// Towards the row's goal; returns the change of its velocity.
+inline double relax(Line& line, double least, double most, double* v) {
+  const double residual = line.bias + along(line, v) + line.gamma * line.lambda;
+  const double before = line.lambda;
+  line.lambda = std::clamp(before - residual * line.inverse, least, most);
+  const double change = line.lambda - before;
+  if (change == 0.0) return 0.0;
+  apply(line, change, v);
+  return std::abs(change) * line.diagonal;
+}
+
+}  // namespace
+
+void Island::clear() {
+  lines.clear();
+  blocks.clear();
+  speeds.clear();
+  pairs.clear();
+  p.clear();
+  bearings_.clear();
+}
+
+double Island::relax_contact(const Block& block) {
+  Line* const line = &lines[std::size_t(block.line)];
+  double* const x = v.data();
+  double change = 0.0;
+  if (block.bearing >= 0)
+    change = relax_bearing(bearings_[std::size_t(block.bearing)]);
+  else if (!block.borne)
+    change = relax(line[0], 0.0, line[0].high, x);
+  if (block.friction <= 0.0) return change;
+  double load = line[0].lambda;
+  if (block.friction_kind != FrictionKind::point) load += lines[std::size_t(block.partner)].lambda;
+  const double bound = std::max(block.friction * load, 0.0);
+  Line &t1 = line[1], &t2 = line[2];
+  if (block.friction_kind == FrictionKind::twist) {
+    const double most = block.lever * bound;
+    return std::max(change, relax(t1, -most, most, x));
+  }
+  if (bound <= 0.0 && t1.lambda == 0.0 && t2.lambda == 0.0) return change;
+  double l1 = t1.lambda - (t1.bias + along(t1, x)) * t1.inverse;
+  double l2 = t2.lambda - (t2.bias + along(t2, x)) * t2.inverse;
+  const double square = l1 * l1 + l2 * l2;
+  if (square > bound * bound) {
+    const double scale = bound / std::sqrt(square);
+    l1 *= scale;
+    l2 *= scale;
+  }
+  const double d1 = l1 - t1.lambda, d2 = l2 - t2.lambda;
+  t1.lambda = l1;
+  t2.lambda = l2;
+  if (d1 == 0.0 && d2 == 0.0) return change;
+  apply_both(t1, d1, t2, d2, x);
+  return std::max({change, std::abs(d1) * t1.diagonal, std::abs(d2) * t2.diagonal});
+}
+
+double Island::relax_ball(const Block& block) {
+  Line* const line = &lines[std::size_t(block.line)];
+  Vec3 wanted;
+  for (int k = 0; k < 3; ++k)
+    wanted[k] = line[k].lambda - (line[k].bias + along(line[k], v.data())) * line[k].inverse;
+  const double length = wanted.norm();
+  if (length > block.friction) wanted *= block.friction / length;
+  double change = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const double d = wanted[k] - line[k].lambda;
+    line[k].lambda = wanted[k];
+    apply(line[k], d, v.data());
+    change = std::max(change, std::abs(d) * line[k].diagonal);
+  }
+  return change;
+}
+
+double Island::relax_bearing(const Bearing& bearing) {
+  Eigen::Vector4d residual = Eigen::Vector4d::Zero(), before = Eigen::Vector4d::Zero();
+  for (int i = 0; i < bearing.count; ++i) {
+    const Line& line = lines[std::size_t(bearing.line[i])];
+    before[i] = line.lambda;
+    residual[i] = line.bias + along(line, v.data()) + line.gamma * line.lambda;
+  }
+  Eigen::Vector4d wanted = before - bearing.inverse * residual;
+  if (wanted.minCoeff() < 0.0) {
+    constexpr int kPasses = 6;
+    residual -= bearing.response * before;
+    wanted = wanted.cwiseMax(0.0);
+    for (int pass = 0; pass < kPasses; ++pass)
+      for (int i = 0; i < bearing.count; ++i) {
+        const double r = residual[i] + bearing.response.row(i).dot(wanted);
+        wanted[i] = std::max(wanted[i] - r / bearing.response(i, i), 0.0);
+      }
+  }
+  const Eigen::Vector4d change = wanted - before;
+  double most = 0.0;
+  for (int i = 0; i < bearing.count; ++i) {
+    if (change[i] == 0.0) continue;
+    Line& line = lines[std::size_t(bearing.line[i])];
+    line.lambda = wanted[i];
+    apply(line, change[i], v.data());
+  }
+  for (int i = 0; i < bearing.count; ++i)
+    most = std::max(most, std::abs(bearing.response.row(i).dot(change)));
+  return most;
+}
+
+void Island::find_bearings() {
+  const std::size_t count = pairs.size();
+  for (std::size_t first = 0, end = 0; first < count; first = end) {
+    bool rests = true;
+    for (end = first; end < count && pairs[end] == pairs[first]; ++end)
+      rests = rests && lines[std::size_t(blocks[contacts + end].line)].gamma > 0.0;
+    const int size = int(end - first);
+    if (!rests || size < 2 || size > Bearing::kMost) continue;
+    Bearing bearing;
+    bearing.count = size;
+    bearing.response.setIdentity();
+    for (int i = 0; i < size; ++i) {
+      bearing.line[i] = blocks[contacts + first + std::size_t(i)].line;
+      const Line& a = lines[std::size_t(bearing.line[i])];
+      for (int k = 0; k <= i; ++k) {
+        const double response = across(a, lines[std::size_t(bearing.line[k])]);
+        bearing.response(i, k) = bearing.response(k, i) = response;
+      }
+      bearing.response(i, i) = a.diagonal + a.gamma;
+    }
+    bearing.inverse = bearing.response.inverse();
+    for (int i = 0; i < size; ++i) blocks[contacts + first + std::size_t(i)].borne = true;
+    blocks[contacts + first].bearing = blocks[contacts + end - 1].bearing = int(bearings_.size());
+    bearings_.push_back(bearing);
+  }
+}
+
+double Island::sweep(bool backwards) {
+  double change = 0.0;
+  for (std::size_t i = 0; i < contacts; ++i) {
+    const Block& block = blocks[i];
+    Line& line = lines[std::size_t(block.line)];
+    change = std::max(change, block.kind == Block::Kind::ball
+                                  ? relax_ball(block)
+                                  : relax(line, line.low, line.high, v.data()));
+  }
+  for (std::size_t i = contacts; i < blocks.size(); ++i)
+    change =
+        std::max(change, relax_contact(blocks[backwards ? contacts + blocks.size() - 1 - i : i]));
+  return change;
+}
+
+int Island::solve_velocities(const SolverOptions& options) {
+  for (const Line& line : lines)
+    if (line.lambda != 0.0) apply(line, line.lambda, v.data());
+  const std::size_t rows = lines.size();
+  const bool accelerate = rows <= kSmall;
+  const double idle = (accelerate ? kIdle : kIdleLarge) * options.tolerance;
+  const double slow = accelerate ? kSlow : kSlowLarge;
+  along_lambda_.assign(rows, 0.0);
+  along_v_.assign(v.size(), 0.0);
+  last_lambda_.resize(rows);
+  double last_size = 0.0, before = std::numeric_limits<double>::infinity();
+  for (int count = 1; count <= options.iterations; ++count) {
+    const bool backwards = count % 2 == 0;
+    if (accelerate && !backwards) {
+      for (std::size_t i = 0; i < rows; ++i) last_lambda_[i] = lines[i].lambda;
+      last_v_ = v;
+    }
+    const double change = sweep(backwards);
+    if (change < options.tolerance) return count;
+    if (count % kPatience == 0) {
+      if (change < idle && change > slow * before) return count;
+      before = change;
+    }
+    if (accelerate && backwards && count < options.iterations) last_size = go_on(last_size);
+  }
+  return options.iterations;
+}
+
+// A conjugate step after a sweep there and back; returns the size of what those two changed.
+double Island::go_on(double last_size) {
+  double size = 0.0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const double d = lines[i].lambda - last_lambda_[i];
+    size += lines[i].diagonal * d * d;
+  }
+  const double beta = size < last_size ? size / last_size : 0.0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const double step = beta * along_lambda_[i];
+    along_lambda_[i] = step + lines[i].lambda - last_lambda_[i];
+    lines[i].lambda += step;
+  }
+  for (std::size_t k = 0; k < v.size(); ++k) {
+    const double step = beta * along_v_[k];
+    along_v_[k] = step + v[k] - last_v_[k];
+    v[k] += step;
+  }
+  return size;
+}
+
+// What the velocities make of the gaps; false: nothing is to be displaced.
+bool Island::measure_gaps(double h, std::vector<Row>& rows) {
+  gaps_.clear();
+  bool needed = false;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    Row& row = rows[std::size_t(lines[i].row)];
+    if (!row.has_gap) continue;
+    row.gap += 0.5 * h * along(lines[i], v.data());
+    Gap gap;
+    gap.line = int(i);
+    gap.pull = row.pull && lines[i].lambda > 0.0;
+    gap.error = row.gap_target - row.gap;
+    gaps_.push_back(gap);
+    needed = needed || gap.error > 0.0 || (gap.pull && gap.error != 0.0);
+  }
+  return needed;
+}
+
+void Island::solve_positions(const SolverOptions& options, double h, std::vector<Row>& rows) {
+  if (!measure_gaps(h, rows)) return;
+  // A velocity tolerance times the step is a displacement nobody sees.
+  const double tolerance = std::max(options.tolerance * h, 1e-12);
+  const bool large = lines.size() > kSmall;
+  const double idle = (large ? kIdleLarge : kIdle) * tolerance;
+  const double slow = large ? kSlowLarge : kSlow;
+  const int sweeps = std::min(options.iterations, kPositionSweeps);
+  p.assign(v.size(), 0.0);
+  double before = std::numeric_limits<double>::infinity();
+  for (int sweep = 1; sweep <= sweeps; ++sweep) {
+    double change = 0.0;
+    for (std::size_t i = 0; i < gaps_.size(); ++i) {
+      Gap& gap = gaps_[sweep % 2 ? i : gaps_.size() - 1 - i];
+      const Line& line = lines[std::size_t(gap.line)];
+      double push = gap.push + (gap.error - along(line, p.data())) / line.diagonal;
+      if (!gap.pull) push = std::max(push, 0.0);
+      const double d = push - gap.push;
+      if (d == 0.0) continue;
+      gap.push = push;
+      apply(line, d, p.data());
+      change = std::max(change, std::abs(d) * line.diagonal);
+    }
+    if (change < tolerance) break;
+    if (sweep % kPatience == 0) {
+      if (change < idle && change > slow * before) break;
+      before = change;
+    }
+  }
+  for (const Gap& gap : gaps_) {
+    const Line& line = lines[std::size_t(gap.line)];
+    rows[std::size_t(line.row)].settled = along(line, p.data());
+  }
+}
+
+}  // namespace cogrsim::simbody
