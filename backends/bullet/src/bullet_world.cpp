@@ -102,7 +102,7 @@ Result<> BulletWorld::build(const SceneModelPtr& model) {
 
   model_ = model;
   time_ = last_dt_ = 0.0;
-  solver_ = make_solver(settings);
+  solver_.emplace(settings);
   groups_.clear();
   collision_ = std::move(collision);
   bodies_ = std::move(bodies);
@@ -177,8 +177,7 @@ StepResult BulletWorld::step(double dt, const std::vector<Drive>& drives) {
   }
   collision_->detect(bodies_, dt);
   for (auto& group : groups_) group->prepare(*model_, dt, drives, q_);
-  solver_->solve(moving_, collision_->manifolds(), collision_->manifold_count(), groups_, dt,
-                 collision_->dispatcher());
+  solver_->solve(moving_, collision_->manifolds(), collision_->manifold_count(), groups_, dt);
   q_next_ = q_;
   move_bodies(dt, q_next_);
 
@@ -207,19 +206,15 @@ void BulletWorld::move_bodies(double dt, std::vector<double>& q) {
   const btVector3 none(0, 0, 0);
   extra_.clear();
   if (!displacements.empty()) extra_.resize(bodies_.size(), {none, none});
-  // The solver lists bodies in the order it was given them, with fixed ones in between.
-  std::size_t next = 0;
-  for (const int b : moving_bodies_) {
-    RigidBody& body = bodies_[static_cast<std::size_t>(b)];
-    btVector3 v = none, w = none;
-    while (next < displacements.size() && displacements[next].body == nullptr) ++next;
-    if (next < displacements.size() && displacements[next].body == &body.object()) {
-      v = displacements[next].v;
-      w = displacements[next].w;
-      extra_[static_cast<std::size_t>(b)] = {v, w};
-      ++next;
+  for (std::size_t i = 0; i < moving_bodies_.size(); ++i) {
+    const auto b = static_cast<std::size_t>(moving_bodies_[i]);
+    if (!displacements.empty()) extra_[b] = {displacements[i].v, displacements[i].w};
+    if (moved_by_group_[b]) continue;
+    if (displacements.empty()) {
+      bodies_[b].integrate(dt, none, none);
+    } else {
+      bodies_[b].integrate(dt, displacements[i].v, displacements[i].w);
     }
-    if (!moved_by_group_[static_cast<std::size_t>(b)]) body.integrate(dt, v, w);
   }
   for (auto& group : groups_) {
     if (group->moves_bodies()) group->move(dt, extra_, q);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "collision.h"
@@ -67,7 +68,7 @@ class BulletWorld final : public World, public JointReactions, public KinematicD
   SceneModelPtr initial_, model_;
   double time_ = 0.0;
   double last_dt_ = 0.0;
-  std::unique_ptr<StepSolver> solver_;
+  std::optional<StepSolver> solver_;
   std::vector<RigidBody> bodies_;
   std::unique_ptr<Collision> collision_;
   std::vector<std::unique_ptr<JointGroup>> groups_;

@@ -26,8 +26,6 @@ Vec6 stacked(const btVector3& a, const btVector3& b) {
   out << a.x(), a.y(), a.z(), b.x(), b.y(), b.z();
   return out;
 }
-btVector3 head(const Vec6& v) { return {v[0], v[1], v[2]}; }
-btVector3 tail(const Vec6& v) { return {v[3], v[4], v[5]}; }
 
 double recovered(double gap) {
   const double size = std::abs(gap);
@@ -244,25 +242,22 @@ void ConstraintGroup::solve(Eigen::VectorXd& x) const {
   }
 }
 
-void ConstraintGroup::bind(btSolverBody* (*find)(void*, btRigidBody&), void* context) {
+void ConstraintGroup::bind(const StepBodies& bodies) {
   solved_ = false;
   for (Member& member : members_) {
-    member.solver = find(context, member.body->object());
-    member.start = Vec6::Zero();
-    if (member.solver == nullptr) continue;
-    const btSolverBody& s = *member.solver;
-    member.start = stacked(s.m_linearVelocity + s.m_externalForceImpulse,
-                           s.m_angularVelocity + s.m_externalTorqueImpulse);
+    member.index = StepBodies::index_of(member.body->object());
+    const StepBodies::Entry& entry = bodies.entry(member.index);
+    member.start = stacked(entry.lin, entry.ang);
   }
 }
 
-void ConstraintGroup::iterate() {
+void ConstraintGroup::iterate(StepBodies& bodies) {
   // Nothing to do where no contact has touched the group since.
   bool same = solved_;
   for (Member& member : members_) {
-    if (member.solver == nullptr) continue;
-    const Vec6 delta = stacked(member.solver->internalGetDeltaLinearVelocity(),
-                               member.solver->internalGetDeltaAngularVelocity());
+    const DeltaVelocity& now = bodies.delta(member.index);
+    Vec6 delta;
+    for (int i = 0; i < 6; ++i) delta[i] = now.p[i / 2][i % 2];
     same = same && delta == member.delta;
     member.delta = delta;
     member.v = member.start + delta;
@@ -295,10 +290,10 @@ void ConstraintGroup::iterate() {
     if (settled || axis_count_ < 2) break;
   }
   for (Member& member : members_) {
-    if (member.solver == nullptr || !member.moves) continue;
+    if (!member.moves) continue;
     member.delta = member.v - member.start;
-    member.solver->internalGetDeltaLinearVelocity() = head(member.delta);
-    member.solver->internalGetDeltaAngularVelocity() = tail(member.delta);
+    DeltaVelocity& now = bodies.delta(member.index);
+    for (int i = 0; i < 6; ++i) now.p[i / 2][i % 2] = member.delta[i];
   }
 }
 

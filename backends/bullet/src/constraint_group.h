@@ -29,8 +29,8 @@ class ConstraintGroup final : public JointGroup {
   /// Rows and factorisation.
   void prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,
                const std::vector<double>& q) override;
-  void bind(btSolverBody* (*find)(void* context, btRigidBody& body), void* context) override;
-  void iterate() override;
+  void bind(const StepBodies& bodies) override;
+  void iterate(StepBodies& bodies) override;
   /// Efforts and reactions of the step.
   void report(const SceneModel& model, double dt, JointReport& out) override;
 
@@ -39,7 +39,7 @@ class ConstraintGroup final : public JointGroup {
 
   struct Member {
     RigidBody* body = nullptr;
-    btSolverBody* solver = nullptr;
+    int index = -1;             ///< in the StepBodies
     Vec6 start = Vec6::Zero();  ///< velocity with this step's outer forces, without impulses
     Vec6 delta = Vec6::Zero();  ///< what impulses have changed
     Vec6 v = Vec6::Zero();      ///< velocity now

@@ -3,10 +3,9 @@
 
 #include <vector>
 
-#include <BulletDynamics/ConstraintSolver/btSolverBody.h>
-
 #include "axis_law.h"
 #include "rigid_body.h"
+#include "step_bodies.h"
 
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/physics/drive.h"
@@ -48,10 +47,10 @@ class JointGroup {
   /// What holds for a whole step of dt. `q`: coordinates of all joints of the world.
   virtual void prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,
                        const std::vector<double>& q) = 0;
-  /// Couples the group to the solver's bodies; null for what does not move.
-  virtual void bind(btSolverBody* (*find)(void* context, btRigidBody& body), void* context) = 0;
+  /// Couples the group to the step's bodies.
+  virtual void bind(const StepBodies& bodies) = 0;
   /// Solves the group against the bodies' present velocity changes.
-  virtual void iterate() = 0;
+  virtual void iterate(StepBodies& bodies) = 0;
   /// Efforts of the step, and the reactions where the group finds them on the way.
   virtual void report(const SceneModel& model, double dt, JointReport& out) = 0;
 

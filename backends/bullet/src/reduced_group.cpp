@@ -101,35 +101,31 @@ double ReducedGroup::along(const Axis& axis, const std::vector<double>& u) const
   return sum;
 }
 
-void ReducedGroup::bind(btSolverBody* (*find)(void*, btRigidBody&), void* context) {
+void ReducedGroup::bind(const StepBodies& bodies) {
   solved_ = false;
   for (Member& member : members_) {
-    member.solver = find(context, member.body->object());
+    member.index = StepBodies::index_of(member.body->object());
     member.written = {};
-    if (member.solver == nullptr) continue;
-    const btSolverBody& s = *member.solver;
-    member.start = {s.m_linearVelocity + s.m_externalForceImpulse,
-                    s.m_angularVelocity + s.m_externalTorqueImpulse};
+    const StepBodies::Entry& entry = bodies.entry(member.index);
+    member.start = {entry.lin, entry.ang};
   }
 }
 
-void ReducedGroup::iterate() {
+void ReducedGroup::iterate(StepBodies& bodies) {
   // What contacts have done to the bodies since the last turn.
   bool touched = false;
   for (const Member& member : members_) {
-    if (member.solver == nullptr) continue;
-    touched = touched || !(member.solver->internalGetDeltaLinearVelocity() == member.written.lin) ||
-              !(member.solver->internalGetDeltaAngularVelocity() == member.written.ang);
+    const DeltaVelocity& delta = bodies.delta(member.index);
+    touched =
+        touched || !(delta.lin() == member.written.lin) || !(delta.ang() == member.written.ang);
   }
   if (solved_ && !touched) return;
   solved_ = true;
   if (touched) {
     forces_.assign(links_.size(), {});
     for (Member& member : members_) {
-      if (member.solver == nullptr) continue;
-      btSolverBody& solver = *member.solver;
-      const LinkVector change{solver.internalGetDeltaLinearVelocity() - member.written.lin,
-                              solver.internalGetDeltaAngularVelocity() - member.written.ang};
+      const DeltaVelocity& delta = bodies.delta(member.index);
+      const LinkVector change{delta.lin() - member.written.lin, delta.ang() - member.written.ang};
       const LinkVector blow = momentum(member, change);
       member.blow.lin += blow.lin;
       member.blow.ang += blow.ang;
@@ -142,11 +138,9 @@ void ReducedGroup::iterate() {
   solve_axes();
   tree_.velocities(u_, links_);
   for (Member& member : members_) {
-    if (member.solver == nullptr) continue;
     const LinkVector& v = links_[static_cast<std::size_t>(member.link + 1)];
     member.written = {v.lin - member.start.lin, v.ang - member.start.ang};
-    member.solver->internalGetDeltaLinearVelocity() = member.written.lin;
-    member.solver->internalGetDeltaAngularVelocity() = member.written.ang;
+    bodies.delta(member.index) = {member.written.lin, member.written.ang};
   }
 }
 

@@ -29,8 +29,8 @@ class ReducedGroup final : public JointGroup {
 
   void prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,
                const std::vector<double>& q) override;
-  void bind(btSolverBody* (*find)(void* context, btRigidBody& body), void* context) override;
-  void iterate() override;
+  void bind(const StepBodies& bodies) override;
+  void iterate(StepBodies& bodies) override;
   void report(const SceneModel& model, double dt, JointReport& out) override;
 
   bool moves_bodies() const override { return true; }
@@ -44,7 +44,7 @@ class ReducedGroup final : public JointGroup {
   struct Member {
     RigidBody* body = nullptr;
     int link = -1;
-    btSolverBody* solver = nullptr;
+    int index = -1;            ///< in the StepBodies
     LinkVector start;          ///< velocity the solver began with, outer forces included
     LinkVector written;        ///< change of velocity that stands in the solver's body
     LinkVector before;         ///< momentum and angular momentum at the start of the step

@@ -1,12 +1,10 @@
-// Bullet's sequential impulse solver with our joints in its loop and our restitution.
+// Sequential impulses over contact points in turn with the joint groups, with our restitution.
 #pragma once
 
 #include <memory>
 #include <vector>
 
-#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
-#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
-
+#include "contact_rows.h"
 #include "joint_group.h"
 
 namespace cogrsim::bullet {
@@ -16,7 +14,7 @@ struct SolverSettings {
   double bounce_threshold = 0.05;  ///< [m/s]
 };
 
-/// One step's velocities: contacts by Bullet's rows, joints by their groups, in turn.
+/// One step's velocities: contacts by their rows, joints by their groups, in turn.
 ///
 /// Restitution: a contact that will close within the step gets the one speed with which the flight
 /// that follows reaches e^2 times the height fallen, wherever in the step the impact lies. With a
@@ -32,19 +30,43 @@ class StepSolver {
  public:
   /// What a body moves by in this step beside its velocity.
   struct Displacement {
-    btRigidBody* body;
     btVector3 v, w;
   };
-  virtual ~StepSolver() = default;
-  virtual void solve(std::vector<btCollisionObject*>& bodies, btPersistentManifold** manifolds,
-                     int manifold_count, std::vector<std::unique_ptr<JointGroup>>& groups,
-                     double dt, btDispatcher* dispatcher) = 0;
-  const std::vector<Displacement>& displacements() const { return displacement_; }
 
- protected:
-  std::vector<Displacement> displacement_;
+  explicit StepSolver(const SolverSettings& settings) : settings_(settings) {}
+
+  /// Gives `moving` (all bodies that may move) the velocities of the end of the step, and the
+  /// points of the manifolds their impulses.
+  void solve(const std::vector<btCollisionObject*>& moving, btPersistentManifold** manifolds,
+             int manifold_count, std::vector<std::unique_ptr<JointGroup>>& groups, double dt);
+  /// One per body in the order of `moving`, or none at all when nothing moves beside its velocity.
+  const std::vector<Displacement>& displacements() const { return displacements_; }
+
+ private:
+  /// A point that may be driving bodies apart, and what it is without that.
+  struct Recovering {
+    std::size_t point;
+    double inverse_mass, speed;
+  };
+
+  void make_rows(btPersistentManifold** manifolds, int count, double dt);
+  /// Makes a rigid push the one that this contact needs: soft, a bounce, a spring.
+  void adjust(const btManifoldPoint& point, const ContactCourse& course, std::size_t index,
+              double dt);
+  void solve_groups(std::vector<std::unique_ptr<JointGroup>>& groups);
+  /// The places at the end of the step follow from the velocities found so far. They contain what
+  /// drives overlapping bodies apart, which must not stay in the bodies as momentum: a few more
+  /// sweeps without it (the relaxing ones of Catto, "Solver2D", box2d.org, 2024).
+  void relax(std::vector<std::unique_ptr<JointGroup>>& groups);
+  /// Hands the impulses to the contact points, for reports and for the next step to begin with.
+  void write_impulses();
+
+  SolverSettings settings_;
+  StepBodies bodies_;
+  std::vector<ContactRows> points_;
+  std::vector<btManifoldPoint*> sources_;  ///< of points_
+  std::vector<Recovering> recovering_;
+  std::vector<Displacement> displacements_;
 };
-
-std::unique_ptr<StepSolver> make_solver(const SolverSettings& settings);
 
 }  // namespace cogrsim::bullet
