@@ -22,10 +22,12 @@ void Accelerations::compute(const std::vector<AxisLaw>& laws, SimTK::Vector& udo
   const SimTK::Vector& u = m.state.getU();
 
   const SimTK::Vec3 g = to_simtk(m.model().physics.gravity);
-  for (const Link& link : m.links()) {
+  const std::vector<LinkMotion>& motions = m.motions();
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const Link& link = m.links()[i];
     if (link.kinematic) continue;
     const SimTK::Vec3 weight_force = link.mass * g;
-    const SimTK::Vec3 arm = link.mobod.getBodyRotation(m.state) * to_simtk(link.com);
+    const SimTK::Vec3 arm = to_simtk(motions[i].X.R * link.com);
     body_forces_[int(link.mobod.getMobilizedBodyIndex())] =
         SimTK::SpatialVec(arm % weight_force, weight_force);
   }

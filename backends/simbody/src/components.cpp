@@ -8,6 +8,9 @@
 namespace cogrsim::simbody {
 namespace {
 
+// Up to so many degrees of freedom M^-1 is formed where several rows need it.
+constexpr int kLargestInverse = 12;
+
 // Mass, first and second moment of a body about the component's origin, world axes.
 struct Inertia {
   double mass = 0.0;
@@ -35,15 +38,26 @@ Inertia world_inertia(const Link& link, const Placement& X, const Vec3& origin) 
   return out;
 }
 
-// In place, lower triangle, row-major.
+// Two sums side by side: one alone waits for each addition.
+double product(const double* a, const double* b, int size) {
+  double even = 0.0, odd = 0.0;
+  int k = 0;
+  for (; k + 1 < size; k += 2) {
+    even += a[k] * b[k];
+    odd += a[k + 1] * b[k + 1];
+  }
+  if (k < size) even += a[k] * b[k];
+  return even + odd;
+}
+
+// In place, lower triangle, row-major; the diagonal is inverted.
 void factorize(std::vector<double>& a, int n) {
   for (int i = 0; i < n; ++i) {
     double* const ai = &a[std::size_t(i * n)];
     for (int j = 0; j <= i; ++j) {
       const double* const aj = &a[std::size_t(j * n)];
-      double sum = ai[j];
-      for (int k = 0; k < j; ++k) sum -= ai[k] * aj[k];
-      ai[j] = i == j ? std::sqrt(std::max(sum, 1e-300)) : sum / aj[j];
+      const double rest = ai[j] - product(ai, aj, j);
+      ai[j] = i == j ? 1.0 / std::sqrt(std::max(rest, 1e-300)) : rest * aj[j];
     }
   }
 }
@@ -92,18 +106,20 @@ int Component::find(int link) const {
 void update_component(const Mechanism& mechanism, Component& c) {
   if (c.current) return;
   c.current = true;
+  c.has_inverse = false;
   const int n = c.size();
   const SimTK::State& state = mechanism.state;
   const auto link_of = [&](std::size_t i) -> const Link& {
     return mechanism.links()[std::size_t(c.links[i])];
   };
 
+  const std::vector<LinkMotion>& motions = mechanism.motions();
   if (c.lone) {
     const Link& link = link_of(0);
-    const Placement X = mechanism.placement(link);
+    const Placement& X = motions[std::size_t(c.links[0])].X;
     c.origin = X * link.com;
     c.inverse_mass = 1.0 / link.mass;
-    c.inverse_inertia = X.R * link.inertia.inverse() * X.R.transpose();
+    c.inverse_inertia = X.R * link.inverse_inertia * X.R.transpose();
     for (int k = 0; k < 3; ++k) {
       c.motion[std::size_t(k)] = {Vec3::Unit(k), Vec3::Zero()};
       c.motion[std::size_t(k + 3)] = {Vec3::Zero(), Vec3::Unit(k)};
@@ -113,10 +129,10 @@ void update_component(const Mechanism& mechanism, Component& c) {
 
   static thread_local std::vector<Inertia> composite;
   composite.resize(c.links.size());
-  c.origin = from_simtk(link_of(0).mobod.getBodyTransform(state).p());
+  c.origin = motions[std::size_t(c.links[0])].X.p;
   for (std::size_t i = 0; i < c.links.size(); ++i) {
     const Link& link = link_of(i);
-    const Placement X = mechanism.placement(link);
+    const Placement& X = motions[std::size_t(c.links[i])].X;
     composite[i] = world_inertia(link, X, c.origin);
     const Vec3 to_origin = c.origin - X.p;
     for (int k = 0; k < link.nu; ++k) {
@@ -158,14 +174,33 @@ void solve_mass(const Component& c, double* x) {
   }
   const int n = c.size();
   const double* const L = c.factor.data();
-  for (int i = 0; i < n; ++i) {
-    double sum = x[i];
-    for (int k = 0; k < i; ++k) sum -= L[i * n + k] * x[k];
-    x[i] = sum / L[i * n + i];
-  }
+  for (int i = 0; i < n; ++i) x[i] = (x[i] - product(L + i * n, x, i)) * L[i * n + i];
   for (int i = n; i-- > 0;) {
-    const double xi = x[i] /= L[i * n + i];
+    const double xi = x[i] *= L[i * n + i];
     for (int k = 0; k < i; ++k) x[k] -= L[i * n + k] * xi;
+  }
+}
+
+void solve_mass_often(Component& c, const double* j, double* w) {
+  const int n = c.size();
+  if (c.lone || n > kLargestInverse) {
+    std::copy(j, j + n, w);
+    solve_mass(c, w);
+    return;
+  }
+  if (!c.has_inverse) {
+    c.has_inverse = true;
+    c.inverse.assign(std::size_t(n * n), 0.0);
+    for (int i = 0; i < n; ++i) {
+      c.inverse[std::size_t(i * n + i)] = 1.0;
+      solve_mass(c, &c.inverse[std::size_t(i * n)]);
+    }
+  }
+  std::fill(w, w + n, 0.0);
+  for (int i = 0; i < n; ++i) {
+    if (j[i] == 0.0) continue;
+    const double* const column = &c.inverse[std::size_t(i * n)];
+    for (int k = 0; k < n; ++k) w[k] += j[i] * column[k];
   }
 }
 

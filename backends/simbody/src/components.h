@@ -45,7 +45,10 @@ struct Component {
   std::vector<Spatial> motion;          ///< velocity of the outboard bodies per unit speed (size)
   double inverse_mass = 0.0;            ///< lone only
   Mat3 inverse_inertia = Mat3::Zero();  ///< lone only, world axes
-  std::vector<double> factor;           ///< lower Cholesky factor of the mass matrix (size x size)
+  std::vector<double> factor;           ///< lower Cholesky factor of the mass matrix (size x size),
+                                        ///< its diagonal inverted
+  std::vector<double> inverse;          ///< M^-1 (size x size), the loops ignored; small ones only
+  bool has_inverse = false;             ///< `inverse` is of this configuration
   Eigen::MatrixXd loop_rows;            ///< G: what the welds forbid (6 nweld x size)
   Eigen::MatrixXd loop_solve;           ///< (G M^-1 G^T)^+
   Eigen::MatrixXd loop_response;        ///< M^-1 G^T
@@ -61,6 +64,9 @@ void update_component(const Mechanism& mechanism, Component& component);
 
 /// x := M^-1 x, the loops ignored.
 void solve_mass(const Component& component, double* x);
+
+/// w := M^-1 j, the loops ignored; for many j at one configuration.
+void solve_mass_often(Component& component, const double* j, double* w);
 
 /// x := the part of M^-1 x that keeps the loops closed, when x came from solve_mass:
 /// x - M^-1 G^T (G M^-1 G^T)^+ G x. Returns the impulses of the welds through `loop_impulse`

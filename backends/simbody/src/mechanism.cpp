@@ -72,6 +72,7 @@ void Mechanism::add_link(const PlannedLink& plan) {
   link.mass = plan.share * body.mass;
   link.com = body.com;
   link.inertia = plan.share * body.inertia;
+  link.inverse_inertia = link.inertia.inverse();
   std::iota(link.q_map.begin(), link.q_map.end(), 0);
   std::iota(link.u_map.begin(), link.u_map.end(), 0);
   const SimTK::Body::Rigid rigid = rigid_body(body, plan);
@@ -199,6 +200,22 @@ int Mechanism::axis_position(int joint, int axis) const {
   if (index < 0) return -1;
   const Link& link = links_[std::size_t(index)];
   return link.first_q + link.q_map[std::size_t(axis)];
+}
+
+const std::vector<LinkMotion>& Mechanism::motions() const {
+  const SimTK::ValueVersion q = state.getQValueVersion(), u = state.getUValueVersion();
+  if (q == q_version_ && u == u_version_) return motions_;
+  motions_.resize(links_.size());
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const SimTK::MobilizedBody& body = links_[i].mobod;
+    const SimTK::SpatialVec& V = body.getBodyVelocity(state);
+    if (q != q_version_) motions_[i].X = placement_of(body.getBodyTransform(state));
+    motions_[i].angular = from_simtk(V[0]);
+    motions_[i].linear = from_simtk(V[1]);
+  }
+  q_version_ = q;
+  u_version_ = u;
+  return motions_;
 }
 
 void Mechanism::normalize_quaternions() {

@@ -25,7 +25,16 @@ struct Link {
   double mass = 0.0;                ///< its share
   Vec3 com = Vec3::Zero();          ///< body frame
   Mat3 inertia = Mat3::Identity();  ///< its share, about com, body axes
-  int component = -1;               ///< -1: kinematic
+  Mat3 inverse_inertia = Mat3::Identity();
+  int component = -1;  ///< -1: kinematic
+};
+
+/// Where a link is and how its origin moves, world.
+struct LinkMotion {
+  Placement X;
+  Vec3 angular = Vec3::Zero();  ///< [rad/s]
+  Vec3 linear = Vec3::Zero();   ///< [m/s]
+  Vec3 velocity_at(const Vec3& point) const { return linear + angular.cross(point - X.p); }
 };
 
 class Mechanism {
@@ -61,6 +70,9 @@ class Mechanism {
   void set_joint(const Link& link, const double* q, const double* u);
   void get_joint(const Link& link, double* q, double* u) const;
 
+  /// Of every link, at the state, which is realized to Velocity. Read from Simbody once for each
+  /// state: its accessors are slow.
+  const std::vector<LinkMotion>& motions() const;
   Placement placement(const Link& link) const {
     return placement_of(link.mobod.getBodyTransform(state));
   }
@@ -77,6 +89,9 @@ class Mechanism {
   std::vector<int> quaternions_;  ///< first q of each
   bool has_loops_ = false;
   int largest_ = 0;
+  // What `motions_` holds is of these versions of q and u.
+  mutable std::vector<LinkMotion> motions_;
+  mutable SimTK::ValueVersion q_version_ = -1, u_version_ = -1;
 };
 
 }  // namespace cogrsim::simbody

@@ -98,23 +98,28 @@ int RowBuilder::local_of(int component, int speed) const {
   return int(std::find(speeds.begin(), speeds.end(), speed) - speeds.begin());
 }
 
-double RowBuilder::along_speeds(const Row& row, const SimTK::Vector& u) const {
-  double sum = 0.0;
-  for (int s = 0; s < row.sides; ++s) {
-    const RowSide& side = row.side[s];
-    const Component& c = mechanism_.components()[std::size_t(side.component)];
-    const double* const j = &set_.pool[side.j];
-    for (int k = 0; k < side.size; ++k) sum += j[k] * u[c.speeds[std::size_t(k)]];
-  }
-  return sum;
+Vec3 RowBuilder::point_velocity(int link, const Vec3& point) const {
+  return link < 0 ? Vec3::Zero() : motions_[std::size_t(link)].velocity_at(point);
 }
 
-Vec3 RowBuilder::point_velocity(int link, const Vec3& point) const {
-  if (link < 0) return Vec3::Zero();
-  const SimTK::MobilizedBody& body = mechanism_.links()[std::size_t(link)].mobod;
-  const SimTK::SpatialVec& V = body.getBodyVelocity(mechanism_.state);
-  const Vec3 arm = point - from_simtk(body.getBodyOriginLocation(mechanism_.state));
-  return from_simtk(V[1]) + from_simtk(V[0]).cross(arm);
+// J and W of a free body in closed form.
+void RowBuilder::add_lone_side(Row& row, const Component& c, const Spatial& wrench, double sign) {
+  RowSide& side = row.side[row.sides++];
+  side.component = int(&c - mechanism_.components().data());
+  side.size = 6;
+  side.speeds = c.offset;
+  side.j = set_.pool.size();
+  side.w = side.j + 6;
+  set_.pool.resize(side.j + 12);
+  double* const j = &set_.pool[side.j];
+  const Vec3 spin = c.inverse_inertia * wrench.angular;
+  for (int k = 0; k < 3; ++k) {
+    j[k] = sign * wrench.angular[k];
+    j[3 + k] = sign * wrench.linear[k];
+    j[6 + k] = sign * spin[k];
+    j[9 + k] = sign * c.inverse_mass * wrench.linear[k];
+  }
+  row.diagonal += wrench.angular.dot(spin) + c.inverse_mass * wrench.linear.squaredNorm();
 }
 
 void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
@@ -122,6 +127,12 @@ void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
   Component& c = mechanism_.components()[std::size_t(component)];
   if (c.size() == 0) return;
   update_component(mechanism_, c);
+  const Spatial wrench = point ? Spatial{(*point - c.origin).cross(direction), direction}
+                               : Spatial{direction, Vec3::Zero()};
+  if (c.lone) {
+    add_lone_side(row, c, wrench, sign);
+    return;
+  }
   // Two bodies of one component share a side.
   const bool shared = row.sides == 1 && row.side[0].component == component;
   if (!shared) {
@@ -133,21 +144,17 @@ void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
     side.w = side.j + std::size_t(side.size);
     set_.pool.resize(side.w + std::size_t(side.size), 0.0);
   }
-  const Spatial wrench = point ? Spatial{(*point - c.origin).cross(direction), direction}
-                               : Spatial{direction, Vec3::Zero()};
-  const int place = c.lone ? 0 : c.find(link);
-  fill_row(c, place, wrench, sign, &set_.pool[row.side[row.sides - 1].j]);
+  fill_row(c, c.find(link), wrench, sign, &set_.pool[row.side[row.sides - 1].j]);
 }
 
 void RowBuilder::finish_row(Row& row) {
-  row.diagonal = 0.0;
   for (int s = 0; s < row.sides; ++s) {
     const RowSide& side = row.side[s];
-    const Component& c = mechanism_.components()[std::size_t(side.component)];
+    Component& c = mechanism_.components()[std::size_t(side.component)];
     const double* const j = &set_.pool[side.j];
     double* const w = &set_.pool[side.w];
-    std::copy(j, j + side.size, w);
-    solve_mass(c, w);
+    if (c.lone) continue;  // add_lone_side did it
+    solve_mass_often(c, j, w);
     close_loop_velocities(c, w, nullptr);
     for (int k = 0; k < side.size; ++k) row.diagonal += j[k] * w[k];
   }
@@ -175,14 +182,14 @@ Row& RowBuilder::add_twist_row(int link_a, int link_b, const Vec3& axis) {
     const Link& link = mechanism_.links()[std::size_t(index)];
     const double sign = side == 0 ? -1.0 : 1.0;
     if (link.component >= 0) add_side(row, link.component, index, nullptr, axis, sign);
-    row.now += sign * axis.dot(from_simtk(link.mobod.getBodyAngularVelocity(mechanism_.state)));
+    row.now += sign * axis.dot(motions_[std::size_t(index)].angular);
   }
   finish_row(row);
   row.inverse_diagonal = row.diagonal > 0.0 ? 1.0 / row.diagonal : 0.0;
   return row;
 }
 
-Row& RowBuilder::add_axis_row(int component, int local, double sign) {
+Row& RowBuilder::add_axis_row(const StepContext& context, int component, int local, double sign) {
   Component& c = mechanism_.components()[std::size_t(component)];
   update_component(mechanism_, c);
   set_.scalars.push_back(int(set_.rows.size()));
@@ -198,7 +205,7 @@ Row& RowBuilder::add_axis_row(int component, int local, double sign) {
   if (local >= 0) {
     set_.pool[side.j + std::size_t(local)] = sign;
     row.effort_sign = sign;
-    row.now = along_speeds(row, mechanism_.state.getU());
+    row.now = set_.along(row, context.u);
     finish_row(row);
   }
   return row;
@@ -238,12 +245,13 @@ void RowBuilder::add_limits(const StepContext& context, int joint_index) {
       if (!(gap < reach)) continue;
       const int component =
           mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
-      Row& row = add_axis_row(component, local_of(component, speed), end == 0 ? 1.0 : -1.0);
+      Row& row =
+          add_axis_row(context, component, local_of(component, speed), end == 0 ? 1.0 : -1.0);
       const double h = context.h;
       Approach approach;
-      approach.speed = row.now - 0.5 * h * along_speeds(row, *context.start_udot);
+      approach.speed = row.now - 0.5 * h * set_.along(row, context.start_udot);
       approach.gap = gap - 0.5 * h * approach.speed;
-      approach.acceleration = along_speeds(row, *context.udot);
+      approach.acceleration = set_.along(row, context.udot);
       aim_unilateral(context, approach, row);
       row.effort = joint.speed_offset + a;
       row.slot = slot_of(mechanism_.model(),
@@ -267,15 +275,15 @@ void RowBuilder::add_ball_limit(const StepContext& context, int joint_index) {
   const Vec3 direction = -rotation / angle;
   const int component =
       mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
-  Row& row = add_axis_row(component, -1, 1.0);
+  Row& row = add_axis_row(context, component, -1, 1.0);
   const int local = local_of(component, first);
   for (int k = 0; k < 3; ++k) set_.pool[row.side[0].j + std::size_t(local + k)] = direction[k];
-  row.now = along_speeds(row, state.getU());
+  row.now = set_.along(row, context.u);
   finish_row(row);
   Approach approach;
-  approach.speed = row.now - 0.5 * context.h * along_speeds(row, *context.start_udot);
+  approach.speed = row.now - 0.5 * context.h * set_.along(row, context.start_udot);
   approach.gap = gap - 0.5 * context.h * approach.speed;
-  approach.acceleration = along_speeds(row, *context.udot);
+  approach.acceleration = set_.along(row, context.udot);
   aim_unilateral(context, approach, row);
   row.slot = slot_of(mechanism_.model(), SlotKind::upper_limit, joint.speed_offset);
   row.inverse_diagonal = 1.0 / row.diagonal;
@@ -293,8 +301,8 @@ void RowBuilder::add_friction(const StepContext& context, int joint_index) {
   for (int a = 0; a < count; ++a) {
     const double friction = joint.axes[std::size_t(ball ? 0 : a)].friction;
     if (friction <= 0.0) continue;
-    Row& row =
-        add_axis_row(component, local_of(component, mechanism_.axis_speed(joint_index, a)), 1.0);
+    Row& row = add_axis_row(context, component,
+                            local_of(component, mechanism_.axis_speed(joint_index, a)), 1.0);
     if (ball) set_.scalars.pop_back();
     row.high = friction * context.h;
     row.low = -row.high;
@@ -311,7 +319,7 @@ void RowBuilder::add_friction(const StepContext& context, int joint_index) {
 
 void RowBuilder::add_law(const StepContext& context, const AxisLaw& law) {
   const double h = context.h;
-  Row& row = add_axis_row(law.component, law.local, 1.0);
+  Row& row = add_axis_row(context, law.component, law.local, 1.0);
   row.effort = law.effort;
   row.motor = law.motor;
   row.slot = law.motor >= 0 ? slot_of(mechanism_.model(), SlotKind::motor, law.motor)
@@ -355,9 +363,9 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   Approach approach;
   const double h = context.h;
   approach.restitution = surface.restitution;
-  approach.speed = row.now - 0.5 * h * along_speeds(row, *context.start_udot);
+  approach.speed = row.now - 0.5 * h * set_.along(row, context.start_udot);
   approach.gap = point.gap - 0.5 * h * approach.speed;
-  approach.acceleration = along_speeds(row, *context.udot);
+  approach.acceleration = set_.along(row, context.udot);
   aim_unilateral(context, approach, row);
   if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
   row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);

@@ -119,8 +119,9 @@ class RowSet {
 struct StepContext {
   double h = 0.0;  ///< length of the step [s]
   double bounce_threshold = 0.05;
-  const SimTK::Vector* start_udot = nullptr;  ///< estimate that led to the middle
-  const SimTK::Vector* udot = nullptr;        ///< smooth, at the middle
+  const double* u = nullptr;           ///< speeds, over all components
+  const double* start_udot = nullptr;  ///< estimate that led to the middle, likewise
+  const double* udot = nullptr;        ///< smooth, at the middle, likewise
   const SimTK::Vector* start_q = nullptr;
   const SimTK::Vector* start_u = nullptr;
 };
@@ -138,7 +139,9 @@ void aim_unilateral(const StepContext& context, const Approach& approach, Row& r
 
 class RowBuilder {
  public:
-  RowBuilder(Mechanism& mechanism, RowSet& set) : mechanism_(mechanism), set_(set) {}
+  /// The mechanism's state is realized to Velocity, and stays, while rows are added.
+  RowBuilder(Mechanism& mechanism, RowSet& set)
+      : mechanism_(mechanism), set_(set), motions_(mechanism.motions()) {}
 
   /// Adds the joints' rows: limits about to be reached, friction, implicit laws.
   void add_joint_rows(const StepContext& context, const std::vector<AxisLaw>& laws);
@@ -158,14 +161,14 @@ class RowBuilder {
   static int slot_count(const SceneModel& model);
 
  private:
-  Row& add_axis_row(int component, int local, double sign);
+  Row& add_axis_row(const StepContext& context, int component, int local, double sign);
   Row& add_point_row(int link_a, int link_b, const Vec3& point, const Vec3& direction);
   // Velocity along `direction` of the body's point, or, without a point, spin about it.
   void add_side(Row& row, int component, int link, const Vec3* point, const Vec3& direction,
                 double sign);
   Row& add_twist_row(int link_a, int link_b, const Vec3& axis);
+  void add_lone_side(Row& row, const Component& c, const Spatial& wrench, double sign);
   void finish_row(Row& row);
-  double along_speeds(const Row& row, const SimTK::Vector& u) const;
   Vec3 point_velocity(int link, const Vec3& point) const;
   void add_limits(const StepContext& context, int joint);
   void add_ball_limit(const StepContext& context, int joint);
@@ -175,6 +178,7 @@ class RowBuilder {
 
   Mechanism& mechanism_;
   RowSet& set_;
+  const std::vector<LinkMotion>& motions_;
 };
 
 }  // namespace cogrsim::simbody

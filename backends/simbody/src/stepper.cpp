@@ -100,13 +100,14 @@ void Stepper::sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double
 // How far each body's surface may get in the time h, from speeds at the state.
 void Stepper::measure_speeds(double h) {
   const double fall = 0.5 * h * h * model_.physics.gravity.norm();
+  const std::vector<LinkMotion>& motions = mechanism_.motions();
   for (std::size_t i = 0; i < margins_.size(); ++i) {
     const Link& link = mechanism_.links()[i];
     const double reach = detector_.reach(link.plan.body);
     if (link.plan.ghost || reach == 0.0) continue;
-    const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(mechanism_.state);
-    margins_[i] =
-        kWatch + fall + h * (V[1].norm() + (std::isfinite(reach) ? reach * V[0].norm() : 0));
+    const LinkMotion& motion = motions[i];
+    const double spin = std::isfinite(reach) ? reach * motion.angular.norm() : 0.0;
+    margins_[i] = kWatch + fall + h * (motion.linear.norm() + spin);
   }
 }
 
@@ -114,10 +115,11 @@ void Stepper::detect() {
   points_.clear();
   if (!has_shapes_) return;
   const std::vector<Link>& links = mechanism_.links();
+  const std::vector<LinkMotion>& motions = mechanism_.motions();
   for (std::size_t i = 0; i < links.size(); ++i) {
     const int body = links[i].plan.body;
     if (links[i].plan.ghost || detector_.reach(body) == 0.0) continue;
-    detector_.place(body, mechanism_.placement(links[i]), margins_[i]);
+    detector_.place(body, motions[i].X, margins_[i]);
   }
   detector_.detect(points_);
 }
@@ -144,12 +146,23 @@ RowBuilder::Line Stepper::find_line(std::size_t index) const {
   return line;
 }
 
+void Stepper::flatten(const SimTK::Vector& by_speed, std::vector<double>& out) const {
+  const double* const in = by_speed.size() > 0 ? &by_speed[0] : nullptr;
+  out.clear();
+  for (const Component& c : mechanism_.components())
+    for (int u : c.speeds) out.push_back(in[u]);
+}
+
 bool Stepper::build_rows(double h) {
   StepContext context;
   context.h = h;
   context.bounce_threshold = model_.physics.bounce_threshold;
-  context.start_udot = &start_udot_;
-  context.udot = &udot_;
+  flatten(mechanism_.state.getU(), row_u_);
+  flatten(start_udot_, row_start_);
+  flatten(udot_, row_udot_);
+  context.u = row_u_.data();
+  context.start_udot = row_start_.data();
+  context.udot = row_udot_.data();
   context.start_q = &q0_;
   context.start_u = &u0_;
   set_.clear();
@@ -301,12 +314,16 @@ void Stepper::solve_rows(double h) {
     }
   m.matter.multiplyByN(m.state, false, stage_, displaced_);
   displaced_ += qm_;
+  contact_impulses_.clear();
+  for (const ContactRows& contact : set_.contacts) contact_impulses_.push_back(impulse_of(contact));
   remember(h);
   report();
 }
 
 void Stepper::measure_momenta() {
   const Mechanism& m = mechanism_;
+  if (momenta_.empty()) return;
+  const std::vector<LinkMotion>& motions = m.motions();
   for (FreeMomentum& f : momenta_) {
     const Component& c = mechanism_.components()[std::size_t(f.component)];
     f.mass = 0.0;
@@ -314,10 +331,10 @@ void Stepper::measure_momenta() {
     Mat3 about_origin = Mat3::Zero();
     for (int index : c.links) {
       const Link& link = m.links()[std::size_t(index)];
-      const Placement X = m.placement(link);
-      const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(m.state);
-      const Vec3 p = X * link.com, omega = from_simtk(V[0]);
-      const Vec3 momentum = link.mass * (from_simtk(V[1]) + omega.cross(p - X.p));
+      const LinkMotion& motion = motions[std::size_t(index)];
+      const Placement& X = motion.X;
+      const Vec3 p = X * link.com, omega = motion.angular;
+      const Vec3 momentum = link.mass * motion.velocity_at(p);
       const Mat3 inertia = X.R * link.inertia * X.R.transpose();
       f.mass += link.mass;
       f.com += link.mass * p;
@@ -343,18 +360,20 @@ void Stepper::conserve_momentum(double h) {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   };
   std::vector<Gain> gained(m.components().size());
-  for (const ContactRows& contact : set_.contacts) {
+  for (std::size_t index = 0; index < set_.contacts.size(); ++index) {
+    const ContactRows& contact = set_.contacts[index];
     const int bodies[2] = {detector_.colliders()[std::size_t(contact.point.collider_a)].body,
                            detector_.colliders()[std::size_t(contact.point.collider_b)].body};
     for (int side = 0; side < 2; ++side) {
       const int link = m.body_link(bodies[side]);
       const int component = link < 0 ? -1 : m.links()[std::size_t(link)].component;
       if (component < 0) continue;
-      const Vec3 impulse = (side == 0 ? -1.0 : 1.0) * impulse_of(contact);
+      const Vec3 impulse = (side == 0 ? -1.0 : 1.0) * contact_impulses_[index];
       gained[std::size_t(component)].linear += impulse;
       gained[std::size_t(component)].angular += contact.point.point.cross(impulse);
     }
   }
+  const std::vector<LinkMotion>& motions = m.motions();
   for (std::size_t i = 0; i < momenta_.size(); ++i) {
     const FreeMomentum& end = momenta_[i];
     if (untouched_[std::size_t(end.component)]) continue;
@@ -363,9 +382,10 @@ void Stepper::conserve_momentum(double h) {
     Vec3 angular = start[i].angular + (0.5 * (start[i].com + end.com)).cross(weight) - end.angular;
     linear += gained[std::size_t(end.component)].linear;
     angular += gained[std::size_t(end.component)].angular;
-    const Vec3 omega = end.inertia.ldlt().solve(angular - end.com.cross(linear));
-    const Link& base = m.links()[std::size_t(m.components()[std::size_t(end.component)].links[0])];
-    const Vec3 at = m.placement(base) * base.com;
+    const Vec3 omega = end.inertia.inverse() * (angular - end.com.cross(linear));
+    const int first = m.components()[std::size_t(end.component)].links[0];
+    const Link& base = m.links()[std::size_t(first)];
+    const Vec3 at = motions[std::size_t(first)].X * base.com;
     const Vec3 v = linear / end.mass + omega.cross(at - end.com);
     double* const u = &m.state.updU()[base.first_u];
     for (int k = 0; k < 3; ++k) {
@@ -528,7 +548,7 @@ void Stepper::remember(double h) {
     w.collider_b = contact.point.collider_b;
     const Placement& X_b = detector_.colliders()[std::size_t(w.collider_b)].X_WS;
     w.place = X_b.to_local(contact.point.point);
-    w.force = impulse_of(contact) / h;
+    w.force = contact_impulses_[std::size_t(&contact - set_.contacts.data())] / h;
     memory.contacts.push_back(w);
   }
   memory.udot = end_u_;
@@ -550,7 +570,7 @@ void Stepper::report() {
   const std::size_t earlier = records.size();
   for (const ContactRows& contact : set_.contacts) {
     const Row* const rows = &set_.rows[std::size_t(contact.first)];
-    const Vec3 impulse = impulse_of(contact);
+    const Vec3 impulse = contact_impulses_[std::size_t(&contact - set_.contacts.data())];
     if (rows[0].lambda <= 0.0 && contact.point.gap > 0.0) continue;
     // A step in parts touches the same point several times.
     ContactRecord* same = nullptr;

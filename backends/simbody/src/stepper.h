@@ -87,6 +87,8 @@ class Stepper {
   // Of the components whose mark in `untouched_` is `untouched`.
   void sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double weight, bool untouched);
   void measure_speeds(double h);
+  // From the order of the state to that over all components.
+  void flatten(const SimTK::Vector& by_speed, std::vector<double>& out) const;
   Vec3 impulse_of(const ContactRows& contact) const;  ///< on b
   void warm_start(double h);
   void share_warm_friction();
@@ -117,7 +119,9 @@ class Stepper {
   std::vector<double> margins_;  ///< (nlink)
   SimTK::Vector q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_,
       end_u_, smooth_q_, smooth_u_;
-  std::vector<double> dv_, displacement_;  ///< over all components
+  std::vector<double> dv_, displacement_;             ///< over all components
+  std::vector<double> row_u_, row_start_, row_udot_;  ///< likewise: what rows are made from
+  std::vector<Vec3> contact_impulses_;                ///< on b, by contact
 };
 
 }  // namespace cogrsim::simbody

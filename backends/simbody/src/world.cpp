@@ -72,12 +72,12 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
 int SimbodyWorld::find_diverged() const {
   Mechanism& m = engine_->mechanism;
   m.realize_velocity();
-  for (const Link& link : m.links()) {
-    const SimTK::Vec3& p = link.mobod.getBodyOriginLocation(m.state);
-    const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(m.state);
+  for (std::size_t i = 0; i < m.links().size(); ++i) {
+    const LinkMotion& motion = m.motions()[i];
     // Written so that a NaN fails.
-    const bool fine = p.norm() < kFarthest && V[1].norm() < kFastest && V[0].norm() < kFastest * 10;
-    if (!fine) return link.plan.body;
+    const bool fine = motion.X.p.norm() < kFarthest && motion.linear.norm() < kFastest &&
+                      motion.angular.norm() < kFastest * 10;
+    if (!fine) return m.links()[i].plan.body;
   }
   return -1;
 }
