@@ -15,9 +15,6 @@ constexpr double kDependent = 1e-9;
 // Larger gaps of a joint are closed at this rate per step; smaller ones at once [m], [rad].
 constexpr double kGapAtOnce = 1e-3;
 constexpr double kGapRate = 0.2;
-// Axes of one group are swept until none changes by more than this part, or so often.
-constexpr double kAxisTolerance = 1e-12;
-constexpr int kAxisSweeps = 30;
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
@@ -174,6 +171,7 @@ void ConstraintGroup::prepare(const SceneModel& model, double dt, const std::vec
     prepare_response(axes_[i]);
     fill_law(model, axes_[i], dt, drives);
   }
+  couple_axes();
 }
 
 void ConstraintGroup::factorise() {
@@ -226,19 +224,22 @@ void ConstraintGroup::factorise() {
   }
 }
 
-void ConstraintGroup::solve(Eigen::VectorXd& x) const {
+void ConstraintGroup::solve(Eigen::VectorXd& vector) const {
   const int n = static_cast<int>(rows_.size());
-  for (int i = 0; i < n; ++i) {
-    const double* row = factor_.row(i).data();
+  const int* first = first_.data();
+  const double* inverse = inverse_diagonal_.data();
+  double* x = vector.data();
+  const double* row = factor_.data();
+  for (int i = 0; i < n; ++i, row += n) {
     double s = x[i];
-    for (int k = first_[static_cast<std::size_t>(i)]; k < i; ++k) s -= row[k] * x[k];
+    for (int k = first[i]; k < i; ++k) s -= row[k] * x[k];
     x[i] = s;
   }
-  for (int i = 0; i < n; ++i) x[i] *= inverse_diagonal_[i];
+  for (int i = 0; i < n; ++i) x[i] *= inverse[i];
   for (int i = n - 1; i >= 0; --i) {
-    const double* row = factor_.row(i).data();
+    row -= n;
     const double s = x[i];
-    for (int k = first_[static_cast<std::size_t>(i)]; k < i; ++k) x[k] -= row[k] * s;
+    for (int k = first[i]; k < i; ++k) x[k] -= row[k] * s;
   }
 }
 
@@ -274,21 +275,7 @@ void ConstraintGroup::iterate(StepBodies& bodies) {
     if (r.a >= 0) members_[static_cast<std::size_t>(r.a)].v += r.Ka * work_[i];
     if (r.b >= 0) members_[static_cast<std::size_t>(r.b)].v += r.Kb * work_[i];
   }
-  for (int sweep = 0; sweep < kAxisSweeps; ++sweep) {
-    bool settled = true;
-    for (std::size_t k = 0; k < axis_count_; ++k) {
-      Axis& axis = axes_[k];
-      if (axis.inverse_inertia <= 0.0) continue;
-      const double v = along(axis.row) - axis.inverse_inertia * axis.impulse;
-      const double impulse = axis.law.solve(v, axis.inverse_inertia);
-      const double change = impulse - axis.impulse;
-      if (std::abs(change) > kAxisTolerance * std::abs(impulse)) settled = false;
-      axis.impulse = impulse;
-      impulses_ += axis.reaction * change;
-      for (std::size_t m = 0; m < members_.size(); ++m) members_[m].v += axis.response[m] * change;
-    }
-    if (settled || axis_count_ < 2) break;
-  }
+  if (axis_count_ > 0) solve_axes();
   for (Member& member : members_) {
     if (!member.moves) continue;
     member.delta = member.v - member.start;

@@ -91,6 +91,9 @@ class ConstraintGroup final : public JointGroup {
   void fill_law(const SceneModel& model, Axis& axis, double dt, const std::vector<Drive>& drives);
   Axis& next_axis(const JointSlot& slot, const btTransform& X_WM, const Direction& direction);
   void prepare_response(Axis& axis);
+  void couple_axes();
+  /// Brings all axes to their laws and takes what they gave through the group.
+  void solve_axes();
 
   std::vector<Member> members_;
   std::vector<JointSlot> slots_;
@@ -104,7 +107,10 @@ class ConstraintGroup final : public JointGroup {
   Eigen::VectorXd impulses_, work_;
   std::vector<Axis> axes_;
   std::size_t axis_count_ = 0;
-  bool solved_ = false;  ///< for the velocities in `members_`
+  /// What an impulse on one axis (column) changes of another's speed (row), by axis_count_.
+  std::vector<double> between_axes_;
+  std::vector<double> axis_speeds_, axis_changes_;  ///< of one iterate()
+  bool solved_ = false;                             ///< for the velocities in `members_`
 };
 
 }  // namespace cogrsim::bullet

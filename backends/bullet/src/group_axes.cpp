@@ -10,6 +10,9 @@ namespace cogrsim::bullet {
 
 namespace {
 
+// Axes of one group are swept until none changes by more than this part, or so often.
+constexpr double kAxisTolerance = 1e-12;
+constexpr int kAxisSweeps = 30;
 // Below this speed friction of a ball joint has no direction yet [rad/s].
 constexpr double kAtRest = 1e-9;
 
@@ -62,6 +65,52 @@ void ConstraintGroup::prepare_response(Axis& axis) {
     axis.inverse_inertia += own.Ja.dot(axis.response[static_cast<std::size_t>(own.a)]);
   if (own.b >= 0)
     axis.inverse_inertia += own.Jb.dot(axis.response[static_cast<std::size_t>(own.b)]);
+}
+
+void ConstraintGroup::couple_axes() {
+  between_axes_.assign(axis_count_ * axis_count_, 0.0);
+  axis_speeds_.resize(axis_count_);
+  axis_changes_.resize(axis_count_);
+  for (std::size_t i = 0; i < axis_count_; ++i) {
+    const Row& own = axes_[i].row;
+    for (std::size_t k = 0; k < axis_count_; ++k) {
+      const Axis& other = axes_[k];
+      double& entry = between_axes_[i * axis_count_ + k];
+      if (own.a >= 0) entry += own.Ja.dot(other.response[static_cast<std::size_t>(own.a)]);
+      if (own.b >= 0) entry += own.Jb.dot(other.response[static_cast<std::size_t>(own.b)]);
+    }
+  }
+}
+
+void ConstraintGroup::solve_axes() {
+  for (std::size_t i = 0; i < axis_count_; ++i) {
+    axis_speeds_[i] = along(axes_[i].row);
+    axis_changes_[i] = 0.0;
+  }
+  for (int sweep = 0; sweep < kAxisSweeps; ++sweep) {
+    bool settled = true;
+    for (std::size_t k = 0; k < axis_count_; ++k) {
+      Axis& axis = axes_[k];
+      if (axis.inverse_inertia <= 0.0) continue;
+      const double v = axis_speeds_[k] - axis.inverse_inertia * axis.impulse;
+      const double impulse = axis.law.solve(v, axis.inverse_inertia);
+      const double change = impulse - axis.impulse;
+      if (std::abs(change) > kAxisTolerance * std::abs(impulse)) settled = false;
+      axis.impulse = impulse;
+      axis_changes_[k] += change;
+      for (std::size_t i = 0; i < axis_count_; ++i) {
+        axis_speeds_[i] += between_axes_[i * axis_count_ + k] * change;
+      }
+    }
+    if (settled || axis_count_ < 2) break;
+  }
+  for (std::size_t k = 0; k < axis_count_; ++k) {
+    const double change = axis_changes_[k];
+    if (change == 0.0) continue;
+    const Axis& axis = axes_[k];
+    impulses_ += axis.reaction * change;
+    for (std::size_t m = 0; m < members_.size(); ++m) members_[m].v += axis.response[m] * change;
+  }
 }
 
 void ConstraintGroup::gather_axes(const Joint& joint, const JointSlot& slot,
