@@ -225,7 +225,8 @@ void MultibodyTree::add_joint(const TreeJoint& joint, const RigidBody& body, int
 }
 
 void MultibodyTree::set_positions(const std::vector<double>& q, const btTransform& X_WBase) {
-  if (floating()) {
+  if (floating() && !(placed_ && frames_[0] == X_WBase)) {
+    placed_ = false;
     multibody_->setBaseWorldTransform(X_WBase);
     frames_[0] = X_WBase;
   }
@@ -238,17 +239,24 @@ void MultibodyTree::set_positions(const std::vector<double>& q, const btTransfor
       const btQuaternion turn = joint.reversed ? unit(own).inverse() : unit(own);
       const btQuaternion in_link = K * turn * K.inverse();
       const double values[4] = {in_link.x(), in_link.y(), in_link.z(), in_link.w()};
-      multibody_->setJointPosMultiDof(joint.to, values);
+      if (!std::equal(values, values + 4, multibody_->getJointPosMultiDof(joint.to))) {
+        multibody_->setJointPosMultiDof(joint.to, values);
+        placed_ = false;
+      }
       continue;
     }
     for (int i = 0; i < cogrsim::speed_count(joint.type); ++i) {
       // One speed per link here.
       const int first_link = joint.to - (cogrsim::speed_count(joint.type) - 1);
       const int link = first_link + joint.speed(i) - joint.first;
-      if (multibody_->getJointPos(link) != own[i]) multibody_->setJointPos(link, own[i]);
+      if (multibody_->getJointPos(link) == own[i]) continue;
+      multibody_->setJointPos(link, own[i]);
+      placed_ = false;
     }
   }
-  update_frames();
+  // A step begins where the last one ended: mostly nothing has moved in between.
+  if (!placed_) update_frames();
+  placed_ = true;
 }
 
 void MultibodyTree::update_frames() {

@@ -104,6 +104,7 @@ class MultibodyTree {
   std::vector<int> parents_, first_dof_;  ///< by link; first_dof_ has one more
   std::vector<Dof> dofs_;
   std::vector<btTransform> frames_;
+  bool placed_ = false;         ///< frames_ are those of the coordinates
   std::vector<double> masses_;  ///< by link, the base first
   std::vector<btVector3> moments_;
   std::vector<LinkVector> velocities_, rates_, forces_;
