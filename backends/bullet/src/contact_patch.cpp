@@ -10,7 +10,7 @@ namespace {
 
 // What differs by less is the same: rounding must not decide which points are kept, or they change
 // from step to step and begin without the loads of the last.
-constexpr double kSameDepth = 1e-7;  // [m]
+constexpr double kSameDepth = 2e-5;  // [m], about what resting bodies sink in
 constexpr double kClearly = 1.0 + 1e-6;
 
 }  // namespace

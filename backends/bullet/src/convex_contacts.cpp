@@ -22,7 +22,7 @@ namespace {
 // some 1e-6 rad only between faces that meet flush. (Cosine of 1e-3 rad.)
 constexpr double kFlush = 1.0 - 5e-7;
 // The closest points must be nearer than the corners by this much to be a point of their own [m].
-constexpr double kNearer = 1e-6;
+constexpr double kNearer = 1e-5;
 // Feature number of the only point there is.
 constexpr int kLone = 7;
 

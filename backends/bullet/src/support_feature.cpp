@@ -17,9 +17,9 @@ constexpr int kCapCorners = 16;
 // A cylinder's end is what it touches with where it looks along its axis more than this (cosine).
 constexpr double kCapCosine = 0.7;
 // Leaning less than this, a standing cylinder's corners stay with the cylinder [rad]: the
-// direction of its lean is noise then, and the polygon's error, (1 - cos(pi / 16)) R 1e-4, is less
-// than resting bodies sink in.
-constexpr double kUpright = 1e-4;
+// direction of its lean is noise then, and the polygon's error, (1 - cos(pi / 16)) R 3e-3, is about
+// what resting bodies sink in.
+constexpr double kUpright = 3e-3;
 
 btVector3 centre_of(const std::vector<btVector3>& points) {
   btVector3 sum(0, 0, 0);
