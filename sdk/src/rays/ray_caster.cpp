@@ -22,19 +22,22 @@ constexpr double kFar = 1e5;
 /// Boxes may stray this much beyond where they were when the tree was built.
 constexpr double kSlack = 1.25;
 
-/// A shape in the world: its frame's pose, and a sphere around all of it.
-struct Placed {
-  int body = -1, shape_index = -1;
-  const Shape* shape = nullptr;
-  std::shared_ptr<const TriangleSet> triangles;  // nullptr: a solid or a plane
-  Vec3 middle_S = Vec3::Zero();                  // of the sphere
-  Vec3 half_S = Vec3::Zero();                    // half extents around that [m]
-  double reach = 0.0;                            // radius of the sphere [m]
-  Mat3 R_WS = Mat3::Identity();
-  Vec3 p_WS = Vec3::Zero();
+/// A shape in the world: its frame's pose, and a sphere around all of it. What every ray asks comes
+/// first, in one cache line.
+struct alignas(64) Placed {
   Vec3 middle = Vec3::Zero();  // of the sphere, in the world
+  double reach = 0.0;          // radius of the sphere [m]
+  int body = -1;
+  ShapeType type = ShapeType::box;
+  const Shape* shape = nullptr;
+  int shape_index = -1;
   enum class Place : char { tree, list, nowhere } place = Place::list;
   unsigned box = 0;  // in the tree
+  Mat3 R_WS = Mat3::Identity();
+  Vec3 p_WS = Vec3::Zero();
+  Vec3 middle_S = Vec3::Zero();                  // of the sphere
+  Vec3 half_S = Vec3::Zero();                    // half extents around that [m]
+  std::shared_ptr<const TriangleSet> triangles;  // nullptr: a solid or a plane
 };
 
 struct Candidate {
@@ -49,6 +52,10 @@ bool same(const Pose& a, const Pose& b) { return a.p == b.p && a.q.coeffs() == b
 
 bool finite(const Pose& pose) {
   return pose.p.allFinite() && pose.q.coeffs().allFinite() && pose.q.norm() > 0.0;
+}
+
+bool is_triangles(ShapeType type) {
+  return type == ShapeType::convex_mesh || type == ShapeType::mesh || type == ShapeType::heightmap;
 }
 
 bool wanted(const Shape& shape, RayTargets targets) {
@@ -82,18 +89,20 @@ class Cast final : public rays::BoxVisitor {
   }
 
   void meet(const Placed& placed) {
-    if (!ignored_.empty() && std::binary_search(ignored_.begin(), ignored_.end(), placed.body))
+    if (placed.type == ShapeType::plane) {
+      if (!is_ignored(placed)) meet_plane(placed);
       return;
-    if (placed.shape->type == ShapeType::plane) return meet_plane(placed);
+    }
     // From the point of the line that is nearest to the shape, so that numbers stay small.
     const Vec3 to_middle = placed.middle - origin_;
     const double nearest = to_middle.dot(direction_);
     const Vec3 start = nearest * direction_ - to_middle;
     if (start.squaredNorm() > placed.reach * placed.reach) return;
     if (nearest + placed.reach < from_ || nearest - placed.reach > limit()) return;
+    if (is_ignored(placed)) return;
     const Vec3 o = placed.R_WS.transpose() * start + placed.middle_S;
     const Vec3 d = placed.R_WS.transpose() * direction_;
-    if (placed.triangles != nullptr) {
+    if (is_triangles(placed.type)) {
       const TriangleSet::Hit hit =
           placed.triangles->nearest(o, d, from_ - nearest, limit() - nearest);
       if (hit.triangle < 0) return;
@@ -115,6 +124,10 @@ class Cast final : public rays::BoxVisitor {
   const Candidate& best() const { return best_; }
 
  private:
+  bool is_ignored(const Placed& placed) const {
+    return !ignored_.empty() && std::binary_search(ignored_.begin(), ignored_.end(), placed.body);
+  }
+
   // The plane z = 0. A line in the plane does not meet it.
   void meet_plane(const Placed& placed) {
     const Vec3 normal = placed.R_WS.col(2);
@@ -290,6 +303,7 @@ void RayCaster::Impl::take_model(const SceneModelPtr& next, RayTargets next_targ
       out.body = static_cast<int>(b);
       out.shape_index = static_cast<int>(s);
       out.shape = &body.shapes[s];
+      out.type = out.shape->type;
       set_extent(out);
       placed.push_back(std::move(out));
     }
