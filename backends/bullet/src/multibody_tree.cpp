@@ -115,6 +115,7 @@ MultibodyTree::MultibodyTree(const SceneModel& model, const std::vector<int>& jo
     TreeJoint t;
     t.joint = j;
     t.type = joint.type;
+    t.count = cogrsim::speed_count(joint.type);
     t.reversed = reversed;
     t.from = from;
     const btTransform F = principal_inverse(model, bodies, joint.parent) * to_bt(joint.X_PF);
@@ -245,9 +246,9 @@ void MultibodyTree::set_positions(const std::vector<double>& q, const btTransfor
       }
       continue;
     }
-    for (int i = 0; i < cogrsim::speed_count(joint.type); ++i) {
+    for (int i = 0; i < joint.count; ++i) {
       // One speed per link here.
-      const int first_link = joint.to - (cogrsim::speed_count(joint.type) - 1);
+      const int first_link = joint.to - (joint.count - 1);
       const int link = first_link + joint.speed(i) - joint.first;
       if (multibody_->getJointPos(link) == own[i]) continue;
       multibody_->setJointPos(link, own[i]);
@@ -313,7 +314,7 @@ void MultibodyTree::speeds(const std::vector<LinkVector>& links, std::vector<dou
     }
   }
   for (const TreeJoint& joint : joints_) {
-    const int n = cogrsim::speed_count(joint.type);
+    const int n = joint.count;
     if (n == 0) continue;
     const LinkVector& a = links[static_cast<std::size_t>(joint.from + 1)];
     const LinkVector& b = links[static_cast<std::size_t>(joint.to + 1)];
@@ -420,7 +421,7 @@ void MultibodyTree::advance(const std::vector<double>& u, double dt, std::vector
       own[3] = next.z();
       continue;
     }
-    for (int i = 0; i < cogrsim::speed_count(joint.type); ++i) {
+    for (int i = 0; i < joint.count; ++i) {
       own[i] += dt * u[static_cast<std::size_t>(joint.speed(i))];
     }
   }

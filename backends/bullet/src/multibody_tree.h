@@ -32,6 +32,7 @@ struct TreeJoint {
   int from = -1;             ///< link, -1: base
   int to = -1;               ///< link of the body it carries
   int first = 0;             ///< first of its speeds
+  int count = 0;             ///< of its speeds
   btTransform X_from, X_to;  ///< the joint's frames in the two links' principal frames
   /// Entry in the speeds of the joint's speed k, unless a ball.
   int speed(int k) const { return order[k]; }
