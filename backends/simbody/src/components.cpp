@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mechanism.h"
+#include "products.h"
 
 namespace cogrsim::simbody {
 namespace {
@@ -36,18 +37,6 @@ Inertia world_inertia(const Link& link, const Placement& X, const Vec3& origin) 
   out.second = X.R * link.inertia * X.R.transpose() +
                link.mass * (c.squaredNorm() * Mat3::Identity() - c * c.transpose());
   return out;
-}
-
-// Two sums side by side: one alone waits for each addition.
-double product(const double* a, const double* b, int size) {
-  double even = 0.0, odd = 0.0;
-  int k = 0;
-  for (; k + 1 < size; k += 2) {
-    even += a[k] * b[k];
-    odd += a[k + 1] * b[k + 1];
-  }
-  if (k < size) even += a[k] * b[k];
-  return even + odd;
 }
 
 // In place, lower triangle, row-major; the diagonal is inverted.
@@ -177,7 +166,7 @@ void solve_mass(const Component& c, double* x) {
   for (int i = 0; i < n; ++i) x[i] = (x[i] - product(L + i * n, x, i)) * L[i * n + i];
   for (int i = n; i-- > 0;) {
     const double xi = x[i] *= L[i * n + i];
-    for (int k = 0; k < i; ++k) x[k] -= L[i * n + k] * xi;
+    add_scaled(-xi, L + i * n, i, x);
   }
 }
 
@@ -198,9 +187,7 @@ void solve_mass_often(Component& c, const double* j, double* w) {
   }
   std::fill(w, w + n, 0.0);
   for (int i = 0; i < n; ++i) {
-    if (j[i] == 0.0) continue;
-    const double* const column = &c.inverse[std::size_t(i * n)];
-    for (int k = 0; k < n; ++k) w[k] += j[i] * column[k];
+    if (j[i] != 0.0) add_scaled(j[i], &c.inverse[std::size_t(i * n)], n, w);
   }
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "products.h"
+
 namespace cogrsim::simbody {
 namespace {
 
@@ -21,18 +23,6 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Read6 = Eigen::Map<const Vec6>;
 using Write6 = Eigen::Map<Vec6>;
 
-// Two sums side by side: one alone waits for each addition.
-double product(const double* a, const double* b, int size) {
-  double even = 0.0, odd = 0.0;
-  int k = 0;
-  for (; k + 1 < size; k += 2) {
-    even += a[k] * b[k];
-    odd += a[k + 1] * b[k + 1];
-  }
-  if (k < size) even += a[k] * b[k];
-  return even + odd;
-}
-
 // J v.
 inline double along(const Line& line, const double* v) {
   const double* const j = line.numbers;
@@ -48,17 +38,15 @@ inline double along(const Line& line, const double* v) {
 
 // v += W impulse.
 inline void apply(const Line& line, double impulse, double* v) {
-  const double* w = line.numbers + line.size[0];
+  const double* const w = line.numbers + line.size[0];
   if (line.lone) {
     Write6(v + line.at[0]) += impulse * Read6(w);
     if (line.size[1] > 0) Write6(v + line.at[1]) += impulse * Read6(w + 12);
     return;
   }
-  for (int s = 0; s < 2; ++s) {
-    double* const x = v + line.at[s];
-    for (int k = 0; k < line.size[s]; ++k) x[k] += w[k] * impulse;
-    w += line.size[0] + line.size[1];
-  }
+  add_scaled(impulse, w, line.size[0], v + line.at[0]);
+  if (line.size[1] == 0) return;
+  add_scaled(impulse, w + line.size[0] + line.size[1], line.size[1], v + line.at[1]);
 }
 
 // v += W1 impulse1 + W2 impulse2, of two rows with the same sides.
@@ -157,6 +145,22 @@ double Island::relax_ball(const Block& block) {
   return change;
 }
 
+// v += W change, all points at once.
+void Island::apply_bearing(const Bearing& bearing, const Eigen::Vector4d& change) {
+  const Line& leader = lines[std::size_t(bearing.line[0])];
+  if (!leader.lone) {
+    for (int i = 0; i < bearing.count; ++i)
+      if (change[i] != 0.0) apply(lines[std::size_t(bearing.line[i])], change[i], v.data());
+    return;
+  }
+  for (int side = 0; side < 2 && leader.size[side] > 0; ++side) {
+    Vec6 sum = Vec6::Zero();
+    for (int i = 0; i < bearing.count; ++i)
+      sum += change[i] * Read6(lines[std::size_t(bearing.line[i])].numbers + 12 * side + 6);
+    Write6(v.data() + leader.at[side]) += sum;
+  }
+}
+
 double Island::relax_bearing(const Bearing& bearing) {
   Eigen::Vector4d residual = Eigen::Vector4d::Zero(), before = Eigen::Vector4d::Zero();
   for (int i = 0; i < bearing.count; ++i) {
@@ -176,13 +180,9 @@ double Island::relax_bearing(const Bearing& bearing) {
       }
   }
   const Eigen::Vector4d change = wanted - before;
+  for (int i = 0; i < bearing.count; ++i) lines[std::size_t(bearing.line[i])].lambda = wanted[i];
+  apply_bearing(bearing, change);
   double most = 0.0;
-  for (int i = 0; i < bearing.count; ++i) {
-    if (change[i] == 0.0) continue;
-    Line& line = lines[std::size_t(bearing.line[i])];
-    line.lambda = wanted[i];
-    apply(line, change[i], v.data());
-  }
   for (int i = 0; i < bearing.count; ++i)
     most = std::max(most, std::abs(bearing.response.row(i).dot(change)));
   return most;

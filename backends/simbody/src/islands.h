@@ -78,6 +78,7 @@ class Island {
   double relax_contact(const Block& block);
   double relax_ball(const Block& block);
   double relax_bearing(const Bearing& bearing);
+  void apply_bearing(const Bearing& bearing, const Eigen::Vector4d& change);
   double sweep(bool backwards);
   double go_on(double last_size);
   bool measure_gaps(double h, std::vector<Row>& rows);
