@@ -59,7 +59,7 @@ class COGRSIM_API Recorder {
 };
 
 struct RecordingInfo {
-  std::string scene, backend, library_version;
+  std::string scene, backend, engine_version, library_version;
   std::string status;  ///< how the run ended; empty: it was cut off
   std::uint64_t seed = 0;
   double step = 0.0;              ///< [s]

@@ -1,0 +1,55 @@
+#include "recording_start.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace cogrsim::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// "scenes/maze.scene.xml" -> "maze.mcap", in the folder the program was started in.
+std::string default_file(const std::string& scene) {
+  std::string name = fs::path(scene).filename().string();
+  const std::string ending = ".scene.xml";
+  if (name.size() > ending.size() &&
+      name.compare(name.size() - ending.size(), ending.size(), ending) == 0) {
+    name.resize(name.size() - ending.size());
+  } else {
+    name = fs::path(name).stem().string();
+  }
+  return name + ".mcap";
+}
+
+}  // namespace
+
+bool wants_recording(const SceneModel& model, const RunOptions& options) {
+  return !options.record.empty() || model.record.has_value();
+}
+
+RecorderOptions recorder_options(const SceneModel& model, const RunOptions& options) {
+  RecorderOptions out;
+  const RecordModel choices = model.record.value_or(RecordModel());
+  out.path = !options.record.empty() ? options.record
+             : !choices.file.empty() ? choices.file
+                                     : default_file(options.scene.scene);
+  out.every = choices.every;
+  out.contacts = choices.contacts;
+  out.images = choices.images;
+  out.jpeg = choices.jpeg;
+  out.parameters = options.scene.set;
+  const fs::path folder = fs::path(options.scene.scene).parent_path();
+  for (const std::string& file : model.files) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) continue;
+    Attachment attachment;
+    attachment.name = fs::path(file).lexically_proximate(folder.empty() ? "." : folder).string();
+    attachment.media_type = "application/xml";
+    attachment.data.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+    out.attachments.push_back(std::move(attachment));
+  }
+  return out;
+}
+
+}  // namespace cogrsim::cli

@@ -1,0 +1,18 @@
+// What a run of a scene file puts into its recording.
+#pragma once
+
+#include <string>
+
+#include "cogrsim/recording/recording.h"
+#include "options.h"
+
+namespace cogrsim::cli {
+
+/// Whether the run is to be recorded: `--record`, or `<record>` in the scene.
+bool wants_recording(const SceneModel& model, const RunOptions& options);
+
+/// The recorder's options: file and choices from `--record` and `<record>`, the scene's files as
+/// they are on disk, `--set`. Files that went away since they were compiled are left out.
+RecorderOptions recorder_options(const SceneModel& model, const RunOptions& options);
+
+}  // namespace cogrsim::cli

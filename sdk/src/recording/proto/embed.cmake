@@ -1,0 +1,15 @@
+# Writes the bytes of the files IN ("name=path;…") as C++ arrays into OUT.
+set(text "// Made by embed.cmake from the compiled schemas.\n#include \"recording/schemas.h\"\n\nnamespace cogrsim {\n")
+foreach(entry ${IN})
+  string(REGEX MATCH "^([^=]+)=(.*)$" matched "${entry}")
+  set(name ${CMAKE_MATCH_1})
+  file(READ "${CMAKE_MATCH_2}" hex HEX)
+  string(LENGTH "${hex}" digits)
+  math(EXPR size "${digits} / 2")
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
+  string(REGEX REPLACE "(....................................................................................................)" "\\1\n" bytes "${bytes}")
+  string(APPEND text "\nstatic constexpr unsigned char k_${name}[] = {\n${bytes}};\n"
+    "std::string_view ${name}_schemas() {\n  return {reinterpret_cast<const char*>(k_${name}), ${size}};\n}\n")
+endforeach()
+string(APPEND text "\n}  // namespace cogrsim\n")
+file(WRITE "${OUT}" "${text}")

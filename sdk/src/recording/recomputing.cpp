@@ -1,0 +1,138 @@
+// Readings anew from recorded frames: the sensors' own code, clocks and streams of noise, told when
+// they were switched on and off.
+#include <fmt/format.h>
+
+#include "recording/recording_impl.h"
+#include "sensing/frame_sensing.h"
+#include "sensing/sensor_suite.h"
+#include "simulation/rate_timer.h"
+
+namespace cogrsim {
+
+namespace {
+
+// The world that sensors read at the end of `frame` when the coming step's scene is `next`: what
+// was added at that boundary stands where it was put.
+FramePtr seen_by_sensors(const FramePtr& frame, const SceneModelPtr& next) {
+  if (frame->model == next) return frame;
+  auto out = std::make_shared<Frame>(*frame);
+  const SceneModel& model = *next;
+  out->model = next;
+  WorldState& state = out->state;
+  for (std::size_t i = state.poses.size(); i < model.bodies.size(); ++i) {
+    state.poses.push_back(model.bodies[i].X_WB);
+    state.twists.push_back(model.bodies[i].V_WB);
+  }
+  for (std::size_t i = frame->model->joints.size(); i < model.joints.size(); ++i) {
+    const Joint& joint = model.joints[i];
+    const auto append = [](std::vector<double>& to, const std::vector<double>& values) {
+      to.insert(to.end(), values.begin(), values.end());
+    };
+    append(state.joint_positions, joint.position);
+    append(state.joint_velocities, joint.velocity);
+  }
+  state.joint_efforts.resize(state.joint_velocities.size());
+  state.motor_efforts.resize(model.motors.size());
+  if (!out->accelerations.empty()) out->accelerations.resize(model.bodies.size());
+  if (!out->joint_reactions.empty()) out->joint_reactions.resize(model.joints.size());
+  return out;
+}
+
+// The sensors of a run as it goes through its frames.
+class Reader {
+ public:
+  Reader(PluginLoader& loader, std::uint64_t seed)
+      : loader_(loader), seed_(seed), sensing_(loader) {}
+
+  // Sensors as at the start of a run.
+  Result<> begin(const SceneModelPtr& model) {
+    suite_.clear();
+    timers_.clear();
+    model_ = nullptr;
+    return follow(model);
+  }
+
+  // The step from `from` to `to`, both as recorded.
+  Result<> step(const FramePtr& from, const Frame& to) {
+    if (auto done = follow(to.model); !done) return done;
+    for (std::size_t i = 0; i < suite_.size(); ++i) {
+      const bool due = timers_[i].due(from->time, to.dt);
+      if (due) timers_[i].advance(from->time, to.dt);
+      const std::uint64_t before = i < from->readings.size() ? from->readings[i].sequence : 0;
+      // Whether it was on at that moment is seen by whether it read.
+      if (due) suite_.enable(i, to.readings[i].sequence > before);
+    }
+    if (suite_.begin(from->time, to.dt)) {
+      sensing_.show(seen_by_sensors(from, to.model));
+      for (const SensorFault& fault : suite_.read(sensing_)) {
+        if (to.readings[static_cast<std::size_t>(fault.sensor)].valid) {
+          const std::string& name = model_->sensors[static_cast<std::size_t>(fault.sensor)].name;
+          return fail(fmt::format("sensor '{}' cannot see: {}", name, fault.error.message), "",
+                      fault.error.hint);
+        }
+      }
+      sensing_.hide();
+    }
+    for (std::size_t i = 0; i < suite_.size(); ++i) suite_.enable(i, to.readings[i].enabled);
+    return {};
+  }
+
+  void copy_readings(std::vector<Reading>& out) const { suite_.copy_readings(out); }
+
+ private:
+  // Sensors that were added get instruments; those of what was removed stay off.
+  Result<> follow(const SceneModelPtr& model) {
+    if (model == model_) return {};
+    const std::size_t first = std::min(suite_.size(), model->sensors.size());
+    const auto found = suite_.build(model, seed_, loader_, first);
+    if (!found.empty()) return fail(found.front().message, "", found.front().help);
+    timers_.resize(first);
+    for (std::size_t i = first; i < model->sensors.size(); ++i) {
+      timers_.emplace_back(model->sensors[i].rate);
+    }
+    model_ = model;
+    return {};
+  }
+
+  PluginLoader& loader_;
+  std::uint64_t seed_;
+  FrameSensing sensing_;
+  SensorSuite suite_;
+  std::vector<RateTimer> timers_;
+  SceneModelPtr model_;
+};
+
+}  // namespace
+
+Result<> Recording::recompute(PluginLoader& loader,
+                              const std::function<void(const Frame&)>& visit) {
+  Impl& impl = *impl_;
+  const auto not_all = [](const std::string& why) {
+    return fail("readings cannot be computed again: " + why, "",
+                "record every step: leave 'every' out, and give the recording a fast disk");
+  };
+  if (!impl.every_step) return not_all("not every step was kept");
+  Reader reader(loader, impl.info.seed);
+  std::shared_ptr<Frame> before;
+  for (std::size_t i = 0; i < impl.frames.size(); ++i) {
+    auto frame = impl.frame(i);
+    if (!frame) return tl::unexpected(frame.error());
+    const Frame& now = **frame;
+    const bool restarted = before && now.step == 0;
+    if (!before || restarted) {
+      if (now.step != 0) return not_all("the recording does not begin with the run");
+      if (auto done = reader.begin(now.model); !done) return done;
+    } else if (now.step != before->step + 1) {
+      return not_all(fmt::format("after {:.6g} s frames are missing", before->time));
+    } else if (auto done = reader.step(before, now); !done) {
+      return done;
+    }
+    Frame computed = now;
+    reader.copy_readings(computed.readings);
+    visit(computed);
+    before = std::move(*frame);
+  }
+  return {};
+}
+
+}  // namespace cogrsim
