@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/sensing/instruments.h"
 #include "simulation/impl.h"
 
 namespace cogrsim {
@@ -115,6 +116,45 @@ double SensorHandle::value(int channel) const {
 void SensorHandle::enable(bool on) {
   if (!access_) return;
   access_->simulation->sensors.enable(static_cast<std::size_t>(sensor_), on);
+}
+
+std::string SensorHandle::body_name(int body) const {
+  if (!access_ || body < 0) return "";
+  const std::vector<Body>& bodies = access_->simulation->model->bodies;
+  const auto index = static_cast<std::size_t>(body);
+  return index < bodies.size() ? bodies[index].name : "";
+}
+
+const SensorModel& SensorHandle::description() const {
+  return access_->simulation->model->sensors[static_cast<std::size_t>(sensor_)];
+}
+
+std::string Infrared::body() const {
+  return valid() ? body_name(static_cast<int>(value(1))) : std::string();
+}
+
+std::size_t Lidar::size() const {
+  if (directions_.empty() && bound()) directions_ = ray_directions(description());
+  return directions_.size();
+}
+
+std::vector<double> Lidar::ranges() const {
+  if (!valid()) return {};
+  const std::vector<double>& values = reading().values;
+  return {values.begin(), values.begin() + static_cast<std::ptrdiff_t>(size())};
+}
+
+Vec3 Lidar::direction(std::size_t ray) const {
+  return ray < size() ? directions_[ray] : Vec3::UnitX();
+}
+
+std::vector<std::string> ContactSensor::bodies() const {
+  std::vector<std::string> names;
+  if (!valid()) return names;
+  for (const Contact& contact : reading().contacts) names.push_back(body_name(contact.body_a));
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
 }
 
 const std::string& Assembly::name() const { return access_->name; }

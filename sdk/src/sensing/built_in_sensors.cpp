@@ -1,22 +1,13 @@
-// The sensors that need nothing but the state: encoder, pose, imu.
+// The table of the SDK's own sensors, and what they share.
+#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <memory>
 
-#include "cogrsim/sensing/sensor.h"
+#include "cogrsim/sensing/instruments.h"
+#include "sensing/instrument.h"
 
 namespace cogrsim {
 
-namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-/// Pose and twist of the sensor's own frame S in the world.
-struct SensorMotion {
-  Pose X_WS;
-  Twist V_WS;
-  Vec3 arm = Vec3::Zero();  // from the body's origin to S, world axes
-};
+namespace instruments {
 
 SensorMotion motion_of(const SensorModel& sensor, const WorldState& state) {
   SensorMotion motion;
@@ -33,164 +24,92 @@ SensorMotion motion_of(const SensorModel& sensor, const WorldState& state) {
   return motion;
 }
 
-void put(std::vector<double>& values, std::size_t at, const Vec3& v) {
-  for (int i = 0; i < 3; ++i) values[at + static_cast<std::size_t>(i)] = v[i];
+void saturate(std::vector<double>& values, std::size_t from, std::size_t to, double limit) {
+  if (limit <= 0.0) return;
+  for (std::size_t i = from; i < to; ++i) values[i] = std::clamp(values[i], -limit, limit);
 }
 
-/// Position and speed of one joint axis.
-class EncoderSensor final : public Sensor {
- public:
-  Result<> configure(const SceneModel& model, const SensorModel& sensor,
-                     const Parameters& parameters) override {
-    if (sensor.joint < 0) {
-      return fail("encoder '" + sensor.name + "' measures no joint", place_of(model, sensor.origin),
-                  "name one: joint=\"…\"");
-    }
-    const Joint& joint = model.joints[static_cast<std::size_t>(sensor.joint)];
-    const bool axes_are_coordinates = joint.type != JointType::ball &&
-                                      joint.type != JointType::free &&
-                                      joint.type != JointType::fixed;
-    const auto axis = static_cast<int>(std::get<std::int64_t>(parameters.at("axis")));
-    if (!axes_are_coordinates || axis < 0 || axis >= speed_count(joint.type)) {
-      return fail("encoder '" + sensor.name + "': joint '" + joint.name + "' (" +
-                      to_string(joint.type) + ") has no axis " + std::to_string(axis),
-                  place_of(model, sensor.origin));
-    }
-    const bool linear = joint.type == JointType::slider ||
-                        (joint.type == JointType::cylindrical && axis == 1) ||
-                        (joint.type == JointType::planar && axis < 2);
-    unit_ = linear ? "m" : "rad";
-    position_ = static_cast<std::size_t>(joint.position_offset + axis);
-    speed_ = static_cast<std::size_t>(joint.speed_offset + axis);
-    return {};
+Result<std::pair<double, double>> range_of(const Parameters& parameters) {
+  const std::vector<double>& range = list(parameters, "range");
+  if (range.size() != 2 || !(range[0] >= 0.0) || !(range[0] < range[1]) ||
+      !std::isfinite(range[1])) {
+    return fail("the range takes two distances, the first at least 0 and below the second", "",
+                "write for example range=\"2 .. 80 cm\"");
   }
-  std::vector<Channel> channels() const override {
-    return {{"position", unit_, true}, {"velocity", unit_ + "/s", false}};
-  }
-  Result<> read(Sensing& sensing, Reading& reading) override {
-    const WorldState& state = sensing.frame().state;
-    reading.values = {state.joint_positions[position_], state.joint_velocities[speed_]};
-    return {};
-  }
+  return std::make_pair(range[0], range[1]);
+}
 
- private:
-  std::string unit_;
-  std::size_t position_ = 0, speed_ = 0;
-};
+double limited(double distance, double least, double most) {
+  if (distance < least) return -kInfinity;
+  return distance > most ? kInfinity : distance;
+}
 
-/// Ideal tracking: pose and twist of the sensor's frame in the world.
-class PoseOfFrame final : public Sensor {
- public:
-  Result<> configure(const SceneModel&, const SensorModel& sensor, const Parameters&) override {
-    sensor_ = sensor;
-    return {};
-  }
-  std::vector<Channel> channels() const override {
-    std::vector<Channel> all;
-    for (const char* axis : {"x", "y", "z"}) all.push_back({axis, "m", true});
-    for (const char* part : {"qw", "qx", "qy", "qz"}) all.push_back({part, "1", false});
-    for (const char* axis : {"vx", "vy", "vz"}) all.push_back({axis, "m/s", false});
-    for (const char* axis : {"wx", "wy", "wz"}) all.push_back({axis, "rad/s", false});
-    return all;
-  }
-  Result<> read(Sensing& sensing, Reading& reading) override {
-    std::vector<double>& values = reading.values;
-    const SensorMotion motion = motion_of(sensor_, sensing.frame().state);
-    put(values, 0, motion.X_WS.p);
-    const Quat& q = motion.X_WS.q;
-    values[3] = q.w();
-    values[4] = q.x();
-    values[5] = q.y();
-    values[6] = q.z();
-    put(values, 7, motion.V_WS.linear);
-    put(values, 10, motion.V_WS.angular);
-    return {};
-  }
+namespace {
 
- private:
-  SensorModel sensor_;
-};
+const std::vector<PluginDescriptor>& table() {
+  static const std::vector<PluginDescriptor> all = {camera(), contact(),  encoder(), force_torque(),
+                                                    imu(),    infrared(), lidar(),   pose()};
+  return all;
+}
 
-/// Specific force f = R_SW (a_S - g) and angular velocity, in the sensor's axes. The acceleration
-/// is the mean over the last step (a difference of twists), as an instrument integrating over its
-/// sample time would report.
-class ImuSensor final : public Sensor {
- public:
-  Result<> configure(const SceneModel& model, const SensorModel& sensor,
-                     const Parameters&) override {
-    if (sensor.body == kWorld) {
-      return fail("imu '" + sensor.name + "' is mounted on no body", place_of(model, sensor.origin),
-                  "name one: on=\"…\"");
-    }
-    sensor_ = sensor;
-    gravity_ = model.physics.gravity;
-    return {};
+/// The parameters of a built-in sensor with its defaults; empty when they are wrong.
+std::optional<Parameters> completed(const SensorModel& sensor) {
+  for (const PluginDescriptor& d : table()) {
+    if (d.name != sensor.type) continue;
+    if (auto parameters = complete_parameters(d.parameters, sensor.parameters)) return *parameters;
   }
-  std::vector<Channel> channels() const override {
-    std::vector<Channel> all;
-    for (const char* axis : {"fx", "fy", "fz"}) all.push_back({axis, "m/s^2", true});
-    for (const char* axis : {"wx", "wy", "wz"}) all.push_back({axis, "rad/s", false});
-    return all;
-  }
-  FrameContents needs() const override {
-    FrameContents contents;
-    contents.accelerations = true;
-    return contents;
-  }
-  Result<> read(Sensing& sensing, Reading& reading) override {
-    const Frame& frame = sensing.frame();
-    std::vector<double>& values = reading.values;
-    const SensorMotion motion = motion_of(sensor_, frame.state);
-    const auto body = static_cast<std::size_t>(sensor_.body);
-    if (body >= frame.accelerations.size()) {
-      put(values, 0, Vec3::Constant(kNaN));
-    } else {
-      const Twist& a = frame.accelerations[body];
-      const Vec3& w = motion.V_WS.angular;
-      const Vec3 at_sensor = a.linear + a.angular.cross(motion.arm) + w.cross(w.cross(motion.arm));
-      put(values, 0, motion.X_WS.q.conjugate() * (at_sensor - gravity_));
-    }
-    put(values, 3, motion.X_WS.q.conjugate() * motion.V_WS.angular);
-    return {};
-  }
-
- private:
-  SensorModel sensor_;
-  Vec3 gravity_ = Vec3::Zero();
-};
-
-template <class Type>
-const SensorEntry* entry() {
-  static constexpr SensorEntry kEntry = {[]() -> Sensor* { return new Type; },
-                                         [](Sensor* sensor) { delete sensor; }};
-  return &kEntry;
+  return std::nullopt;
 }
 
 }  // namespace
 
+}  // namespace instruments
+
 const SensorEntry* built_in_sensor(const std::string& type) {
-  if (type == "encoder") return entry<EncoderSensor>();
-  if (type == "pose") return entry<PoseOfFrame>();
-  if (type == "imu") return entry<ImuSensor>();
+  for (const PluginDescriptor& d : instruments::table()) {
+    if (d.name == type) return static_cast<const SensorEntry*>(d.factory);
+  }
   return nullptr;
 }
 
-std::vector<PluginDescriptor> built_in_sensors() {
-  const auto about = [](const char* name, const char* what, ParameterTable parameters = {}) {
-    PluginDescriptor d;
-    d.kind = PluginKind::sensor;
-    d.name = name;
-    d.version = "1.0.0";
-    d.author = "CogRSim";
-    d.summary = what;
-    d.parameters = std::move(parameters);
-    d.factory = built_in_sensor(name);
-    return d;
-  };
-  return {about("encoder", "position and speed of a joint's axis",
-                {parameter("axis", 0, "which axis of the joint, from 0").range(0, 2)}),
-          about("imu", "specific force and angular velocity in the sensor's axes"),
-          about("pose", "ideal pose and twist of the sensor's frame in the world")};
+std::vector<PluginDescriptor> built_in_sensors() { return instruments::table(); }
+
+Pose sensor_pose(const SensorModel& sensor, const WorldState& state) {
+  return instruments::motion_of(sensor, state).X_WS;
+}
+
+std::vector<Vec3> ray_directions(const SensorModel& sensor) {
+  const bool lidar = sensor.type == "lidar";
+  if (!lidar && sensor.type != "infrared") return {};
+  const auto parameters = instruments::completed(sensor);
+  if (!parameters) return {};
+  auto directions = lidar ? instruments::lidar_directions(*parameters)
+                          : instruments::infrared_directions(*parameters);
+  return directions ? std::move(*directions) : std::vector<Vec3>{};
+}
+
+RangeLimits range_limits(const SensorModel& sensor) {
+  if (sensor.type != "lidar" && sensor.type != "infrared") return {};
+  const auto parameters = instruments::completed(sensor);
+  if (!parameters) return {};
+  const auto range = instruments::range_of(*parameters);
+  return range ? RangeLimits{range->first, range->second} : RangeLimits{};
+}
+
+Result<RenderRequest> camera_request(const SceneModel& model, const SensorModel& sensor,
+                                     const WorldState& state) {
+  if (sensor.type != "camera") return fail("sensor '" + sensor.name + "' is no camera");
+  const PluginDescriptor d = instruments::camera();
+  const auto parameters = complete_parameters(d.parameters, sensor.parameters);
+  if (!parameters) return tl::unexpected(parameters.error());
+  auto request = instruments::camera_settings(*parameters);
+  if (!request) return request;
+  request->camera.X_WC = sensor_pose(sensor, state);
+  const bool sees_own = std::get<bool>(parameters->at("sees-own-body"));
+  if (sensor.body != kWorld && (!sees_own || instruments::in_own_body(model, sensor))) {
+    request->hidden_bodies = {sensor.body};
+  }
+  return request;
 }
 
 }  // namespace cogrsim

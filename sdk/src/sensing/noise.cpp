@@ -16,7 +16,7 @@ bool apply_noise(const std::vector<NoiseTerm>& noise, const std::vector<Channel>
       continue;
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
-      if (!channels[i].noisy) continue;
+      if (!channels[i].noisy || channels[i].group != term.group) continue;
       switch (term.kind) {
         case NoiseTerm::Kind::normal:
           values[i] += random.normal(term.a, term.b);

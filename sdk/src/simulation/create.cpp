@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "cogrsim/sensing/instruments.h"
 #include "model/diagnose.h"
 #include "simulation/impl.h"
 
@@ -83,8 +84,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   }
   if (!(options.speed > 0.0)) return refuse(Error("the speed must be above 0"), "CG0905");
 
-  auto impl = std::make_unique<Impl>();
-  impl->loader = std::move(loader);
+  auto impl = std::make_unique<Impl>(std::move(loader));
   std::string name = options.backend;
   if (name.empty()) name = scene->physics.backend;
   if (name.empty()) name = kDefaultBackend;
@@ -112,6 +112,11 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
     } else {
       found.push_back(from_error(world.error(), "CG0801"));
     }
+  }
+  for (const BuriedCamera& buried : buried_cameras(*impl->model)) {
+    const SensorModel& sensor = impl->model->sensors[static_cast<std::size_t>(buried.sensor)];
+    const Error& error = buried.error;
+    found.push_back(impl->problem(error.message, sensor.origin, error.code, error.hint));
   }
   // Minds are configured even when the physics was refused: all mistakes in one go.
   for (Diagnostic& d : impl->build_all()) found.push_back(std::move(d));

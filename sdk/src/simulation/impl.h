@@ -11,6 +11,7 @@
 #include "cogrsim/core/random.h"
 #include "cogrsim/sensing/sensor.h"
 #include "cogrsim/simulation/simulation.h"
+#include "sensing/frame_sensing.h"
 #include "sensing/sensor_suite.h"
 #include "simulation/frame_pool.h"
 #include "simulation/motor_law.h"
@@ -77,6 +78,9 @@ struct SimulationSnapshot {
 };
 
 struct Simulation::Impl {
+  explicit Impl(std::shared_ptr<PluginLoader> plugins)
+      : loader(std::move(plugins)), sensing(*loader) {}
+
   std::shared_ptr<PluginLoader> loader;
   std::shared_ptr<const Backend> backend;
   std::unique_ptr<World> world;
@@ -96,6 +100,7 @@ struct Simulation::Impl {
   std::vector<MotorState> motors;
   std::vector<Drive> drives;
   SensorSuite sensors;
+  FrameSensing sensing;
   std::vector<ControllerSlot> controllers;
   std::vector<SupervisorSlot> supervisors;
   std::vector<RunMessage> messages;

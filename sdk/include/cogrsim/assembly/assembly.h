@@ -60,6 +60,13 @@ class COGRSIM_API SensorHandle {
   const Reading& reading() const;
   void enable(bool on);
 
+ protected:
+  /// Dotted name of a body of the scene, "" for -1.
+  std::string body_name(int body) const;
+  bool bound() const { return access_ != nullptr; }
+  /// Precondition: bound().
+  const SensorModel& description() const;
+
  private:
   friend class Assembly;
   AssemblyAccess* access_ = nullptr;
@@ -92,6 +99,65 @@ class Imu : public SensorHandle {
   static constexpr const char* kType = "imu";
   Vec3 specific_force() const { return {value(0), value(1), value(2)}; }    ///< [m/s^2]
   Vec3 angular_velocity() const { return {value(3), value(4), value(5)}; }  ///< [rad/s]
+};
+
+/// Distance along the sensor's x axis.
+class COGRSIM_API Infrared : public SensorHandle {
+ public:
+  static constexpr const char* kType = "infrared";
+  /// [m]; +infinity: nothing within the range, -infinity: nearer than it begins, NaN: not valid.
+  double distance() const { return value(0); }
+  /// Dotted name of the body that is seen, "" when there is none.
+  std::string body() const;
+  /// Of the device named in the scene [V]; NaN when none is.
+  double volts() const { return value(2); }
+};
+
+/// Distances in many directions, from right to left, ring by ring from the lowest.
+class COGRSIM_API Lidar : public SensorHandle {
+ public:
+  static constexpr const char* kType = "lidar";
+  std::size_t size() const;  ///< rays of a reading, all rings together
+  /// [m], as Infrared::distance(). Precondition: ray < size().
+  double range(std::size_t ray) const { return value(static_cast<int>(ray)); }
+  /// All of them, (rings x rays); empty when not valid.
+  std::vector<double> ranges() const;
+  /// Where ray `ray` points, unit, in the sensor's frame.
+  Vec3 direction(std::size_t ray) const;
+
+ private:
+  mutable std::vector<Vec3> directions_;  // made when first asked for
+};
+
+/// What a camera saw.
+class COGRSIM_API CameraSensor : public SensorHandle {
+ public:
+  static constexpr const char* kType = "camera";
+  /// nullptr when not valid. May be kept as long as one likes.
+  std::shared_ptr<const Picture> picture() const { return valid() ? reading().picture : nullptr; }
+  double brightness() const { return value(0); }  ///< mean of all colour values, 0 to 1
+  double nearest() const { return value(1); }     ///< smallest depth [m]; NaN without depth
+};
+
+/// Touch.
+class COGRSIM_API ContactSensor : public SensorHandle {
+ public:
+  static constexpr const char* kType = "contact";
+  bool touching() const { return value(0) > 0.0; }
+  /// Sum of the forces on what is felt, in the sensor's axes [N].
+  Vec3 force() const { return {value(2), value(3), value(4)}; }
+  /// The points, in the world; empty when not valid. Until the next step.
+  const std::vector<Contact>& points() const { return reading().contacts; }
+  /// Dotted names of what touches, each once.
+  std::vector<std::string> bodies() const;
+};
+
+/// What a joint transmits from its parent to its child, about the joint, in the child's joint axes.
+class ForceTorque : public SensorHandle {
+ public:
+  static constexpr const char* kType = "force-torque";
+  Vec3 force() const { return {value(0), value(1), value(2)}; }   ///< [N]
+  Vec3 torque() const { return {value(3), value(4), value(5)}; }  ///< [N m]
 };
 
 /// What a controller is given in configure(). Asking for something that is not there does not

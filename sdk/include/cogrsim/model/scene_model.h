@@ -154,11 +154,14 @@ struct NoiseTerm {
   double a = 0.0;  ///< normal: mean; uniform: low; bias: offset; dropout: probability;
                    ///< quantisation: step; bias walk: sigma per sqrt(s)
   double b = 0.0;  ///< normal: sigma; uniform: high
+  /// What it disturbs: 0 what `noise` is about; 1 the sensor's second quantity (the angular velocity
+  /// of an imu, the torque of a force-torque sensor, the depth of a camera).
+  int group = 0;
 };
 
 struct SensorModel {
   std::string name;  ///< dotted
-  std::string type;  ///< "encoder", "pose", "imu", or a plugin's
+  std::string type;  ///< "camera", "encoder", …: built_in_sensors(), or a plugin's
   int body = kWorld;
   Pose X_BS;          ///< looks along its own +x, z up
   int joint = -1;     ///< encoder, force-torque

@@ -22,8 +22,8 @@ struct Reading {
   bool valid = false;          ///< false: none yet, switched off, or dropped out
   std::vector<double> values;
   std::shared_ptr<const Picture> picture;  ///< of a camera, see cogrsim/rendering/renderer.h
-  std::vector<Contact> contacts;           ///< of a contact sensor
-  bool enabled = true;                     ///< the sensor is switched on
+  std::vector<Contact> contacts;  ///< of a contact sensor, turned so that body_b is what is felt
+  bool enabled = true;            ///< the sensor is switched on
 };
 
 /// Something that happened during the step: a controller's fault, an added assembly.

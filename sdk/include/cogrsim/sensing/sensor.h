@@ -38,10 +38,11 @@ struct Channel {
   std::string name;   ///< "position"
   std::string unit;   ///< "rad"
   bool noisy = true;  ///< the scene's noise terms apply to it
+  int group = 0;      ///< which terms: those with this NoiseTerm::group
 };
 
 /// Applies the noise of a sensor to the noisy channels of `values`, term by term in order, drawing
-/// from `random`.
+/// from `random`; a term touches the channels of its group only.
 /// Returns false when the reading dropped out. `walk` (same length as values, zeros at first)
 /// carries the bias walk; `period` is the time since the reading before [s].
 COGRSIM_API bool apply_noise(const std::vector<NoiseTerm>& noise,
@@ -76,6 +77,7 @@ class Sensor {
   /// their limits afterwards.
   virtual bool disturb(const std::vector<NoiseTerm>& noise, double period, RandomStream& random,
                        std::vector<double>& walk, Reading& reading) {
+    if (noise.empty()) return true;
     return apply_noise(noise, channels(), period, random, walk, reading.values);
   }
 };
@@ -86,7 +88,8 @@ struct SensorEntry {
   void (*destroy)(Sensor*);
 };
 
-/// The sensors of the SDK itself: "encoder", "pose", "imu"; nullptr for any other type.
+/// The sensors of the SDK itself: "camera", "contact", "encoder", "force-torque", "imu",
+/// "infrared", "lidar", "pose"; nullptr for any other type. Their models: docs/sensors.md.
 COGRSIM_API const SensorEntry* built_in_sensor(const std::string& type);
 
 /// Their names, parameters and summaries, as a plugin would declare them.

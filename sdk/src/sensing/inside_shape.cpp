@@ -1,0 +1,69 @@
+#include "sensing/inside_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cogrsim {
+
+namespace {
+
+/// Winding number of a closed surface about p: the sum of the triangles' solid angles over 4 pi, 1
+/// inside and 0 outside. Solid angle of a triangle with corners a, b, c seen from p (Van Oosterom
+/// and Strackee 1983, eq. 8): tan(w/2) = a.(b x c) / (|a||b||c| + (a.b)|c| + (a.c)|b| + (b.c)|a|).
+double winding_number(const TriangleMesh& mesh, const Vec3& p) {
+  double sum = 0.0;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Vec3 a = mesh.vertices[static_cast<std::size_t>(t[0])] - p;
+    const Vec3 b = mesh.vertices[static_cast<std::size_t>(t[1])] - p;
+    const Vec3 c = mesh.vertices[static_cast<std::size_t>(t[2])] - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    sum += 2.0 * std::atan2(a.dot(b.cross(c)),
+                            la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la);
+  }
+  return sum / (4.0 * M_PI);
+}
+
+/// Ground height at (x, y), bilinear in its cell; far below beyond the edge.
+double ground(const HeightGrid& grid, double x, double y) {
+  const double u = (x / grid.size_x + 0.5) * (grid.columns - 1);
+  const double v = (y / grid.size_y + 0.5) * (grid.rows - 1);
+  if (u < 0.0 || v < 0.0 || u > grid.columns - 1 || v > grid.rows - 1) return -HUGE_VAL;
+  const int i = std::min(static_cast<int>(u), grid.columns - 2);
+  const int j = std::min(static_cast<int>(v), grid.rows - 2);
+  const auto at = [&](int column, int row) {
+    return grid.heights[static_cast<std::size_t>(row * grid.columns + column)];
+  };
+  const double s = u - i, t = v - j;
+  return (1 - t) * ((1 - s) * at(i, j) + s * at(i + 1, j)) +
+         t * ((1 - s) * at(i, j + 1) + s * at(i + 1, j + 1));
+}
+
+}  // namespace
+
+bool inside_shape(const SceneModel& model, const Shape& shape, const Vec3& p, double margin) {
+  switch (shape.type) {
+    case ShapeType::box:
+      return (p.cwiseAbs() - 0.5 * shape.size).maxCoeff() < -margin;
+    case ShapeType::sphere:
+      return p.norm() < shape.radius - margin;
+    case ShapeType::cylinder:
+      return std::hypot(p.x(), p.y()) < shape.radius - margin &&
+             std::abs(p.z()) < 0.5 * shape.length - margin;
+    case ShapeType::capsule: {
+      const double z = std::clamp(p.z(), -0.5 * shape.length, 0.5 * shape.length);
+      return (p - Vec3(0, 0, z)).norm() < shape.radius - margin;
+    }
+    case ShapeType::plane:
+      return p.z() < -margin;
+    case ShapeType::convex_mesh:
+    case ShapeType::mesh:
+      return winding_number(model.meshes[static_cast<std::size_t>(shape.mesh)], p) > 0.5;
+    case ShapeType::heightmap:
+      return p.z() <
+             ground(model.heightmaps[static_cast<std::size_t>(shape.heightmap)], p.x(), p.y()) -
+                 margin;
+  }
+  return false;
+}
+
+}  // namespace cogrsim
