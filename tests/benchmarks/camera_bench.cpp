@@ -83,7 +83,7 @@ class OurCamera final : public CameraRunner {
     }
     picture_ = std::move(taken->front());
   }
-  const std::vector<std::uint8_t>& picture() const override { return picture_.color.data; }
+  std::vector<std::uint8_t> picture() const override { return picture_.color.data; }
 
  private:
   std::shared_ptr<Renderer> renderer_;

@@ -27,7 +27,7 @@ class CameraRunner {
   virtual ~CameraRunner() = default;
   virtual void take(int frame) = 0;
   /// RGB of the last picture.
-  virtual const std::vector<std::uint8_t>& picture() const = 0;
+  virtual std::vector<std::uint8_t> picture() const = 0;
 };
 
 std::unique_ptr<CameraRunner> make_mujoco_camera(const CameraScene& scene);

@@ -93,7 +93,15 @@ class MujocoCamera final : public CameraRunner {
     mjr_render(all, &drawn_, &graphics_);
     mjr_readPixels(picture_.data(), nullptr, all, &graphics_);
   }
-  const std::vector<std::uint8_t>& picture() const override { return picture_; }
+  std::vector<std::uint8_t> picture() const override {
+    // Its rows come from the bottom up.
+    std::vector<std::uint8_t> out;
+    const auto row = static_cast<std::ptrdiff_t>(3 * scene_.width);
+    for (auto end = picture_.end(); end != picture_.begin(); end -= row) {
+      out.insert(out.end(), end - row, end);
+    }
+    return out;
+  }
 
  private:
   [[noreturn]] static void fail(const char* what) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "cogrsim/model/convex_hull.h"
+
 namespace cogrsim::osmesa {
 
 namespace {
@@ -235,7 +237,8 @@ Triangles faces_of(const SceneModel& model, const Shape& shape) {
   if (shape.type == ShapeType::heightmap) {
     return heightmap_faces(model.heightmaps[static_cast<std::size_t>(shape.heightmap)]);
   }
-  const TriangleMesh& mesh = model.meshes[static_cast<std::size_t>(shape.mesh)];
+  const TriangleMesh& file = model.meshes[static_cast<std::size_t>(shape.mesh)];
+  const TriangleMesh mesh = shape.type == ShapeType::convex_mesh ? convex_hull(file) : file;
   return smooth(mesh.vertices, mesh.triangles);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "overlay.h"
 #include "srgb.h"
 
 namespace cogrsim::osmesa {
@@ -73,11 +74,22 @@ SceneRenderer::SceneRenderer(const Gl& gl) : gl_(gl) {
   gl_.GenBuffers(1, &instances_);
   gl_.GenVertexArrays(1, &empty_array_);
   gl_.GenFramebuffers(1, &shadow_framebuffer_);
+  gl_.GenVertexArrays(1, &line_array_);
+  gl_.GenBuffers(1, &line_buffer_);
+  gl_.BindVertexArray(line_array_);
+  gl_.BindBuffer(GL_ARRAY_BUFFER, line_buffer_);
+  for (const GLuint place : {0U, 1U}) {
+    gl_.EnableVertexAttribArray(place);
+    gl_.VertexAttribPointer(place, 4, GL_FLOAT, GL_FALSE, sizeof(OverlayVertex),
+                            reinterpret_cast<const void*>(std::size_t{16} * place));
+  }
 }
 
 SceneRenderer::~SceneRenderer() {
   gl_.DeleteBuffers(1, &instances_);
   gl_.DeleteVertexArrays(1, &empty_array_);
+  gl_.DeleteVertexArrays(1, &line_array_);
+  gl_.DeleteBuffers(1, &line_buffer_);
   gl_.DeleteFramebuffers(1, &shadow_framebuffer_);
   if (shadow_texture_ != 0) gl_.DeleteTextures(1, &shadow_texture_);
 }
@@ -416,8 +428,29 @@ void SceneRenderer::draw_color(const View& view, const RenderRequest& request, i
   current = nullptr;
   gl_.DepthMask(GL_FALSE);
   draw(list, true, use);
+  draw_lines(view, request.camera, request.overlay);
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_BLEND);
+}
+
+void SceneRenderer::draw_lines(const View& view, const Camera& camera, const Overlay& overlay) {
+  if (overlay.lines.empty()) return;
+  const int across = static_cast<int>(std::lround(view.fx / camera.fx));
+  const int down = static_cast<int>(std::lround(view.fy / camera.fy));
+  program("overlay", overlay_vertex_shader, overlay_fragment_shader).use();
+  gl_.BindVertexArray(line_array_);
+  gl_.BindBuffer(GL_ARRAY_BUFFER, line_buffer_);
+  for (const bool on_top : {false, true}) {
+    const std::vector<OverlayVertex> vertices =
+        line_triangles(overlay.lines, on_top, view, across, down);
+    if (vertices.empty()) continue;
+    gl_.BufferData(GL_ARRAY_BUFFER,
+                   static_cast<GLsizeiptr>(vertices.size() * sizeof(OverlayVertex)),
+                   vertices.data(), GL_STREAM_DRAW);
+    if (on_top) gl_.Disable(GL_DEPTH_TEST);
+    gl_.DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices.size()));
+    gl_.Enable(GL_DEPTH_TEST);
+  }
 }
 
 void SceneRenderer::read_color(const View& view, int samples, std::uint8_t* rgba) {

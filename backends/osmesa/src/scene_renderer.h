@@ -30,6 +30,7 @@ class SceneRenderer {
   void take_poses(const std::vector<Pose>& poses);
   void draw_shadow_maps();
   Result<Picture> take_picture(const RenderRequest& request);
+  Result<Picture> take_bent_picture(const RenderRequest& request);
   Picture take_straight_picture(const RenderRequest& request);
   void draw_color(const View& view, const RenderRequest& request, int samples);
   void read_color(const View& view, int samples, std::uint8_t* rgba);
@@ -45,12 +46,14 @@ class SceneRenderer {
   void upload(const DrawList& list);
   void draw(const DrawList& list, bool transparent, const std::function<void(const Batch&)>& use);
   void draw_sky(const View& view);
+  void draw_lines(const View& view, const Camera& camera, const Overlay& overlay);
 
   const Gl& gl_;
   GLuint instances_ = 0;  // buffer
   GLuint shadow_texture_ = 0, shadow_framebuffer_ = 0;
   int shadow_layers_ = 0;
   GLuint empty_array_ = 0;
+  GLuint line_array_ = 0, line_buffer_ = 0;
 
   SceneModelPtr model_;
   std::vector<Item> items_;

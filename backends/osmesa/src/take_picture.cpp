@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "lens.h"
+#include "overlay.h"
 #include "scene_renderer.h"
 #include "srgb.h"
 
@@ -61,6 +62,18 @@ void store_color(const std::vector<std::uint8_t>& rgba, const Sampling& sampling
 }  // namespace
 
 Result<Picture> SceneRenderer::take_picture(const RenderRequest& request) {
+  // Labels are written upon the finished picture, and must know what hides them.
+  const bool labels = request.color && !request.overlay.labels.empty();
+  RenderRequest drawn = request;
+  drawn.depth = request.depth || labels;
+  Result<Picture> picture = take_bent_picture(drawn);
+  if (!picture || !labels) return picture;
+  write_labels(request.overlay.labels, request.camera, picture->depth, picture->color);
+  if (!request.depth) picture->depth = {};
+  return picture;
+}
+
+Result<Picture> SceneRenderer::take_bent_picture(const RenderRequest& request) {
   if (!has_distortion(request.camera)) return take_straight_picture(request);
   auto known = std::find_if(bendings_.begin(), bendings_.end(),
                             [&](const auto& bending) { return bending->serves(request.camera); });
@@ -77,8 +90,7 @@ Result<Picture> SceneRenderer::take_picture(const RenderRequest& request) {
   straight.camera.X_WC = request.camera.X_WC;
   straight.camera.near = request.camera.near;
   straight.camera.far = request.camera.far;
-  const Picture picture = take_straight_picture(straight);
-  return bend(bending, picture);
+  return bend(bending, take_straight_picture(straight));
 }
 
 Picture SceneRenderer::take_straight_picture(const RenderRequest& request) {
