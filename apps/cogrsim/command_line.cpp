@@ -11,6 +11,7 @@
 
 #include "cogrsim/core/parameter.h"
 #include "options.h"
+#include "picture_words.h"
 #include "quantities.h"
 #include "terminal.h"
 
@@ -24,8 +25,10 @@ using Problem = cogrsim::Error;
 struct Words {
   std::vector<std::string> global_plugin_paths, plugin_paths;  // before and after the subcommand
   std::vector<std::string> scenes;
-  std::string scene, backend, duration, speed, seed, json, report, code, format = "text";
+  std::string scene, backend, duration, speed, seed, json, record, report, code, format = "text";
   std::vector<std::string> steps, set, thresholds, backends;
+  std::vector<std::string> files, plots, x, y, z;
+  std::string plots_folder, kind, title, every, from, to, output = "plots", picture = "png";
   int rows = 10;
   bool json_flag = false, reference = false;
 };
@@ -120,6 +123,47 @@ RunOptions run_from(const Words& words) {
   if (!words.steps.empty()) options.step = step_from(words.steps.front());
   if (!words.speed.empty()) options.speed = speed_from(words.speed);
   options.json = words.json;
+  options.plots = words.plots_folder;
+  options.record = words.record;
+  if (!options.record.empty() && options.record == options.json) {
+    throw UsageError("--record", Problem("--record and --json name the same file"));
+  }
+  return options;
+}
+
+// A time that may be 0 or lie before the start.
+std::optional<double> time_from(const char* option, const std::string& word) {
+  if (word.empty()) return std::nullopt;
+  const auto time = parse_time(word);
+  if (!time) throw UsageError(option, time.error());
+  return *time;
+}
+
+PlotCommandOptions plot_from(const Words& words) {
+  PlotCommandOptions options;
+  options.files = words.files;
+  options.plots = words.plots;
+  options.kind = words.kind;
+  options.x = words.x;
+  options.y = words.y;
+  options.z = words.z;
+  options.title = words.title;
+  options.every = time_from("--every", words.every);
+  options.from = time_from("--from", words.from);
+  options.to = time_from("--to", words.to);
+  options.output = words.output;
+  options.format = words.picture;
+  if (options.every && *options.every < 0.0) {
+    throw UsageError("--every", Problem(fmt::format("'{}' is negative", words.every)));
+  }
+  if (options.from && options.to && *options.from > *options.to) {
+    throw UsageError("--from", Problem("the time ends before it begins"));
+  }
+  const bool signals = !words.x.empty() || !words.y.empty() || !words.z.empty();
+  if (!words.plots.empty() && (signals || !words.kind.empty())) {
+    throw UsageError("--plot", Problem("either a plot of the scene or one made up here", "",
+                                       "leave out --plot, or --kind and the signals"));
+  }
   return options;
 }
 
@@ -216,6 +260,12 @@ void add_run(CLI::App& app, Words& words, int& status) {
       ->type_name("X|max");
   command.add_option("--json", words.json, "Write the result as JSON; - is the standard output")
       ->type_name("FILE|-");
+  command
+      .add_option("--record", words.record,
+                  "Record the run, to be looked at again; default: what <record> in the scene says")
+      ->type_name("FILE.mcap");
+  command.add_option("--plots", words.plots_folder, "Draw the scene's plots into this folder")
+      ->type_name("DIR");
   command.footer(
       "Examples:\n"
       "  cogrsim run robot.scene.xml\n"
@@ -223,8 +273,57 @@ void add_run(CLI::App& app, Words& words, int& status) {
       "  cogrsim run robot.scene.xml --set wheel_r=\"5 cm\" --seed 7 --json result.json\n"
       "  cogrsim run robot.scene.xml --speed 1      as fast as the clock on the wall\n"
       "  cogrsim run robot.scene.xml --json - | jq .energy\n"
+      "  cogrsim run robot.scene.xml --record robot.mcap      then: cogrsim info robot.mcap\n"
       "Ctrl-C ends the run and prints what there is; exit status 0 good, 1 failed, 2 wrong usage.");
   command.callback([&] { status = run_command(run_from(words)); });
+}
+
+void add_plot(CLI::App& app, Words& words, int& status) {
+  CLI::App& command = *app.add_subcommand("plot", "Draw figures of recorded runs");
+  const auto several = [&](const char* name, std::vector<std::string>& to, const char* text,
+                           const char* type) {
+    command.add_option(name, to, text)
+        ->type_name(type)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  };
+  command
+      .add_option("files", words.files,
+                  "Recordings, which become series of the same figure; or one figure, NAME.json")
+      ->required()
+      ->type_name("RUN.mcap...");
+  several("--plot", words.plots, "A plot of the scene, by name; may be repeated; default: all",
+          "NAME");
+  command.add_option("--kind", words.kind, "Kind of a figure that is not in the scene")
+      ->check(CLI::IsMember({"curve", "box", "surface", "histogram", "map"}))
+      ->type_name("K");
+  several("--x", words.x, "Signal along x; a curve's is the time if left out", "SIGNAL");
+  several("--y", words.y, "Signal along y; may be repeated for several series", "SIGNAL");
+  several("--z", words.z, "Signal that is the height of a surface", "SIGNAL");
+  command.add_option("--title", words.title, "Title of the figure")->type_name("TEXT");
+  command.add_option("--every", words.every, "Time between samples; 0: every recorded frame")
+      ->type_name("DT");
+  command.add_option("--from", words.from, "Leaves out what was before")->type_name("T");
+  command.add_option("--to", words.to, "Leaves out what came after")->type_name("T");
+  command
+      .add_option("-o,--output", words.output,
+                  "NAME.png, .svg, .pdf or .json for one figure; else a folder for all")
+      ->type_name("FILE|DIR")
+      ->capture_default_str();
+  command.add_option("--format", words.picture, "Of the pictures in a folder")
+      ->check(CLI::IsMember({"png", "svg", "pdf", "json"}))
+      ->type_name("F")
+      ->capture_default_str();
+  command.footer(
+      "Examples:\n"
+      "  cogrsim plot run.mcap                          the scene's plots, into the folder plots\n"
+      "  cogrsim plot run.mcap --plot path -o path.pdf\n"
+      "  cogrsim plot run.mcap --y robot.speed -o speed.svg\n"
+      "  cogrsim plot bullet.mcap simbody.mcap --kind map --x robot.x --y robot.y -o path.png\n"
+      "  cogrsim plot run.mcap --kind surface --x robot.x --y robot.y --z robot.speed -o floor.png\n"
+      "  cogrsim plot path.json -o path.svg             a figure drawn before\n"
+      "Beside a picture stay its script (gnuplot NAME.gp draws it again), data and NAME.json.");
+  command.callback([&] { status = plot_command(plot_from(words)); });
 }
 
 void add_compare(CLI::App& app, Words& words, int& status) {
@@ -356,7 +455,10 @@ int run_command_line(int argc, char** argv) {
   app.require_subcommand(1);
   add_run(app, words, status);
   add_compare(app, words, status);
+  add_plot(app, words, status);
   add_check(app, words, status);
+  add_map(app, status);
+  add_render(app, status);
   add_small_ones(app, words, status);
   app.footer(
       "Examples:\n"

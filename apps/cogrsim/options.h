@@ -39,7 +39,9 @@ struct RunOptions {
   std::string backend;
   double step = 0.0;  ///< [s]; 0: the scene's
   double speed = std::numeric_limits<double>::infinity();
-  std::string json;  ///< file, "-" or empty
+  std::string json;    ///< file, "-" or empty
+  std::string record;  ///< file; empty: what the scene says
+  std::string plots;   ///< folder for the scene's plots; empty: they are not drawn
 };
 
 struct CompareCommandOptions {
@@ -51,6 +53,18 @@ struct CompareCommandOptions {
   int rows = 10;
   std::string json;
   std::string report;
+};
+
+struct PlotCommandOptions {
+  std::vector<std::string> files;  ///< recordings, or one figure (.json)
+  std::vector<std::string> plots;  ///< of the scene, by name; empty: all
+  std::string kind;                ///< of a plot made up here; empty: a curve
+  std::vector<std::string> x, y, z;
+  std::string title;             ///< empty: the plot's own
+  std::optional<double> every;   ///< [s]; empty: the plot's own
+  std::optional<double> from, to;  ///< [s]
+  std::string output = "plots";  ///< a picture, or the folder for several
+  std::string format = "png";    ///< of pictures in a folder
 };
 
 struct CheckOptions {
@@ -102,6 +116,7 @@ int run_command(const RunOptions& options);
 int compare_command(const CompareCommandOptions& options);
 int map_command(const MapCommandOptions& options);
 int render_command(const RenderCommandOptions& options);
+int plot_command(const PlotCommandOptions& options);
 int check_command(const CheckOptions& options);
 int explain_command(const std::string& code);
 int schema_command(bool reference, const std::vector<std::string>& plugin_paths);

@@ -10,7 +10,9 @@
 #include "interrupt.h"
 #include "options.h"
 #include "output_file.h"
+#include "plots.h"
 #include "progress.h"
+#include "recording_start.h"
 #include "run_result.h"
 #include "scene_loading.h"
 #include "terminal.h"
@@ -115,6 +117,29 @@ int run_command(const RunOptions& options) {
   result.backend = simulation.backend().name();
   result.engine_version = simulation.backend().engine_version();
 
+  std::unique_ptr<Recorder> recorder;
+  if (wants_recording(*scene.model, options)) {
+    auto started = Recorder::start(simulation, recorder_options(*scene.model, options));
+    if (!started) {
+      print_error(started.error().text());
+      result.diagnostics.push_back(to_diagnostic(started.error()));
+      return deliver(options, result, kFailed);
+    }
+    recorder = std::move(*started);
+  }
+
+  std::optional<RunPlots> plots;
+  if (!options.plots.empty()) {
+    auto attached = RunPlots::attach(simulation);
+    if (!attached) {
+      print_error(attached.error().text());
+      result.diagnostics.push_back(to_diagnostic(attached.error()));
+      return deliver(options, result, kFailed);
+    }
+    plots = std::move(*attached);
+    if (plots->empty()) print_warning("the scene has no plots, so --plots draws nothing");
+  }
+
   RunStatus status = RunStatus::running;
   {
     const InterruptStops stops(simulation);
@@ -137,7 +162,22 @@ int run_command(const RunOptions& options) {
   result.time = simulation.time();
   result.frame = simulation.frame();
   print_messages(result.messages);
-  return deliver(options, result, good(status) ? kGood : kFailed);
+  int exit_status = good(status) ? kGood : kFailed;
+  if (plots) {
+    if (const auto drawn = plots->draw(options.plots); !drawn) {
+      print_error(drawn.error().text());
+      result.diagnostics.push_back(to_diagnostic(drawn.error()));
+      exit_status = kFailed;
+    }
+  }
+  if (recorder) {
+    if (const auto finished = recorder->finish(status); !finished) {
+      print_error(finished.error().text());
+      result.diagnostics.push_back(to_diagnostic(finished.error()));
+      exit_status = kFailed;
+    }
+  }
+  return deliver(options, result, exit_status);
 }
 
 }  // namespace cogrsim::cli
