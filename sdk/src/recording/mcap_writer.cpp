@@ -359,14 +359,14 @@ void Writer::drop_last_chunk() {
 }
 
 Result<> Writer::finish(std::string_view name, const std::map<std::string, std::string>& last) {
-  const Result<> flushed = flush();
+  Result<> result = flush();
   for (;;) {
     Result<> done = metadata(name, last);
     if (done) done = append(summary(size_));
-    if (done) return flushed;
-    // The last thing written may have been the metadata of this attempt.
-    if (chunks_.empty()) return done;
-    drop_last_chunk();
+    if (done) return result;
+    if (result) result = done;
+    if (chunks_.empty()) return result;
+    drop_last_chunk();  // and with it the metadata of this attempt
   }
 }
 

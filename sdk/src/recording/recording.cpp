@@ -151,6 +151,7 @@ Result<> Recording::Impl::read_info() {
       info.parameters = entries;
     } else if (name == kEndMetadata) {
       info.status = entry(entries, "status");
+      info.dropped = number_of<std::uint64_t>(entry(entries, "left_out"));
     }
   }
   if (!ours) {
@@ -230,7 +231,9 @@ void Recording::Impl::find_topics() {
   if (!chunk) return;
   const auto last = mcap::Reader::message_at(**chunk, frames.back().offset);
   if (last) last_number = last->sequence;
-  if (last_number + 1 > frames.size()) info.dropped = last_number + 1 - frames.size();
+  if (last_number + 1 > frames.size()) {
+    info.dropped = std::max<std::uint64_t>(info.dropped, last_number + 1 - frames.size());
+  }
 }
 
 const RecordingInfo& Recording::info() const { return impl_->info; }

@@ -1,0 +1,182 @@
+// What was recorded comes back, bit for bit, and readings can be computed from it again.
+#include <cmath>
+#include <limits>
+
+#include "recording/model_json.h"
+#include "support.h"
+
+using namespace cogrsim;
+using namespace cogrsim::test;
+
+namespace {
+
+RecorderOptions to(const std::string& path) {
+  RecorderOptions options;
+  options.path = path;
+  return options;
+}
+
+// On, off, an arrival, a departure: what changes while running.
+std::function<void(int)> interference(Simulation& simulation) {
+  return [&simulation](int step) {
+    if (step == 40) simulation.send(EnableSensor{"late", true});
+    if (step == 60) simulation.send(EnableSensor{"robot.imu", false});
+    if (step == 75) simulation.send(EnableSensor{"robot.imu", true});
+    if (step == 90) {
+      simulation.send(AddAssembly{visitor(), "guest", Pose(Vec3(3, 3, 0), Quat(1, 0, 0, 0))});
+    }
+    if (step == 130) simulation.send(RemoveAssembly{"guest"});
+    if (step == 140) simulation.send(SetStep{2e-3});
+  };
+}
+
+}  // namespace
+
+TEST_CASE("every frame comes back bit for bit") {
+  const std::string backend = GENERATE("bullet", "simbody");
+  const Folder folder;
+  const auto simulation = simulate(busy_scene().build(), backend);
+  RecorderOptions options = to(folder / "run.mcap");
+  options.attachments = {{"busy.scene.xml", "application/xml", "<scene/>\n"}};
+  options.parameters = {{"wheel", "5 cm"}};
+  const auto frames = record(*simulation, options, 200, interference(*simulation));
+  REQUIRE(frames.size() == 201);
+
+  const auto recording = opened(folder / "run.mcap");
+  REQUIRE(recording->frame_count() == frames.size());
+  std::size_t contacts = 0, events = 0, valid = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto frame = recording->frame(i);
+    REQUIRE(frame);
+    INFO("frame " << i);
+    REQUIRE(difference(*frames[i], **frame) == "");
+    contacts += frames[i]->contacts.size();
+    events += frames[i]->events.size();
+    for (const Reading& reading : frames[i]->readings) valid += reading.valid ? 1 : 0;
+  }
+  // The comparison saw something.
+  CHECK(contacts > 0);
+  CHECK(events >= 2);
+  CHECK(valid > 500);
+
+  SECTION("in any order, any number of times") {
+    for (const std::size_t i : {200u, 0u, 95u, 94u, 131u, 95u}) {
+      CHECK(difference(*frames[i], **recording->frame(i)) == "");
+    }
+    CHECK_FALSE(recording->frame(201));
+  }
+  SECTION("models are shared, and told apart when they change") {
+    CHECK((*recording->frame(10))->model == (*recording->frame(20))->model);
+    CHECK((*recording->frame(10))->model != (*recording->frame(100))->model);
+    CHECK(model_to_json(*(*recording->frame(100))->model) == model_to_json(*frames[100]->model));
+  }
+  SECTION("times") {
+    CHECK(recording->index_at(0.05) == 50);
+    CHECK(recording->index_at(0.0509) == 50);
+    CHECK(recording->index_at(-1.0) == 0);
+    CHECK(recording->index_at(1e9) == 200);
+    CHECK(recording->time_of(50) == Approx(0.05).margin(1e-9));
+  }
+  SECTION("what the run was") {
+    const RecordingInfo& info = recording->info();
+    CHECK(info.complete);
+    CHECK(info.damage == "");
+    CHECK(info.scene == "busy");
+    CHECK(info.backend == backend);
+    CHECK(info.status == "completed");
+    CHECK(info.seed == 7);
+    CHECK(info.step == 1e-3);
+    CHECK(info.frames == 201);
+    CHECK(info.dropped == 0);
+    CHECK(info.parameters.at("wheel") == "5 cm");
+    REQUIRE(info.attachments.size() == 1);
+    CHECK(info.attachments[0].data == "<scene/>\n");
+    REQUIRE(recording->channels(0).size() == 2);
+    CHECK(recording->channels(0)[0].name == "position");
+    CHECK(recording->channels(0)[0].unit == "rad");
+  }
+}
+
+TEST_CASE("readings computed again equal those of the run") {
+  const std::string backend = GENERATE("bullet", "simbody");
+  const Folder folder;
+  const auto simulation = simulate(busy_scene().build(), backend, 99);
+  const auto frames = record(*simulation, to(folder / "run.mcap"), 200, interference(*simulation));
+  const auto recording = opened(folder / "run.mcap");
+  std::size_t index = 0;
+  const auto done = recording->recompute(*loader(), [&](const Frame& frame) {
+    INFO("frame " << index);
+    REQUIRE(difference(*frames.at(index), frame) == "");
+    ++index;
+  });
+  if (!done) UNSCOPED_INFO(done.error().text());
+  REQUIRE(done);
+  CHECK(index == frames.size());
+}
+
+TEST_CASE("fewer frames are kept on request, all readings are") {
+  const Folder folder;
+  const auto simulation = simulate(busy_scene().build(), "bullet");
+  RecorderOptions options = to(folder / "run.mcap");
+  options.every = 0.01;
+  options.contacts = false;
+  const auto frames = record(*simulation, options, 205);
+  const auto recording = opened(folder / "run.mcap");
+  // 0, 10, … 200 ms, and the end at 205 ms.
+  REQUIRE(recording->frame_count() == 22);
+  for (std::size_t i = 0; i < 21; ++i) {
+    CHECK((*recording->frame(i))->step == 10 * i);
+    CHECK((*recording->frame(i))->contacts.empty());
+  }
+  CHECK((*recording->frame(21))->step == 205);
+  CHECK((*recording->frame(20))->readings[1].sequence == frames[200]->readings[1].sequence);
+  for (const RecordingInfo::Topic& topic : recording->info().topics) {
+    if (topic.name == "/sensors/robot/imu") CHECK(topic.messages == 205);
+  }
+  const auto done = recording->recompute(*loader(), [](const Frame&) {});
+  REQUIRE_FALSE(done);
+  CHECK(done.error().message.find("not every step was kept") != std::string::npos);
+}
+
+TEST_CASE("a scene model comes back whole") {
+  ModelBuilder builder = busy_scene();
+  builder.model.materials[0].stiffness = 1e5;
+  builder.model.materials[0].texture_size = Eigen::Vector2d(0.1, 1.0 / 3.0);
+  builder.model.physics.duration = 0.1 + 0.2;
+  builder.model.bodies[1].mass = std::nextafter(1.0, 2.0);
+  builder.model.physics.engine_options["bullet"]["list"] = std::vector<double>{1.0, -0.0};
+  builder.model.physics.engine_options["bullet"]["n"] = std::int64_t{-3};
+  builder.model.physics.engine_options["bullet"]["b"] = true;
+  builder.model.physics.engine_options["bullet"]["t"] = std::string("a \"text\"\n");
+  builder.model.record = RecordModel{};
+  builder.model.plots.push_back({"p", "curve", "title", 0.1, {{"x", "y", "", "l", {}}}, {}});
+  const SceneModelPtr model = builder.build();
+  const auto again = model_from_json(model_to_json(*model));
+  REQUIRE(again);
+  CHECK(model_to_json(*again) == model_to_json(*model));
+  CHECK(again->bodies[1].mass == model->bodies[1].mass);
+  CHECK(again->physics.duration == model->physics.duration);
+  CHECK(again->joints[0].axes[0].lower == -std::numeric_limits<double>::infinity());
+  CHECK(again->physics.engine_options == model->physics.engine_options);
+  CHECK(std::signbit(
+      std::get<std::vector<double>>(again->physics.engine_options.at("bullet").at("list"))[1]));
+  CHECK(check_model(*model));
+
+  SECTION("one that points nowhere is refused") {
+    SceneModel wrong = *model;
+    wrong.joints[0].child = 99;
+    const auto refused = check_model(wrong);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().message ==
+          "the recorded scene is damaged: 'robot.axle' has a wrong child");
+    wrong = *model;
+    wrong.joints[0].position_offset = -1;
+    CHECK_FALSE(check_model(wrong));
+    wrong = *model;
+    wrong.motors[0].axis = 1;
+    CHECK_FALSE(check_model(wrong));
+  }
+  CHECK_FALSE(model_from_json("{\"bodies\": 3}"));
+  CHECK_FALSE(model_from_json("{\"bodies\": [{\"kind\": 7}]}"));
+  CHECK_FALSE(model_from_json("nonsense"));
+}
