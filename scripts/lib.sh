@@ -12,7 +12,8 @@ packages=(
   libsimbody-dev libbullet-dev libeigen3-dev libtinyxml2-dev libboost-dev
   libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev
   libpng-dev libjpeg-dev libembree-dev libqhull-dev libcairo2-dev ffmpeg
-  catch2 libxml2-utils
+  libzstd-dev zlib1g-dev protobuf-compiler libprotozero-dev
+  catch2 libxml2-utils nodejs npm
 )
 
 say() { printf '\n== %s\n' "$*"; }
