@@ -58,6 +58,9 @@ SceneModelPtr Builder::build() {
       if (of.given()) names_.find(element, *of, Wanted::any);
     }
   });
+  for_each(scene_, [&](const Element& element) {
+    if (element.tag() == "plot") plot(element);
+  });
   material_pairs();
   collision_pairs();
   if (sink().has_errors()) return nullptr;

@@ -163,6 +163,11 @@ class Builder {
   void check_mass_ratios();
   void check_params();
 
+  // build_results.cpp
+  void plot(const Element& element);
+  std::optional<std::string> signal(const Element& element, std::string_view attribute,
+                                    const std::string& text);
+
   CompileContext& context_;
   const Element& scene_;
   Names names_;

@@ -9,8 +9,8 @@ namespace cogrsim::dsl {
 
 /// CG01 XML, CG02 vocabulary, CG03 expansion, CG04 names, CG05 values and units.
 std::vector<CodeInfo> language_codes();
-/// CG06 frames and topology, CG07 physics, CG08 backends, CG09 plugins, CG10 placement, CG20
-/// advice.
+/// CG06 frames and topology, CG07 physics, CG08 backends, CG09 plugins, CG10 placement, CG12
+/// results, CG20 advice.
 std::vector<CodeInfo> scene_codes();
 
 }  // namespace cogrsim::dsl

@@ -119,6 +119,21 @@ std::vector<std::string> Names::known(const Element& from, Wanted wanted) const 
   return names;
 }
 
+Names::Found Names::peek(const Element& from, std::string_view name) const {
+  Found out;
+  for (const Element* level = &from; level != nullptr; level = level->parent) {
+    for (const Element* scope : {level, level->home}) {
+      if (scope == nullptr) continue;
+      const Walk result = walk(*scope, name, false, 0);
+      out.lost = out.lost || result.lost;
+      if (result.found == nullptr || result.found == &from) continue;
+      out.element = result.found;
+      return out;
+    }
+  }
+  return out;
+}
+
 const Element* Names::find(const Element& from, const Word& word, Wanted wanted) {
   const bool materials = wanted == Wanted::material;
   bool lost = false;

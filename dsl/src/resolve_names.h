@@ -34,6 +34,13 @@ class Names {
   /// is the fault of something that failed before.
   const Element* find(const Element& from, const Word& word, Wanted wanted);
 
+  /// The same for a word in something larger, where a miss may be no mistake: nothing is reported.
+  struct Found {
+    const Element* element = nullptr;  ///< nullptr: none
+    bool lost = false;                 ///< the name could be one that failed: stay silent
+  };
+  Found peek(const Element& from, std::string_view name) const;
+
  private:
   using Scope = std::unordered_map<std::string_view, const Element*>;
   struct Walk {

@@ -251,12 +251,12 @@ const Words kMatter = {"material", "collide"};
 /// Inside an assembly.
 Words assembly_content() {
   return kShapes + Words{"body", "assembly", "frame"} + kJoints + Words{"motor", "servo"} +
-         kSensors + Words{"contact", "controller", "instance"} + kMatter;
+         kSensors + Words{"contact", "controller", "instance", "plot"} + kMatter;
 }
 Words scene_content() {
   return Words{"physics", "param", "import", "prototype"} + assembly_content() +
          Words{"supervisor", "light",  "view", "maze", "scatter",
-               "region",     "record", "plot", "test"};
+               "region",     "record", "test"};
 }
 Words prototype_content() {
   return Words{"param", "export"} + assembly_content() +
@@ -634,7 +634,6 @@ void add_later(std::vector<ElementSpec>& out) {
       {"Regions", "region", "A zone with enter and leave events; comes with a later version."},
       {"Regions", "maze", "Walls from a drawing in characters; comes with a later version."},
       {"Results", "record", "What is recorded; comes with a later version."},
-      {"Results", "plot", "A curve; comes with a later version."},
       {"Results", "test", "A test of the scene; comes with a later version."}};
   for (const Later& later : kLater) {
     ElementSpec e = element(later.group, later.name, later.doc, {});
@@ -664,3 +663,30 @@ const std::vector<ElementSpec>& vocabulary() {
 }
 
 }  // namespace cogrsim::dsl
+void add_results(std::vector<ElementSpec>& out) {
+  const auto group = "Results";
+  const Attributes signals = {
+      attr("x", Kind::text, "Signal along x; the time if a curve has none."),
+      attr("y", Kind::text, "Signal along y; of a box plot the one whose values are boxed."),
+      attr("z", Kind::text, "Signal that is the height of a surface."),
+      attr("label", Kind::text, "Name in the legend; the signal itself if left out.")};
+  out.push_back(element(
+      group, "plot",
+      "A figure of the run. Its signals are named as in `robot.chassis.speed`, see figures.md; "
+      "those it gives itself hold for all its series.",
+      named() +
+          Attributes{choice("kind", {"curve", "box", "surface", "histogram", "map"},
+                            "What is drawn: y over x, boxes of y, mean z over cells of x and y, how "
+                            "often x has which value, a path in the plane.",
+                            "curve"),
+                     attr("title", Kind::text, "Title; none if left out."),
+                     at_least(number("every", kTime, "Time between samples; 0: every step.", "0"),
+                              0.0)} +
+          signals,
+      {"series"}, "<plot name=\"path\" kind=\"map\" x=\"robot.x\" y=\"robot.y\" every=\"50 ms\"/>"));
+  out.push_back(element(group, "series", "One line, box or path of several in a plot.", signals, {},
+                        "<plot title=\"Wheels\"> <series y=\"left.velocity\"/> "
+                        "<series y=\"right.velocity\"/> </plot>"));
+}
+
+    add_results(out);

@@ -1,0 +1,139 @@
+// What a run leaves behind: plots.
+#include <algorithm>
+
+#include "build_scene.h"
+#include "cogrsim/figures/plot_sampler.h"
+#include "cogrsim/signals/signal.h"
+
+namespace cogrsim::dsl {
+namespace {
+
+constexpr std::string_view kSignals[] = {"x", "y", "z"};
+
+std::string& entry(PlotSeries& series, std::size_t axis) {
+  return axis == 0 ? series.x : axis == 1 ? series.y : series.z;
+}
+
+/// Whether the axis is one that the kind of plot has a use for.
+bool wanted(const figures::PlotAxes& axes, std::size_t axis) {
+  return axis == 0 ? axes.x : axis == 1 ? axes.y : axes.z;
+}
+
+/// Whether something that has signals goes by this name. What was refused has a name and is not in
+/// the model.
+bool in_model(const SceneModel& model, const std::string& name) {
+  const auto among = [&](const auto& elements) {
+    for (const auto& element : elements)
+      if (element.name == name) return true;
+    return false;
+  };
+  return among(model.assemblies) || among(model.bodies) || among(model.joints) ||
+         among(model.motors) || among(model.sensors) || among(model.frames);
+}
+
+}  // namespace
+
+/// The signal with names in full; nullopt: reported, or the fault of something that failed.
+std::optional<std::string> Builder::signal(const Element& element, std::string_view attribute,
+                                           const std::string& text) {
+  bool lost = false;
+  const Element* without = nullptr;  // found, but there are no signals of it
+  SignalScope scope{model_, built_in_channels(model_), {}};
+  scope.resolve = [&](const std::string& name) -> std::string {
+    const Names::Found found = names_.peek(element, name);
+    lost = lost || found.lost;
+    if (found.element == nullptr) return {};
+    if (!in_model(model_, found.element->path)) without = found.element;
+    return found.element->path;
+  };
+  const auto parsed = Signal::parse(scope, text);
+  if (parsed) return parsed->text();
+  if (lost || (without != nullptr && sink().has_errors())) return std::nullopt;
+  if (without == nullptr) {
+    fault("CG1201", element, attribute, parsed.error().message).help(parsed.error().hint);
+    return std::nullopt;
+  }
+  const int body = note(*without).body;
+  const bool part = is_shape(without->tag()) && body != kWorld;
+  const std::string whole = part ? model_.bodies[static_cast<std::size_t>(body)].name : "";
+  fault("CG1201", element, attribute,
+        part ? "'" + without->path + "' is a part of '" + whole + "' and has no signals of its own"
+             : "'" + without->path + "' is " + kind_of(*without) + ", which has no signals")
+      .help(part ? "name the whole: '" + whole + "'"
+                 : "bodies, assemblies, frames, joints, motors and sensors have some");
+  return std::nullopt;
+}
+
+void Builder::plot(const Element& element) {
+  PlotModel plot;
+  plot.name = element.path;
+  plot.origin = element.span();
+  Reader r = reader(element);
+  plot.title = *r.text("title");
+  plot.every = *r.number("every");
+  const auto word = r.text("kind");
+  if (word.failed()) return;
+  plot.kind = *word;
+  const figures::PlotAxes axes = figures::plot_axes(*figures::kind_from(plot.kind));
+  const std::string what = "a " + plot.kind + (plot.kind == "box" ? " plot" : "");
+
+  std::vector<const Element*> lines;
+  for (const Element* child : element.children)
+    if (child->tag() == "series") lines.push_back(child);
+  const bool alone = lines.empty();
+  if (alone) lines.push_back(&element);
+  if (plot.kind == "surface" && lines.size() > 1)
+    fault("CG1202", *lines[1], "a surface shows one series, this is the second")
+        .help("make it a plot of its own");
+
+  for (const Element* line : lines) {
+    PlotSeries series;
+    series.origin = line->span();
+    series.label = *reader(*line).text("label");
+    bool misplaced = false;  // a signal stands where none belongs: it is the one that is missing
+    for (std::size_t axis = 0; axis < std::size(kSignals); ++axis)
+      misplaced = misplaced || (!wanted(axes, axis) && (line->find(kSignals[axis]) != nullptr ||
+                                                        element.find(kSignals[axis]) != nullptr));
+    for (std::size_t axis = 0; axis < std::size(kSignals); ++axis) {
+      const std::string_view name = kSignals[axis];
+      // What the plot gives itself holds for all its series.
+      const Element& from = line->find(name) != nullptr ? *line : element;
+      const auto text = reader(from).text(name);
+      if (text.failed()) continue;
+      if (text.given() && !wanted(axes, axis)) {
+        fault("CG1202", from, name, what + " has no use for '" + std::string(name) + "'")
+            .help(plot.kind == "histogram" ? "a histogram counts the values of 'x'"
+                  : plot.kind == "box"     ? "a box plot shows the values of 'y'"
+                                           : "a surface has x, y and z");
+        continue;
+      }
+      if (text.given()) {
+        if (auto full = signal(from, name, *text)) entry(series, axis) = std::move(*full);
+        continue;
+      }
+      if (!wanted(axes, axis)) continue;
+      if (axis == 0 && axes.x_optional)
+        series.x = "time";
+      else if (!misplaced)
+        fault("CG1202", *line, what + " needs a signal for '" + std::string(name) + "'")
+            .help("for example " + std::string(name) + "=\"robot." +
+                  (axis == 2 || plot.kind == "curve" || plot.kind == "box" ? "speed"
+                                                                           : std::string(name)) +
+                  "\"");
+    }
+    plot.series.push_back(std::move(series));
+  }
+  if (!alone)
+    for (const std::string_view name : {"x", "y", "z", "label"}) {
+      const bool used = name != "label" && std::any_of(lines.begin(), lines.end(), [&](auto* line) {
+                          return line->find(name) == nullptr;
+                        });
+      if (element.find(name) != nullptr && !used)
+        fault("CG1202", element, name,
+              "'" + std::string(name) + "' of the plot is used by none of its series")
+            .help("move it into a <series> of its own");
+    }
+  model_.plots.push_back(std::move(plot));
+}
+
+}  // namespace cogrsim::dsl
