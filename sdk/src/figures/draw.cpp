@@ -11,10 +11,10 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/image.h"
 #include "gnuplot_script.h"
 
 extern char** environ;  // NOLINT: POSIX wants it declared by its user
@@ -109,11 +109,9 @@ Result<> run_gnuplot(const fs::path& folder, const std::string& script) {
 }
 
 Result<> write_text(const fs::path& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  if (out) return {};
-  return fail(fmt::format("cannot write '{}': {}", path.string(), std::strerror(errno)));
+  const auto written = write_file(path.string(), text);
+  if (written) return {};
+  return fail(fmt::format("cannot write '{}': {}", path.string(), written.error().message));
 }
 
 Result<std::string> format_of(const fs::path& path) {

@@ -79,6 +79,14 @@ class Extent {
     return text(fmt::format("{}", low), fmt::format("{}", high));
   }
 
+  /// Between about five labels; 0: left to gnuplot.
+  double tic_step() const {
+    if (empty() || axis_.log ||
+        !(high_ - low_ > 1e-9 * std::max(std::fabs(low_), std::fabs(high_))))
+      return 0.0;
+    return rounded_step((high_ - low_) / 5.0);
+  }
+
   /// Of bars: they stand on 0, or reach below the last decade.
   std::string range_from_zero() const {
     if (!axis_.log) return text("0", "*");
@@ -395,10 +403,12 @@ class Writer {
       z.add(tiles.heights);
     }
     line("set zlabel {} rotate parallel", gnuplot_string(axis_title(figure_.z)));
-    line("set cblabel {} offset 1.5,0", gnuplot_string(axis_title(figure_.z)));
     line("set xrange {}", x.range());
     line("set yrange {}", y.range());
     line("set zrange {}", z.range());
+    // Labels along slanted axes need more room than gnuplot thinks.
+    for (const auto& [axis, extent] : {std::pair{'x', &x}, std::pair{'y', &y}})
+      if (const double step = extent->tic_step(); step > 0.0) line("set {}tics {}", axis, step);
     line("set view 55, 322");
     line("set xyplane relative 0");
     line("set border 895 ls 1000 lw 0.5");

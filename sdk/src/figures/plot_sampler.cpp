@@ -149,6 +149,11 @@ Result<Figure> figure_of(const std::vector<const PlotSampler*>& runs,
       const Signal& signal = main_signal(first.kind_, line.x, line.y, line.z);
       const std::string& given = runs[r]->plot_.series[i].label;
       std::string label = given.empty() ? signal.text() : given;
+      // A path is somebody's, not the y coordinate's.
+      const std::string coordinate = "." + signal.quantity();
+      if (given.empty() && first.kind_ == Kind::map && label.size() > coordinate.size() &&
+          label.compare(label.size() - coordinate.size(), coordinate.size(), coordinate) == 0)
+        label.erase(label.size() - coordinate.size());
       if (!same_unit && !signal.unit().empty() && signal.unit() != "1")
         label += " [" + signal.unit() + "]";
       const std::string run = labels.empty() ? "" : labels[r];

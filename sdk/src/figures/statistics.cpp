@@ -36,17 +36,6 @@ Moments moments(const std::vector<double>& samples) {
   return {mean * scale, samples.size() < 2 ? 0.0 : scale * std::sqrt(squares / (n - 1.0))};
 }
 
-// 1, 2 or 5 times a power of ten, the nearest by ratio.
-double rounded_width(double width) {
-  const double power = std::pow(10.0, std::floor(std::log10(width)));
-  const double digits = width / power;
-  const double nice = digits < std::sqrt(2.0)    ? 1.0
-                      : digits < std::sqrt(10.0) ? 2.0
-                      : digits < std::sqrt(50.0) ? 5.0
-                                                 : 10.0;
-  return nice * power;
-}
-
 // Few different whole numbers: each gets a bin of its own.
 bool are_few_integers(const std::vector<double>& sorted) {
   constexpr double kMostIntegers = 50.0;
@@ -63,6 +52,16 @@ std::vector<double> even_edges(double first, double width, std::size_t bins) {
 }
 
 }  // namespace
+
+double rounded_step(double width) {
+  const double power = std::pow(10.0, std::floor(std::log10(width)));
+  const double digits = width / power;
+  const double nice = digits < std::sqrt(2.0)    ? 1.0
+                      : digits < std::sqrt(10.0) ? 2.0
+                      : digits < std::sqrt(50.0) ? 5.0
+                                                 : 10.0;
+  return nice * power;
+}
 
 double quantile(const std::vector<double>& sorted, double p) {
   if (sorted.empty()) return kNaN;
@@ -149,7 +148,7 @@ Bins histogram_bins(std::vector<double> samples, BinRule rule) {
   // What differs by rounding only counts as constant: bins must be wide beside the last digit.
   const double digit = std::max(std::fabs(low), std::fabs(high)) * 1e-14;
   if (!(high - low > digit)) return one_bin(low == 0.0 ? 1.0 : 0.1 * std::fabs(low));
-  if (std::isfinite(width) && width > digit) width = rounded_width(width);
+  if (std::isfinite(width) && width > digit) width = rounded_step(width);
   const double span = high - low;
   const auto count = [&] { return std::ceil(high / width) - std::floor(low / width); };
   if (!(width > digit) || !std::isfinite(span) || !(count() <= kMostBins)) {

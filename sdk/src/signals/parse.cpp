@@ -13,7 +13,7 @@ namespace cogrsim {
 namespace {
 
 constexpr std::size_t kLongestSignal = 4096;  // [byte]
-constexpr std::size_t kMostListed = 12;       // names shown in a help
+constexpr std::size_t kMostListed = 16;       // names shown in a help
 constexpr std::size_t kMostCompared = 4000;   // names compared with an unknown one
 
 using Parsed = Result<SignalNode>;
@@ -29,7 +29,7 @@ std::string listed(const Words& words) {
   std::string out;
   std::size_t shown = 0;
   for (const auto& word : words) {
-    if (shown++ == kMostListed) return out + fmt::format(", … ({} in all)", words.size());
+    if (shown++ == kMostListed) return out + ", …";
     out += (out.empty() ? "" : ", ") + std::string(word);
   }
   return out;
@@ -125,10 +125,13 @@ class Parser {
   tl::unexpected<Error> unknown(const std::string& name) const {
     const std::string near = nearest(name);
     std::vector<std::string> all = names();
-    all.erase(std::unique(all.begin(), all.end()), all.end());
+    // A rigid assembly and the body it is share a name.
+    std::vector<std::string> shown;
+    for (std::string& each : all)
+      if (index_of(shown, each) < 0 && shown.size() <= kMostListed) shown.push_back(each);
     return fail(fmt::format("there is nothing named '{}'", name), "",
                 near.empty() ? (all.empty() ? "the scene has no bodies, joints or sensors"
-                                            : "there are " + listed(all))
+                                            : "there are " + listed(shown))
                              : fmt::format("did you mean '{}'?", near));
   }
 

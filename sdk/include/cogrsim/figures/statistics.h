@@ -16,6 +16,9 @@ namespace cogrsim::figures {
 /// `sorted`: ascending, finite. NaN when there are none.
 COGRSIM_API double quantile(const std::vector<double>& sorted, double p);
 
+/// 1, 2 or 5 times a power of ten: the one nearest to `width`, > 0, by ratio.
+COGRSIM_API double rounded_step(double width);
+
 /// What a box plot draws, as Matlab's boxplot documents it: the box from the first to the third
 /// quartile with the median in it; whiskers to the most extreme samples within
 /// `whisker` * (q3 - q1) of the box (and never inside it); all beyond them are outliers.
