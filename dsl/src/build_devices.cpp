@@ -1,24 +1,8 @@
-// Motors, servos and sensors.
-#include <cmath>
-
+// Motors and servos.
 #include "build_scene.h"
 
 namespace cogrsim::dsl {
 namespace {
-
-struct NoiseWord {
-  std::string_view name;
-  NoiseTerm::Kind kind;
-  std::size_t arguments;
-  std::string_view usage;
-};
-constexpr NoiseWord kNoiseWords[] = {
-    {"normal", NoiseTerm::Kind::normal, 2, "normal(mean, sigma)"},
-    {"uniform", NoiseTerm::Kind::uniform, 2, "uniform(low, high)"},
-    {"bias", NoiseTerm::Kind::bias, 1, "bias(offset)"},
-    {"dropout", NoiseTerm::Kind::dropout, 1, "dropout(probability)"},
-    {"quantisation", NoiseTerm::Kind::quantisation, 1, "quantisation(step)"},
-    {"bias-walk", NoiseTerm::Kind::bias_walk, 1, "bias-walk(sigma)"}};
 
 constexpr std::string_view kDcWords[] = {"kt",   "ke",          "resistance",
                                          "gear", "max-voltage", "max-current"};
@@ -136,115 +120,6 @@ bool Builder::motor_laws(const Element& element, Motor& motor, bool turns) {
   good = good && !at.failed();
   if (at.given()) motor.target = *at;
   return good;
-}
-
-std::optional<std::vector<NoiseTerm>> Builder::noise(const Element& element) {
-  std::vector<NoiseTerm> terms;
-  const auto calls = reader(element).calls("noise");
-  if (calls.failed()) return std::nullopt;
-  if (!calls.given()) return terms;
-  for (const Call& call : *calls) {
-    const NoiseWord* word = nullptr;
-    std::vector<std::string> known;
-    for (const NoiseWord& w : kNoiseWords) {
-      known.emplace_back(w.name);
-      if (w.name == call.function) word = &w;
-    }
-    if (word == nullptr) {
-      sink()
-          .report("CG0517", call.span, element.trail, "there is no noise '" + call.function + "'")
-          .help(suggest(call.function, known));
-      return std::nullopt;
-    }
-    if (call.arguments.size() != word->arguments) {
-      sink()
-          .report("CG0517", call.span, element.trail,
-                  "'" + call.function + "' takes " + std::to_string(word->arguments) +
-                      (word->arguments == 1 ? " number" : " numbers") + ", found " +
-                      std::to_string(call.arguments.size()))
-          .help("write " + std::string(word->usage));
-      return std::nullopt;
-    }
-    NoiseTerm term;
-    term.kind = word->kind;
-    term.a = call.arguments[0].value;
-    if (call.arguments.size() > 1) term.b = call.arguments[1].value;
-    std::string problem;
-    switch (term.kind) {
-      case NoiseTerm::Kind::normal:
-        if (term.b < 0) problem = "sigma must not be negative";
-        break;
-      case NoiseTerm::Kind::uniform:
-        if (term.a > term.b) problem = "low must not exceed high";
-        break;
-      case NoiseTerm::Kind::dropout:
-        if (term.a < 0 || term.a > 1) problem = "a probability lies between 0 and 1";
-        if (!call.arguments[0].dimension.none()) problem = "a probability has no unit";
-        break;
-      case NoiseTerm::Kind::quantisation:
-        if (!(term.a > 0)) problem = "the step must be above 0";
-        break;
-      case NoiseTerm::Kind::bias_walk:
-        if (term.a < 0) problem = "sigma must not be negative";
-        break;
-      case NoiseTerm::Kind::bias:
-        break;
-    }
-    if (!problem.empty()) {
-      sink().report("CG0517", call.span, element.trail, call.function + ": " + problem);
-      return std::nullopt;
-    }
-    terms.push_back(term);
-  }
-  return terms;
-}
-
-void Builder::sensor(const Element& element) {
-  SensorModel sensor;
-  sensor.name = element.path;
-  sensor.type = std::string(element.tag());
-  sensor.assembly = note(element).assembly;
-  sensor.origin = element.span();
-  Reader r = reader(element);
-  sensor.rate = *r.number("rate");
-  sensor.enabled = *r.boolean("enabled");
-  sensor.show = *r.boolean("show");
-  bool good = !note(element).faulty;
-  if (auto terms = noise(element))
-    sensor.noise = std::move(*terms);
-  else
-    good = false;
-  if (sensor.type == "sensor") {
-    const auto plugin = r.text("plugin");
-    if (plugin.given()) {
-      sensor.type = *plugin;
-      if (auto parameters = plugin_parameters(element, PluginKind::sensor, *plugin))
-        sensor.parameters = std::move(*parameters);
-      else
-        good = false;
-    }
-  }
-  if (knows(element, "joint") && r.has("joint")) {
-    const auto word = r.word("joint");
-    const Element* joint = word.given() ? names_.find(element, *word, Wanted::joint) : nullptr;
-    good = good && joint != nullptr;
-    if (joint != nullptr) sensor.joint = note(*joint).joint;
-  }
-  if (knows(element, "on") && r.has("on")) {
-    const auto word = r.word("on");
-    const auto body = word.given() ? body_at(element, *word, true) : std::nullopt;
-    good = good && body.has_value();
-    if (body) {
-      sensor.body = *body;
-      const Pose& X_WS = note(element).X_W;
-      sensor.X_BS = *body == kWorld
-                        ? X_WS
-                        : model_.bodies[static_cast<std::size_t>(*body)].X_WB.inverse() * X_WS;
-    }
-  } else if (sensor.type == "encoder" && sensor.joint >= 0) {
-    sensor.body = model_.joints[static_cast<std::size_t>(sensor.joint)].child;
-  }
-  if (good) model_.sensors.push_back(std::move(sensor));
 }
 
 }  // namespace cogrsim::dsl

@@ -120,7 +120,7 @@ int Builder::shape_material(const ShapeJob& job) {
 void Builder::material_pairs() {
   std::map<std::pair<int, int>, const Element*> known;
   for_each(scene_, [&](const Element& element) {
-    if (element.tag() != "contact") return;
+    if (element.tag() != "contact" || is_sensor(element.node->spec)) return;
     Reader r = reader(element);
     const auto words = r.words("between");
     if (!words.given() || (*words).size() != 2) return;

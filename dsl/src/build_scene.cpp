@@ -49,7 +49,7 @@ SceneModelPtr Builder::build() {
     const std::string_view tag = element.tag();
     if (tag == "motor" || tag == "servo")
       motor(element);
-    else if (element.node->spec != nullptr && is_sensor(tag))
+    else if (is_sensor(element.node->spec))
       sensor(element);
     else if (tag == "controller" || tag == "supervisor")
       mind(element);
@@ -65,6 +65,7 @@ SceneModelPtr Builder::build() {
   collision_pairs();
   if (sink().has_errors()) return nullptr;
   start();
+  check_cameras();
   if (sink().has_errors()) return nullptr;
   check_overlaps();
   check_mass_ratios();

@@ -147,8 +147,13 @@ class Builder {
   // build_devices.cpp
   void motor(const Element& element);
   bool motor_laws(const Element& element, Motor& motor, bool turns);
+
+  // build_sensors.cpp
   void sensor(const Element& element);
-  std::optional<std::vector<NoiseTerm>> noise(const Element& element);
+  bool sensor_parameters(const Element& element, SensorModel& sensor);
+  bool camera_settings(const Element& element, const SensorModel& sensor);
+  bool noise(const Element& element, std::string_view attribute, int group,
+             std::vector<NoiseTerm>& terms);
 
   // build_minds.cpp
   void mind(const Element& element);
@@ -159,6 +164,7 @@ class Builder {
 
   // check_scene.cpp
   void start();
+  void check_cameras();
   void check_overlaps();
   void check_mass_ratios();
   void check_params();
@@ -175,6 +181,7 @@ class Builder {
   std::vector<Note> notes_;                         // by Element::index
   std::vector<const Element*> body_elements_;       // by body
   std::vector<const Element*> joint_elements_;      // by joint
+  std::vector<const Element*> sensor_elements_;     // by sensor
   std::vector<std::vector<ShapeJob>> body_shapes_;  // by body
   std::vector<VelocityJob> velocity_jobs_;
   std::map<const Element*, int> material_indices_;

@@ -104,6 +104,17 @@ std::vector<CodeInfo> scene_codes() {
        "Delete it, or make the assembly rigid.",
        "bad:  <assembly mass=\"2 kg\"> … </assembly>\n"
        "good: <assembly rigid=\"true\" mass=\"2 kg\"> … </assembly>"},
+      {"CG0710", error, "a camera that cannot take pictures",
+       "The picture has no whole number of pixels or more than 64 million of them, `near` is not "
+       "less than `far`, or another setting of the lens describes no picture.",
+       "Correct the attribute that the message names.",
+       "bad:  <camera … near=\"1 m\" far=\"50 cm\"/>\ngood: <camera … near=\"1 cm\" far=\"50 m\"/>"},
+      {"CG0711", error, "a camera inside a body",
+       "At the start the camera's eye lies inside a visible shape of a body that does not carry "
+       "it, so that it would see nothing but that body from within.",
+       "Move the camera or the body, mount the camera on that body (it then does not see it), or "
+       "make the shape around it invisible with visible=\"false\".",
+       "bad:  <box name=\"crate\" size=\"1 1 1\" …/> <camera on=\"world\" xyz=\"0 0 0\"/>"},
       // ---- CG08: what the backend can do
       {"CG0801", error, "something the backend cannot do",
        "The scene needs a shape, joint, motor or other feature that the chosen engine lacks. "

@@ -168,7 +168,8 @@ void Expander::children(const Node& node, const Place& outer, Definitions* own) 
       continue;
     }
     if (is_definition(c->name)) continue;
-    if (place.left_behind != nullptr && c->name != "material" && c->name != "contact") {
+    const bool shared = c->name == "material" || (c->name == "contact" && !is_sensor(c->spec));
+    if (place.left_behind != nullptr && !shared) {
       if (std::find(place.left_behind->begin(), place.left_behind->end(), c->name) ==
           place.left_behind->end())
         place.left_behind->push_back(c->name);

@@ -13,7 +13,7 @@ bool has_place(const Element& element) {
   const std::string_view tag = element.tag();
   return is_shape(tag) || is_joint(tag) || tag == "body" || tag == "assembly" ||
          tag == "instance" || tag == "frame" || tag == "light" || tag == "view" ||
-         (is_sensor(tag) && tag != "encoder");
+         (is_sensor(element.node->spec) && tag != "encoder" && tag != "force-torque");
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ const Element* Builder::reference(const Element& element) {
     attribute = "frame";
   else if (is_joint(element.tag()) && !r.has("xyz") && !r.has("rpy") && !r.has("quat"))
     attribute = "child";
-  else if (is_sensor(element.tag()))
+  else if (is_sensor(element.node->spec))
     attribute = "on";
   n.reference = element.parent;
   if (attribute.empty() || !r.has(attribute)) return n.reference;
@@ -201,7 +201,7 @@ int Builder::carrier(const Element& element) {
       body = n.first_body;
       break;
     }
-    at = tag == "frame" || is_sensor(tag) ? reference(*at) : at->parent;
+    at = tag == "frame" || is_sensor(at->node->spec) ? reference(*at) : at->parent;
   }
   for (Note* n : chain) n->carrier = body;
   return body;

@@ -23,6 +23,16 @@ const ElementSpec* find_element(std::string_view name) {
   return found == index.end() ? nullptr : found->second;
 }
 
+const ElementSpec& contact_sensor() {
+  static const ElementSpec& spec = [&]() -> const ElementSpec& {
+    for (const ElementSpec& e : vocabulary()) {
+      if (e.name == "contact" && is_sensor(&e)) return e;
+    }
+    return vocabulary().front();  // never: the table has it
+  }();
+  return spec;
+}
+
 namespace {
 bool in_group(std::string_view element, std::string_view group) {
   const ElementSpec* e = find_element(element);
@@ -36,6 +46,6 @@ bool is_shape(std::string_view element) {
   return in_group(element, "Bodies") && element != "body" && element != "frame";
 }
 
-bool is_sensor(std::string_view element) { return in_group(element, "Sensors"); }
+bool is_sensor(const ElementSpec* element) { return element && element->group == "Sensors"; }
 
 }  // namespace cogrsim::dsl

@@ -69,13 +69,16 @@ struct ElementSpec {
 /// All elements, in the order of the reference page.
 const std::vector<ElementSpec>& vocabulary();
 const ElementSpec* find_element(std::string_view name);
+/// `<contact>` is two things: a rule for a pair of materials, which find_element() gives, and, with
+/// `on`, a sensor, which this is.
+const ElementSpec& contact_sensor();
 
 /// Joint elements: hinge slider ball universal fixed cylindrical planar screw free.
 bool is_joint(std::string_view element);
 /// Shape elements: box sphere cylinder capsule plane mesh heightmap.
 bool is_shape(std::string_view element);
-/// Sensor elements.
-bool is_sensor(std::string_view element);
+/// Sensor elements; false for nullptr.
+bool is_sensor(const ElementSpec* element);
 
 /// Checks a parsed tree: unknown or misplaced elements, unknown, missing or reserved words, text
 /// where none belongs. Fills Node::spec. Faulty elements stay in the tree with a null spec and

@@ -132,8 +132,10 @@ std::string element_advice(std::string_view word) {
   return {};
 }
 
-bool reserved_contact(const Node& node) {
-  return node.name == "contact" && node.find("on") && !node.find("between");
+/// What an element means here.
+const ElementSpec* meaning(const Node& node) {
+  if (node.name == "contact" && node.find("on") && !node.find("between")) return &contact_sensor();
+  return find_element(node.name);
 }
 
 class Checker {
@@ -175,19 +177,17 @@ class Checker {
       check_text(node, false);
       return;
     }
-    const ElementSpec* spec = find_element(node.name);
+    const ElementSpec* spec = meaning(node);
     if (!spec) {
       unknown_element(node, *where);
       return;
     }
-    if (spec->reserved || reserved_contact(node)) {
+    if (spec->reserved) {
       sink_
           .report("CG0206", node.span, nullptr,
-                  "<" + std::string(node.name) + "> " +
-                      (reserved_contact(node) ? "as a sensor " : "") +
-                      "is reserved and comes with a later version")
+                  "<" + std::string(node.name) + "> is reserved and comes with a later version")
           .help("remove it for now");
-      node.spec = spec->reserved ? spec : nullptr;
+      node.spec = spec;
       return;
     }
     if (!may_stand(*spec, *where->spec)) {
