@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "build_scene.h"
+#include "cogrsim/core/image.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -33,12 +34,7 @@ void Builder::materials() {
     if (stiffness.given()) material.stiffness = *stiffness;
     const auto color = r.color("color");
     if (color.given()) material.color = *color;
-    if (r.has("texture")) {
-      const auto texture = r.text("texture");
-      if (texture.given())
-        material.texture =
-            context_.files.resolve_asset(*texture, element.find("texture")->value_span);
-    }
+    texture(element, material);
     material_indices_[&element] = static_cast<int>(model_.materials.size());
     model_.materials.push_back(std::move(material));
   });
@@ -47,6 +43,36 @@ void Builder::materials() {
 int Builder::material_index(const Element& material) {
   const auto it = material_indices_.find(&material);
   return it != material_indices_.end() ? it->second : 0;
+}
+
+/// Takes over what the element says about its texture; true: something.
+bool Builder::texture(const Element& element, Material& material) {
+  Reader r = reader(element);
+  bool changed = false;
+  const auto size = r.numbers("texture-size");
+  if (size.given()) {
+    material.texture_size = Eigen::Vector2d((*size).front(), (*size).back());
+    changed = true;
+  }
+  const auto file = r.text("texture");
+  if (!file.given()) return changed;
+  const SourceSpan& at = element.find("texture")->value_span;
+  const std::string path = context_.files.resolve_asset(*file, at);
+  if (path.empty()) return changed;
+  // Looked into now: what cannot be shown must not come up in the middle of a run.
+  const auto [known, is_new] = textures_.try_emplace(path);
+  if (is_new) {
+    const auto image = load_image(path);
+    if (!image) known->second = image.error().message;
+  }
+  if (!known->second.empty()) {
+    sink()
+        .report("CG0712", at, element.trail, "'" + *file + "': " + known->second)
+        .help("textures are PNG or JPEG files of at most 64 million pixels");
+    return changed;
+  }
+  material.texture = path;
+  return true;
 }
 
 // What the whole of a rigid assembly is made of decides how it touches and what it weighs; how a
@@ -63,6 +89,7 @@ int Builder::shape_material(const ShapeJob& job) {
     if (own != 0) {
       made.color = looks.color;
       made.texture = looks.texture;
+      made.texture_size = looks.texture_size;
       changed = true;
     }
   }
@@ -88,13 +115,9 @@ int Builder::shape_material(const ShapeJob& job) {
       changed = true;
     }
   }
-  if (r.has("texture")) {
-    const auto texture = r.text("texture");
-    if (texture.given()) {
-      made.texture = context_.files.resolve_asset(*texture, element.find("texture")->value_span);
-      changed = true;
-    }
-  }
+  changed = texture(element, made) || changed;
+  if (r.has("texture-size") && made.texture.empty() && !r.has("texture") && base == 0)
+    fault("CG0712", element, "texture-size", "there is no texture that this is the size of");
   if (!changed) return base;
   std::string key = std::to_string(base) + ":";
   append(key, made.density);
@@ -105,6 +128,8 @@ int Builder::shape_material(const ShapeJob& job) {
   append(key, made.color.g);
   append(key, made.color.b);
   append(key, made.color.a);
+  append(key, made.texture_size ? made.texture_size->x() : 0.0);
+  append(key, made.texture_size ? made.texture_size->y() : 0.0);
   key += made.texture;
   const auto [at, is_new] =
       derived_materials_.try_emplace(key, static_cast<int>(model_.materials.size()));

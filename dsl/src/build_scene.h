@@ -123,6 +123,7 @@ class Builder {
   void material_pairs();
   int material_index(const Element& material);
   int shape_material(const ShapeJob& job);
+  bool texture(const Element& element, Material& material);
 
   // build_shapes.cpp
   void shapes();
@@ -186,6 +187,7 @@ class Builder {
   std::vector<VelocityJob> velocity_jobs_;
   std::map<const Element*, int> material_indices_;
   std::map<std::string, int> derived_materials_;  // by base and overrides
+  std::map<std::string, std::string> textures_;   // by path: what is wrong with it, or empty
   std::map<std::string, int> mesh_indices_;       // by file and scale; -1: failed
   std::vector<std::size_t> mesh_open_edges_;      // by mesh
   std::unordered_map<const Element*, std::pair<int, int>> shape_places_;  // body, shape

@@ -115,6 +115,12 @@ std::vector<CodeInfo> scene_codes() {
        "Move the camera or the body, mount the camera on that body (it then does not see it), or "
        "make the shape around it invisible with visible=\"false\".",
        "bad:  <box name=\"crate\" size=\"1 1 1\" …/> <camera on=\"world\" xyz=\"0 0 0\"/>"},
+      {"CG0712", error, "a texture that cannot be used",
+       "The file is neither PNG nor JPEG, is damaged, or has more than 64 million pixels; or a "
+       "shape has a texture-size and no texture.",
+       "Open it in a picture editor and save it as PNG, smaller if need be. Delete a texture-size "
+       "that belongs to nothing.",
+       "<material name=\"floor\" texture=\"pictures/floor.png\" texture-size=\"2 m\"/>"},
       // ---- CG08: what the backend can do
       {"CG0801", error, "something the backend cannot do",
        "The scene needs a shape, joint, motor or other feature that the chosen engine lacks. "

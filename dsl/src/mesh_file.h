@@ -14,10 +14,11 @@ inline constexpr std::size_t kMaxMeshVertices = 2'000'000;
 inline constexpr std::size_t kMaxMeshTriangles = 4'000'000;
 inline constexpr std::size_t kMaxHeightSamples = 4'000'000;
 
-/// Wavefront OBJ: `v` and `f` (polygons are cut into fans, negative indices count backwards).
-/// Normals, texture coordinates, groups and materials are skipped, since neither touch nor mass
-/// depend on them. Errors name the line: a bad number, an index out of range, free-form surfaces,
-/// no triangle at all, too many.
+/// Wavefront OBJ: `v`, `vt` and `f` (polygons are cut into fans, negative indices count backwards).
+/// Faces without texture coordinates among others that have them show the picture's corner (0, 0).
+/// Normals are checked and skipped, groups and materials skipped: the surface is told by its
+/// corners. Errors name the line: a bad number, an index out of range, corners with and without
+/// texture coordinates in one face, free-form surfaces, no triangle at all, too many.
 Result<TriangleMesh> parse_obj(std::string_view text);
 
 /// STL, ASCII or binary; told apart by length, since binary files may begin with "solid" too.

@@ -138,7 +138,13 @@ Attributes matter() {
       above_zero(number("stiffness", kStiffness,
                         "Stiffness of a contact point; as stiff as the engine can if left out.")),
       attr("color", Kind::color, "Color."),
-      attr("texture", Kind::file, "Picture file.")};
+      attr("texture", Kind::file,
+           "Picture file, PNG or JPEG; its colors are multiplied by `color`."),
+      above_zero(count_from(
+          numbers("texture-size", kLength, 2,
+                  "Width and height of one copy of the picture, which then repeats; one number "
+                  "for both. If left out one copy covers the face, or a square metre of a plane."),
+          1))};
 }
 
 Attributes mobility() {

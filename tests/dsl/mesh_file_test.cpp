@@ -65,6 +65,47 @@ TEST_CASE("polygons are cut into triangles", "[dsl][mesh]") {
   CHECK(quad->triangles.size() == 2);
 }
 
+TEST_CASE("texture coordinates come with the corners they are given for", "[dsl][mesh]") {
+  const std::string points =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0 0\nvt 1 1\nvt .5\n";
+  const auto quad = parse_obj(points + "vn 0 0 1\nf 1/1/1 2/2/1 3/3/1 4/-1/-1\n");
+  REQUIRE(quad);
+  REQUIRE(quad->triangles.size() == 2);
+  using Points = std::vector<Eigen::Vector2d>;
+  CHECK(quad->uv == Points{{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0.5, 0}});
+  // Faces without have the corner, triangles without area have nothing.
+  const auto part = parse_obj(points + "f 1 2 3\nf 1/3 1/2 2/2\nf 1/3 3/3 4/4\n");
+  REQUIRE(part);
+  REQUIRE(part->triangles.size() == 2);
+  CHECK(part->uv == Points{{0, 0}, {0, 0}, {0, 0}, {1, 1}, {1, 1}, {0.5, 0}});
+  const auto none = parse_obj(points + "vn 0 0 1\nf 1//1 2//1 3//1\n");
+  REQUIRE(none);
+  CHECK(none->uv.empty());
+
+  const auto message = [&](const std::string& more) {
+    const auto mesh = parse_obj(points + more);
+    return mesh ? std::string("accepted") : mesh.error().message;
+  };
+  CHECK(message("f 1/5 2/2 3/3\n") ==
+        "line 9: texture coordinate 5 does not exist; there are 4 so far");
+  CHECK(message("f 1/0 2/2 3/3\n") ==
+        "line 9: texture coordinate 0 does not exist; there are 4 so far");
+  CHECK(message("f 1/1 2 3/3\n") ==
+        "line 9: some corners of the face have texture coordinates, '2' has none");
+  CHECK(message("f 1 2/2 3\n") ==
+        "line 9: some corners of the face have texture coordinates, '2/2' has one and those before "
+        "have none");
+  CHECK(message("f 1//1 2//1 3//1\n") == "line 9: normal 1 does not exist; there are 0 so far");
+  CHECK(message("f 1/ 2/ 3/\n") == "line 9: expected a texture coordinate number, found ''");
+  CHECK(message("f 1/1/1/1 2 3\n") ==
+        "line 9: a corner has at most three numbers, found '1/1/1/1'");
+  CHECK(message("vt\n") == "line 9: a texture coordinate needs a number");
+  CHECK(message("vt 0 x\n") == "line 9: expected a number, found 'x'");
+  CHECK(message("vt 0 0 0 0\n") == "line 9: a texture coordinate has at most three numbers");
+  CHECK(message("vn 0 0\n") == "line 9: a normal needs three numbers");
+  CHECK(message("vn 0 0 up\n") == "line 9: expected a number, found 'up'");
+}
+
 TEST_CASE("broken meshes are refused with the place", "[dsl][mesh]") {
   const auto message = [](const Result<TriangleMesh>& mesh) {
     return mesh ? std::string("accepted") : mesh.error().message;

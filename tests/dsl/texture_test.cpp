@@ -1,0 +1,68 @@
+// Textures of materials and shapes: which file, how large, shared when equal.
+#include <stdlib.h>
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+
+#include "cogrsim/core/image.h"
+#include "cogrsim/dsl/compiler.h"
+
+using namespace cogrsim;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A folder with a picture in it, that goes away with the object.
+struct Folder {
+  fs::path path;
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "cogrsim-texture-XXXXXX").string();
+    REQUIRE(::mkdtemp(name.data()) != nullptr);
+    path = fs::canonical(name);
+    Image image;
+    image.width = image.height = 2;
+    image.data = {255, 0, 0, 0, 255, 0, 0, 0, 255, 9, 9, 9};
+    REQUIRE(write_file((path / "a.png").string(), *encode_png(image)));
+    REQUIRE(write_file((path / "b.jpg").string(), *encode_jpeg(image)));
+  }
+  ~Folder() {
+    std::error_code fault;
+    fs::remove_all(path, fault);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("textures and their sizes reach the model", "[dsl]") {
+  const Folder folder;
+  const std::string scene = (folder.path / "t.scene.xml").string();
+  std::ofstream(scene) << R"(<scene name="t" version="1">
+  <material name="wood" texture="a.png" texture-size="20 cm 50 cm"/>
+  <box name="plain" size="1 1 1" xyz="0 0 1" material="wood"/>
+  <box name="other" size="1 1 1" xyz="2 0 1" material="wood" texture-size="0.3"/>
+  <box name="alike" size="1 1 1" xyz="4 0 1" material="wood" texture-size="30 cm 30 cm"/>
+  <plane name="floor" texture="b.jpg"/>
+</scene>
+)";
+  const dsl::CompileResult result = dsl::compile_file(scene);
+  INFO(dsl::to_text(result.diagnostics));
+  REQUIRE(result.ok());
+  const auto material = [&](int body) -> const Material& {
+    const Shape& shape = result.model->bodies[static_cast<std::size_t>(body)].shapes[0];
+    return result.model->materials[static_cast<std::size_t>(shape.material)];
+  };
+  const auto index = [&](const char* name) { return find_body(*result.model, name); };
+  const Material& plain = material(index("plain"));
+  CHECK(plain.texture == (folder.path / "a.png").string());
+  REQUIRE(plain.texture_size);
+  CHECK(*plain.texture_size == Eigen::Vector2d(0.2, 0.5));
+  const Material& other = material(index("other"));
+  CHECK(other.texture == plain.texture);
+  REQUIRE(other.texture_size);
+  CHECK(*other.texture_size == Eigen::Vector2d(0.3, 0.3));
+  CHECK(&material(index("alike")) == &other);
+  const Material& floor = material(index("floor"));
+  CHECK(floor.texture == (folder.path / "b.jpg").string());
+  CHECK_FALSE(floor.texture_size);
+}
