@@ -104,6 +104,9 @@ class Comparison {
   /// One frame per run, all of the same time [s], with contacts.
   void add(double time, const std::vector<FramePtr>& frames);
 
+  /// Whether a threshold was passed so far.
+  bool apart() const { return result_.first_over.has_value(); }
+
   /// Call once.
   CompareResult finish();
 

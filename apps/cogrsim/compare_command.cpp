@@ -85,6 +85,7 @@ bool run_all(const CompareCommandOptions& options, const LoadedScene& scene,
     lockstep.step = steps[i];
     lockstep.trajectory_every =
         converge ? static_cast<std::uint64_t>(std::llround(largest / steps[i] * stride)) : 0;
+    lockstep.keep_frames = i == 0 && !options.report.empty();
     lockstep.on_step = [&](double time) { progress.show(time); };
     auto result = run_lockstep(scene.model, lockstep, scene.loader);
     progress.finish();
@@ -184,6 +185,7 @@ int compare_command(const CompareCommandOptions& options) {
 
   if (!run_all(options, scene, report)) return deliver(options, report, kFailed);
   report.status = status_of(*report.result);
+  if (!options.report.empty()) report.pictures = report_pictures(*report.result, *scene.loader);
   for (const RunEnd& run : report.result->runs) print_messages(run.messages, run.label);
   return deliver(options, report, report.result->failed ? kFailed : kGood);
 }

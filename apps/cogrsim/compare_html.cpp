@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "compare_output.h"
-#include "svg_chart.h"
+#include "zoom_chart.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -37,54 +37,16 @@ th:first-child, td:first-child { text-align: left; } .wrap td { white-space: nor
   border: 1px solid var(--line); border-radius: 6px; }
 figcaption { margin-bottom: .4rem; }
 .chart label { float: right; font-size: .85rem; color: var(--soft); margin-left: .25rem; cursor: pointer; }
-.chart input { float: right; margin: .3rem 0 0 .8rem; }
-svg { display: block; width: 100%; height: auto; touch-action: pan-y; }
-svg.log, .to-log:checked ~ svg.linear { display: none; } .to-log:checked ~ svg.log { display: block; }
-.grid { stroke: var(--line); } .tick { fill: var(--soft); font-size: 12px; }
-.curve { fill: none; stroke: currentColor; stroke-width: 1.8; stroke-linejoin: round; }
-.cursor { stroke: var(--soft); stroke-dasharray: 3 3; visibility: hidden; }
-.legend { list-style: none; margin: .3rem 0 0; padding: 0; display: flex; flex-wrap: wrap; gap: .2rem 1.2rem;
-  font-size: .88rem; }
-.legend i { display: inline-block; width: .9rem; height: .22rem; margin-right: .4rem; vertical-align: middle;
-  background: currentColor; }
-.legend span { color: var(--soft); font-variant-numeric: tabular-nums; }
+.chart input { vertical-align: middle; }
+.plot { width: 100%; height: 19rem; } .plot .dygraph-axis-label, .plot .dygraph-label { color: var(--soft); }
+.legend { font-size: .88rem; min-height: 1.4rem; font-variant-numeric: tabular-nums; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(18rem, 1fr)); gap: .8rem; margin: .8rem 0; }
+.pictures figure { margin: 0; } .pictures img { width: 100%; display: block; border: 1px solid var(--line);
+  border-radius: 6px; } .map { max-width: 100%; border: 1px solid var(--line); border-radius: 6px; }
 .c0{color:var(--c0)} .c1{color:var(--c1)} .c2{color:var(--c2)} .c3{color:var(--c3)}
 .c4{color:var(--c4)} .c5{color:var(--c5)} .c6{color:var(--c6)} .c7{color:var(--c7)}
 ul.plain { padding-left: 1.1rem; }
 )css";
-
-// Read-out under the pointer: the value of each curve at the time pointed to.
-constexpr const char* kScript = R"js(
-for (const figure of document.querySelectorAll("figure.chart")) {
-  const data = JSON.parse(figure.querySelector("script").textContent);
-  const spans = figure.querySelectorAll(".legend span");
-  for (const svg of figure.querySelectorAll("svg")) {
-    const cursor = svg.querySelector(".cursor");
-    const d = svg.dataset, left = +d.left, right = +d.right, t0 = +d.t0, t1 = +d.t1;
-    svg.addEventListener("pointermove", (event) => {
-      const box = svg.getBoundingClientRect();
-      const x = (event.clientX - box.left) * svg.viewBox.baseVal.width / box.width;
-      const t = t0 + (x - left) / (right - left) * (t1 - t0);
-      let best = 0;
-      data.times.forEach((time, i) => {
-        if (Math.abs(time - t) < Math.abs(data.times[best] - t)) best = i;
-      });
-      const at = left + (data.times[best] - t0) / (t1 - t0) * (right - left);
-      cursor.setAttribute("x1", at); cursor.setAttribute("x2", at);
-      cursor.style.visibility = "visible";
-      spans.forEach((span, c) => {
-        const y = data.curves[c][best];
-        span.textContent = y == null ? "" : y.toPrecision(3) + " " + data.unit +
-          " at " + data.times[best].toPrecision(4) + " s";
-      });
-    });
-    svg.addEventListener("pointerleave", () => {
-      cursor.style.visibility = "hidden";
-      spans.forEach((span) => { span.textContent = ""; });
-    });
-  }
-}
-)js";
 
 std::string cell(const std::string& text) { return "<td>" + html_escaped(text) + "</td>"; }
 
@@ -242,6 +204,44 @@ std::string energy_chart(const CompareResult& comparison) {
   return chart_html(chart);
 }
 
+std::string data_uri(const char* type, const std::string& bytes) {
+  return fmt::format("data:{};base64,{}", type, base64(bytes));
+}
+
+// Every backend's picture of a moment, side by side.
+std::string moment_html(const PictureMoment& moment) {
+  std::string out =
+      fmt::format("<h2>{}</h2>\n<div class=\"pictures\">\n", html_escaped(moment.title));
+  for (const auto& [label, png] : moment.pictures) {
+    const std::string caption = html_escaped(label);
+    out +=
+        fmt::format("<figure><img alt=\"{0}\" src=\"{1}\"><figcaption>{0}</figcaption></figure>\n",
+                    caption, data_uri("image/png", png));
+  }
+  return out + "</div>\n";
+}
+
+std::string pictures_html(const CompareReport& report) {
+  const ReportPictures& pictures = report.pictures;
+  std::string out;
+  for (const PictureMoment& moment : pictures.moments) out += moment_html(moment);
+  if (!pictures.map.empty()) {
+    out += fmt::format(
+        "<h2>From above, at {}</h2>\n<p class=\"soft\">{} in colour, the others as outlines; "
+        "dashed: the way each took.</p>\n<img class=\"map\" alt=\"plan view\" src=\"{}\">\n",
+        time_text(report.result->comparison.end_time),
+        html_escaped(report.result->runs.front().label), data_uri("image/svg+xml", pictures.map));
+  }
+  if (!pictures.problem.empty()) {
+    out += fmt::format("<p class=\"soft\">No pictures: {}</p>\n", html_escaped(pictures.problem));
+  }
+  return out.empty()
+             ? out
+             : out +
+                   "<h2>Curves</h2>\n<p class=\"soft\">Drag to zoom, hold shift to pan, click "
+                   "twice to see all.</p>\n";
+}
+
 std::string messages_list(const CompareReport& report) {
   std::string items;
   for (const Diagnostic& diagnostic : report.diagnostics) {
@@ -279,7 +279,8 @@ std::string compare_html(const CompareReport& report) {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>{}: {} against {}</title>\n<style>{}</style></head>\n<body><main>\n",
-      name, html_escaped(others), html_escaped(comparison.runs[0]), kStyleSheet);
+      name, html_escaped(others), html_escaped(comparison.runs[0]),
+      std::string(kDygraphsStyle) + kStyleSheet);
   out += fmt::format("<h1>{}</h1>\n<p class=\"soft\">{} against {}, {} in steps of {}, {}</p>\n",
                      name, html_escaped(others), html_escaped(comparison.runs[0]),
                      time_text(comparison.end_time), step_text(result.runs[0].step),
@@ -296,6 +297,7 @@ std::string compare_html(const CompareReport& report) {
     out += fmt::format("<p class=\"bad\">Compared only up to {}: {}</p>\n",
                        time_text(comparison.end_time), html_escaped(result.ended_early));
   }
+  out += pictures_html(report);
   out += difference_chart("position", "Position difference", "m", 1.0, comparison.bodies,
                           &Difference::distance, comparison);
   out += difference_chart("angle", "Angle difference", "deg", 1.0 / kDegree, comparison.bodies,
@@ -315,7 +317,7 @@ std::string compare_html(const CompareReport& report) {
       "of its "
       "{} intervals. Wall time is counted around each backend's own steps.</p>\n",
       comparison.samples, comparison.times.size());
-  return out + "</main>\n<script>" + kScript + "</script>\n</body></html>\n";
+  return out + "</main>\n<script>" + chart_script() + "</script>\n</body></html>\n";
 }
 
 }  // namespace cogrsim::cli

@@ -7,6 +7,7 @@
 #include "convergence.h"
 #include "json_text.h"
 #include "lockstep.h"
+#include "report_pictures.h"
 #include "terminal.h"
 
 namespace cogrsim::cli {
@@ -19,6 +20,7 @@ struct CompareReport {
   std::vector<std::string> backends;  ///< asked for
   std::optional<LockstepResult> result;
   std::vector<ConvergenceSeries> convergence;  ///< empty: one step only
+  ReportPictures pictures;                     ///< for the page
   std::vector<Diagnostic> diagnostics;
 };
 

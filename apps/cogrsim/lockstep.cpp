@@ -11,6 +11,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::uint64_t kTrailPoints = 1000;  // of a robot's way, or a few more
+
 struct Lane {
   std::unique_ptr<Simulation> simulation;
   RunEnd end;
@@ -117,8 +119,20 @@ tl::expected<LockstepResult, std::vector<Diagnostic>> run_lockstep(
   };
 
   std::vector<FramePtr> frames = frames_of(lanes);
+  std::vector<Trails> trails;
+  if (options.keep_frames) {
+    for (const FramePtr& frame : frames) trails.push_back(*Trails::of(*frame->model, {}));
+  }
+  const std::uint64_t trail_every = std::max<std::uint64_t>(1, steps / kTrailPoints);
+  const auto keep = [&](std::uint64_t step) {
+    if (!options.keep_frames) return;
+    if (result.parting.empty() && comparison.apart()) result.parting = frames;
+    if (step % trail_every != 0) return;
+    for (std::size_t i = 0; i < frames.size(); ++i) trails[i].add(*frames[i]);
+  };
   comparison.add(0.0, frames);
   record(0, frames);
+  keep(0);
   for (std::uint64_t step = 1; step <= steps; ++step) {
     if (options.interrupted && options.interrupted()) {
       result.ended_early = "interrupted";
@@ -129,9 +143,12 @@ tl::expected<LockstepResult, std::vector<Diagnostic>> run_lockstep(
     frames = frames_of(lanes);
     comparison.add(frames.front()->time, frames);
     record(step, frames);
+    keep(step);
     if (options.on_step) options.on_step(frames.front()->time);
   }
 
+  if (options.keep_frames) result.last = std::move(frames);
+  for (const Trails& each : trails) result.trails.push_back(each.trails());
   result.comparison = comparison.finish();
   for (Lane& lane : lanes) {
     RunEnd& end = lane.end;

@@ -10,6 +10,7 @@
 #include "cogrsim/simulation/simulation.h"
 #include "compare.h"
 #include "convergence.h"
+#include "trails.h"
 
 namespace cogrsim::cli {
 
@@ -21,6 +22,8 @@ struct LockstepOptions {
   CompareOptions compare;
   /// Keeps the bodies' positions after every so many steps; 0: keeps none.
   std::uint64_t trajectory_every = 0;
+  /// Keeps the frames that pictures need: where runs part, the last ones, and the robots' ways.
+  bool keep_frames = false;
   std::function<void(double time)> on_step;  ///< may be empty
   std::function<bool()> interrupted;         ///< may be empty
 };
@@ -42,9 +45,12 @@ struct RunEnd {
 struct LockstepResult {
   CompareResult comparison;
   std::vector<RunEnd> runs;
-  std::vector<Trajectory> trajectories;  ///< one per run, when asked for
-  std::string ended_early;               ///< why not all the duration was compared; empty: it was
-  bool failed = false;                   ///< a run diverged or ended by a fault
+  std::vector<Trajectory> trajectories;       ///< one per run, when asked for
+  std::vector<FramePtr> parting;              ///< when the first threshold was passed; empty: never
+  std::vector<FramePtr> last;                 ///< one per run, when frames were to be kept
+  std::vector<std::vector<MapTrail>> trails;  ///< per run
+  std::string ended_early;  ///< why not all the duration was compared; empty: it was
+  bool failed = false;      ///< a run diverged or ended by a fault
 };
 
 /// Takes every backend one step, then compares; wall time is counted around the steps alone. Ends

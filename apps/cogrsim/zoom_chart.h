@@ -1,4 +1,5 @@
-// Curves over time as SVG, for a page that needs nothing from elsewhere.
+// Curves over time in a page that needs nothing from elsewhere: drawn by dygraphs, which the
+// program carries in itself.
 #pragma once
 
 #include <string>
@@ -27,11 +28,14 @@ inline constexpr int kChartColours = 8;
 /// `text` as HTML, and safe in attributes.
 std::string html_escaped(const std::string& text);
 
-/// A <figure> with title, scale switch, SVG, legend, and the data that the page's script reads for
-/// the read-out under the pointer.
+/// A <figure> with title, place for the curves, and the data that chart_script() draws.
 std::string chart_html(const Chart& chart);
 
-/// Round numbers that divide [low, high] into `wanted` parts or a few more or less.
-std::vector<double> nice_ticks(double low, double high, int wanted);
+/// What the page's <script> must hold, once: the library and our few lines.
+std::string chart_script();
+
+/// dygraphs' style sheet and code, as the build found them.
+extern const char* const kDygraphsStyle;
+extern const char* const kDygraphs;
 
 }  // namespace cogrsim::cli

@@ -50,7 +50,7 @@ class AttributeText {
 /// Entries as a value: a number, or a list where there are several.
 Value value_of(const std::vector<NumberEntry>& entries);
 
-/// #rgb, #rrggbb, #rrggbbaa or a CSS name; linear RGB. nullopt: not a color.
+/// #rgb, #rrggbb, #rrggbbaa or a CSS name; sRGB. nullopt: not a color.
 std::optional<Color> parse_color(std::string_view text);
 /// The CSS name nearest to a misspelt one.
 std::string nearest_color(std::string_view text);

@@ -1,5 +1,4 @@
 // Colors: the notations of CSS Color Module Level 4 that need no functions.
-#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -164,14 +163,8 @@ constexpr NamedColor kColors[] = {
     {"yellowgreen", 0x9acd32},
 };
 
-/// sRGB's transfer function (IEC 61966-2-1), undone: 0 to 255 becomes linear light.
-double linear(std::uint32_t byte) {
-  const double c = byte / 255.0;
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
-
 Color from_bytes(std::uint32_t r, std::uint32_t g, std::uint32_t b, std::uint32_t a) {
-  return {linear(r), linear(g), linear(b), a / 255.0};
+  return {r / 255.0, g / 255.0, b / 255.0, a / 255.0};
 }
 
 }  // namespace

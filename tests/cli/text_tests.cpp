@@ -7,8 +7,9 @@
 #include "json_text.h"
 #include "progress.h"
 #include "quantities.h"
-#include "svg_chart.h"
+#include "report_pictures.h"
 #include "terminal.h"
+#include "zoom_chart.h"
 
 using namespace cogrsim;
 using namespace cogrsim::cli;
@@ -110,12 +111,6 @@ TEST_CASE("the progress line tells time, speed and what is left", "[cli][progres
   }
 }
 
-TEST_CASE("ticks are round and cover the range", "[cli][chart]") {
-  CHECK(nice_ticks(0.0, 10.0, 5) == std::vector<double>{0, 2, 4, 6, 8, 10});
-  CHECK(nice_ticks(-1.0, 1.0, 4) == std::vector<double>{-1, -0.5, 0, 0.5, 1});
-  CHECK(nice_ticks(3.0, 3.0, 4).size() == 1);
-}
-
 TEST_CASE("a chart lets no text of the scene out of its place", "[cli][chart]") {
   Chart chart;
   chart.id = "test";
@@ -127,8 +122,19 @@ TEST_CASE("a chart lets no text of the scene out of its place", "[cli][chart]") 
   const std::string html = chart_html(chart);
   CHECK(html.find("<script>alert") == std::string::npos);
   CHECK(html.find("</script>\"") == std::string::npos);
-  CHECK_THAT(html, Catch::Contains("null") && Catch::Contains("[mm]"));
+  CHECK_THAT(html, Catch::Contains("null") && Catch::Contains("\"mm\""));
   CHECK(html.find("nan") == std::string::npos);
+}
+
+TEST_CASE("base64 is that of RFC 4648", "[cli][report]") {
+  // Section 10 of it.
+  CHECK(base64("").empty());
+  CHECK(base64("f") == "Zg==");
+  CHECK(base64("fo") == "Zm8=");
+  CHECK(base64("foo") == "Zm9v");
+  CHECK(base64("foob") == "Zm9vYg==");
+  CHECK(base64("foobar") == "Zm9vYmFy");
+  CHECK(base64("\xff\xfe") == "//4=");
 }
 
 TEST_CASE("words of plugins cannot steer the terminal", "[cli][text]") {

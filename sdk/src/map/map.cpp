@@ -39,6 +39,7 @@ struct Item {
   const Shape* shape = nullptr;
   Pose X_WB;
   double top = 0.0;  ///< highest point [m]
+  bool fixed = false;
 };
 
 // Height of the highest point of a shape.
@@ -85,7 +86,8 @@ std::vector<Item> items_of(const Frame& frame) {
     for (const Shape& shape : body.shapes) {
       if (!shape.visible) continue;
       const Pose& X_WB = frame.state.poses[b];
-      items.push_back({&shape, X_WB, top_of(model, shape, X_WB * shape.X_BS)});
+      items.push_back(
+          {&shape, X_WB, top_of(model, shape, X_WB * shape.X_BS), body.kind == BodyKind::fixed});
     }
   }
   std::stable_sort(items.begin(), items.end(),
@@ -201,6 +203,21 @@ void draw_shapes(const Canvas& canvas, const Frame& frame) {
     canvas.paint(darker(color, 0.45));
     cairo_set_line_width(cr, 1.0);
     cairo_stroke(cr);
+  }
+}
+
+void draw_ghosts(const Canvas& canvas, const std::vector<MapGhost>& ghosts) {
+  cairo_t* cr = canvas.context();
+  cairo_set_line_width(cr, 1.5);
+  for (const MapGhost& ghost : ghosts) {
+    const SceneModel& model = *ghost.frame->model;
+    for (const Item& item : items_of(*ghost.frame)) {
+      if (item.fixed || item.shape->type == ShapeType::mesh) continue;
+      cairo_new_path(cr);
+      for (const auto& polygon : plan_outline(model, *item.shape, item.X_WB)) canvas.path(polygon);
+      canvas.paint(ghost.color);
+      cairo_stroke(cr);
+    }
   }
 }
 
@@ -476,6 +493,7 @@ Result<std::string> map_picture(const Frame& frame, const MapOptions& options,
   cairo_paint(cr);
   draw_shapes(*canvas, frame);
   if (options.grid) draw_grid(*canvas);
+  draw_ghosts(*canvas, options.ghosts);
   draw_rays(*canvas, options.rays);
   draw_trails(*canvas, options.trails);
   if (options.names) draw_names(*canvas, frame);

@@ -25,6 +25,12 @@ struct MapRay {
   bool hit = false;                             ///< ends on something
 };
 
+/// Another frame, whose moving bodies are drawn as outlines over the map: another run of the scene.
+struct MapGhost {
+  FramePtr frame;
+  Color color{0.8, 0.3, 0.05, 1};
+};
+
 /// Corners of what the map shows, world [m].
 struct MapArea {
   double x_min = -1, y_min = -1, x_max = 1, y_max = 1;
@@ -37,7 +43,8 @@ struct MapOptions {
   bool names = true;  ///< of bodies that stand alone and of assemblies; where there is room
   bool grid = true;
   std::vector<MapTrail> trails;  ///< dashed
-  std::vector<MapRay> rays;      ///< red
+  std::vector<MapGhost> ghosts;
+  std::vector<MapRay> rays;  ///< red
 };
 
 /// What encloses all bodies of the frame (planes aside) and the trails, with a margin of 5 %.
