@@ -377,7 +377,9 @@ class Writer {
     double most = 0.0;
     for (const Series& series : figure_.series) {
       y.add(series.counts);
-      for (const double count : series.counts) most = std::max(most, count);
+      for (std::size_t i = 0; i < series.counts.size(); ++i)
+        if (drawable(figure_.bins->edges[i]) && drawable(figure_.bins->edges[i + 1]))
+          most = std::max(most, series.counts[i]);
     }
     line("set xrange {}", x.range());
     line("set yrange {}", most == 0.0 ? (figure_.y.log ? "[1:10]" : "[0:1]") : y.range_from_zero());

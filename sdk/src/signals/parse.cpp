@@ -148,6 +148,15 @@ class Parser {
     return std::nullopt;
   }
 
+  /// Whether the text, but for an index, is the name of something.
+  bool names_element() const {
+    const auto parts = split_index(text_);
+    const std::string full = parts ? resolved(parts->word) : std::string();
+    return !full.empty() &&
+           (place(full) || find_joint(model_, full) >= 0 || find_named(model_.motors, full) >= 0 ||
+            find_named(model_.sensors, full) >= 0);
+  }
+
   std::vector<int> bodies(const std::string& full) const {
     if (const int body = find_body(model_, full); body >= 0) return {body};
     if (const int assembly = find_assembly(model_, full); assembly >= 0) {
@@ -189,7 +198,9 @@ class Parser {
     const std::string quantity = dot == npos ? "" : text_.substr(dot + 1);
     if (dot != npos)
       if (const std::string full = resolved(owner); !full.empty())
-        if (auto found = of_element(full, quantity)) return *found;
+        // Of an assembly "robot", "robot.eye" is no quantity but a sensor in it.
+        if (auto found = of_element(full, quantity); found && (*found || !names_element()))
+          return *found;
     if (owner == "energy" && dot != npos) {
       if (const int which = index_of(kEnergyQuantities, quantity); which >= 0)
         return energy_term(which);
