@@ -13,6 +13,7 @@
 #include "options.h"
 #include "picture_words.h"
 #include "quantities.h"
+#include "recording_words.h"
 #include "terminal.h"
 
 namespace cogrsim::cli {
@@ -456,6 +457,8 @@ int run_command_line(int argc, char** argv) {
   add_run(app, words, status);
   add_compare(app, words, status);
   add_plot(app, words, status);
+  add_info(app, status);
+  add_replay(app, status);
   add_check(app, words, status);
   add_map(app, status);
   add_render(app, status);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "frame_json.h"
 #include "scene_loading.h"
 
 namespace cogrsim::cli {
@@ -12,57 +13,6 @@ namespace {
 
 constexpr int kRows = 20;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
-Json bodies_json(const Frame& frame) {
-  Json out = Json::object();
-  const SceneModel& model = *frame.model;
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    if (model.bodies[i].removed) continue;
-    const Pose& pose = frame.state.poses[i];
-    const Twist& twist = frame.state.twists[i];
-    out[model.bodies[i].name] = {{"position", to_json(pose.p)},
-                                 {"orientation", to_json(pose.q)},
-                                 {"linear_velocity", to_json(twist.linear)},
-                                 {"angular_velocity", to_json(twist.angular)}};
-  }
-  return out;
-}
-
-Json slice(const std::vector<double>& values, int offset, int count) {
-  Json out = Json::array();
-  for (int i = 0; i < count; ++i) out.push_back(values[static_cast<std::size_t>(offset + i)]);
-  return out;
-}
-
-Json joints_json(const Frame& frame) {
-  Json out = Json::object();
-  const WorldState& state = frame.state;
-  for (const Joint& joint : frame.model->joints) {
-    if (joint.removed) continue;
-    const int speeds = speed_count(joint.type);
-    out[joint.name] = {{"position", slice(state.joint_positions, joint.position_offset,
-                                          position_count(joint.type))},
-                       {"velocity", slice(state.joint_velocities, joint.speed_offset, speeds)},
-                       {"effort", slice(state.joint_efforts, joint.speed_offset, speeds)}};
-  }
-  return out;
-}
-
-Json contacts_json(const Frame& frame) {
-  Json out = Json::array();
-  for (const Contact& contact : frame.contacts) {
-    const auto name = [&](int body) {
-      return frame.model->bodies[static_cast<std::size_t>(body)].name;
-    };
-    out.push_back({{"a", name(contact.body_a)},
-                   {"b", name(contact.body_b)},
-                   {"point", to_json(contact.point)},
-                   {"normal", to_json(contact.normal)},
-                   {"depth", contact.depth},
-                   {"force", to_json(contact.force)}});
-  }
-  return out;
-}
 
 std::string fixed(double value, int digits) {
   const std::string text = fmt::format("{:.{}f}", value, digits);

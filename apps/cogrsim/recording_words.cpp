@@ -1,0 +1,102 @@
+#include "recording_words.h"
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "options.h"
+#include "quantities.h"
+
+namespace cogrsim::cli {
+namespace {
+
+double time_from(const char* option, const std::string& word) {
+  const auto time = parse_time(word);
+  if (!time) throw CLI::ValidationError(option, time.error().text());
+  return *time;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& status) {
+  CLI::App& command = *app.add_subcommand("info", "Say what is in a recording");
+  const auto options = std::make_shared<InfoOptions>();
+  command.add_option("file", options->file, "Recording")->required()->type_name("RUN.mcap");
+  command.add_flag("--json", options->json, "As JSON");
+  command
+      .add_option("--extract", options->extract,
+                  "Write the scene and all else that is attached into this folder")
+      ->type_name("DIR");
+  command.footer(
+      "Examples:\n"
+      "  cogrsim info run.mcap\n"
+      "  cogrsim info run.mcap --json | jq .frames\n"
+      "  cogrsim info run.mcap --extract scene      the scene as it was run");
+  command.callback([options, &status] { status = info_command(*options); });
+}
+
+void add_replay(CLI::App& app, int& status) {
+  struct ReplayWords {
+    ReplayOptions options;
+    std::string at, every;
+  };
+  CLI::App& command = *app.add_subcommand("replay", "Look at a recorded run again");
+  const auto words = std::make_shared<ReplayWords>();
+  ReplayOptions& options = words->options;
+  command.add_option("file", options.file, "Recording")->required()->type_name("RUN.mcap");
+  command
+      .add_option("--json", options.json, "Frames as JSON, one to a line; - is the standard output")
+      ->type_name("FILE|-");
+  command.add_option("--csv", options.csv, "Tables for spreadsheets and scripts, into this folder")
+      ->type_name("DIR");
+  command
+      .add_option("--render", options.render,
+                  "Pictures of a camera, or from a view (also front, back, left, right, top, "
+                  "bottom, iso); may be repeated")
+      ->type_name("CAMERA|VIEW")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("-o,--output", options.output, "Folder for the pictures")
+      ->type_name("DIR")
+      ->capture_default_str();
+  command.add_option("--every", words->every, "Time between pictures of a view; default: 0.04 s")
+      ->type_name("DT");
+  command.add_option("--at", words->at, "Only the frame at this time, or the last one before it")
+      ->type_name("T");
+  command.add_flag("--recompute", options.recompute,
+                   "Read all sensors anew from the frames, instead of taking what was recorded");
+  command.add_flag("--verify", options.verify,
+                   "Read all sensors anew and compare with what was recorded");
+  command
+      .add_option("--plugin-path", options.plugin_paths,
+                  "Folder in which plugins are looked for first; may be repeated")
+      ->type_name("DIR")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.footer(
+      "Examples:\n"
+      "  cogrsim replay run.mcap --at 2.5 --json - | jq .bodies\n"
+      "  cogrsim replay run.mcap --json - | jq -c '[.time, .sensors[\"bot.ir\"].values.distance]'\n"
+      "  cogrsim replay run.mcap --csv tables\n"
+      "  cogrsim replay run.mcap --render bot.eye --render top -o pictures\n"
+      "  cogrsim replay run.mcap --verify      readings depend on nothing but the frames");
+  command.callback([words, &status] {
+    ReplayOptions& chosen = words->options;
+    if (!words->at.empty()) chosen.at = time_from("--at", words->at);
+    if (!words->every.empty()) {
+      chosen.every = time_from("--every", words->every);
+      if (chosen.every <= 0.0) {
+        throw CLI::ValidationError("--every", "'" + words->every + "' is not greater than zero");
+      }
+    }
+    if (chosen.json.empty() && chosen.csv.empty() && chosen.render.empty() && !chosen.verify) {
+      throw CLI::ValidationError(
+          "replay",
+          "it is not said what to do with the run\nhelp: ask for --json, --csv, --render "
+          "or --verify; cogrsim info tells what is in the file");
+    }
+    status = replay_command(chosen);
+  });
+}
+
+}  // namespace cogrsim::cli
