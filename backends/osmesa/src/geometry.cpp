@@ -4,8 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "cogrsim/model/convex_hull.h"
-
 namespace cogrsim::osmesa {
 
 namespace {
@@ -237,8 +235,7 @@ Triangles faces_of(const SceneModel& model, const Shape& shape) {
   if (shape.type == ShapeType::heightmap) {
     return heightmap_faces(model.heightmaps[static_cast<std::size_t>(shape.heightmap)]);
   }
-  const TriangleMesh& file = model.meshes[static_cast<std::size_t>(shape.mesh)];
-  const TriangleMesh mesh = shape.type == ShapeType::convex_mesh ? convex_hull(file) : file;
+  const TriangleMesh& mesh = model.meshes[static_cast<std::size_t>(shape.mesh)];
   return smooth(mesh.vertices, mesh.triangles);
 }
 

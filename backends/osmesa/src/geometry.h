@@ -35,8 +35,8 @@ Triangles unit_shape(ShapeType type, int segments);
 /// Factors that bring a unit shape to size: x, y, z, half length.
 std::array<float, 4> unit_scale(const Shape& shape);
 
-/// Triangles of convex mesh (its hull), mesh and heightmap in the shape's frame [m], with smooth
-/// normals where faces meet at less than 30 degrees.
+/// Triangles of mesh (a convex one too is seen as its file has it) and heightmap in the shape's
+/// frame [m], with smooth normals where faces meet at less than 30 degrees.
 Triangles faces_of(const SceneModel& model, const Shape& shape);
 
 /// The same geometry with texture coordinates by the rule of cogrsim/model/surface.h, scaled to the

@@ -121,57 +121,47 @@ Result<Bending> make_bending(const Camera& camera) {
   return out;
 }
 
-Picture bend(const Bending& bending, const Picture& straight) {
-  Picture out;
+Image bend_color(const Bending& bending, const Image& straight) {
+  Image out;
   out.width = bending.lens.width;
   out.height = bending.lens.height;
-  const std::size_t count = bending.places.size();
+  out.data.assign(3 * bending.places.size(), 0);
   const int w = straight.width, h = straight.height;
-  const auto nearest = [&](const Eigen::Vector2f& place) {
-    const int column = std::clamp(static_cast<int>(place.x()), 0, w - 1);
-    const int row = std::clamp(static_cast<int>(place.y()), 0, h - 1);
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(w) +
-           static_cast<std::size_t>(column);
-  };
-  if (!straight.color.data.empty()) {
-    out.color.width = out.width;
-    out.color.height = out.height;
-    out.color.data.assign(3 * count, 0);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Eigen::Vector2f& place = bending.places[i];
-      if (!(place.x() == place.x())) continue;
-      const float x = std::clamp(place.x() - 0.5F, 0.0F, static_cast<float>(w - 1));
-      const float y = std::clamp(place.y() - 0.5F, 0.0F, static_cast<float>(h - 1));
-      const int x0 = std::min(static_cast<int>(x), std::max(w - 2, 0));
-      const int y0 = std::min(static_cast<int>(y), std::max(h - 2, 0));
-      const int x1 = std::min(x0 + 1, w - 1), y1 = std::min(y0 + 1, h - 1);
-      const float u = x - static_cast<float>(x0), v = y - static_cast<float>(y0);
-      const std::uint8_t *a = straight.color.pixel(x0, y0), *b = straight.color.pixel(x1, y0),
-                         *c = straight.color.pixel(x0, y1), *d = straight.color.pixel(x1, y1);
-      for (std::size_t k = 0; k < 3; ++k) {
-        const float upper = decode(a[k]) * (1.0F - u) + decode(b[k]) * u;
-        const float lower = decode(c[k]) * (1.0F - u) + decode(d[k]) * u;
-        out.color.data[3 * i + k] = encode(upper * (1.0F - v) + lower * v);
-      }
-    }
-  }
-  if (!straight.depth.empty()) {
-    out.depth.assign(count, std::numeric_limits<float>::infinity());
-    for (std::size_t i = 0; i < count; ++i) {
-      if (bending.places[i].x() == bending.places[i].x()) {
-        out.depth[i] = straight.depth[nearest(bending.places[i])];
-      }
-    }
-  }
-  if (!straight.bodies.empty()) {
-    out.bodies.assign(count, -1);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (bending.places[i].x() == bending.places[i].x()) {
-        out.bodies[i] = straight.bodies[nearest(bending.places[i])];
-      }
+  for (std::size_t i = 0; i < bending.places.size(); ++i) {
+    const Eigen::Vector2f& place = bending.places[i];
+    if (std::isnan(place.x())) continue;
+    const float x = std::clamp(place.x() - 0.5F, 0.0F, static_cast<float>(w - 1));
+    const float y = std::clamp(place.y() - 0.5F, 0.0F, static_cast<float>(h - 1));
+    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+    const int x1 = std::min(x0 + 1, w - 1), y1 = std::min(y0 + 1, h - 1);
+    const float u = x - static_cast<float>(x0), v = y - static_cast<float>(y0);
+    const std::uint8_t *a = straight.pixel(x0, y0), *b = straight.pixel(x1, y0),
+                       *c = straight.pixel(x0, y1), *d = straight.pixel(x1, y1);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float upper = decode(a[k]) * (1.0F - u) + decode(b[k]) * u;
+      const float lower = decode(c[k]) * (1.0F - u) + decode(d[k]) * u;
+      out.data[3 * i + k] = encode(upper * (1.0F - v) + lower * v);
     }
   }
   return out;
+}
+
+void bend_data(const Bending& bending, const Picture& straight, Picture& out) {
+  const std::size_t count = bending.places.size();
+  const auto times = static_cast<float>(straight.width / bending.straight.width);
+  if (!straight.depth.empty()) out.depth.assign(count, std::numeric_limits<float>::infinity());
+  if (!straight.bodies.empty()) out.bodies.assign(count, -1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector2f place = times * bending.places[i];
+    if (std::isnan(place.x())) continue;
+    const int column = std::clamp(static_cast<int>(place.x()), 0, straight.width - 1);
+    const int row = std::clamp(static_cast<int>(place.y()), 0, straight.height - 1);
+    const std::size_t from =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(straight.width) +
+        static_cast<std::size_t>(column);
+    if (!straight.depth.empty()) out.depth[i] = straight.depth[from];
+    if (!straight.bodies.empty()) out.bodies[i] = straight.bodies[from];
+  }
 }
 
 }  // namespace cogrsim::osmesa

@@ -28,8 +28,11 @@ struct Bending {
 /// Errors: the straight picture would be too large.
 Result<Bending> make_bending(const Camera& camera);
 
-/// Colour by the four pixels around (mixed in linear light), the rest by the nearest. What the
-/// lens does not reach is black, infinitely far and nobody.
-Picture bend(const Bending& bending, const Picture& straight);
+/// Colour by the four pixels around, mixed in linear light; black where the lens does not reach.
+Image bend_color(const Bending& bending, const Image& straight);
+
+/// Depth and labels by the nearest pixel of `straight`, which is Bending::straight or a whole
+/// number of times as large; infinitely far and nobody where the lens does not reach.
+void bend_data(const Bending& bending, const Picture& straight, Picture& out);
 
 }  // namespace cogrsim::osmesa

@@ -90,7 +90,28 @@ Result<Picture> SceneRenderer::take_bent_picture(const RenderRequest& request) {
   straight.camera.X_WC = request.camera.X_WC;
   straight.camera.near = request.camera.near;
   straight.camera.far = request.camera.far;
-  return bend(bending, take_straight_picture(straight));
+  Picture out;
+  out.width = request.camera.width;
+  out.height = request.camera.height;
+  if (request.color) {
+    straight.depth = straight.segmentation = false;
+    out.color = bend_color(bending, take_straight_picture(straight).color);
+  }
+  if (request.depth || request.segmentation) {
+    straight.color = false;
+    straight.depth = request.depth;
+    straight.segmentation = request.segmentation;
+    // The nearest pixel is up to half a pixel aside; three for each make that a sixth.
+    constexpr int kFiner = 3;
+    Camera& camera = straight.camera;
+    if (std::int64_t{kFiner * kFiner} * camera.width * camera.height <= kMaxImagePixels) {
+      camera.width *= kFiner;
+      camera.height *= kFiner;
+      for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *value *= kFiner;
+    }
+    bend_data(bending, take_straight_picture(straight), out);
+  }
+  return out;
 }
 
 Picture SceneRenderer::take_straight_picture(const RenderRequest& request) {

@@ -23,9 +23,8 @@ Triangles textured(const SceneModel& model, const Shape& shape, const Triangles&
       // A little inside the triangle, on its own side of any seam.
       const Vec3 p = place(vertex), inside = p + 1e-5 * (middle - p);
       const Vec3 own(vertex.normal[0], vertex.normal[1], vertex.normal[2]);
-      const Vec2 uv =
-          texture_coordinates(model, shape, inside, by_face ? face_normal : own,
-                              shape.type == ShapeType::mesh ? static_cast<int>(i / 3) : -1);
+      const Vec2 uv = texture_coordinates(model, shape, inside, by_face ? face_normal : own,
+                                          static_cast<int>(i / 3));
       vertex.uv = {static_cast<float>(uv.x()), static_cast<float>(1.0 - uv.y())};
       out.indices.push_back(static_cast<std::uint32_t>(out.vertices.size()));
       out.vertices.push_back(vertex);
