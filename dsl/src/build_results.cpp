@@ -31,6 +31,14 @@ bool in_model(const SceneModel& model, const std::string& name) {
          among(model.motors) || among(model.sensors) || among(model.frames);
 }
 
+/// Whether elements of this kind have signals once they are in the model.
+bool has_signals(const Element& element) {
+  const std::string_view tag = element.tag();
+  return is_shape(tag) || is_joint(tag) || is_sensor(element.node->spec) || tag == "body" ||
+         tag == "assembly" || tag == "instance" || tag == "frame" || tag == "motor" ||
+         tag == "servo";
+}
+
 }  // namespace
 
 /// The signal with names in full; nullopt: reported, or the fault of something that failed.
@@ -48,13 +56,14 @@ std::optional<std::string> Builder::signal(const Element& element, std::string_v
   };
   const auto parsed = Signal::parse(scope, text);
   if (parsed) return parsed->text();
-  if (lost || (without != nullptr && sink().has_errors())) return std::nullopt;
+  if (lost) return std::nullopt;
   if (without == nullptr) {
     fault("CG1201", element, attribute, parsed.error().message).help(parsed.error().hint);
     return std::nullopt;
   }
   const int body = note(*without).body;
   const bool part = is_shape(without->tag()) && body != kWorld;
+  if (!part && has_signals(*without) && sink().has_errors()) return std::nullopt;  // it was refused
   const std::string whole = part ? model_.bodies[static_cast<std::size_t>(body)].name : "";
   fault("CG1201", element, attribute,
         part ? "'" + without->path + "' is a part of '" + whole + "' and has no signals of its own"
