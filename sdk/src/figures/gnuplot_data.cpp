@@ -169,6 +169,9 @@ SurfaceData surface_data(const Figure& figure, const Grid& grid) {
           fmt::format("{},{},{},{}\n", cell(grid.x[i]), cell(grid.y[j]), cell(z),
                       grid.counts.empty() ? "NaN" : cell(grid.counts[j * columns + i]));
       if (std::isnan(z)) continue;
+      // Borders may lie beyond what can be drawn where centres do not.
+      if (!drawable(x[i]) || !drawable(x[i + 1]) || !drawable(y[j]) || !drawable(y[j + 1]))
+        continue;
       if (out.csv.empty()) out.csv = head + "\n";
       // Two lines of two points; blank lines part the tiles.
       for (const std::size_t b : {j, j + 1}) {

@@ -188,13 +188,14 @@ namespace {
 
 // Lower end and cell size along one axis of a grid.
 struct Axis1 {
-  double low = 0.0, cell = 1.0;
+  double low = 0.0, high = 0.0, cell = 1.0;
   int cells = 1;
 
   Axis1(const std::vector<double>& values, int count) : cells(count) {
     if (values.empty()) return;
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
     low = *least;
+    high = *most;
     // Halves first: the difference of two finite numbers may overflow.
     cell = (*most / cells - *least / cells);
     if (cell > 1e-14 * std::max(std::fabs(*least), std::fabs(*most))) return;
@@ -202,6 +203,7 @@ struct Axis1 {
     cells = 1;
     cell = low == 0.0 ? 1.0 : 0.1 * std::fabs(low);
     low -= 0.5 * cell;
+    high = low + cell;
   }
   std::size_t index(double value) const {
     return static_cast<std::size_t>(
@@ -209,7 +211,10 @@ struct Axis1 {
   }
   std::vector<double> centres() const {
     std::vector<double> all;
-    for (int i = 0; i < cells; ++i) all.push_back(low + (i + 0.5) * cell);
+    for (int i = 0; i < cells; ++i) {
+      const double part = (i + 0.5) / cells;
+      all.push_back(low * (1.0 - part) + high * part);
+    }
     return all;
   }
 };
