@@ -72,6 +72,10 @@ bool Builder::texture(const Element& element, Material& material) {
     return changed;
   }
   material.texture = path;
+  // A picture without a word about color is shown as it is, not dimmed by the default grey.
+  const Color grey, &now = material.color;
+  if (now.r == grey.r && now.g == grey.g && now.b == grey.b && now.a == grey.a)
+    material.color = Color{1.0, 1.0, 1.0, 1.0};
   return true;
 }
 

@@ -139,7 +139,7 @@ Attributes matter() {
                         "Stiffness of a contact point; as stiff as the engine can if left out.")),
       attr("color", Kind::color, "Color."),
       attr("texture", Kind::file,
-           "Picture file, PNG or JPEG; its colors are multiplied by `color`."),
+           "Picture file, PNG or JPEG; its colors are multiplied by `color`, if given."),
       above_zero(count_from(
           numbers("texture-size", kLength, 2,
                   "Width and height of one copy of the picture, which then repeats; one number "

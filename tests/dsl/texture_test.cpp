@@ -43,6 +43,7 @@ TEST_CASE("textures and their sizes reach the model", "[dsl]") {
   <box name="other" size="1 1 1" xyz="2 0 1" material="wood" texture-size="0.3"/>
   <box name="alike" size="1 1 1" xyz="4 0 1" material="wood" texture-size="30 cm 30 cm"/>
   <plane name="floor" texture="b.jpg"/>
+  <box name="tinted" size="1 1 1" xyz="6 0 1" material="wood" color="#ff0033"/>
 </scene>
 )";
   const dsl::CompileResult result = dsl::compile_file(scene);
@@ -65,4 +66,8 @@ TEST_CASE("textures and their sizes reach the model", "[dsl]") {
   const Material& floor = material(index("floor"));
   CHECK(floor.texture == (folder.path / "b.jpg").string());
   CHECK_FALSE(floor.texture_size);
+  // Shown as it is where no color is given.
+  CHECK(floor.color.r == 1.0);
+  CHECK(plain.color.g == 1.0);
+  CHECK(material(index("tinted")).color.b == Approx(51.0 / 255.0));
 }
