@@ -120,6 +120,22 @@ TEST_CASE("two renderers work side by side from two threads", "[rendering]") {
   CHECK((*other)->render(frame_of(one_ball(2)), {request}));
 }
 
+TEST_CASE("a renderer can be let go with its loader and had again", "[rendering]") {
+  const RenderRequest request = request_of(make_camera(Pose(), 32, 32, 0.8));
+  for (int i = 0; i < 3; ++i) {
+    std::shared_ptr<Renderer> made;
+    {
+      PluginLoader loader;
+      auto loaded = load_renderer(loader);
+      REQUIRE(loaded);
+      made = *loaded;
+    }
+    const auto pictures = made->render(frame_of(one_ball(2)), {request});
+    REQUIRE(pictures);
+    CHECK(body_at((*pictures)[0], 16, 16) == 0);
+  }
+}
+
 TEST_CASE("glass lets through what is behind it", "[rendering]") {
   ModelBuilder builder;
   const int glass = colored(builder, 0, 0, 1);
