@@ -11,7 +11,7 @@ packages=(
   cmake ninja-build g++ ccache pkg-config
   libsimbody-dev libbullet-dev libeigen3-dev libtinyxml2-dev libboost-dev
   libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev
-  libpng-dev libjpeg-dev libembree-dev libqhull-dev libcairo2-dev ffmpeg libjs-dygraphs gnuplot-nox
+  libpng-dev libjpeg-dev libembree-dev libqhull-dev libosmesa6-dev libcairo2-dev ffmpeg libjs-dygraphs gnuplot-nox
   libzstd-dev zlib1g-dev protobuf-compiler libprotozero-dev
   catch2 libxml2-utils
 )
