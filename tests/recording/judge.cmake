@@ -1,0 +1,41 @@
+# Records a run, and has the reference implementations from npm read it: see judge/judge.mjs.
+# Says "skipped:" where there is no node or npm; a registry that cannot be reached is a failure.
+find_program(NODE node)
+find_program(NPM npm)
+if(NOT NODE OR NOT NPM)
+  message("skipped: node and npm are not installed; with them @mcap/core would read a recording")
+  return()
+endif()
+
+function(run what)
+  cmake_parse_arguments(arg "" "OUTPUT" "COMMAND" ${ARGN})
+  execute_process(COMMAND ${arg_COMMAND} WORKING_DIRECTORY "${WORK_DIR}" RESULT_VARIABLE status
+    OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${what}: exit status ${status}\n${output}${errors}")
+  endif()
+  if(arg_OUTPUT)
+    file(WRITE "${WORK_DIR}/${arg_OUTPUT}" "${output}")
+  else()
+    message("${output}")
+  endif()
+endfunction()
+
+file(MAKE_DIRECTORY "${WORK_DIR}")
+foreach(file package.json package-lock.json judge.mjs)
+  configure_file("${SOURCE_DIR}/judge/${file}" "${WORK_DIR}/${file}" COPYONLY)
+endforeach()
+if(NOT EXISTS "${WORK_DIR}/node_modules/.package-lock.json"
+   OR "${SOURCE_DIR}/judge/package-lock.json" IS_NEWER_THAN "${WORK_DIR}/node_modules/.package-lock.json")
+  execute_process(COMMAND ${NPM} ci --no-audit --no-fund WORKING_DIRECTORY "${WORK_DIR}"
+    RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "npm could not install the judge; is the registry within reach?\n${output}")
+  endif()
+endif()
+file(COPY "${SOURCE_DIR}/scenes/" DESTINATION "${WORK_DIR}")
+run("run" COMMAND ${PROGRAM} run judged.scene.xml --backend bullet --record run.mcap)
+run("replay" OUTPUT frames.jsonl COMMAND ${PROGRAM} replay run.mcap --json -)
+run("info" OUTPUT info.json COMMAND ${PROGRAM} info run.mcap --json)
+run("verify" COMMAND ${PROGRAM} replay run.mcap --verify)
+run("judge" COMMAND ${NODE} judge.mjs run.mcap frames.jsonl info.json)
