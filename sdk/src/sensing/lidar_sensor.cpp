@@ -12,9 +12,8 @@ constexpr std::int64_t kMaxRays = 1'000'000;
 
 /// Distances in many directions: `rings` levels, the lowest first, each of `rays` directions from
 /// right to left (counter-clockwise seen from above). All rays of a reading see the same frame: a
-/// turning mirror, whose rays leave one after the other, is not modelled; a scan that follows the
-/// motion takes several sensors with narrow fields of view. Noise is on the distances; the limits
-/// are applied to what comes out of it.
+/// turning mirror, whose rays leave one after the other, is not modelled. Noise is on the
+/// distances; the limits are applied to what comes out of it.
 class Lidar final : public Sensor {
  public:
   Result<> configure(const SceneModel&, const SensorModel& sensor,
