@@ -1,4 +1,4 @@
-// What a run leaves behind: plots.
+// What a run leaves behind: its recording, plots.
 #include <algorithm>
 
 #include "build_scene.h"
@@ -71,6 +71,26 @@ std::optional<std::string> Builder::signal(const Element& element, std::string_v
       .help(part ? "name the whole: '" + whole + "'"
                  : "bodies, assemblies, frames, joints, motors and sensors have some");
   return std::nullopt;
+}
+
+void Builder::record(const Element& element) {
+  if (model_.record) {
+    fault("CG0207", element, "a second <record>");
+    return;
+  }
+  RecordModel record;
+  record.origin = element.span();
+  Reader r = reader(element);
+  const auto file = r.text("file");
+  record.file = *file;
+  if (file.given() && (*file).empty())
+    fault("CG0403", element, "file", "the name of the recording is empty")
+        .help("leave 'file' out to name it after the scene");
+  record.every = *r.number("every");
+  record.contacts = *r.boolean("contacts");
+  record.images = *r.boolean("images");
+  record.jpeg = *r.text("format") == "jpeg";
+  model_.record = std::move(record);
 }
 
 void Builder::plot(const Element& element) {

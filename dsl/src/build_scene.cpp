@@ -59,6 +59,7 @@ SceneModelPtr Builder::build() {
     }
   });
   for_each(scene_, [&](const Element& element) {
+    if (element.tag() == "record") record(element);
     if (element.tag() == "plot") plot(element);
   });
   material_pairs();

@@ -1,7 +1,7 @@
 // From the expanded tree to the SceneModel. One object lives for one compilation; its parts lie in
 // several files: build_scene (order of work, settings, lights, views), build_tree (assemblies and
 // bodies), resolve_places (poses), build_matter (materials), build_shapes, build_mass,
-// build_joints, build_devices (motors, sensors), build_minds (controllers, engine blocks),
+// build_joints, build_devices (motors), build_sensors, build_minds (controllers, engine blocks), build_results (plots),
 // check_scene (starts, advice).
 #pragma once
 
@@ -163,17 +163,18 @@ class Builder {
   void engine_blocks(const Element& element, std::map<std::string, Parameters>& options);
   bool take_parameters(const Element& element, const ParameterTable* table, Parameters& given);
 
+  // build_results.cpp
+  void record(const Element& element);
+  void plot(const Element& element);
+  std::optional<std::string> signal(const Element& element, std::string_view attribute,
+                                    const std::string& text);
+
   // check_scene.cpp
   void start();
   void check_cameras();
   void check_overlaps();
   void check_mass_ratios();
   void check_params();
-
-  // build_results.cpp
-  void plot(const Element& element);
-  std::optional<std::string> signal(const Element& element, std::string_view attribute,
-                                    const std::string& text);
 
   CompileContext& context_;
   const Element& scene_;

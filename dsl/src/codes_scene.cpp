@@ -172,6 +172,19 @@ std::vector<CodeInfo> scene_codes() {
        "`at` names something that has no place of its own, such as a material.",
        "Name a frame, a body or an assembly.",
        "good: <frame name=\"door\" xyz=\"1 0 0\"/> <instance of=\"Robot\" at=\"door\"/>"},
+      // ---- CG12: results
+      {"CG1201", error, "a signal that does not exist",
+       "A plot asks for a number of the run by a name that means nothing: no body, joint, motor or "
+       "sensor has that name here, or it has no such quantity.",
+       "Write ELEMENT.QUANTITY, for example robot.x, wheel.velocity or eye.distance; the page on "
+       "figures lists them all.",
+       "bad:  <plot y=\"robot.sped\"/>\ngood: <plot y=\"robot.speed\"/>"},
+      {"CG1202", error, "a plot whose signals do not suit its kind",
+       "A curve needs y, a map x and y, a surface x, y and z, a box plot y, a histogram x; more is "
+       "of no use to them.",
+       "Add the signal that is missing, or take out the one that is too many.",
+       "bad:  <plot kind=\"map\" x=\"robot.x\"/>\n"
+       "good: <plot kind=\"map\" x=\"robot.x\" y=\"robot.y\"/>"},
       // ---- CG20: advice
       {"CG2001", advice, "bodies that overlap at the start",
        "Two bodies that collide with each other interpenetrate when the run starts; the engine "
@@ -189,19 +202,6 @@ std::vector<CodeInfo> scene_codes() {
        "<param name=\"wheel_r\" default=\"4 cm\"/>"},
       {"CG2004", advice, "parts of an imported file that stay behind",
        "An import takes over prototypes, materials and contacts. What else stands in that file, "
-      // ---- CG12: results
-      {"CG1201", error, "a signal that does not exist",
-       "A plot asks for a number of the run by a name that means nothing: no body, joint, motor or "
-       "sensor has that name here, or it has no such quantity.",
-       "Write ELEMENT.QUANTITY, for example robot.x, wheel.velocity or eye.distance; the page on "
-       "figures lists them all.",
-       "bad:  <plot y=\"robot.sped\"/>\ngood: <plot y=\"robot.speed\"/>"},
-      {"CG1202", error, "a plot whose signals do not suit its kind",
-       "A curve needs y, a map x and y, a surface x, y and z, a box plot y, a histogram x; more is "
-       "of no use to them.",
-       "Add the signal that is missing, or take out the one that is too many.",
-       "bad:  <plot kind=\"map\" x=\"robot.x\"/>\n"
-       "good: <plot kind=\"map\" x=\"robot.x\" y=\"robot.y\"/>"},
        "its "
        "own floor or robot, is not built.",
        "Nothing need be done. To build it here too, wrap it in a prototype.",

@@ -248,13 +248,13 @@ AttributeSpec ceiling(std::string_view name, Dimension dimension, std::string_vi
 }
 
 Attributes ranging(std::string_view default_range) {
-  AttributeSpec range = at_least(
-      attr("range", Kind::range, "Least and largest distance: nearer reads -inf, farther inf.",
-           default_range),
-      0.0);
+  AttributeSpec range =
+      at_least(attr("range", Kind::range,
+                    "Least and largest distance: nearer reads -inf, farther inf.", default_range),
+               0.0);
   range.dimensions = {kLength};
-  return {range, attr("sees-own-body", Kind::boolean,
-                      "The body it is mounted on is seen too.", "false")};
+  return {range,
+          attr("sees-own-body", Kind::boolean, "The body it is mounted on is seen too.", "false")};
 }
 
 Attributes mind() {
@@ -282,8 +282,7 @@ Words assembly_content() {
 }
 Words scene_content() {
   return Words{"physics", "param", "import", "prototype"} + assembly_content() +
-         Words{"supervisor", "light",  "view", "maze", "scatter",
-               "region",     "record", "test"};
+         Words{"supervisor", "light", "view", "maze", "scatter", "region", "record", "test"};
 }
 Words prototype_content() {
   return Words{"param", "export"} + assembly_content() +
@@ -593,38 +592,37 @@ void add_sensors(std::vector<ElementSpec>& out) {
       "rate=\"30 Hz\"/>");
   add("infrared", "Reads the distance along its x axis, and what body is there.",
       sensor_on_body({kLength}) + ranging("0 .. 10 m") +
-          Attributes{between(number("beam", kAngle,
-                                    "Opening angle of the cone it looks in; 0: a single ray.", "0"),
-                             0.0, 3.1),
-                     between(attr("rays", Kind::integer, "Rays in the cone.", "9"), 1, 10000),
-                     choice("reading", {"nearest", "mean"}, "What is told of several rays.",
-                            "nearest"),
-                     choice("response", {"none", "GP2Y0A21"},
-                            "Device whose volts are told too: a Sharp GP2Y0A21.", "none")},
+          Attributes{
+              between(number("beam", kAngle,
+                             "Opening angle of the cone it looks in; 0: a single ray.", "0"),
+                      0.0, 3.1),
+              between(attr("rays", Kind::integer, "Rays in the cone.", "9"), 1, 10000),
+              choice("reading", {"nearest", "mean"}, "What is told of several rays.", "nearest"),
+              choice("response", {"none", "GP2Y0A21"},
+                     "Device whose volts are told too: a Sharp GP2Y0A21.", "none")},
       "<infrared name=\"ir\" on=\"chassis\" xyz=\"12 0 0 cm\" range=\"2 .. 80 cm\" "
       "noise=\"normal(0, 3 mm)\" rate=\"50 Hz\"/>");
   add("lidar", "Reads distances in many directions, in one or several rings.",
       sensor_on_body({kLength}) + ranging("0 .. 30 m") +
-          Attributes{between(attr("rays", Kind::integer,
-                                  "Directions in a ring, counter-clockwise from the right.", "360"),
-                             1, 1e6),
-                     between(number("fov", kAngle, "Angle of a ring, centred on +x.", "360 deg"),
-                             0.0, 6.2831853071795865),
-                     between(attr("rings", Kind::integer, "Rings, one above the other.", "1"), 1,
-                             10000),
-                     between(number("vertical-fov", kAngle,
-                                    "Angle from the lowest ring to the highest.", "30 deg"),
-                             0.0, 3.1415926535897932),
-                     attr("bodies", Kind::boolean, "Tells the body met by every ray too.",
-                          "false")},
+          Attributes{
+              between(attr("rays", Kind::integer,
+                           "Directions in a ring, counter-clockwise from the right.", "360"),
+                      1, 1e6),
+              between(number("fov", kAngle, "Angle of a ring, centred on +x.", "360 deg"), 0.0,
+                      6.2831853071795865),
+              between(attr("rings", Kind::integer, "Rings, one above the other.", "1"), 1, 10000),
+              between(number("vertical-fov", kAngle, "Angle from the lowest ring to the highest.",
+                             "30 deg"),
+                      0.0, 3.1415926535897932),
+              attr("bodies", Kind::boolean, "Tells the body met by every ray too.", "false")},
       "<lidar name=\"scan\" on=\"chassis\" rays=\"180\" fov=\"270 deg\" range=\"0.1 .. 10 m\" "
       "rate=\"10 Hz\"/>");
   add("contact", "Feels what touches a body. (With `between` it is a rule for two materials.)",
       sensor_on_body({kForce}) +
-          Attributes{attr("whole-assembly", Kind::boolean,
-                          "Feels all bodies of the assembly it stands in, not only its own.",
-                          "false"),
-                     ceiling("max-force", kForce, "Largest component it reads; 0: no limit.")},
+          Attributes{
+              attr("whole-assembly", Kind::boolean,
+                   "Feels all bodies of the assembly it stands in, not only its own.", "false"),
+              ceiling("max-force", kForce, "Largest component it reads; 0: no limit.")},
       "<contact name=\"bumper\" on=\"chassis\" rate=\"100 Hz\"/>");
   add("force-torque", "Reads what a joint transmits from its parent to its child.",
       named() + Attributes{must(attr("joint", Kind::reference, "Joint it reads."))} +
@@ -739,6 +737,48 @@ void add_reuse(std::vector<ElementSpec>& out) {
        "<if test=\"crates gt 0\"> … </if>");
 }
 
+void add_results(std::vector<ElementSpec>& out) {
+  const auto group = "Results";
+  out.push_back(element(
+      group, "record",
+      "The run is recorded, to be looked at again: see recording.md. Stands at most once.",
+      {attr("file", Kind::text,
+            "File to write, from the folder the program is started in; named after the scene if "
+            "left out."),
+       at_least(number("every", kTime,
+                       "Time between frames kept; 0: every step. Readings of "
+                       "sensors are all kept.",
+                       "0"),
+                0.0),
+       attr("contacts", Kind::boolean, "Contacts are kept.", "true"),
+       attr("images", Kind::boolean, "Pictures of cameras are kept.", "true"),
+       choice("format", {"png", "jpeg"}, "Of colour pictures: exact, or smaller.", "png")},
+      {}, "<record file=\"run.mcap\" every=\"10 ms\" format=\"jpeg\"/>"));
+  const Attributes signals = {
+      attr("x", Kind::text, "Signal along x; the time if a curve has none."),
+      attr("y", Kind::text, "Signal along y; of a box plot the one whose values are boxed."),
+      attr("z", Kind::text, "Signal that is the height of a surface."),
+      attr("label", Kind::text, "Name in the legend; the signal itself if left out.")};
+  out.push_back(element(
+      group, "plot",
+      "A figure of the run. Its signals are named as in `robot.chassis.speed`, see figures.md; "
+      "those it gives itself hold for all its series.",
+      named() +
+          Attributes{
+              choice("kind", {"curve", "box", "surface", "histogram", "map"},
+                     "What is drawn: y over x, boxes of y, mean z over cells of x and y, how "
+                     "often x has which value, a path in the plane.",
+                     "curve"),
+              attr("title", Kind::text, "Title; none if left out."),
+              at_least(number("every", kTime, "Time between samples; 0: every step.", "0"), 0.0)} +
+          signals,
+      {"series"},
+      "<plot name=\"path\" kind=\"map\" x=\"robot.x\" y=\"robot.y\" every=\"50 ms\"/>"));
+  out.push_back(element(group, "series", "One line, box or path of several in a plot.", signals, {},
+                        "<plot title=\"Wheels\"> <series y=\"left.velocity\"/> "
+                        "<series y=\"right.velocity\"/> </plot>"));
+}
+
 void add_later(std::vector<ElementSpec>& out) {
   struct Later {
     std::string_view group, name, doc;
@@ -747,7 +787,6 @@ void add_later(std::vector<ElementSpec>& out) {
       {"Reuse", "scatter", "Places things at random; comes with a later version."},
       {"Regions", "region", "A zone with enter and leave events; comes with a later version."},
       {"Regions", "maze", "Walls from a drawing in characters; comes with a later version."},
-      {"Results", "record", "What is recorded; comes with a later version."},
       {"Results", "test", "A test of the scene; comes with a later version."}};
   for (const Later& later : kLater) {
     ElementSpec e = element(later.group, later.name, later.doc, {});
@@ -771,36 +810,10 @@ const std::vector<ElementSpec>& vocabulary() {
     add_minds(out);
     add_reuse(out);
     add_later(out);
+    add_results(out);
     return out;
   }();
   return table;
 }
 
 }  // namespace cogrsim::dsl
-void add_results(std::vector<ElementSpec>& out) {
-  const auto group = "Results";
-  const Attributes signals = {
-      attr("x", Kind::text, "Signal along x; the time if a curve has none."),
-      attr("y", Kind::text, "Signal along y; of a box plot the one whose values are boxed."),
-      attr("z", Kind::text, "Signal that is the height of a surface."),
-      attr("label", Kind::text, "Name in the legend; the signal itself if left out.")};
-  out.push_back(element(
-      group, "plot",
-      "A figure of the run. Its signals are named as in `robot.chassis.speed`, see figures.md; "
-      "those it gives itself hold for all its series.",
-      named() +
-          Attributes{choice("kind", {"curve", "box", "surface", "histogram", "map"},
-                            "What is drawn: y over x, boxes of y, mean z over cells of x and y, how "
-                            "often x has which value, a path in the plane.",
-                            "curve"),
-                     attr("title", Kind::text, "Title; none if left out."),
-                     at_least(number("every", kTime, "Time between samples; 0: every step.", "0"),
-                              0.0)} +
-          signals,
-      {"series"}, "<plot name=\"path\" kind=\"map\" x=\"robot.x\" y=\"robot.y\" every=\"50 ms\"/>"));
-  out.push_back(element(group, "series", "One line, box or path of several in a plot.", signals, {},
-                        "<plot title=\"Wheels\"> <series y=\"left.velocity\"/> "
-                        "<series y=\"right.velocity\"/> </plot>"));
-}
-
-    add_results(out);
