@@ -52,7 +52,6 @@ Result<RunPlots> RunPlots::attach(Simulation& simulation) {
   const auto take = [samplers = plots.samplers_](const FramePtr& frame) {
     for (figures::PlotSampler& sampler : *samplers) sampler.take(*frame);
   };
-  take(simulation.frame());
   simulation.observe(needs, take);
   return plots;
 }
