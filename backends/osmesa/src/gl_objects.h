@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -56,6 +57,7 @@ class Target {
   bool is(Kind kind, int width, int height, int samples) const {
     return kind_ == kind && width_ == width && height_ == height && samples_ == samples;
   }
+  std::int64_t sample_count() const { return std::int64_t{width_} * height_ * samples_; }
 
  private:
   const Gl& gl_;

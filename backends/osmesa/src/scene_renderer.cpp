@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "overlay.h"
@@ -14,7 +15,9 @@ namespace cogrsim::osmesa {
 namespace {
 
 constexpr int kShadowMapSize = 1024;
+// Frames are kept for the next picture of their size, within these bounds.
 constexpr std::size_t kTargetsKept = 8;
+constexpr std::int64_t kSamplesKept = 32'000'000;  // of eight bytes each
 
 Eigen::Vector3f linear(double r, double g, double b) {
   return Vec3(to_linear(r), to_linear(g), to_linear(b)).cast<float>();
@@ -205,7 +208,13 @@ Target& SceneRenderer::target(Target::Kind kind, int width, int height, int samp
     std::rotate(targets_.begin(), found, found + 1);  // last used first
     return *targets_.front();
   }
-  if (targets_.size() == kTargetsKept) targets_.pop_back();
+  std::int64_t samples_kept = std::int64_t{width} * height * samples;
+  for (const auto& kept : targets_) samples_kept += kept->sample_count();
+  // The first one stays: it may be what is being copied from.
+  while (targets_.size() > 1 && (targets_.size() >= kTargetsKept || samples_kept > kSamplesKept)) {
+    samples_kept -= targets_.back()->sample_count();
+    targets_.pop_back();
+  }
   targets_.insert(targets_.begin(), std::make_unique<Target>(gl_, kind, width, height, samples));
   return *targets_.front();
 }
