@@ -1,0 +1,129 @@
+// The subcommands that draw, as a user meets them.
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "cogrsim/core/image.h"
+#include "process.h"
+
+using Catch::Contains;
+using cogrsim::Image;
+
+namespace {
+
+const std::string kRoom = std::string(COGRSIM_SCENES) + "/room.scene.xml";
+
+using Words = std::vector<std::string>;
+
+Outcome drawn(Words words) {
+  words.insert(words.end(), {"--plugin-path", COGRSIM_TOYS});
+  return cogrsim_run(words);
+}
+
+Image picture(const std::string& path) {
+  const auto image = cogrsim::load_image(path);
+  if (!image) FAIL(image.error().text());
+  return *image;
+}
+
+}  // namespace
+
+TEST_CASE("a picture is taken through a camera at a time", "[cli][pictures]") {
+  const TemporaryFolder folder;
+  const Outcome eye =
+      drawn({"render", kRoom, "--camera", "eye", "--at", "0.5", "-o", folder / "eye.png"});
+  INFO(eye.err);
+  REQUIRE(eye.status == 0);
+  CHECK(picture(folder / "eye.png").width == 64);
+  CHECK(picture(folder / "eye.png").height == 48);
+
+  const Outcome large = drawn({"render", kRoom, "--camera", "eye", "--at", "0.5", "--size",
+                               "128x96", "-o", folder / "large.jpg"});
+  REQUIRE(large.status == 0);
+  CHECK(picture(folder / "large.jpg").width == 128);
+
+  const Outcome bodies = drawn({"render", kRoom, "--view", "top", "--at", "0", "--segmentation",
+                                "-o", folder / "bodies.png"});
+  REQUIRE(bodies.status == 0);
+  CHECK_THAT(bodies.out, Contains("pixels  crate") && Contains("pixels  floor"));
+
+  // After 0.5 s the camera is at x = 0.45 m, the wall's near face at 1.95 m: 1500 mm. Read with
+  // eight bits a grey value is 257 mm.
+  const Outcome depth = drawn(
+      {"render", kRoom, "--camera", "eye", "--at", "0.5", "--depth", "-o", folder / "depth.png"});
+  REQUIRE(depth.status == 0);
+  const Image image = picture(folder / "depth.png");
+  CHECK(std::abs(*image.pixel(32, 24) - 1500.0 / 257.0) <= 1.0);
+}
+
+TEST_CASE("maps and films of a scene", "[cli][pictures]") {
+  const TemporaryFolder folder;
+  const Outcome map = drawn({"map", kRoom, "--at", "0.5", "-o", folder / "map.png", "--width",
+                             "300", "--trail", "crate"});
+  INFO(map.err);
+  REQUIRE(map.status == 0);
+  CHECK(picture(folder / "map.png").width == 300);
+
+  const Outcome gif = drawn(
+      {"map", kRoom, "--at", "0.3", "--every", "0.1", "-o", folder / "map.gif", "--width", "200"});
+  INFO(gif.err);
+  REQUIRE(gif.status == 0);
+  CHECK(read_file(folder / "map.gif").substr(0, 4) == "GIF8");
+  const Outcome film = drawn({"render", kRoom, "--at", "0.2", "--every", "0.1", "--size", "65x49",
+                              "-o", folder / "room.mp4"});
+  INFO(film.err);
+  REQUIRE(film.status == 0);
+  CHECK(read_file(folder / "room.mp4").substr(4, 4) == "ftyp");
+}
+
+TEST_CASE("a report carries pictures of both backends and their maps", "[cli][pictures]") {
+  const TemporaryFolder folder;
+  const Outcome outcome = drawn({"compare", kRoom, "--backends", "toy,toy_euler", "--duration",
+                                 "1s", "--threshold", "1mm", "--report", folder / "report.html"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  const std::string page = read_file(folder / "report.html");
+  CHECK_THAT(page, Contains("Where they part, at") && Contains("The end, at 1 s") &&
+                       Contains("data:image/png;base64,") && Contains("From above"));
+  CHECK(page.find("No pictures") == std::string::npos);
+}
+
+TEST_CASE("wrong wishes for pictures say the way out", "[cli][pictures]") {
+  const TemporaryFolder folder;
+  const std::string png = folder / "x.png";
+  const struct {
+    Words words;
+    int status;
+    const char* text;
+  } cases[] = {
+      {{"render", kRoom}, 2, "output is required"},
+      {{"render", kRoom, "-o", folder / "x.tiff"}, 2, "end it with .png"},
+      {{"render", kRoom, "-o", folder / "x.gif"}, 2, "--every"},
+      {{"render", kRoom, "-o", png, "--every", "0.1"}, 2, "for films"},
+      {{"render", kRoom, "-o", png, "--size", "big"}, 2, "1280x720"},
+      {{"render", kRoom, "-o", png, "--size", "0x10"}, 2, "1280x720"},
+      {{"render", kRoom, "-o", png, "--at", "-1"}, 2, "from 0"},
+      {{"render", kRoom, "-o", png, "--camera", "eye", "--view", "top"}, 2, "one place"},
+      {{"render", kRoom, "-o", png, "--depth", "--segmentation"}, 2, "two pictures"},
+      {{"render", kRoom, "-o", png, "--overlay", "ray"}, 2, "did you mean 'rays'"},
+      {{"render", kRoom, "-o", png, "--camera", "eyes"}, 1, "did you mean 'eye'"},
+      {{"render", kRoom, "-o", png, "--view", "topp"}, 1, "did you mean 'top'"},
+      {{"render", kRoom, "-o", png, "--size", "100000x100000"}, 1, "limit"},
+      {{"render", folder / "none.mcap", "-o", png}, 1, "none.mcap"},
+      {{"render", folder / "none.mcap", "-o", png, "--backend", "toy"}, 2, "recording"},
+      {{"map", kRoom, "-o", folder / "no/where.png"}, 1, "no/where.png"},
+      {{"map", kRoom, "-o", png, "--area", "1,2,3"}, 2, "lower left"},
+      {{"map", kRoom, "-o", png, "--width", "5"}, 2, "64"},
+      {{"map", kRoom, "-o", png, "--trail", "crat"}, 1, "did you mean 'crate'"},
+      {{"map", kRoom, "-o", folder / "x.bmp"}, 1, ".svg, .png or .pdf"},
+  };
+  for (const auto& c : cases) {
+    const Outcome outcome = drawn(c.words);
+    std::string line;
+    for (const std::string& word : c.words) line += word + " ";
+    INFO(line << "\n" << outcome.err);
+    CHECK(outcome.status == c.status);
+    CHECK_THAT(outcome.err, Contains(c.text));
+  }
+  CHECK(folder.files().empty());
+}
