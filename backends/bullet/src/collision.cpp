@@ -318,37 +318,47 @@ void Collision::detect(std::vector<RigidBody>& bodies, double dt) {
 void Collision::get_contacts(double dt, std::vector<Contact>& out) const {
   out.clear();
   if (dt <= 0.0) return;
+  // The order of bodies and shapes is that of the pairs: they are sorted, not their points.
+  struct Place {
+    int body_a, body_b, shape_a, shape_b;
+    std::size_t pair;
+    bool swapped;
+    bool operator<(const Place& other) const {
+      return std::tie(body_a, body_b, shape_a, shape_b, pair) <
+             std::tie(other.body_a, other.body_b, other.shape_a, other.shape_b, other.pair);
+    }
+  };
+  std::vector<Place> places;
+  places.reserve(touching_.size());
   for (std::size_t k = 0; k < touching_.size(); ++k) {
-    const Proxy& a = *proxies_[static_cast<std::size_t>(touching_[k]->first)];
-    const Proxy& b = *proxies_[static_cast<std::size_t>(touching_[k]->second)];
-    const btPersistentManifold& manifold = *manifolds_[k];
+    const Proxy* a = proxies_[static_cast<std::size_t>(touching_[k]->first)].get();
+    const Proxy* b = proxies_[static_cast<std::size_t>(touching_[k]->second)].get();
+    const bool swapped = a->body > b->body;
+    if (swapped) std::swap(a, b);
+    places.push_back({a->body, b->body, a->index, b->index, k, swapped});
+  }
+  std::sort(places.begin(), places.end());
+  for (const Place& place : places) {
+    const btPersistentManifold& manifold = *manifolds_[place.pair];
+    // A sign, not a branch: from a to b, and on b.
+    const double sign = place.swapped ? 1.0 : -1.0;
     for (int i = 0; i < manifold.getNumContacts(); ++i) {
       const btManifoldPoint& cp = manifold.getContactPoint(i);
-      Contact c;
-      c.body_a = a.body;
-      c.body_b = b.body;
-      c.shape_a = a.index;
-      c.shape_b = b.index;
+      Contact& c = out.emplace_back();
+      c.body_a = place.body_a;
+      c.body_b = place.body_b;
+      c.shape_a = place.shape_a;
+      c.shape_b = place.shape_b;
       c.point = from_bt((cp.m_positionWorldOnA + cp.m_positionWorldOnB) * 0.5);
-      c.normal = -from_bt(cp.m_normalWorldOnB);
+      c.normal = sign * from_bt(cp.m_normalWorldOnB);
       c.depth = -cp.getDistance();
-      c.force = -from_bt(cp.m_normalWorldOnB * cp.m_appliedImpulse +
-                         cp.m_lateralFrictionDir1 * cp.m_appliedImpulseLateral1 +
-                         cp.m_lateralFrictionDir2 * cp.m_appliedImpulseLateral2) /
+      c.force = sign *
+                from_bt(cp.m_normalWorldOnB * cp.m_appliedImpulse +
+                        cp.m_lateralFrictionDir1 * cp.m_appliedImpulseLateral1 +
+                        cp.m_lateralFrictionDir2 * cp.m_appliedImpulseLateral2) /
                 dt;
-      if (c.body_a > c.body_b) {
-        std::swap(c.body_a, c.body_b);
-        std::swap(c.shape_a, c.shape_b);
-        c.normal = -c.normal;
-        c.force = -c.force;
-      }
-      out.push_back(c);
     }
   }
-  std::stable_sort(out.begin(), out.end(), [](const Contact& x, const Contact& y) {
-    return std::tie(x.body_a, x.body_b, x.shape_a, x.shape_b) <
-           std::tie(y.body_a, y.body_b, y.shape_a, y.shape_b);
-  });
 }
 
 std::vector<SavedManifold> Collision::save() const {
