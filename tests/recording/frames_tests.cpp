@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cogrsim/rendering/renderer.h"
 #include "recording/model_json.h"
 #include "support.h"
 
@@ -112,6 +113,61 @@ TEST_CASE("readings computed again equal those of the run") {
   if (!done) UNSCOPED_INFO(done.error().text());
   REQUIRE(done);
   CHECK(index == frames.size());
+}
+
+TEST_CASE("contacts that were not kept are not made up") {
+  const Folder folder;
+  const auto simulation = simulate(busy_scene().build(), "bullet");
+  RecorderOptions options = to(folder / "run.mcap");
+  options.contacts = false;
+  record(*simulation, options, 20);
+  const auto done = opened(folder / "run.mcap")->recompute(*loader(), [](const Frame&) {});
+  REQUIRE_FALSE(done);
+  CHECK(done.error().message.find("a sensor feels contacts") != std::string::npos);
+}
+
+TEST_CASE("pictures come back, and can be taken again") {
+  if (!load_renderer(*loader())) {
+    WARN("no renderer in this tree: pictures are not tested");
+    return;
+  }
+  const bool jpeg = GENERATE(false, true);
+  const Folder folder;
+  ModelBuilder builder = busy_scene();
+  SensorModel camera;
+  camera.name = "robot.eye";
+  camera.type = "camera";
+  camera.body = builder.model.sensors[1].body;
+  camera.X_BS = Pose(Vec3(0.3, 0, 0.3), Quat(1, 0, 0, 0));
+  camera.rate = 100.0;
+  camera.assembly = builder.model.sensors[1].assembly;
+  for (const char* part : {"color", "depth", "segmentation"}) camera.parameters[part] = true;
+  builder.model.sensors.push_back(camera);
+  const auto simulation = simulate(builder.build(), "bullet");
+  RecorderOptions options = to(folder / "run.mcap");
+  options.jpeg = jpeg;
+  const auto frames = record(*simulation, options, 60);
+  const auto recording = opened(folder / "run.mcap");
+  std::size_t pictures = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto frame = recording->frame(i);
+    REQUIRE(frame);
+    const Reading &was = frames[i]->readings.back(), &is = (*frame)->readings.back();
+    REQUIRE(!was.picture == !is.picture);
+    if (!was.picture) continue;
+    ++pictures;
+    REQUIRE(is.picture->depth == was.picture->depth);
+    REQUIRE(is.picture->bodies == was.picture->bodies);
+    REQUIRE(is.picture->color.data.size() == was.picture->color.data.size());
+    if (!jpeg) REQUIRE(difference(*frames[i], **frame) == "");
+  }
+  CHECK(pictures == 60);
+  if (jpeg) return;
+  std::size_t index = 0;
+  const auto done = recording->recompute(*loader(), [&](const Frame& frame) {
+    REQUIRE(difference(*frames.at(index++), frame) == "");
+  });
+  CHECK(done);
 }
 
 TEST_CASE("fewer frames are kept on request, all readings are") {

@@ -41,8 +41,9 @@ FramePtr seen_by_sensors(const FramePtr& frame, const SceneModelPtr& next) {
 // The sensors of a run as it goes through its frames.
 class Reader {
  public:
-  Reader(PluginLoader& loader, std::uint64_t seed)
-      : loader_(loader), seed_(seed), sensing_(loader) {}
+  // `contacts`: whether the frames have them.
+  Reader(PluginLoader& loader, std::uint64_t seed, bool contacts)
+      : loader_(loader), seed_(seed), contacts_(contacts), sensing_(loader) {}
 
   // Sensors as at the start of a run.
   Result<> begin(const SceneModelPtr& model) {
@@ -91,11 +92,17 @@ class Reader {
       timers_.emplace_back(model->sensors[i].rate);
     }
     model_ = model;
+    if (!contacts_ && suite_.needs().contacts) {
+      return fail(
+          "readings cannot be computed again: a sensor feels contacts, and they were not kept", "",
+          "record with contacts=\"true\"");
+    }
     return {};
   }
 
   PluginLoader& loader_;
   std::uint64_t seed_;
+  bool contacts_;
   FrameSensing sensing_;
   SensorSuite suite_;
   std::vector<RateTimer> timers_;
@@ -112,7 +119,7 @@ Result<> Recording::recompute(PluginLoader& loader,
                 "record every step: leave 'every' out, and give the recording a fast disk");
   };
   if (!impl.every_step) return not_all("not every step was kept");
-  Reader reader(loader, impl.info.seed);
+  Reader reader(loader, impl.info.seed, impl.contacts);
   std::shared_ptr<Frame> before;
   for (std::size_t i = 0; i < impl.frames.size(); ++i) {
     auto frame = impl.frame(i);
