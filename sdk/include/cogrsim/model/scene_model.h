@@ -55,17 +55,17 @@ struct NamedFrame {
 
 // Joint frames: F is fixed in the parent, M in the child; q = 0 where they coincide.
 //
-// | type        | coordinates q                            | speeds u |
+// | type        | coordinates q                            | speeds u                               |
 // |-------------|------------------------------------------|----------------------------------------|
-// | fixed       | -                                        | - | | hinge       | angle about z
-// [rad], not wrapped         | its rate                               | | slider      | travel
-// along z [m]                       | its rate                               | | screw       |
-// angle about z [rad]; travel = pitch*angle/(2 pi) | its rate                       | | cylindrical
-// | angle about z [rad], travel along z [m]  | their rates                            | | universal
-// | angle about F's x, then about M's y [rad]| their rates                            | | planar |
-// x, y in F [m], angle about z [rad]       | their rates                            | | ball |
-// quaternion w x y z of M in F             | angular velocity of M in F, axes F     | | free | x y
-// z in F [m], quaternion w x y z       | linear, then angular velocity, axes F  |
+// | fixed       | -                                        | -                                      |
+// | hinge       | angle about z [rad], not wrapped         | its rate                               |
+// | slider      | travel along z [m]                       | its rate                               |
+// | screw       | angle about z [rad]; travel = pitch*angle/(2 pi) | its rate                       |
+// | cylindrical | angle about z [rad], travel along z [m]  | their rates                            |
+// | universal   | angle about F's x, then about M's y [rad]| their rates                            |
+// | planar      | x, y in F [m], angle about z [rad]       | their rates                            |
+// | ball        | quaternion w x y z of M in F             | angular velocity of M in F, axes F     |
+// | free        | x y z in F [m], quaternion w x y z       | linear, then angular velocity, axes F  |
 enum class JointType { fixed, hinge, slider, screw, cylindrical, universal, planar, ball, free };
 
 /// "hinge", "slider", ….

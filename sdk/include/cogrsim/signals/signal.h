@@ -1,20 +1,20 @@
 // Signals: numbers of a run by name, for figures, tests and tables. `robot.chassis.speed` is read
 // from a frame, wherever the frame comes from: a run going on, or a recording.
 //
-// | text                                | value                                       | unit |
+// | text                                | value                                       | unit        |
 // |-------------------------------------|---------------------------------------------|-------------|
-// | time                                | of the frame                                | s | |
-// PLACE.x y z                         | of its origin, in the world                 | m           |
-// | PLACE.roll pitch yaw                | about the world's x, y, z, in that order    | rad | |
-// PLACE.vx vy vz, .speed              | of its origin, world axes; their length     | m/s         |
-// | PLACE.wx wy wz, .spin               | angular velocity, world axes; its length    | rad/s | |
-// JOINT.position velocity effort      | [i] where the joint has several, from 0     | by the axis |
-// | MOTOR.effort                        | mean over the last step                     | N*m or N |
-// | SENSOR.CHANNEL, SENSOR[i]           | latest reading, by channel name or number   | the channel
-// | | energy.kinetic potential total      | see energy_of()                             | J | |
-// distance(PLACE, PLACE)              | between the two origins                     | m           |
-// | contacts(BODIES), (BODIES, BODIES)  | points at which they touch (each other)     | 1 | |
-// force(BODIES), (BODIES, BODIES)     | length of the sum of the contact forces     | N           |
+// | time                                | of the frame                                | s           |
+// | PLACE.x y z                         | of its origin, in the world                 | m           |
+// | PLACE.roll pitch yaw                | about the world's x, y, z, in that order    | rad         |
+// | PLACE.vx vy vz, .speed              | of its origin, world axes; their length     | m/s         |
+// | PLACE.wx wy wz, .spin               | angular velocity, world axes; its length    | rad/s       |
+// | JOINT.position velocity effort      | [i] where the joint has several, from 0     | by the axis |
+// | MOTOR.effort                        | mean over the last step                     | N*m or N    |
+// | SENSOR.CHANNEL, SENSOR[i]           | latest reading, by channel name or number   | the channel |
+// | energy.kinetic potential total      | see energy_of()                             | J           |
+// | distance(PLACE, PLACE)              | between the two origins                     | m           |
+// | contacts(BODIES), (BODIES, BODIES)  | points at which they touch (each other)     | 1           |
+// | force(BODIES), (BODIES, BODIES)     | length of the sum of the contact forces     | N           |
 //
 // PLACE is a body, a named frame or an assembly, which stands for its base: the body it is, if it
 // is rigid, else its first body. BODIES is a body, or an assembly with all that is in it.
