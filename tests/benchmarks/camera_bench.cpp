@@ -1,6 +1,6 @@
 // The renderer against MuJoCo's own on the same OSMesa: interleaved rounds, medians, ratios.
 //
-//     cogrsim_camera_bench [--rounds 7] [--json] [--pictures FOLDER]
+//     cogrsim_camera_bench [--rounds 7] [--width 640] [--json] [--pictures FOLDER]
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -123,6 +123,7 @@ void keep_picture(const std::string& path, const CameraScene& scene, const Camer
 
 struct Options {
   int rounds = 7;
+  int width = 0;  ///< of the only size to measure; 0: all
   bool json = false;
   std::string pictures;
 };
@@ -135,10 +136,14 @@ Options read_options(int argc, char** argv) {
       out.json = true;
     } else if (std::strcmp(argv[i], "--rounds") == 0 && more && std::atoi(argv[i + 1]) > 0) {
       out.rounds = std::atoi(argv[++i]);
+    } else if (std::strcmp(argv[i], "--width") == 0 && more) {
+      out.width = std::atoi(argv[++i]);
     } else if (std::strcmp(argv[i], "--pictures") == 0 && more) {
       out.pictures = argv[++i];
     } else {
-      fmt::print(stderr, "usage: {} [--rounds N] [--json] [--pictures FOLDER]\n", argv[0]);
+      fmt::print(stderr,
+                 "usage: {} [--rounds N] [--width 160|320|640] [--json] [--pictures FOLDER]\n",
+                 argv[0]);
       std::exit(2);
     }
   }
@@ -160,6 +165,7 @@ int run(const Options& options) {
   }
   const int sizes[][2] = {{160, 120}, {320, 240}, {640, 480}};
   for (const auto& [width, height] : sizes) {
+    if (options.width != 0 && options.width != width) continue;
     for (const int shapes : {20, 100, 400}) {
       for (const bool shadows : {false, true}) {
         for (const int samples : {1, 4}) {
