@@ -222,7 +222,7 @@ void Builder::sensor(const Element& element) {
     sensor.X_BS = joint.X_CM;
   }
   if (element.tag() != "sensor") good = sensor_parameters(element, sensor) && good;
-  if (good && sensor.type == "camera") good = camera_settings(element, sensor);
+  if (good && element.tag() == "camera") good = camera_settings(element, sensor);
   if (!good) return;
   model_.sensors.push_back(std::move(sensor));
   sensor_elements_.push_back(&element);

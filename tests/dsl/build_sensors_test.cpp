@@ -116,3 +116,10 @@ TEST_CASE("what a scene leaves out is what the SDK's sensors take by themselves"
     }
   }
 }
+
+TEST_CASE("a sensor of the SDK can be had as a plugin too", "[sensors]") {
+  const auto model =
+      compile_scene("<box name='b' size='1 1 1' mass='1'/> <sensor plugin='camera' on='b'/>");
+  REQUIRE(model->sensors.size() == 1);
+  CHECK(model->sensors[0].type == "camera");
+}

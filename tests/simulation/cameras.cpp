@@ -163,3 +163,41 @@ TEST_CASE("a camera that can take no picture is refused with the limit", "[senso
   CHECK(said("fov", 3.5).find("CG0710") != std::string::npos);
   CHECK(said("samples", std::int64_t{3}).find("1, 2, 4 or 8") != std::string::npos);
 }
+
+#ifdef COGRSIM_TEST_RENDERER
+TEST_CASE("a camera on a moving cart sees the wall come nearer", "[sensors][camera]") {
+  const std::string backend = GENERATE(both_backends());
+  ModelBuilder builder("approach");
+  builder.model.physics.gravity = Vec3::Zero();
+  const Quat upright(1, 0, 0, 0);
+  const int cart = builder.box("cart", Vec3(0.4, 0.2, 0.1), 1.0, Pose(Vec3(0, 0, 1), upright));
+  builder.model.bodies[static_cast<std::size_t>(cart)].V_WB.linear = Vec3(1, 0, 0);
+  const int wall = builder.box("wall", Vec3(0.2, 4, 4), 0.0, Pose(Vec3(3.1, 0, 1), upright));
+  builder.model.sensors = {camera("eye", cart, Vec3(0.25, 0, 0))};
+  builder.model.sensors[0].rate = 5.0;
+  builder.model.sensors[0].parameters["depth"] = true;
+  builder.model.sensors[0].parameters["segmentation"] = true;
+  SimulationOptions options;
+  options.backend = backend;
+  options.step = 0.01;
+  auto simulation = Simulation::create(builder.build(), options, std::make_shared<PluginLoader>());
+  REQUIRE(simulation);
+  std::uint64_t seen = 0;
+  (*simulation)->observe({}, [&](const FramePtr& frame) {
+    const Reading& reading = frame->readings[0];
+    if (reading.sequence == seen) return;
+    seen = reading.sequence;
+    REQUIRE(reading.picture);
+    const Picture& picture = *reading.picture;
+    const std::size_t middle = 24 * 64 + 32;
+    // Free motion: x = t on any engine. Depth is exact to 1e-3 of the distance.
+    const double expected = 3.0 - 0.25 - reading.time;
+    CHECK(picture.depth[middle] == Approx(expected).epsilon(1e-3));
+    CHECK(picture.bodies[middle] == wall);
+    CHECK(reading.values[1] == Approx(expected).epsilon(1e-3));
+  });
+  (*simulation)->run_until(1.5);
+  CHECK(seen == 8);
+  CHECK(messages_of(**simulation).empty());
+}
+#endif
