@@ -21,8 +21,9 @@ namespace {
 // A direction of contact this near to a face's normal is the face's: distance queries know it to
 // some 1e-6 rad only between faces that meet flush. (Cosine of 1e-3 rad.)
 constexpr double kFlush = 1.0 - 5e-7;
-// The closest points must be nearer than the corners by this much to be a point of their own [m].
-constexpr double kNearer = 1e-5;
+// The closest points must be nearer than the corners by this much to be a point of their own [m];
+// of a hull, which distance queries know to its size / 10216 only, by this part of its reach too.
+constexpr double kNearer = 1e-5, kNearerHull = 2e-4;
 // Feature number of the only point there is.
 constexpr int kLone = 7;
 
@@ -52,6 +53,10 @@ Closest closest_points(const CollisionShape& a, const btTransform& X_WA, const C
   out.point = {result.m_pointInWorld + n * result.m_distance, result.m_pointInWorld, n,
                result.m_distance, kLone};
   return out;
+}
+
+double roughness(const Shape& shape, const CollisionShape& collision) {
+  return shape.type == ShapeType::convex_mesh ? kNearerHull * collision.reach : 0.0;
 }
 
 btVector3 half_size(const Shape& box) { return to_bt(0.5 * box.size); }
@@ -94,7 +99,8 @@ void convex_contacts(const Shape& a, const CollisionShape& collision_a, const bt
   for (int i = 0; i < patch.size(); ++i) least = std::min(least, patch.point(i).distance);
   if (patch.size() == 0) {
     patch.add(closest.point);
-  } else if (closest.point.distance < least - kNearer) {
+  } else if (closest.point.distance <
+             least - kNearer - roughness(a, collision_a) - roughness(b, collision_b)) {
     closest.point.feature = -1;
     patch.add(closest.point);
   }

@@ -11,6 +11,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 
+#include "convert.h"
 #include "shape_factory.h"
 
 namespace cogrsim::bullet {
@@ -80,10 +81,8 @@ void visit_near_plane(const Shape& shape, const CollisionShape& collision, const
       break;
     }
     case ShapeType::convex_mesh:
-      for (std::size_t i = 0; i + 2 < collision.numbers.size(); i += 3) {
-        const btVector3 p(collision.numbers[i], collision.numbers[i + 1], collision.numbers[i + 2]);
-        offer(R * p, static_cast<int>(i));
-      }
+      for (std::size_t i = 0; i < collision.faces.vertices.size(); ++i)
+        offer(R * to_bt(collision.faces.vertices[i]), static_cast<int>(i));
       break;
     default:
       break;

@@ -15,6 +15,7 @@
 #include <LinearMath/btConvexHullComputer.h>
 
 #include "convert.h"
+#include "support_feature.h"
 
 namespace cogrsim::bullet {
 
@@ -44,15 +45,12 @@ Result<std::unique_ptr<CollisionShape>> make_hull(const TriangleMesh& mesh, cons
   if (hull.vertices.size() < 4 || shrunk < 0.0) {
     return fail("shape '" + shape.name + "': its points span no volume");
   }
-  // The true corners, for contacts found without Bullet's help.
-  btConvexHullComputer exact;
-  exact.compute(mesh.vertices.front().data(), 3 * sizeof(double),
-                static_cast<int>(mesh.vertices.size()), 0.0, 0.0);
-  for (int i = 0; i < exact.vertices.size(); ++i) {
-    const btVector3& v = exact.vertices[i];
-    out->numbers.insert(out->numbers.end(), {v.x(), v.y(), v.z()});
+  // The true faces, for contacts found without Bullet's help: its hulls are rounded to 1e-4 of
+  // their size.
+  out->faces = hull_faces(mesh, SupportFeature::kMost);
+  if (out->faces.normals.empty()) {
+    return fail("shape '" + shape.name + "': its points span no volume");
   }
-  out->faces = hull_faces(out->numbers);
   auto convex = std::make_unique<btConvexHullShape>();
   for (int i = 0; i < hull.vertices.size(); ++i) convex->addPoint(hull.vertices[i], false);
   convex->recalcLocalAabb();
@@ -83,7 +81,7 @@ std::unique_ptr<CollisionShape> make_heightmap(const HeightGrid& grid) {
   out->numbers = grid.heights;
   const auto [low, high] = std::minmax_element(out->numbers.begin(), out->numbers.end());
   auto shape = std::make_unique<btHeightfieldTerrainShape>(
-      grid.columns, grid.rows, out->numbers.data(), *low, *high, 2, false);
+      grid.columns, grid.rows, out->numbers.data(), *low, *high, 2, true);
   shape->setLocalScaling(
       btVector3(grid.size_x / (grid.columns - 1), grid.size_y / (grid.rows - 1), 1));
   shape->setMargin(0.0);

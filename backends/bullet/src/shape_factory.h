@@ -7,9 +7,8 @@
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
 
-#include "support_feature.h"
-
 #include "cogrsim/core/result.h"
+#include "cogrsim/model/hull_faces.h"
 #include "cogrsim/model/scene_model.h"
 
 namespace cogrsim::bullet {
@@ -17,9 +16,9 @@ namespace cogrsim::bullet {
 /// A Bullet shape with the data it points into.
 struct CollisionShape {
   // Order matters: the shape goes before what it refers to.
-  std::vector<double> numbers;  ///< heights, vertices of a mesh, corners of a hull
+  std::vector<double> numbers;  ///< heights, vertices of a mesh
   std::vector<int> indices;
-  std::vector<HullFace> faces;  ///< of a hull
+  HullFaces faces;  ///< of a hull, at most SupportFeature::kMost corners each
   std::unique_ptr<btStridingMeshInterface> triangles;
   std::unique_ptr<btCollisionShape> shape;
   btTransform X_SC = btTransform::getIdentity();  ///< Bullet's frame of the shape in the scene's

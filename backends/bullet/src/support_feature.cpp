@@ -4,8 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include <LinearMath/btConvexHullComputer.h>
-
+#include "convert.h"
 #include "shape_factory.h"
 
 namespace cogrsim::bullet {
@@ -20,30 +19,6 @@ constexpr double kCapCosine = 0.7;
 // direction of its lean is noise then, and the polygon's error, (1 - cos(pi / 16)) R 3e-3, is about
 // what resting bodies sink in.
 constexpr double kUpright = 3e-3;
-
-btVector3 centre_of(const std::vector<btVector3>& points) {
-  btVector3 sum(0, 0, 0);
-  for (const btVector3& p : points) sum += p;
-  return sum / static_cast<double>(points.size());
-}
-
-/// All of `vertices` in the plane, counter-clockwise about its normal.
-std::vector<btVector3> corners_in_plane(const btAlignedObjectArray<btVector3>& vertices,
-                                        const btVector3& normal, double height, double slack) {
-  std::vector<btVector3> corners;
-  for (int i = 0; i < vertices.size(); ++i) {
-    if (std::abs(normal.dot(vertices[i]) - height) < slack) corners.push_back(vertices[i]);
-  }
-  const btVector3 centre = centre_of(corners);
-  btVector3 x, y;
-  btPlaneSpace1(normal, x, y);
-  const auto angle = [&](const btVector3& p) {
-    return std::atan2(y.dot(p - centre), x.dot(p - centre));
-  };
-  std::sort(corners.begin(), corners.end(),
-            [&](const btVector3& a, const btVector3& b) { return angle(a) < angle(b); });
-  return corners;
-}
 
 void box_face(const Shape& shape, const btTransform& X_WS, const btVector3& d,
               SupportFeature& out) {
@@ -98,65 +73,22 @@ void side_line(const Shape& shape, const btTransform& X_WS, SupportFeature& out)
   out.radius = shape.radius;
 }
 
-const HullFace* most_along(const std::vector<HullFace>& faces, const btVector3& d) {
-  const HullFace* best = nullptr;
+/// The face, by its number, that looks most along d.
+std::size_t most_along(const HullFaces& faces, const btVector3& d) {
+  const Vec3 direction = from_bt(d);
+  std::size_t best = 0;
   double most = -2.0;
-  for (const HullFace& face : faces) {
-    const double along = face.normal.dot(d);
+  for (std::size_t f = 0; f < faces.normals.size(); ++f) {
+    const double along = faces.normals[f].dot(direction);
     if (along > most) {
       most = along;
-      best = &face;
+      best = f;
     }
   }
   return best;
 }
 
 }  // namespace
-
-std::vector<HullFace> hull_faces(const std::vector<double>& corners) {
-  btConvexHullComputer hull;
-  hull.compute(corners.data(), 3 * sizeof(double), static_cast<int>(corners.size() / 3), 0.0, 0.0);
-  double size = 0.0;
-  btVector3 inside(0, 0, 0);
-  for (int i = 0; i < hull.vertices.size(); ++i) {
-    inside += hull.vertices[i] / hull.vertices.size();
-    size = std::max(size, hull.vertices[i].length());
-  }
-  std::vector<HullFace> out;
-  for (int f = 0; f < hull.faces.size(); ++f) {
-    // Newell's normal of the face's loop, about a point of it for the sake of precision.
-    const btConvexHullComputer::Edge* const first = &hull.edges[hull.faces[f]];
-    const btVector3 origin = hull.vertices[first->getSourceVertex()];
-    btVector3 normal(0, 0, 0);
-    const btConvexHullComputer::Edge* edge = first;
-    do {
-      normal += (hull.vertices[edge->getSourceVertex()] - origin)
-                    .cross(hull.vertices[edge->getTargetVertex()] - origin);
-      edge = edge->getNextEdgeOfFace();
-    } while (edge != first);
-    const double length = normal.length();
-    if (length < 1e-14 * size * size) continue;
-    normal /= length;
-    if (normal.dot(origin - inside) < 0.0) normal = -normal;
-    const bool known = std::any_of(out.begin(), out.end(), [&](const HullFace& face) {
-      return face.normal.dot(normal) > 1.0 - 1e-9;
-    });
-    if (known) continue;
-    HullFace face;
-    face.normal = normal;
-    face.corners = corners_in_plane(hull.vertices, normal, normal.dot(origin), 1e-7 * size);
-    if (face.corners.size() < 3) continue;
-    const std::size_t most = SupportFeature::kMost;
-    if (face.corners.size() > most) {
-      std::vector<btVector3> some;
-      for (std::size_t i = 0; i < most; ++i)
-        some.push_back(face.corners[i * face.corners.size() / most]);
-      face.corners = std::move(some);
-    }
-    out.push_back(std::move(face));
-  }
-  return out;
-}
 
 void find_support_feature(const Shape& shape, const CollisionShape& collision,
                           const btTransform& X_WS, const btVector3& direction,
@@ -181,10 +113,12 @@ void find_support_feature(const Shape& shape, const CollisionShape& collision,
       side_line(shape, X_WS, out);
       break;
     case ShapeType::convex_mesh:
-      if (const HullFace* face = most_along(collision.faces, d)) {
+      if (const HullFaces& faces = collision.faces; !faces.normals.empty()) {
+        const std::size_t face = most_along(faces, d);
         out.kind = SupportFeature::Kind::face;
-        out.normal = X_WS.getBasis() * face->normal;
-        for (const btVector3& p : face->corners) out.points[out.count++] = X_WS * p;
+        out.normal = X_WS.getBasis() * to_bt(faces.normals[face]);
+        for (const int v : faces.corners[face])
+          out.points[out.count++] = X_WS * to_bt(faces.vertices[static_cast<std::size_t>(v)]);
       }
       break;
     default:
@@ -206,11 +140,9 @@ bool nearest_face_normal(const Shape& shape, const CollisionShape& collision,
       normal = d.z() > 0.0 ? R.getColumn(2) : -R.getColumn(2);
       return true;
     case ShapeType::convex_mesh:
-      if (const HullFace* face = most_along(collision.faces, d)) {
-        normal = R * face->normal;
-        return true;
-      }
-      return false;
+      if (collision.faces.normals.empty()) return false;
+      normal = R * to_bt(collision.faces.normals[most_along(collision.faces, d)]);
+      return true;
     default:
       return false;
   }

@@ -1,8 +1,6 @@
 // What a convex shape turns towards another: a flat face, the line along a round side, or nothing.
 #pragma once
 
-#include <vector>
-
 #include <LinearMath/btTransform.h>
 
 #include "cogrsim/model/shapes.h"
@@ -10,16 +8,6 @@
 namespace cogrsim::bullet {
 
 struct CollisionShape;
-
-/// A flat face of a hull with all its corners, shape frame.
-struct HullFace {
-  btVector3 normal;                ///< unit, outward
-  std::vector<btVector3> corners;  ///< convex, counter-clockwise seen from outside
-};
-
-/// Faces of the hull of `corners` (x y z each); triangles in one plane become one face. Of a face
-/// with more corners than a SupportFeature holds, evenly spaced ones are kept.
-std::vector<HullFace> hull_faces(const std::vector<double>& corners);
 
 /// Part of a shape's surface, world frame.
 struct SupportFeature {

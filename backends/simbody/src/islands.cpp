@@ -9,7 +9,7 @@
 namespace cogrsim::simbody {
 namespace {
 
-constexpr int kPositionSweeps = 40;
+constexpr int kPositionSweeps = 40, kHoldSweeps = 8;
 // Islands of up to so many rows are sped up by conjugate steps.
 constexpr std::size_t kSmall = 64;
 // Sweeps stop, too, when changes are below so many tolerances and fell, within kPatience sweeps, to
@@ -289,42 +289,85 @@ bool Island::measure_gaps(double h, std::vector<Row>& rows) {
     row.gap += 0.5 * h * along(lines[i], v.data());
     Gap gap;
     gap.line = int(i);
-    gap.pull = row.pull && lines[i].lambda > 0.0;
     gap.error = row.gap_target - row.gap;
+    // What bears load touches: a gap left open there would let a face tilt by and by.
+    const bool rests = row.gap_target == 0.0 && gap.error < 0.0 && gap.error > -1e-5;
+    gap.pull = (row.pull || rests) && lines[i].lambda > 0.0;
     gaps_.push_back(gap);
     needed = needed || gap.error > 0.0 || (gap.pull && gap.error != 0.0);
   }
   return needed;
 }
 
+// What sticks is not to slide where bodies are only set right: a pile whose corners are lifted by
+// nanometres in turn would walk away on them. Of a face two points are enough.
+void Island::hold_sticking(double h) {
+  constexpr double kSticks = 0.99;  // of the cone
+  for (std::size_t i = contacts; i < blocks.size(); ++i) {
+    const Block& block = blocks[i];
+    if (block.friction <= 0.0) continue;
+    const std::size_t k = i - contacts;
+    if (block.friction_kind == FrictionKind::point && k >= 2 && pairs[k] == pairs[k - 2]) continue;
+    const Line* const line = &lines[std::size_t(block.line)];
+    double load = line[0].lambda;
+    if (block.friction_kind != FrictionKind::point)
+      load += lines[std::size_t(block.partner)].lambda;
+    const bool twist = block.friction_kind == FrictionKind::twist;
+    const double bound = kSticks * block.friction * load * (twist ? block.lever : 1.0);
+    const double second = twist ? 0.0 : line[2].lambda;
+    if (line[1].lambda * line[1].lambda + second * second >= bound * bound) continue;
+    for (int n = 1; n < (twist ? 2 : 3); ++n) {
+      if (line[n].diagonal <= 0.0) continue;  // guided across
+      Gap hold;
+      hold.line = block.line + n;
+      hold.pull = true;
+      // What the last sweep left of sliding is taken back, or it would add up to a creep.
+      hold.error = -h * (line[n].bias + along(line[n], v.data()));
+      gaps_.push_back(hold);
+    }
+  }
+}
+
 void Island::solve_positions(const SolverOptions& options, double h, std::vector<Row>& rows) {
   if (!measure_gaps(h, rows)) return;
+  const std::size_t normals = gaps_.size();
+  hold_sticking(h);
   // A velocity tolerance times the step is a displacement nobody sees.
   const double tolerance = std::max(options.tolerance * h, 1e-12);
   const bool large = lines.size() > kSmall;
-  const double idle = (large ? kIdleLarge : kIdle) * tolerance;
+  const double idle = kIdle * tolerance;
   const double slow = large ? kSlowLarge : kSlow;
   const int sweeps = std::min(options.iterations, kPositionSweeps);
   p.assign(v.size(), 0.0);
   double before = std::numeric_limits<double>::infinity();
+  const auto relax_gap = [&](Gap& gap) {
+    const Line& line = lines[std::size_t(gap.line)];
+    double push = gap.push + (gap.error - along(line, p.data())) / line.diagonal;
+    if (!gap.pull) push = std::max(push, 0.0);
+    const double d = push - gap.push;
+    if (d == 0.0) return 0.0;
+    gap.push = push;
+    apply(line, d, p.data());
+    return std::abs(d) * line.diagonal;
+  };
   for (int sweep = 1; sweep <= sweeps; ++sweep) {
     double change = 0.0;
     for (std::size_t i = 0; i < gaps_.size(); ++i) {
-      Gap& gap = gaps_[sweep % 2 ? i : gaps_.size() - 1 - i];
-      const Line& line = lines[std::size_t(gap.line)];
-      double push = gap.push + (gap.error - along(line, p.data())) / line.diagonal;
-      if (!gap.pull) push = std::max(push, 0.0);
-      const double d = push - gap.push;
-      if (d == 0.0) continue;
-      gap.push = push;
-      apply(line, d, p.data());
-      change = std::max(change, std::abs(d) * line.diagonal);
+      change = std::max(change, relax_gap(gaps_[sweep % 2 ? i : gaps_.size() - 1 - i]));
     }
     if (change < tolerance) break;
     if (sweep % kPatience == 0) {
       if (change < idle && change > slow * before) break;
       before = change;
     }
+  }
+  // What the sweeps left of gaps is found again by the next step; of sliding it is not.
+  const std::size_t held = gaps_.size() - normals;
+  for (int sweep = 1; sweep <= kHoldSweeps; ++sweep) {
+    double change = 0.0;
+    for (std::size_t i = 0; i < held; ++i)
+      change = std::max(change, relax_gap(gaps_[sweep % 2 ? gaps_.size() - 1 - i : normals + i]));
+    if (change < tolerance) break;
   }
   for (const Gap& gap : gaps_) {
     const Line& line = lines[std::size_t(gap.line)];

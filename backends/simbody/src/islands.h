@@ -68,7 +68,8 @@ class Island {
   void solve_positions(const SolverOptions& options, double h, std::vector<Row>& rows);
 
  private:
-  // A row with a gap: how far it is from its target, and the multiplier of its displacement.
+  // A row with a gap, or one that must not slide: how far it is from its target, and the multiplier
+  // of its displacement.
   struct Gap {
     int line = 0;
     bool pull = false;
@@ -82,6 +83,7 @@ class Island {
   double sweep(bool backwards);
   double go_on(double last_size);
   bool measure_gaps(double h, std::vector<Row>& rows);
+  void hold_sticking(double h);
 
   std::vector<Bearing> bearings_;
   std::vector<Gap> gaps_;

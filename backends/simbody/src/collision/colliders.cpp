@@ -12,70 +12,15 @@ namespace {
 
 constexpr double kMostMargin = 1e-3;      // rounding of edges in distance queries [m]
 constexpr double kMarginFraction = 0.05;  // of the smallest half extent
-constexpr int kCapCorners = 12;
+constexpr int kCapCorners = 16;
+// Leaning less than this, a standing cylinder's corners stay with the cylinder [rad]: the direction
+// of its lean is noise then, and what the polygon misses, (1 - cos(pi / 16)) R 3e-3, is nothing.
+constexpr double kUpright = 3e-3;
 
 btVector3 bt(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
 double margin_for(double smallest_half_extent) {
   return std::min(kMostMargin, kMarginFraction * smallest_half_extent);
-}
-
-// Faces of the hull; triangles in one plane become one face.
-std::shared_ptr<HullFaces> make_hull(const std::vector<Vec3>& points) {
-  std::vector<double> flat;
-  for (const Vec3& p : points) flat.insert(flat.end(), {p[0], p[1], p[2]});
-  btConvexHullComputer computer;
-  computer.compute(flat.data(), int(3 * sizeof(double)), int(points.size()), 0.0, 0.0);
-  auto hull = std::make_shared<HullFaces>();
-  double size = 0.0;
-  for (int i = 0; i < computer.vertices.size(); ++i) {
-    const btVector3& v = computer.vertices[i];
-    hull->vertices.push_back({v.x(), v.y(), v.z()});
-    size = std::max(size, hull->vertices.back().norm());
-  }
-  for (int f = 0; f < computer.faces.size(); ++f) {
-    const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[f]];
-    std::vector<int> loop;
-    const btConvexHullComputer::Edge* edge = first;
-    do {
-      loop.push_back(edge->getSourceVertex());
-      edge = edge->getNextEdgeOfFace();
-    } while (edge != first);
-    Vec3 normal = Vec3::Zero();  // Newell
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const Vec3& a = hull->vertices[std::size_t(loop[i])];
-      const Vec3& b = hull->vertices[std::size_t(loop[(i + 1) % loop.size()])];
-      normal += a.cross(b);
-    }
-    if (normal.norm() < 1e-14 * size * size) continue;
-    normal.normalize();
-    Vec3 middle = Vec3::Zero();
-    for (const Vec3& v : hull->vertices) middle += v / double(hull->vertices.size());
-    if (normal.dot(hull->vertices[std::size_t(loop[0])] - middle) < 0.0) normal = -normal;
-    const bool known = std::any_of(hull->normals.begin(), hull->normals.end(),
-                                   [&](const Vec3& n) { return n.dot(normal) > 1.0 - 1e-9; });
-    if (known) continue;
-    // All corners of this plane, sorted around their centre.
-    const double height = normal.dot(hull->vertices[std::size_t(loop[0])]);
-    std::vector<int> corners;
-    Vec3 centre = Vec3::Zero();
-    for (std::size_t v = 0; v < hull->vertices.size(); ++v) {
-      if (std::abs(normal.dot(hull->vertices[v]) - height) > 1e-7 * size) continue;
-      corners.push_back(int(v));
-      centre += hull->vertices[v];
-    }
-    centre /= double(corners.size());
-    const Vec3 x = (hull->vertices[std::size_t(corners[0])] - centre).normalized();
-    const Vec3 y = normal.cross(x);
-    const auto angle = [&](int v) {
-      const Vec3 r = hull->vertices[std::size_t(v)] - centre;
-      return std::atan2(r.dot(y), r.dot(x));
-    };
-    std::sort(corners.begin(), corners.end(), [&](int a, int b) { return angle(a) < angle(b); });
-    hull->normals.push_back(normal);
-    hull->corners.push_back(std::move(corners));
-  }
-  return hull;
 }
 
 // The hull for distance queries: shrunk by its margin, which gives the faces their place back.
@@ -142,8 +87,8 @@ Collider make_collider(const SceneModel& model, int body, int index) {
       break;
     case ShapeType::convex_mesh: {
       const TriangleMesh& mesh = model.meshes[std::size_t(shape.mesh)];
-      c.hull = make_hull(mesh.vertices);
-      if (c.hull->normals.size() < 4)
+      c.hull = std::make_shared<HullFaces>(hull_faces(mesh, Feature::kMost));
+      if (c.hull->normals.empty())
         throw std::runtime_error("shape '" + shape.name + "': its convex hull has no volume");
       c.convex = make_rounded_hull(mesh.vertices);
       for (const Vec3& v : c.hull->vertices) c.reach = std::max(c.reach, v.norm());
@@ -166,12 +111,27 @@ Collider make_collider(const SceneModel& model, int body, int index) {
   return c;
 }
 
+std::size_t most_along(const HullFaces& hull, const Vec3& d) {
+  std::size_t best = 0;
+  double most = -2.0;
+  for (std::size_t f = 0; f < hull.normals.size(); ++f) {
+    const double along = hull.normals[f].dot(d);
+    if (along > most) {
+      most = along;
+      best = f;
+    }
+  }
+  return best;
+}
+
 void cylinder_feature(const Collider& c, const Vec3& d, Feature& out) {
   const Placement& X = c.X_WS;
   if (std::abs(d[2]) > 0.7) {
+    // One corner where the rim reaches farthest, so that a coin rolls on it as on a circle.
     const double z = d[2] > 0 ? c.half_length : -c.half_length;
+    const double first = std::hypot(d[0], d[1]) > kUpright ? std::atan2(d[1], d[0]) : 0.0;
     for (int k = 0; k < kCapCorners; ++k) {
-      const double angle = 2.0 * kPi * k / kCapCorners;
+      const double angle = first + 2.0 * kPi * k / kCapCorners;
       out.add(X * Vec3(c.radius * std::cos(angle), c.radius * std::sin(angle), z));
     }
     return;
@@ -225,22 +185,33 @@ void support_feature(const Collider& c, const Vec3& direction, Feature& out) {
         out.add(X * Vec3(0, 0, end) + c.radius * direction);
       return;
     case ShapeType::convex_mesh: {
-      std::size_t best = 0;
-      double most = -2.0;
-      for (std::size_t f = 0; f < c.hull->normals.size(); ++f) {
-        const double along = c.hull->normals[f].dot(d);
-        if (along > most) {
-          most = along;
-          best = f;
-        }
-      }
-      for (int v : c.hull->corners[best]) out.add(X * c.hull->vertices[std::size_t(v)]);
+      for (int v : c.hull->corners[most_along(*c.hull, d)])
+        out.add(X * c.hull->vertices[std::size_t(v)]);
       return;
     }
     case ShapeType::plane:
     case ShapeType::mesh:
     case ShapeType::heightmap:
       return;
+  }
+}
+
+bool face_normal(const Collider& c, const Vec3& direction, Vec3& normal) {
+  const Mat3& R = c.X_WS.R;
+  const Vec3 d = R.transpose() * direction;
+  int axis = 2;
+  switch (c.type) {
+    case ShapeType::convex_mesh:
+      normal = R * c.hull->normals[most_along(*c.hull, d)];
+      return true;
+    case ShapeType::box:
+      d.cwiseAbs().maxCoeff(&axis);
+      [[fallthrough]];
+    case ShapeType::cylinder:
+      normal = d[axis] > 0.0 ? Vec3(R.col(axis)) : Vec3(-R.col(axis));
+      return true;
+    default:
+      return false;
   }
 }
 

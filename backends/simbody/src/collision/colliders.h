@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "cogrsim/model/hull_faces.h"
 #include "cogrsim/model/scene_model.h"
 #include "placement.h"
 
@@ -16,16 +17,7 @@ struct Feature {
   static constexpr int kMost = 32;
   Vec3 points[kMost];
   int count = 0;
-  void add(const Vec3& p) {
-    if (count < kMost) points[count++] = p;
-  }
-};
-
-/// A hull as faces with all their corners; the shape's frame.
-struct HullFaces {
-  std::vector<Vec3> vertices;
-  std::vector<Vec3> normals;              ///< one per face
-  std::vector<std::vector<int>> corners;  ///< one per face, counter-clockwise from outside
+  void add(const Vec3& p) { points[count++] = p; }
 };
 
 /// One collision shape of one body.
@@ -39,7 +31,7 @@ struct Collider {
   double radius = 0.0;       ///< sphere, cylinder, capsule [m]
   double half_length = 0.0;  ///< cylinder, capsule (without caps) [m]
   double reach = 0.0;        ///< no point is farther from the shape's origin [m]; plane: infinite
-  std::shared_ptr<const HullFaces> hull;
+  std::shared_ptr<const HullFaces> hull;        ///< at most Feature::kMost corners a face
   std::shared_ptr<btConvexShape> convex;        ///< all convex types
   std::shared_ptr<btTriangleMesh> triangles;    ///< mesh
   std::shared_ptr<btBvhTriangleMeshShape> bvh;  ///< mesh
@@ -61,6 +53,10 @@ std::vector<Collider> make_colliders(const SceneModel& model);
 /// What the shape turns towards `direction` (world, unit): a face, an edge or a corner, in the
 /// world.
 void support_feature(const Collider& collider, const Vec3& direction, Feature& out);
+
+/// Outward normal (world, unit) of the flat face that looks most along `direction` (world, unit);
+/// false: the shape has none.
+bool face_normal(const Collider& collider, const Vec3& direction, Vec3& normal);
 
 /// Farthest extent along a world direction beyond the shape's origin [m].
 double support_extent(const Collider& collider, const Vec3& direction);

@@ -153,9 +153,10 @@ void face_contacts(const Feature& fa, const Feature& fb, const Separation& separ
     any = true;
     least_gap = std::min(least_gap, c.gap);
   }
-  constexpr double kNearer = 1e-6;
+  // A point between the corners has to be clearly nearer: rounding must not add and take points.
+  constexpr double kNearer = 1e-5;
   if (separation.has_points && separation.gap <= margin &&
-      (!any || separation.gap < least_gap - kNearer)) {
+      (!any || separation.gap < least_gap - kNearer - separation.blur)) {
     ContactPoint c;
     c.normal = n;
     c.gap = separation.gap;
@@ -170,9 +171,10 @@ void reduce_points(std::vector<ContactPoint>& points, std::size_t first) {
   const auto at = [&](std::size_t i) -> ContactPoint& { return points[first + i]; };
   // Equal to rounding must not decide by chance: a later point has to be clearly better.
   constexpr double kClearly = 1.0 + 1e-6;
+  constexpr double kSameDepth = 1e-5;  // [m]
   std::size_t pick = 0;
   for (std::size_t i = 1; i < count; ++i)
-    if (at(i).gap < at(pick).gap - 1e-7) pick = i;
+    if (at(i).gap < at(pick).gap - kSameDepth) pick = i;
   std::swap(at(0), at(pick));
 
   double most = -1.0;

@@ -16,6 +16,7 @@ struct Separation {
   double gap = 0.0;
   bool has_points = false;
   Vec3 on_a = Vec3::Zero(), on_b = Vec3::Zero();  ///< nearest points, world; with has_points
+  double blur = 0.0;  ///< how far the shapes that were asked may be from the true ones [m]
 };
 
 /// Half-space z <= 0 of `plane` against a convex shape: closed forms. Normals from the plane.

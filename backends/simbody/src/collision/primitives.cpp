@@ -47,6 +47,26 @@ void cylinder_on_plane(const Collider& c, PlaneSink& sink) {
   sink.add(c.X_WS * (lower - c.radius * x));
 }
 
+// Distance queries know hulls to their size / 10216 only.
+double blur_of(const Collider& c) {
+  return c.type == ShapeType::convex_mesh ? 2e-4 * c.reach : 0.0;
+}
+
+// Distance queries know the normal of faces that meet flush to some 1e-6 rad, other each time: a
+// stack of nine pieces shuffles away on such normals, 0.3 m in 10 s. Those of the faces are exact.
+void turn_flush(const Collider& a, const Collider& b, Separation& s) {
+  constexpr double kFlush = 1.0 - 5e-7;  // cosine of 1e-3 rad
+  const Vec3 found = s.normal;
+  Vec3 of_face;
+  double most = kFlush;
+  if (face_normal(b, -found, of_face) && -found.dot(of_face) > most) {
+    most = -found.dot(of_face);
+    s.normal = -of_face;
+  }
+  // B's face where both are as near, to rounding.
+  if (face_normal(a, found, of_face) && found.dot(of_face) > most + 1e-10) s.normal = of_face;
+}
+
 }  // namespace
 
 void plane_contacts(const Collider& plane, const Collider& c, double margin,
@@ -96,6 +116,8 @@ void convex_contacts(const Collider& a, const Collider& b, double margin,
     s = separate_boxes(a, b, margin);
   } else {
     s = separate_convex(*a.convex, to_bullet(a.X_WS), *b.convex, to_bullet(b.X_WS), margin);
+    s.blur = blur_of(a) + blur_of(b);
+    if (s.found) turn_flush(a, b, s);
   }
   if (!s.found) return;
   Feature on_a, on_b;
