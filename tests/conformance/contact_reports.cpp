@@ -55,6 +55,28 @@ TEST_CASE("contacts of a block held by friction on a slope", "[reports]") {
   measure_relative("friction force", -along.x(), mass * kGravity * std::sin(angle), 0.02);
 }
 
+TEST_CASE("no point of a face presses against another", "[reports]") {
+  need("report.contact_force");
+  // On the flat every point's force is vertical; on a slope that holds, each has its share of the
+  // pull downhill. 1 % of the weight is what the suite grants to forces.
+  const double mass = 3.0, angle = GENERATE(0.0, 15.0) * kDegree;
+  const Pose X_WS(Vec3(0.3, 0.2, 0.1), turn(Vec3::UnitY(), angle));
+  ModelBuilder builder;
+  builder.plane("slope", X_WS);
+  builder.box("box", Vec3(0.4, 0.3, 0.1), mass, X_WS * at(0, 0, 0.05));
+  Sim sim(builder);
+  sim.run(1.0);
+  const std::vector<Contact>& contacts = sim.contacts();
+  REQUIRE(contacts.size() >= 3);
+  for (const Contact& contact : contacts) {
+    const double load = contact.force.dot(contact.normal);
+    const Vec3 uphill = X_WS.q * Vec3(-1, 0, 0);
+    const Vec3 wanted = load * (contact.normal + std::tan(angle) * uphill);
+    measure("force off its direction over the weight",
+            (contact.force - wanted).norm() / (mass * kGravity), 0.01);
+  }
+}
+
 TEST_CASE("contacts of a block that slides", "[reports]") {
   need("report.contact_force");
   const double mass = 2.0, mu = 0.3;

@@ -1,6 +1,7 @@
 #include "collision.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 
@@ -8,6 +9,8 @@
 
 #include "convert.h"
 #include "convex_contacts.h"
+
+#include "cogrsim/physics/friction_share.h"
 
 namespace cogrsim::bullet {
 
@@ -33,6 +36,37 @@ btDefaultCollisionConstructionInfo configuration_info() {
   info.m_defaultMaxPersistentManifoldPoolSize = 1024;
   info.m_defaultMaxCollisionAlgorithmPoolSize = 1;  // none is used
   return info;
+}
+
+/// Friction impulses of a pair's points. How a face that sticks shares them rigid bodies leave open:
+/// of all shares with the same resultant the smallest are told, without what presses its points
+/// against each other. A face that slides leaves no choice, its resultant being the largest there is
+/// in its direction: then other shares leave the cone somewhere, and the solver's are told.
+std::array<Vec3, 4> reported_friction(const btPersistentManifold& manifold) {
+  constexpr double kInside = 0.99;            // of the cone
+  constexpr double kSameNormal = 1.0 - 1e-6;  // cosine
+  std::array<Vec3, 4> friction, points;
+  std::array<double, 4> loads{};
+  const auto count = static_cast<std::size_t>(manifold.getNumContacts());
+  bool face = count > 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    const btManifoldPoint& cp = manifold.getContactPoint(static_cast<int>(k));
+    friction[k] = from_bt(cp.m_lateralFrictionDir1 * cp.m_appliedImpulseLateral1 +
+                          cp.m_lateralFrictionDir2 * cp.m_appliedImpulseLateral2);
+    points[k] = from_bt((cp.m_positionWorldOnA + cp.m_positionWorldOnB) * 0.5);
+    loads[k] = cp.m_appliedImpulse;
+    face =
+        face && cp.m_normalWorldOnB.dot(manifold.getContactPoint(0).m_normalWorldOnB) > kSameNormal;
+  }
+  if (!face) return friction;
+  std::array<Vec3, 4> shared = friction;
+  share_friction(count, from_bt(manifold.getContactPoint(0).m_normalWorldOnB), loads.data(),
+                 points.data(), shared.data());
+  for (std::size_t k = 0; k < count; ++k) {
+    const btManifoldPoint& cp = manifold.getContactPoint(static_cast<int>(k));
+    if (shared[k].norm() > kInside * cp.m_combinedFriction * loads[k]) return friction;
+  }
+  return shared;
 }
 
 }  // namespace
@@ -342,6 +376,7 @@ void Collision::get_contacts(double dt, std::vector<Contact>& out) const {
     const btPersistentManifold& manifold = *manifolds_[place.pair];
     // A sign, not a branch: from a to b, and on b.
     const double sign = place.swapped ? 1.0 : -1.0;
+    const std::array<Vec3, 4> friction = reported_friction(manifold);
     for (int i = 0; i < manifold.getNumContacts(); ++i) {
       const btManifoldPoint& cp = manifold.getContactPoint(i);
       Contact& c = out.emplace_back();
@@ -353,9 +388,8 @@ void Collision::get_contacts(double dt, std::vector<Contact>& out) const {
       c.normal = sign * from_bt(cp.m_normalWorldOnB);
       c.depth = -cp.getDistance();
       c.force = sign *
-                from_bt(cp.m_normalWorldOnB * cp.m_appliedImpulse +
-                        cp.m_lateralFrictionDir1 * cp.m_appliedImpulseLateral1 +
-                        cp.m_lateralFrictionDir2 * cp.m_appliedImpulseLateral2) /
+                (from_bt(cp.m_normalWorldOnB * cp.m_appliedImpulse) +
+                 friction[static_cast<std::size_t>(i)]) /
                 dt;
     }
   }
