@@ -74,5 +74,29 @@ TEST_CASE("stack of boxes and cylinders and prisms stands 10 s", "[heap]") {
   }
 }
 
+TEST_CASE("prisms whose faces lie askew in their mesh stand on each other", "[heap]") {
+  // No face is level in the mesh's own axes, so rounding takes its corners out of one plane: whoever
+  // builds hulls from such corners cuts the face into triangles, and the prism stands on one.
+  constexpr double kHigh = 0.2;
+  const Quat askew = turn(Vec3(1.0, 2.0, 3.0), 1.0);
+  TriangleMesh mesh = hexagonal_prism(0.15, kHigh);
+  for (Vec3& v : mesh.vertices) v = askew * v;
+  ModelBuilder builder;
+  const int material = builder.material("wood", 0.5, 0.0);
+  builder.plane("floor", Pose(), material);
+  for (int i = 0; i < 3; ++i) {
+    builder.mesh("prism" + std::to_string(i), mesh, true, 1.0,
+                 Pose(Vec3(0, 0, kHigh * (i + 0.5)), askew.conjugate()), material);
+  }
+  Sim sim(builder);
+  sim.run(3.0);
+  for (int i = 0; i < 3; ++i) {
+    const Pose& X = sim.pose(i + 1);
+    measure("sideways drift [m]", X.p.head<2>().norm(), 1e-3);
+    measure("height error [m]", std::abs(X.p.z() - kHigh * (i + 0.5)), 1e-3);
+    measure("lean [rad]", angle_between(X.q, askew.conjugate()), 0.01);
+  }
+}
+
 }  // namespace
 }  // namespace conformance
