@@ -51,6 +51,25 @@ TEST_CASE("ball in a groove", "[terrain]") {
   measure("off the middle [m]", std::abs(along_x ? p.y() : p.x()), 1e-3);
 }
 
+TEST_CASE("heightmap: cells fold along the documented diagonal", "[terrain]") {
+  // One cell, two opposite corners raised so that its halves slope by 45 degrees towards the
+  // diagonal from the lowest x and y to the highest: a groove. Folded the other way it is a ridge.
+  HeightGrid grid;
+  grid.columns = grid.rows = 2;
+  const double h = std::sqrt(0.5);  // as high as the raised corners are off the diagonal
+  grid.heights = {0.0, h, h, 0.0};
+  ModelBuilder builder;
+  const int slick = builder.material("slick", 0.2);
+  builder.heightmap("cell", grid, Pose(), slick);
+  const double rest = kRadius * std::sqrt(2.0);
+  const int ball = builder.sphere("ball", kRadius, 1.0, at(0.05, -0.05, rest + h), slick);
+  Sim sim(builder);
+  sim.run(4.0);
+  const Vec3 p = sim.pose(ball).p;
+  measure("height error [m]", std::abs(p.z() - rest), 1e-3);
+  measure("off the diagonal [m]", std::abs(p.x() - p.y()), 1e-3);
+}
+
 TEST_CASE("ball rolls over the inner edges of a mesh", "[terrain]") {
   // Flat, so that no edge may be felt: rolling without loss, v = w r.
   const bool as_mesh = GENERATE(true, false);

@@ -130,6 +130,34 @@ TEST_CASE("signals read what the frame holds", "[signal]") {
   CHECK(s.value("energy.total") == energy.kinetic + energy.potential);
 }
 
+TEST_CASE("signals are reckoned with", "[signal]") {
+  const Scene s;
+  CHECK(s.value("bob.z - robot.chassis.z") == 6);
+  CHECK(s.value("bob.z - robot.chassis.z - robot.y") == 4);  // from the left
+  CHECK(s.value("bob.z - (robot.chassis.z - robot.y)") == 8);
+  CHECK(s.value("robot.y + robot.chassis.z * 2") == 8);
+  CHECK(s.value("(robot.y + robot.chassis.z) * 2") == 10);
+  CHECK(s.value("-robot.y*3/2") == -3);
+  CHECK(s.value("abs(robot.axle.velocity) - 0.5") == 1);
+  CHECK(s.value("distance(robot, bob) / distance( bob, robot )") == 1);
+  CHECK(s.value("robot.eye.range[0] - robot.eye[0]") == Approx(0.2));
+  CHECK(s.unit("bob.z - robot.y") == "m");
+  CHECK(s.unit("2 * bob.z") == "m");
+  CHECK(s.unit("bob.z / robot.y") == "1");
+  CHECK(s.unit("bob.z * robot.y") == "m*m");
+  CHECK(s.unit("bob.z / time") == "m/(s)");
+  CHECK(s.good("force(bob) - 1").needs().contacts);
+  CHECK(std::isnan(s.value("bob.z - robot.gps.x")));  // no reading yet
+  // New when either is: two sensors that were read at different times are told apart.
+  Frame later = s.frame;
+  const Signal both = s.good("robot.eye.distance - robot.eye.distance");
+  later.readings[0].sequence = 4;
+  CHECK(both.revision(later) != both.revision(s.frame));
+  later.readings[0].sequence = 3;
+  later.step = 8;
+  CHECK(both.revision(later) == both.revision(s.frame));
+}
+
 TEST_CASE("roll pitch and yaw are those that made the pose", "[signal]") {
   Scene s;
   const double roll = 0.3, pitch = -0.7, yaw = 2.5;
@@ -234,7 +262,15 @@ TEST_CASE("mistakes are answered with the nearest that there is", "[signal]") {
   says("distnce(bob, robot)", "did you mean 'distance'");
   says("contacts(robot, robot.wheel)", "in common");
   says("force(robot.mast)", "is no body or assembly");
-  says("bob.x + 1", "is not a signal");
+  says("bob.x + bob.vx", "'bob.x' is in m and 'bob.vx' in m/s");
+  says("bob.x +", "is not a signal");
+  says("bob.x * ", "missing at the end");
+  says("(bob.x", "not closed");
+  says("bob.x)", "does not belong");
+  says("* bob.x", "does not belong");
+  says("bob.x - robto.x", "did you mean 'robot'");
+  says("1e999", "does not belong");
+  says(std::string(60, '(') + "bob.x" + std::string(60, ')'), "50 are the limit");
   says("bob.x robot.x", "one signal");
   says(std::string(5000, 'a'), "too long");
 }

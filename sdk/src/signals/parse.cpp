@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "arithmetic.h"
 #include "cogrsim/signals/signal.h"
 #include "node.h"
 #include "terms.h"
@@ -76,9 +77,6 @@ class Parser {
 
   Parsed parse() {
     if (text_.empty()) return fail("the signal is empty", "", kExamples);
-    if (text_.size() > kLongestSignal)
-      return fail(fmt::format("a signal of {} characters is too long", text_.size()), "",
-                  fmt::format("the limit is {}", kLongestSignal));
     return text_.find('(') != std::string::npos ? call() : dotted();
   }
 
@@ -404,7 +402,11 @@ class Parser {
 }  // namespace
 
 Result<Signal> Signal::parse(const SignalScope& scope, const std::string& text) {
-  auto node = Parser(scope, trimmed(text)).parse();
+  if (text.size() > kLongestSignal)
+    return fail(fmt::format("a signal of {} characters is too long", text.size()), "",
+                fmt::format("the limit is {}", kLongestSignal));
+  auto node = parse_arithmetic(
+      trimmed(text), [&](const std::string& part) { return Parser(scope, trimmed(part)).parse(); });
   if (!node) return tl::unexpected(node.error());
   return Signal(std::move(*node));
 }

@@ -45,7 +45,8 @@ struct TriangleMesh {
   std::vector<Eigen::Vector2d> uv;
 };
 
-/// Heights over a regular grid, centred on the shape's origin, x to the right, y up the rows. Cell
+/// Heights over a regular grid, centred on the shape's origin, x to the right, y up the rows. Every
+/// cell is two triangles that share the diagonal from its lowest x and y to its highest. Cell
 /// k = row (columns - 1) + column is made of the triangles 2k, below, and 2k + 1, above the line
 /// from its lower left to its upper right sample.
 struct HeightGrid {

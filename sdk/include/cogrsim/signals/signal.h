@@ -18,6 +18,10 @@
 //
 // PLACE is a body, a named frame or an assembly, which stands for its base: the body it is, if it
 // is rigid, else its first body. BODIES is a body, or an assembly with all that is in it.
+//
+// Signals are added and subtracted (with blanks around + and -), multiplied and divided, with numbers,
+// brackets and abs(): `bot.ir.distance - bot.ideal.distance`, `abs(bot.roll)`. What is added must have
+// the same unit.
 #pragma once
 
 #include <cstdint>
