@@ -10,10 +10,16 @@ namespace cogrsim {
 std::vector<SensorRay> sensor_rays(const Frame& frame) {
   std::vector<SensorRay> out;
   const std::vector<SensorModel>& sensors = frame.model->sensors;
+  const auto ranging = [](const SensorModel& s) {
+    return !s.removed && (s.type == "infrared" || s.type == "lidar");
+  };
+  const bool some_shown = std::any_of(sensors.begin(), sensors.end(),
+                                      [&](const SensorModel& s) { return ranging(s) && s.show; });
   for (std::size_t i = 0; i < sensors.size() && i < frame.readings.size(); ++i) {
     const SensorModel& sensor = sensors[i];
     const Reading& reading = frame.readings[i];
-    if (sensor.removed || !reading.valid || reading.values.empty()) continue;
+    if (!ranging(sensor) || (some_shown && !sensor.show)) continue;
+    if (!reading.valid || reading.values.empty()) continue;
     std::vector<Vec3> directions;
     if (sensor.type == "infrared") {
       directions = {Vec3::UnitX()};  // a cone has one distance, drawn along its middle
