@@ -98,6 +98,18 @@ TEST_CASE("restart equals a fresh run, bit for bit", "[commands]") {
   CHECK(state_hash(simulation->frame()->state) == hash);
 }
 
+TEST_CASE("observers see the start of every run, after a restart too", "[commands]") {
+  auto simulation = simulate(floor_and_ball(), "bullet");
+  std::vector<std::uint64_t> steps;
+  simulation->observe({}, [&](const FramePtr& frame) { steps.push_back(frame->step); });
+  simulation->step();
+  simulation->step();
+  simulation->send(Restart{});
+  simulation->step();
+  simulation->step();
+  CHECK(steps == std::vector<std::uint64_t>{0, 1, 2, 0, 1, 2});
+}
+
 TEST_CASE("a run goes on from a snapshot bit for bit, noise included", "[commands]") {
   const std::string backend = GENERATE(both_backends());
   Flywheel scene;

@@ -113,6 +113,7 @@ RunStatus Simulation::Impl::step() {
   if (stop_requested.exchange(false) && status == RunStatus::running) status = RunStatus::stopped;
   if (status == RunStatus::running) show_start();
   apply_commands();  // also after the end: a Restart begins anew
+  if (status == RunStatus::running) show_start();  // of the new run
   if (status != RunStatus::running || (paused && !single_step)) return status;
   single_step = false;
   read_sensors();
