@@ -335,7 +335,7 @@ void Island::solve_positions(const SolverOptions& options, double h, std::vector
   // A velocity tolerance times the step is a displacement nobody sees.
   const double tolerance = std::max(options.tolerance * h, 1e-12);
   const bool large = lines.size() > kSmall;
-  const double idle = kIdle * tolerance;
+  const double idle = (large ? kIdleLarge : kIdle) * tolerance;
   const double slow = large ? kSlowLarge : kSlow;
   const int sweeps = std::min(options.iterations, kPositionSweeps);
   p.assign(v.size(), 0.0);
