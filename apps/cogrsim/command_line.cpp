@@ -1,6 +1,5 @@
 #include "command_line.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -15,6 +14,7 @@
 #include "quantities.h"
 #include "recording_words.h"
 #include "terminal.h"
+#include "words.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -34,29 +34,12 @@ struct Words {
   bool json_flag = false, reference = false;
 };
 
-// A wrong word on the command line: what, and the way out.
-class UsageError : public CLI::ValidationError {
- public:
-  UsageError(const std::string& option, const Problem& problem)
-      : CLI::ValidationError(option, problem.text()) {}
-};
-
 double duration_from(const std::string& word) {
   const auto time = parse_time(word);
   if (!time) throw UsageError("--duration", time.error());
   if (*time <= 0.0 || *time > kLongestDuration) {
     throw UsageError("--duration", Problem(fmt::format("'{}' is out of range", word), "",
                                            "a run lasts more than 0 s and at most 1e9 s"));
-  }
-  return *time;
-}
-
-double step_from(const std::string& word) {
-  const auto time = parse_time(word);
-  if (!time) throw UsageError("--step", time.error());
-  if (*time < kSmallestStep || *time > kLargestStep) {
-    throw UsageError("--step", Problem(fmt::format("'{}' is out of range", word), "",
-                                       "a step is from 1 ns to 1 s; \"1 ms\" suits most scenes"));
   }
   return *time;
 }
@@ -72,28 +55,6 @@ double speed_from(const std::string& word) {
                              "write simulated seconds per second, such as 1 or 0.25, or max"));
   }
   return *speed;
-}
-
-std::uint64_t seed_from(const std::string& word) {
-  std::uint64_t seed = 0;
-  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
-  if (error != std::errc{} || rest != word.data() + word.size()) {
-    throw UsageError("--seed", Problem(fmt::format("'{}' is no seed", word), "",
-                                       "write a whole number from 0 to 18446744073709551615"));
-  }
-  return seed;
-}
-
-std::map<std::string, std::string> settings_from(const std::vector<std::string>& words) {
-  std::map<std::string, std::string> settings;
-  for (const std::string& word : words) {
-    const auto setting = parse_setting(word);
-    if (!setting) throw UsageError("--set", setting.error());
-    if (!settings.emplace(*setting).second) {
-      throw UsageError("--set", Problem(fmt::format("'{}' is set twice", setting->first)));
-    }
-  }
-  return settings;
 }
 
 // Those behind the subcommand are nearer to the matter, and searched first.
@@ -321,7 +282,8 @@ void add_plot(CLI::App& app, Words& words, int& status) {
       "  cogrsim plot run.mcap --plot path -o path.pdf\n"
       "  cogrsim plot run.mcap --y robot.speed -o speed.svg\n"
       "  cogrsim plot bullet.mcap simbody.mcap --kind map --x robot.x --y robot.y -o path.png\n"
-      "  cogrsim plot run.mcap --kind surface --x robot.x --y robot.y --z robot.speed -o floor.png\n"
+      "  cogrsim plot run.mcap --kind surface --x robot.x --y robot.y --z robot.speed -o "
+      "floor.png\n"
       "  cogrsim plot path.json -o path.svg             a figure drawn before\n"
       "Beside a picture stay its script (gnuplot NAME.gp draws it again), data and NAME.json.");
   command.callback([&] { status = plot_command(plot_from(words)); });

@@ -5,28 +5,20 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <filesystem>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "output_file.h"
+#include "picture_file.h"
 
 extern char** environ;
 
 namespace cogrsim::cli {
 namespace {
-
-std::string ending_of(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
 
 std::vector<std::string> arguments(const std::string& path, double rate) {
   std::vector<std::string> words = {"ffmpeg",
@@ -45,14 +37,14 @@ std::vector<std::string> arguments(const std::string& path, double rate) {
   const auto add = [&](std::initializer_list<const char*> more) {
     words.insert(words.end(), more.begin(), more.end());
   };
-  if (ending_of(path) == ".gif") {
+  if (has_ending(path, {".gif"})) {
     // A palette of its own, without which flat colours turn to grain.
     add({"-filter_complex",
          "split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=none"});
   } else {
     // Even sizes and the common colour format, so that browsers play it.
     add({"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"});
-    if (ending_of(path) == ".mp4") add({"-movflags", "+faststart"});
+    if (has_ending(path, {".mp4"})) add({"-movflags", "+faststart"});
   }
   // "file:" keeps a name with a colon or a dash in front from being taken for something else.
   words.push_back("file:" + path);
@@ -61,10 +53,7 @@ std::vector<std::string> arguments(const std::string& path, double rate) {
 
 }  // namespace
 
-bool is_film(const std::string& path) {
-  const std::string ending = ending_of(path);
-  return ending == ".gif" || ending == ".mp4" || ending == ".webm";
-}
+bool is_film(const std::string& path) { return has_ending(path, {".gif", ".mp4", ".webm"}); }
 
 Result<std::unique_ptr<Film>> Film::start(const std::string& path, double rate) {
   if (auto writable = check_writable(path); !writable) return tl::unexpected(writable.error());

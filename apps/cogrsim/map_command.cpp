@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "cogrsim/map/map.h"
-#include "cogrsim/sensing/sensor_rays.h"
 #include "film.h"
 #include "frames.h"
 #include "options.h"
@@ -30,14 +29,6 @@ struct Job {
 int refuse(const Error& error) {
   print_error(error.text());
   return kFailed;
-}
-
-void add_rays(const MapCommandOptions& options, const Frame& frame, MapOptions& drawing) {
-  drawing.rays.clear();
-  if (!options.rays) return;
-  for (const SensorRay& ray : sensor_rays(frame)) {
-    drawing.rays.push_back({ray.from, ray.to, ray.hit});
-  }
 }
 
 std::string title_of(const FrameSource& source, double time) {
@@ -63,7 +54,7 @@ int draw_one(Job& job) {
   trails->add(**frame);
   job.drawing.trails = trails->trails();
   job.drawing.title = title_of(job.source, (*frame)->time);
-  add_rays(job.options, **frame, job.drawing);
+  if (job.options.rays) job.drawing.rays = sensor_rays(**frame);
   if (auto done = draw_map(**frame, job.drawing, job.options.output); !done) {
     return refuse(done.error());
   }
@@ -95,7 +86,7 @@ int draw_film(Job& job) {
     trails->add(*frame);
     job.drawing.trails = trails->trails();
     job.drawing.title = title_of(job.source, frame->time);
-    add_rays(job.options, *frame, job.drawing);
+    if (job.options.rays) job.drawing.rays = sensor_rays(*frame);
     const Result<std::string> png = map_picture(*frame, job.drawing, ".png");
     if (!png) return refuse(png.error());
     if (auto added = (*film)->add(*png); !added) return refuse(added.error());

@@ -22,10 +22,7 @@ void label_things(const Frame& frame, double size, Overlay& overlay) {
     const Body& body = model.bodies[b];
     const bool plane = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::plane;
     if (body.removed || plane) continue;
-    int assembly = body.assembly;
-    while (assembly >= 0 && model.assemblies[static_cast<std::size_t>(assembly)].parent >= 0) {
-      assembly = model.assemblies[static_cast<std::size_t>(assembly)].parent;
-    }
+    const int assembly = top_level_assembly(model, body.assembly);
     std::string text = body.name;
     if (assembly >= 0) {
       if (labelled[static_cast<std::size_t>(assembly)]) continue;

@@ -36,7 +36,7 @@ Result<std::string> depth_png(const Picture& picture) {
   return encode_png16(picture.width, picture.height, millimetres);
 }
 
-Result<std::string> segmentation_png(const SceneModel&, const Picture& picture) {
+Result<std::string> segmentation_png(const Picture& picture) {
   Image image;
   image.width = picture.width;
   image.height = picture.height;

@@ -12,7 +12,7 @@ namespace cogrsim::cli {
 Result<std::string> depth_png(const Picture& picture);
 
 /// A colour for every body, the same in every picture of the scene; background black.
-Result<std::string> segmentation_png(const SceneModel& model, const Picture& picture);
+Result<std::string> segmentation_png(const Picture& picture);
 /// "#1f77b4  123 pixels  robot.chassis", one line for every body in the picture.
 std::string segmentation_legend(const SceneModel& model, const Picture& picture);
 

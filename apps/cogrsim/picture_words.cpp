@@ -8,6 +8,7 @@
 
 #include "options.h"
 #include "quantities.h"
+#include "words.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -40,30 +41,10 @@ FrameSourceOptions source_from(const PictureWords& words) {
   FrameSourceOptions options;
   options.source.scene = words.scene;
   options.source.plugin_paths = words.plugin_paths;
-  for (const std::string& word : words.set) {
-    const auto setting = parse_setting(word);
-    if (!setting) throw CLI::ValidationError("--set", setting.error().text());
-    if (!options.source.set.emplace(*setting).second) {
-      refuse("--set", fmt::format("'{}' is set twice", setting->first), "once is enough");
-    }
-  }
-  if (!words.seed.empty()) {
-    std::uint64_t seed = 0;
-    const char* end = words.seed.data() + words.seed.size();
-    const auto [rest, error] = std::from_chars(words.seed.data(), end, seed);
-    if (error != std::errc{} || rest != end) {
-      refuse("--seed", fmt::format("'{}' is no seed", words.seed), "write a whole number from 0");
-    }
-    options.source.seed = seed;
-  }
+  options.source.set = settings_from(words.set);
+  if (!words.seed.empty()) options.source.seed = seed_from(words.seed);
   options.backend = words.backend;
-  if (!words.step.empty()) {
-    options.step = time_from("--step", words.step, false);
-    if (options.step < kSmallestStep || options.step > kLargestStep) {
-      refuse("--step", fmt::format("'{}' is out of range", words.step),
-             "a step is from 1 ns to 1 s; \"1 ms\" suits most scenes");
-    }
-  }
+  if (!words.step.empty()) options.step = step_from(words.step);
   return options;
 }
 

@@ -81,9 +81,7 @@ Result<RenderRequest> from_view(const Frame& frame, const Bounds& bounds,
     request.camera = standard_camera(*view, bounds, width, height);
     return request;
   }
-  for (const char* known : {"front", "back", "left", "right", "top", "bottom", "iso"}) {
-    names.emplace_back(known);
-  }
+  for (const std::string& known : standard_view_names()) names.push_back(known);
   const std::string near = nearest_name(wanted, names);
   return fail(
       fmt::format("there is no view '{}'", wanted), "",
@@ -116,9 +114,9 @@ Result<Picture> shoot(Studio& studio, const Frame& frame) {
   return std::move(pictures->front());
 }
 
-Result<std::string> file_of(const Studio& studio, const Frame& frame, const Picture& picture) {
+Result<std::string> file_of(const Studio& studio, const Picture& picture) {
   if (studio.options.depth) return depth_png(picture);
-  if (studio.options.segmentation) return segmentation_png(*frame.model, picture);
+  if (studio.options.segmentation) return segmentation_png(picture);
   const std::string& name = studio.options.output;
   if (has_ending(name, {".jpg", ".jpeg"})) return encode_jpeg(picture.color);
   return encode_png(picture.color);
@@ -144,7 +142,7 @@ int one_picture(Studio& studio) {
   studio.bounds = visible_bounds(**frame);
   auto picture = shoot(studio, **frame);
   if (!picture) return refuse(picture.error());
-  auto bytes = file_of(studio, **frame, *picture);
+  auto bytes = file_of(studio, *picture);
   if (!bytes) return refuse(bytes.error());
   if (auto done = write_file(studio.options.output, *bytes); !done) return refuse(done.error());
   if (studio.options.segmentation) {
@@ -172,7 +170,7 @@ int film(Studio& studio) {
     if (studio.overlays.trails) studio.trails = trails->trails();
     auto picture = shoot(studio, **frame);
     if (!picture) return refuse(picture.error());
-    auto bytes = file_of(studio, **frame, *picture);
+    auto bytes = file_of(studio, *picture);
     if (!bytes) return refuse(bytes.error());
     if (auto added = (*film)->add(*bytes); !added) return refuse(added.error());
   }

@@ -147,7 +147,7 @@ Result<Picture> rendered(Gallery& gallery, const Frame& frame, const RenderReque
   return std::move(pictures->front());
 }
 
-Result<> save(Gallery& gallery, const Frame& frame, const Picture& picture, const std::string& name,
+Result<> save(Gallery& gallery, const Picture& picture, const std::string& name,
               std::size_t number) {
   const auto put = [&](const char* part, const Result<std::string>& bytes) -> Result<> {
     if (!bytes) return tl::unexpected(bytes.error());
@@ -159,7 +159,7 @@ Result<> save(Gallery& gallery, const Frame& frame, const Picture& picture, cons
   if (!picture.color.data.empty()) done = put("", encode_png(picture.color));
   if (done && !picture.depth.empty()) done = put("_depth", depth_png(picture));
   if (done && !picture.bodies.empty()) {
-    done = put("_segmentation", segmentation_png(*frame.model, picture));
+    done = put("_segmentation", segmentation_png(picture));
   }
   return done;
 }
@@ -182,7 +182,7 @@ Result<> camera_pictures(Gallery& gallery, std::size_t sensor) {
     const SensorModel& camera = (*frame)->model->sensors[sensor];
     Result<> done;
     if (reading.picture) {
-      done = save(gallery, **frame, *reading.picture, camera.name, reading.sequence);
+      done = save(gallery, *reading.picture, camera.name, reading.sequence);
     } else if (reading.valid) {
       const auto then = gallery.recording.frame(gallery.recording.index_at(reading.time));
       if (!then) return tl::unexpected(then.error());
@@ -226,7 +226,7 @@ Result<> view_pictures(Gallery& gallery, const std::string& name, const Frame& s
     request.camera = *camera;
     const auto picture = rendered(gallery, **frame, request);
     if (!picture) return tl::unexpected(picture.error());
-    if (auto done = save(gallery, **frame, *picture, name, i + 1); !done) return done;
+    if (auto done = save(gallery, *picture, name, i + 1); !done) return done;
   }
   return {};
 }
@@ -252,9 +252,7 @@ Result<> render(Gallery& gallery) {
       if (model.sensors[i].name == name) camera = i;
     }
     for (const ViewModel& view : model.views) known.push_back(view.name);
-    for (const char* view : {"front", "back", "left", "right", "top", "bottom", "iso"}) {
-      known.emplace_back(view);
-    }
+    for (const std::string& view : standard_view_names()) known.push_back(view);
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       std::string list;
       for (const std::string& word : known) list += (list.empty() ? "" : ", ") + word;

@@ -9,13 +9,6 @@ namespace {
 constexpr Color kColors[] = {{0.85, 0.15, 0.10, 1}, {0.00, 0.35, 0.75, 1}, {0.10, 0.55, 0.20, 1},
                              {0.60, 0.25, 0.70, 1}, {0.85, 0.50, 0.00, 1}, {0.00, 0.55, 0.60, 1}};
 
-int top_level(const SceneModel& model, int assembly) {
-  while (assembly >= 0 && model.assemblies[static_cast<std::size_t>(assembly)].parent >= 0) {
-    assembly = model.assemblies[static_cast<std::size_t>(assembly)].parent;
-  }
-  return assembly;
-}
-
 // The body an assembly is followed by: its first one that moves.
 std::string leading_body(const SceneModel& model, int assembly) {
   for (const int b : bodies_of(model, assembly)) {
@@ -56,7 +49,7 @@ Result<Trails> Trails::of(const SceneModel& model, const std::vector<std::string
   if (!names.empty()) return out;
   std::vector<bool> followed(model.assemblies.size(), false);
   const auto consider = [&](int assembly) {
-    const int top = top_level(model, assembly);
+    const int top = top_level_assembly(model, assembly);
     if (top < 0 || followed[static_cast<std::size_t>(top)]) return;
     followed[static_cast<std::size_t>(top)] = true;
     const std::string body = leading_body(model, top);

@@ -60,6 +60,10 @@ class ToyWorld final : public World {
   }
   void get_contacts(std::vector<Contact>& out) const override { out.clear(); }
   Result<> add(const SceneModelPtr&) override { return fail("a toy world takes nothing in"); }
+  Result<> change(const SceneModelPtr& next) override {
+    model_ = next;
+    return {};
+  }
   Result<> remove(const SceneModelPtr& next) override {
     model_ = next;
     return {};

@@ -88,6 +88,7 @@ class MutatedWorld final : public World, private JointReactions {
   }
 
   Result<> add(const SceneModelPtr& next) override { return world_->add(next); }
+  Result<> change(const SceneModelPtr& next) override { return world_->change(next); }
   Result<> remove(const SceneModelPtr& next) override { return world_->remove(next); }
   SnapshotPtr save() const override { return world_->save(); }
   Result<> reset() override { return world_->reset(); }

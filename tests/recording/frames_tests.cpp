@@ -26,7 +26,7 @@ std::function<void(int)> interference(Simulation& simulation) {
     if (step == 90) {
       simulation.send(AddAssembly{visitor(), "guest", Pose(Vec3(3, 3, 0), Quat(1, 0, 0, 0))});
     }
-    if (step == 130) simulation.send(RemoveAssembly{"guest"});
+    if (step == 130) simulation.send(Remove{"guest"});
     if (step == 140) simulation.send(SetStep{2e-3});
   };
 }

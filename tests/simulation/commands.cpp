@@ -32,7 +32,7 @@ TEST_CASE("an assembly comes and goes while the rest stays", "[commands]") {
   CHECK((simulation->frame()->state.poses[0].p - ball).norm() < 1e-6);
   simulation->run_until(1.5);
   CHECK(simulation->frame()->state.poses[2].p.z() == Approx(0.1).margin(1e-3));
-  simulation->send(RemoveAssembly{"late"});
+  simulation->send(Remove{"late"});
   simulation->run_until(1.6);
   CHECK(find_body(*simulation->model(), "late.crate") == -1);
   CHECK((simulation->frame()->state.poses[0].p - ball).norm() < 1e-5);
@@ -47,7 +47,7 @@ TEST_CASE("commands that cannot be carried out are reported and change nothing",
   const std::string backend = GENERATE(both_backends());
   auto simulation = simulate(floor_and_ball(), backend);
   auto undisturbed = simulate(floor_and_ball(), backend);
-  simulation->send(RemoveAssembly{"bal"});
+  simulation->send(Remove{"bal"});
   simulation->send(SetMotor{"left", 1.0});
   simulation->send(AddAssembly{crate_fragment(), "ball", Pose{}});
   simulation->send(SetKinematicTwist{"ball", Twist{}});

@@ -272,6 +272,10 @@ Result<> BulletWorld::add(const SceneModelPtr& next) {
   return {};
 }
 
+Result<> BulletWorld::change(const SceneModelPtr&) {
+  return fail("this backend cannot change what is there while it runs");
+}
+
 Result<> BulletWorld::remove(const SceneModelPtr& next) {
   if (next->bodies.size() != bodies_.size()) {
     return fail("the scene to remove from has other bodies");

@@ -151,6 +151,10 @@ Result<> SimbodyWorld::set_state(const WorldState& state) {
 Result<> SimbodyWorld::add(const SceneModelPtr& next) { return rebuild(next, "add"); }
 Result<> SimbodyWorld::remove(const SceneModelPtr& next) { return rebuild(next, "remove"); }
 
+Result<> SimbodyWorld::change(const SceneModelPtr&) {
+  return fail("this backend cannot change what is there while it runs");
+}
+
 Result<> SimbodyWorld::rebuild(const SceneModelPtr& next, const char* what) {
   if (!next || next->bodies.size() < progress_.model->bodies.size() ||
       next->joints.size() < progress_.model->joints.size())

@@ -49,6 +49,7 @@ class SimbodyWorld final : public World, public JointReactions, public Kinematic
   void get_contacts(std::vector<Contact>& out) const override;
   Result<> add(const SceneModelPtr& next) override;
   Result<> remove(const SceneModelPtr& next) override;
+  Result<> change(const SceneModelPtr& next) override;
   SnapshotPtr save() const override;
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;

@@ -274,6 +274,25 @@ void Assembly::report(const std::string& message) {
       Severity::advice, "controller '" + access_->plugin + "' of '" + access_->name + "'", message);
 }
 
+const MazeModel* Assembly::maze(const std::string& name) {
+  // Of the scene as it was given: those of a run's later models may go while a controller looks.
+  const std::vector<MazeModel>& mazes = access_->simulation->original->mazes;
+  std::vector<std::string> names;
+  for (const MazeModel& maze : mazes) {
+    if (maze.name == name || (name.empty() && mazes.size() == 1)) return &maze;
+    names.push_back(maze.name);
+  }
+  access_->mistakes.push_back(not_there("maze", name, names));
+  return nullptr;
+}
+
+void Assembly::publish(const std::string& output, double value) {
+  auto wrong = publish_output(*access_->declared, output, value, access_->outputs);
+  if (wrong) access_->fault = std::move(wrong);
+}
+
+double Assembly::uniform(double low, double high) { return access_->random->uniform(low, high); }
+
 void Assembly::fail(const std::string& message) { access_->mistakes.push_back(message); }
 
 }  // namespace cogrsim

@@ -74,6 +74,10 @@ std::vector<Diagnostic> Simulation::Impl::build_controller(const ControllerModel
     slot.access->plugin = description.plugin;
     slot.access->table = &slot.plugin->descriptor().parameters;
     slot.access->parameters = std::move(loaded->parameters);
+    slot.access->declared = &slot.plugin->descriptor().outputs;
+    slot.access->outputs.assign(slot.access->declared->size(),
+                                std::numeric_limits<double>::quiet_NaN());
+    slot.access->random.emplace(original->physics.seed, description.name);
     const std::string who =
         "controller '" + description.plugin + "' of '" + slot.access->name + "'";
     Controller* made = nullptr;
@@ -99,7 +103,8 @@ std::vector<Diagnostic> Simulation::Impl::build_supervisor(const ControllerModel
     slot.plugin = loaded->plugin;
     slot.entry = static_cast<const SupervisorEntry*>(slot.plugin->descriptor().factory);
     slot.stage = std::make_unique<SupervisorStage>(
-        *this, description.name, std::move(loaded->parameters), original->physics.seed);
+        *this, description.name, std::move(loaded->parameters), slot.plugin->descriptor().outputs,
+        original->physics.seed);
     Supervisor* made = nullptr;
     auto thrown = slot.entry->create(made);
     slot.supervisor = {made, slot.entry->destroy};
@@ -108,7 +113,10 @@ std::vector<Diagnostic> Simulation::Impl::build_supervisor(const ControllerModel
       slot.stage->show(frame_with(slot.needs));
       thrown = slot.entry->configure(*made, *slot.stage);
     }
-    note_mistakes(*this, description, "supervisor '" + description.plugin + "'", thrown, {}, found);
+    std::vector<std::string> mistakes;
+    if (auto mistake = slot.stage->take_fault()) mistakes.push_back(std::move(*mistake));
+    note_mistakes(*this, description, "supervisor '" + description.plugin + "'", thrown, mistakes,
+                  found);
   }
   supervisors.push_back(std::move(slot));
   return found;
@@ -146,6 +154,8 @@ void Simulation::Impl::run_minds() {
     const Tick tick = tick_of(slot.clock);
     if (auto thrown = slot.entry->update(*slot.supervisor, tick, *slot.stage)) {
       fault(model->supervisors[i], slot.clock, "threw in update: " + *thrown);
+    } else if (auto wrong = slot.stage->take_fault()) {
+      fault(model->supervisors[i], slot.clock, *wrong);
     }
   }
 }
@@ -161,7 +171,7 @@ void Simulation::Impl::fault(const ControllerModel& description, MindClock& cloc
   report(Severity::error, who,
          message + (ends ? "; the run ends (on-fault=\"end-run\")"
                          : "; it is stopped, the run goes on (on-fault=\"stop-controller\")"));
-  events.push_back({time(), "fault", description.name, message});
+  events.push_back({time(), "fault", description.name, message, ""});
   if (ends) status = RunStatus::fault;
 }
 
@@ -183,6 +193,26 @@ void SupervisorStage::send(Command command) {
 const ParameterValue* SupervisorStage::parameter(const std::string& name) const {
   const auto found = parameters_.find(name);
   return found == parameters_.end() ? nullptr : &found->second;
+}
+
+void SupervisorStage::publish(const std::string& output, double value) {
+  if (auto wrong = publish_output(declared_, output, value, outputs_)) fault_ = std::move(wrong);
+}
+
+std::optional<std::string> publish_output(const std::vector<PluginOutput>& declared,
+                                          const std::string& name, double value,
+                                          std::vector<double>& outputs) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < declared.size(); ++i) {
+    if (declared[i].name == name) {
+      outputs[i] = value;
+      return std::nullopt;
+    }
+    names.push_back(declared[i].name);
+  }
+  const std::string near = nearest_name(name, names);
+  return "there is no declared output '" + name + "'" +
+         (near.empty() ? "" : "; did you mean '" + near + "'?");
 }
 
 void SupervisorStage::report(const std::string& message) {

@@ -34,6 +34,15 @@ void enclose(MapArea& area, double x, double y) {
   area.y_max = std::max(area.y_max, y);
 }
 
+void enclose_body(MapArea& area, const SceneModel& model, const Body& body, const Pose& X_WB) {
+  for (const Shape& shape : body.shapes) {
+    if (!shape.visible) continue;
+    for (const auto& polygon : plan_outline(model, shape, X_WB)) {
+      for (const auto& p : polygon) enclose(area, p.x(), p.y());
+    }
+  }
+}
+
 /// A shape to be drawn, in order of height.
 struct Item {
   const Shape* shape = nullptr;
@@ -276,18 +285,10 @@ void draw_names(const Canvas& canvas, const Frame& frame) {
     const Body& body = model.bodies[b];
     if (body.removed) continue;
     MapArea area = nothing();
-    for (const Shape& shape : body.shapes) {
-      if (!shape.visible) continue;
-      for (const auto& polygon : plan_outline(model, shape, frame.state.poses[b])) {
-        for (const auto& p : polygon) enclose(area, p.x(), p.y());
-      }
-    }
+    enclose_body(area, model, body, frame.state.poses[b]);
     if (!(area.x_min <= area.x_max)) continue;
     const bool moves = body.kind != BodyKind::fixed;
-    int assembly = body.assembly;
-    while (assembly >= 0 && model.assemblies[static_cast<std::size_t>(assembly)].parent >= 0) {
-      assembly = model.assemblies[static_cast<std::size_t>(assembly)].parent;
-    }
+    const int assembly = top_level_assembly(model, body.assembly);
     if (assembly < 0) {
       labels.push_back({body.name, area, moves});
       continue;
@@ -361,11 +362,11 @@ void draw_trails(const Canvas& canvas, const std::vector<MapTrail>& trails) {
   }
 }
 
-void draw_rays(const Canvas& canvas, const std::vector<MapRay>& rays) {
+void draw_rays(const Canvas& canvas, const std::vector<SensorRay>& rays) {
   cairo_t* cr = canvas.context();
   canvas.paint(kRay);
   cairo_set_line_width(cr, 1.0);
-  for (const MapRay& ray : rays) {
+  for (const SensorRay& ray : rays) {
     if (!ray.from.allFinite() || !ray.to.allFinite()) continue;
     cairo_move_to(cr, canvas.column(ray.from.x()), canvas.row(ray.from.y()));
     cairo_line_to(cr, canvas.column(ray.to.x()), canvas.row(ray.to.y()));
@@ -449,12 +450,7 @@ MapArea map_area(const Frame& frame, const std::vector<MapTrail>& trails) {
   for (std::size_t b = 0; b < frame.model->bodies.size(); ++b) {
     const Body& body = frame.model->bodies[b];
     if (body.removed) continue;
-    for (const Shape& shape : body.shapes) {
-      if (!shape.visible) continue;
-      for (const auto& polygon : plan_outline(*frame.model, shape, frame.state.poses[b])) {
-        for (const auto& p : polygon) enclose(area, p.x(), p.y());
-      }
-    }
+    enclose_body(area, *frame.model, body, frame.state.poses[b]);
   }
   for (const MapTrail& trail : trails) {
     for (const Vec3& p : trail.points) enclose(area, p.x(), p.y());

@@ -255,6 +255,13 @@ std::vector<int> bodies_of(const SceneModel& model, int assembly) {
   return out;
 }
 
+int top_level_assembly(const SceneModel& model, int assembly) {
+  while (assembly >= 0 && model.assemblies[static_cast<std::size_t>(assembly)].parent >= 0) {
+    assembly = model.assemblies[static_cast<std::size_t>(assembly)].parent;
+  }
+  return assembly;
+}
+
 int find_body(const SceneModel& model, const std::string& name) {
   return find_by_name(model.bodies, name);
 }

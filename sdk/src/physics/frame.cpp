@@ -37,6 +37,11 @@ std::uint64_t hash_numbers(const double* numbers, std::size_t count, std::uint64
 
 }  // namespace
 
+FrameContents operator|(const FrameContents& a, const FrameContents& b) {
+  return {a.contacts || b.contacts, a.joint_reactions || b.joint_reactions,
+          a.accelerations || b.accelerations, a.for_sensors || b.for_sensors};
+}
+
 Energy energy_of(const SceneModel& model, const WorldState& state) {
   Energy out;
   for_each_dynamic(model, state, [&](const Body& body, const Pose& X_WB, const Twist& V_WB) {

@@ -118,6 +118,8 @@ const char* to_string(PluginKind kind) {
       return "sensor";
     case PluginKind::renderer:
       return "renderer";
+    case PluginKind::algorithm:
+      return "algorithm";
   }
   return "?";
 }

@@ -98,10 +98,17 @@ void fields(Io& io, SensorModel& x) {
 }
 
 template <class Io>
+void fields(Io& io, OutputModel& x) {
+  auto& [name, unit] = x;
+  io("name", name)("unit", unit);
+}
+
+template <class Io>
 void fields(Io& io, ControllerModel& x) {
-  auto& [name, plugin, rate, parameters, on_fault, assembly, removed, origin] = x;
+  auto& [name, plugin, rate, parameters, on_fault, outputs, assembly, removed, origin] = x;
   io("name", name)("plugin", plugin)("rate", rate)("parameters", parameters);
-  io("on_fault", on_fault)("assembly", assembly)("removed", removed)("origin", origin);
+  io("on_fault", on_fault)("outputs", outputs)("assembly", assembly)("removed", removed)("origin",
+                                                                                         origin);
 }
 
 template <class Io>
@@ -154,17 +161,58 @@ void fields(Io& io, PlotModel& x) {
 }
 
 template <class Io>
+void fields(Io& io, RegionModel& x) {
+  auto& [name, type, body, X_BR, size, radius, who, assembly, removed, origin] = x;
+  io("name", name)("type", type)("body", body)("X_BR", X_BR)("size", size)("radius", radius);
+  io("who", who)("assembly", assembly)("removed", removed)("origin", origin);
+}
+
+template <class Io>
+void fields(Io& io, DoorModel& x) {
+  auto& [name, motor, closed, open, starts_open, assembly, removed, origin] = x;
+  io("name", name)("motor", motor)("closed", closed)("open", open)("starts_open", starts_open);
+  io("assembly", assembly)("removed", removed)("origin", origin);
+}
+
+template <class Io>
+void fields(Io& io, MazeModel::Place& x) {
+  auto& [name, row, column] = x;
+  io("name", name)("row", row)("column", column);
+}
+
+template <class Io>
+void fields(Io& io, MazeModel& x) {
+  auto& [name, X_WM, rows, columns, cell, thickness, height, vertical, horizontal, places, origin] =
+      x;
+  io("name", name)("X_WM", X_WM)("rows", rows)("columns", columns)("cell", cell);
+  io("thickness", thickness)("height", height)("vertical", vertical)("horizontal", horizontal);
+  io("places", places)("origin", origin);
+}
+
+template <class Io>
+void fields(Io& io, MeasureModel& x) {
+  auto& [name, signal, take, origin] = x;
+  io("name", name)("signal", signal)("take", take)("origin", origin);
+}
+
+template <class Io>
 void fields(Io& io, SceneModel& x) {
   auto& [name, files, physics, materials, material_pairs, meshes, heightmaps, assemblies, bodies,
          frames, joints, motors, sensors, controllers, supervisors, lights, views, record, plots,
-         no_collide, joint_positions, joint_speeds] = x;
+         regions, doors, mazes, templates, rules, measures, tests, no_collide, joint_positions,
+         joint_speeds] = x;
   static_cast<void>(meshes);  // as packed numbers, see Model in cogrsim.proto
   static_cast<void>(heightmaps);
+  // What only acts while a run goes on: the scene's own file, attached, has it.
+  static_cast<void>(templates);
+  static_cast<void>(rules);
+  static_cast<void>(tests);
   io("name", name)("files", files)("physics", physics)("materials", materials);
   io("material_pairs", material_pairs)("assemblies", assemblies)("bodies", bodies);
   io("frames", frames)("joints", joints)("motors", motors)("sensors", sensors);
   io("controllers", controllers)("supervisors", supervisors)("lights", lights)("views", views);
   io("record", record)("plots", plots)("no_collide", no_collide);
+  io("regions", regions)("doors", doors)("mazes", mazes)("measures", measures);
   io("joint_positions", joint_positions)("joint_speeds", joint_speeds);
 }
 
@@ -181,6 +229,12 @@ constexpr int last_of() {
   if constexpr (std::is_same_v<Enum, FaultPolicy>) return static_cast<int>(FaultPolicy::end_run);
   if constexpr (std::is_same_v<Enum, LightModel::Type>) {
     return static_cast<int>(LightModel::Type::spot);
+  }
+  if constexpr (std::is_same_v<Enum, RegionModel::Type>) {
+    return static_cast<int>(RegionModel::Type::sphere);
+  }
+  if constexpr (std::is_same_v<Enum, MeasureModel::Take>) {
+    return static_cast<int>(MeasureModel::Take::first_time);
   }
   return -1;
 }

@@ -7,9 +7,8 @@ namespace cogrsim {
 
 namespace {
 
-constexpr StandardView kViews[] = {StandardView::front, StandardView::back, StandardView::left,
-                                   StandardView::right, StandardView::top,  StandardView::bottom,
-                                   StandardView::iso};
+// In the order of StandardView.
+constexpr const char* kNames[] = {"front", "back", "left", "right", "top", "bottom", "iso"};
 
 // Half extents and middle of a shape in its own frame [m].
 Bounds local_bounds(const SceneModel& model, const Shape& shape) {
@@ -86,29 +85,13 @@ Quat orientation_of(StandardView view) {
 
 }  // namespace
 
-const char* to_string(StandardView view) {
-  switch (view) {
-    case StandardView::front:
-      return "front";
-    case StandardView::back:
-      return "back";
-    case StandardView::left:
-      return "left";
-    case StandardView::right:
-      return "right";
-    case StandardView::top:
-      return "top";
-    case StandardView::bottom:
-      return "bottom";
-    case StandardView::iso:
-      return "iso";
-  }
-  return "?";
-}
+const char* to_string(StandardView view) { return kNames[static_cast<std::size_t>(view)]; }
+
+std::vector<std::string> standard_view_names() { return {std::begin(kNames), std::end(kNames)}; }
 
 std::optional<StandardView> standard_view(const std::string& name) {
-  for (const StandardView view : kViews) {
-    if (name == to_string(view)) return view;
+  for (std::size_t i = 0; i < std::size(kNames); ++i) {
+    if (name == kNames[i]) return static_cast<StandardView>(i);
   }
   return std::nullopt;
 }

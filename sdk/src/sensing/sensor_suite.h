@@ -91,9 +91,4 @@ class SensorSuite {
 void mean_accelerations(const std::vector<Twist>& before, const std::vector<Twist>& now, double dt,
                         std::vector<Twist>& out);
 
-inline FrameContents operator|(const FrameContents& a, const FrameContents& b) {
-  return {a.contacts || b.contacts, a.joint_reactions || b.joint_reactions,
-          a.accelerations || b.accelerations, a.for_sensors || b.for_sensors};
-}
-
 }  // namespace cogrsim

@@ -28,14 +28,6 @@ FrameContents Signal::needs() const { return node_->needs; }
 double Signal::evaluate(const Frame& frame) const { return node_->value(frame); }
 std::uint64_t Signal::revision(const Frame& frame) const { return node_->revision(frame); }
 
-FrameContents operator|(const FrameContents& a, const FrameContents& b) {
-  FrameContents both;
-  both.contacts = a.contacts || b.contacts;
-  both.joint_reactions = a.joint_reactions || b.joint_reactions;
-  both.accelerations = a.accelerations || b.accelerations;
-  return both;
-}
-
 ChannelLookup built_in_channels(const SceneModel& model) {
   auto known = std::make_shared<std::map<int, std::vector<Channel>>>();
   return [&model, known](int sensor) -> const std::vector<Channel>* {

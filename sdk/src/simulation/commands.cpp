@@ -88,7 +88,7 @@ void Simulation::Impl::apply(Command& command) {
             return {};
           },
           [&](Restart&) { return restart(); }, [&](AddAssembly& c) { return add_assembly(c); },
-          [&](RemoveAssembly& c) { return remove_assembly(c.name); },
+          [&](Remove& c) { return remove_assembly(c.name); },
           [&](SetMotor& c) { return set_motor(c.motor, c.target); },
           [&](EnableSensor& c) -> Result<> {
             const auto found = find_named(model->sensors, "sensor", c.sensor);
@@ -109,15 +109,24 @@ void Simulation::Impl::apply(Command& command) {
           [&](SetState& c) -> Result<> { return world->set_state(c.state); },
           [&](EndRun& c) -> Result<> {
             status = RunStatus::stopped;
-            events.push_back({time(), "ended", "", c.reason});
+            events.push_back({time(), "ended", "", c.reason, ""});
             if (!c.reason.empty()) report(Severity::advice, "run", "ended: " + c.reason);
             return {};
-          }},
+          },
+          [&](Tell& c) -> Result<> {
+            report(Severity::advice, "scene", c.message);
+            return {};
+          },
+          [&](Raise& c) -> Result<> {
+            events.push_back({time(), "raised", c.event, c.message, ""});
+            return {};
+          },
+          [&](auto&) -> Result<> { return fail("this command is not known yet"); }},
       command);
   world_changed();
   if (!done) {
     report(Severity::error, "command", done.error().text());
-    events.push_back({time(), "refused", "", done.error().message});
+    events.push_back({time(), "refused", "", done.error().message, ""});
   }
 }
 
@@ -169,7 +178,7 @@ Result<> Simulation::Impl::add_assembly(const AddAssembly& command) {
     }
     return fail("cannot add assembly '" + command.name + "': " + why);
   }
-  events.push_back({time(), "added", command.name, ""});
+  events.push_back({time(), "added", command.name, "", ""});
   return {};
 }
 
@@ -186,7 +195,7 @@ Result<> Simulation::Impl::remove_assembly(const std::string& name) {
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     if (model->sensors[i].removed) sensors.enable(i, false);
   }
-  events.push_back({time(), "removed", name, ""});
+  events.push_back({time(), "removed", name, "", ""});
   return {};
 }
 
@@ -201,7 +210,7 @@ Result<> Simulation::Impl::restart() {
   status = RunStatus::running;
   world_changed();
   const std::vector<Diagnostic> found = build_all();
-  events.push_back({0.0, "restarted", "", ""});
+  events.push_back({0.0, "restarted", "", "", ""});
   if (!found.empty()) {
     status = RunStatus::fault;
     return fail("restart: " + joined(found));

@@ -40,7 +40,8 @@ Diagnostic from_error(const Error& error, const std::string& default_code) {
 // The options a run overrules, and the engine's own options with their defaults filled in.
 tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneModel& scene,
                                                                    const SimulationOptions& options,
-                                                                   const Backend& backend) {
+                                                                   const Backend& backend,
+                                                                   PluginLoader& loader) {
   auto model = std::make_shared<SceneModel>(scene);
   if (options.step > 0.0) model->physics.step = options.step;
   if (options.seed) model->physics.seed = *options.seed;
@@ -68,10 +69,26 @@ tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneMo
              info.origin);
   }
   if (!found.empty()) return tl::unexpected(std::move(found));
+  name_outputs(*model, loader);
   return SceneModelPtr(std::move(model));
 }
 
 }  // namespace
+
+void name_outputs(SceneModel& model, PluginLoader& loader) {
+  const auto name = [&](std::vector<ControllerModel>& minds, PluginKind kind) {
+    for (ControllerModel& mind : minds) {
+      const auto plugin = loader.load(kind, mind.plugin);
+      if (!plugin) continue;  // told when it is built
+      mind.outputs.clear();
+      for (const PluginOutput& output : (*plugin)->descriptor().outputs) {
+        mind.outputs.push_back({output.name, output.unit});
+      }
+    }
+  };
+  name(model.controllers, PluginKind::controller);
+  name(model.supervisors, PluginKind::supervisor);
+}
 
 tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::create(
     SceneModelPtr scene, const SimulationOptions& options, std::shared_ptr<PluginLoader> loader) {
@@ -96,7 +113,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   }
   impl->backend = *backend;
 
-  auto settled = settled_model(*scene, options, *impl->backend);
+  auto settled = settled_model(*scene, options, *impl->backend, *impl->loader);
   if (!settled) return Failure(settled.error());
   impl->original = impl->model = *settled;
   impl->dt = impl->model->physics.step;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <deque>
 #include <mutex>
+#include <utility>
 
 #include "cogrsim/assembly/assembly.h"
 #include "cogrsim/control/controller.h"
@@ -27,10 +28,18 @@ struct AssemblyAccess {
   std::string plugin;
   const ParameterTable* table = nullptr;
   Parameters parameters;
+  const std::vector<PluginOutput>* declared = nullptr;
+  std::vector<double> outputs;  ///< as declared
+  std::optional<RandomStream> random;
   std::vector<int> motors;            ///< those it asked for
   std::vector<std::string> mistakes;  ///< of configure()
   std::optional<std::string> fault;   ///< of the update that is running
 };
+
+/// Sets one of the declared outputs, or says what is wrong.
+std::optional<std::string> publish_output(const std::vector<PluginOutput>& declared,
+                                          const std::string& name, double value,
+                                          std::vector<double>& outputs);
 
 /// When a mind ran last.
 struct MindClock {
@@ -73,7 +82,8 @@ struct SimulationSnapshot {
   std::vector<MotorState> motors;
   std::vector<SensorMemory> sensors;
   std::vector<MindClock> controllers, supervisors;
-  std::vector<std::uint64_t> supervisor_random;
+  std::vector<std::uint64_t> controller_random, supervisor_random;
+  std::vector<std::vector<double>> controller_outputs, supervisor_outputs;
   std::vector<Twist> twists_before;
 };
 
@@ -148,6 +158,7 @@ struct Simulation::Impl {
   void read_sensors();
   RunStatus step();
   void show_start();
+  void show_frame();  ///< the present one, to the watchers
   void report(Severity severity, const std::string& source, const std::string& message);
 
   // commands.cpp
@@ -160,14 +171,19 @@ struct Simulation::Impl {
   bool wants_accelerations() const;
 };
 
+/// Fills in what the model's minds publish, as their plugins say.
+void name_outputs(SceneModel& model, PluginLoader& loader);
+
 /// The side of a supervisor's Stage that belongs to the simulation.
 class SupervisorStage final : public Stage {
  public:
   SupervisorStage(Simulation::Impl& simulation, std::string name, Parameters parameters,
-                  std::uint64_t seed)
+                  const std::vector<PluginOutput>& declared, std::uint64_t seed)
       : simulation_(simulation),
         name_(std::move(name)),
         parameters_(std::move(parameters)),
+        declared_(declared),
+        outputs_(declared.size(), std::numeric_limits<double>::quiet_NaN()),
         random_(seed, name_) {}
 
   const Frame& frame() const override { return *frame_; }
@@ -175,14 +191,21 @@ class SupervisorStage final : public Stage {
   const ParameterValue* parameter(const std::string& name) const override;
   double uniform(double low, double high) override { return random_.uniform(low, high); }
   void report(const std::string& message) override;
+  void publish(const std::string& output, double value) override;
 
   void show(FramePtr frame) { frame_ = std::move(frame); }
   RandomStream& random() { return random_; }
+  std::vector<double>& outputs() { return outputs_; }
+  /// What went wrong since the last call.
+  std::optional<std::string> take_fault() { return std::exchange(fault_, std::nullopt); }
 
  private:
   Simulation::Impl& simulation_;
   std::string name_;
   Parameters parameters_;
+  const std::vector<PluginOutput>& declared_;
+  std::vector<double> outputs_;
+  std::optional<std::string> fault_;
   RandomStream random_;
   FramePtr frame_;
 };

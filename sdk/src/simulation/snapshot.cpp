@@ -15,10 +15,16 @@ SimulationSnapshotPtr Simulation::save() const {
   snapshot->status = from.status;
   snapshot->motors = from.motors;
   snapshot->sensors = from.sensors.save();
-  for (const ControllerSlot& slot : from.controllers) snapshot->controllers.push_back(slot.clock);
+  for (const ControllerSlot& slot : from.controllers) {
+    snapshot->controllers.push_back(slot.clock);
+    snapshot->controller_random.push_back(slot.access ? slot.access->random->state() : 0);
+    snapshot->controller_outputs.push_back(slot.access ? slot.access->outputs
+                                                       : std::vector<double>());
+  }
   for (const SupervisorSlot& slot : from.supervisors) {
     snapshot->supervisors.push_back(slot.clock);
     snapshot->supervisor_random.push_back(slot.stage->random().state());
+    snapshot->supervisor_outputs.push_back(slot.stage->outputs());
   }
   snapshot->last_dt = from.last_dt;
   snapshot->twists_before = from.twists_before;
@@ -54,11 +60,15 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
   to.sensors.restore(snapshot->sensors);
   for (std::size_t i = 0; i < snapshot->controllers.size() && i < to.controllers.size(); ++i) {
     to.controllers[i].clock = snapshot->controllers[i];
+    if (!to.controllers[i].access) continue;
+    to.controllers[i].access->random->set_state(snapshot->controller_random[i]);
+    to.controllers[i].access->outputs = snapshot->controller_outputs[i];
   }
   for (std::size_t i = 0; i < snapshot->supervisors.size(); ++i) {
     to.supervisors[i].clock = snapshot->supervisors[i];
-    if (to.supervisors[i].stage)
-      to.supervisors[i].stage->random().set_state(snapshot->supervisor_random[i]);
+    if (!to.supervisors[i].stage) continue;
+    to.supervisors[i].stage->random().set_state(snapshot->supervisor_random[i]);
+    to.supervisors[i].stage->outputs() = snapshot->supervisor_outputs[i];
   }
   if (!problems.empty()) return fail("restore: " + problems);
   return {};

@@ -65,6 +65,14 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   }
   sensors.copy_readings(frame->readings);
   frame->events = events;
+  frame->controller_outputs.resize(controllers.size());
+  for (std::size_t i = 0; i < controllers.size(); ++i) {
+    if (controllers[i].access) frame->controller_outputs[i] = controllers[i].access->outputs;
+  }
+  frame->supervisor_outputs.resize(supervisors.size());
+  for (std::size_t i = 0; i < supervisors.size(); ++i) {
+    if (supervisors[i].stage) frame->supervisor_outputs[i] = supervisors[i].stage->outputs();
+  }
   cached = std::move(frame);
   cached_contents = wanted;
   return cached;
@@ -99,9 +107,8 @@ void Simulation::Impl::read_sensors() {
   sensing.hide();
 }
 
-void Simulation::Impl::show_start() {
-  if (start_shown || watchers.empty()) return;
-  start_shown = true;
+void Simulation::Impl::show_frame() {
+  if (watchers.empty()) return;
   FrameContents needed;
   for (const Watcher& watcher : watchers) needed = needed | watcher.contents;
   if (needed.for_sensors) needed = needed | sensors.needs();
@@ -109,10 +116,16 @@ void Simulation::Impl::show_start() {
   for (const Watcher& watcher : watchers) watcher.observer(frame);
 }
 
+void Simulation::Impl::show_start() {
+  if (start_shown || watchers.empty()) return;
+  start_shown = true;
+  show_frame();
+}
+
 RunStatus Simulation::Impl::step() {
   if (stop_requested.exchange(false) && status == RunStatus::running) status = RunStatus::stopped;
   if (status == RunStatus::running) show_start();
-  apply_commands();  // also after the end: a Restart begins anew
+  apply_commands();                                // also after the end: a Restart begins anew
   if (status == RunStatus::running) show_start();  // of the new run
   if (status != RunStatus::running || (paused && !single_step)) return status;
   single_step = false;
@@ -140,13 +153,7 @@ RunStatus Simulation::Impl::step() {
   ++steps;
   ++steps_since_base;
   last_dt = dt;
-  if (!watchers.empty()) {
-    FrameContents needed;
-    for (const Watcher& watcher : watchers) needed = needed | watcher.contents;
-    if (needed.for_sensors) needed = needed | sensors.needs();
-    const FramePtr frame = frame_with(needed);
-    for (const Watcher& watcher : watchers) watcher.observer(frame);
-  }
+  show_frame();
   events.clear();
   return status;
 }

@@ -197,6 +197,24 @@ class COGRSIM_API Assembly {
 
   /// Folder of the scene file, "" for a scene made by a program: where data files are looked for.
   std::string scene_folder() const;
+  /// The plan of a maze of the scene by its dotted name, "" for the only one. nullptr: not there;
+  /// noted, as above.
+  const MazeModel* maze(const std::string& name);
+
+  /// Value of a declared output (see output() in cogrsim/plugin/descriptor.h) from now on. One that
+  /// is not declared is a mistake in configure(), a fault in update().
+  void publish(const std::string& output, double value);
+  /// Uniform in [low, high) from the controller's own seeded stream.
+  double uniform(double low, double high);
+
+  /// A planner, steering or learner by the name of its plugin: see cogrsim/algorithms/. nullptr: not
+  /// there, of another family, or a parameter is wrong; noted, as above. `Type` is one of the
+  /// interfaces in cogrsim/algorithms/.
+  template <class Type>
+  std::shared_ptr<Type> algorithm(const std::string& name, const Parameters& parameters = {}) {
+    return std::static_pointer_cast<Type>(find_algorithm(name, Type::kFamily, parameters));
+  }
+
   /// Notes something to tell the user that does not stop the run.
   void report(const std::string& message);
   /// Notes a mistake of the scene: the load fails with it.
@@ -208,6 +226,8 @@ class COGRSIM_API Assembly {
  private:
   void bind(SensorHandle& handle, const std::string& name, const char* type);
   const ParameterValue* find_parameter(const std::string& name, ParameterType type);
+  std::shared_ptr<void> find_algorithm(const std::string& name, const char* family,
+                                       const Parameters& parameters);
   std::shared_ptr<AssemblyAccess> access_;
 };
 

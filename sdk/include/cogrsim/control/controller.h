@@ -35,6 +35,12 @@ class Controller {
   /// At the controller's own rate. An exception stops this controller (or the run, as the scene's
   /// `on-fault` says) and is reported with robot, time and message.
   virtual void update(const Tick& tick) = 0;
+
+  /// All it remembers, as text, for a snapshot on file; empty: it offers none, and begins anew when
+  /// the snapshot is loaded.
+  virtual std::optional<std::string> save() const { return std::nullopt; }
+  /// After configure(), with what save() gave. An exception: the memory does not fit.
+  virtual void restore(const std::string& memory) { static_cast<void>(memory); }
 };
 
 /// Runs plugin code inside the plugin's own library, so that no exception leaves it. Returns what
@@ -59,11 +65,14 @@ struct ControllerEntry {
   void (*destroy)(Controller*);
   std::optional<std::string> (*configure)(Controller&, Assembly&);
   std::optional<std::string> (*update)(Controller&, const Tick&);
+  std::optional<std::string> (*save)(const Controller&, std::optional<std::string>& memory);
+  std::optional<std::string> (*restore)(Controller&, const std::string& memory);
 };
 
 }  // namespace cogrsim
 
-/// Exports a Controller. After class and name: parameter(…), version(…), author(…), summary(…).
+/// Exports a Controller. After class and name: parameter(…), output(…), version(…), author(…),
+/// summary(…).
 #define COGRSIM_CONTROLLER(Class, name, ...)                                           \
   namespace {                                                                          \
   const ::cogrsim::ControllerEntry cogrsim_entry = {                                   \
@@ -76,6 +85,12 @@ struct ControllerEntry {
       },                                                                               \
       [](::cogrsim::Controller& c, const ::cogrsim::Tick& tick) {                      \
         return ::cogrsim::detail::guarded([&] { c.update(tick); });                    \
+      },                                                                               \
+      [](const ::cogrsim::Controller& c, std::optional<std::string>& memory) {         \
+        return ::cogrsim::detail::guarded([&] { memory = c.save(); });                 \
+      },                                                                               \
+      [](::cogrsim::Controller& c, const std::string& memory) {                        \
+        return ::cogrsim::detail::guarded([&] { c.restore(memory); });                 \
       }};                                                                              \
   }                                                                                    \
   COGRSIM_EXPORT_PLUGIN(::cogrsim::PluginKind::controller, name, &cogrsim_entry, ##__VA_ARGS__)

@@ -19,6 +19,8 @@ class COGRSIM_API Stage {
   /// Uniform in [low, high) from the supervisor's own seeded stream.
   virtual double uniform(double low, double high) = 0;
   virtual void report(const std::string& message) = 0;
+  /// Value of a declared output from now on. Undeclared: a fault.
+  virtual void publish(const std::string& output, double value) = 0;
 };
 
 class Supervisor {
@@ -28,6 +30,9 @@ class Supervisor {
   /// Before the run and after every restart, on a new object.
   virtual void configure(Stage& stage) = 0;
   virtual void update(const Tick& tick, Stage& stage) = 0;
+  /// As Controller's.
+  virtual std::optional<std::string> save() const { return std::nullopt; }
+  virtual void restore(const std::string& memory) { static_cast<void>(memory); }
 };
 
 /// Factory table of a supervisor plugin; made by COGRSIM_SUPERVISOR.
@@ -36,6 +41,8 @@ struct SupervisorEntry {
   void (*destroy)(Supervisor*);
   std::optional<std::string> (*configure)(Supervisor&, Stage&);
   std::optional<std::string> (*update)(Supervisor&, const Tick&, Stage&);
+  std::optional<std::string> (*save)(const Supervisor&, std::optional<std::string>& memory);
+  std::optional<std::string> (*restore)(Supervisor&, const std::string& memory);
 };
 
 }  // namespace cogrsim
@@ -52,6 +59,12 @@ struct SupervisorEntry {
       },                                                                                   \
       [](::cogrsim::Supervisor& s, const ::cogrsim::Tick& tick, ::cogrsim::Stage& stage) { \
         return ::cogrsim::detail::guarded([&] { s.update(tick, stage); });                 \
+      },                                                                                   \
+      [](const ::cogrsim::Supervisor& s, std::optional<std::string>& memory) {             \
+        return ::cogrsim::detail::guarded([&] { memory = s.save(); });                     \
+      },                                                                                   \
+      [](::cogrsim::Supervisor& s, const std::string& memory) {                            \
+        return ::cogrsim::detail::guarded([&] { s.restore(memory); });                     \
       }};                                                                                  \
   }                                                                                        \
   COGRSIM_EXPORT_PLUGIN(::cogrsim::PluginKind::supervisor, name, &cogrsim_entry, ##__VA_ARGS__)

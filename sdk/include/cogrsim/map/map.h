@@ -9,6 +9,7 @@
 #include "cogrsim/core/export.h"
 #include "cogrsim/core/result.h"
 #include "cogrsim/physics/frame.h"
+#include "cogrsim/sensing/sensor_rays.h"
 
 namespace cogrsim {
 
@@ -17,12 +18,6 @@ struct MapTrail {
   std::string label;         ///< for the legend; empty: none
   std::vector<Vec3> points;  ///< world [m], in order of time; a point that is not finite is a gap
   Color color{0.85, 0.15, 0.1, 1};
-};
-
-/// A sensor's line of sight, see sensor_rays().
-struct MapRay {
-  Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< world [m]
-  bool hit = false;                             ///< ends on something
 };
 
 /// Another frame, whose moving bodies are drawn as outlines over the map: another run of the scene.
@@ -44,7 +39,7 @@ struct MapOptions {
   bool grid = true;
   std::vector<MapTrail> trails;  ///< dashed
   std::vector<MapGhost> ghosts;
-  std::vector<MapRay> rays;  ///< red
+  std::vector<SensorRay> rays;  ///< red
 };
 
 /// What encloses all bodies of the frame (planes aside) and the trails, with a margin of 5 %.

@@ -17,6 +17,7 @@
 
 #include "cogrsim/core/export.h"
 #include "cogrsim/core/parameter.h"
+#include "cogrsim/model/action.h"
 #include "cogrsim/model/shapes.h"
 
 namespace cogrsim {
@@ -177,6 +178,12 @@ struct SensorModel {
 
 enum class FaultPolicy { stop_controller, end_run };
 
+/// A number that a controller or supervisor publishes, as its plugin declares it.
+struct OutputModel {
+  std::string name;
+  std::string unit;  ///< as in the scene language; "1": none
+};
+
 /// `<controller>` of an assembly, or `<supervisor>` of the scene (assembly -1).
 struct ControllerModel {
   std::string name;  ///< dotted, unique
@@ -184,6 +191,7 @@ struct ControllerModel {
   double rate = 0.0;  ///< [Hz]; 0: every step
   Parameters parameters;
   FaultPolicy on_fault = FaultPolicy::stop_controller;
+  std::vector<OutputModel> outputs;  ///< filled in when the plugin is known
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
@@ -259,6 +267,130 @@ struct PlotModel {
   SourceSpan origin;
 };
 
+/// `<region>`: a volume that notices who comes in and who goes out (events "enter" and "leave").
+struct RegionModel {
+  enum class Type { box, sphere };
+  std::string name;  ///< dotted
+  Type type = Type::box;
+  int body = kWorld;  ///< moves with it
+  Pose X_BR;
+  Vec3 size = Vec3::Ones();  ///< box: full extents [m]
+  double radius = 0.5;       ///< sphere [m]
+  /// Bodies, named frames and assemblies it looks for, by dotted name; what counts is where their
+  /// origin is (of an assembly: its base's). Empty: every top-level assembly and every body outside
+  /// of one that can move, those added later among them.
+  std::vector<std::string> who;
+  int assembly = -1;
+  bool removed = false;
+  SourceSpan origin;
+};
+
+/// `<door>`: what its motor moves between two ends (events "opening", "opened", "closing", "closed",
+/// the latter two when it has really arrived).
+struct DoorModel {
+  std::string name;                 ///< dotted
+  int motor = -1;                   ///< SceneModel::motors
+  double closed = 0.0, open = 1.0;  ///< targets of the motor [m] or [rad]
+  bool starts_open = false;
+  int assembly = -1;
+  bool removed = false;
+  SourceSpan origin;
+};
+
+/// `<maze>`: the plan of its walls, which are bodies like any others. A robot that is given the plan
+/// knows the walls and doors, not what else stands there.
+///
+/// Cells count from 0, rows from the south (lowest y), columns from the west (lowest x). The maze's
+/// frame M has its origin at the outer south-west corner of cell (0, 0), on the floor.
+struct MazeModel {
+  static constexpr int kOpen = -1, kWall = -2;  ///< else: a door, SceneModel::doors
+  struct Place {
+    std::string name;  ///< as in the drawing: "S", "T1"
+    int row = 0, column = 0;
+  };
+  std::string name;  ///< dotted
+  Pose X_WM;
+  int rows = 0, columns = 0;
+  double cell = 1.0;       ///< from centre to centre [m]
+  double thickness = 0.0;  ///< of the walls [m]
+  double height = 0.0;     ///< [m]
+  /// What stands between a cell and its neighbour: kOpen, kWall or a door.
+  std::vector<int> vertical;    ///< rows x (columns + 1): entry [row][c] is west of column c
+  std::vector<int> horizontal;  ///< (rows + 1) x columns: entry [r][column] is south of row r
+  std::vector<Place> places;
+  SourceSpan origin;
+
+  int west(int row, int column) const {
+    return vertical[static_cast<std::size_t>(row * (columns + 1) + column)];
+  }
+  int east(int row, int column) const { return west(row, column + 1); }
+  int south(int row, int column) const {
+    return horizontal[static_cast<std::size_t>(row * columns + column)];
+  }
+  int north(int row, int column) const { return south(row + 1, column); }
+  /// Of a cell's floor, in M [m].
+  Vec3 centre(int row, int column) const {
+    return {(column + 0.5) * cell, (row + 0.5) * cell, 0.0};
+  }
+};
+
+/// `<template>`: what is not there at the start and can be added by name, see Spawn.
+struct TemplateModel {
+  std::string name;  ///< dotted
+  std::shared_ptr<const struct SceneModel> fragment;
+  SourceSpan origin;
+};
+
+/// `<on>`: what a scene does by itself. It fires on an event, at a time, or when a condition becomes
+/// true; its actions are applied at the next step boundary (`after` it), in order.
+struct RuleModel {
+  std::string name;                   ///< dotted, unique
+  std::string kind, source, subject;  ///< of the event; empty: any. `kind` empty: no event
+  std::optional<double> time;         ///< [s]
+  std::optional<double> every;        ///< again and again, first at `time` or one period in [s]
+  std::string when;    ///< condition (cogrsim/signals/condition.h): alone, fires when it becomes
+                       ///< true; beside an event or a time, it must hold then
+  double after = 0.0;  ///< delay [s]
+  int limit = 1000;    ///< fires that often at most; more is reported once and ignored
+  std::vector<Action> actions;
+  SourceSpan origin;
+};
+
+/// `<measure>`: a number of merit of a whole run.
+struct MeasureModel {
+  enum class Take { last, minimum, maximum, mean, integral, first_time };
+  std::string name;    ///< dotted, unique
+  std::string signal;  ///< of first_time: a condition; the time at which it first held, NaN: never
+  Take take = Take::last;
+  SourceSpan origin;
+};
+
+/// One line of a `<test>`.
+struct ExpectationModel {
+  enum class Kind {
+    expect,      ///< holds at `at`, default the end
+    always,      ///< in every frame up to `until`
+    eventually,  ///< in some frame up to `within`
+    agree        ///< a signal is the same on all backends up to `until`, within `tolerance`
+  };
+  Kind kind = Kind::expect;
+  std::string that;                         ///< condition; with `equals`, and of agree: a signal
+  std::optional<double> equals;             ///< in the signal's SI unit
+  double tolerance = 0.0;                   ///< the same unit, >= 0
+  std::optional<double> at, until, within;  ///< [s]
+  SourceSpan origin;
+};
+
+/// `<test>`: what must be true of a run of the scene.
+struct TestModel {
+  std::string name;
+  std::optional<double> duration;     ///< [s]; empty: the scene's
+  std::vector<std::string> backends;  ///< empty: those the user names, else all
+  std::vector<std::uint64_t> seeds;   ///< empty: the scene's
+  std::vector<ExpectationModel> expectations;
+  SourceSpan origin;
+};
+
 /// Two bodies that pass through each other.
 using BodyPair = std::pair<int, int>;  ///< first < second
 
@@ -282,6 +414,13 @@ struct SceneModel {
   std::vector<ViewModel> views;
   std::optional<RecordModel> record;
   std::vector<PlotModel> plots;
+  std::vector<RegionModel> regions;
+  std::vector<DoorModel> doors;
+  std::vector<MazeModel> mazes;
+  std::vector<TemplateModel> templates;
+  std::vector<RuleModel> rules;
+  std::vector<MeasureModel> measures;
+  std::vector<TestModel> tests;
   std::vector<BodyPair> no_collide;  ///< sorted, without doubles; joints' pairs are not in it
   int joint_positions = 0;           ///< length of the flat array of all q
   int joint_speeds = 0;              ///< length of the flat array of all u
@@ -325,6 +464,9 @@ COGRSIM_API SurfacePair surface_pair(const SceneModel& model, int material_a, in
 
 /// The bodies of an assembly and of all assemblies inside it, in model order, not the removed ones.
 COGRSIM_API std::vector<int> bodies_of(const SceneModel& model, int assembly);
+
+/// The assembly that is inside no other and holds this one, or is it; -1 for -1.
+COGRSIM_API int top_level_assembly(const SceneModel& model, int assembly);
 
 /// Looks up by dotted name among what is not removed; -1: none.
 COGRSIM_API int find_body(const SceneModel& model, const std::string& name);

@@ -29,6 +29,7 @@ struct Capability {
 ///   motor.MODE                 velocity torque position servo dc
 ///   body.static  body.kinematic  contact.stiffness
 ///   runtime.add  runtime.remove  runtime.save  runtime.set_state
+///   runtime.attach  runtime.body_kind  runtime.joint_axes
 ///   report.contact_force  report.joint_reaction  report.joint_effort
 class COGRSIM_API Capabilities {
  public:

@@ -27,11 +27,23 @@ struct Reading {
 };
 
 /// Something that happened during the step: a controller's fault, an added assembly.
+///
+/// | kind                              | source         | subject                  |
+/// |-----------------------------------|----------------|--------------------------|
+/// | enter leave                       | region         | who: assembly, body, frame |
+/// | opening opened closing closed     | door           |                          |
+/// | added removed                     | assembly, body | template it is made from |
+/// | attached detached                 | joint          | child body               |
+/// | frozen freed (SetStatic)          | body, assembly |                          |
+/// | raised                            | its name       |                          |
+/// | fault                             | mind           |                          |
+/// | refused restarted ended           |                |                          |
 struct Event {
   double time = 0.0;
-  std::string kind;    ///< "fault", "added", "removed", "restarted", …
+  std::string kind;
   std::string source;  ///< dotted name
   std::string message;
+  std::string subject;  ///< dotted name of who or what took part; "" for none
 };
 
 /// Immutable once handed out. What nobody asked for is left empty: see FrameContents.
@@ -48,6 +60,9 @@ struct Frame {
   std::vector<Wrench> joint_reactions;  ///< see JointReactions
   std::vector<Reading> readings;        ///< latest of every sensor (nsensor)
   std::vector<Event> events;            ///< of this step
+  /// What minds publish, latest values, in the order of their `outputs`; NaN: not yet.
+  std::vector<std::vector<double>> controller_outputs;  ///< by SceneModel::controllers
+  std::vector<std::vector<double>> supervisor_outputs;  ///< by SceneModel::supervisors
 };
 using FramePtr = std::shared_ptr<const Frame>;
 
@@ -60,6 +75,8 @@ struct FrameContents {
   /// be computed again from the frames.
   bool for_sensors = false;
 };
+/// Contents of either.
+COGRSIM_API FrameContents operator|(const FrameContents& a, const FrameContents& b);
 
 /// Kinetic and potential energy [J]: bodies' motion; gravity with zero at the world's origin, and
 /// the joints' springs. Formed from model and state, not by the engine.

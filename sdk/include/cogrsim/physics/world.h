@@ -55,13 +55,19 @@ class World {
   virtual void get_contacts(std::vector<Contact>& out) const = 0;
 
   /// Puts into the running world what `next` has beyond model(): everything at the end of its
-  /// vectors, at the poses and twists given there. The state of all else is kept.
+  /// vectors, at the poses and twists given there; joints also between bodies that are there
+  /// already, which they then hold where they are. The state of all else is kept.
   /// Errors: as Backend::create_world; the world is then as it was.
   virtual Result<> add(const SceneModelPtr& next) = 0;
 
-  /// Takes out what is marked `removed` in `next` and was not in model(). The state of all else is
-  /// kept; what it touched wakes up.
+  /// Takes out what is marked `removed` in `next` and was not in model(): bodies with their joints,
+  /// or joints alone. The state of all else is kept; what it touched wakes up.
   virtual Result<> remove(const SceneModelPtr& next) = 0;
+
+  /// Takes over what `next` says otherwise of what model() has: Body::kind (dynamic to fixed and
+  /// back: the body stops, or starts at rest, where it is) and Joint::axes. The state of all else is
+  /// kept. Errors: another difference, or one the engine cannot make; the world is then as it was.
+  virtual Result<> change(const SceneModelPtr& next) = 0;
 
   /// Running on from a restore is bit-identical to having run on from the save.
   virtual SnapshotPtr save() const = 0;

@@ -12,7 +12,7 @@
 #include "cogrsim/core/parameter.h"
 
 /// Raised whenever an interface that plugins see changes its layout or meaning.
-#define COGRSIM_ABI_VERSION 2
+#define COGRSIM_ABI_VERSION 3
 
 #if defined(__clang__)
 #define COGRSIM_COMPILER_TAG clang
@@ -33,13 +33,21 @@
 
 namespace cogrsim {
 
-enum class PluginKind { backend, controller, supervisor, sensor, renderer };
+enum class PluginKind { backend, controller, supervisor, sensor, renderer, algorithm };
 
-/// "backend", "controller", "supervisor", "sensor", "renderer".
+/// "backend", "controller", "supervisor", "sensor", "renderer", "algorithm".
 COGRSIM_API const char* to_string(PluginKind kind);
 
+/// A number that a mind publishes while it runs: see Assembly::publish. It is in every frame, so
+/// that it can be recorded, plotted and tested: `robot.MIND.NAME`.
+struct PluginOutput {
+  std::string name;
+  std::string unit;  ///< as in the scene language; "1": none
+  std::string description;
+};
+
 /// Name, version and the rest of one plugin; `factory` points to the entry table of its kind
-/// (ControllerEntry, SupervisorEntry, SensorEntry, BackendEntry, RendererEntry).
+/// (ControllerEntry, SupervisorEntry, SensorEntry, BackendEntry, RendererEntry, AlgorithmEntry).
 struct PluginDescriptor {
   PluginKind kind = PluginKind::controller;
   std::string name;
@@ -47,10 +55,12 @@ struct PluginDescriptor {
   std::string author;
   std::string summary;
   ParameterTable parameters;
+  std::vector<PluginOutput> outputs;  ///< of controllers and supervisors
   const void* factory = nullptr;
 };
 
-/// Items of the macros beside parameter(): version("1.2.0"), author("…"), summary("…").
+/// Items of the macros beside parameter(): output("plans", "1", "plans made so far"),
+/// version("1.2.0"), author("…"), summary("…").
 struct PluginVersion {
   std::string text;
 };
@@ -60,6 +70,9 @@ struct PluginAuthor {
 struct PluginSummary {
   std::string text;
 };
+inline PluginOutput output(std::string name, std::string unit, std::string description) {
+  return {std::move(name), std::move(unit), std::move(description)};
+}
 inline PluginVersion version(std::string text) { return {std::move(text)}; }
 inline PluginAuthor author(std::string text) { return {std::move(text)}; }
 inline PluginSummary summary(std::string text) { return {std::move(text)}; }
@@ -70,6 +83,9 @@ inline void add_item(PluginDescriptor& d, PluginAuthor item) { d.author = std::m
 inline void add_item(PluginDescriptor& d, PluginSummary item) { d.summary = std::move(item.text); }
 inline void add_item(PluginDescriptor& d, ParameterSpec item) {
   d.parameters.push_back(std::move(item));
+}
+inline void add_item(PluginDescriptor& d, PluginOutput item) {
+  d.outputs.push_back(std::move(item));
 }
 template <class... Items>
 PluginDescriptor describe(PluginKind kind, const char* name, const void* factory,

@@ -15,6 +15,8 @@ enum class StandardView { front, back, left, right, top, bottom, iso };
 
 /// "front", "back", …
 COGRSIM_API const char* to_string(StandardView view);
+/// All of them, as text.
+COGRSIM_API std::vector<std::string> standard_view_names();
 COGRSIM_API std::optional<StandardView> standard_view(const std::string& name);
 
 /// A box that encloses bodies, world [m].

@@ -90,7 +90,4 @@ class COGRSIM_API Signal {
   std::shared_ptr<const Node> node_;
 };
 
-/// Contents of either.
-COGRSIM_API FrameContents operator|(const FrameContents& a, const FrameContents& b);
-
 }  // namespace cogrsim

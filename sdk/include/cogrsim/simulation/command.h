@@ -1,9 +1,11 @@
-// The only way to change a running world: commands, applied at a step boundary, in order.
+// The only way to change a running world: commands, applied at a step boundary, in order. Those that
+// scenes can name too are in cogrsim/model/action.h.
 #pragma once
 
 #include <string>
 #include <variant>
 
+#include "cogrsim/model/action.h"
 #include "cogrsim/physics/world.h"
 
 namespace cogrsim {
@@ -31,18 +33,6 @@ struct AddAssembly {
   std::string name;
   Pose pose;
 };
-struct RemoveAssembly {
-  std::string name;
-};
-/// Target of a motor, as MotorHandle::set.
-struct SetMotor {
-  std::string motor;
-  double target = 0.0;
-};
-struct EnableSensor {
-  std::string sensor;
-  bool on = true;
-};
 /// Constant twist of a kinematic body from now on.
 struct SetKinematicTwist {
   std::string body;
@@ -52,12 +42,14 @@ struct SetKinematicTwist {
 struct SetState {
   WorldState state;
 };
-struct EndRun {
-  std::string reason;
-};
+namespace detail {
+template <class... Own, class... Shared>
+std::variant<Own..., Shared...> joined_variant(std::variant<Shared...>*);
+}  // namespace detail
 
-using Command =
-    std::variant<Pause, Resume, StepOnce, SetSpeed, SetStep, Restart, AddAssembly, RemoveAssembly,
-                 SetMotor, EnableSensor, SetKinematicTwist, SetState, EndRun>;
+/// The commands above, and everything an Action can be.
+using Command = decltype(detail::joined_variant<Pause, Resume, StepOnce, SetSpeed, SetStep, Restart,
+                                                AddAssembly, SetKinematicTwist, SetState>(
+    static_cast<Action*>(nullptr)));
 
 }  // namespace cogrsim

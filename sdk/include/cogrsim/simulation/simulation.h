@@ -102,6 +102,7 @@ class COGRSIM_API Simulation {
   struct Impl;
 
  private:
+  friend struct SnapshotAccess;  // snapshots on file
   explicit Simulation(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

@@ -1,0 +1,50 @@
+#include "words.h"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "options.h"
+#include "quantities.h"
+
+namespace cogrsim::cli {
+namespace {
+
+// The base class of CLI11's exceptions has the same name.
+using Problem = cogrsim::Error;
+
+}  // namespace
+
+double step_from(const std::string& word) {
+  const auto time = parse_time(word);
+  if (!time) throw UsageError("--step", time.error());
+  if (*time < kSmallestStep || *time > kLargestStep) {
+    throw UsageError("--step", Problem(fmt::format("'{}' is out of range", word), "",
+                                       "a step is from 1 ns to 1 s; \"1 ms\" suits most scenes"));
+  }
+  return *time;
+}
+
+std::uint64_t seed_from(const std::string& word) {
+  std::uint64_t seed = 0;
+  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
+  if (error != std::errc{} || rest != word.data() + word.size()) {
+    throw UsageError("--seed", Problem(fmt::format("'{}' is no seed", word), "",
+                                       "write a whole number from 0 to 18446744073709551615"));
+  }
+  return seed;
+}
+
+std::map<std::string, std::string> settings_from(const std::vector<std::string>& words) {
+  std::map<std::string, std::string> settings;
+  for (const std::string& word : words) {
+    const auto setting = parse_setting(word);
+    if (!setting) throw UsageError("--set", setting.error());
+    if (!settings.emplace(*setting).second) {
+      throw UsageError("--set", Problem(fmt::format("'{}' is set twice", setting->first)));
+    }
+  }
+  return settings;
+}
+
+}  // namespace cogrsim::cli
