@@ -1,6 +1,9 @@
 #include "simulation/model_change.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "cogrsim/model/mass_properties.h"
 
 namespace cogrsim {
 
@@ -23,7 +26,8 @@ class Appender {
         meshes_(model.meshes.size()),
         heightmaps_(model.heightmaps.size()),
         bodies_(model.bodies.size()),
-        joints_(model.joints.size()) {}
+        joints_(model.joints.size()),
+        motors_(model.motors.size()) {}
 
   void append() {
     to_.files.insert(to_.files.end(), from_.files.begin(), from_.files.end());
@@ -34,6 +38,7 @@ class Appender {
     append_bodies();
     append_joints();
     append_devices();
+    append_places();
     for (BodyPair pair : from_.no_collide) {
       to_.no_collide.emplace_back(shifted(pair.first, bodies_), shifted(pair.second, bodies_));
     }
@@ -136,13 +141,130 @@ class Appender {
     }
   }
 
+  void append_places() {
+    for (const RegionModel& original : from_.regions) {
+      RegionModel region = renamed(original);
+      region.body = shifted(original.body, bodies_);
+      if (original.body == kWorld) region.X_BR = pose_ * original.X_BR;
+      region.assembly = assembly(original.assembly);
+      // Names of what comes along with it; others are of what is there already.
+      for (std::string& who : region.who) {
+        if (has_name(who)) who = prefix_ + who;
+      }
+      to_.regions.push_back(std::move(region));
+    }
+    for (const DoorModel& original : from_.doors) {
+      DoorModel door = renamed(original);
+      door.motor = shifted(original.motor, motors_);
+      door.assembly = assembly(original.assembly);
+      to_.doors.push_back(std::move(door));
+    }
+  }
+
+  bool has_name(const std::string& name) const {
+    return find_body(from_, name) >= 0 || find_assembly(from_, name) >= 0 ||
+           std::any_of(from_.frames.begin(), from_.frames.end(),
+                       [&](const NamedFrame& frame) { return frame.name == name; });
+  }
+
   SceneModel& to_;
   const SceneModel& from_;
   std::string prefix_;
   Pose pose_;
-  std::size_t files_, materials_, meshes_, heightmaps_, bodies_, joints_;
+  std::size_t files_, materials_, meshes_, heightmaps_, bodies_, joints_, motors_;
   int root_ = -1;
 };
+
+/// What is left to choose from, for a message about a name that is not there.
+template <class Element>
+void collect_names(const std::vector<Element>& elements, std::vector<std::string>& out) {
+  for (const Element& element : elements) {
+    if (!element.removed) out.push_back(element.name);
+  }
+}
+
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& names) {
+  const std::string near = nearest_name(name, names);
+  return near.empty() ? "" : "did you mean '" + near + "'?";
+}
+
+/// Marks what hangs on elements that are gone: joints on bodies, motors on joints, and so on.
+void remove_dependents(SceneModel& model) {
+  const auto body_gone = [&model](int body) {
+    return body >= 0 && model.bodies[static_cast<std::size_t>(body)].removed;
+  };
+  for (Joint& joint : model.joints) {
+    joint.removed = joint.removed || body_gone(joint.parent) || body_gone(joint.child);
+  }
+  for (NamedFrame& frame : model.frames) frame.removed = frame.removed || body_gone(frame.body);
+  for (RegionModel& region : model.regions) {
+    region.removed = region.removed || body_gone(region.body);
+  }
+  const auto joint_gone = [&model](int joint) {
+    return joint >= 0 && model.joints[static_cast<std::size_t>(joint)].removed;
+  };
+  for (Motor& motor : model.motors) motor.removed = motor.removed || joint_gone(motor.joint);
+  for (SensorModel& sensor : model.sensors) {
+    sensor.removed = sensor.removed || body_gone(sensor.body) || joint_gone(sensor.joint);
+  }
+  for (DoorModel& door : model.doors) {
+    door.removed = door.removed ||
+                   (door.motor >= 0 && model.motors[static_cast<std::size_t>(door.motor)].removed);
+  }
+  mark_loops(model);
+}
+
+Result<int> required_joint(const SceneModel& model, const std::string& name, const char* what) {
+  const int index = find_joint(model, name);
+  if (index >= 0) return index;
+  std::vector<std::string> names;
+  collect_names(model.joints, names);
+  return fail("cannot " + std::string(what) + " joint '" + name + "': there is none of that name",
+              "", did_you_mean(name, names));
+}
+
+Result<> check_limits(const std::string& joint, JointType type, const JointAxis& axis) {
+  if (std::isnan(axis.lower) || std::isnan(axis.upper)) {
+    return fail("joint '" + joint + "': a limit is not a number");
+  }
+  if (type == JointType::ball && axis.lower > -std::numeric_limits<double>::infinity()) {
+    return fail("joint '" + joint + "': a ball has no lower limit, its upper one is a cone");
+  }
+  if (type == JointType::ball && axis.upper < 0.0) {
+    return fail("joint '" + joint + "': the cone of a ball cannot be below 0");
+  }
+  if (axis.lower < axis.upper) return {};
+  return fail("joint '" + joint + "': lower limit " + std::to_string(axis.lower) +
+              " is not below upper limit " + std::to_string(axis.upper));
+}
+
+/// As many axes as JointAxis says that a joint of this type has.
+std::size_t axis_count(JointType type) {
+  if (type == JointType::ball) return 1;
+  return type == JointType::free ? 0 : static_cast<std::size_t>(speed_count(type));
+}
+
+/// Errors: a kind that cannot be changed, or a body that could not be moved by forces.
+Result<> check_kind_change(const Body& body, bool on) {
+  const std::string what = "cannot make body '" + body.name + "' " + (on ? "static" : "dynamic");
+  if (body.kind == BodyKind::kinematic) {
+    return fail(what + ": it is kinematic, it moves as it is told", "",
+                on ? "give it a twist of zero instead" : "");
+  }
+  if (on) return {};
+  if (const auto massive = check_mass_properties(body.mass, body.inertia); !massive) {
+    return fail(what + ": " + massive.error().message, "", "give it a mass or density");
+  }
+  for (const Shape& shape : body.shapes) {
+    if (!shape.collides || (shape.type != ShapeType::plane && shape.type != ShapeType::mesh &&
+                            shape.type != ShapeType::heightmap)) {
+      continue;
+    }
+    return fail(what + ": its shape '" + shape.name + "' is a " + to_string(shape.type) +
+                ", which only static bodies can have");
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -166,16 +288,28 @@ Result<SceneModelPtr> with_added(const SceneModel& model, const SceneModel& frag
 
 Result<SceneModelPtr> with_removed(const SceneModel& model, const std::string& name) {
   const int target = find_assembly(model, name);
-  if (target < 0) {
+  const int lone = target < 0 ? find_body(model, name) : -1;
+  if (target < 0 && lone < 0) {
     std::vector<std::string> names;
-    for (const AssemblyInfo& info : model.assemblies) {
-      if (!info.removed) names.push_back(info.name);
+    collect_names(model.assemblies, names);
+    for (const Body& body : model.bodies) {
+      if (!body.removed && body.assembly < 0) names.push_back(body.name);
     }
-    const std::string near = nearest_name(name, names);
-    return fail("cannot remove assembly '" + name + "': there is none of that name", "",
-                near.empty() ? "" : "did you mean '" + near + "'?");
+    return fail("cannot remove '" + name + "': there is no assembly or body of that name", "",
+                did_you_mean(name, names));
   }
   auto next = std::make_shared<SceneModel>(model);
+  if (lone >= 0) {
+    Body& body = next->bodies[static_cast<std::size_t>(lone)];
+    if (body.assembly >= 0) {
+      const std::string& whole = model.assemblies[static_cast<std::size_t>(body.assembly)].name;
+      return fail("cannot remove body '" + name + "': it is a part of assembly '" + whole + "'", "",
+                  "remove '" + whole + "'");
+    }
+    body.removed = true;
+    remove_dependents(*next);
+    return SceneModelPtr(std::move(next));
+  }
   std::vector<char> gone(model.assemblies.size(), 0);
   // Parents come before their children, so one pass finds all that lies inside.
   for (std::size_t i = 0; i < gone.size(); ++i) {
@@ -184,11 +318,11 @@ Result<SceneModelPtr> with_removed(const SceneModel& model, const std::string& n
         static_cast<int>(i) == target || (parent >= 0 && gone[static_cast<std::size_t>(parent)]);
     if (gone[i]) next->assemblies[i].removed = true;
   }
-  const auto inside = [&gone](int assembly) {
-    return assembly >= 0 && gone[static_cast<std::size_t>(assembly)];
-  };
-  const auto mark = [&inside](auto& elements) {
-    for (auto& element : elements) element.removed = element.removed || inside(element.assembly);
+  const auto mark = [&gone](auto& elements) {
+    for (auto& element : elements) {
+      element.removed = element.removed ||
+                        (element.assembly >= 0 && gone[static_cast<std::size_t>(element.assembly)]);
+    }
   };
   mark(next->bodies);
   mark(next->frames);
@@ -196,19 +330,101 @@ Result<SceneModelPtr> with_removed(const SceneModel& model, const std::string& n
   mark(next->motors);
   mark(next->sensors);
   mark(next->controllers);
-  const auto body_gone = [&next](int body) {
-    return body >= 0 && next->bodies[static_cast<std::size_t>(body)].removed;
-  };
-  for (Joint& joint : next->joints) {
-    joint.removed = joint.removed || body_gone(joint.parent) || body_gone(joint.child);
+  mark(next->regions);
+  mark(next->doors);
+  remove_dependents(*next);
+  return SceneModelPtr(std::move(next));
+}
+
+Result<SceneModelPtr> with_joint(const SceneModel& model, Joint joint) {
+  const std::string what = "cannot add joint '" + joint.name + "': ";
+  if (joint.name.empty()) return fail("a joint cannot be added without a name");
+  if (find_joint(model, joint.name) >= 0) {
+    return fail(what + "the name is taken", "",
+                "choose another name, or remove the one that is there first");
   }
-  const auto joint_gone = [&next](int joint) {
-    return joint >= 0 && next->joints[static_cast<std::size_t>(joint)].removed;
-  };
-  for (Motor& motor : next->motors) motor.removed = motor.removed || joint_gone(motor.joint);
-  for (SensorModel& sensor : next->sensors) {
-    sensor.removed = sensor.removed || body_gone(sensor.body) || joint_gone(sensor.joint);
+  if (model.joints.size() >= kMaxBodies) {
+    return fail(what + "a run is limited to " + std::to_string(kMaxBodies) +
+                " joints, removed ones counted");
   }
+  for (const int end : {joint.parent, joint.child}) {
+    const bool there = end == kWorld || (end >= 0 && end < static_cast<int>(model.bodies.size()) &&
+                                         !model.bodies[static_cast<std::size_t>(end)].removed);
+    if (!there) return fail(what + "a body it is to hold is not there");
+  }
+  if (joint.parent == joint.child) return fail(what + "both its ends are the same body");
+  if (joint.axes.empty()) joint.axes.resize(axis_count(joint.type));
+  if (joint.axes.size() != axis_count(joint.type)) {
+    return fail(what + "a " + to_string(joint.type) + " joint has " +
+                std::to_string(axis_count(joint.type)) + " axes, " +
+                std::to_string(joint.axes.size()) + " are given");
+  }
+  for (const JointAxis& axis : joint.axes) {
+    if (auto fine = check_limits(joint.name, joint.type, axis); !fine) {
+      return tl::unexpected(fine.error());
+    }
+  }
+  auto next = std::make_shared<SceneModel>(model);
+  next->joints.push_back(std::move(joint));
+  finish_model(*next);
+  // It is the last, so that none of those before it changes.
+  SceneModel marked = *next;
+  mark_loops(marked);
+  next->joints.back().closes_loop = marked.joints.back().closes_loop;
+  return SceneModelPtr(std::move(next));
+}
+
+Result<SceneModelPtr> with_joint_removed(const SceneModel& model, const std::string& name) {
+  const auto index = required_joint(model, name, "remove");
+  if (!index) return tl::unexpected(index.error());
+  auto next = std::make_shared<SceneModel>(model);
+  next->joints[static_cast<std::size_t>(*index)].removed = true;
+  remove_dependents(*next);
+  return SceneModelPtr(std::move(next));
+}
+
+Result<SceneModelPtr> with_limits(const SceneModel& model, const std::string& name, int axis,
+                                  std::optional<double> lower, std::optional<double> upper) {
+  const auto index = required_joint(model, name, "limit");
+  if (!index) return tl::unexpected(index.error());
+  const Joint& old = model.joints[static_cast<std::size_t>(*index)];
+  if (axis < 0 || axis >= static_cast<int>(old.axes.size())) {
+    return fail("cannot limit axis " + std::to_string(axis) + " of joint '" + name + "': a " +
+                to_string(old.type) + " joint has " + std::to_string(old.axes.size()) +
+                " axes, counted from 0");
+  }
+  JointAxis changed = old.axes[static_cast<std::size_t>(axis)];
+  if (lower) changed.lower = *lower;
+  if (upper) changed.upper = *upper;
+  if (auto fine = check_limits(name, old.type, changed); !fine) return tl::unexpected(fine.error());
+  auto next = std::make_shared<SceneModel>(model);
+  next->joints[static_cast<std::size_t>(*index)].axes[static_cast<std::size_t>(axis)] = changed;
+  return SceneModelPtr(std::move(next));
+}
+
+Result<SceneModelPtr> with_static(const SceneModel& model, const std::string& name, bool on) {
+  std::vector<int> bodies;
+  if (const int body = find_body(model, name); body >= 0) {
+    bodies.push_back(body);
+  } else if (const int assembly = find_assembly(model, name); assembly >= 0) {
+    bodies = bodies_of(model, assembly);
+  } else {
+    std::vector<std::string> names;
+    collect_names(model.assemblies, names);
+    collect_names(model.bodies, names);
+    return fail("cannot make '" + name + "' " + (on ? "static" : "dynamic") +
+                    ": there is no body or assembly of that name",
+                "", did_you_mean(name, names));
+  }
+  auto next = std::make_shared<SceneModel>(model);
+  for (const int b : bodies) {
+    Body& body = next->bodies[static_cast<std::size_t>(b)];
+    const BodyKind kind = on ? BodyKind::fixed : BodyKind::dynamic;
+    if (body.kind == kind) continue;
+    if (auto fine = check_kind_change(body, on); !fine) return tl::unexpected(fine.error());
+    body.kind = kind;
+  }
+  mark_loops(*next);
   return SceneModelPtr(std::move(next));
 }
 
