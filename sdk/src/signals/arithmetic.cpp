@@ -1,8 +1,10 @@
 #include "signals/arithmetic.h"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 
 #include <fmt/format.h>
 
@@ -14,13 +16,20 @@ namespace {
 constexpr int kDeepest = 50;
 
 struct Number final : Signal::Node {
-  explicit Number(double v) : number(v) {
-    text = quantity = fmt::format("{}", v);
-    unit = "1";
+  /// `unit_text` empty: a bare number.
+  Number(double v, std::string written, const units::Unit& u, std::string unit_text)
+      : number(u.to_si(v)), of(u.dimension), without_unit(unit_text.empty()) {
+    text = quantity = without_unit ? std::move(written) : fmt::format("{} {}", written, unit_text);
+    unit = without_unit || of.none() ? "1" : units::unit_of(of);
   }
   double value(const Frame&) const override { return number; }
   std::uint64_t revision(const Frame&) const override { return 0; }
+  std::optional<units::Dimension> dimension() const override { return of; }
+  bool constant() const override { return true; }
+  bool bare() const override { return without_unit; }
   double number;
+  units::Dimension of;
+  bool without_unit;
 };
 
 /// -a and abs(a).
@@ -36,6 +45,9 @@ struct Unary final : Signal::Node {
     return abs ? std::abs(v) : -v;
   }
   std::uint64_t revision(const Frame& frame) const override { return a->revision(frame); }
+  std::optional<units::Dimension> dimension() const override { return a->dimension(); }
+  bool constant() const override { return a->constant(); }
+  bool bare() const override { return a->bare(); }
   SignalNode a;
   bool abs;
 };
@@ -43,9 +55,11 @@ struct Unary final : Signal::Node {
 struct Binary final : Signal::Node {
   Binary(SignalNode left, char op, SignalNode right, std::string unit_text)
       : a(std::move(left)), b(std::move(right)), sign(op) {
-    const bool product = sign == '*' || sign == '/';
-    text = product ? fmt::format("({}){}({})", a->text, sign, b->text)
-                   : fmt::format("{} {} {}", a->text, sign, b->text);
+    // Brackets where the text would else be read as another sum.
+    const auto* sum = dynamic_cast<const Binary*>(b.get());
+    const bool bracket = sum != nullptr && !sum->product();
+    text = product() ? fmt::format("({}){}({})", a->text, sign, b->text)
+                     : fmt::format(bracket ? "{} {} ({})" : "{} {} {}", a->text, sign, b->text);
     quantity = a->quantity == b->quantity ? a->quantity : text;
     unit = std::move(unit_text);
     needs = a->needs | b->needs;
@@ -66,6 +80,21 @@ struct Binary final : Signal::Node {
   std::uint64_t revision(const Frame& frame) const override {
     return a->revision(frame) * 0x9e3779b97f4a7c15u + b->revision(frame);
   }
+  std::optional<units::Dimension> dimension() const override {
+    const auto left = a->dimension(), right = b->dimension();
+    if (!product()) return a->bare() || !left ? right : left;
+    if (!left || !right) return std::nullopt;
+    const int power = sign == '*' ? 1 : -1;
+    const auto sum = [power](int x, int y) {
+      return static_cast<std::int8_t>(std::clamp(x + power * y, -100, 100));
+    };
+    return units::Dimension{sum(left->m, right->m), sum(left->kg, right->kg),
+                            sum(left->s, right->s), sum(left->ampere, right->ampere),
+                            sum(left->angle, right->angle)};
+  }
+  bool constant() const override { return a->constant() && b->constant(); }
+  bool bare() const override { return a->bare() && b->bare(); }
+  bool product() const { return sign == '*' || sign == '/'; }
   SignalNode a, b;
   char sign;
 };
@@ -118,11 +147,11 @@ class Arithmetic {
   }
 
   Result<SignalNode> added(const SignalNode& a, char sign, const SignalNode& b) const {
-    const bool number_a = dynamic_cast<const Number*>(a.get()) != nullptr;
-    const bool number_b = dynamic_cast<const Number*>(b.get()) != nullptr;
+    const bool number_a = a->bare(), number_b = b->bare();
+    const auto da = a->dimension(), db = b->dimension();
     // A unit that is not known (a plugin's channel) is taken on trust.
-    const bool fit =
-        a->unit == b->unit || number_a || number_b || a->unit.empty() || b->unit.empty();
+    const bool fit = a->unit == b->unit || number_a || number_b || a->unit.empty() ||
+                     b->unit.empty() || (da && db && *da == *db);
     if (!fit) {
       return fail(fmt::format("'{}' is in {} and '{}' in {}", a->text,
                               is_pure(a->unit) ? "pure numbers" : a->unit, b->text,
@@ -202,7 +231,43 @@ class Arithmetic {
     const auto [rest, error] = std::from_chars(begin, text_.data() + text_.size(), value);
     if (error != std::errc{} || !std::isfinite(value)) return misplaced();
     at_ += static_cast<std::size_t>(rest - begin);
-    return SignalNode(std::make_shared<Number>(value));
+    const std::string written(begin, rest);
+    const std::size_t behind = at_;
+    skip();
+    const std::string name = unit_name();
+    if (name.empty()) {
+      const bool letter = std::isalpha(static_cast<unsigned char>(next())) != 0;
+      if (letter) return unknown_unit(written);
+      at_ = behind;
+      return SignalNode(std::make_shared<Number>(value, written, units::Unit(), ""));
+    }
+    at_ += name.size();
+    return SignalNode(std::make_shared<Number>(value, written, *units::parse_unit(name), name));
+  }
+
+  // The longest text from here on that is a unit and ends where a word may end: of "m/robot.x" it
+  // is "m".
+  std::string unit_name() const {
+    const auto in_word = [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.';
+    };
+    std::size_t end = at_;
+    while (end < text_.size() && (in_word(text_[end]) || std::strchr("^*/()-", text_[end]))) ++end;
+    for (; end > at_; --end) {
+      if (end < text_.size() && in_word(text_[end]) && in_word(text_[end - 1])) continue;
+      std::string name = text_.substr(at_, end - at_);
+      if (std::isalpha(static_cast<unsigned char>(name[0])) && units::parse_unit(name)) return name;
+    }
+    return {};
+  }
+
+  tl::unexpected<Error> unknown_unit(const std::string& number) const {
+    std::size_t end = at_;
+    while (end < text_.size() && std::isalnum(static_cast<unsigned char>(text_[end]))) ++end;
+    const std::string word = text_.substr(at_, end - at_), near = units::nearest_unit(word);
+    return fail(fmt::format("there is no unit '{}'", word), "",
+                near.empty() ? "write one such as m, cm, deg, s, m/s or N*m"
+                             : fmt::format("did you mean {} {}?", number, near));
   }
 
   // Up to the next operator; what is in brackets belongs to it: distance(a, b), scan[3].

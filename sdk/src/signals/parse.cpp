@@ -8,14 +8,14 @@
 #include "arithmetic.h"
 #include "cogrsim/signals/signal.h"
 #include "node.h"
+#include "parse.h"
 #include "terms.h"
 
 namespace cogrsim {
 namespace {
 
-constexpr std::size_t kLongestSignal = 4096;  // [byte]
-constexpr std::size_t kMostListed = 16;       // names shown in a help
-constexpr std::size_t kMostCompared = 4000;   // names compared with an unknown one
+constexpr std::size_t kMostListed = 16;      // names shown in a help
+constexpr std::size_t kMostCompared = 4000;  // names compared with an unknown one
 
 using Parsed = Result<SignalNode>;
 
@@ -401,12 +401,16 @@ class Parser {
 
 }  // namespace
 
+Result<SignalNode> parse_signal(const SignalScope& scope, const std::string& text) {
+  return parse_arithmetic(
+      trimmed(text), [&](const std::string& part) { return Parser(scope, trimmed(part)).parse(); });
+}
+
 Result<Signal> Signal::parse(const SignalScope& scope, const std::string& text) {
   if (text.size() > kLongestSignal)
     return fail(fmt::format("a signal of {} characters is too long", text.size()), "",
                 fmt::format("the limit is {}", kLongestSignal));
-  auto node = parse_arithmetic(
-      trimmed(text), [&](const std::string& part) { return Parser(scope, trimmed(part)).parse(); });
+  auto node = parse_signal(scope, text);
   if (!node) return tl::unexpected(node.error());
   return Signal(std::move(*node));
 }

@@ -1,13 +1,13 @@
-// Units, dimensions, and numbers as text.
+#include "cogrsim/core/units.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 
 #include "cogrsim/core/parameter.h"
-#include "value.h"
 
-namespace cogrsim::dsl {
+namespace cogrsim::units {
 namespace {
 
 using namespace dim;
@@ -286,4 +286,4 @@ std::string number_text(double value) {
   return std::string(buffer, end);
 }
 
-}  // namespace cogrsim::dsl
+}  // namespace cogrsim::units

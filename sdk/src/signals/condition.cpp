@@ -1,0 +1,336 @@
+#include "cogrsim/signals/condition.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "signals/node.h"
+#include "signals/parse.h"
+
+namespace cogrsim {
+
+struct Condition::Node {
+  std::string text;
+  FrameContents needs;
+  std::vector<Signal> signals;
+
+  virtual ~Node() = default;
+  virtual Truth truth(const Frame& frame) const = 0;
+  /// Stands in brackets beside `and`, `or` and `not`.
+  virtual bool compound() const { return false; }
+};
+
+namespace {
+
+using ConditionNode = std::shared_ptr<const Condition::Node>;
+using Parsed = Result<ConditionNode>;
+using units::Dimension;
+
+constexpr int kDeepest = 50;
+constexpr const char* kUsage =
+    "write a condition such as time lt 2 s, or distance(a, b) lt 20 cm and not inside(a, goal)";
+
+enum class Relation { lt, le, gt, ge, eq, ne };
+constexpr std::array<const char*, 6> kWords = {"lt", "le", "gt", "ge", "eq", "ne"};
+constexpr std::array<const char*, 6> kSigns = {"<", "<=", ">", ">=", "==", "!="};
+
+struct Unknown final : Condition::Node {
+  Truth truth(const Frame&) const override { return Truth::unknown; }
+};
+
+Truth truth_of(bool value) { return value ? Truth::yes : Truth::no; }
+
+void add_signal(std::vector<Signal>& signals, const Signal& signal) {
+  const bool there = std::any_of(signals.begin(), signals.end(),
+                                 [&](const Signal& s) { return s.text() == signal.text(); });
+  if (!there) signals.push_back(signal);
+}
+
+struct Comparison final : Condition::Node {
+  Comparison(SignalNode left, Relation relation, SignalNode right)
+      : a(std::move(left)), b(std::move(right)), how(relation) {
+    text = fmt::format("{} {} {}", a->text, kWords[static_cast<std::size_t>(how)], b->text);
+    needs = a->needs | b->needs;
+    for (const SignalNode& side : {a, b})
+      if (!side->constant()) add_signal(signals, Signal(side));
+  }
+  Truth truth(const Frame& frame) const override {
+    const double x = a->value(frame), y = b->value(frame);
+    if (std::isnan(x) || std::isnan(y)) return Truth::unknown;
+    switch (how) {
+      case Relation::lt:
+        return truth_of(x < y);
+      case Relation::le:
+        return truth_of(x <= y);
+      case Relation::gt:
+        return truth_of(x > y);
+      case Relation::ge:
+        return truth_of(x >= y);
+      case Relation::eq:
+        return truth_of(x == y);
+      default:
+        return truth_of(x != y);
+    }
+  }
+  SignalNode a, b;
+  Relation how;
+};
+
+/// A signal that is not 0.
+struct NotZero final : Condition::Node {
+  explicit NotZero(SignalNode of) : a(std::move(of)) {
+    text = a->text;
+    needs = a->needs;
+    if (!a->constant()) signals.emplace_back(a);
+  }
+  Truth truth(const Frame& frame) const override {
+    const double x = a->value(frame);
+    return std::isnan(x) ? Truth::unknown : truth_of(x != 0.0);
+  }
+  SignalNode a;
+};
+
+struct Not final : Condition::Node {
+  explicit Not(ConditionNode of) : a(std::move(of)) {
+    text = fmt::format(a->compound() ? "not ({})" : "not {}", a->text);
+    needs = a->needs;
+    signals = a->signals;
+  }
+  Truth truth(const Frame& frame) const override {
+    const Truth inner = a->truth(frame);
+    return inner == Truth::unknown ? inner : truth_of(inner == Truth::no);
+  }
+  ConditionNode a;
+};
+
+/// `and` of all parts, or `or`.
+struct Several final : Condition::Node {
+  Several(std::vector<ConditionNode> of, bool both) : parts(std::move(of)), all(both) {
+    for (const ConditionNode& part : parts) {
+      if (!text.empty()) text += all ? " and " : " or ";
+      text += part->compound() ? "(" + part->text + ")" : part->text;
+      needs = needs | part->needs;
+      for (const Signal& signal : part->signals) add_signal(signals, signal);
+    }
+  }
+  Truth truth(const Frame& frame) const override {
+    const Truth decides = all ? Truth::no : Truth::yes;
+    bool unknown = false;
+    for (const ConditionNode& part : parts) {
+      const Truth one = part->truth(frame);
+      if (one == decides) return decides;
+      unknown = unknown || one == Truth::unknown;
+    }
+    return unknown ? Truth::unknown : truth_of(all);
+  }
+  bool compound() const override { return true; }
+  std::vector<ConditionNode> parts;
+  bool all;
+};
+
+bool is_blank(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
+bool in_name(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '-' ||
+         static_cast<unsigned char>(c) >= 0x80;
+}
+
+std::string trimmed(const std::string& text) {
+  std::size_t begin = 0, end = text.size();
+  while (begin < end && is_blank(text[begin])) ++begin;
+  while (end > begin && is_blank(text[end - 1])) --end;
+  return text.substr(begin, end - begin);
+}
+
+/// A word or a sign of comparison outside of all brackets.
+struct Token {
+  std::size_t at = 0, length = 0;
+  std::string_view word;
+};
+
+/// All words and signs of `text` that stand outside of brackets.
+std::vector<Token> tokens(std::string_view text) {
+  std::vector<Token> found;
+  int open = 0;
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    std::size_t length = 1;
+    if (c == '(' || c == '[') {
+      ++open;
+    } else if (c == ')' || c == ']') {
+      --open;
+    } else if (in_name(c)) {
+      while (i + length < text.size() && in_name(text[i + length])) ++length;
+      if (open == 0) found.push_back({i, length, text.substr(i, length)});
+    } else if (std::string_view("<>=!").find(c) != std::string_view::npos) {
+      if (i + 1 < text.size() && text[i + 1] == '=') length = 2;
+      if (open == 0) found.push_back({i, length, text.substr(i, length)});
+    }
+    i += length;
+  }
+  return found;
+}
+
+class Parser {
+ public:
+  explicit Parser(const SignalScope& scope) : scope_(scope) {}
+
+  Parsed parse(const std::string& text) {
+    if (++depth_ > kDeepest)
+      return fail("the condition has too many brackets inside each other", "",
+                  fmt::format("{} are the limit", kDeepest));
+    Parsed made = several(trimmed(text), "or");
+    --depth_;
+    return made;
+  }
+
+ private:
+  Parsed several(const std::string& text, std::string_view word) {
+    std::vector<ConditionNode> parts;
+    std::size_t start = 0;
+    const auto add = [&](std::size_t end) -> Result<> {
+      const std::string part = trimmed(text.substr(start, end - start));
+      if (part.empty())
+        return fail(fmt::format("something is missing beside '{}' in '{}'", word, text), "",
+                    kUsage);
+      Parsed made = word == "or" ? several(part, "and") : negated(part);
+      if (!made) return tl::unexpected(made.error());
+      parts.push_back(std::move(*made));
+      return {};
+    };
+    if (text.empty()) return fail("the condition is empty", "", kUsage);
+    for (const Token& token : tokens(text)) {
+      if (token.word != word) continue;
+      if (auto added = add(token.at); !added) return tl::unexpected(added.error());
+      start = token.at + token.length;
+    }
+    if (auto added = add(text.size()); !added) return tl::unexpected(added.error());
+    if (parts.size() == 1) return parts.front();
+    return ConditionNode(std::make_shared<Several>(std::move(parts), word == "and"));
+  }
+
+  Parsed negated(const std::string& text) {
+    std::size_t nots = 0, at = 0;
+    while (text.compare(at, 3, "not") == 0 && (at + 3 == text.size() || !in_name(text[at + 3]))) {
+      ++nots;
+      at += 3;
+      while (at < text.size() && is_blank(text[at])) ++at;
+    }
+    if (nots == 0) return comparison(text);
+    if (nots > kDeepest || at == text.size())
+      return fail(fmt::format("something is missing after 'not' in '{}'", text), "", kUsage);
+    Parsed of = comparison(text.substr(at));
+    for (; of && nots > 0; --nots) of = ConditionNode(std::make_shared<Not>(*of));
+    return of;
+  }
+
+  Parsed comparison(const std::string& text) {
+    std::optional<Token> found;
+    Relation relation = Relation::lt;
+    for (const Token& token : tokens(text)) {
+      const auto word = std::find(kWords.begin(), kWords.end(), token.word);
+      const auto sign = std::find(kSigns.begin(), kSigns.end(), token.word);
+      if (word == kWords.end() && sign == kSigns.end()) {
+        if (token.word == "=" || token.word == "!")
+          return fail(fmt::format("'{}' does not belong in '{}'", token.word, text), "",
+                      token.word == "=" ? "write eq or ==" : "write not");
+        continue;
+      }
+      if (found)
+        return fail(fmt::format("'{}' compares more than two values", text), "",
+                    "write two comparisons: 1 m lt a.x and a.x lt 2 m");
+      found = token;
+      relation = static_cast<Relation>(word != kWords.end() ? word - kWords.begin()
+                                                            : sign - kSigns.begin());
+    }
+    if (!found) return enclosed(text) ? parse(text.substr(1, text.size() - 2)) : alone(text);
+    const std::string left = trimmed(text.substr(0, found->at));
+    const std::string right = trimmed(text.substr(found->at + found->length));
+    if (left.empty() || right.empty())
+      return fail(fmt::format("something is missing beside '{}' in '{}'", found->word, text), "",
+                  kUsage);
+    auto a = parse_signal(scope_, left);
+    if (!a) return tl::unexpected(a.error());
+    auto b = parse_signal(scope_, right);
+    if (!b) return tl::unexpected(b.error());
+    if (auto fit = comparable(**a, **b); !fit) return tl::unexpected(fit.error());
+    return ConditionNode(std::make_shared<Comparison>(*a, relation, *b));
+  }
+
+  /// Whether the first bracket closes at the very end.
+  static bool enclosed(const std::string& text) {
+    if (text.front() != '(' || text.back() != ')') return false;
+    int open = 0;
+    for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+      open += text[i] == '(' ? 1 : text[i] == ')' ? -1 : 0;
+      if (open == 0) return false;
+    }
+    return true;
+  }
+
+  Parsed alone(const std::string& text) {
+    auto a = parse_signal(scope_, text);
+    if (!a) return tl::unexpected(a.error());
+    const auto dimension = (*a)->dimension();
+    if (dimension && !dimension->none())
+      return fail(fmt::format("'{}' is {}, not a condition", text, units::describe(*dimension)), "",
+                  fmt::format("compare it: {} lt 1 {}", text, units::unit_of(*dimension)));
+    return ConditionNode(std::make_shared<NotZero>(*a));
+  }
+
+  static Result<> comparable(const Signal::Node& a, const Signal::Node& b) {
+    if (a.constant() && b.constant())
+      return fail(fmt::format("'{}' and '{}' are two numbers", a.text, b.text), "",
+                  "a condition says something about a signal of the run");
+    for (const auto& [number, other] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+      if (!number->bare()) continue;
+      const auto dimension = other->dimension();
+      const bool zero = number->value(Frame()) == 0.0;
+      if (!dimension || zero || dimension->angle == 0) return {};
+      const std::string unit = units::unit_of(*dimension);
+      return fail(fmt::format("'{}' is {}, and '{}' has no unit", other->text,
+                              units::describe(*dimension), number->text),
+                  "",
+                  *dimension == units::dim::kAngle
+                      ? fmt::format("write {0} deg or {0} rad", number->text)
+                      : fmt::format("write {} {}", number->text, unit));
+    }
+    const auto da = a.dimension(), db = b.dimension();
+    // A unit that is not known (a plugin's channel) is taken on trust.
+    if (!da || !db || units::fits(*da, *db) || units::fits(*db, *da)) return {};
+    return fail(fmt::format("'{}' is {} and '{}' is {}", a.text, units::describe(*da), b.text,
+                            units::describe(*db)),
+                "", "only what is of the same kind can be compared");
+  }
+
+  const SignalScope& scope_;
+  int depth_ = 0;
+};
+
+}  // namespace
+
+Condition::Condition() {
+  static const auto unknown = std::make_shared<const Unknown>();
+  node_ = unknown;
+}
+
+Condition::Condition(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
+
+Result<Condition> Condition::parse(const SignalScope& scope, const std::string& text) {
+  if (text.size() > kLongestSignal)
+    return fail(fmt::format("a condition of {} characters is too long", text.size()), "",
+                fmt::format("the limit is {}", kLongestSignal));
+  auto node = Parser(scope).parse(text);
+  if (!node) return tl::unexpected(node.error());
+  return Condition(std::move(*node));
+}
+
+Truth Condition::evaluate(const Frame& frame) const { return node_->truth(frame); }
+const std::string& Condition::text() const { return node_->text; }
+FrameContents Condition::needs() const { return node_->needs; }
+const std::vector<Signal>& Condition::signals() const { return node_->signals; }
+
+}  // namespace cogrsim
