@@ -190,7 +190,7 @@ Result<> camera_pictures(Gallery& gallery, std::size_t sensor) {
       if (!request) return tl::unexpected(request.error());
       const auto picture = rendered(gallery, **then, *request);
       if (!picture) return tl::unexpected(picture.error());
-      done = save(gallery, **then, *picture, camera.name, reading.sequence);
+      done = save(gallery, *picture, camera.name, reading.sequence);
     }
     if (!done) return done;
   }

@@ -47,6 +47,8 @@ class FakeCatalog final : public cogrsim::dsl::PluginCatalog {
         return {"sonar"};
       case cogrsim::PluginKind::renderer:
         return {"softraster"};
+      case cogrsim::PluginKind::algorithm:
+        return {"a_star"};
     }
     return {};
   }
