@@ -11,9 +11,12 @@
 #include <optional>
 #include <string>
 
+#include "cogrsim/core/result.h"
 #include "cogrsim/plugin/descriptor.h"
 
 namespace cogrsim {
+
+class PluginLoader;
 
 /// Factory table of an algorithm plugin; made by COGRSIM_ALGORITHM.
 struct AlgorithmEntry {
@@ -23,6 +26,33 @@ struct AlgorithmEntry {
                                        void*& out);
   void (*destroy)(void*);
 };
+
+/// Makes an algorithm outside of a controller: in a program, a test, a study. A relative parameter
+/// `table` of a learner is taken relative to `folder`. The library stays loaded as long as the
+/// pointer lives.
+///
+///     auto planner = load_algorithm<GridPlanner>(loader, "a_star");
+///
+/// Errors: there is none of that name (with the nearest); of another family; a parameter is wrong;
+/// its constructor threw.
+template <class Type>
+Result<std::shared_ptr<Type>> load_algorithm(PluginLoader& loader, const std::string& name,
+                                             const Parameters& parameters = {},
+                                             std::uint64_t seed = 1,
+                                             const std::string& folder = {});
+
+/// The same for a family given by name; what is returned points to its interface.
+COGRSIM_API Result<std::shared_ptr<void>> load_algorithm_of(
+    PluginLoader& loader, const std::string& name, const char* family, const Parameters& parameters,
+    std::uint64_t seed, const std::string& folder);
+
+template <class Type>
+Result<std::shared_ptr<Type>> load_algorithm(PluginLoader& loader, const std::string& name,
+                                             const Parameters& parameters, std::uint64_t seed,
+                                             const std::string& folder) {
+  return load_algorithm_of(loader, name, Type::kFamily, parameters, seed, folder)
+      .map([](std::shared_ptr<void> made) { return std::static_pointer_cast<Type>(made); });
+}
 
 }  // namespace cogrsim
 
