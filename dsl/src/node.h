@@ -77,6 +77,9 @@ class SourceFiles {
   const Document* open_scene(const std::string& path);
   const Document* open_scene_text(const std::string& text, const std::string& name);
 
+  /// A file that is no scene: nothing but its XML is checked. To be called first and once.
+  const Document* open_plain(const std::string& path);
+
   /// An import. `href` is relative to the file it stands in, or to a library folder. Files are
   /// parsed and checked against the vocabulary once; nullptr: reported, at `at`. Cycles are the
   /// caller's to find (compare Document pointers).
@@ -102,6 +105,7 @@ class SourceFiles {
 
   const CompileOptions& options_;
   DiagnosticSink& sink_;
+  bool plain_ = false;
   std::vector<std::unique_ptr<SourceFile>> files_;
   std::vector<std::unique_ptr<Document>> documents_;
   std::unordered_map<std::string, std::size_t> by_path_;

@@ -142,6 +142,11 @@ const Document* SourceFiles::open_scene(const std::string& path) {
   return open_scene_text(text, path);
 }
 
+const Document* SourceFiles::open_plain(const std::string& path) {
+  plain_ = true;
+  return open_scene(path);
+}
+
 const Document* SourceFiles::open_scene_text(const std::string& text, const std::string& name) {
   std::error_code fault;
   fs::path folder = fs::path(name).parent_path();
@@ -306,6 +311,7 @@ const Document* SourceFiles::add(std::string name, std::string path, std::string
     return nullptr;
   }
   document.root = &document.nodes.front();
+  if (plain_) return &document;
   if (!options_.plugins && index == 0) {
     // Without a catalog the scene itself says which engines it knows.
     for (const Node* child : document.root->children) {
