@@ -1,0 +1,161 @@
+#include "brain.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace grid_navigator {
+
+namespace {
+
+using cogrsim::Grid;
+
+/// Makes the planner's grid equal to `grid`, by the differences alone: an incremental planner keeps
+/// what it knows.
+void follow(cogrsim::GridPlanner& planner, const Grid& grid) {
+  if (planner.grid().rows() != grid.rows() || planner.grid().columns() != grid.columns()) {
+    planner.set_grid(grid);
+    return;
+  }
+  const auto demand = [](const cogrsim::Result<>& done) {
+    if (!done) throw std::runtime_error(done.error().message);
+  };
+  for (int i = 0; i < grid.size(); ++i) {
+    const Cell cell = grid.cell(i);
+    if (planner.grid().cost(cell) != grid.cost(cell)) {
+      demand(planner.set_cost(cell, grid.cost(cell)));
+    }
+    for (const Action side : kActions) {
+      const cogrsim::GridEdge edge{cell, side};
+      if (planner.grid().cost(edge) != grid.cost(edge)) {
+        demand(planner.set_cost(edge, grid.cost(edge)));
+      }
+    }
+  }
+}
+
+std::optional<Action> action_between(const Cell& from, const Cell& to) {
+  for (const Action action : kActions) {
+    if (neighbour(from, action) == to) return action;
+  }
+  return std::nullopt;
+}
+
+bool passable(const Grid& grid, const Cell& from, Action action) {
+  const Cell to = neighbour(from, action);
+  return grid.contains(to) && grid.step_cost(from, to) < cogrsim::kBlocked;
+}
+
+}  // namespace
+
+PlannerBrain::PlannerBrain(std::shared_ptr<cogrsim::GridPlanner> planner,
+                           std::shared_ptr<cogrsim::GridPlanner> valuer, const Ends& ends)
+    : planner_(std::move(planner)), valuer_(std::move(valuer)), ends_(ends) {}
+
+void PlannerBrain::set_map(Errand, const Grid& grid) {
+  follow(*planner_, grid);
+  follow(*valuer_, grid);
+}
+
+std::optional<Action> PlannerBrain::choose(Errand errand, const Cell& at,
+                                           std::optional<Action> straight) {
+  const Cell& end = ends_.of(errand);
+  const auto path = planner_->plan(at, end);
+  if (!path || path->cells.size() < 2) return std::nullopt;
+  // Costs are whole numbers of cells; half a cell tells an equal way from a longer one.
+  if (straight && passable(planner_->grid(), at, *straight)) {
+    const auto other = planner_->plan(neighbour(at, *straight), end);
+    if (other && other->cost + 1 < path->cost + 0.5) return straight;
+  }
+  return action_between(at, path->cells[1]);
+}
+
+double PlannerBrain::value(Errand errand, const Cell& at) {
+  const auto path = valuer_->plan(at, ends_.of(errand));
+  return path ? -path->cost : std::numeric_limits<double>::quiet_NaN();
+}
+
+LearnerBrain::LearnerBrain(std::shared_ptr<cogrsim::Learner> learner, const Ends& ends,
+                           const Rehearsal& rehearsal, std::function<double()> chance)
+    : learner_(std::move(learner)),
+      ends_(ends),
+      rehearsal_(rehearsal),
+      chance_(std::move(chance)) {}
+
+std::int64_t LearnerBrain::state(Errand errand, const Cell& at) const {
+  return (errand == Errand::goal ? grid_.size() : 0) + grid_.index(at);
+}
+
+void LearnerBrain::set_map(Errand errand, const Grid& grid) {
+  grid_ = grid;
+  visits_.assign(static_cast<std::size_t>(grid.size()), 0);
+  reachable_ = grid.reachable(ends_.of(errand));
+  const auto which = static_cast<std::size_t>(errand);
+  rehearse(errand, rehearsed_[which] ? rehearsal_.again : rehearsal_.episodes);
+  rehearsed_[which] = true;
+}
+
+int LearnerBrain::decide(Errand errand, const Cell& at, bool exploring) {
+  const auto action = learner_->choose(state(errand, at), 4, exploring);
+  if (!action) throw std::runtime_error(action.error().message);
+  return *action;
+}
+
+void LearnerBrain::experience(const Outcome& outcome, int next_action) {
+  cogrsim::Experience e;
+  e.state = state(outcome.errand, outcome.from);
+  e.action = static_cast<int>(outcome.action);
+  e.reward = outcome.from == outcome.to ? rehearsal_.bump : rehearsal_.step;
+  e.next_state = state(outcome.errand, outcome.to);
+  e.done = outcome.arrived;
+  e.next_action = next_action;
+  if (auto learnt = learner_->learn(e); !learnt) throw std::runtime_error(learnt.error().message);
+}
+
+void LearnerBrain::rehearse(Errand errand, int episodes) {
+  if (reachable_.size() < 2) return;
+  const Cell& end = ends_.of(errand);
+  for (int i = 0; i < episodes; ++i) {
+    const auto pick = static_cast<std::size_t>(chance_() * static_cast<double>(reachable_.size()));
+    Cell at = grid_.cell(reachable_[std::min(pick, reachable_.size() - 1)]);
+    if (at == end) continue;
+    int action = decide(errand, at, true);
+    for (int step = 0; step < rehearsal_.longest; ++step) {
+      Outcome outcome{errand, at, at, static_cast<Action>(action), false};
+      if (passable(grid_, at, outcome.action)) outcome.to = neighbour(at, outcome.action);
+      outcome.arrived = outcome.to == end;
+      const int next = outcome.arrived ? -1 : decide(errand, outcome.to, true);
+      experience(outcome, next);
+      if (outcome.arrived) break;
+      at = outcome.to;
+      action = next;
+    }
+  }
+}
+
+std::optional<Action> LearnerBrain::choose(Errand errand, const Cell& at, std::optional<Action>) {
+  if (std::find(reachable_.begin(), reachable_.end(), grid_.index(at)) == reachable_.end()) {
+    return std::nullopt;
+  }
+  // A learner that comes again and again to the same cell has learnt too little: it rehearses.
+  int& visits = visits_[static_cast<std::size_t>(grid_.index(at))];
+  if (++visits % 3 == 0) rehearse(errand, rehearsal_.again);
+  return static_cast<Action>(decide(errand, at, false));
+}
+
+void LearnerBrain::learn(const Outcome& outcome) {
+  experience(outcome, outcome.arrived ? -1 : decide(outcome.errand, outcome.to, false));
+}
+
+double LearnerBrain::value(Errand errand, const Cell& at) {
+  return at == ends_.of(errand) ? 0.0 : learner_->value(state(errand, at));
+}
+
+void LearnerBrain::remember(const std::string& memory) {
+  if (auto done = learner_->remember(memory, "the snapshot"); !done) {
+    throw std::runtime_error(done.error().message);
+  }
+}
+
+}  // namespace grid_navigator
