@@ -116,8 +116,11 @@ TEST_CASE("signals read what the frame holds", "[signal]") {
   CHECK(s.value("robot.eye.distance") == 0.4);
   CHECK(s.value("robot.eye.range[0]") == 0.6);
   CHECK(s.value("robot.eye[1]") == 0.6);
-  CHECK(s.value("distance(robot, bob)") == Approx(std::sqrt(1.0 + 4.0 + 36.0)));
-  CHECK(s.value(" distance( robot.mast ,robot.chassis ) ") == Approx(0.5));
+  CHECK(s.value("origin_distance(robot, bob)") == Approx(std::sqrt(1.0 + 4.0 + 36.0)));
+  CHECK(s.value(" origin_distance( robot.mast ,robot.chassis ) ") == Approx(0.5));
+  // From the bob's centre to the chassis' upper edge, less the bob's radius; the mast is on its lid.
+  CHECK(s.value("distance(robot, bob)") == Approx(std::sqrt(0.25 + 2.25 + 30.25) - 0.1));
+  CHECK(s.value(" distance( robot.mast ,robot.chassis ) ") == Approx(0.0).margin(1e-12));
   // Of the three contact points two are the wheel's on the floor, one the chassis' with the bob.
   CHECK(s.value("contacts(robot)") == 3);
   CHECK(s.value("contacts(robot, floor)") == 2);

@@ -323,6 +323,14 @@ Result<Condition> Condition::parse(const SignalScope& scope, const std::string& 
   if (text.size() > kLongestSignal)
     return fail(fmt::format("a condition of {} characters is too long", text.size()), "",
                 fmt::format("the limit is {}", kLongestSignal));
+  int open = 0;
+  for (std::size_t i = 0; i < text.size() && open >= 0; ++i)
+    open += text[i] == '(' ? 1 : text[i] == ')' ? -1 : 0;
+  if (open != 0)
+    return fail(
+        fmt::format(
+            open > 0 ? "a bracket of '{}' is not closed" : "a bracket of '{}' is not opened", text),
+        "", "every ( needs its )");
   auto node = Parser(scope).parse(text);
   if (!node) return tl::unexpected(node.error());
   return Condition(std::move(*node));

@@ -1,14 +1,18 @@
 // From the text of a signal to what it means.
 #include <algorithm>
 #include <charconv>
+#include <limits>
+#include <mutex>
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "arithmetic.h"
 #include "cogrsim/signals/signal.h"
 #include "node.h"
 #include "parse.h"
+#include "surface_distance.h"
 #include "terms.h"
 
 namespace cogrsim {
@@ -77,7 +81,8 @@ class Parser {
 
   Parsed parse() {
     if (text_.empty()) return fail("the signal is empty", "", kExamples);
-    return text_.find('(') != std::string::npos ? call() : dotted();
+    Parsed made = text_.find('(') != std::string::npos ? call() : dotted();
+    return late_ ? late(made) : made;
   }
 
  private:
@@ -87,9 +92,14 @@ class Parser {
   // ---- names
 
   std::string resolved(const std::string& name) const {
-    if (scope_.resolve) return scope_.resolve(name);
-    return name;
+    std::string full = scope_.resolve ? scope_.resolve(name) : name;
+    if (!scope_.may_come || !scope_.may_come(name)) return full;
+    late_ = true;
+    return full.empty() ? name : full;
   }
+
+  // What is looked up in every model anew, since something of it may come and go.
+  Parsed late(const Parsed& now) const;
 
   std::vector<std::string> names() const {
     std::vector<std::string> all;
@@ -103,6 +113,8 @@ class Parser {
     add(model_.motors);
     add(model_.sensors);
     add(model_.frames);
+    add(model_.controllers);
+    add(model_.supervisors);
     return all;
   }
 
@@ -146,13 +158,19 @@ class Parser {
     return std::nullopt;
   }
 
+  bool exists(const std::string& full) const {
+    return place(full) || find_assembly(model_, full) >= 0 || find_joint(model_, full) >= 0 ||
+           find_named(model_.regions, full) >= 0 || find_named(model_.doors, full) >= 0;
+  }
+
   /// Whether the text, but for an index, is the name of something.
   bool names_element() const {
     const auto parts = split_index(text_);
     const std::string full = parts ? resolved(parts->word) : std::string();
     return !full.empty() &&
            (place(full) || find_joint(model_, full) >= 0 || find_named(model_.motors, full) >= 0 ||
-            find_named(model_.sensors, full) >= 0);
+            find_named(model_.sensors, full) >= 0 || find_named(model_.controllers, full) >= 0 ||
+            find_named(model_.supervisors, full) >= 0);
   }
 
   std::vector<int> bodies(const std::string& full) const {
@@ -225,6 +243,10 @@ class Parser {
     }
     if (const int sensor = find_named(model_.sensors, full); sensor >= 0)
       return of_sensor(sensor, quantity, text);
+    if (const int mind = find_named(model_.controllers, full); mind >= 0)
+      return of_mind(false, mind, quantity, text);
+    if (const int mind = find_named(model_.supervisors, full); mind >= 0)
+      return of_mind(true, mind, quantity, text);
     if (find_assembly(model_, full) >= 0)
       return Parsed(fail(fmt::format("assembly '{}' has no body", full)));
     return std::nullopt;
@@ -267,6 +289,24 @@ class Parser {
     return no_quantity(what, quantity, known);
   }
 
+  Parsed of_mind(bool supervisor, int index, const std::string& quantity,
+                 const std::string& text) const {
+    const ControllerModel& mind =
+        (supervisor ? model_.supervisors : model_.controllers)[static_cast<std::size_t>(index)];
+    // Outputs are known once the plugin is; until then they are taken on trust.
+    std::string unit;
+    std::vector<std::string> known;
+    for (const OutputModel& output : mind.outputs) {
+      known.push_back(output.name);
+      if (output.name == quantity) unit = output.unit.empty() ? "1" : output.unit;
+    }
+    if (!known.empty() && index_of(known, quantity) < 0)
+      return no_quantity(
+          fmt::format("{} '{}'", supervisor ? "supervisor" : "controller", mind.name), quantity,
+          known);
+    return mind_term(text, supervisor, index, quantity, unit);
+  }
+
   // SENSOR[3], or a name without a quantity.
   Parsed whole_name(const std::string& owner, const std::string& quantity) const {
     const auto parts = split_index(text_);
@@ -274,8 +314,10 @@ class Parser {
     const std::string full = resolved(parts->word);
     const int sensor = full.empty() ? -1 : find_named(model_.sensors, full);
     if (sensor >= 0 && parts->index) return indexed_sensor(sensor, full, *parts->index);
-    if (!full.empty() && (place(full) || find_joint(model_, full) >= 0 || sensor >= 0 ||
-                          find_named(model_.motors, full) >= 0)) {
+    if (!full.empty() &&
+        (place(full) || find_joint(model_, full) >= 0 || sensor >= 0 ||
+         find_named(model_.motors, full) >= 0 || find_named(model_.controllers, full) >= 0 ||
+         find_named(model_.supervisors, full) >= 0)) {
       if (parts->index) return bad_index();
       return fail(fmt::format("'{}' alone is not a number", text_), "",
                   "name one of its quantities: " + examples_of(full));
@@ -309,6 +351,13 @@ class Parser {
     };
     if (place(full)) return with(kPlaceQuantities);
     if (find_joint(model_, full) >= 0) return with(kJointQuantities);
+    for (const auto* minds : {&model_.controllers, &model_.supervisors})
+      if (const int mind = find_named(*minds, full); mind >= 0) {
+        std::vector<std::string> outputs;
+        for (const OutputModel& output : (*minds)[static_cast<std::size_t>(mind)].outputs)
+          outputs.push_back(output.name);
+        return outputs.empty() ? text_ + ".OUTPUT" : with(outputs);
+      }
     const int sensor = find_named(model_.sensors, full);
     if (sensor < 0) return text_ + ".effort";
     const auto* channels = scope_.channels ? scope_.channels(sensor) : nullptr;
@@ -321,22 +370,44 @@ class Parser {
 
   // ---- function(name, name)
 
+  struct Function {
+    const char* name;
+    std::size_t least, most;  // arguments
+    const char* usage;
+    const char* takes;
+  };
+  static constexpr std::array<Function, 8> kFunctions = {
+      {{"distance", 2, 2, "write distance(a, b)", "the names of two things"},
+       {"origin_distance", 2, 2, "write origin_distance(a, b)", "the names of two things"},
+       {"contacts", 1, 2, "write contacts(a, b), or contacts(a) for what a touches",
+        "the names of two things"},
+       {"force", 1, 2, "write force(a, b), or force(a) for what a touches",
+        "the names of two things"},
+       {"mass", 1, 1, "write mass(a)", "the name of one body or assembly"},
+       {"inside", 2, 2, "write inside(a, region)", "the names of a thing and a region"},
+       {"event", 1, 3, "write event(enter, region, a), or less of it for any",
+        "a kind of event, then who raised it and who took part"},
+       {"open", 1, 1, "write open(door)", "the name of one door"}}};
+  static constexpr std::array<const char*, 17> kEvents = {
+      "enter",  "leave",   "opening",  "opened",    "closing", "closed",
+      "added",  "removed", "attached", "detached",  "frozen",  "freed",
+      "raised", "fault",   "refused",  "restarted", "ended"};
+
   Parsed call() const {
     const auto open = text_.find('(');
-    const std::string function = trimmed(text_.substr(0, open));
-    const std::vector<std::string> functions = {"distance", "contacts", "force"};
-    if (index_of(functions, function) < 0) {
-      const std::string near = nearest_name(function, functions);
-      return fail(fmt::format("there is no function '{}'", function), "",
+    const std::string name = trimmed(text_.substr(0, open));
+    const auto function = std::find_if(kFunctions.begin(), kFunctions.end(),
+                                       [&](const Function& f) { return f.name == name; });
+    if (function == kFunctions.end()) {
+      std::vector<std::string> functions;
+      for (const Function& f : kFunctions) functions.emplace_back(f.name);
+      const std::string near = nearest_name(name, functions);
+      return fail(fmt::format("there is no function '{}'", name), "",
                   (near.empty() ? "" : fmt::format("did you mean '{}'? ", near)) + "there are " +
                       listed(functions));
     }
-    const bool far = function == "distance";
-    const std::string usage =
-        far ? "write distance(a, b)"
-            : fmt::format("write {}(a, b), or {}(a) for what a touches", function, function);
     if (text_.back() != ')' || text_.find_first_of("()", open + 1) != text_.size() - 1)
-      return fail(fmt::format("the brackets of '{}' do not match", text_), "", usage);
+      return fail(fmt::format("the brackets of '{}' do not match", text_), "", function->usage);
     std::vector<std::string> arguments;
     std::size_t start = open + 1;
     while (true) {
@@ -345,22 +416,119 @@ class Parser {
       if (comma == text_.size() - 1) break;
       start = comma + 1;
     }
-    const bool right = arguments.size() == 2 || (!far && arguments.size() == 1);
-    if (!right || index_of(arguments, "") >= 0)
-      return fail(fmt::format("'{}' takes the names of two things", function), "", usage);
-    return far ? distance(arguments) : contact(function, arguments);
+    if (arguments.size() < function->least || arguments.size() > function->most ||
+        index_of(arguments, "") >= 0)
+      return fail(fmt::format("'{}' takes {}", name, function->takes), "", function->usage);
+    if (name == "distance" || name == "origin_distance") return distance(name, arguments);
+    if (name == "mass") return mass(arguments[0]);
+    if (name == "inside") return inside(arguments);
+    if (name == "event") return event(arguments);
+    if (name == "open") return open_door(arguments[0]);
+    return contact(name, arguments);
   }
 
-  Parsed distance(const std::vector<std::string>& arguments) const {
+  Parsed distance(const std::string& function, const std::vector<std::string>& arguments) const {
+    const bool surfaces = function == "distance";
     std::vector<SignalPlace> places;
+    std::vector<SurfaceSet> sets;
+    std::vector<std::vector<int>> of;
     std::vector<std::string> full;
     for (const std::string& name : arguments) {
       full.push_back(resolved(name));
       const auto at = full.back().empty() ? std::nullopt : place(full.back());
       if (!at) return wrong_argument(name, full.back(), "body, frame or assembly");
       places.push_back(*at);
+      if (!surfaces) continue;
+      of.push_back(bodies(full.back()));
+      sets.push_back(of.back().empty() ? SurfaceSet::of_point(*at)
+                                       : SurfaceSet::of_bodies(model_, of.back()));
     }
-    return distance_term(fmt::format("distance({}, {})", full[0], full[1]), places[0], places[1]);
+    std::string text = fmt::format("{}({}, {})", function, full[0], full[1]);
+    if (!surfaces) return origin_distance_term(std::move(text), places[0], places[1]);
+    if (auto apart = disjoint(arguments, of[0], of[1]); !apart)
+      return tl::unexpected(apart.error());
+    return surface_distance_term(std::move(text), std::move(sets[0]), std::move(sets[1]));
+  }
+
+  Parsed mass(const std::string& name) const {
+    const std::string full = resolved(name);
+    std::vector<int> all = full.empty() ? std::vector<int>{} : bodies(full);
+    if (all.empty()) return wrong_argument(name, full, "body or assembly");
+    // What is static need not have a mass.
+    all.erase(std::remove_if(all.begin(), all.end(),
+                             [&](int body) {
+                               return model_.bodies[static_cast<std::size_t>(body)].kind ==
+                                      BodyKind::fixed;
+                             }),
+              all.end());
+    if (all.empty()) return fail(fmt::format("'{}' is static and has no mass", name));
+    return mass_term(fmt::format("mass({})", full), std::move(all));
+  }
+
+  Parsed inside(const std::vector<std::string>& arguments) const {
+    const std::string full = resolved(arguments[0]);
+    const auto at = full.empty() ? std::nullopt : place(full);
+    if (!at) return wrong_argument(arguments[0], full, "body, frame or assembly");
+    const std::string name = resolved(arguments[1]);
+    const int region = find_named(model_.regions, name);
+    if (region < 0) return no_such(model_.regions, "region", arguments[1]);
+    return inside_term(fmt::format("inside({}, {})", full, name), *at, region);
+  }
+
+  Parsed open_door(const std::string& name) const {
+    const std::string full = resolved(name);
+    const int door = find_named(model_.doors, full);
+    if (door < 0) return no_such(model_.doors, "door", name);
+    return open_term(fmt::format("open({})", full), door);
+  }
+
+  template <class Element>
+  tl::unexpected<Error> no_such(const std::vector<Element>& elements, const std::string& what,
+                                const std::string& name) const {
+    std::vector<std::string> all;
+    for (const Element& element : elements)
+      if (!element.removed) all.push_back(element.name);
+    const std::string near = nearest_name(name, all);
+    return fail(fmt::format("there is no {} '{}'", what, name), "",
+                !near.empty() ? fmt::format("did you mean '{}'?", near)
+                : all.empty() ? fmt::format("the scene has no {}s", what)
+                              : fmt::format("there are {}", listed(all)));
+  }
+
+  Parsed event(const std::vector<std::string>& arguments) const {
+    const std::string& kind = arguments[0];
+    if (index_of(kEvents, kind) < 0) {
+      const std::string near = nearest_name(kind, strings(kEvents));
+      return fail(fmt::format("there is no kind of event '{}'", kind), "",
+                  (near.empty() ? "" : fmt::format("did you mean '{}'? ", near)) + "there are " +
+                      fmt::format("{}", fmt::join(kEvents, ", ")));
+    }
+    std::vector<std::string> names;
+    for (std::size_t i = 1; i < arguments.size(); ++i) {
+      const std::string& name = arguments[i];
+      // "raised" has a name of its own making; subjects that are templates have no signals.
+      const std::string full = i == 1 && kind == "raised" ? name : resolved(name);
+      if (i == 1 && (kind == "enter" || kind == "leave") && find_named(model_.regions, full) < 0)
+        return no_such(model_.regions, "region", name);
+      const bool of_door =
+          kind == "opening" || kind == "opened" || kind == "closing" || kind == "closed";
+      if (i == 1 && of_door && find_named(model_.doors, full) < 0)
+        return no_such(model_.doors, "door", name);
+      names.push_back(full.empty() ? name : full);
+    }
+    std::string text = "event(" + kind;
+    for (const std::string& name : names) text += ", " + name;
+    names.resize(2);
+    return event_term(text + ")", kind, names[0], names[1]);
+  }
+
+  Result<> disjoint(const std::vector<std::string>& names, const std::vector<int>& a,
+                    const std::vector<int>& b) const {
+    std::vector<int> both;
+    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+    if (both.empty()) return {};
+    return fail(fmt::format("'{}' and '{}' have body '{}' in common", names[0], names[1],
+                            model_.bodies[static_cast<std::size_t>(both.front())].name));
   }
 
   Parsed contact(const std::string& function, const std::vector<std::string>& arguments) const {
@@ -373,12 +541,9 @@ class Parser {
       text += (text.empty() ? "" : ", ") + full;
     }
     if (sets.size() == 1) sets.emplace_back();
-    std::vector<int> both;
-    std::set_intersection(sets[0].begin(), sets[0].end(), sets[1].begin(), sets[1].end(),
-                          std::back_inserter(both));
-    if (!both.empty())
-      return fail(fmt::format("'{}' and '{}' have body '{}' in common", arguments[0], arguments[1],
-                              model_.bodies[static_cast<std::size_t>(both.front())].name));
+    if (!sets[1].empty())
+      if (auto apart = disjoint(arguments, sets[0], sets[1]); !apart)
+        return tl::unexpected(apart.error());
     return contact_term(fmt::format("{}({})", function, text), sets[0], sets[1],
                         function == "force");
   }
@@ -397,7 +562,76 @@ class Parser {
   const SignalScope& scope_;
   const SceneModel& model_;
   std::string text_;
+  mutable bool late_ = false;  // a name was met that may come during the run
 };
+
+/// Means the same text in every model the run has.
+struct LateTerm final : Signal::Node {
+  double value(const Frame& frame) const override {
+    const SignalNode node = in(frame.model);
+    return node ? node->value(frame) : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  SignalNode in(const SceneModelPtr& model) const {
+    const std::lock_guard lock(mutex_);
+    if (model != known_) {
+      const SignalScope scope{*model, built_in_channels(*model), {}};
+      const auto made = Parser(scope, text).parse();
+      node_ = made ? *made : nullptr;
+      known_ = model;
+    }
+    return node_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  mutable SceneModelPtr known_;
+  mutable SignalNode node_;
+};
+
+Parsed Parser::late(const Parsed& now) const {
+  auto term = std::make_shared<LateTerm>();
+  if (now) {
+    term->text = (*now)->text;
+    term->unit = (*now)->unit;
+    term->quantity = (*now)->quantity;
+    term->needs = (*now)->needs;
+    return SignalNode(std::move(term));
+  }
+  const auto open = text_.find('(');
+  if (open != npos) {
+    const std::string function = trimmed(text_.substr(0, open));
+    const auto known = std::find_if(kFunctions.begin(), kFunctions.end(),
+                                    [&](const Function& f) { return f.name == function; });
+    if (known == kFunctions.end() || text_.back() != ')') return now;
+    std::size_t arguments = 0;
+    for (std::size_t start = open + 1; start < text_.size(); ++arguments) {
+      const auto comma = std::min(text_.find(',', start), text_.size() - 1);
+      const std::string name = trimmed(text_.substr(start, comma - start));
+      const std::string full = name.empty() ? name : resolved(name);
+      // What cannot come must be there.
+      if (full.empty() || (!scope_.may_come(name) && !exists(full))) return now;
+      term->text += (arguments == 0 ? function + "(" : ", ") + full;
+      start = comma + 1;
+    }
+    if (arguments < known->least || arguments > known->most) return now;
+    term->text += ")";
+    term->quantity = function;
+    term->unit = function == "mass" ? "kg" : function == "force" ? "N" : "1";
+    if (function == "distance" || function == "origin_distance") term->unit = "m";
+    term->needs.contacts = function == "contacts" || function == "force";
+    return SignalNode(std::move(term));
+  }
+  const auto dot = text_.rfind('.');
+  const std::string owner = text_.substr(0, dot);
+  if (dot == npos || !scope_.may_come(owner)) return now;
+  term->quantity = text_.substr(dot + 1);
+  term->text = resolved(owner) + "." + term->quantity;
+  const int which = index_of(kPlaceQuantities, term->quantity);
+  // Else of a joint or a sensor, whose unit nobody knows before it is there.
+  if (which >= 0) term->unit = place_unit(which);
+  return SignalNode(std::move(term));
+}
 
 }  // namespace
 

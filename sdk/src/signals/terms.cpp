@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "node.h"
+#include "surface_distance.h"
 
 namespace cogrsim {
 namespace {
@@ -145,12 +146,97 @@ struct EnergyTerm final : Signal::Node {
   }
 };
 
-struct DistanceTerm final : Signal::Node {
+struct OriginDistanceTerm final : Signal::Node {
   SignalPlace a, b;
 
   double value(const Frame& frame) const override {
     if (!present(a, frame) || !present(b, frame)) return kNaN;
     return (pose_of(a, frame).p - pose_of(b, frame).p).norm();
+  }
+};
+
+struct SurfaceDistanceTerm final : Signal::Node {
+  SurfaceSet a, b;
+
+  double value(const Frame& frame) const override {
+    std::vector<bool> gone(frame.state.poses.size());
+    for (std::size_t i = 0; i < gone.size(); ++i)
+      gone[i] = !present(frame.model->bodies, static_cast<int>(i));
+    return surface_distance(a, b, frame.state.poses, gone);
+  }
+};
+
+struct MassTerm final : Signal::Node {
+  std::vector<int> bodies;
+
+  double value(const Frame& frame) const override {
+    double sum = 0.0;
+    bool any = false;
+    for (const int body : bodies) {
+      if (!present(frame.model->bodies, body)) continue;
+      sum += frame.model->bodies[at(body)].mass;
+      any = true;
+    }
+    return any ? sum : kNaN;
+  }
+};
+
+struct InsideTerm final : Signal::Node {
+  SignalPlace place;
+  int index = -1;
+
+  double value(const Frame& frame) const override {
+    if (!present(place, frame) || !present(frame.model->regions, index)) return kNaN;
+    const RegionModel& region = frame.model->regions[at(index)];
+    const SignalPlace middle{region.body, region.X_BR};
+    if (!present(middle, frame)) return kNaN;
+    const Vec3 p = pose_of(middle, frame).inverse() * pose_of(place, frame).p;
+    if (region.type == RegionModel::Type::sphere) return p.norm() <= region.radius;
+    return ((2.0 * p.cwiseAbs() - region.size).array() <= 0.0).all();
+  }
+};
+
+struct EventTerm final : Signal::Node {
+  std::string kind, source, subject;
+
+  double value(const Frame& frame) const override {
+    return std::any_of(frame.events.begin(), frame.events.end(), [&](const Event& event) {
+      return event.kind == kind && (source.empty() || event.source == source) &&
+             (subject.empty() || event.subject == subject);
+    });
+  }
+};
+
+struct OpenTerm final : Signal::Node {
+  int index = -1;
+
+  double value(const Frame& frame) const override {
+    if (!present(frame.model->doors, index)) return kNaN;
+    const DoorModel& door = frame.model->doors[at(index)];
+    if (!present(frame.model->motors, door.motor)) return kNaN;
+    const Motor& motor = frame.model->motors[at(door.motor)];
+    if (!present(frame.model->joints, motor.joint)) return kNaN;
+    const std::size_t q = at(frame.model->joints[at(motor.joint)].position_offset + motor.axis);
+    if (q >= frame.state.joint_positions.size()) return kNaN;
+    return std::clamp((frame.state.joint_positions[q] - door.closed) / (door.open - door.closed),
+                      0.0, 1.0);
+  }
+};
+
+struct MindTerm final : Signal::Node {
+  bool supervisor = false;
+  int index = -1;
+  std::string output;
+
+  double value(const Frame& frame) const override {
+    const auto& minds = supervisor ? frame.model->supervisors : frame.model->controllers;
+    const auto& values = supervisor ? frame.supervisor_outputs : frame.controller_outputs;
+    if (!present(minds, index) || at(index) >= values.size()) return kNaN;
+    // The model of the scene may not know the outputs, that of a run does.
+    const auto& outputs = minds[at(index)].outputs;
+    for (std::size_t i = 0; i < outputs.size() && i < values[at(index)].size(); ++i)
+      if (outputs[i].name == output) return values[at(index)][i];
+    return kNaN;
   }
 };
 
@@ -186,12 +272,16 @@ struct ContactTerm final : Signal::Node {
 
 }  // namespace
 
+const char* place_unit(int quantity) {
+  return quantity < 3 ? "m" : quantity < 6 ? "rad" : quantity < 10 ? "m/s" : "rad/s";
+}
+
 SignalNode time_term() { return std::make_shared<TimeTerm>(); }
 
 SignalNode place_term(std::string text, const SignalPlace& place, int quantity) {
   auto term = std::make_shared<PlaceTerm>();
   term->text = std::move(text);
-  term->unit = quantity < 3 ? "m" : quantity < 6 ? "rad" : quantity < 10 ? "m/s" : "rad/s";
+  term->unit = place_unit(quantity);
   term->quantity = kPlaceQuantities[at(quantity)];
   term->place = place;
   term->which = quantity;
@@ -239,13 +329,74 @@ SignalNode energy_term(int quantity) {
   return term;
 }
 
-SignalNode distance_term(std::string text, const SignalPlace& a, const SignalPlace& b) {
-  auto term = std::make_shared<DistanceTerm>();
+SignalNode origin_distance_term(std::string text, const SignalPlace& a, const SignalPlace& b) {
+  auto term = std::make_shared<OriginDistanceTerm>();
   term->text = std::move(text);
   term->unit = "m";
   term->quantity = "distance";
   term->a = a;
   term->b = b;
+  return term;
+}
+
+SignalNode surface_distance_term(std::string text, SurfaceSet a, SurfaceSet b) {
+  auto term = std::make_shared<SurfaceDistanceTerm>();
+  term->text = std::move(text);
+  term->unit = "m";
+  term->quantity = "distance";
+  term->a = std::move(a);
+  term->b = std::move(b);
+  return term;
+}
+
+SignalNode mass_term(std::string text, std::vector<int> bodies) {
+  auto term = std::make_shared<MassTerm>();
+  term->text = std::move(text);
+  term->unit = "kg";
+  term->quantity = "mass";
+  term->bodies = std::move(bodies);
+  return term;
+}
+
+SignalNode inside_term(std::string text, const SignalPlace& place, int region) {
+  auto term = std::make_shared<InsideTerm>();
+  term->text = std::move(text);
+  term->unit = "1";
+  term->quantity = "inside";
+  term->place = place;
+  term->index = region;
+  return term;
+}
+
+SignalNode event_term(std::string text, std::string kind, std::string source, std::string subject) {
+  auto term = std::make_shared<EventTerm>();
+  term->text = std::move(text);
+  term->unit = "1";
+  term->quantity = "event";
+  term->kind = std::move(kind);
+  term->source = std::move(source);
+  term->subject = std::move(subject);
+  return term;
+}
+
+SignalNode open_term(std::string text, int door) {
+  auto term = std::make_shared<OpenTerm>();
+  term->text = std::move(text);
+  term->unit = "1";
+  term->quantity = "open";
+  term->index = door;
+  return term;
+}
+
+SignalNode mind_term(std::string text, bool supervisor, int mind, std::string output,
+                     std::string unit) {
+  auto term = std::make_shared<MindTerm>();
+  term->text = std::move(text);
+  term->unit = std::move(unit);
+  term->quantity = output;
+  term->supervisor = supervisor;
+  term->index = mind;
+  term->output = std::move(output);
   return term;
 }
 

@@ -23,7 +23,9 @@ inline constexpr std::array<const char*, 3> kJointQuantities = {"position", "vel
 inline constexpr std::array<const char*, 3> kEnergyQuantities = {"kinetic", "potential", "total"};
 
 using SignalNode = std::shared_ptr<const Signal::Node>;
+class SurfaceSet;  // surface_distance.h
 
+const char* place_unit(int quantity);
 SignalNode time_term();
 /// `quantity` is an index into kPlaceQuantities; `text` the whole signal.
 SignalNode place_term(std::string text, const SignalPlace& place, int quantity);
@@ -34,7 +36,21 @@ SignalNode motor_term(std::string text, const SceneModel& model, int index);
 SignalNode sensor_term(std::string text, int index, int channel, std::string name,
                        std::string unit);
 SignalNode energy_term(int quantity);
-SignalNode distance_term(std::string text, const SignalPlace& a, const SignalPlace& b);
+/// Between two points.
+SignalNode origin_distance_term(std::string text, const SignalPlace& a, const SignalPlace& b);
+/// Between two surfaces.
+SignalNode surface_distance_term(std::string text, SurfaceSet a, SurfaceSet b);
+/// Bodies by index.
+SignalNode mass_term(std::string text, std::vector<int> bodies);
+/// 1 or 0. Precondition: `region` is one of the model's.
+SignalNode inside_term(std::string text, const SignalPlace& place, int region);
+/// 1 or 0; empty: any.
+SignalNode event_term(std::string text, std::string kind, std::string source, std::string subject);
+/// Of a door, 0 closed to 1 open.
+SignalNode open_term(std::string text, int door);
+/// Output of a controller or supervisor, looked up by name in the frame's model.
+SignalNode mind_term(std::string text, bool supervisor, int mind, std::string output,
+                     std::string unit);
 /// Bodies by index, sorted; `b` empty: whatever they touch. `force`: else the number of points.
 SignalNode contact_term(std::string text, std::vector<int> a, std::vector<int> b, bool force);
 

@@ -12,16 +12,26 @@
 // | MOTOR.effort                        | mean over the last step                     | N*m or N    |
 // | SENSOR.CHANNEL, SENSOR[i]           | latest reading, by channel name or number   | the channel |
 // | energy.kinetic potential total      | see energy_of()                             | J           |
-// | distance(PLACE, PLACE)              | between the two origins                     | m           |
+// | MIND.OUTPUT                         | what a controller or supervisor publishes   | the output  |
+// | distance(THING, THING)              | between the surfaces, 0 when they touch     | m           |
+// | origin_distance(PLACE, PLACE)       | between the two origins                     | m           |
+// | mass(BODIES)                        | sum of theirs                               | kg          |
 // | contacts(BODIES), (BODIES, BODIES)  | points at which they touch (each other)     | 1           |
 // | force(BODIES), (BODIES, BODIES)     | length of the sum of the contact forces     | N           |
 //
+// | inside(PLACE, REGION)               | 1: its origin is in the region, else 0      | 1           |
+// | event(KIND[, SOURCE[, SUBJECT]])    | 1 in frames where it happens, else 0        | 1           |
+// | open(DOOR)                          | from 0, closed, to 1, open                  | 1           |
+//
 // PLACE is a body, a named frame or an assembly, which stands for its base: the body it is, if it
-// is rigid, else its first body. BODIES is a body, or an assembly with all that is in it.
+// is rigid, else its first body. BODIES is a body, or an assembly with all that is in it. THING is
+// BODIES, of which the shapes that collide count, or a named frame, which is a point; a mesh that is
+// not convex and a heightmap count as surfaces without an inside. KIND of an event and what SOURCE
+// and SUBJECT are: see Event in cogrsim/physics/frame.h.
 //
 // Signals are added and subtracted (with blanks around + and -), multiplied and divided, with numbers,
 // brackets and abs(): `bot.ir.distance - bot.ideal.distance`, `abs(bot.roll)`. What is added must have
-// the same unit.
+// the same dimension; numbers may have units, `bot.x - 20 cm`, and take the other's if they have none.
 #pragma once
 
 #include <cstdint>
@@ -53,6 +63,10 @@ struct SignalScope {
   /// From a name as written to the dotted name in the model, "" for none; empty: names are the
   /// model's own. Lets names be relative to the element they stand in.
   std::function<std::string(const std::string&)> resolve;
+  /// Whether something of this name (as written) may be added during the run. Its signals are then
+  /// looked up by name in every model the run has, and are NaN as long as there is none.
+  /// Empty: what is not in the model is an error.
+  std::function<bool(const std::string&)> may_come = {};
 };
 
 /// One number of every frame. Copies are cheap and share what they are made of; from several
