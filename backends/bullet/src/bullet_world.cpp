@@ -54,6 +54,21 @@ const ParameterTable& assembly_option_table() {
   return table;
 }
 
+Result<> check_motors(const SceneModel& model) {
+  for (const Motor& motor : model.motors) {
+    const JointType type = model.joints[static_cast<std::size_t>(motor.joint)].type;
+    if (motor.removed ||
+        (type != JointType::ball && type != JointType::free && type != JointType::fixed)) {
+      continue;
+    }
+    return fail("motor '" + motor.name + "': a " + std::string(to_string(type)) +
+                    " joint has no axis to drive",
+                place_of(model, motor.origin),
+                "use a hinge, slider, universal or another joint with axes");
+  }
+  return {};
+}
+
 Result<std::unique_ptr<World>> BulletWorld::create(const SceneModelPtr& model) {
   std::unique_ptr<BulletWorld> world(new BulletWorld);
   if (auto built = world->build(model); !built) return tl::unexpected(built.error());
@@ -61,7 +76,7 @@ Result<std::unique_ptr<World>> BulletWorld::create(const SceneModelPtr& model) {
   return world;
 }
 
-Result<> BulletWorld::build(const SceneModelPtr& model) {
+Result<> BulletWorld::build(const SceneModelPtr& model, const std::vector<Pose>* anchors) {
   const auto options = complete_parameters(world_option_table(), options_of(*model));
   if (!options) return tl::unexpected(options.error());
   for (const AssemblyInfo& assembly : model->assemblies) {
@@ -75,17 +90,7 @@ Result<> BulletWorld::build(const SceneModelPtr& model) {
       return tl::unexpected(error);
     }
   }
-  for (const Motor& motor : model->motors) {
-    const JointType type = model->joints[static_cast<std::size_t>(motor.joint)].type;
-    if (motor.removed ||
-        (type != JointType::ball && type != JointType::free && type != JointType::fixed)) {
-      continue;
-    }
-    return fail("motor '" + motor.name + "': a " + std::string(to_string(type)) +
-                    " joint has no axis to drive",
-                place_of(*model, motor.origin),
-                "use a hinge, slider, universal or another joint with axes");
-  }
+  if (auto fine = check_motors(*model); !fine) return fine;
   SolverSettings settings;
   settings.iterations = static_cast<int>(std::get<std::int64_t>(options->at("iterations")));
   settings.bounce_threshold = model->physics.bounce_threshold;
@@ -96,7 +101,11 @@ Result<> BulletWorld::build(const SceneModelPtr& model) {
 
   std::vector<RigidBody> bodies;
   bodies.reserve(model->bodies.size());
-  for (const Body& body : model->bodies) bodies.emplace_back(body, model->physics.gravity);
+  for (std::size_t b = 0; b < model->bodies.size(); ++b) {
+    bodies.emplace_back(model->bodies[b], model->physics.gravity);
+    if (anchors == nullptr || bodies[b].kind() != BodyKind::fixed) continue;
+    bodies[b] = RigidBody(model->bodies[b], (*anchors)[b]);
+  }
   auto collision = std::make_unique<Collision>();
   if (auto added = collision->add(model, bodies, 0); !added) return added;
 

@@ -20,6 +20,9 @@ namespace cogrsim::bullet {
 const ParameterTable& world_option_table();
 const ParameterTable& assembly_option_table();
 
+/// Errors: motors on joints that have no axis to drive.
+Result<> check_motors(const SceneModel& model);
+
 /// One articulated group and how it is to be solved.
 struct GroupPlan {
   JointChain chain;
@@ -51,17 +54,24 @@ class BulletWorld final : public World, public JointReactions, public KinematicD
  private:
   BulletWorld() = default;
 
-  /// Everything from scratch, as `model` says.
-  Result<> build(const SceneModelPtr& model);
+  /// Everything from scratch, as `model` says; its fixed bodies at `anchors` (nbody), if given.
+  Result<> build(const SceneModelPtr& model, const std::vector<Pose>* anchors = nullptr);
   /// The formulation of every articulated group of a model; errors: see choose_reduced().
   Result<std::vector<GroupPlan>> plan_groups(const SceneModel& model) const;
   void build_groups(const std::vector<GroupPlan>& plans);
+  /// Contacts and reactions of the last step, before what knows them changes.
+  void keep_reports();
+  /// Collision, groups and reports as `next` has them. `rigid`: bodies that have become others;
+  /// `sudden`: joints whose bodies' velocities may not fit them yet, see ConstraintGroup::join.
+  void go_over(const SceneModelPtr& next, const std::vector<GroupPlan>& plans,
+               const std::vector<RenewedBody>& renewed, const std::vector<int>& sudden);
+  /// Coordinates of joints that were attached to bodies where they are.
+  void measure_attached(const std::vector<int>& joints);
+  std::vector<Pose> anchors() const;
   /// Joint coordinates from the bodies' poses, angles near the last ones.
   void update_joints(std::vector<double>& q) const;
   /// The first body that is not finite or out of bounds; -1: none.
   int find_diverged() const;
-  /// Finds the reactions before the groups that know them change.
-  void keep_reactions();
   void place_trees(const WorldState& state);
   /// Moves what the solver has given velocities.
   void move_bodies(double dt, std::vector<double>& q);

@@ -1,4 +1,4 @@
-// State of a BulletWorld: reading, writing, saving, adding and removing.
+// State of a BulletWorld: reading, writing, saving.
 #include <algorithm>
 #include <cmath>
 
@@ -6,6 +6,7 @@
 #include "convert.h"
 
 #include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/scene_change.h"
 
 namespace cogrsim::bullet {
 
@@ -16,6 +17,7 @@ class Snapshot final : public WorldSnapshot {
   SceneModelPtr initial, model;
   double time = 0.0, last_dt = 0.0;
   std::vector<PrincipalState> bodies;
+  std::vector<Pose> anchors;  ///< where static bodies are
   std::vector<double> q;
   JointReport report;
   std::vector<Contact> contacts;
@@ -28,14 +30,32 @@ bool same_elements(const SceneModel& a, const SceneModel& b) {
   if (a.bodies.size() != b.bodies.size() || a.joints.size() != b.joints.size()) return false;
   for (std::size_t i = 0; i < a.bodies.size(); ++i) {
     if (a.bodies[i].name != b.bodies[i].name || a.bodies[i].removed != b.bodies[i].removed ||
+        a.bodies[i].kind != b.bodies[i].kind ||
         a.bodies[i].shapes.size() != b.bodies[i].shapes.size()) {
       return false;
     }
   }
   for (std::size_t i = 0; i < a.joints.size(); ++i) {
-    if (a.joints[i].name != b.joints[i].name || a.joints[i].type != b.joints[i].type) return false;
+    const Joint &x = a.joints[i], &y = b.joints[i];
+    if (x.name != y.name || x.type != y.type || x.removed != y.removed || x.parent != y.parent ||
+        x.child != y.child || !detail::same_axes(x, y)) {
+      return false;
+    }
   }
   return true;
+}
+
+bool same_names(const SceneModel& a, const SceneModel& b) {
+  if (&a == &b) return true;
+  const auto same = [](const auto& one, const auto& other) { return one.name == other.name; };
+  return std::equal(a.bodies.begin(), a.bodies.end(), b.bodies.begin(), b.bodies.end(), same) &&
+         std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(), same);
+}
+
+bool same_places(const std::vector<Pose>& a, const std::vector<Pose>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Pose& x, const Pose& y) {
+    return x.p == y.p && x.q.coeffs() == y.q.coeffs();
+  });
 }
 
 bool finite(const std::vector<double>& values) {
@@ -191,11 +211,13 @@ void BulletWorld::place_trees(const WorldState& state) {
   }
 }
 
-void BulletWorld::keep_reactions() {
-  std::vector<Wrench> reactions;
-  get_joint_reactions(reactions);
-  report_.reactions = std::move(reactions);
-  reactions_kept_ = true;
+std::vector<Pose> BulletWorld::anchors() const {
+  std::vector<Pose> out;
+  out.reserve(bodies_.size());
+  for (const RigidBody& body : bodies_) {
+    out.push_back(body.kind() == BodyKind::fixed ? body.anchor() : Pose());
+  }
+  return out;
 }
 
 SnapshotPtr BulletWorld::save() const {
@@ -206,6 +228,7 @@ SnapshotPtr BulletWorld::save() const {
   out->last_dt = last_dt_;
   out->bodies.reserve(bodies_.size());
   for (const RigidBody& body : bodies_) out->bodies.push_back(body.principal());
+  out->anchors = anchors();
   out->q = q_;
   out->report = report_;
   get_joint_reactions(out->report.reactions);
@@ -220,12 +243,12 @@ Result<> BulletWorld::restore(const SnapshotPtr& snapshot) {
   if (saved == nullptr) {
     return fail("the snapshot was not made by the bullet backend");
   }
-  if (!same_elements(*saved->model, *model_)) {
-    // The scene has grown or shrunk since: go back to what it was then.
-    if (!same_elements(*saved->initial, *initial_)) {
+  if (!same_elements(*saved->model, *model_) || !same_places(saved->anchors, anchors())) {
+    // The scene has changed since: go back to what it was then.
+    if (!same_names(*saved->initial, *initial_)) {
       return fail("the snapshot is of another scene: '" + saved->model->name + "'");
     }
-    if (auto built = build(saved->model); !built) return built;
+    if (auto built = build(saved->model, &saved->anchors); !built) return built;
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) bodies_[b].set_principal(saved->bodies[b]);
   q_ = saved->q;
@@ -243,63 +266,6 @@ Result<> BulletWorld::restore(const SnapshotPtr& snapshot) {
 Result<> BulletWorld::reset() {
   const SceneModelPtr initial = initial_;
   return build(initial);
-}
-
-Result<> BulletWorld::add(const SceneModelPtr& next) {
-  const std::size_t known = bodies_.size();
-  if (next->bodies.size() < known || next->joints.size() < model_->joints.size()) {
-    return fail("the scene to add to has lost elements");
-  }
-  auto plans = plan_groups(*next);
-  if (!plans) return tl::unexpected(plans.error());
-  keep_reactions();
-  std::vector<RigidBody> grown = std::move(bodies_);
-  grown.reserve(next->bodies.size());
-  for (std::size_t b = known; b < next->bodies.size(); ++b) {
-    grown.emplace_back(next->bodies[b], next->physics.gravity);
-  }
-  auto added = collision_->add(next, grown, known);
-  if (!added) grown.resize(known);
-  bodies_ = std::move(grown);
-  if (!added) {
-    if (const auto same = plan_groups(*model_); same) build_groups(*same);
-    return added;
-  }
-  get_contacts(kept_contacts_);
-  contacts_kept_ = true;
-  model_ = next;
-  build_groups(*plans);
-  return {};
-}
-
-Result<> BulletWorld::change(const SceneModelPtr&) {
-  return fail("this backend cannot change what is there while it runs");
-}
-
-Result<> BulletWorld::remove(const SceneModelPtr& next) {
-  if (next->bodies.size() != bodies_.size()) {
-    return fail("the scene to remove from has other bodies");
-  }
-  auto plans = plan_groups(*next);
-  if (!plans) return tl::unexpected(plans.error());
-  std::vector<Contact> contacts;
-  get_contacts(contacts);
-  keep_reactions();
-  contacts.erase(std::remove_if(contacts.begin(), contacts.end(),
-                                [&](const Contact& c) {
-                                  return next->bodies[static_cast<std::size_t>(c.body_a)].removed ||
-                                         next->bodies[static_cast<std::size_t>(c.body_b)].removed;
-                                }),
-                 contacts.end());
-  kept_contacts_ = std::move(contacts);
-  contacts_kept_ = true;
-  collision_->remove(next);
-  model_ = next;
-  build_groups(*plans);
-  for (std::size_t j = 0; j < next->joints.size(); ++j) {
-    if (next->joints[j].removed) report_.reactions[j] = {};
-  }
-  return {};
 }
 
 }  // namespace cogrsim::bullet

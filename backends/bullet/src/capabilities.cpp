@@ -52,9 +52,10 @@ Capabilities make_capabilities() {
   }
   out.set("contact.stiffness", Support::approximate,
           "a spring per contact point; restitution becomes its damping");
-  for (const char* feature : {"body.static", "body.kinematic", "runtime.add", "runtime.remove",
-                              "runtime.save", "runtime.set_state", "report.contact_force",
-                              "report.joint_reaction", "report.joint_effort"}) {
+  for (const char* feature :
+       {"body.static", "body.kinematic", "runtime.add", "runtime.remove", "runtime.save",
+        "runtime.set_state", "runtime.attach", "runtime.body_kind", "runtime.joint_axes",
+        "report.contact_force", "report.joint_reaction", "report.joint_effort"}) {
     out.set(feature, Support::exact);
   }
   return out;

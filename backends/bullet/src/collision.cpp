@@ -130,77 +130,110 @@ Collision::~Collision() {
 
 Result<> Collision::add(const SceneModelPtr& model, std::vector<RigidBody>& bodies,
                         std::size_t first_body) {
+  // A shape's place follows from the model alone, so removed ones take one too: snapshots name
+  // pairs by places.
   std::vector<std::unique_ptr<Proxy>> fresh;
   for (std::size_t b = first_body; b < model->bodies.size(); ++b) {
     const Body& body = model->bodies[b];
-    if (body.removed) continue;
     for (std::size_t s = 0; s < body.shapes.size(); ++s) {
       const Shape& shape = body.shapes[s];
       if (!shape.collides) continue;
+      if (body.removed) {
+        fresh.emplace_back();
+        continue;
+      }
       auto collision = make_shape(*model, body, shape);
       if (!collision) return tl::unexpected(collision.error());
       auto proxy = std::make_unique<Proxy>();
       proxy->body = static_cast<int>(b);
       proxy->index = static_cast<int>(s);
       proxy->collision = std::move(*collision);
-      proxy->X_PC = to_bt(bodies[b].X_BP().inverse() * shape.X_BS) * proxy->collision->X_SC;
       proxy->base = kBaseShare * proxy->collision->reach;
-      proxy->moves = body.kind != BodyKind::fixed;
       fresh.push_back(std::move(proxy));
     }
   }
   model_ = model;
   filter_rules_ = CollisionFilter(*model);
+  const std::size_t known = proxies_.size();
+  for (auto& proxy : fresh) proxies_.push_back(std::move(proxy));
   // Shapes live in the model, whose older bodies may have moved in memory with it.
-  for (auto& proxy : proxies_) {
-    if (proxy) {
-      proxy->shape = &model->bodies[static_cast<std::size_t>(proxy->body)]
-                          .shapes[static_cast<std::size_t>(proxy->index)];
-    }
-  }
-  for (auto& proxy : fresh) {
-    const RigidBody& body = bodies[static_cast<std::size_t>(proxy->body)];
+  for (std::size_t i = 0; i < proxies_.size(); ++i) {
+    Proxy* const proxy = proxies_[i].get();
+    if (proxy == nullptr) continue;
     proxy->shape = &model->bodies[static_cast<std::size_t>(proxy->body)]
                         .shapes[static_cast<std::size_t>(proxy->index)];
-    update_bounds(*proxy, body, 0.0);
-    proxies_.push_back(std::move(proxy));
-    Proxy& placed = *proxies_.back();
-    placed.broad = broadphase_->createProxy(
-        placed.low, placed.high, placed.collision->shape->getShapeType(),
-        reinterpret_cast<void*>(static_cast<std::intptr_t>(proxies_.size())), 1, 1, &dispatcher_);
+    if (i >= known) take_in(i, bodies[static_cast<std::size_t>(proxy->body)]);
   }
   return {};
 }
 
-void Collision::remove(const SceneModelPtr& model) {
+void Collision::take_in(std::size_t index, const RigidBody& body) {
+  Proxy& proxy = *proxies_[index];
+  proxy.X_PC = to_bt(body.X_BP().inverse() * proxy.shape->X_BS) * proxy.collision->X_SC;
+  proxy.moves = body.kind() != BodyKind::fixed;
+  update_bounds(proxy, body, 0.0);
+  proxy.broad = broadphase_->createProxy(
+      proxy.low, proxy.high, proxy.collision->shape->getShapeType(),
+      reinterpret_cast<void*>(static_cast<std::intptr_t>(index + 1)), 1, 1, &dispatcher_);
+}
+
+void Collision::take_out(std::size_t index) {
+  broadphase_->destroyProxy(proxies_[index]->broad, &dispatcher_);
+  for (Pair& pair : pairs_) {
+    if (pair.first != static_cast<int>(index) && pair.second != static_cast<int>(index)) continue;
+    pair.proposed = false;
+    dropped_ = true;
+  }
+}
+
+void Collision::change(const SceneModelPtr& model, std::vector<RigidBody>& bodies,
+                       const std::vector<RenewedBody>& renewed) {
   model_ = model;
+  filter_rules_ = CollisionFilter(*model);
+  std::vector<char> anew(model->bodies.size());
+  for (const RenewedBody& body : renewed) {
+    anew[static_cast<std::size_t>(body.body)] = 1;
+    reframe(body, bodies);
+  }
+  std::vector<std::size_t> back;
   for (std::size_t i = 0; i < proxies_.size(); ++i) {
     auto& proxy = proxies_[i];
     if (!proxy) continue;
-    const Body& body = model->bodies[static_cast<std::size_t>(proxy->body)];
+    const auto b = static_cast<std::size_t>(proxy->body);
+    const Body& body = model->bodies[b];
     if (body.removed) {
-      broadphase_->destroyProxy(proxy->broad, &dispatcher_);
-      for (Pair& pair : pairs_) {
-        if (pair.first == static_cast<int>(i) || pair.second == static_cast<int>(i)) {
-          close(pair);
-          pair.proposed = false;
-          dropped_ = true;
-        }
-      }
+      take_out(i);
       proxy.reset();
-    } else {
-      proxy->shape = &body.shapes[static_cast<std::size_t>(proxy->index)];
+      continue;
     }
+    proxy->shape = &body.shapes[static_cast<std::size_t>(proxy->index)];
+    if (!anew[b]) continue;
+    take_out(i);
+    back.push_back(i);
+  }
+  for (const std::size_t i : back) {
+    take_in(i, bodies[static_cast<std::size_t>(proxies_[i]->body)]);
   }
   merge_new_pairs();
+  // Those of the last step are with the world by now.
   manifolds_.clear();
   touching_.clear();
+}
+
+void Collision::reframe(const RenewedBody& renewed, std::vector<RigidBody>& bodies) {
   for (Pair& pair : pairs_) {
-    if (pair.manifold == nullptr || pair.manifold->getNumContacts() == 0) continue;
-    manifolds_.push_back(pair.manifold);
-    touching_.push_back(&pair);
+    if (pair.manifold == nullptr) continue;
+    const int a = proxies_[static_cast<std::size_t>(pair.first)]->body;
+    const int b = proxies_[static_cast<std::size_t>(pair.second)]->body;
+    if (a != renewed.body && b != renewed.body) continue;
+    pair.manifold->setBodies(&bodies[static_cast<std::size_t>(a)].object(),
+                             &bodies[static_cast<std::size_t>(b)].object());
+    for (int i = 0; i < pair.manifold->getNumContacts(); ++i) {
+      btManifoldPoint& point = pair.manifold->getContactPoint(i);
+      btVector3& local = a == renewed.body ? point.m_localPointA : point.m_localPointB;
+      local = renewed.X_NP * local;
+    }
   }
-  filter_rules_ = CollisionFilter(*model);
 }
 
 void Collision::update_bounds(Proxy& proxy, const RigidBody& body, double dt) {
@@ -232,6 +265,17 @@ Collision::Pair* Collision::find(std::uint64_t key) {
 }
 
 void Collision::merge_new_pairs() {
+  if (dropped_ && !added_.empty()) {
+    // Proposed again within one change: nothing has happened to them.
+    added_.erase(std::remove_if(added_.begin(), added_.end(),
+                                [&](std::uint64_t key) {
+                                  Pair* const pair = find(key);
+                                  if (pair == nullptr) return false;
+                                  pair->proposed = true;
+                                  return true;
+                                }),
+                 added_.end());
+  }
   if (dropped_) {
     pairs_.erase(std::remove_if(pairs_.begin(), pairs_.end(),
                                 [&](Pair& pair) {

@@ -30,6 +30,12 @@ struct SavedManifold {
   std::vector<btManifoldPoint> points;
 };
 
+/// A body that has become another one for Bullet, or that collides with others than before.
+struct RenewedBody {
+  int body = -1;
+  btTransform X_NP;  ///< its old principal frame in the new one
+};
+
 class Collision {
  public:
   Collision();
@@ -40,8 +46,11 @@ class Collision {
   /// Takes in all bodies of `model` from `first_body` on, and `model`'s rules on who collides.
   /// `bodies` must stay where it is in memory. Errors: see make_shape.
   Result<> add(const SceneModelPtr& model, std::vector<RigidBody>& bodies, std::size_t first_body);
-  /// Takes out the bodies marked removed.
-  void remove(const SceneModelPtr& model);
+  /// Takes over another model with the same bodies, some of them marked removed: those go. Bodies in
+  /// `renewed` are looked at anew, since others may collide with them from now on; what contacts
+  /// that stay remember is kept.
+  void change(const SceneModelPtr& model, std::vector<RigidBody>& bodies,
+              const std::vector<RenewedBody>& renewed);
 
   /// Finds contacts at the present poses, for a step of dt. Shapes feel each other as far ahead as
   /// they may move in it.
@@ -90,6 +99,10 @@ class Collision {
 
   void update_bounds(Proxy& proxy, const RigidBody& body, double dt);
   void propose(std::vector<RigidBody>& bodies, double dt);
+  void take_in(std::size_t proxy, const RigidBody& body);
+  void take_out(std::size_t proxy);
+  /// Contact points of the body's pairs, written in its new principal frame.
+  void reframe(const RenewedBody& renewed, std::vector<RigidBody>& bodies);
   void merge_new_pairs();
   void open(Pair& pair, std::vector<RigidBody>& bodies);
   void close(Pair& pair);

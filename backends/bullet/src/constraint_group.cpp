@@ -51,8 +51,7 @@ ConstraintGroup::ConstraintGroup(const SceneModel& model, const std::vector<int>
     if (body == kWorld) return Pose();
     const RigidBody& b = bodies[static_cast<std::size_t>(body)];
     // What does not move is written in world axes.
-    if (b.kind() == BodyKind::fixed)
-      return model.bodies[static_cast<std::size_t>(body)].X_WB.inverse();
+    if (b.kind() == BodyKind::fixed) return b.anchor().inverse();
     return b.X_BP();
   };
   int row = 0;
@@ -120,6 +119,47 @@ double ConstraintGroup::along(const Row& row) const {
   if (row.a >= 0) sum += row.Ja.dot(members_[static_cast<std::size_t>(row.a)].v);
   if (row.b >= 0) sum += row.Jb.dot(members_[static_cast<std::size_t>(row.b)].v);
   return sum;
+}
+
+void ConstraintGroup::join(const SceneModel& model, const std::vector<char>& sudden) {
+  for (Member& member : members_) {
+    const PrincipalState state = member.body->principal();
+    member.v = stacked(state.v, state.w);
+  }
+  std::array<Direction, 6> directions;
+  const auto now = [&](int m) {
+    return m < 0 ? btTransform::getIdentity()
+                 : members_[static_cast<std::size_t>(m)].body->object().getWorldTransform();
+  };
+  for (const JointSlot& slot : slots_) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(slot.joint)];
+    const btTransform X_WF = now(slot.b) * slot.X_PF, X_WM = now(slot.a) * slot.X_CM;
+    const int n = locked_directions(joint, X_WF, X_WM, directions);
+    for (int k = 0; k < n; ++k) {
+      const auto r = static_cast<std::size_t>(slot.first_row + k);
+      rows_[r] = make_row(slot, X_WM, directions[static_cast<std::size_t>(k)]);
+      // The others go on as they did: their velocities belong to the middle of a step, where these
+      // rows are a little different.
+      const double speed = along(rows_[r]);
+      work_[slot.first_row + k] = sudden[static_cast<std::size_t>(slot.joint)] ? -speed : 0.0;
+    }
+  }
+  factorise();
+  solve(work_);
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const double impulse = work_[static_cast<Eigen::Index>(r)];
+    const Row& row = rows_[r];
+    if (row.a >= 0) members_[static_cast<std::size_t>(row.a)].v += row.Ka * impulse;
+    if (row.b >= 0) members_[static_cast<std::size_t>(row.b)].v += row.Kb * impulse;
+  }
+  for (const Member& member : members_) {
+    if (!member.moves) continue;
+    PrincipalState state = member.body->principal();
+    const Vec6& v = member.v;
+    state.v.setValue(v[0], v[1], v[2]);
+    state.w.setValue(v[3], v[4], v[5]);
+    member.body->set_principal(state);
+  }
 }
 
 void ConstraintGroup::prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,

@@ -26,6 +26,11 @@ class ConstraintGroup final : public JointGroup {
   ConstraintGroup(const SceneModel& model, const std::vector<int>& joints,
                   std::vector<RigidBody>& bodies);
 
+  /// Brings the bodies, where they are, to velocities that the joints marked in `sudden` (njoint)
+  /// allow: the impulses of a perfectly plastic joining act through all joints of the group. What
+  /// only the group holds keeps its momentum.
+  void join(const SceneModel& model, const std::vector<char>& sudden);
+
   /// Rows and factorisation.
   void prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,
                const std::vector<double>& q) override;

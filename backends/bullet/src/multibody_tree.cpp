@@ -40,12 +40,11 @@ bool dynamic(const SceneModel& model, int body) {
 }
 
 /// The body's frame in its principal frame.
-btTransform principal_inverse(const SceneModel& model, const std::vector<RigidBody>& bodies,
-                              int body) {
+btTransform principal_inverse(const std::vector<RigidBody>& bodies, int body) {
   if (body == kWorld) return btTransform::getIdentity();
   const RigidBody& b = bodies[static_cast<std::size_t>(body)];
   // What does not move is written in world axes.
-  if (!b.dynamic()) return to_bt(model.bodies[static_cast<std::size_t>(body)].X_WB);
+  if (!b.dynamic()) return to_bt(b.anchor());
   return to_bt(b.X_BP().inverse());
 }
 
@@ -118,8 +117,8 @@ MultibodyTree::MultibodyTree(const SceneModel& model, const std::vector<int>& jo
     t.count = cogrsim::speed_count(joint.type);
     t.reversed = reversed;
     t.from = from;
-    const btTransform F = principal_inverse(model, bodies, joint.parent) * to_bt(joint.X_PF);
-    const btTransform M = principal_inverse(model, bodies, joint.child) * to_bt(joint.X_CM);
+    const btTransform F = principal_inverse(bodies, joint.parent) * to_bt(joint.X_PF);
+    const btTransform M = principal_inverse(bodies, joint.child) * to_bt(joint.X_CM);
     t.X_from = reversed ? M : F;
     t.X_to = reversed ? F : M;
     link_count += std::max(1, static_cast<int>(factors_of(joint.type).size()));

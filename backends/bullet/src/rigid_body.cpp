@@ -78,7 +78,8 @@ void move_freely(PrincipalState& state, const btVector3& moments, bool symmetric
   state.w = R_new * ((world_momentum * R_new) * inverse);
 }
 
-RigidBody::RigidBody(const Body& model, const Vec3& gravity) : kind_(model.kind) {
+RigidBody::RigidBody(const Body& model, const Vec3& gravity)
+    : kind_(model.kind), anchor_(model.X_WB) {
   double bullet_mass = 0.0;
   btVector3 bullet_moments(0, 0, 0);
   if (kind_ == BodyKind::dynamic) {
@@ -114,6 +115,18 @@ RigidBody::RigidBody(const Body& model, const Vec3& gravity) : kind_(model.kind)
   }
   if (kind_ == BodyKind::dynamic) object_->setGravity(to_bt(gravity));
   set(model.X_WB, kind_ == BodyKind::fixed ? Twist{} : model.V_WB);
+}
+
+RigidBody::RigidBody(const Body& model, const Pose& anchor) : RigidBody(model, Vec3(0, 0, 0)) {
+  anchor_ = anchor;
+  set(anchor, {});
+}
+
+RigidBody RigidBody::at_rest(const Body& model, const Vec3& gravity) const {
+  if (model.kind == BodyKind::fixed) return {model, pose()};
+  RigidBody out(model, gravity);
+  out.set(pose(), {});
+  return out;
 }
 
 PrincipalState RigidBody::principal() const {

@@ -29,6 +29,10 @@ class RigidBody {
  public:
   RigidBody() = default;
   RigidBody(const Body& model, const Vec3& gravity);
+  /// A fixed body at another place than its model says.
+  RigidBody(const Body& model, const Pose& anchor);
+  /// The same body, of the kind that `model` says, where this one is and at rest.
+  RigidBody at_rest(const Body& model, const Vec3& gravity) const;
 
   BodyKind kind() const { return kind_; }
   bool dynamic() const { return kind_ == BodyKind::dynamic; }
@@ -45,6 +49,9 @@ class RigidBody {
   /// The same after a step of free motion with the present velocities.
   PrincipalState predicted(double dt) const;
 
+  /// X_WB of a fixed body as it was given: where it was put first, or made static.
+  const Pose& anchor() const { return anchor_; }
+
   Pose pose() const;    ///< X_WB
   Twist twist() const;  ///< of the body frame's origin, world axes
   void set(const Pose& X_WB, const Twist& V_WB);
@@ -54,7 +61,7 @@ class RigidBody {
 
  private:
   BodyKind kind_ = BodyKind::fixed;
-  Pose X_BP_;
+  Pose X_BP_, anchor_;
   btVector3 moments_{1, 1, 1};
   double mass_ = 0.0;
   bool symmetric_ = true;  ///< all moments equal: nothing gyroscopic

@@ -49,7 +49,8 @@ Capabilities make_capabilities() {
     c.set(std::string("motor.") + mode, Support::exact);
   for (const char* feature :
        {"body.static", "body.kinematic", "contact.stiffness", "runtime.add", "runtime.remove",
-        "runtime.save", "runtime.set_state", "report.contact_force", "report.joint_reaction",
+        "runtime.save", "runtime.set_state", "runtime.attach", "runtime.body_kind",
+        "runtime.joint_axes", "report.contact_force", "report.joint_reaction",
         "report.joint_effort"})
     c.set(feature, Support::exact);
   return c;

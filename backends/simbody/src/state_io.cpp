@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cogrsim/model/joint_kinematics.h"
+#include "joining.h"
 #include "world.h"
 
 namespace cogrsim::simbody {
@@ -75,7 +76,7 @@ void SimbodyWorld::get_state(WorldState& out) const {
       out.poses[b] = gone.poses[b];
       out.twists[b] = gone.twists[b];
     } else {
-      out.poses[b] = model.bodies[b].X_WB;
+      out.poses[b] = progress_.placed->bodies[b].X_WB;
       out.twists[b] = Twist();
     }
   }
@@ -115,7 +116,11 @@ void SimbodyWorld::fill_unmoved_joint(std::size_t index, WorldState& out) const 
                                     pose(joint.child), twist(joint.child));
   double* const q = out.joint_positions.data() + joint.position_offset;
   double* const u = out.joint_velocities.data() + joint.speed_offset;
-  joint_position(joint, X_FM, nullptr, q);
+  // Turns that were counted while it moved stay counted.
+  const std::vector<double>& seen = progress_.last_seen.joint_positions;
+  const std::size_t first = std::size_t(joint.position_offset);
+  const bool known = first + std::size_t(position_count(joint.type)) <= seen.size();
+  joint_position(joint, X_FM, known ? seen.data() + first : nullptr, q);
   joint_velocity(joint, X_FM, V_FM, q, u);
 }
 
@@ -145,40 +150,79 @@ Result<> SimbodyWorld::set_state(const WorldState& state) {
     return fail(std::string("Simbody: ") + e.what());
   }
   engine_->stepper.memory.clear();
+  progress_.reactions_kept = false;
   return {};
 }
 
-Result<> SimbodyWorld::add(const SceneModelPtr& next) { return rebuild(next, "add"); }
-Result<> SimbodyWorld::remove(const SceneModelPtr& next) { return rebuild(next, "remove"); }
-
-Result<> SimbodyWorld::change(const SceneModelPtr&) {
-  return fail("this backend cannot change what is there while it runs");
+Result<> SimbodyWorld::add(const SceneModelPtr& next) { return rebuild(next, SceneStep::add); }
+Result<> SimbodyWorld::remove(const SceneModelPtr& next) {
+  return rebuild(next, SceneStep::remove);
+}
+Result<> SimbodyWorld::change(const SceneModelPtr& next) {
+  return rebuild(next, SceneStep::change);
 }
 
-Result<> SimbodyWorld::rebuild(const SceneModelPtr& next, const char* what) {
-  if (!next || next->bodies.size() < progress_.model->bodies.size() ||
-      next->joints.size() < progress_.model->joints.size())
-    return fail(std::string("cannot ") + what + ": the new scene is not an extension of the old");
+SceneModelPtr SimbodyWorld::place_static(const SceneModelPtr& next, const WorldState& now) const {
+  const SceneModel& old = *progress_.placed;
+  std::shared_ptr<SceneModel> moved;
+  for (std::size_t b = 0; b < old.bodies.size(); ++b) {
+    const Body& body = next->bodies[b];
+    if (body.removed || body.kind != BodyKind::fixed) continue;
+    const Pose& X = old.bodies[b].kind == BodyKind::fixed ? old.bodies[b].X_WB : now.poses[b];
+    if (X.p == body.X_WB.p && X.q.coeffs() == body.X_WB.q.coeffs()) continue;
+    if (!moved) moved = std::make_shared<SceneModel>(*next);
+    moved->bodies[b].X_WB = X;
+  }
+  return moved ? SceneModelPtr(std::move(moved)) : next;
+}
+
+Result<> SimbodyWorld::rebuild(const SceneModelPtr& next, SceneStep step) {
+  if (!next) return fail("no scene given");
+  const auto change = find_scene_change(*progress_.model, *next, step);
+  if (!change) return tl::unexpected<Error>(change.error());
   if (auto r = check_scene(*next); !r) return r;
   WorldState before;
   get_state(before);
+  const auto pose = [&](int b) { return b < 0 ? Pose() : before.poses[std::size_t(b)]; };
+  for (const int j : change->attached) {
+    const Joint& joint = next->joints[std::size_t(j)];
+    if (auto r = check_attachment(joint, pose(joint.parent), pose(joint.child)); !r) return r;
+  }
+  std::vector<Wrench> reactions;
+  get_joint_reactions(reactions);
+  reactions.resize(next->joints.size());
+  for (std::size_t j = 0; j < next->joints.size(); ++j)
+    if (next->joints[j].removed) reactions[j] = {};
+
   Progress old;
   capture(old);
   std::unique_ptr<Engine> engine;
+  bool swapped = false;
   try {
-    engine = std::make_unique<Engine>(next, options_);
-  } catch (const std::exception& e) {
-    return fail(std::string("Simbody: ") + e.what());
-  }
-  engine_.swap(engine);
-  progress_.model = next;
-  try {
-    carry_over(*engine, before);
-  } catch (const std::exception& e) {
+    std::vector<int> stopped;
+    for (const int b : change->kinds)
+      if (next->bodies[std::size_t(b)].kind == BodyKind::fixed) stopped.push_back(b);
+    join_suddenly(engine_->mechanism, *next, change->attached, stopped);
+    get_state(before);
+    const SceneModelPtr placed = place_static(next, before);
+    engine = std::make_unique<Engine>(placed, options_);
     engine_.swap(engine);
+    swapped = true;
+    progress_.model = next;
+    progress_.placed = placed;
+    carry_over(*engine, before);
+    const bool other_loops =
+        !change->attached.empty() || !change->removed_joints.empty() || !change->kinds.empty();
+    if (other_loops && engine_->mechanism.has_loops()) engine_->mechanism.project();
+    engine_->mechanism.realize_velocity();
+  } catch (const std::exception& e) {
+    if (swapped) engine_.swap(engine);
+    engine_->mechanism.state.updU() = old.u;
     progress_ = old;
     return fail(std::string("Simbody: ") + e.what());
   }
+  progress_.reactions = std::move(reactions);
+  progress_.reactions_kept = true;
   return {};
 }
 

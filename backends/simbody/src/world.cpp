@@ -34,7 +34,7 @@ SimbodyWorld::SimbodyWorld(SceneModelPtr model, const StepperOptions& options)
 void SimbodyWorld::start(SceneModelPtr model) {
   auto engine = std::make_unique<Engine>(model, options_);
   Progress progress;
-  progress.model = std::move(model);
+  progress.placed = progress.model = std::move(model);
   for (const Body& body : progress.model->bodies)
     progress.twists.push_back(body.kind == BodyKind::kinematic ? body.V_WB : Twist());
   engine_ = std::move(engine);
@@ -64,6 +64,7 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
     engine_->stepper.memory.clear();
     return result;
   }
+  progress_.reactions_kept = false;
   progress_.time += dt;
   progress_.last_dt = dt;
   return result;
@@ -154,8 +155,8 @@ Result<> SimbodyWorld::restore(const SnapshotPtr& snapshot) {
   if (mine->scene != signature(*initial_))
     return fail("the snapshot is of another scene than '" + initial_->name + "'");
   try {
-    if (mine->progress.model != progress_.model)
-      engine_ = std::make_unique<Engine>(mine->progress.model, options_);
+    if (mine->progress.placed != progress_.placed)
+      engine_ = std::make_unique<Engine>(mine->progress.placed, options_);
     apply(mine->progress);
   } catch (const std::exception& e) {
     return fail(std::string("Simbody: ") + e.what());
@@ -179,6 +180,10 @@ void* SimbodyWorld::extension(std::string_view id) {
 }
 
 void SimbodyWorld::get_joint_reactions(std::vector<Wrench>& out) const {
+  if (progress_.reactions_kept) {
+    out = progress_.reactions;
+    return;
+  }
   Engine& e = *engine_;
   StepRecord record;
   record.dt = progress_.last_dt;
@@ -189,7 +194,7 @@ void SimbodyWorld::get_joint_reactions(std::vector<Wrench>& out) const {
   std::vector<double> efforts = e.stepper.impulses.joints;
   for (double& effort : efforts) effort /= record.dt > 0.0 ? record.dt : 1.0;
   record.joint_efforts = &efforts;
-  // A step after which the scene was changed cannot be looked back on.
+  // Before the first step.
   if (progress_.start_q.size() != e.mechanism.state.getNQ()) record.dt = 0.0;
   calc_joint_reactions(e.mechanism, record, out);
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/physics/scene_change.h"
 #include "cogrsim/physics/world.h"
 #include "reactions.h"
 #include "stepper.h"
@@ -25,6 +26,7 @@ struct Engine {
 /// Everything that distinguishes a running world from a fresh one.
 struct Progress {
   SceneModelPtr model;
+  SceneModelPtr placed;  ///< `model` with its static bodies where they are: what the engine runs
   double time = 0.0;
   double last_dt = 0.0;
   SimTK::Vector q, u;              ///< now
@@ -33,7 +35,10 @@ struct Progress {
   EffortSums impulses;
   std::vector<ContactRecord> records;
   std::vector<Twist> twists;  ///< of kinematic bodies (nbody)
-  WorldState last_seen;       ///< of what was removed
+  WorldState last_seen;       ///< of what was removed, and of joints that nothing moves
+  /// Of the last step, when the scene was changed after it.
+  std::vector<Wrench> reactions;
+  bool reactions_kept = false;
 };
 
 class SimbodyWorld final : public World, public JointReactions, public KinematicDrive {
@@ -60,8 +65,10 @@ class SimbodyWorld final : public World, public JointReactions, public Kinematic
 
  private:
   void start(SceneModelPtr model);
-  Result<> rebuild(const SceneModelPtr& next, const char* what);
-  // State of `from` into the engine built for `progress_.model`.
+  Result<> rebuild(const SceneModelPtr& next, SceneStep step);
+  // `next` with every body that is static in it where it is now; `next` itself where it is so.
+  SceneModelPtr place_static(const SceneModelPtr& next, const WorldState& now) const;
+  // State of `from` into the engine built for `progress_.placed`.
   void carry_over(const Engine& from, const WorldState& before);
   // Copies what the engine holds beside the model into `progress` and back.
   void capture(Progress& progress) const;

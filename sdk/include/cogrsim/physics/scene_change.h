@@ -1,0 +1,162 @@
+// What a backend is asked to do to a running world, found by comparing two scenes: see World::add,
+// remove and change. For backends; header only.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "cogrsim/core/result.h"
+#include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/model/mass_properties.h"
+#include "cogrsim/model/scene_model.h"
+
+namespace cogrsim {
+
+/// What World::add, remove and change are about.
+enum class SceneStep { add, remove, change };
+
+/// The difference between a running scene and the next. All are indices.
+struct SceneChange {
+  std::vector<int> attached;  ///< new joints whose two ends were there already
+  std::vector<int> removed_bodies, removed_joints;
+  std::vector<int> kinds;  ///< bodies that were dynamic and are fixed, or the other way round
+  std::vector<int> axes;   ///< joints with other Joint::axes
+};
+
+namespace detail {
+
+inline bool same_axes(const Joint& a, const Joint& b) {
+  if (a.axes.size() != b.axes.size()) return false;
+  for (std::size_t i = 0; i < a.axes.size(); ++i) {
+    const JointAxis &x = a.axes[i], &y = b.axes[i];
+    if (x.lower != y.lower || x.upper != y.upper || x.damping != y.damping ||
+        x.friction != y.friction || x.stiffness != y.stiffness || x.rest != y.rest ||
+        x.max_effort != y.max_effort || x.max_speed != y.max_speed) {
+      return false;
+    }
+  }
+  return true;
+}
+
+inline Result<> check_axes(const Joint& joint) {
+  const std::string what = "joint '" + joint.name + "': ";
+  for (const JointAxis& axis : joint.axes) {
+    // Written so that a NaN fails.
+    if (!(axis.lower <= axis.upper)) return fail(what + "its lower limit is not below its upper");
+    const double laws[] = {axis.damping, axis.friction, axis.stiffness};
+    for (const double law : laws) {
+      if (!(law >= 0.0) || !std::isfinite(law)) {
+        return fail(what + "damping, friction and stiffness must be finite and not negative");
+      }
+    }
+    if (!std::isfinite(axis.rest)) return fail(what + "its spring's rest must be finite");
+    if (!(axis.max_effort >= 0.0) || !(axis.max_speed >= 0.0)) {
+      return fail(what + "bounds of effort and speed must not be negative");
+    }
+  }
+  return {};
+}
+
+inline Result<> check_kinds(const Body& now, const Body& next) {
+  const std::string what = "body '" + next.name + "': ";
+  if (now.kind == BodyKind::kinematic || next.kind == BodyKind::kinematic) {
+    return fail(what + "a kinematic body stays kinematic, and no other becomes one");
+  }
+  if (next.kind == BodyKind::fixed) return {};
+  if (auto massive = check_mass_properties(next.mass, next.inertia); !massive) {
+    return fail(what + "it cannot move: " + massive.error().message);
+  }
+  for (const Shape& shape : next.shapes) {
+    if (shape.collides && (shape.type == ShapeType::plane || shape.type == ShapeType::mesh ||
+                           shape.type == ShapeType::heightmap)) {
+      return fail(what + "it cannot move: a " + to_string(shape.type) +
+                  " cannot be moved by forces");
+    }
+  }
+  return {};
+}
+
+}  // namespace detail
+
+/// Errors: elements of `now` that `next` lacks, brings back or has between other bodies; joints that
+/// hold what is not there; and whatever `step` is not about. Which joints close loops may change
+/// with any of them.
+inline Result<SceneChange> find_scene_change(const SceneModel& now, const SceneModel& next,
+                                             SceneStep step) {
+  const std::size_t bodies = now.bodies.size(), joints = now.joints.size();
+  if (next.bodies.size() < bodies || next.joints.size() < joints ||
+      next.motors.size() < now.motors.size()) {
+    return fail("the next scene has lost elements; what is removed is marked, not taken out");
+  }
+  SceneChange out;
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const Body &was = now.bodies[b], &is = next.bodies[b];
+    if (was.removed && !is.removed) {
+      return fail("body '" + is.name + "' was removed and cannot come back", "", "add a new one");
+    }
+    if (is.removed != was.removed) out.removed_bodies.push_back(static_cast<int>(b));
+    if (is.kind == was.kind || is.removed) continue;
+    if (auto fine = detail::check_kinds(was, is); !fine) return tl::unexpected(fine.error());
+    out.kinds.push_back(static_cast<int>(b));
+  }
+  const auto there = [&](int body, const std::vector<Body>& of) {
+    return body == kWorld || (body >= 0 && body < static_cast<int>(of.size()) &&
+                              !of[static_cast<std::size_t>(body)].removed);
+  };
+  for (std::size_t j = 0; j < next.joints.size(); ++j) {
+    const Joint& is = next.joints[j];
+    if (!is.removed && (!there(is.parent, next.bodies) || !there(is.child, next.bodies))) {
+      return fail("joint '" + is.name + "' holds a body that is not there");
+    }
+    if (j >= joints) {
+      if (is.removed) continue;
+      if (auto fine = detail::check_axes(is); !fine) return tl::unexpected(fine.error());
+      if (there(is.parent, now.bodies) && there(is.child, now.bodies)) {
+        out.attached.push_back(static_cast<int>(j));
+      }
+      continue;
+    }
+    const Joint& was = now.joints[j];
+    if (was.removed && !is.removed) {
+      return fail("joint '" + is.name + "' was removed and cannot come back", "", "add a new one");
+    }
+    if (is.removed != was.removed) out.removed_joints.push_back(static_cast<int>(j));
+    if (is.removed) continue;
+    if (is.type != was.type || is.parent != was.parent || is.child != was.child) {
+      return fail("joint '" + is.name + "' cannot become another one while it is there", "",
+                  "remove it and add a new one");
+    }
+    if (detail::same_axes(was, is)) continue;
+    if (auto fine = detail::check_axes(is); !fine) return tl::unexpected(fine.error());
+    out.axes.push_back(static_cast<int>(j));
+  }
+  const bool grown = next.bodies.size() > bodies || next.joints.size() > joints ||
+                     next.motors.size() > now.motors.size();
+  const bool shrunk = !out.removed_bodies.empty() || !out.removed_joints.empty();
+  const bool changed = !out.kinds.empty() || !out.axes.empty();
+  const char* other = nullptr;
+  if (grown && step != SceneStep::add) other = "adds elements";
+  if (shrunk && step != SceneStep::remove) other = "removes elements";
+  if (changed && step != SceneStep::change) other = "changes bodies or joints";
+  if (other) {
+    return fail(std::string("the next scene also ") + other, "",
+                "add, remove and change one after the other");
+  }
+  return out;
+}
+
+/// How far a joint's frames may be from where the joint can have them when it is attached.
+inline constexpr double kAttachGap = 1e-3;  ///< [m], [rad]
+
+/// Errors: a joint to be attached that does not fit where the bodies are, with the gap.
+inline Result<> check_attachment(const Joint& joint, const Pose& X_WP, const Pose& X_WC) {
+  const JointError gap = joint_error(joint, relative_pose(joint, X_WP, X_WC));
+  if (gap.distance <= kAttachGap && gap.angle <= kAttachGap) return {};
+  return fail("joint '" + joint.name + "' cannot hold its bodies where they are: its frames are " +
+                  std::to_string(gap.distance) + " m and " + std::to_string(gap.angle) +
+                  " rad apart",
+              "", "place its frames so that they meet");
+}
+
+}  // namespace cogrsim
