@@ -172,7 +172,7 @@ void Simulation::Impl::fault(const ControllerModel& description, MindClock& cloc
   report(Severity::error, who,
          message + (ends ? "; the run ends (on-fault=\"end-run\")"
                          : "; it is stopped, the run goes on (on-fault=\"stop-controller\")"));
-  events.push_back({time(), "fault", description.name, message, ""});
+  happen({time(), "fault", description.name, message, ""});
   if (ends) status = RunStatus::fault;
 }
 
@@ -187,8 +187,20 @@ void Simulation::Impl::let_go(const AssemblyAccess& access) {
 }
 
 void SupervisorStage::send(Command command) {
-  std::lock_guard lock(simulation_.queue_mutex);
-  simulation_.queue.push_back(std::move(command));
+  {
+    std::lock_guard lock(simulation_.queue_mutex);
+    if (simulation_.own_in_queue < kMaxSentPerStep) {
+      simulation_.queue.push_back({std::move(command), true});
+      ++simulation_.own_in_queue;
+      return;
+    }
+  }
+  if (std::exchange(simulation_.living.memory.send_limit_told, true)) return;
+  const std::string why = "supervisor '" + name_ + "' sent more than " +
+                          std::to_string(kMaxSentPerStep) +
+                          " commands in one step; what is more is not carried out, now and later";
+  simulation_.report(Severity::error, name_, why);
+  simulation_.happen({simulation_.time(), "refused", name_, why, ""});
 }
 
 const ParameterValue* SupervisorStage::parameter(const std::string& name) const {

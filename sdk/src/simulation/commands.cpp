@@ -16,19 +16,6 @@ struct Overloaded : Functions... {
 template <class... Functions>
 Overloaded(Functions...) -> Overloaded<Functions...>;
 
-template <class Elements>
-Result<int> find_named(const Elements& elements, const std::string& kind, const std::string& name) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    if (elements[i].removed) continue;
-    if (elements[i].name == name) return static_cast<int>(i);
-    names.push_back(elements[i].name);
-  }
-  const std::string near = nearest_name(name, names);
-  return fail("there is no " + kind + " '" + name + "'", "",
-              near.empty() ? "" : "did you mean '" + near + "'?");
-}
-
 std::string joined(const std::vector<Diagnostic>& found) {
   std::string out;
   for (const Diagnostic& d : found) {
@@ -42,7 +29,7 @@ std::string joined(const std::vector<Diagnostic>& found) {
 
 void Simulation::send(Command command) {
   std::lock_guard lock(impl_->queue_mutex);
-  impl_->queue.push_back(std::move(command));
+  impl_->queue.push_back({std::move(command), false});
 }
 
 void Simulation::Impl::apply_commands() {
@@ -53,81 +40,94 @@ void Simulation::Impl::apply_commands() {
   }
   for (; waiting > 0 && !single_step; --waiting) {
     std::unique_lock lock(queue_mutex);
-    Command command = std::move(queue.front());
+    if (queue.empty()) return;  // a restart has taken some out
+    QueuedCommand queued = std::move(queue.front());
     queue.pop_front();
+    if (queued.own) --own_in_queue;
     lock.unlock();
-    apply(command);
+    apply(queued.command);
   }
+}
+
+void Simulation::Impl::refused(const Error& error) {
+  if (error.code == kTooMany && std::exchange(living.memory.spawn_limit_told, true)) return;
+  report(Severity::error, "command", error.text());
+  happen({time(), "refused", "", error.message, ""});
 }
 
 void Simulation::Impl::apply(Command& command) {
   const Result<> done = std::visit(
-      Overloaded{
-          [&](Pause&) -> Result<> {
-            paused = true;
-            return {};
-          },
-          [&](Resume&) -> Result<> {
-            paused = false;
-            return {};
-          },
-          [&](StepOnce&) -> Result<> {
-            single_step = true;
-            return {};
-          },
-          [&](SetSpeed& c) -> Result<> {
-            if (!(c.factor > 0.0)) return fail("the speed must be above 0");
-            speed = c.factor;
-            return {};
-          },
-          [&](SetStep& c) -> Result<> {
-            if (!(c.dt > 0.0) || !std::isfinite(c.dt)) return fail("the step must be above 0 s");
-            base_time = time();
-            steps_since_base = 0;
-            dt = c.dt;
-            return {};
-          },
-          [&](Restart&) { return restart(); }, [&](AddAssembly& c) { return add_assembly(c); },
-          [&](Remove& c) { return remove_assembly(c.name); },
-          [&](SetMotor& c) { return set_motor(c.motor, c.target); },
-          [&](EnableSensor& c) -> Result<> {
-            const auto found = find_named(model->sensors, "sensor", c.sensor);
-            if (!found) return tl::unexpected(found.error());
-            sensors.enable(static_cast<std::size_t>(*found), c.on);
-            return {};
-          },
-          [&](SetKinematicTwist& c) -> Result<> {
-            const auto found = find_named(model->bodies, "body", c.body);
-            if (!found) return tl::unexpected(found.error());
-            auto* drive = static_cast<KinematicDrive*>(world->extension(KinematicDrive::kId));
-            if (!drive) {
-              return fail("backend '" + std::string(backend->name()) +
-                          "' cannot move kinematic bodies while running");
-            }
-            return drive->set_kinematic_twist(*found, c.twist);
-          },
-          [&](SetState& c) -> Result<> { return world->set_state(c.state); },
-          [&](EndRun& c) -> Result<> {
-            status = RunStatus::stopped;
-            events.push_back({time(), "ended", "", c.reason, ""});
-            if (!c.reason.empty()) report(Severity::advice, "run", "ended: " + c.reason);
-            return {};
-          },
-          [&](Tell& c) -> Result<> {
-            report(Severity::advice, "scene", c.message);
-            return {};
-          },
-          [&](Raise& c) -> Result<> {
-            events.push_back({time(), "raised", c.event, c.message, ""});
-            return {};
-          },
-          [&](auto&) -> Result<> { return fail("this command is not known yet"); }},
+      Overloaded{[&](Pause&) -> Result<> {
+                   paused = true;
+                   return {};
+                 },
+                 [&](Resume&) -> Result<> {
+                   paused = false;
+                   return {};
+                 },
+                 [&](StepOnce&) -> Result<> {
+                   single_step = true;
+                   return {};
+                 },
+                 [&](SetSpeed& c) -> Result<> {
+                   if (!(c.factor > 0.0)) return fail("the speed must be above 0");
+                   speed = c.factor;
+                   return {};
+                 },
+                 [&](SetStep& c) -> Result<> {
+                   if (!(c.dt > 0.0) || !std::isfinite(c.dt))
+                     return fail("the step must be above 0 s");
+                   base_time = time();
+                   steps_since_base = 0;
+                   dt = c.dt;
+                   return {};
+                 },
+                 [&](Restart&) { return restart(); },
+                 [&](AddAssembly& c) { return add_assembly(c); },
+                 [&](Remove& c) { return remove_named(c.name); },
+                 [&](Spawn& c) { return spawn(c); },
+                 [&](Attach& c) { return attach(c); },
+                 [&](Detach& c) { return detach(c); },
+                 [&](SetJointLimits& c) { return set_limits(c); },
+                 [&](SetStatic& c) { return set_static(c); },
+                 [&](MoveDoor& c) { return move_door(c); },
+                 [&](SetMotor& c) { return set_motor(c.motor, c.target); },
+                 [&](EnableSensor& c) -> Result<> {
+                   const auto found = find_named(model->sensors, "sensor", c.sensor);
+                   if (!found) return tl::unexpected(found.error());
+                   sensors.enable(static_cast<std::size_t>(*found), c.on);
+                   return {};
+                 },
+                 [&](SetKinematicTwist& c) -> Result<> {
+                   const auto found = find_named(model->bodies, "body", c.body);
+                   if (!found) return tl::unexpected(found.error());
+                   auto* drive =
+                       static_cast<KinematicDrive*>(world->extension(KinematicDrive::kId));
+                   if (!drive) {
+                     return fail("backend '" + std::string(backend->name()) +
+                                 "' cannot move kinematic bodies while running");
+                   }
+                   return drive->set_kinematic_twist(*found, c.twist);
+                 },
+                 [&](SetState& c) -> Result<> { return world->set_state(c.state); },
+                 [&](EndRun& c) -> Result<> {
+                   // With the step it is part of, so that its last events are seen.
+                   ending = true;
+                   happen({time(), "ended", "", c.reason, ""});
+                   if (!c.reason.empty()) report(Severity::advice, "run", "ended: " + c.reason);
+                   return {};
+                 },
+                 [&](Tell& c) -> Result<> {
+                   report(Severity::advice, "scene", c.message);
+                   return {};
+                 },
+                 [&](Raise& c) -> Result<> {
+                   happen({time(), "raised", c.event, c.message, ""});
+                   return {};
+                 }},
       command);
   world_changed();
-  if (!done) {
-    report(Severity::error, "command", done.error().text());
-    events.push_back({time(), "refused", "", done.error().message, ""});
-  }
+  if (!done) refused(done.error());
 }
 
 Result<> Simulation::Impl::set_motor(const std::string& name, double target) {
@@ -140,8 +140,11 @@ Result<> Simulation::Impl::set_motor(const std::string& name, double target) {
   return {};
 }
 
-Result<> Simulation::Impl::add_assembly(const AddAssembly& command) {
+Result<> Simulation::Impl::add_assembly(const AddAssembly& command, const std::string& subject) {
   if (!command.fragment) return fail("cannot add assembly '" + command.name + "': it is empty");
+  if (auto room = room_to_add("'" + command.name + "'", command.fragment->bodies.size()); !room) {
+    return room;
+  }
   auto next = with_added(*model, *command.fragment, command.name, command.pose);
   if (!next) return tl::unexpected(next.error());
   for (const Diagnostic& d : check_capabilities(**next, backend->name(), backend->capabilities())) {
@@ -178,11 +181,12 @@ Result<> Simulation::Impl::add_assembly(const AddAssembly& command) {
     }
     return fail("cannot add assembly '" + command.name + "': " + why);
   }
-  events.push_back({time(), "added", command.name, "", ""});
+  ++living.memory.added_in_step;
+  happen({time(), "added", command.name, "", subject});
   return {};
 }
 
-Result<> Simulation::Impl::remove_assembly(const std::string& name) {
+Result<> Simulation::Impl::remove_named(const std::string& name) {
   auto next = with_removed(*model, name);
   if (!next) return tl::unexpected(next.error());
   if (auto removed = world->remove(*next); !removed) return removed;
@@ -195,7 +199,7 @@ Result<> Simulation::Impl::remove_assembly(const std::string& name) {
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     if (model->sensors[i].removed) sensors.enable(i, false);
   }
-  events.push_back({time(), "removed", name, "", ""});
+  happen({time(), "removed", name, "", ""});
   return {};
 }
 
@@ -208,9 +212,21 @@ Result<> Simulation::Impl::restart() {
   twists_before.clear();
   start_shown = false;
   status = RunStatus::running;
+  ending = false;
+  living.reset(*model, model->physics.seed);
   world_changed();
+  {
+    // What the run before has sent does not reach into this one.
+    std::lock_guard lock(queue_mutex);
+    queue.erase(std::remove_if(queue.begin(), queue.end(),
+                               [](const QueuedCommand& queued) { return queued.own; }),
+                queue.end());
+    own_in_queue = 0;
+  }
+  events.clear();
+  event_causes.clear();
   const std::vector<Diagnostic> found = build_all();
-  events.push_back({0.0, "restarted", "", "", ""});
+  happen({0.0, "restarted", "", "", ""});
   if (!found.empty()) {
     status = RunStatus::fault;
     return fail("restart: " + joined(found));

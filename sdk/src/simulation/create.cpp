@@ -117,6 +117,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   if (!settled) return Failure(settled.error());
   impl->original = impl->model = *settled;
   impl->dt = impl->model->physics.step;
+  impl->living.reset(*impl->model, impl->model->physics.seed);
   impl->speed = options.speed;
 
   std::vector<Diagnostic> found =

@@ -15,6 +15,7 @@
 #include "sensing/frame_sensing.h"
 #include "sensing/sensor_suite.h"
 #include "simulation/frame_pool.h"
+#include "simulation/living.h"
 #include "simulation/motor_law.h"
 #include "simulation/rate_timer.h"
 
@@ -74,6 +75,12 @@ struct SupervisorSlot {
   ~SupervisorSlot();
 };
 
+/// A command on its way to the next step boundary.
+struct QueuedCommand {
+  Command command;
+  bool own = false;  ///< a supervisor's: part of snapshots; else from outside, which are not
+};
+
 struct SimulationSnapshot {
   SceneModelPtr model;
   SnapshotPtr world;
@@ -86,6 +93,8 @@ struct SimulationSnapshot {
   std::vector<std::uint64_t> controller_random, supervisor_random;
   std::vector<std::vector<double>> controller_outputs, supervisor_outputs;
   std::vector<Twist> twists_before;
+  LivingMemory living;
+  std::vector<QueuedCommand> sent;  ///< by supervisors, for the next boundary
 };
 
 struct Simulation::Impl {
@@ -115,10 +124,15 @@ struct Simulation::Impl {
   std::vector<ControllerSlot> controllers;
   std::vector<SupervisorSlot> supervisors;
   std::vector<RunMessage> messages;
-  std::vector<Event> events;  ///< since the last frame
+  std::vector<Event> events;         ///< since the last frame
+  std::vector<Causes> event_causes;  ///< of each of them
+  Causes causes;                     ///< of the action that is being applied
+  Living living;
+  bool ending = false;  ///< the run ends with this step
 
   std::mutex queue_mutex;
-  std::deque<Command> queue;
+  std::deque<QueuedCommand> queue;
+  std::size_t own_in_queue = 0;  ///< commands of supervisors among them
 
   struct Watcher {
     FrameContents contents;
@@ -162,15 +176,48 @@ struct Simulation::Impl {
   void show_frame();  ///< the present one, to the watchers
   void report(Severity severity, const std::string& source, const std::string& message);
 
+  // rules.cpp: what happens by itself
+  void happen(Event event);  ///< into the next frame, caused by what is being applied
+  void look_around();        ///< after a step and at the start: regions, doors, rules
+  void apply_due();          ///< at a boundary: what rules set off, lifetimes that are over
+  void fire(std::size_t rule, const Causes& led_to);
+  void fire_rules();
+
   // commands.cpp
   void apply_commands();
   void apply(Command& command);
-  Result<> add_assembly(const AddAssembly& command);
-  Result<> remove_assembly(const std::string& name);
+  void refused(const Error& error);
+  Result<> add_assembly(const AddAssembly& command, const std::string& subject = {});
+  Result<> remove_named(const std::string& name);
   Result<> set_motor(const std::string& name, double target);
   Result<> restart();
+
+  // actions.cpp
+  Result<> spawn(const Spawn& action);
+  Result<> attach(const Attach& action);
+  Result<> detach(const Detach& action);
+  Result<> set_limits(const SetJointLimits& action);
+  Result<> set_static(const SetStatic& action);
+  Result<> move_door(const MoveDoor& action);
+  Result<> change_to(Result<SceneModelPtr> next);
+  Result<> room_to_add(const std::string& what, std::size_t bodies);
+
   bool wants_accelerations() const;
 };
+
+/// What is not there by that name, with the nearest that is.
+template <class Elements>
+Result<int> find_named(const Elements& elements, const std::string& kind, const std::string& name) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (elements[i].removed) continue;
+    if (elements[i].name == name) return static_cast<int>(i);
+    names.push_back(elements[i].name);
+  }
+  const std::string near = nearest_name(name, names);
+  return fail("there is no " + kind + " '" + name + "'", "",
+              near.empty() ? "" : "did you mean '" + near + "'?");
+}
 
 /// Fills in what the model's minds publish, as their plugins say.
 void name_outputs(SceneModel& model, PluginLoader& loader);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "cogrsim/model/mass_properties.h"
 
@@ -13,6 +14,41 @@ int shifted(int index, std::size_t offset) {
   return index < 0 ? index : index + static_cast<int>(offset);
 }
 
+int mapped(int index, const std::vector<int>& places) {
+  return index < 0 ? index : places[static_cast<std::size_t>(index)];
+}
+
+/// Adds to `to` what it does not have; the place of each of `from` in it.
+template <class Element, class Same>
+std::vector<int> shared(std::vector<Element>& to, const std::vector<Element>& from,
+                        const Same& same) {
+  std::vector<int> places;
+  for (const Element& element : from) {
+    const auto known = std::find_if(to.begin(), to.end(),
+                                    [&](const Element& other) { return same(other, element); });
+    places.push_back(static_cast<int>(known - to.begin()));
+    if (known == to.end()) to.push_back(element);
+  }
+  return places;
+}
+
+bool same_mesh(const TriangleMesh& a, const TriangleMesh& b) {
+  return a.name == b.name && a.vertices == b.vertices && a.triangles == b.triangles && a.uv == b.uv;
+}
+
+bool same_heights(const HeightGrid& a, const HeightGrid& b) {
+  return a.name == b.name && a.columns == b.columns && a.rows == b.rows && a.size_x == b.size_x &&
+         a.size_y == b.size_y && a.heights == b.heights;
+}
+
+// All but where it was written.
+bool same_material(const Material& a, const Material& b) {
+  return a.name == b.name && a.base == b.base && a.density == b.density &&
+         a.friction == b.friction && a.restitution == b.restitution && a.stiffness == b.stiffness &&
+         a.color.r == b.color.r && a.color.g == b.color.g && a.color.b == b.color.b &&
+         a.color.a == b.color.a && a.texture == b.texture && a.texture_size == b.texture_size;
+}
+
 /// Puts the elements of a fragment behind those of a model, indices and names adapted.
 class Appender {
  public:
@@ -21,18 +57,14 @@ class Appender {
         from_(fragment),
         prefix_(std::move(prefix)),
         pose_(pose),
-        files_(model.files.size()),
-        materials_(model.materials.size()),
-        meshes_(model.meshes.size()),
-        heightmaps_(model.heightmaps.size()),
+        files_(shared(model.files, fragment.files, std::equal_to<>())),
+        meshes_(shared(model.meshes, fragment.meshes, same_mesh)),
+        heightmaps_(shared(model.heightmaps, fragment.heightmaps, same_heights)),
         bodies_(model.bodies.size()),
         joints_(model.joints.size()),
         motors_(model.motors.size()) {}
 
   void append() {
-    to_.files.insert(to_.files.end(), from_.files.begin(), from_.files.end());
-    to_.meshes.insert(to_.meshes.end(), from_.meshes.begin(), from_.meshes.end());
-    to_.heightmaps.insert(to_.heightmaps.end(), from_.heightmaps.begin(), from_.heightmaps.end());
     append_materials();
     append_assemblies();
     append_bodies();
@@ -51,20 +83,33 @@ class Appender {
   template <class Element>
   Element renamed(Element element) const {
     element.name = prefix_ + element.name;
-    element.origin.file = shifted(element.origin.file, files_);
+    element.origin.file = mapped(element.origin.file, files_);
     return element;
   }
 
+  // What the model has already is not added again, however often a template comes: a material is
+  // then the same one, with its pairs.
   void append_materials() {
-    for (Material material : from_.materials) {
-      material.base = shifted(material.base, materials_);
-      material.origin.file = shifted(material.origin.file, files_);
-      to_.materials.push_back(std::move(material));
+    std::vector<Material> theirs = from_.materials;
+    for (Material& material : theirs) material.origin.file = mapped(material.origin.file, files_);
+    for (Material& material : theirs) {
+      material.base = mapped(material.base, materials_);  // stands before it
+      const auto known =
+          std::find_if(to_.materials.begin(), to_.materials.end(),
+                       [&](const Material& m) { return same_material(m, material); });
+      materials_.push_back(static_cast<int>(known - to_.materials.begin()));
+      if (known == to_.materials.end()) to_.materials.push_back(std::move(material));
     }
     for (MaterialPair pair : from_.material_pairs) {
-      pair.a = shifted(pair.a, materials_);
-      pair.b = shifted(pair.b, materials_);
-      to_.material_pairs.push_back(pair);
+      pair.a = mapped(pair.a, materials_);
+      pair.b = mapped(pair.b, materials_);
+      pair.origin.file = mapped(pair.origin.file, files_);
+      const bool known = std::any_of(
+          to_.material_pairs.begin(), to_.material_pairs.end(), [&](const MaterialPair& p) {
+            return p.a == pair.a && p.b == pair.b && p.friction == pair.friction &&
+                   p.restitution == pair.restitution;
+          });
+      if (!known) to_.material_pairs.push_back(pair);
     }
   }
 
@@ -91,10 +136,10 @@ class Appender {
       body.assembly = assembly(original.assembly);
       for (Shape& shape : body.shapes) {
         shape.name = prefix_ + shape.name;
-        shape.mesh = shifted(shape.mesh, meshes_);
-        shape.heightmap = shifted(shape.heightmap, heightmaps_);
-        shape.material = shifted(shape.material, materials_);
-        shape.origin.file = shifted(shape.origin.file, files_);
+        shape.mesh = mapped(shape.mesh, meshes_);
+        shape.heightmap = mapped(shape.heightmap, heightmaps_);
+        shape.material = mapped(shape.material, materials_);
+        shape.origin.file = mapped(shape.origin.file, files_);
       }
       to_.bodies.push_back(std::move(body));
     }
@@ -171,7 +216,8 @@ class Appender {
   const SceneModel& from_;
   std::string prefix_;
   Pose pose_;
-  std::size_t files_, materials_, meshes_, heightmaps_, bodies_, joints_, motors_;
+  std::vector<int> files_, meshes_, heightmaps_, materials_;  // where theirs are in ours
+  std::size_t bodies_, joints_, motors_;
   int root_ = -1;
 };
 

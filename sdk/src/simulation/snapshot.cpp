@@ -1,4 +1,6 @@
 // Saving and restoring a whole run.
+#include <algorithm>
+
 #include "simulation/impl.h"
 
 namespace cogrsim {
@@ -28,6 +30,11 @@ SimulationSnapshotPtr Simulation::save() const {
   }
   snapshot->last_dt = from.last_dt;
   snapshot->twists_before = from.twists_before;
+  snapshot->living = from.living.memory;
+  std::lock_guard lock(impl_->queue_mutex);
+  for (const QueuedCommand& queued : from.queue) {
+    if (queued.own) snapshot->sent.push_back(queued);
+  }
   return snapshot;
 }
 
@@ -69,6 +76,19 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
     if (!to.supervisors[i].stage) continue;
     to.supervisors[i].stage->random().set_state(snapshot->supervisor_random[i]);
     to.supervisors[i].stage->outputs() = snapshot->supervisor_outputs[i];
+  }
+  to.living.memory = snapshot->living;
+  to.ending = false;
+  to.events.clear();
+  to.event_causes.clear();
+  {
+    // What supervisors had sent then instead of what they have sent since.
+    std::lock_guard lock(to.queue_mutex);
+    to.queue.erase(std::remove_if(to.queue.begin(), to.queue.end(),
+                                  [](const QueuedCommand& queued) { return queued.own; }),
+                   to.queue.end());
+    to.queue.insert(to.queue.begin(), snapshot->sent.begin(), snapshot->sent.end());
+    to.own_in_queue = snapshot->sent.size();
   }
   if (!problems.empty()) return fail("restore: " + problems);
   return {};

@@ -124,9 +124,16 @@ void Simulation::Impl::show_start() {
 
 RunStatus Simulation::Impl::step() {
   if (stop_requested.exchange(false) && status == RunStatus::running) status = RunStatus::stopped;
-  if (status == RunStatus::running) show_start();
-  apply_commands();                                // also after the end: a Restart begins anew
-  if (status == RunStatus::running) show_start();  // of the new run
+  const auto begin = [this] {
+    if (status != RunStatus::running) return;
+    show_start();
+    if (!living.memory.started) look_around();
+    apply_due();
+  };
+  begin();
+  apply_commands();                     // also after the end: a Restart begins anew
+  if (!living.memory.started) begin();  // the new run
+  if (ending && paused && !single_step) status = RunStatus::stopped;
   if (status != RunStatus::running || (paused && !single_step)) return status;
   single_step = false;
   read_sensors();
@@ -153,8 +160,12 @@ RunStatus Simulation::Impl::step() {
   ++steps;
   ++steps_since_base;
   last_dt = dt;
+  look_around();
   show_frame();
   events.clear();
+  event_causes.clear();
+  living.memory.added_in_step = 0;
+  if (ending) status = RunStatus::stopped;
   return status;
 }
 

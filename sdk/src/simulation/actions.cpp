@@ -1,0 +1,252 @@
+// Actions by name: things that come, are held, let go, freed and frozen; doors that move.
+#include <algorithm>
+#include <cmath>
+
+#include "cogrsim/model/builder.h"
+#include "simulation/impl.h"
+#include "simulation/model_change.h"
+#include "simulation/room.h"
+
+namespace cogrsim {
+
+namespace {
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+/// A place on a body, or in the world.
+struct Anchor {
+  int body = kWorld;
+  Pose X_BA;
+  bool is_body = false;  ///< not a frame: surfaces count
+};
+
+Result<Anchor> find_anchor(const SceneModel& model, const std::string& name) {
+  if (name == "world") return Anchor{};
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    if (model.bodies[i].removed) continue;
+    if (model.bodies[i].name == name) return Anchor{static_cast<int>(i), {}, true};
+    names.push_back(model.bodies[i].name);
+  }
+  for (const NamedFrame& frame : model.frames) {
+    if (frame.removed) continue;
+    if (frame.name == name) return Anchor{frame.body, frame.X_BF, false};
+    names.push_back(frame.name);
+  }
+  if (const int assembly = find_assembly(model, name); assembly >= 0) {
+    const std::vector<int> bodies = bodies_of(model, assembly);
+    if (!bodies.empty()) return Anchor{bodies.front(), {}, true};
+    return fail("assembly '" + name + "' has no bodies");
+  }
+  const std::string near = nearest_name(name, names);
+  return fail("there is no body, frame or assembly '" + name + "'", "",
+              near.empty() ? "" : "did you mean '" + near + "'?");
+}
+
+Pose pose_of(const WorldState& state, int body) {
+  return body == kWorld ? Pose{} : state.poses[at(body)];
+}
+
+// The assembly that a dotted name lies in; -1: none.
+int assembly_around(const SceneModel& model, const std::string& name) {
+  for (std::size_t dot = name.rfind('.'); dot != std::string::npos && dot > 0;
+       dot = name.rfind('.', dot - 1)) {
+    const int found = find_assembly(model, name.substr(0, dot));
+    if (found >= 0) return found;
+  }
+  return -1;
+}
+
+}  // namespace
+
+Result<> Simulation::Impl::room_to_add(const std::string& what, std::size_t bodies) {
+  const auto refuse = [&](const std::string& why) {
+    return fail("cannot add " + what + ": " + why +
+                    "; more is refused, now and later, without further messages",
+                "", "", kTooMany);
+  };
+  if (living.memory.added_in_step >= kMaxAddedPerStep) {
+    return refuse(std::to_string(kMaxAddedPerStep) + " assemblies came in this step already");
+  }
+  std::size_t there = 0;
+  for (std::size_t i = original->bodies.size(); i < model->bodies.size(); ++i) {
+    if (!model->bodies[i].removed) ++there;
+  }
+  if (there + bodies > static_cast<std::size_t>(kMaxAddedBodies)) {
+    return refuse("of the bodies that came during the run " + std::to_string(there) +
+                  " are there, and " + std::to_string(kMaxAddedBodies) + " may be");
+  }
+  return {};
+}
+
+Result<> Simulation::Impl::spawn(const Spawn& action) {
+  const auto found = std::find_if(model->templates.begin(), model->templates.end(),
+                                  [&](const TemplateModel& t) { return t.name == action.of; });
+  if (found == model->templates.end()) {
+    std::vector<std::string> names;
+    for (const TemplateModel& t : model->templates) names.push_back(t.name);
+    const std::string near = nearest_name(action.of, names);
+    return fail("there is no template '" + action.of + "'", "",
+                near.empty() ? "" : "did you mean '" + near + "'?");
+  }
+  const SceneModel& fragment = *found->fragment;
+  const std::string what = "a '" + action.of + "'";
+  if (auto room = room_to_add(what, fragment.bodies.size()); !room) return room;
+  if (!(action.lifetime > 0.0))
+    return fail("cannot add " + what + ": its lifetime must be above 0 s");
+  if (!(action.clearance >= 0.0) || !std::isfinite(action.clearance)) {
+    return fail("cannot add " + what + ": the clearance must be 0 m or more");
+  }
+  std::string name = action.name;
+  int number = 0;
+  if (name.empty()) {
+    const auto last = living.memory.numbers.find(action.of);
+    number = last == living.memory.numbers.end() ? 0 : last->second;
+    do {
+      name = action.of + "_" + std::to_string(++number);
+    } while (find_assembly(*model, name) >= 0 || find_body(*model, name) >= 0);
+  }
+
+  const Room room(*model, present_state());
+  Pose pose = action.pose;
+  if (action.places.empty()) {
+    const std::string in_the_way = room.in_the_way(fragment, pose, action.clearance);
+    if (!in_the_way.empty()) {
+      return fail("cannot add '" + name + "': '" + in_the_way + "' is in the way");
+    }
+  } else {
+    std::vector<std::size_t> free;
+    std::string in_the_way;
+    for (std::size_t i = 0; i < action.places.size(); ++i) {
+      const std::string obstacle =
+          room.in_the_way(fragment, action.places[i] * action.pose, action.clearance);
+      if (obstacle.empty())
+        free.push_back(i);
+      else if (in_the_way.empty())
+        in_the_way = obstacle;
+    }
+    // Drawn even where there is no choice, so that what stands around shifts no later numbers.
+    RandomStream random(0, "");
+    random.set_state(living.memory.random);
+    const double draw = random.uniform();
+    living.memory.random = random.state();
+    if (free.empty()) {
+      return fail("cannot add '" + name + "': at none of its " +
+                  std::to_string(action.places.size()) + " places is there room; at the first '" +
+                  in_the_way + "' is in the way");
+    }
+    const auto chosen = static_cast<std::size_t>(draw * static_cast<double>(free.size()));
+    pose = action.places[free[std::min(chosen, free.size() - 1)]] * action.pose;
+  }
+  if (auto added = add_assembly({found->fragment, name, pose}, action.of); !added) return added;
+  if (number > 0) living.memory.numbers[action.of] = number;
+  if (std::isfinite(action.lifetime)) {
+    living.memory.lifetimes.push_back({time() + action.lifetime, find_assembly(*model, name)});
+  }
+  return {};
+}
+
+// Another model of the same things, of which the world takes over what is different.
+Result<> Simulation::Impl::change_to(Result<SceneModelPtr> next) {
+  if (!next) return tl::unexpected(next.error());
+  if (auto changed = world->change(*next); !changed) return changed;
+  model = *next;
+  return {};
+}
+
+Result<> Simulation::Impl::attach(const Attach& action) {
+  const std::string what = "cannot attach '" + action.child + "' to '" + action.parent + "': ";
+  const auto parent = find_anchor(*model, action.parent);
+  if (!parent) return fail(what + parent.error().message, "", parent.error().hint);
+  const auto child = find_anchor(*model, action.child);
+  if (!child) return fail(what + child.error().message, "", child.error().hint);
+  if (child->body == kWorld) return fail(what + "the child must be a body");
+  const WorldState& now = present_state();
+  const Pose X_WA = pose_of(now, parent->body) * parent->X_BA;  // of the parent's place
+  const Pose X_WC = pose_of(now, child->body) * child->X_BA;    // of the child's
+  if (std::isfinite(action.reach)) {
+    double distance = (X_WA.p - X_WC.p).norm();
+    if (parent->is_body && child->is_body) {
+      const double surfaces = body_distance(*model, now, parent->body, child->body);
+      if (std::isfinite(surfaces)) distance = surfaces;
+    }
+    if (distance > action.reach) {
+      return fail(what + "they are " + std::to_string(distance) + " m apart, the reach is " +
+                  std::to_string(action.reach) + " m");
+    }
+  }
+  Joint joint;
+  joint.name = action.name;
+  joint.parent = parent->body;
+  joint.child = child->body;
+  joint.assembly = assembly_around(*model, action.name);
+  Pose X_WF(action.point ? X_WA * *action.point : X_WC.p, X_WA.q);
+  switch (action.type) {
+    case Attach::Type::fixed:
+      joint.type = JointType::fixed;
+      break;
+    case Attach::Type::hinge:
+      joint.type = JointType::hinge;
+      if (!(action.axis.norm() > 1e-9)) return fail(what + "the axis has no length");
+      X_WF.q = (X_WA.q * z_to(action.axis.normalized())).normalized();
+      break;
+    case Attach::Type::ball:
+      joint.type = JointType::ball;
+      break;
+  }
+  if (action.type != Attach::Type::fixed) joint.axes.resize(1);
+  joint.X_PF = pose_of(now, joint.parent).inverse() * X_WF;
+  joint.X_CM = pose_of(now, joint.child).inverse() * X_WF;
+  auto next = with_joint(*model, std::move(joint));
+  if (!next) return tl::unexpected(next.error());
+  for (const Diagnostic& d : check_capabilities(**next, backend->name(), backend->capabilities())) {
+    if (d.severity == Severity::error) return fail(d.message, "", d.help, d.code);
+  }
+  if (auto added = world->add(*next); !added) return added;
+  model = *next;
+  happen({time(), "attached", action.name, "", model->bodies[at(child->body)].name});
+  return {};
+}
+
+Result<> Simulation::Impl::detach(const Detach& action) {
+  const auto found = find_named(model->joints, "joint", action.joint);
+  if (!found) return tl::unexpected(found.error());
+  const int child = model->joints[at(*found)].child;
+  auto next = with_joint_removed(*model, action.joint);
+  if (!next) return tl::unexpected(next.error());
+  if (auto removed = world->remove(*next); !removed) return removed;
+  model = *next;
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    if (model->sensors[i].removed) sensors.enable(i, false);
+  }
+  happen(
+      {time(), "detached", action.joint, "", child == kWorld ? "" : model->bodies[at(child)].name});
+  return {};
+}
+
+Result<> Simulation::Impl::set_limits(const SetJointLimits& action) {
+  return change_to(with_limits(*model, action.joint, action.axis, action.lower, action.upper));
+}
+
+Result<> Simulation::Impl::set_static(const SetStatic& action) {
+  if (auto done = change_to(with_static(*model, action.body, action.on)); !done) return done;
+  happen({time(), action.on ? "frozen" : "freed", action.body, "", ""});
+  return {};
+}
+
+Result<> Simulation::Impl::move_door(const MoveDoor& action) {
+  const auto found = find_named(model->doors, "door", action.door);
+  if (!found) return tl::unexpected(found.error());
+  const DoorModel& door = model->doors[at(*found)];
+  if (door.motor < 0) return fail("door '" + door.name + "' has no motor");
+  living.follow(model);
+  DoorMemory& memory = living.memory.doors[at(*found)];
+  if (memory.open == action.open) return {};  // it stands there, or is on its way
+  const std::string motor = model->motors[at(door.motor)].name;
+  if (auto set = set_motor(motor, action.open ? door.open : door.closed); !set) return set;
+  memory = {action.open, false};
+  happen({time(), action.open ? "opening" : "closing", door.name, "", ""});
+  return {};
+}
+
+}  // namespace cogrsim
