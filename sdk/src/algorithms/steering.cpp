@@ -54,8 +54,11 @@ Result<> check_task(const SteeringTask& task) {
     return fail(fmt::format("{} is {}, but must be {}", bound.name, bound.value,
                             bound.zero_allowed ? "at least 0" : "above 0"));
   }
-  if (!std::isfinite(task.radius) || !std::isfinite(task.period)) {
-    return fail("radius and period must be finite");
+  for (const Bound& bound :
+       {Bound{"max_speed", limits.max_speed, false}, Bound{"max_reverse", limits.max_reverse, true},
+        Bound{"max_turn", limits.max_turn, false}, Bound{"radius", task.radius, true},
+        Bound{"period", task.period, false}}) {
+    if (!std::isfinite(bound.value)) return fail(fmt::format("{} must be finite", bound.name));
   }
   return {};
 }

@@ -21,8 +21,6 @@ struct Experience {
   bool done = false;
   /// What will be done in `next_state`. SARSA needs it; Q-learning does not look at it.
   int next_action = -1;
-  /// Actions there are in `next_state`; 0: as many as in `state`.
-  int next_actions = 0;
 };
 
 /// Values of the actions of one state that was met.
@@ -56,7 +54,7 @@ class Learner {
   virtual Result<int> choose(std::int64_t state, int actions, bool exploring) = 0;
 
   /// Errors: an action the state does not have; a state never asked about in choose() and not in the
-  /// table; a reward that is not finite; the table could not be written.
+  /// table (SARSA: also the next state); a reward that is not finite; the table could not be written.
   virtual Result<> learn(const Experience& experience) = 0;
 
   /// Value of the best action, max over a of Q(s, a); the initial value for a state never met.

@@ -28,7 +28,7 @@ struct PlanarVelocity {
   double turn = 0.0;
 };
 
-/// What the vehicle can do. Infinite: no bound.
+/// What the vehicle can do. Accelerations may be infinite: no bound.
 struct SteeringLimits {
   double max_speed = 0.3;         ///< forward [m/s], > 0
   double max_reverse = 0.0;       ///< backward [m/s], >= 0; 0: never backward

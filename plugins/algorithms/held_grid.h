@@ -1,0 +1,53 @@
+// What the grid planners share: the grid they hold, and the errors they report alike.
+#pragma once
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "cogrsim/algorithms/grid_planner.h"
+
+namespace algorithms {
+
+/// A planner that keeps nothing but its grid.
+class HeldGrid : public cogrsim::GridPlanner {
+ public:
+  void set_grid(cogrsim::Grid grid) override { grid_ = std::move(grid); }
+  const cogrsim::Grid& grid() const override { return grid_; }
+  cogrsim::Result<> set_cost(const cogrsim::Cell& cell, double cost) override {
+    return grid_.set_cost(cell, cost);
+  }
+  cogrsim::Result<> set_cost(const cogrsim::GridEdge& edge, double cost) override {
+    return grid_.set_cost(edge, cost);
+  }
+
+ protected:
+  /// Whether one can start and arrive there at all.
+  cogrsim::Result<> check_ends(const cogrsim::Cell& start, const cogrsim::Cell& goal) const {
+    for (const auto& [name, cell] : {std::pair("start", start), std::pair("goal", goal)}) {
+      if (!grid_.contains(cell)) {
+        return cogrsim::fail(fmt::format("the {} {} is outside of the grid of {} x {}", name,
+                                         to_string(cell), grid_.rows(), grid_.columns()));
+      }
+      if (grid_.cost(cell) == cogrsim::kBlocked) {
+        return cogrsim::fail(fmt::format("the {} {} is a blocked cell", name, to_string(cell)));
+      }
+    }
+    return {};
+  }
+
+  tl::unexpected<cogrsim::Error> no_way(const cogrsim::Cell& start,
+                                        const cogrsim::Cell& goal) const {
+    const std::size_t near_start = grid_.reachable(start).size();
+    const std::size_t near_goal = grid_.reachable(goal).size();
+    return cogrsim::fail(
+        fmt::format("there is no way from {} to {}: of {} cells {} can be reached from the start "
+                    "and {} from the goal, which is walled in on its side",
+                    to_string(start), to_string(goal), grid_.size(), near_start, near_goal),
+        "", "open an edge between the two, or choose another goal", cogrsim::kNoWay);
+  }
+
+  cogrsim::Grid grid_;
+};
+
+}  // namespace algorithms

@@ -1,0 +1,133 @@
+// Small things that the steering algorithms share.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "cogrsim/algorithms/steering.h"
+
+namespace algorithms {
+
+inline double distance(const cogrsim::PlanarPoint& a, const cogrsim::PlanarPoint& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+inline cogrsim::PlanarPoint place(const cogrsim::PlanarPose& pose) { return {pose.x, pose.y}; }
+
+/// A point as seen from the vehicle: x ahead, y to the left [m].
+inline cogrsim::PlanarPoint seen_from(const cogrsim::PlanarPose& pose,
+                                      const cogrsim::PlanarPoint& point) {
+  const double dx = point.x - pose.x, dy = point.y - pose.y;
+  const double c = std::cos(pose.heading), s = std::sin(pose.heading);
+  return {c * dx + s * dy, -s * dx + c * dy};
+}
+
+/// Fastest speed from which the vehicle, after driving on for one period, still stops within
+/// `distance` with the deceleration `a`: v T + v^2 / (2 a) = distance.
+inline double stopping_speed(double distance, double a, double period) {
+  if (!(distance > 0.0)) return 0.0;
+  if (!std::isfinite(a) || !std::isfinite(distance)) return distance / period;
+  return std::sqrt(a * a * period * period + 2.0 * a * distance) - a * period;
+}
+
+/// `wanted`, as near as the vehicle's accelerations and limits allow within a period.
+inline cogrsim::PlanarVelocity reachable(const cogrsim::PlanarVelocity& wanted,
+                                         const cogrsim::SteeringTask& task) {
+  const cogrsim::SteeringLimits& limits = task.limits;
+  const auto towards = [](double from, double to, double most) {
+    return std::clamp(to, from - most, from + most);
+  };
+  return {towards(task.velocity.forward,
+                  std::clamp(wanted.forward, -limits.max_reverse, limits.max_speed),
+                  limits.acceleration * task.period),
+          towards(task.velocity.turn, std::clamp(wanted.turn, -limits.max_turn, limits.max_turn),
+                  limits.turn_acceleration * task.period)};
+}
+
+/// A path and how far along it the vehicle is.
+class Progress {
+ public:
+  void reset() { path_.clear(); }
+
+  /// Moves the progress to the nearest point of the path at most `window` further along than
+  /// before, so that a path that crosses itself is not cut short. Another path is begun at its
+  /// nearest point anywhere.
+  void update(const std::vector<cogrsim::PlanarPoint>& path, const cogrsim::PlanarPoint& here,
+              double window) {
+    const auto same = [](const cogrsim::PlanarPoint& a, const cogrsim::PlanarPoint& b) {
+      return a.x == b.x && a.y == b.y;
+    };
+    const bool known =
+        path.size() == path_.size() && std::equal(path.begin(), path.end(), path_.begin(), same);
+    if (!known) {
+      path_ = path;
+      along_.assign(path.size(), 0.0);
+      for (std::size_t i = 1; i < path.size(); ++i) {
+        along_[i] = along_[i - 1] + distance(path[i - 1], path[i]);
+      }
+      done_ = 0.0;
+    }
+    const double last = known ? done_ + window : along_.back();
+    double nearest = std::numeric_limits<double>::infinity(), found = done_;
+    for (std::size_t i = 1; i < path_.size(); ++i) {
+      if (along_[i] < done_ || along_[i - 1] > last) continue;
+      const double length = along_[i] - along_[i - 1];
+      if (!(length > 0.0)) continue;
+      const cogrsim::PlanarPoint &a = path_[i - 1], &b = path_[i];
+      double at = ((here.x - a.x) * (b.x - a.x) + (here.y - a.y) * (b.y - a.y)) / length;
+      at = std::clamp(at, std::max(0.0, done_ - along_[i - 1]),
+                      std::min(length, last - along_[i - 1]));
+      const double off = distance(here, point_at(along_[i - 1] + at));
+      if (off < nearest) {
+        nearest = off;
+        found = along_[i - 1] + at;
+      }
+    }
+    done_ = found;
+  }
+
+  double done() const { return done_; }  ///< [m]
+  double length() const { return along_.back(); }
+
+  /// Point of the path that far along it [m], no further than its end.
+  cogrsim::PlanarPoint point_at(double along) const {
+    for (std::size_t i = 1; i < path_.size(); ++i) {
+      if (along > along_[i]) continue;
+      const double length = along_[i] - along_[i - 1];
+      const double share = length > 0.0 ? std::max(0.0, along - along_[i - 1]) / length : 0.0;
+      return {path_[i - 1].x + share * (path_[i].x - path_[i - 1].x),
+              path_[i - 1].y + share * (path_[i].y - path_[i - 1].y)};
+    }
+    return path_.back();
+  }
+
+  /// The first point of the path, from the progress on, that is `radius` away from `here`; the end
+  /// if all that is left is nearer; the progress itself if that is already further away.
+  cogrsim::PlanarPoint ahead(const cogrsim::PlanarPoint& here, double radius) const {
+    cogrsim::PlanarPoint from = point_at(done_);
+    if (distance(from, here) >= radius) return from;
+    for (std::size_t i = 1; i < path_.size(); ++i) {
+      if (along_[i] <= done_) continue;
+      const cogrsim::PlanarPoint to = path_[i];
+      if (distance(to, here) >= radius) {
+        // |from + t (to - from) - here| = radius; from lies inside, so the larger root is the one.
+        const double dx = to.x - from.x, dy = to.y - from.y;
+        const double ox = from.x - here.x, oy = from.y - here.y;
+        const double a = dx * dx + dy * dy, b = ox * dx + oy * dy;
+        const double c = ox * ox + oy * oy - radius * radius;
+        const double t = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
+        return {from.x + t * dx, from.y + t * dy};
+      }
+      from = to;
+    }
+    return path_.back();
+  }
+
+ private:
+  std::vector<cogrsim::PlanarPoint> path_;
+  std::vector<double> along_;  // of each point, from the first [m]
+  double done_ = 0.0;          // [m]
+};
+
+}  // namespace algorithms
