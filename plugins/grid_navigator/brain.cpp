@@ -49,30 +49,30 @@ bool passable(const Grid& grid, const Cell& from, Action action) {
 
 }  // namespace
 
-PlannerBrain::PlannerBrain(std::shared_ptr<cogrsim::GridPlanner> planner,
-                           std::shared_ptr<cogrsim::GridPlanner> valuer, const Ends& ends)
-    : planner_(std::move(planner)), valuer_(std::move(valuer)), ends_(ends) {}
+PlannerBrain::PlannerBrain(Planners to_trigger, Planners to_goal, const Ends& ends)
+    : planners_{std::move(to_trigger), std::move(to_goal)}, ends_(ends) {}
 
-void PlannerBrain::set_map(Errand, const Grid& grid) {
-  follow(*planner_, grid);
-  follow(*valuer_, grid);
+void PlannerBrain::set_map(Errand errand, const Grid& grid) {
+  follow(*of(errand).way, grid);
+  follow(*of(errand).value, grid);
 }
 
 std::optional<Action> PlannerBrain::choose(Errand errand, const Cell& at,
                                            std::optional<Action> straight) {
+  cogrsim::GridPlanner& planner = *of(errand).way;
   const Cell& end = ends_.of(errand);
-  const auto path = planner_->plan(at, end);
+  const auto path = planner.plan(at, end);
   if (!path || path->cells.size() < 2) return std::nullopt;
   // Costs are whole numbers of cells; half a cell tells an equal way from a longer one.
-  if (straight && passable(planner_->grid(), at, *straight)) {
-    const auto other = planner_->plan(neighbour(at, *straight), end);
+  if (straight && passable(planner.grid(), at, *straight)) {
+    const auto other = planner.plan(neighbour(at, *straight), end);
     if (other && other->cost + 1 < path->cost + 0.5) return straight;
   }
   return action_between(at, path->cells[1]);
 }
 
 double PlannerBrain::value(Errand errand, const Cell& at) {
-  const auto path = valuer_->plan(at, ends_.of(errand));
+  const auto path = of(errand).value->plan(at, ends_.of(errand));
   return path ? -path->cost : std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -83,17 +83,18 @@ LearnerBrain::LearnerBrain(std::shared_ptr<cogrsim::Learner> learner, const Ends
       rehearsal_(rehearsal),
       chance_(std::move(chance)) {}
 
-std::int64_t LearnerBrain::state(Errand errand, const Cell& at) const {
-  return (errand == Errand::goal ? grid_.size() : 0) + grid_.index(at);
+std::int64_t LearnerBrain::state(Errand errand, const Cell& at) {
+  const Grid& grid = of(errand).grid;
+  return (errand == Errand::goal ? grid.size() : 0) + grid.index(at);
 }
 
 void LearnerBrain::set_map(Errand errand, const Grid& grid) {
-  grid_ = grid;
-  visits_.assign(static_cast<std::size_t>(grid.size()), 0);
-  reachable_ = grid.reachable(ends_.of(errand));
-  const auto which = static_cast<std::size_t>(errand);
-  rehearse(errand, rehearsed_[which] ? rehearsal_.again : rehearsal_.episodes);
-  rehearsed_[which] = true;
+  Map& map = of(errand);
+  map.grid = grid;
+  map.visits.assign(static_cast<std::size_t>(grid.size()), 0);
+  map.reachable = grid.reachable(ends_.of(errand));
+  rehearse(errand, map.rehearsed ? rehearsal_.again : rehearsal_.episodes);
+  map.rehearsed = true;
 }
 
 int LearnerBrain::decide(Errand errand, const Cell& at, bool exploring) {
@@ -114,16 +115,18 @@ void LearnerBrain::experience(const Outcome& outcome, int next_action) {
 }
 
 void LearnerBrain::rehearse(Errand errand, int episodes) {
-  if (reachable_.size() < 2) return;
+  const Map& map = of(errand);
+  if (map.reachable.size() < 2) return;
   const Cell& end = ends_.of(errand);
   for (int i = 0; i < episodes; ++i) {
-    const auto pick = static_cast<std::size_t>(chance_() * static_cast<double>(reachable_.size()));
-    Cell at = grid_.cell(reachable_[std::min(pick, reachable_.size() - 1)]);
+    const auto pick =
+        static_cast<std::size_t>(chance_() * static_cast<double>(map.reachable.size()));
+    Cell at = map.grid.cell(map.reachable[std::min(pick, map.reachable.size() - 1)]);
     if (at == end) continue;
     int action = decide(errand, at, true);
     for (int step = 0; step < rehearsal_.longest; ++step) {
       Outcome outcome{errand, at, at, static_cast<Action>(action), false};
-      if (passable(grid_, at, outcome.action)) outcome.to = neighbour(at, outcome.action);
+      if (passable(map.grid, at, outcome.action)) outcome.to = neighbour(at, outcome.action);
       outcome.arrived = outcome.to == end;
       const int next = outcome.arrived ? -1 : decide(errand, outcome.to, true);
       experience(outcome, next);
@@ -135,11 +138,13 @@ void LearnerBrain::rehearse(Errand errand, int episodes) {
 }
 
 std::optional<Action> LearnerBrain::choose(Errand errand, const Cell& at, std::optional<Action>) {
-  if (std::find(reachable_.begin(), reachable_.end(), grid_.index(at)) == reachable_.end()) {
+  Map& map = of(errand);
+  const int index = map.grid.index(at);
+  if (std::find(map.reachable.begin(), map.reachable.end(), index) == map.reachable.end()) {
     return std::nullopt;
   }
   // A learner that comes again and again to the same cell has learnt too little: it rehearses.
-  int& visits = visits_[static_cast<std::size_t>(grid_.index(at))];
+  int& visits = map.visits[static_cast<std::size_t>(index)];
   if (++visits % 3 == 0) rehearse(errand, rehearsal_.again);
   return static_cast<Action>(decide(errand, at, false));
 }

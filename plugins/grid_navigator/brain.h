@@ -27,8 +27,8 @@ struct Outcome {
 class Brain {
  public:
   virtual ~Brain() = default;
-  /// The map as it is known now, for an errand and the one after it. Called at the start and whenever
-  /// a wall, door or obstacle turns out to be different.
+  /// The map as it is known now for an errand: doors are closed on the first. Called at the start and
+  /// whenever an obstacle turns out to be there or gone.
   virtual void set_map(Errand errand, const cogrsim::Grid& grid) = 0;
   /// What to do in a cell, `straight` being the action that needs no turn. Nothing: no way is known.
   virtual std::optional<Action> choose(Errand errand, const Cell& at,
@@ -52,8 +52,12 @@ struct Ends {
 /// Follows the planner's path. Among equally short ways it takes the one that goes straight on.
 class PlannerBrain final : public Brain {
  public:
-  PlannerBrain(std::shared_ptr<cogrsim::GridPlanner> planner,
-               std::shared_ptr<cogrsim::GridPlanner> valuer, const Ends& ends);
+  /// A planner for each errand, which keeps what it found out, and another one for the values, whose
+  /// starts are all over the maze.
+  struct Planners {
+    std::shared_ptr<cogrsim::GridPlanner> way, value;
+  };
+  PlannerBrain(Planners to_trigger, Planners to_goal, const Ends& ends);
   void set_map(Errand errand, const cogrsim::Grid& grid) override;
   std::optional<Action> choose(Errand errand, const Cell& at,
                                std::optional<Action> straight) override;
@@ -61,7 +65,8 @@ class PlannerBrain final : public Brain {
   double value(Errand errand, const Cell& at) override;
 
  private:
-  std::shared_ptr<cogrsim::GridPlanner> planner_, valuer_;
+  Planners& of(Errand errand) { return planners_[static_cast<std::size_t>(errand)]; }
+  Planners planners_[2];
   Ends ends_;
 };
 
@@ -89,7 +94,7 @@ class LearnerBrain final : public Brain {
   void remember(const std::string& memory) override;
 
  private:
-  std::int64_t state(Errand errand, const Cell& at) const;
+  std::int64_t state(Errand errand, const Cell& at);
   void rehearse(Errand errand, int episodes);
   int decide(Errand errand, const Cell& at, bool exploring);
   void experience(const Outcome& outcome, int next_action);
@@ -98,10 +103,14 @@ class LearnerBrain final : public Brain {
   Ends ends_;
   Rehearsal rehearsal_;
   std::function<double()> chance_;
-  cogrsim::Grid grid_;
-  std::vector<int> reachable_;  // cells from which the errand can be done
-  bool rehearsed_[2] = {false, false};
-  std::vector<int> visits_;  // of every cell, since the map last changed: tells a loop
+  struct Map {
+    cogrsim::Grid grid;
+    std::vector<int> reachable;  // cells from which the errand can be done
+    bool rehearsed = false;
+    std::vector<int> visits;  // of every cell, since the map last changed: tells a loop
+  };
+  Map& of(Errand errand) { return maps_[static_cast<std::size_t>(errand)]; }
+  Map maps_[2];
 };
 
 }  // namespace grid_navigator

@@ -172,10 +172,13 @@ void GridNavigator::configure_brain(cogrsim::Assembly& robot) {
                                             [this] { return robot_->uniform(0.0, 1.0); });
     return;
   }
-  auto planner = robot.algorithm<cogrsim::GridPlanner>(name);
-  auto valuer = robot.algorithm<cogrsim::GridPlanner>(name);
-  if (planner && valuer) {
-    brain_ = std::make_unique<PlannerBrain>(std::move(planner), std::move(valuer), ends_);
+  const auto planners = [&]() -> PlannerBrain::Planners {
+    return {robot.algorithm<cogrsim::GridPlanner>(name),
+            robot.algorithm<cogrsim::GridPlanner>(name)};
+  };
+  PlannerBrain::Planners to_trigger = planners(), to_goal = planners();
+  if (to_trigger.way && to_trigger.value && to_goal.way && to_goal.value) {
+    brain_ = std::make_unique<PlannerBrain>(std::move(to_trigger), std::move(to_goal), ends_);
   }
 }
 
@@ -251,18 +254,21 @@ bool GridNavigator::through_door(const Cell& from, Action action) const {
   return maze_->west(from.row, from.column) >= 0;
 }
 
-// Tells the brain what the map is now: the plan, doors open from the second errand on, without the
-// cells seen to be blocked and the ways to be avoided.
+// Tells the brain what the map is now: the plan, doors open on the second errand, without the cells
+// seen to be blocked and the ways to be avoided.
 void GridNavigator::map_changed() {
-  cogrsim::Grid grid = cogrsim::grid_of(*maze_, errand_ == Errand::goal);
-  for (int i = 0; i < grid.size(); ++i) {
-    const Cell cell = grid.cell(i);
-    // Where it stands and where it must go is never taken for blocked.
-    const bool needed = cell == driver_.from() || cell == ends_.trigger || cell == ends_.goal;
-    if (obstacles_.blocked(cell) && !needed) (void)grid.set_cost(cell, cogrsim::kBlocked);
+  for (const Errand errand : {Errand::trigger, Errand::goal}) {
+    if (errand < errand_) continue;
+    cogrsim::Grid grid = cogrsim::grid_of(*maze_, errand == Errand::goal);
+    for (int i = 0; i < grid.size(); ++i) {
+      const Cell cell = grid.cell(i);
+      // Where it stands and where it must go is never taken for blocked.
+      const bool needed = cell == driver_.from() || cell == ends_.trigger || cell == ends_.goal;
+      if (obstacles_.blocked(cell) && !needed) (void)grid.set_cost(cell, cogrsim::kBlocked);
+    }
+    for (const Avoided& avoided : avoided_) (void)grid.set_cost(avoided.edge, cogrsim::kBlocked);
+    brain_->set_map(errand, grid);
   }
-  for (const Avoided& avoided : avoided_) (void)grid.set_cost(avoided.edge, cogrsim::kBlocked);
-  brain_->set_map(errand_, grid);
   map_stale_ = false;
   chosen_for_.reset();
   ++plans_;
@@ -410,7 +416,10 @@ void GridNavigator::publish(const cogrsim::Tick&) {
   const cogrsim::Vec3 place = cogrsim::centre_of(*maze_, cell);
   robot_->publish("value_x", place.x());
   robot_->publish("value_y", place.y());
-  robot_->publish("value", brain_->value(errand_, cell));
+  robot_->publish("value", brain_->value(Errand::goal, cell));
+  robot_->publish("value_trigger", errand_ == Errand::trigger
+                                       ? brain_->value(Errand::trigger, cell)
+                                       : std::numeric_limits<double>::quiet_NaN());
   shown_ = (shown_ + 1) % (maze_->rows * maze_->columns);
 }
 
@@ -490,4 +499,5 @@ COGRSIM_CONTROLLER(
     output("speed", "m/s", "by the encoders"),
     output("value_x", "m", "middle of the cell whose value is told, another one at every update"),
     output("value_y", "m", "the same"),
-    output("value", "1", "minus the actions left from there, or the learnt value"))
+    output("value", "1", "on the way to the goal: minus the actions left, or the learnt value"),
+    output("value_trigger", "1", "the same on the way to the trigger, as long as that lasts"))

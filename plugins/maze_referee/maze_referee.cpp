@@ -239,7 +239,8 @@ bool MazeReferee::fits(const Frame& frame, const Obstacle& obstacle, const Cell&
 }
 
 void MazeReferee::ask_for(Obstacle& obstacle, Stage& stage) {
-  const double up = obstacle.cube ? cube_height_ / 2 : ball_radius_;
+  // A hair above the floor: it must not count as standing in it.
+  const double up = 1e-3 + (obstacle.cube ? cube_height_ / 2 : ball_radius_);
   const Vec3 p_M =
       maze_.centre(obstacle.cell.row, obstacle.cell.column) + Vec3(obstacle.x, obstacle.y, up);
   const cogrsim::Quat turn(Eigen::AngleAxisd(obstacle.yaw, Vec3::UnitZ()));
