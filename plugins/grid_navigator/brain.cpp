@@ -84,8 +84,11 @@ LearnerBrain::LearnerBrain(std::shared_ptr<cogrsim::Learner> learner, const Ends
       chance_(std::move(chance)) {}
 
 std::int64_t LearnerBrain::state(Errand errand, const Cell& at) {
+  // The errand is named by its end: what was learnt for one goal is no use for another, and a table
+  // that is kept may be met by runs with other ends.
   const Grid& grid = of(errand).grid;
-  return (errand == Errand::goal ? grid.size() : 0) + grid.index(at);
+  const std::int64_t size = grid.size(), end = grid.index(ends_.of(errand));
+  return ((errand == Errand::goal ? size : 0) + end) * size + grid.index(at);
 }
 
 void LearnerBrain::set_map(Errand errand, const Grid& grid) {

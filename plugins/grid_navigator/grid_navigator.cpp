@@ -160,9 +160,13 @@ bool GridNavigator::configure_maze(cogrsim::Assembly& robot) {
 void GridNavigator::configure_brain(cogrsim::Assembly& robot) {
   const std::string name = robot.parameter<std::string>("brain");
   if (name == "q_learning" || name == "sarsa") {
-    cogrsim::Parameters parameters;
+    // The maze answers always alike, so a single experience may count for much.
+    cogrsim::Parameters parameters{{"rate", 0.3}, {"discount", 0.97}};
     const std::string table = robot.parameter<std::string>("table");
-    if (!table.empty()) parameters["table"] = table;
+    if (!table.empty()) {
+      parameters["table"] = table;
+      parameters["save_every"] = std::int64_t{1000};  // rehearsals count, too
+    }
     auto learner = robot.algorithm<cogrsim::Learner>(name, parameters);
     if (!learner) return;  // noted
     Rehearsal rehearsal;
