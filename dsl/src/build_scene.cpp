@@ -62,12 +62,17 @@ SceneModelPtr Builder::build() {
     if (element.tag() == "record") record(element);
     if (element.tag() == "plot") plot(element);
   });
+  doors();
+  mazes();
   material_pairs();
   collision_pairs();
+  door_pairs();
   if (sink().has_errors()) return nullptr;
   start();
   check_cameras();
   if (sink().has_errors()) return nullptr;
+  // Places can be drawn when everything else has its own; then the scene is built with them.
+  if (scatter()) return sink().has_errors() ? nullptr : Builder(context_, scene_).build();
   check_overlaps();
   check_mass_ratios();
   check_params();

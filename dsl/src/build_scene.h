@@ -1,8 +1,8 @@
 // From the expanded tree to the SceneModel. One object lives for one compilation; its parts lie in
 // several files: build_scene (order of work, settings, lights, views), build_tree (assemblies and
 // bodies), resolve_places (poses), build_matter (materials), build_shapes, build_mass,
-// build_joints, build_devices (motors), build_sensors, build_minds (controllers, engine blocks), build_results (plots),
-// check_scene (starts, advice).
+// build_joints, build_devices (motors), build_mazes (doors too), build_scatter, build_sensors,
+// build_minds (controllers, engine blocks), build_results (plots), check_scene (starts, advice).
 #pragma once
 
 #include <map>
@@ -19,6 +19,7 @@
 #include "cogrsim/model/scene_model.h"
 #include "diagnostics.h"
 #include "element.h"
+#include "place_scatter.h"
 #include "reader.h"
 #include "resolve_names.h"
 #include "vocabulary.h"
@@ -148,6 +149,18 @@ class Builder {
   // build_devices.cpp
   void motor(const Element& element);
   bool motor_laws(const Element& element, Motor& motor, bool turns);
+
+  // build_mazes.cpp
+  void doors();
+  void mazes();
+  void door_pairs();
+
+  // build_scatter.cpp
+  /// Draws the places of scattered things; false: nothing to draw, or drawn before.
+  bool scatter();
+  std::optional<Ground> ground(const Element& scatter);
+  std::optional<Ground> named_ground(const Element& scatter);
+  void strew(const ScatterPlan& plan, const std::set<int>& absent);
 
   // build_sensors.cpp
   void sensor(const Element& element);

@@ -12,5 +12,7 @@ std::vector<CodeInfo> language_codes();
 /// CG06 frames and topology, CG07 physics, CG08 backends, CG09 plugins, CG10 placement, CG12
 /// results, CG20 advice.
 std::vector<CodeInfo> scene_codes();
+/// Of these: mazes, doors and scattered things.
+std::vector<CodeInfo> maze_codes();
 
 }  // namespace cogrsim::dsl

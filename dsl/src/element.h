@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "node.h"
+#include "plans.h"
 #include "value.h"
 
 namespace cogrsim::dsl {
@@ -92,6 +93,13 @@ struct CompileContext {
   int element_count = 0;  ///< in the tree; one more than the largest Element::index
   /// Names of elements that failed, by the element they would stand in: silent when asked for.
   std::unordered_map<const Element*, std::set<std::string, std::less<>>> lost_names = {};
+  std::deque<Node> made_nodes = {};  ///< of elements that nobody wrote: walls, doors
+  std::deque<std::string> made_texts = {};
+  std::deque<MazePlan> mazes = {};
+  std::deque<DoorPlan> doors = {};
+  std::deque<ScatterPlan> scatters = {};
+  /// World poses that were drawn for things of a scatter; empty: not drawn yet.
+  std::unordered_map<const Element*, Pose> drawn_places = {};
 };
 
 /// Expansion (expand_*.cpp): imports, parameters, prototypes, repeats, conditions. Returns the root

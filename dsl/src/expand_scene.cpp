@@ -188,6 +188,9 @@ void Expander::child(const Node& node, const Place& place, int ordinal) {
   if (node.name == "for") return for_each(node, place, key());
   if (node.name == "if") return condition(node, place, key());
   if (node.name == "instance") return instance(node, place, key());
+  if (node.name == "maze") return maze(node, place, key());
+  if (node.name == "door") return door(node, place, key());
+  if (node.name == "scatter") return scatter(node, place, key());
 
   Element* element = make(node, place);
   if (element == nullptr) return;

@@ -48,12 +48,26 @@ struct ParamType {
 /// nullptr: no such type. "" is a plain number.
 const ParamType* find_param_type(std::string_view name);
 
+/// How a door moves; see the vocabulary of <door>.
+struct DoorDrive {
+  const Element* door = nullptr;
+  const Element* leaf = nullptr;
+  SourceSpan at;
+  std::string axis;     ///< in the leaf's frame, "1 0 0"
+  double travel = 1.0;  ///< [m] > 0
+  double force = 1.0;   ///< [N]
+  double speed = 1.0;   ///< [m/s]
+  bool open = false;    ///< at the start
+  bool lifts = false;   ///< against gravity
+};
+
 class Expander {
  public:
   explicit Expander(CompileContext& context) : context_(context) {}
   Element* run(const Document& scene);
 
  private:
+  friend class MazeMaker;
   /// Where new elements go, and what they see.
   struct Place {
     Element* into = nullptr;
@@ -84,6 +98,29 @@ class Expander {
   void repeat(const Node& node, const Place& place, const std::string& key);
   void for_each(const Node& node, const Place& place, const std::string& key);
   void condition(const Node& node, const Place& place, const std::string& key);
+
+  // expand_made.cpp: elements that nobody wrote, which stand for what somebody did
+  Node& made_node(std::string_view tag, const SourceSpan& at);
+  void give(Node& node, std::string_view attribute, std::string text);
+  /// Takes over an attribute as it is written, with its place; nothing when it is not.
+  static void hand_down(Node& node, std::string_view attribute, const Node& from,
+                        std::string_view written);
+  Element* add_made(const Node& node, const Place& place, std::string name);
+  /// An element that is only read: for its attributes.
+  Element& read_only(const Node& node, const Place& place, const std::string& key);
+  /// False: nameless, and reported.
+  bool written_name(Element& written, const Place& place, std::string& name);
+
+  // expand_maze.cpp
+  void maze(const Node& node, const Place& place, const std::string& key);
+
+  // expand_door.cpp
+  void door(const Node& node, const Place& place, const std::string& key);
+  /// Slider and motor of a leaf that stands in `inside`.
+  int door_drive(const Node& node, const Place& inside, const DoorDrive& drive);
+
+  // expand_scatter.cpp
+  void scatter(const Node& node, const Place& place, const std::string& key);
 
   // expand_param.cpp
   void define_params(const Node& container, Scope& scope, const Place& place,

@@ -100,7 +100,9 @@ void Builder::place(const Element& element) {
     const auto own = own_pose(top);
     if (!own) n.faulty = true;
     if (base != nullptr) {
-      n.X_W = own ? note(*base).X_W * *own : note(*base).X_W;
+      const auto drawn = context_.drawn_places.find(&top);
+      const Pose& X_WP = drawn != context_.drawn_places.end() ? drawn->second : note(*base).X_W;
+      n.X_W = own ? X_WP * *own : X_WP;
       if (note(*base).faulty) n.faulty = true;
     }
     n.placing = Note::Placing::done;

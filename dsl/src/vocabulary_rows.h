@@ -126,6 +126,35 @@ inline Attributes placed() {
            "Body, assembly or frame that xyz and rpy refer to, instead of the parent element.")};
 }
 
+/// What a material says, and a shape may say better.
+inline Attributes matter() {
+  return {
+      above_zero(number("density", kDensity, "Mass per volume.")),
+      at_least(number("friction", kNone, "Coulomb friction coefficient."), 0.0),
+      between(number("restitution", kNone,
+                     "Coefficient of restitution: 0 does not bounce, 1 loses nothing."),
+              0.0, 1.0),
+      above_zero(number("stiffness", kStiffness,
+                        "Stiffness of a contact point; as stiff as the engine can if left out.")),
+      attr("color", Kind::color, "Color."),
+      attr("texture", Kind::file,
+           "Picture file, PNG or JPEG; its colors are multiplied by `color`, if given."),
+      above_zero(count_from(
+          numbers("texture-size", kLength, 2,
+                  "Width and height of one copy of the picture, which then repeats; one number "
+                  "for both. If left out one copy covers the face, or a square metre of a plane."),
+          1))};
+}
+
+inline Attributes solid() {
+  return Attributes{
+             attr("material", Kind::reference, "Material it is made of."),
+             above_zero(number("mass", kMass, "Mass; from volume and density if left out."))} +
+         matter() +
+         Attributes{attr("collide", Kind::boolean, "Touches other bodies.", "true"),
+                    attr("visible", Kind::boolean, "Is seen in pictures.", "true")};
+}
+
 inline ElementSpec element(std::string_view group, std::string_view name, std::string_view doc,
                            Attributes attributes, Words children = {},
                            std::string_view example = {}) {
@@ -141,5 +170,7 @@ inline ElementSpec element(std::string_view group, std::string_view name, std::s
 
 /// The rows of the sensors.
 void add_sensors(std::vector<ElementSpec>& out);
+/// Mazes, doors, and what is strewn into them.
+void add_mazes(std::vector<ElementSpec>& out);
 
 }  // namespace cogrsim::dsl::rows

@@ -14,38 +14,10 @@ Attributes moving() {
                   "Angular velocity at the start, world axes.", "0 0 0")};
 }
 
-Attributes matter() {
-  return {
-      above_zero(number("density", kDensity, "Mass per volume.")),
-      at_least(number("friction", kNone, "Coulomb friction coefficient."), 0.0),
-      between(number("restitution", kNone,
-                     "Coefficient of restitution: 0 does not bounce, 1 loses nothing."),
-              0.0, 1.0),
-      above_zero(number("stiffness", kStiffness,
-                        "Stiffness of a contact point; as stiff as the engine can if left out.")),
-      attr("color", Kind::color, "Color."),
-      attr("texture", Kind::file,
-           "Picture file, PNG or JPEG; its colors are multiplied by `color`, if given."),
-      above_zero(count_from(
-          numbers("texture-size", kLength, 2,
-                  "Width and height of one copy of the picture, which then repeats; one number "
-                  "for both. If left out one copy covers the face, or a square metre of a plane."),
-          1))};
-}
-
 Attributes mobility() {
   return {attr("static", Kind::boolean, "Never moves.", "false"),
           attr("kinematic", Kind::boolean,
                "Moves with the velocity it is given, whatever pushes it.", "false")};
-}
-
-Attributes solid() {
-  return Attributes{
-             attr("material", Kind::reference, "Material it is made of."),
-             above_zero(number("mass", kMass, "Mass; from volume and density if left out."))} +
-         matter() +
-         Attributes{attr("collide", Kind::boolean, "Touches other bodies.", "true"),
-                    attr("visible", Kind::boolean, "Is seen in pictures.", "true")};
 }
 
 Attributes shape(Attributes own) {
@@ -128,7 +100,7 @@ const Words kMatter = {"material", "collide"};
 /// Inside an assembly.
 Words assembly_content() {
   return kShapes + Words{"body", "assembly", "frame"} + kJoints + Words{"motor", "servo"} +
-         kSensors + Words{"contact", "controller", "instance", "plot"} + kMatter;
+         kSensors + Words{"contact", "controller", "instance", "plot", "door"} + kMatter;
 }
 Words scene_content() {
   return Words{"physics", "param", "import", "prototype"} + assembly_content() +
@@ -509,9 +481,7 @@ void add_later(std::vector<ElementSpec>& out) {
     std::string_view group, name, doc;
   };
   static constexpr Later kLater[] = {
-      {"Reuse", "scatter", "Places things at random; comes with a later version."},
       {"Regions", "region", "A zone with enter and leave events; comes with a later version."},
-      {"Regions", "maze", "Walls from a drawing in characters; comes with a later version."},
       {"Results", "test", "A test of the scene; comes with a later version."}};
   for (const Later& later : kLater) {
     ElementSpec e = element(later.group, later.name, later.doc, {});
@@ -534,6 +504,7 @@ const std::vector<ElementSpec>& vocabulary() {
     add_sensors(out);
     add_minds(out);
     add_reuse(out);
+    add_mazes(out);
     add_later(out);
     add_results(out);
     return out;

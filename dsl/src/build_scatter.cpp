@@ -1,0 +1,220 @@
+// Scattered things: where there is room for them, once all else has its place.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "build_scene.h"
+
+namespace cogrsim::dsl {
+namespace {
+
+// Four digits are enough to measure a mistake by.
+std::string centimetres(double metres) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.4g cm", metres * 100.0);
+  return text;
+}
+
+}  // namespace
+
+// "walls.free", "walls.S" or a region.
+std::optional<Ground> Builder::named_ground(const Element& scatter) {
+  const auto word = reader(scatter).word("in");
+  if (!word.given()) return std::nullopt;
+  const std::string& text = (*word).text;
+  Ground out;
+  out.name = text;
+  const auto maze_of = [&](const Element& element) {
+    return std::find_if(context_.mazes.begin(), context_.mazes.end(),
+                        [&](const MazePlan& maze) { return maze.element == &element; });
+  };
+  const auto cell = [&](const MazeModel& maze, int row, int column) {
+    out.rectangles.push_back(
+        {column * maze.cell, (column + 1) * maze.cell, row * maze.cell, (row + 1) * maze.cell});
+  };
+  constexpr std::string_view kFree = ".free";
+  if (text.size() > kFree.size() && text.substr(text.size() - kFree.size()) == kFree) {
+    const Word of{text.substr(0, text.size() - kFree.size()), (*word).span};
+    const Names::Found found = names_.peek(scatter, of.text);
+    if (found.lost) return std::nullopt;
+    const auto maze = found.element != nullptr ? maze_of(*found.element) : context_.mazes.end();
+    if (maze != context_.mazes.end()) {
+      out.X_WG = note(*maze->element).X_W;
+      for (int row = 0; row < maze->plan.rows; ++row)
+        for (int column = 0; column < maze->plan.columns; ++column)
+          if (std::none_of(maze->plan.places.begin(), maze->plan.places.end(),
+                           [&](const auto& p) { return p.row == row && p.column == column; }))
+            cell(maze->plan, row, column);
+      if (!out.rectangles.empty()) return out;
+      sink()
+          .report("CG1011", (*word).span, scatter.trail,
+                  "every cell of maze '" + of.text + "' has a name: none is free")
+          .help("take names out of its drawing, or name another place");
+      return std::nullopt;
+    }
+  }
+  const Element* element = names_.find(scatter, *word, Wanted::any);
+  if (element == nullptr) return std::nullopt;
+  if (note(*element).faulty) return std::nullopt;
+  if (element->tag() == "frame" && element->parent != nullptr) {
+    const auto maze = maze_of(*element->parent);
+    int row = 0, column = 0;
+    if (maze != context_.mazes.end()) {
+      out.X_WG = note(*maze->element).X_W;
+      const auto place = std::find_if(maze->plan.places.begin(), maze->plan.places.end(),
+                                      [&](const auto& p) { return p.name == element->name; });
+      if (place != maze->plan.places.end()) {
+        cell(maze->plan, place->row, place->column);
+        return out;
+      }
+      if (std::sscanf(element->name.c_str(), "r%dc%d", &row, &column) == 2) {
+        cell(maze->plan, row, column);
+        return out;
+      }
+    }
+  }
+  const auto region = std::find_if(model_.regions.begin(), model_.regions.end(),
+                                   [&](const RegionModel& r) { return r.name == element->path; });
+  if (region == model_.regions.end()) {
+    sink()
+        .report("CG1011", (*word).span, scatter.trail,
+                "'" + text + "' is " + kind_of(*element) + ", nothing can be scattered in it")
+        .note("it stands here", element->span())
+        .help("name a region, a cell of a maze, or its free cells: walls.free");
+    return std::nullopt;
+  }
+  out.X_WG = region->body == kWorld
+                 ? region->X_BR
+                 : model_.bodies[static_cast<std::size_t>(region->body)].X_WB * region->X_BR;
+  if (region->type == RegionModel::Type::sphere) {
+    out.radius = region->radius;
+    return out;
+  }
+  const Vec3 half = 0.5 * region->size;
+  out.X_WG.p = out.X_WG * Vec3(0, 0, -half.z());
+  out.rectangles.push_back({-half.x(), half.x(), -half.y(), half.y()});
+  return out;
+}
+
+std::optional<Ground> Builder::ground(const Element& scatter) {
+  Reader r = reader(scatter);
+  if (r.has("in") == r.has("area")) {
+    if (r.has("in"))
+      fault("CG0608", scatter, "area", "'in' and 'area' both say where things are put");
+    else
+      fault("CG0204", scatter, "<scatter> needs 'in' or 'area': where things are put")
+          .help("write in=\"walls.free\", in=\"…\" with a region's name, or area=\"2 m 3 m\"");
+    return std::nullopt;
+  }
+  if (r.has("in")) {
+    for (const char* own : {"xyz", "rpy", "quat", "frame"})
+      if (r.has(own)) {
+        fault("CG0608", scatter, own,
+              "'in' says where things are put, '" + std::string(own) + "' is about 'area'")
+            .help("delete one of them");
+        return std::nullopt;
+      }
+    return named_ground(scatter);
+  }
+  const auto area = r.numbers("area");
+  if (!area.given() || note(scatter).faulty) return std::nullopt;
+  Ground out;
+  out.name = "the area";
+  out.X_WG = note(scatter).X_W;
+  const double x = 0.5 * (*area)[0], y = 0.5 * (*area)[1];
+  out.rectangles.push_back({-x, x, -y, y});
+  return out;
+}
+
+void Builder::strew(const ScatterPlan& plan, const std::set<int>& absent) {
+  const Element& scatter = *plan.element;
+  const auto clearance = reader(scatter).number("clearance");
+  const auto where = ground(scatter);
+  if (clearance.failed() || !where) return;
+  const Pose X_GW = where->X_WG.inverse();
+  std::vector<Solid> obstacles;
+  for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
+    if (absent.count(static_cast<int>(b)) != 0) continue;
+    for (const Shape& shape : model_.bodies[b].shapes)
+      if (shape.collides)
+        add_solids(model_, shape, X_GW * (model_.bodies[b].X_WB * shape.X_BS), obstacles);
+  }
+  Strewer strewer(*where, std::move(obstacles), *clearance);
+  int fitted = 0, number = 0;
+  double widest = 0.0;
+  for (const ScatterGroup& group : plan.groups) {
+    // The round as it was built: about the place of the scatter itself.
+    const Pose X_EW = note(scatter).X_W.inverse();
+    Bundle bundle;
+    std::vector<std::size_t> bodies;
+    bool good = true;
+    const auto take = [&](const Element& element) {
+      if (note(element).owner == &element)
+        bodies.push_back(static_cast<std::size_t>(note(element).body));
+    };
+    for (const Element* member : group.members) {
+      for (const char* placed : {"frame", "at"})
+        if (member->find(placed) != nullptr) {
+          good = false;
+          fault("CG1012", *member, placed,
+                "'" + std::string(placed) +
+                    "' says where it stands, but that is for the scatter "
+                    "to draw")
+              .help("take it out of the scatter, or delete '" + std::string(placed) + "'");
+        }
+      take(*member);
+      for_each(*member, take);
+    }
+    if (!good) return;
+    for (const std::size_t b : bodies)
+      for (const Shape& shape : model_.bodies[b].shapes)
+        if (shape.collides)
+          add_solids(model_, shape, X_EW * (model_.bodies[b].X_WB * shape.X_BS), bundle.solids);
+    for (const Solid& solid : bundle.solids)
+      for (const auto& p : solid.outline)
+        widest = std::max({widest, std::abs(p.x()) + solid.radius, std::abs(p.y()) + solid.radius});
+    RandomStream random(context_.seed, scatter.path + "/" + std::to_string(number++));
+    const auto place = strewer.put(bundle, random);
+    if (!place) continue;
+    ++fitted;
+    Pose X_GP;
+    X_GP.p = *place;
+    const Pose X_WP = where->X_WG * X_GP;
+    for (const Element* member : group.members) context_.drawn_places[member] = X_WP;
+    // For the scatters after this one.
+    for (const std::size_t b : bodies)
+      model_.bodies[b].X_WB = X_WP * (X_EW * model_.bodies[b].X_WB);
+  }
+  const int wanted = static_cast<int>(plan.groups.size());
+  if (fitted == wanted) return;
+  fault("CG1010", scatter, "count",
+        (fitted == 0 ? std::string("none") : "only " + std::to_string(fitted)) + " of " +
+            std::to_string(wanted) + " fit into " +
+            (where->name == "the area" ? where->name : "'" + where->name + "'") +
+            (*clearance > 0 ? ", " + centimetres(*clearance) + " clear of everything" : ""))
+      .help((fitted > 0 ? "ask for at most " + std::to_string(fitted) + ", or " : std::string()) +
+            "make the things smaller (they reach " + centimetres(widest) + " to the side)" +
+            (*clearance > 0 ? ", lower the clearance," : "") + " or give them more room");
+}
+
+bool Builder::scatter() {
+  if (context_.scatters.empty() || !context_.drawn_places.empty()) return false;
+  std::set<int> absent;
+  const auto each_body = [&](const ScatterPlan& plan, auto&& use) {
+    for_each(*plan.element, [&](const Element& element) {
+      if (note(element).owner == &element) use(note(element).body);
+    });
+  };
+  for (const ScatterPlan& plan : context_.scatters)
+    each_body(plan, [&](int body) { absent.insert(body); });
+  bool any = false;
+  for (const ScatterPlan& plan : context_.scatters) {
+    strew(plan, absent);
+    each_body(plan, [&](int body) { absent.erase(body); });
+    any = any || !plan.groups.empty();
+  }
+  return any;
+}
+
+}  // namespace cogrsim::dsl

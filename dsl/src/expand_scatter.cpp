@@ -1,0 +1,48 @@
+// Scattered things: like a repeat, but each round is remembered, to be put down somewhere.
+#include "expand_scene.h"
+
+namespace cogrsim::dsl {
+
+void Expander::scatter(const Node& node, const Place& place, const std::string& key) {
+  Element* element = make(node, place);
+  if (element == nullptr) return;
+  place.into->children.push_back(element);
+  element->path = key;
+  Reader reader(context_, *element);
+  if (reader.has("name") && !written_name(*element, place, element->name)) return;
+  const auto count = reader.integer("count");
+  const auto var = reader.has("var") ? reader.word("var") : Read<Word>{};
+  if (!count.given() || var.failed()) {
+    element->incomplete = true;
+    return;
+  }
+  ScatterPlan plan;
+  plan.element = element;
+  for (std::int64_t i = 0; i < *count; ++i) {
+    if (!room(node, place)) return;
+    const std::string number = std::to_string(i);
+    Scope& scope = context_.scopes.emplace_back(place.scope);
+    if (var.given()) scope.set((*var).text, Value::number(static_cast<double>(i)));
+    Place inner = place;
+    inner.into = element;
+    inner.scope = &scope;
+    inner.trail = step(place, "in round " + number + " of a scatter", node.span);
+    inner.key = key + "[" + number + "]";
+    const std::size_t before = element->children.size();
+    children(node, inner);
+    ScatterGroup group;
+    for (std::size_t k = before; k < element->children.size(); ++k) {
+      Element& member = *element->children[k];
+      // Whoever writes a name that changes from round to round has numbered it.
+      const Attribute* name = member.find("name");
+      if (name != nullptr && !member.name.empty() &&
+          name->value.find("${") == std::string_view::npos)
+        member.name += "_" + number;
+      group.members.push_back(&member);
+    }
+    plan.groups.push_back(std::move(group));
+  }
+  context_.scatters.push_back(std::move(plan));
+}
+
+}  // namespace cogrsim::dsl

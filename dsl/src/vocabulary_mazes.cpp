@@ -1,0 +1,83 @@
+// Mazes, doors and scattered things.
+#include "vocabulary_rows.h"
+
+namespace cogrsim::dsl::rows {
+namespace {
+
+AttributeSpec direction(std::string_view name) {
+  return choice(name, {"side", "up", "down"}, "Where it opens to.", "side");
+}
+AttributeSpec force(std::string_view name) {
+  return above_zero(number(name, kForce, "The most its motor pushes with.", "40 N"));
+}
+AttributeSpec speed(std::string_view name) {
+  return above_zero(number(name, kSpeed, "How fast it opens and closes.", "0.5 m/s"));
+}
+
+}  // namespace
+
+void add_mazes(std::vector<ElementSpec>& out) {
+  const auto group = "Mazes and doors";
+  ElementSpec maze = element(
+      group, "maze",
+      "Walls from a drawing in characters, its cells being named places: see mazes.md. Its origin "
+      "is the south-west corner, on the floor.",
+      named_always("Name; its cells are NAME.S, NAME.r0c0 and so on.") +
+          Attributes{
+              above_zero(must(number("cell", kLength, "From the middle of one wall to the next."))),
+              above_zero(number("thickness", kLength, "Of the walls.", "2 cm")),
+              above_zero(number("height", kLength, "Of the walls.", "30 cm")),
+              attr("material", Kind::reference, "Material of the walls.")} +
+          matter() + placed() +
+          Attributes{
+              attr("open", Kind::references,
+                   "Doors that stand open at the start; none if left out."),
+              direction("door-direction"), force("door-force"), speed("door-speed"),
+              above_zero(number("door-thickness", kLength,
+                                "Of the doors; six tenths of the walls' if left out.")),
+              attr("door-material", Kind::reference,
+                   "Material of the doors; the walls' if left out."),
+              attr("door-color", Kind::color, "Color of the doors; the walls' if left out.")},
+      {}, "<maze name=\"walls\" cell=\"50 cm\" material=\"ply\"> … drawing … </maze>");
+  maze.text = true;
+  out.push_back(std::move(maze));
+  Attributes door =
+      named_always("Name of the door.") +
+      Attributes{
+          above_zero(must(numbers("size", kLength, 3, "Of its leaf: width, thickness, height."))),
+          direction("direction"),
+          number(
+              "travel", kLength,
+              "How far it opens; its width, or its height, if left out. Below 0: the other way."),
+          force("force"),
+          speed("speed"),
+          attr("open", Kind::boolean, "Stands open at the start.", "false"),
+          attr("parent", Kind::reference, "Body that it hangs on; the world if left out.")} +
+      placed() + solid();
+  out.push_back(element(group, "door",
+                        "A leaf on a slider with a motor; it slides along its x axis, or up, or "
+                        "down. Its place is the middle of the closed leaf.",
+                        std::move(door), {},
+                        "<door name=\"gate\" size=\"80 3 100 cm\" xyz=\"0 2 0.5\" "
+                        "mass=\"4 kg\"/>"));
+  out.push_back(element(
+      group, "scatter",
+      "Puts things down at random places, clear of everything else and wholly inside: see "
+      "mazes.md. The same seed gives the same places.",
+      named() +
+          Attributes{
+              must(between(attr("count", Kind::integer, "How many times."), 0, 10000)),
+              attr("in", Kind::reference,
+                   "Where: MAZE.free, its cells without a name; a cell; or a region."),
+              above_zero(numbers("area", kLength, 2,
+                                 "Where, instead of `in`: a rectangle about its own place.")),
+              at_least(number("clearance", kLength, "Least distance to everything else.", "0"),
+                       0.0),
+              attr("var", Kind::name, "Name of the round's number, from 0.")} +
+          placed(),
+      {"box", "sphere", "cylinder", "capsule", "mesh", "body", "assembly", "instance"},
+      "<scatter name=\"loose\" count=\"6\" in=\"walls.free\" clearance=\"3 cm\"> "
+      "<box name=\"crate\" size=\"6 6 6 cm\"/> </scatter>"));
+}
+
+}  // namespace cogrsim::dsl::rows
