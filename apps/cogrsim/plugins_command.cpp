@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/algorithms/algorithm.h"
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/physics/backend_plugin.h"
 #include "cogrsim/plugin/loader.h"
@@ -43,6 +44,12 @@ Inventory take_inventory(const std::vector<std::string>& plugin_paths) {
     inventory.entries.push_back(std::move(entry));
   }
   return inventory;
+}
+
+/// What an algorithm is, "grid-planner"; "" for other kinds.
+std::string family_of(const PluginDescriptor& descriptor) {
+  if (descriptor.kind != PluginKind::algorithm) return {};
+  return static_cast<const AlgorithmEntry*>(descriptor.factory)->family;
 }
 
 std::string value_text(const ParameterValue& value) {
@@ -85,6 +92,18 @@ std::string parameter_table(const std::string& title, const ParameterTable& para
   return table.text("    ", style.dim, style.off);
 }
 
+std::string output_table(const std::vector<PluginOutput>& outputs, const Style& style) {
+  if (outputs.empty()) return {};
+  using Align = TextTable::Align;
+  TextTable table({Align::left, Align::left, Align::left});
+  table.row({"output", "unit", "meaning"});
+  for (const PluginOutput& output : outputs) {
+    const bool unitless = output.unit.empty() || output.unit == "1";
+    table.row({output.name, unitless ? "-" : output.unit, output.description});
+  }
+  return table.text("    ", style.dim, style.off);
+}
+
 std::string capability_table(const Capabilities& capabilities, const Style& style) {
   using Align = TextTable::Align;
   TextTable table({Align::left, Align::left, Align::left});
@@ -102,10 +121,14 @@ std::string inventory_text(const Inventory& inventory, const Style& style) {
     out += fmt::format("{}{} {}{} {}{}\n", style.bold, to_string(d.kind), d.name, style.off,
                        d.version, d.author.empty() ? "" : ", by " + d.author);
     if (!d.summary.empty()) out += fmt::format("    {}\n", d.summary);
+    if (const std::string family = family_of(d); !family.empty()) {
+      out += fmt::format("    family: {}\n", family);
+    }
     out += fmt::format("    found: {}\n", entry.path.empty() ? "built in" : entry.path);
     if (entry.backend)
       out += fmt::format("    engine version: {}\n", entry.backend->engine_version());
     out += parameter_table("parameter", d.parameters, style);
+    out += output_table(d.outputs, style);
     if (entry.backend) {
       out += parameter_table("world option", entry.backend->world_options(), style);
       out += parameter_table("assembly option", entry.backend->assembly_options(), style);
@@ -146,6 +169,15 @@ Json to_json(const ParameterTable& parameters) {
   return out;
 }
 
+Json to_json(const std::vector<PluginOutput>& outputs) {
+  Json out = Json::array();
+  for (const PluginOutput& output : outputs) {
+    out.push_back(
+        {{"name", output.name}, {"unit", output.unit}, {"description", output.description}});
+  }
+  return out;
+}
+
 Json to_json(const Inventory& inventory) {
   Json plugins = Json::array();
   for (const Entry& entry : inventory.entries) {
@@ -157,7 +189,9 @@ Json to_json(const Inventory& inventory) {
                  {"summary", d.summary},
                  {"path", entry.path.empty() ? Json(nullptr) : Json(entry.path)},
                  {"built_in", entry.path.empty()},
-                 {"parameters", to_json(d.parameters)}};
+                 {"parameters", to_json(d.parameters)},
+                 {"outputs", to_json(d.outputs)}};
+    if (const std::string family = family_of(d); !family.empty()) item["family"] = family;
     if (entry.backend) {
       item["engine_version"] = entry.backend->engine_version();
       item["world_options"] = to_json(entry.backend->world_options());

@@ -95,6 +95,11 @@ bool by_kind_and_name(const PluginPtr& a, const PluginPtr& b) {
   return std::tie(da.kind, da.name) < std::tie(db.kind, db.name);
 }
 
+/// "a backend", "an algorithm".
+std::string one(PluginKind kind) {
+  return (kind == PluginKind::algorithm ? "an " : "a ") + std::string(to_string(kind));
+}
+
 /// What the system said, without what Boost.DLL wraps around it.
 std::string system_text(const std::string& what) {
   constexpr std::string_view kBefore = "dlerror system message: ";
@@ -211,11 +216,11 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
     }
     if ((*plugin)->descriptor().kind == kind) return plugin;
     if (wrong_kind == nullptr) wrong_kind = *plugin;
-    tried += fmt::format("\n  {}: a {}", path, to_string((*plugin)->descriptor().kind));
+    tried += fmt::format("\n  {}: {}", path, one((*plugin)->descriptor().kind));
   }
   if (wrong_kind != nullptr) {
-    return fail(fmt::format("plugin '{}' is a {}, not a {}", name,
-                            to_string(wrong_kind->descriptor().kind), to_string(kind)),
+    return fail(fmt::format("plugin '{}' is {}, not {}", name, one(wrong_kind->descriptor().kind),
+                            one(kind)),
                 wrong_kind->path(), "", "CG0903");
   }
   std::vector<std::string> names;
