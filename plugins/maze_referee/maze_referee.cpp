@@ -68,7 +68,7 @@ class MazeReferee final : public cogrsim::Supervisor {
   cogrsim::MazeModel maze_;
   Task task_;
   std::string robot_, cube_template_, ball_template_;
-  double step_time_ = 1.0, arrival_ = 0.05, cube_height_ = 0.2, ball_radius_ = 0.06;
+  double step_time_ = 1.0, arrival_ = 0.03, cube_height_ = 0.2, ball_radius_ = 0.06;
   bool end_run_ = true;
 
   std::vector<Obstacle> obstacles_;
@@ -326,7 +326,7 @@ COGRSIM_SUPERVISOR(
     parameter("goal", "", "cell at which the run ends").must_be_set(),
     parameter("speed", 0.5, "m/s", "the fastest a robot could be, for the optimum")
         .range(0.01, 10.0),
-    parameter("arrival", 0.05, "m", "the goal counts as reached this near to its middle")
+    parameter("arrival", 0.03, "m", "the goal counts as reached this near to its middle")
         .range(1e-3, 1.0),
     parameter("cubes", 5, "cubes that appear").range(0, 200),
     parameter("balls", 4, "balls that appear").range(0, 200),
