@@ -204,7 +204,14 @@ Result<> Simulation::Impl::remove_named(const std::string& name) {
 }
 
 Result<> Simulation::Impl::restart() {
-  if (auto done = world->reset(); !done) return done;
+  if (restart_anew) {
+    auto fresh = backend->create_world(original);
+    if (!fresh) return tl::unexpected(fresh.error());
+    world = std::move(*fresh);
+    restart_anew = false;
+  } else if (auto done = world->reset(); !done) {
+    return done;
+  }
   model = original;
   base_time = 0.0;
   steps = steps_since_base = 0;

@@ -104,8 +104,9 @@ struct Simulation::Impl {
   std::shared_ptr<PluginLoader> loader;
   std::shared_ptr<const Backend> backend;
   std::unique_ptr<World> world;
-  SceneModelPtr original;  ///< as given, with the options' seed and step
-  SceneModelPtr model;     ///< as it is now
+  SceneModelPtr original;     ///< as given, with the options' seed and step
+  SceneModelPtr model;        ///< as it is now
+  bool restart_anew = false;  ///< the world began with another scene than `original`
 
   // Clock: time = base_time + steps_since_base * dt, so that no rounding accumulates.
   double dt = 1e-3;

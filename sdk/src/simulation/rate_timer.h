@@ -23,6 +23,15 @@ class RateTimer {
       next_ = static_cast<std::uint64_t>(std::floor((time + 1e-6 * dt) * rate_)) + 1;
     }
   }
+  /// Number of the next tick, for snapshots; and back.
+  std::uint64_t next() const { return next_; }
+  void set_next(std::uint64_t next) { next_ = next; }
+  /// As if all ticks before `time` were over; one that is due at `time` still is.
+  void skip_to(double time, double dt) {
+    if (rate_ > 0.0) {
+      next_ = static_cast<std::uint64_t>(std::fmax(0.0, std::ceil((time - 1e-6 * dt) * rate_)));
+    }
+  }
   /// Nominal time between two ticks [s].
   double period(double dt) const { return rate_ > 0.0 ? std::fmax(1.0 / rate_, dt) : dt; }
 

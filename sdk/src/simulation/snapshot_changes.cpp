@@ -1,0 +1,337 @@
+// What had come, gone and been changed when a snapshot was taken, put into a scene again.
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include "cogrsim/model/joint_kinematics.h"
+#include "recording/model_json.h"
+#include "simulation/snapshot_data.h"
+
+namespace cogrsim::snapshots {
+namespace {
+
+constexpr int kMissing = -2;
+
+/// Index then to index now, for one kind of element: by name for those of the scene, those that came
+/// later behind what is there.
+class Renumbering {
+ public:
+  template <class Element>
+  Renumbering(const std::vector<Element>& then, std::size_t of_scene,
+              const std::vector<Element>& now) {
+    std::map<std::string, int> by_name;
+    for (std::size_t i = 0; i < now.size(); ++i) by_name.emplace(now[i].name, static_cast<int>(i));
+    for (std::size_t i = 0; i < then.size(); ++i) {
+      if (i >= of_scene) {
+        to_.push_back(static_cast<int>(now.size() + i - of_scene));
+        continue;
+      }
+      // The same place first: materials and meshes may share names.
+      const bool same = i < now.size() && now[i].name == then[i].name;
+      const auto found = by_name.find(then[i].name);
+      to_.push_back(same ? static_cast<int>(i) : found == by_name.end() ? kMissing : found->second);
+    }
+  }
+  int operator()(int then) const {
+    return then < 0 ? then : to_.at(static_cast<std::size_t>(then));
+  }
+
+ private:
+  std::vector<int> to_;
+};
+
+class Rebuilder {
+ public:
+  Rebuilder(const SceneModel& scene, const SceneModel& original, const SceneModel& then,
+            const Json& content, std::vector<std::string>& notes)
+      : original_(original),
+        then_(then),
+        content_(content),
+        notes_(notes),
+        out_(std::make_shared<SceneModel>(scene)),
+        materials_(then.materials, original.materials.size(), scene.materials),
+        meshes_(then.meshes, original.meshes.size(), scene.meshes),
+        heightmaps_(then.heightmaps, original.heightmaps.size(), scene.heightmaps),
+        assemblies_(then.assemblies, original.assemblies.size(), scene.assemblies),
+        bodies_(then.bodies, original.bodies.size(), scene.bodies),
+        joints_(then.joints, original.joints.size(), scene.joints),
+        motors_(then.motors, original.motors.size(), scene.motors) {}
+
+  SceneModelPtr run() {
+    append_matter();
+    append_bodies();
+    append_joints();
+    append_devices();
+    take_over_flags();
+    place();
+    finish_model(*out_);
+    mark_loops(*out_);
+    if (!lost_.empty()) {
+      notes_.push_back("not carried over, because what they belong to is not in this scene: " +
+                       listed("", "", lost_).substr(1));
+    }
+    return out_;
+  }
+
+ private:
+  /// The elements of one kind that came during the run.
+  template <class Element, class Adapt>
+  void append(std::vector<Element> SceneModel::*list, Adapt&& adapt) {
+    const std::vector<Element>& from = then_.*list;
+    for (std::size_t i = (original_.*list).size(); i < from.size(); ++i) {
+      Element element = from[i];
+      if (!adapt(element)) {
+        lost_.push_back(element.name);
+        // Its place is kept, so that numbers of those behind it stay right.
+        mark_removed(element);
+      }
+      (out_.get()->*list).push_back(std::move(element));
+    }
+  }
+  template <class Element>
+  static void mark_removed(Element& element) {
+    element.removed = true;
+  }
+  static bool to(const Renumbering& renumbering, int& index) {
+    index = renumbering(index);
+    return index != kMissing || (index = -1, false);
+  }
+
+  void append_matter() {
+    for (std::size_t i = original_.materials.size(); i < then_.materials.size(); ++i) {
+      Material material = then_.materials[i];
+      to(materials_, material.base);
+      out_->materials.push_back(std::move(material));
+    }
+    for (std::size_t i = original_.material_pairs.size(); i < then_.material_pairs.size(); ++i) {
+      MaterialPair pair = then_.material_pairs[i];
+      if (to(materials_, pair.a) && to(materials_, pair.b)) out_->material_pairs.push_back(pair);
+    }
+    for (std::size_t i = original_.meshes.size(); i < then_.meshes.size(); ++i) {
+      out_->meshes.push_back(then_.meshes[i]);
+    }
+    for (std::size_t i = original_.heightmaps.size(); i < then_.heightmaps.size(); ++i) {
+      out_->heightmaps.push_back(then_.heightmaps[i]);
+    }
+  }
+
+  void append_bodies() {
+    append(&SceneModel::assemblies, [&](AssemblyInfo& a) { return to(assemblies_, a.parent); });
+    append(&SceneModel::bodies, [&](Body& body) {
+      bool good = to(assemblies_, body.assembly);
+      for (Shape& shape : body.shapes) {
+        good = to(meshes_, shape.mesh) && to(heightmaps_, shape.heightmap) && good;
+        if (!to(materials_, shape.material)) shape.material = 0;
+      }
+      return good;
+    });
+    append(&SceneModel::frames, [&](NamedFrame& f) {
+      const bool body = to(bodies_, f.body);
+      return to(assemblies_, f.assembly) && body;
+    });
+    for (const BodyPair& pair : then_.no_collide) {
+      int a = pair.first, b = pair.second;
+      if (static_cast<std::size_t>(std::max(a, b)) < original_.bodies.size()) continue;
+      if (to(bodies_, a) && to(bodies_, b)) {
+        out_->no_collide.emplace_back(std::min(a, b), std::max(a, b));
+      }
+    }
+  }
+
+  void append_joints() {
+    append(&SceneModel::joints, [&](Joint& joint) {
+      const bool parent = to(bodies_, joint.parent), child = to(bodies_, joint.child);
+      return to(assemblies_, joint.assembly) && parent && child;
+    });
+    append(&SceneModel::motors, [&](Motor& motor) {
+      const bool joint = to(joints_, motor.joint);
+      return to(assemblies_, motor.assembly) && joint;
+    });
+  }
+
+  void append_devices() {
+    append(&SceneModel::sensors, [&](SensorModel& sensor) {
+      const bool body = to(bodies_, sensor.body), joint = to(joints_, sensor.joint);
+      return to(assemblies_, sensor.assembly) && body && joint;
+    });
+    append(&SceneModel::controllers,
+           [&](ControllerModel& c) { return to(assemblies_, c.assembly); });
+    append(&SceneModel::regions, [&](RegionModel& region) {
+      const bool body = to(bodies_, region.body);
+      return to(assemblies_, region.assembly) && body;
+    });
+    append(&SceneModel::doors, [&](DoorModel& door) {
+      const bool motor = to(motors_, door.motor);
+      return to(assemblies_, door.assembly) && motor;
+    });
+  }
+
+  /// Elements of the scene that were removed, made static or given other limits.
+  template <class Element, class Take>
+  void each(std::vector<Element> SceneModel::*list, Take&& take) {
+    std::map<std::string, Element*> now;
+    const std::size_t of_scene =
+        (out_.get()->*list).size() - ((then_.*list).size() - (original_.*list).size());
+    for (std::size_t i = 0; i < of_scene; ++i) {
+      Element& element = (out_.get()->*list)[i];
+      now.emplace(element.name, &element);
+    }
+    for (std::size_t i = 0; i < (original_.*list).size(); ++i) {
+      const auto found = now.find((then_.*list)[i].name);
+      if (found != now.end()) take((original_.*list)[i], (then_.*list)[i], *found->second);
+    }
+  }
+
+  void take_over_flags() {
+    const auto removed = [](const auto& before, const auto& after, auto& now) {
+      if (after.removed && !before.removed) now.removed = true;
+    };
+    each(&SceneModel::assemblies, removed);
+    each(&SceneModel::frames, removed);
+    each(&SceneModel::motors, removed);
+    each(&SceneModel::sensors, removed);
+    each(&SceneModel::controllers, removed);
+    each(&SceneModel::regions, removed);
+    each(&SceneModel::doors, removed);
+    each(&SceneModel::bodies, [&](const Body& before, const Body& after, Body& now) {
+      removed(before, after, now);
+      if (after.kind != before.kind) now.kind = after.kind;
+    });
+    each(&SceneModel::joints, [&](const Joint& before, const Joint& after, Joint& now) {
+      removed(before, after, now);
+      for (std::size_t i = 0;
+           i < std::min({before.axes.size(), after.axes.size(), now.axes.size()}); ++i) {
+        if (after.axes[i].lower != before.axes[i].lower) now.axes[i].lower = after.axes[i].lower;
+        if (after.axes[i].upper != before.axes[i].upper) now.axes[i].upper = after.axes[i].upper;
+      }
+    });
+  }
+
+  /// Bodies and joints as they were then: what was attached there fits there.
+  void place() {
+    const Json& bodies = content_.at("bodies");
+    for (Body& body : out_->bodies) {
+      if (body.removed || !bodies.contains(body.name)) continue;
+      const Json& state = bodies.at(body.name);
+      body.X_WB = pose_from(state.at("pose"));
+      body.V_WB = body.kind == BodyKind::fixed ? Twist() : twist_from(state.at("twist"));
+    }
+    const Json& joints = content_.at("joints");
+    for (Joint& joint : out_->joints) {
+      if (joint.removed || !joints.contains(joint.name)) continue;
+      const Json& state = joints.at(joint.name);
+      if (state.at("type") != to_string(joint.type)) continue;
+      joint.position = numbers_from(state.at("position"));
+      joint.velocity = numbers_from(state.at("velocity"));
+    }
+  }
+
+  const SceneModel& original_;
+  const SceneModel& then_;
+  const Json& content_;
+  std::vector<std::string>& notes_;
+  std::shared_ptr<SceneModel> out_;
+  Renumbering materials_, meshes_, heightmaps_, assemblies_, bodies_, joints_, motors_;
+  std::vector<std::string> lost_;
+};
+
+Json mesh_json(const TriangleMesh& mesh) {
+  Json vertices = Json::array(), triangles = Json::array(), uv = Json::array();
+  for (const Vec3& v : mesh.vertices) vertices.push_back(vector(v));
+  for (const auto& t : mesh.triangles) triangles.push_back({t[0], t[1], t[2]});
+  for (const auto& c : mesh.uv) uv.push_back(numbers(c.data(), 2));
+  return {{"name", mesh.name}, {"vertices", vertices}, {"triangles", triangles}, {"uv", uv}};
+}
+
+TriangleMesh mesh_from(const Json& json) {
+  TriangleMesh mesh;
+  mesh.name = json.at("name").get<std::string>();
+  for (const Json& v : json.at("vertices")) mesh.vertices.push_back(vector_from(v));
+  for (const Json& t : json.at("triangles")) {
+    mesh.triangles.emplace_back(t.at(0).get<int>(), t.at(1).get<int>(), t.at(2).get<int>());
+  }
+  for (const Json& c : json.at("uv")) {
+    mesh.uv.emplace_back(number_from(c.at(0)), number_from(c.at(1)));
+  }
+  return mesh;
+}
+
+}  // namespace
+
+namespace {
+
+template <class Element>
+Json names_of(const std::vector<Element>& elements) {
+  Json out = Json::array();
+  for (const Element& element : elements) out.push_back(element.name);
+  return out;
+}
+
+/// The scene's own by name only, as many as there were: their contents are in the scene.
+template <class Element>
+void put_names(const Json& names, std::size_t own, std::vector<Element>& original,
+               std::vector<Element>& then) {
+  for (const Json& name : names) then.emplace_back().name = name.get<std::string>();
+  original.assign(then.begin(), then.begin() + static_cast<std::ptrdiff_t>(own));
+}
+
+Json grid_json(const HeightGrid& grid) {
+  return {{"name", grid.name},
+          {"columns", grid.columns},
+          {"rows", grid.rows},
+          {"size_x", number(grid.size_x)},
+          {"size_y", number(grid.size_y)},
+          {"heights", numbers(grid.heights)}};
+}
+
+HeightGrid grid_from(const Json& json) {
+  HeightGrid grid;
+  grid.name = json.at("name").get<std::string>();
+  grid.columns = json.at("columns").get<int>();
+  grid.rows = json.at("rows").get<int>();
+  grid.size_x = number_from(json.at("size_x"));
+  grid.size_y = number_from(json.at("size_y"));
+  grid.heights = numbers_from(json.at("heights"));
+  return grid;
+}
+
+}  // namespace
+
+Json changes_of(const SceneModel& original, const SceneModel& now) {
+  Json meshes = Json::array(), heightmaps = Json::array();
+  for (std::size_t i = original.meshes.size(); i < now.meshes.size(); ++i) {
+    meshes.push_back(mesh_json(now.meshes[i]));
+  }
+  for (std::size_t i = original.heightmaps.size(); i < now.heightmaps.size(); ++i) {
+    heightmaps.push_back(grid_json(now.heightmaps[i]));
+  }
+  return {{"original", Json::parse(model_to_json(original))},
+          {"now", Json::parse(model_to_json(now))},
+          {"mesh_names", names_of(now.meshes)},
+          {"meshes", meshes},
+          {"heightmap_names", names_of(now.heightmaps)},
+          {"heightmaps", heightmaps}};
+}
+
+Result<SceneModelPtr> with_changes(const SceneModel& scene, const Json& content,
+                                   std::vector<std::string>& notes) {
+  const Json& changes = content.at("changes");
+  auto original = model_from_json(changes.at("original").dump());
+  auto then = model_from_json(changes.at("now").dump());
+  if (!original || !then) return fail("the snapshot is damaged: its scene cannot be read");
+  // The models' text is without meshes and heightmaps: what came during the run is beside it.
+  const Json &meshes = changes.at("meshes"), &grids = changes.at("heightmaps");
+  const std::size_t own_meshes = changes.at("mesh_names").size() - meshes.size();
+  const std::size_t own_grids = changes.at("heightmap_names").size() - grids.size();
+  put_names(changes.at("mesh_names"), own_meshes, original->meshes, then->meshes);
+  put_names(changes.at("heightmap_names"), own_grids, original->heightmaps, then->heightmaps);
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    then->meshes[own_meshes + i] = mesh_from(meshes.at(i));
+  }
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    then->heightmaps[own_grids + i] = grid_from(grids.at(i));
+  }
+  return Rebuilder(scene, *original, *then, content, notes).run();
+}
+
+}  // namespace cogrsim::snapshots
