@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "cogrsim/algorithms/steering.h"
@@ -70,15 +71,15 @@ class Progress {
     }
     const double last = known ? done_ + window : along_.back();
     double nearest = std::numeric_limits<double>::infinity(), found = done_;
-    for (std::size_t i = 1; i < path_.size(); ++i) {
-      if (along_[i] < done_ || along_[i - 1] > last) continue;
+    for (std::size_t i = piece_at(done_); i < path_.size() && along_[i - 1] <= last; ++i) {
       const double length = along_[i] - along_[i - 1];
       if (!(length > 0.0)) continue;
       const cogrsim::PlanarPoint &a = path_[i - 1], &b = path_[i];
       double at = ((here.x - a.x) * (b.x - a.x) + (here.y - a.y) * (b.y - a.y)) / length;
       at = std::clamp(at, std::max(0.0, done_ - along_[i - 1]),
                       std::min(length, last - along_[i - 1]));
-      const double off = distance(here, point_at(along_[i - 1] + at));
+      const double share = at / length;
+      const double off = distance(here, {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)});
       if (off < nearest) {
         nearest = off;
         found = along_[i - 1] + at;
@@ -92,14 +93,12 @@ class Progress {
 
   /// Point of the path that far along it [m], no further than its end.
   cogrsim::PlanarPoint point_at(double along) const {
-    for (std::size_t i = 1; i < path_.size(); ++i) {
-      if (along > along_[i]) continue;
-      const double length = along_[i] - along_[i - 1];
-      const double share = length > 0.0 ? std::max(0.0, along - along_[i - 1]) / length : 0.0;
-      return {path_[i - 1].x + share * (path_[i].x - path_[i - 1].x),
-              path_[i - 1].y + share * (path_[i].y - path_[i - 1].y)};
-    }
-    return path_.back();
+    const std::size_t i = piece_at(along);
+    if (i >= path_.size()) return path_.back();
+    const double length = along_[i] - along_[i - 1];
+    const double share = length > 0.0 ? std::max(0.0, along - along_[i - 1]) / length : 0.0;
+    return {path_[i - 1].x + share * (path_[i].x - path_[i - 1].x),
+            path_[i - 1].y + share * (path_[i].y - path_[i - 1].y)};
   }
 
   /// The first point of the path, from the progress on, that is `radius` away from `here`; the end
@@ -107,7 +106,7 @@ class Progress {
   cogrsim::PlanarPoint ahead(const cogrsim::PlanarPoint& here, double radius) const {
     cogrsim::PlanarPoint from = point_at(done_);
     if (distance(from, here) >= radius) return from;
-    for (std::size_t i = 1; i < path_.size(); ++i) {
+    for (std::size_t i = piece_at(done_); i < path_.size(); ++i) {
       if (along_[i] <= done_) continue;
       const cogrsim::PlanarPoint to = path_[i];
       if (distance(to, here) >= radius) {
@@ -125,6 +124,12 @@ class Progress {
   }
 
  private:
+  /// The first piece, from point i - 1 to i, that does not end before `along`.
+  std::size_t piece_at(double along) const {
+    const auto end = std::lower_bound(along_.begin(), along_.end(), along);
+    return std::max<std::size_t>(1, static_cast<std::size_t>(end - along_.begin()));
+  }
+
   std::vector<cogrsim::PlanarPoint> path_;
   std::vector<double> along_;  // of each point, from the first [m]
   double done_ = 0.0;          // [m]
