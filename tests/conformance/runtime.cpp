@@ -1,17 +1,11 @@
 // Changing a running world: adding, removing, setting its state.
+#include "runtime_rig.h"
 #include "scenes.h"
 
 namespace conformance {
 namespace {
 
 constexpr double kGravity = 9.81;
-
-// A copy of the world's scene to add to or to mark as removed.
-ModelBuilder next_of(Sim& sim) {
-  ModelBuilder builder;
-  builder.model = *sim.world().model();
-  return builder;
-}
 
 struct Ongoing {
   ModelBuilder builder;

@@ -116,6 +116,7 @@ Result<> BulletWorld::build(const SceneModelPtr& model, const std::vector<Pose>*
   collision_ = std::move(collision);
   bodies_ = std::move(bodies);
   q_.clear();
+  last_u_.clear();
   contacts_kept_ = true;
   kept_contacts_.clear();
   report_ = {};

@@ -87,6 +87,7 @@ class BulletWorld final : public World, public JointReactions, public KinematicD
   std::vector<int> moving_bodies_;
   std::vector<PrincipalState> before_;  ///< of moving_, in case the step fails
   std::vector<double> q_, q_next_;
+  std::vector<double> last_u_;  ///< speeds of removed joints stay; the others' mean nothing here
   std::vector<char> counted_by_group_;                  ///< joints, see JointGroup::moves_bodies
   std::vector<char> moved_by_group_;                    ///< bodies
   std::vector<std::pair<btVector3, btVector3>> extra_;  ///< by body, see JointGroup::move

@@ -120,6 +120,9 @@ Result<> BulletWorld::remove(const SceneModelPtr& next) {
   auto plans = plan_groups(*next);
   if (!plans) return tl::unexpected(plans.error());
   keep_reports();
+  WorldState now;
+  get_state(now);
+  last_u_ = std::move(now.joint_velocities);
   const auto gone = [&](int body) { return next->bodies[static_cast<std::size_t>(body)].removed; };
   kept_contacts_.erase(
       std::remove_if(kept_contacts_.begin(), kept_contacts_.end(),
@@ -152,7 +155,8 @@ Result<> BulletWorld::change(const SceneModelPtr& next) {
     RigidBody other = bodies_[i].at_rest(next->bodies[i], next->physics.gravity);
     renewed.push_back({b, other.object().getWorldTransform().inverse() * X_WP});
     bodies_[i] = std::move(other);
-    stopped[i] = 1;
+    // What starts does so at rest, and has nothing to pass on.
+    stopped[i] = bodies_[i].kind() == BodyKind::fixed;
   }
   std::vector<int> sudden;
   for (std::size_t j = 0; j < next->joints.size(); ++j) {

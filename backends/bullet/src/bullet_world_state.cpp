@@ -18,7 +18,7 @@ class Snapshot final : public WorldSnapshot {
   double time = 0.0, last_dt = 0.0;
   std::vector<PrincipalState> bodies;
   std::vector<Pose> anchors;  ///< where static bodies are
-  std::vector<double> q;
+  std::vector<double> q, last_u;
   JointReport report;
   std::vector<Contact> contacts;
   std::vector<SavedManifold> manifolds;
@@ -84,6 +84,7 @@ void BulletWorld::get_state(WorldState& out) const {
     out.twists[b] = bodies_[b].twist();
   }
   out.joint_positions = q_;
+  out.joint_velocities = last_u_;
   out.joint_velocities.resize(static_cast<std::size_t>(model.joint_speeds), 0.0);
   for (const Joint& joint : model.joints) {
     if (joint.removed || joint.type == JointType::fixed) continue;
@@ -230,6 +231,7 @@ SnapshotPtr BulletWorld::save() const {
   for (const RigidBody& body : bodies_) out->bodies.push_back(body.principal());
   out->anchors = anchors();
   out->q = q_;
+  out->last_u = last_u_;
   out->report = report_;
   get_joint_reactions(out->report.reactions);
   for (const auto& group : groups_) out->memories.push_back(group->memory());
@@ -252,6 +254,7 @@ Result<> BulletWorld::restore(const SnapshotPtr& snapshot) {
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) bodies_[b].set_principal(saved->bodies[b]);
   q_ = saved->q;
+  last_u_ = saved->last_u;
   report_ = saved->report;
   reactions_kept_ = true;
   for (std::size_t g = 0; g < groups_.size(); ++g) groups_[g]->set_memory(saved->memories[g]);

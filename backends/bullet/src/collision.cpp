@@ -456,8 +456,16 @@ std::vector<SavedManifold> Collision::save() const {
 void Collision::restore(const std::vector<SavedManifold>& saved, std::vector<RigidBody>& bodies) {
   clear();
   propose(bodies, 0.0);
+  // Some are near each other only as far as the next step will look ahead: it may drop them, but
+  // that is for it to decide.
   for (const SavedManifold& entry : saved) {
-    // A pair that is not proposed here has parted; the next detect() would drop it as well.
+    if (find(entry.key) != nullptr) continue;
+    const auto& a = proxies_[static_cast<std::size_t>(entry.key >> 32)];
+    const auto& b = proxies_[static_cast<std::size_t>(entry.key & 0xffffffffu)];
+    broadphase_->getOverlappingPairCache()->addOverlappingPair(a->broad, b->broad);
+  }
+  merge_new_pairs();
+  for (const SavedManifold& entry : saved) {
     Pair* pair = find(entry.key);
     if (pair == nullptr) continue;
     open(*pair, bodies);

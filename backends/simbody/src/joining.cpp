@@ -82,7 +82,10 @@ void join_suddenly(Mechanism& mechanism, const SceneModel& model, const std::vec
   // The components concerned, and where their speeds begin in the rows.
   std::map<int, int> first;
   const auto component_of = [&](int link) {
-    return link < 0 ? -1 : mechanism.links()[std::size_t(link)].component;
+    if (link < 0) return -1;
+    const int number = mechanism.links()[std::size_t(link)].component;
+    // What is welded to the ground has no speeds.
+    return number < 0 || mechanism.components()[std::size_t(number)].size() == 0 ? -1 : number;
   };
   for (const Condition& c : conditions) {
     for (const int link : {c.on, c.from})

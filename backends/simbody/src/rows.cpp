@@ -10,6 +10,8 @@ namespace {
 constexpr double kTouching = 1e-5;
 // Speed at which bodies that overlap at the start of a run are pushed apart [m/s].
 constexpr double kRecoverySpeed = 1.0;
+// A contact point with less than this part of its bodies' own inverse mass is held by joints.
+constexpr double kHeld = 1e-10;
 // Slower than this, what lands needs no pull onto the surface [m/s].
 constexpr double kLandingSpeed = 1e-3;
 
@@ -356,7 +358,13 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   contact.tangent2 = n.cross(contact.tangent1);
 
   Row& row = add_point_row(link_a, link_b, point.point, n);
-  if (row.sides == 0 || row.diagonal <= 0.0) {
+  // Joints may hold a body such that it cannot yield: what is left is rounding, not a mass.
+  double free = 0.0;
+  for (const int link : {link_a, link_b}) {
+    if (link < 0 || mechanism_.links()[std::size_t(link)].component < 0) continue;
+    free += 1.0 / mechanism_.links()[std::size_t(link)].mass;
+  }
+  if (row.sides == 0 || row.diagonal <= kHeld * free) {
     set_.rows.pop_back();
     return;
   }
