@@ -14,6 +14,7 @@
 #include "quantities.h"
 #include "recording_words.h"
 #include "terminal.h"
+#include "test_command.h"
 #include "words.h"
 
 namespace cogrsim::cli {
@@ -399,6 +400,7 @@ std::string unknown_subcommand(const CLI::App& app, const std::string& word) {
   std::vector<std::string> names;
   std::string list;
   for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_group().empty()) continue;  // not for people
     names.push_back(command->get_name());
     list += (list.empty() ? "" : ", ") + command->get_name();
   }
@@ -421,6 +423,7 @@ int run_command_line(int argc, char** argv) {
   add_plot(app, words, status);
   add_info(app, status);
   add_replay(app, status);
+  add_test(app, status);
   add_check(app, words, status);
   add_map(app, status);
   add_render(app, status);

@@ -28,7 +28,9 @@ bool in_model(const SceneModel& model, const std::string& name) {
     return false;
   };
   return among(model.assemblies) || among(model.bodies) || among(model.joints) ||
-         among(model.motors) || among(model.sensors) || among(model.frames);
+         among(model.motors) || among(model.sensors) || among(model.frames) ||
+         among(model.controllers) || among(model.supervisors) || among(model.regions) ||
+         among(model.doors);
 }
 
 /// Whether elements of this kind have signals once they are in the model.
@@ -36,7 +38,8 @@ bool has_signals(const Element& element) {
   const std::string_view tag = element.tag();
   return is_shape(tag) || is_joint(tag) || is_sensor(element.node->spec) || tag == "body" ||
          tag == "assembly" || tag == "instance" || tag == "frame" || tag == "motor" ||
-         tag == "servo";
+         tag == "servo" || tag == "controller" || tag == "supervisor" || tag == "region" ||
+         tag == "door";
 }
 
 }  // namespace
@@ -44,28 +47,54 @@ bool has_signals(const Element& element) {
 /// The signal with names in full; nullopt: reported, or the fault of something that failed.
 std::optional<std::string> Builder::signal(const Element& element, std::string_view attribute,
                                            const std::string& text) {
+  return with_signals("CG1201", element, attribute, {}, [&](const SignalScope& scope) {
+    return Signal::parse(scope, text).map([](const Signal& signal) { return signal.text(); });
+  });
+}
+
+/// What `parse` makes of names as they are written in `element`; what goes by one of the names in
+/// `added`, or the name of something that is spawned, may come during the run.
+std::optional<std::string> Builder::with_signals(
+    std::string_view code, const Element& element, std::string_view attribute,
+    const std::vector<std::string>& added,
+    const std::function<Result<std::string>(const SignalScope&)>& parse) {
   bool lost = false;
   const Element* without = nullptr;  // found, but there are no signals of it
   SignalScope scope{model_, built_in_channels(model_), {}};
   scope.resolve = [&](const std::string& name) -> std::string {
     const Names::Found found = names_.peek(element, name);
     lost = lost || found.lost;
-    if (found.element == nullptr) return {};
+    if (found.element == nullptr) return in_model(model_, name) ? name : std::string();
     if (!in_model(model_, found.element->path)) without = found.element;
     return found.element->path;
   };
-  const auto parsed = Signal::parse(scope, text);
-  if (parsed) return parsed->text();
+  std::vector<std::string> coming = added;
+  for_each(scene_, [&](const Element& spawn) {
+    if (spawn.tag() != "spawn" || spawn.find("name") == nullptr) return;
+    coming.push_back(spawn.path);
+    coming.push_back(spawn.path.substr(spawn.path.rfind('.') + 1));
+  });
+  scope.may_come = [coming](const std::string& name) {
+    return std::any_of(coming.begin(), coming.end(), [&](const std::string& one) {
+      if (one.empty() || name.compare(0, one.size(), one) != 0) return false;
+      // The second of a name gets a number behind it.
+      std::size_t end = one.size();
+      while (end < name.size() && name[end] >= '0' && name[end] <= '9') ++end;
+      return end == name.size() || name[end] == '.';
+    });
+  };
+  const auto parsed = parse(scope);
+  if (parsed) return *parsed;
   if (lost) return std::nullopt;
   if (without == nullptr) {
-    fault("CG1201", element, attribute, parsed.error().message).help(parsed.error().hint);
+    fault(code, element, attribute, parsed.error().message).help(parsed.error().hint);
     return std::nullopt;
   }
   const int body = note(*without).body;
   const bool part = is_shape(without->tag()) && body != kWorld;
   if (!part && has_signals(*without) && sink().has_errors()) return std::nullopt;  // it was refused
   const std::string whole = part ? model_.bodies[static_cast<std::size_t>(body)].name : "";
-  fault("CG1201", element, attribute,
+  fault(code, element, attribute,
         part ? "'" + without->path + "' is a part of '" + whole + "' and has no signals of its own"
              : "'" + without->path + "' is " + kind_of(*without) + ", which has no signals")
       .help(part ? "name the whole: '" + whole + "'"

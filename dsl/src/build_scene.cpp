@@ -62,6 +62,7 @@ SceneModelPtr Builder::build() {
     if (element.tag() == "record") record(element);
     if (element.tag() == "plot") plot(element);
   });
+  tests();
   doors();
   mazes();
   material_pairs();

@@ -5,6 +5,7 @@
 // build_minds (controllers, engine blocks), build_results (plots), check_scene (starts, advice).
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -17,6 +18,7 @@
 #include "build_start.h"
 #include "cogrsim/model/mass_properties.h"
 #include "cogrsim/model/scene_model.h"
+#include "cogrsim/signals/signal.h"
 #include "diagnostics.h"
 #include "element.h"
 #include "place_scatter.h"
@@ -181,6 +183,17 @@ class Builder {
   void plot(const Element& element);
   std::optional<std::string> signal(const Element& element, std::string_view attribute,
                                     const std::string& text);
+  std::optional<std::string> with_signals(
+      std::string_view code, const Element& element, std::string_view attribute,
+      const std::vector<std::string>& added,
+      const std::function<Result<std::string>(const SignalScope&)>& parse);
+
+  // build_tests.cpp
+  void tests();
+  void test(const Element& element);
+  void expectation(const Element& element, TestModel& test, double length,
+                   const std::vector<std::string>& added);
+  void measure(const Element& element);
 
   // check_scene.cpp
   void start();

@@ -12,6 +12,8 @@ const std::vector<CodeInfo>& code_catalog() {
     std::vector<CodeInfo> all = language_codes();
     const std::vector<CodeInfo> scene = scene_codes();
     all.insert(all.end(), scene.begin(), scene.end());
+    const std::vector<CodeInfo> tests = test_codes();
+    all.insert(all.end(), tests.begin(), tests.end());
     const std::vector<CodeInfo> mazes = maze_codes();
     all.insert(all.end(), mazes.begin(), mazes.end());
     std::sort(all.begin(), all.end(),

@@ -12,6 +12,8 @@ std::vector<CodeInfo> language_codes();
 /// CG06 frames and topology, CG07 physics, CG08 backends, CG09 plugins, CG10 placement, CG12
 /// results, CG20 advice.
 std::vector<CodeInfo> scene_codes();
+/// CG11 tests and measures.
+std::vector<CodeInfo> test_codes();
 /// Of these: mazes, doors and scattered things.
 std::vector<CodeInfo> maze_codes();
 

@@ -170,6 +170,8 @@ inline ElementSpec element(std::string_view group, std::string_view name, std::s
 
 /// The rows of the sensors.
 void add_sensors(std::vector<ElementSpec>& out);
+/// Tests and measures.
+void add_tests(std::vector<ElementSpec>& out);
 /// Mazes, doors, and what is strewn into them.
 void add_mazes(std::vector<ElementSpec>& out);
 

@@ -104,7 +104,8 @@ Words assembly_content() {
 }
 Words scene_content() {
   return Words{"physics", "param", "import", "prototype"} + assembly_content() +
-         Words{"supervisor", "light", "view", "maze", "scatter", "region", "record", "test"};
+         Words{"supervisor", "light",  "view", "maze",   "scatter",
+               "region",     "record", "test", "measure"};
 }
 Words prototype_content() {
   return Words{"param", "export"} + assembly_content() +
@@ -481,8 +482,7 @@ void add_later(std::vector<ElementSpec>& out) {
     std::string_view group, name, doc;
   };
   static constexpr Later kLater[] = {
-      {"Regions", "region", "A zone with enter and leave events; comes with a later version."},
-      {"Results", "test", "A test of the scene; comes with a later version."}};
+      {"Regions", "region", "A zone with enter and leave events; comes with a later version."}};
   for (const Later& later : kLater) {
     ElementSpec e = element(later.group, later.name, later.doc, {});
     e.reserved = e.open_attributes = e.text = true;
@@ -507,6 +507,7 @@ const std::vector<ElementSpec>& vocabulary() {
     add_mazes(out);
     add_later(out);
     add_results(out);
+    add_tests(out);
     return out;
   }();
   return table;

@@ -1,0 +1,351 @@
+#include "test_command.h"
+
+#include <unistd.h>
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "options.h"
+#include "output_file.h"
+#include "quantities.h"
+#include "scene_loading.h"
+#include "terminal.h"
+#include "test_case.h"
+#include "words.h"
+
+namespace cogrsim::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Problem = cogrsim::Error;
+
+constexpr std::uint64_t kMostSeeds = 100000;
+
+// Every scene below the folders, sorted; a file stands for itself.
+Result<std::vector<std::string>> scene_files(const std::vector<std::string>& words) {
+  const std::string ending = ".scene.xml";
+  std::vector<std::string> files;
+  for (const std::string& word : words) {
+    std::error_code error;
+    if (!fs::is_directory(word, error)) {
+      files.push_back(word);
+      continue;
+    }
+    std::vector<std::string> found;
+    for (fs::recursive_directory_iterator it(word, error), end; !error && it != end;
+         it.increment(error)) {
+      const std::string path = it->path().string();
+      if (path.size() > ending.size() &&
+          path.compare(path.size() - ending.size(), ending.size(), ending) == 0)
+        found.push_back(path);
+    }
+    if (error) return fail(error.message(), word);
+    if (found.empty()) return fail("there is no *.scene.xml below this folder", word);
+    std::sort(found.begin(), found.end());
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
+std::vector<std::string> all_backends(const LoadedScene& scene) {
+  std::vector<std::string> names;
+  for (const PluginPtr& plugin : scene.loader->all())
+    if (plugin->descriptor().kind == PluginKind::backend)
+      names.push_back(plugin->descriptor().name);
+  return names;
+}
+
+// Those of the test that the user lets; either may leave it open.
+std::vector<std::string> backends_of(const TestModel& test, const TestCommandOptions& options,
+                                     const LoadedScene& scene) {
+  if (test.backends.empty())
+    return options.backends.empty() ? all_backends(scene) : options.backends;
+  std::vector<std::string> both;
+  for (const std::string& name : test.backends)
+    if (options.backends.empty() ||
+        std::find(options.backends.begin(), options.backends.end(), name) != options.backends.end())
+      both.push_back(name);
+  return both;
+}
+
+// Adds the cases of a scene; false: it does not compile, which is a case that failed.
+void plan(const std::string& file, const TestCommandOptions& options,
+          std::vector<TestCase>& cases) {
+  SceneOptions asked;
+  asked.scene = file;
+  asked.set = options.set;
+  asked.plugin_paths = options.plugin_paths;
+  const LoadedScene scene = load_scene(asked);
+  if (!scene.model) {
+    // A scene whose plugins are not here yet, and which asks for no test, is no failure.
+    dsl::CompileOptions alone;
+    alone.set_parameters = options.set;
+    const dsl::CompileResult without = dsl::compile_file(file, alone);
+    if (without.ok() && without.model->tests.empty()) {
+      print_warning(fmt::format("{}: the scene has no tests, and its plugins are not here", file));
+      return;
+    }
+    TestCase broken;
+    broken.scene = file;
+    broken.test = "compiles";
+    broken.result = {{"status", "error"},
+                     {"message", diagnostics_text(scene.diagnostics, false)},
+                     {"verdicts", Json::array()},
+                     {"recordings", Json::array()},
+                     {"simulated", 0.0}};
+    cases.push_back(std::move(broken));
+    return;
+  }
+  if (scene.model->tests.empty()) print_warning(fmt::format("{}: the scene has no tests", file));
+  for (std::size_t i = 0; i < scene.model->tests.size(); ++i) {
+    const TestModel& test = scene.model->tests[i];
+    if (test.name.find(options.filter) == std::string::npos) continue;
+    const std::vector<std::string> backends = backends_of(test, options, scene);
+    if (backends.empty())
+      print_warning(
+          fmt::format("{}: test '{}' is for other backends than those asked for", file, test.name));
+    const auto is_agree = [](const ExpectationModel& e) {
+      return e.kind == ExpectationModel::Kind::agree;
+    };
+    const auto agrees = std::count_if(test.expectations.begin(), test.expectations.end(), is_agree);
+    const bool others = agrees < static_cast<std::ptrdiff_t>(test.expectations.size());
+    if (agrees > 0 && backends.size() < 2)
+      print_warning(
+          fmt::format("{}: test '{}' compares backends, and there is one", file, test.name));
+    std::vector<std::optional<std::uint64_t>> seeds;
+    for (const std::uint64_t seed : options.seeds.empty() ? test.seeds : options.seeds)
+      seeds.emplace_back(seed);
+    if (seeds.empty()) seeds.emplace_back();
+    const auto add = [&](std::vector<std::string> on) {
+      for (const auto& seed : seeds) {
+        TestCase one;
+        one.scene = file;
+        one.test = test.name;
+        one.index = i;
+        one.backends = on;
+        one.seed = seed;
+        one.seed_used = seed.value_or(scene.model->physics.seed);
+        cases.push_back(std::move(one));
+      }
+    };
+    if (others)
+      for (const std::string& backend : backends) add({backend});
+    if (agrees > 0 && backends.size() > 1) add(backends);
+  }
+}
+
+void show(const TestCase& one, const TestCommandOptions& options, const Style& style) {
+  const bool good = one.passed();
+  std::string text = fmt::format("{}{}{}  {}: {}  {}\n", good ? style.green : style.red,
+                                 good ? "ok  " : "FAIL", style.off, printable(one.scene),
+                                 printable(one.title()), elapsed_text(one.wall_time));
+  text += printable(failure_text(one, options));
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+Result<std::vector<std::uint64_t>> seeds_from(const std::string& text) {
+  const auto number = [](std::string_view word) -> std::optional<std::uint64_t> {
+    std::uint64_t seed = 0;
+    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
+    if (error != std::errc{} || rest != word.data() + word.size()) return std::nullopt;
+    return seed;
+  };
+  const auto wrong = [&] {
+    return fail(fmt::format("'{}' is no list of seeds", text), "",
+                "write 1..5, or 1,3,7 (at most 100000)");
+  };
+  std::string words = text;
+  std::replace(words.begin(), words.end(), ' ', ',');
+  std::vector<std::uint64_t> seeds;
+  if (const auto dots = words.find(".."); dots != std::string::npos) {
+    words.erase(std::remove(words.begin(), words.end(), ','), words.end());
+    const auto at = words.find("..");
+    const auto low = number(std::string_view(words).substr(0, at)),
+               high = number(std::string_view(words).substr(at + 2));
+    if (!low || !high || *high < *low || *high - *low >= kMostSeeds) return wrong();
+    for (std::uint64_t seed = *low; seed - *low <= *high - *low; ++seed) {
+      seeds.push_back(seed);
+      if (seed == *high) break;
+    }
+    return seeds;
+  }
+  for (const std::string& word : split(words, ',')) {
+    if (word.empty()) continue;
+    const auto seed = number(word);
+    if (!seed) return wrong();
+    seeds.push_back(*seed);
+  }
+  if (seeds.empty()) return wrong();
+  return seeds;
+}
+
+int test_command(const TestCommandOptions& options) {
+  if (!options.junit.empty()) {
+    if (const auto writable = check_writable(options.junit); !writable) {
+      print_error(writable.error().text());
+      return kFailed;
+    }
+  }
+  const auto files = scene_files(options.scenes);
+  if (!files) {
+    print_error(files.error().text());
+    return kFailed;
+  }
+  std::vector<TestCase> cases;
+  for (const std::string& file : *files) plan(file, options, cases);
+  if (cases.empty()) {
+    print_error(options.filter.empty()
+                    ? "there are no tests\nhelp: write <test> into a scene, see docs/scene-tests.md"
+                    : fmt::format("no test has '{}' in its name", options.filter));
+    return kFailed;
+  }
+  std::error_code ignored;
+  fs::create_directories(options.out, ignored);
+
+  // Scenes that do not compile need no run.
+  std::vector<TestCase> open;
+  for (const TestCase& one : cases)
+    if (one.result.is_null()) open.push_back(one);
+  const bool text = options.format == "text";
+  const Style style = style_of(STDOUT_FILENO);
+  const bool live = is_live_terminal(STDERR_FILENO);
+  const auto clear = [&] {
+    if (live) std::fputs("\r\033[K", stderr);
+  };
+  std::size_t at = 0;  // in `cases`
+  const auto broken = [&] {
+    for (; at < cases.size() && !cases[at].result.is_null(); ++at)
+      if (text) show(cases[at], options, style);
+  };
+  broken();
+  const auto ran = run_cases(
+      open, options,
+      [&](const TestCase& one) {
+        clear();
+        cases[at++] = one;
+        if (text) show(one, options, style);
+        broken();
+      },
+      [&](std::size_t ended, std::size_t failed) {
+        if (!live) return;
+        constexpr std::size_t kWidth = 30;
+        const std::size_t filled = open.empty() ? kWidth : ended * kWidth / open.size();
+        std::fputs(fmt::format("\r\033[K[{}{}] {} of {} cases{}", std::string(filled, '#'),
+                               std::string(kWidth - filled, '-'), ended, open.size(),
+                               failed > 0 ? fmt::format(", {} failed", failed) : "")
+                       .c_str(),
+                   stderr);
+        std::fflush(stderr);
+      });
+  clear();
+  if (fs::is_empty(options.out, ignored)) fs::remove(options.out, ignored);
+  if (!ran) {
+    print_error(ran.error().text());
+    return kFailed;
+  }
+  const auto failed =
+      std::count_if(cases.begin(), cases.end(), [](const TestCase& one) { return !one.passed(); });
+  if (!options.junit.empty()) {
+    if (const auto written = write_output(options.junit, junit_text(cases)); !written) {
+      print_error(written.error().text());
+      return kFailed;
+    }
+  }
+  const std::string summary =
+      text ? fmt::format("{} cases: {} passed, {} failed\n", cases.size(),
+                         cases.size() - static_cast<std::size_t>(failed), failed)
+           : json_text(report_json(cases, options)) + "\n";
+  if (const auto printed = print_output(summary); !printed) {
+    print_error(printed.error().text());
+    return kFailed;
+  }
+  return failed > 0 ? kFailed : kGood;
+}
+
+void add_test(CLI::App& app, int& status) {
+  struct Words {
+    std::vector<std::string> scenes, backends, set, plugin_paths;
+    std::string seeds, filter, junit, format = "text", out = "cogrsim-tests", timeout, fault;
+    std::string input, result;
+    int jobs = 0;
+  };
+  const auto words = std::make_shared<Words>();
+  CLI::App& command =
+      *app.add_subcommand("test", "Run the tests that stand in scenes, on every backend");
+  const auto several = [&](const char* name, std::vector<std::string>& to, const char* text,
+                           const char* type) {
+    command.add_option(name, to, text)
+        ->type_name(type)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  };
+  command.add_option("scenes", words->scenes, "Scenes, or folders of them")
+      ->required()
+      ->type_name("SCENE|FOLDER...");
+  several("--backends", words->backends, "Physics engines; default: the test's, else all", "A,B");
+  command.add_option("--seeds", words->seeds, "Seeds; default: the test's, else the scene's")
+      ->type_name("1..5|1,3");
+  command.add_option("-j,--jobs", words->jobs, "Cases run at a time; default: one per processor")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  command.add_option("--filter", words->filter, "Only tests with this in their name")
+      ->type_name("NAME");
+  command.add_option("--junit", words->junit, "Write the results as JUnit XML")->type_name("FILE");
+  command.add_option("--format", words->format, "What is printed")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->type_name("text|json");
+  command.add_option("-o,--out", words->out, "Folder for recordings of what failed")
+      ->type_name("DIR");
+  command
+      .add_option("--timeout", words->timeout, "Longest a case may take on the clock on the wall")
+      ->type_name("T");
+  several("--set", words->set, "Value of a <param> of the scenes; may be repeated", "NAME=VALUE");
+  several("--plugin-path", words->plugin_paths,
+          "Folder in which plugins and backends are looked for first; may be repeated", "DIR");
+  command.add_option("--fault", words->fault)->group("");
+  command.footer(
+      "Examples:\n"
+      "  cogrsim test examples\n"
+      "  cogrsim test robot.scene.xml --backends bullet,simbody --seeds 1..5 --junit results.xml\n"
+      "Exit status 0 all passed, 1 something failed, 2 wrong usage.");
+  command.callback([&status, words] {
+    TestCommandOptions options;
+    options.scenes = words->scenes;
+    for (const std::string& list : words->backends)
+      for (const std::string& name : split(list, ','))
+        if (!name.empty()) options.backends.push_back(name);
+    if (!words->seeds.empty()) {
+      const auto seeds = seeds_from(words->seeds);
+      if (!seeds) throw UsageError("--seeds", seeds.error());
+      options.seeds = *seeds;
+    }
+    if (!words->timeout.empty()) {
+      const auto time = parse_time(words->timeout);
+      if (!time || *time <= 0.0)
+        throw UsageError("--timeout", time ? Problem("it must be longer than 0 s") : time.error());
+      options.timeout = *time;
+    }
+    options.set = settings_from(words->set);
+    options.plugin_paths = words->plugin_paths;
+    options.filter = words->filter;
+    options.junit = words->junit;
+    options.format = words->format;
+    options.out = words->out;
+    options.jobs = words->jobs;
+    options.fault = words->fault;
+    status = test_command(options);
+  });
+  CLI::App& one = *app.add_subcommand("test-case", "One case of `cogrsim test`")->group("");
+  one.add_option("input", words->input)->required();
+  one.add_option("result", words->result)->required();
+  one.callback([&status, words] { status = test_case_command(words->input, words->result); });
+}
+
+}  // namespace cogrsim::cli

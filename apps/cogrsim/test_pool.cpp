@@ -1,0 +1,179 @@
+// Cases of `cogrsim test` in processes of their own.
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "test_command.h"
+
+namespace cogrsim::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct Child {
+  std::size_t number = 0;
+  pid_t pid = -1;
+  Clock::time_point start;
+  bool timed_out = false;
+};
+
+/// A folder that goes away with its content.
+class Workplace {
+ public:
+  Workplace() {
+    std::string name = (fs::temp_directory_path() / "cogrsim-test-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ~Workplace() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  Workplace(const Workplace&) = delete;
+  Workplace& operator=(const Workplace&) = delete;
+  bool there() const { return !path_.empty(); }
+  std::string file(std::size_t number, const char* ending) const {
+    return (path_ / fmt::format("{}.{}", number, ending)).string();
+  }
+
+ private:
+  fs::path path_;
+};
+
+// "maze.parks_in_front.bullet.3": what a recording is called.
+std::string file_name(const TestCase& one) {
+  std::string scene = fs::path(one.scene).filename().string();
+  std::string name = scene.substr(0, scene.find('.')) + "." + one.test;
+  for (const std::string& backend : one.backends)
+    if (one.backends.size() == 1) name += "." + backend;
+  name += fmt::format(".seed{}", one.seed_used);
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';
+  return name;
+}
+
+std::string last_lines(const std::string& path) {
+  std::ifstream in(path);
+  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  constexpr std::size_t kMost = 1000;  // [bytes]
+  if (text.size() > kMost) text = "… " + text.substr(text.size() - kMost);
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
+Json broken(const std::string& message) {
+  return {{"status", "error"},
+          {"message", message},
+          {"verdicts", Json::array()},
+          {"recordings", Json::array()},
+          {"simulated", 0.0}};
+}
+
+Json outcome(const Child& child, int status, const Workplace& place, double timeout) {
+  const std::string said = last_lines(place.file(child.number, "err"));
+  const std::string tail = said.empty() ? "" : "\n" + said;
+  if (child.timed_out)
+    return broken(fmt::format("was ended after {:.6g} s, see --timeout{}", timeout, tail));
+  if (WIFSIGNALED(status))
+    return broken(fmt::format("crashed: signal {}, {}{}", WTERMSIG(status),
+                              strsignal(WTERMSIG(status)), tail));
+  std::ifstream in(place.file(child.number, "out"));
+  Json result = Json::parse(in, nullptr, false);
+  if (result.is_object() && result.contains("status")) return result;
+  return broken(fmt::format("ended with exit status {}{}", WEXITSTATUS(status), tail));
+}
+
+}  // namespace
+
+Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& options,
+                   const std::function<void(const TestCase&)>& done,
+                   const std::function<void(std::size_t, std::size_t)>& progress) {
+  const Workplace place;
+  if (!place.there())
+    return fail(fmt::format("cannot make a folder in {}: {}", fs::temp_directory_path().string(),
+                            std::strerror(errno)));
+  const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
+  const std::size_t jobs = options.jobs > 0 ? static_cast<std::size_t>(options.jobs) : processors;
+  std::vector<Child> children;
+  std::size_t next = 0, told = 0, ended = 0, failed = 0;
+  const auto start = [&](std::size_t number) -> Result<> {
+    const TestCase& one = cases[number];
+    Json input = {{"scene", one.scene},
+                  {"set", options.set},
+                  {"plugin_paths", options.plugin_paths},
+                  {"test", one.index},
+                  {"backends", one.backends},
+                  {"seed", one.seed ? Json(*one.seed) : Json(nullptr)},
+                  {"recording", (fs::path(options.out) / file_name(one)).string()},
+                  {"fault", options.fault}};
+    const std::string in = place.file(number, "in"), out = place.file(number, "out"),
+                      errors = place.file(number, "err");
+    std::ofstream(in) << input.dump(-1, ' ', false, Json::error_handler_t::replace);
+    const pid_t parent = getpid();
+    const pid_t pid = fork();
+    if (pid < 0)
+      return fail(fmt::format("cannot start a process: {}", std::strerror(errno)), "",
+                  "try fewer --jobs");
+    if (pid == 0) {  // only what is safe between fork and exec
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      if (getppid() != parent) _exit(126);
+      const int said = open(errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+      const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+      dup2(nothing, STDIN_FILENO);
+      dup2(nothing, STDOUT_FILENO);
+      dup2(said, STDERR_FILENO);
+      execl("/proc/self/exe", "cogrsim", "test-case", in.c_str(), out.c_str(),
+            static_cast<char*>(nullptr));
+      _exit(126);
+    }
+    children.push_back({number, pid, Clock::now(), false});
+    return {};
+  };
+  while (told < cases.size()) {
+    while (next < cases.size() && children.size() < jobs) {
+      if (auto started = start(next); !started) {
+        for (const Child& child : children)
+          kill(child.pid, SIGKILL), waitpid(child.pid, nullptr, 0);
+        return started;
+      }
+      ++next;
+    }
+    bool any = false;
+    for (std::size_t i = 0; i < children.size();) {
+      Child& child = children[i];
+      const double took = std::chrono::duration<double>(Clock::now() - child.start).count();
+      if (options.timeout > 0.0 && took > options.timeout && !child.timed_out) {
+        child.timed_out = true;
+        kill(child.pid, SIGKILL);
+      }
+      int status = 0;
+      if (waitpid(child.pid, &status, WNOHANG) != child.pid) {
+        ++i;
+        continue;
+      }
+      any = true;
+      TestCase& one = cases[child.number];
+      one.result = outcome(child, status, place, options.timeout);
+      one.wall_time = took;
+      ++ended;
+      failed += one.passed() ? 0 : 1;
+      children.erase(children.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    progress(ended, failed);
+    for (; told < cases.size() && !cases[told].result.is_null(); ++told) done(cases[told]);
+    if (!any) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return {};
+}
+
+}  // namespace cogrsim::cli
