@@ -189,7 +189,7 @@ Result<> SimbodyWorld::rebuild(const SceneModelPtr& next, SceneStep step) {
     if (auto r = check_attachment(joint, pose(joint.parent), pose(joint.child)); !r) return r;
   }
   std::vector<Wrench> reactions;
-  get_joint_reactions(reactions);
+  if (!progress_.model->joints.empty()) get_joint_reactions(reactions);
   reactions.resize(next->joints.size());
   for (std::size_t j = 0; j < next->joints.size(); ++j)
     if (next->joints[j].removed) reactions[j] = {};

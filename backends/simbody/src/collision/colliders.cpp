@@ -146,6 +146,9 @@ void cylinder_feature(const Collider& c, const Vec3& d, Feature& out) {
 
 std::vector<Collider> make_colliders(const SceneModel& model) {
   std::vector<Collider> out;
+  std::size_t shapes = 0;
+  for (const Body& body : model.bodies) shapes += body.shapes.size();
+  out.reserve(shapes);
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const Body& body = model.bodies[b];
     for (std::size_t s = 0; s < body.shapes.size(); ++s) {
