@@ -21,6 +21,7 @@ struct Entry {
   PluginDescriptor descriptor;
   std::string path;  ///< empty: built in
   std::shared_ptr<const Backend> backend;
+  std::string family;  ///< of an algorithm: "grid-planner"; read while its library is loaded
 };
 
 struct Inventory {
@@ -34,22 +35,19 @@ Inventory take_inventory(const std::vector<std::string>& plugin_paths) {
   PluginLoader loader(plugin_paths);
   inventory.folders = loader.folders();
   for (const PluginDescriptor& sensor : built_in_sensors()) {
-    inventory.entries.push_back({sensor, "", nullptr});
+    inventory.entries.push_back({sensor, "", nullptr, ""});
   }
   for (const PluginPtr& plugin : loader.all(&inventory.refused)) {
-    Entry entry{plugin->descriptor(), plugin->path(), nullptr};
+    Entry entry{plugin->descriptor(), plugin->path(), nullptr, ""};
+    if (entry.descriptor.kind == PluginKind::algorithm) {
+      entry.family = static_cast<const AlgorithmEntry*>(entry.descriptor.factory)->family;
+    }
     if (entry.descriptor.kind == PluginKind::backend) {
       if (auto backend = loader.backend(entry.descriptor.name)) entry.backend = *backend;
     }
     inventory.entries.push_back(std::move(entry));
   }
   return inventory;
-}
-
-/// What an algorithm is, "grid-planner"; "" for other kinds.
-std::string family_of(const PluginDescriptor& descriptor) {
-  if (descriptor.kind != PluginKind::algorithm) return {};
-  return static_cast<const AlgorithmEntry*>(descriptor.factory)->family;
 }
 
 std::string value_text(const ParameterValue& value) {
@@ -121,9 +119,7 @@ std::string inventory_text(const Inventory& inventory, const Style& style) {
     out += fmt::format("{}{} {}{} {}{}\n", style.bold, to_string(d.kind), d.name, style.off,
                        d.version, d.author.empty() ? "" : ", by " + d.author);
     if (!d.summary.empty()) out += fmt::format("    {}\n", d.summary);
-    if (const std::string family = family_of(d); !family.empty()) {
-      out += fmt::format("    family: {}\n", family);
-    }
+    if (!entry.family.empty()) out += fmt::format("    family: {}\n", entry.family);
     out += fmt::format("    found: {}\n", entry.path.empty() ? "built in" : entry.path);
     if (entry.backend)
       out += fmt::format("    engine version: {}\n", entry.backend->engine_version());
@@ -191,7 +187,7 @@ Json to_json(const Inventory& inventory) {
                  {"built_in", entry.path.empty()},
                  {"parameters", to_json(d.parameters)},
                  {"outputs", to_json(d.outputs)}};
-    if (const std::string family = family_of(d); !family.empty()) item["family"] = family;
+    if (!entry.family.empty()) item["family"] = entry.family;
     if (entry.backend) {
       item["engine_version"] = entry.backend->engine_version();
       item["world_options"] = to_json(entry.backend->world_options());
