@@ -12,6 +12,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnbounded = 1e12;
 // A coordinate found beyond its limit is brought back by this part of the way per step.
 constexpr double kLimitRecovery = 0.2;
+// ... but no faster than this: a limit may be moved to far behind it [rad/s], [m/s].
+constexpr double kRecoverySpeed = 1.0;
 // Up to these products of gain, step and inverse inertia an axis counts as soft. Symplectic Euler
 // is stable up to 4 for the spring; damping at the mean speed never changes sign up to 2.
 constexpr double kSoftSpring = 0.25;
@@ -174,7 +176,8 @@ AxisElement friction_element(double effort, double dt) {
 AxisElement lower_limit_element(double lower, const AxisState& axis) {
   AxisElement e;
   e.slope = kInfinity;
-  e.speed = (lower - axis.q) / axis.dt * (axis.q < lower ? kLimitRecovery : 1.0);
+  e.speed = (lower - axis.q) / axis.dt;
+  if (axis.q < lower) e.speed = std::min(kLimitRecovery * e.speed, kRecoverySpeed);
   e.low = 0.0;
   return e;
 }
@@ -182,7 +185,8 @@ AxisElement lower_limit_element(double lower, const AxisState& axis) {
 AxisElement upper_limit_element(double upper, const AxisState& axis) {
   AxisElement e;
   e.slope = kInfinity;
-  e.speed = (upper - axis.q) / axis.dt * (axis.q > upper ? kLimitRecovery : 1.0);
+  e.speed = (upper - axis.q) / axis.dt;
+  if (axis.q > upper) e.speed = std::max(kLimitRecovery * e.speed, -kRecoverySpeed);
   e.high = 0.0;
   return e;
 }
