@@ -18,6 +18,16 @@ Result<ParameterTable> LoaderCatalog::parameters(PluginKind kind, const std::str
   return (*plugin)->descriptor().parameters;
 }
 
+std::vector<OutputModel> LoaderCatalog::outputs(PluginKind kind, const std::string& name) {
+  std::vector<OutputModel> outputs;
+  if (const auto plugin = loader_->load(kind, name)) {
+    for (const PluginOutput& output : (*plugin)->descriptor().outputs) {
+      outputs.push_back({output.name, output.unit});
+    }
+  }
+  return outputs;
+}
+
 std::vector<std::string> LoaderCatalog::names(PluginKind kind) {
   std::vector<std::string> names;
   if (kind == PluginKind::sensor) {

@@ -21,7 +21,7 @@ void Builder::materials() {
   model_.materials.clear();
   model_.materials.emplace_back();
   model_.materials.front().name = "";
-  for_each(scene_, [&](const Element& element) {
+  const auto take = [&](const Element& element) {
     if (element.tag() != "material") return;
     Reader r = reader(element);
     Material material;
@@ -37,7 +37,12 @@ void Builder::materials() {
     texture(element, material);
     material_indices_[&element] = static_cast<int>(model_.materials.size());
     model_.materials.push_back(std::move(material));
-  });
+  };
+  // A template has the scene's, by the same numbers, and then its own.
+  const Element* root = &scene_;
+  while (root->parent != nullptr) root = root->parent;
+  for_each(*root, take);
+  if (root != &scene_) for_each(scene_, take);
 }
 
 int Builder::material_index(const Element& material) {

@@ -123,6 +123,9 @@ void Builder::mind(const Element& element) {
       element, is_supervisor ? PluginKind::supervisor : PluginKind::controller, mind.plugin);
   if (!parameters) return;
   mind.parameters = std::move(*parameters);
+  if (context_.options.plugins != nullptr)
+    mind.outputs = context_.options.plugins->outputs(
+        is_supervisor ? PluginKind::supervisor : PluginKind::controller, mind.plugin);
   (is_supervisor ? model_.supervisors : model_.controllers).push_back(std::move(mind));
 }
 

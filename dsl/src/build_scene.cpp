@@ -27,8 +27,38 @@ SceneModelPtr Builder::build() {
   for (int i = 0; i < context_.files.size(); ++i)
     model_.files.push_back(context_.files.file(i).name);
   settings();
-  // What there is, where it is, what it is made of; then what connects and drives it.
   materials();
+  matter_and_devices();
+  doors();
+  mazes();
+  templates();
+  for_each(scene_, [&](const Element& element) {
+    if (element.tag() == "region") region(element);
+  });
+  for_each(scene_, [&](const Element& element) {
+    if (element.tag() == "record") record(element);
+    if (element.tag() == "plot") plot(element);
+  });
+  tests();
+  rules();
+  material_pairs();
+  collision_pairs();
+  door_pairs();
+  if (sink().has_errors()) return nullptr;
+  start();
+  check_cameras();
+  if (sink().has_errors()) return nullptr;
+  // Places can be drawn when everything else has its own; then the scene is built with them.
+  if (scatter()) return sink().has_errors() ? nullptr : Builder(context_, scene_).build();
+  check_overlaps();
+  check_mass_ratios();
+  check_params();
+  finish_model(model_);
+  return std::make_shared<const SceneModel>(std::move(model_));
+}
+
+// What there is, where it is, what it is made of; then what connects and drives it.
+void Builder::matter_and_devices() {
   tree(scene_, Inherited{});
   places();
   shapes();
@@ -58,27 +88,6 @@ SceneModelPtr Builder::build() {
       if (of.given()) names_.find(element, *of, Wanted::any);
     }
   });
-  for_each(scene_, [&](const Element& element) {
-    if (element.tag() == "record") record(element);
-    if (element.tag() == "plot") plot(element);
-  });
-  tests();
-  doors();
-  mazes();
-  material_pairs();
-  collision_pairs();
-  door_pairs();
-  if (sink().has_errors()) return nullptr;
-  start();
-  check_cameras();
-  if (sink().has_errors()) return nullptr;
-  // Places can be drawn when everything else has its own; then the scene is built with them.
-  if (scatter()) return sink().has_errors() ? nullptr : Builder(context_, scene_).build();
-  check_overlaps();
-  check_mass_ratios();
-  check_params();
-  finish_model(model_);
-  return std::make_shared<const SceneModel>(std::move(model_));
 }
 
 void Builder::settings() {

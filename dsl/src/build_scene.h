@@ -31,10 +31,18 @@ namespace cogrsim::dsl {
 /// Whether the freedom is an angle; `axis` counts from 0.
 bool axis_turns(JointType type, int axis);
 
+/// What a name in a region, rule or action can be.
+enum class Thing { door, region, owner, place, joint, motor, sensor, mind, templates };
+const char* describe(Thing thing);
+bool has_thing(const SceneModel& model, const std::string& name, Thing thing);
+std::vector<std::string> names_of(const SceneModel& model, Thing thing);
+
 class Builder {
  public:
   Builder(CompileContext& context, const Element& scene);
   SceneModelPtr build();
+  /// The same for the content of a template.
+  SceneModelPtr fragment();
 
  private:
   /// What becomes known of an element on the way.
@@ -94,8 +102,17 @@ class Builder {
   template <class Use>
   void for_each(const Element& root, Use&& use) const;
 
+  /// What an action of the scene can bring while it runs.
+  struct Coming {
+    std::string name;       ///< in full
+    bool numbered = false;  ///< digits follow the name
+    SceneModelPtr fragment;
+    bool is_joint = false;
+  };
+
   // build_scene.cpp
   void settings();
+  void matter_and_devices();
   void light(const Element& element);
   void view(const Element& element);
   void frame(const Element& element);
@@ -164,6 +181,28 @@ class Builder {
   std::optional<Ground> named_ground(const Element& scatter);
   void strew(const ScatterPlan& plan, const std::set<int>& absent);
 
+  // build_events.cpp
+  void templates();
+  void region(const Element& element);
+  std::string full_name(const Element& from, const std::string& name, Thing thing);
+  bool may_come(const std::string& name, Thing thing) const;
+  std::optional<std::string> present_name(const Element& from, const Word& word, Thing thing);
+
+  // build_rules.cpp
+  void rules();
+  void rule(const Element& element);
+  bool event(const Element& element, RuleModel& rule);
+  std::optional<std::string> rule_condition(const Element& element, std::string_view attribute);
+  std::optional<Action> action(const Element& element);
+  std::optional<Action> spawn(const Element& element);
+  std::optional<Action> attach(const Element& element);
+  std::optional<Action> limit(const Element& element);
+  std::optional<std::string> named_thing(const Element& element, std::string_view attribute,
+                                         Thing thing);
+  std::optional<Pose> standing_place(const Element& element, const Word& word);
+  bool spawn_places(const Element& element, const Word& word, std::vector<Pose>& places);
+  std::pair<const SceneModel*, std::string> home_of(const std::string& name, Thing thing) const;
+
   // build_sensors.cpp
   void sensor(const Element& element);
   bool sensor_parameters(const Element& element, SensorModel& sensor);
@@ -219,13 +258,15 @@ class Builder {
   std::vector<std::size_t> mesh_open_edges_;      // by mesh
   std::unordered_map<const Element*, std::pair<int, int>> shape_places_;  // body, shape
   StartHints hints_;
+  std::vector<Coming> coming_;
 };
 
 template <class Use>
 void Builder::for_each(const Element& root, Use&& use) const {
   for (const Element* child : root.children) {
     use(*child);
-    for_each(*child, use);
+    // What is in a template is not there yet.
+    if (child->tag() != "template") for_each(*child, use);
   }
 }
 

@@ -6,6 +6,7 @@ namespace cogrsim::dsl {
 // Assemblies, bodies and shapes in file order, so that indices follow the file.
 void Builder::tree(const Element& element, const Inherited& inherited) {
   for (const Element* child : element.children) {
+    if (child->tag() == "template") continue;  // is no part of the scene yet
     Note& here = note(*child);
     here.assembly = inherited.assembly;
     here.owner = inherited.glue;

@@ -14,6 +14,8 @@ const std::vector<CodeInfo>& code_catalog() {
     all.insert(all.end(), scene.begin(), scene.end());
     const std::vector<CodeInfo> tests = test_codes();
     all.insert(all.end(), tests.begin(), tests.end());
+    const std::vector<CodeInfo> events = event_codes();
+    all.insert(all.end(), events.begin(), events.end());
     const std::vector<CodeInfo> mazes = maze_codes();
     all.insert(all.end(), mazes.begin(), mazes.end());
     std::sort(all.begin(), all.end(),

@@ -14,6 +14,8 @@ std::vector<CodeInfo> language_codes();
 std::vector<CodeInfo> scene_codes();
 /// CG11 tests and measures.
 std::vector<CodeInfo> test_codes();
+/// CG13 regions, rules and templates.
+std::vector<CodeInfo> event_codes();
 /// Of these: mazes, doors and scattered things.
 std::vector<CodeInfo> maze_codes();
 

@@ -8,6 +8,7 @@
 namespace cogrsim::dsl {
 
 PluginCatalog::~PluginCatalog() = default;
+std::vector<OutputModel> PluginCatalog::outputs(PluginKind, const std::string&) { return {}; }
 
 namespace {
 

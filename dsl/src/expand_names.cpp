@@ -67,6 +67,8 @@ void Expander::name_children(Element& parent) {
   }
   parent.children = std::move(unique);
 
+  // A template is a world of its own.
+  const std::string around = parent.tag() == "template" ? "" : parent.path;
   std::unordered_map<std::string, int> counts;
   for (Element* child : parent.children) {
     if (child->name.empty() && takes_name(*child)) {
@@ -81,7 +83,7 @@ void Expander::name_children(Element& parent) {
     }
     const std::string own =
         child->name.empty() ? "(" + std::string(child->tag()) + ")" : child->name;
-    child->path = parent.path.empty() ? own : parent.path + "." + own;
+    child->path = around.empty() ? own : around + "." + own;
     path_bytes_ += child->path.size();
     if (path_bytes_ > kMaxPathBytes) {
       if (!full_)

@@ -53,7 +53,16 @@ std::string kind_of(const Element& element) {
   return (vowel ? "an " : "a ") + tag;
 }
 
-Names::Names(CompileContext& context, const Element& root) : context_(context) { index(root); }
+Names::Names(CompileContext& context, const Element& root) : context_(context) {
+  index(root);
+  // A template sees the materials around it.
+  for (const Element* around = root.parent; around != nullptr; around = around->parent)
+    for (const Element* c : around->children)
+      if (c->tag() == "material" || c->tag() == "import") {
+        materials_[around].emplace(c->name, c);
+        if (c->tag() == "import") index(*c);
+      }
+}
 
 void Names::index(const Element& element) {
   for (const Element* c : element.children) {
@@ -63,7 +72,8 @@ void Names::index(const Element& element) {
     }
     // An import is a way to materials and to nothing else.
     if (c->tag() == "import") materials_[&element].emplace(c->name, c);
-    index(*c);
+    // What is in a template is not there yet, and has names of its own.
+    if (c->tag() != "template") index(*c);
   }
 }
 

@@ -12,7 +12,8 @@ constexpr std::ptrdiff_t kShownOfCycle = 6;
 bool has_place(const Element& element) {
   const std::string_view tag = element.tag();
   return is_shape(tag) || is_joint(tag) || tag == "body" || tag == "assembly" ||
-         tag == "instance" || tag == "frame" || tag == "light" || tag == "view" ||
+         tag == "instance" || tag == "frame" || tag == "scatter" || tag == "light" ||
+         tag == "view" || tag == "region" ||
          (is_sensor(element.node->spec) && tag != "encoder" && tag != "force-torque");
 }
 
@@ -203,7 +204,8 @@ int Builder::carrier(const Element& element) {
       body = n.first_body;
       break;
     }
-    at = tag == "frame" || is_sensor(at->node->spec) ? reference(*at) : at->parent;
+    at = tag == "frame" || tag == "region" || is_sensor(at->node->spec) ? reference(*at)
+                                                                        : at->parent;
   }
   for (Note* n : chain) n->carrier = body;
   return body;

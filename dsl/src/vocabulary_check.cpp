@@ -29,7 +29,6 @@ constexpr Translation kElements[] = {{"link", "body"},
                                      {"include", "import"},
                                      {"xacro:include", "import"},
                                      {"macro", "prototype"},
-                                     {"template", "prototype"},
                                      {"xacro:macro", "prototype"},
                                      {"site", "frame"},
                                      {"camera_view", "view"},
@@ -180,14 +179,6 @@ class Checker {
     const ElementSpec* spec = meaning(node);
     if (!spec) {
       unknown_element(node, *where);
-      return;
-    }
-    if (spec->reserved) {
-      sink_
-          .report("CG0206", node.span, nullptr,
-                  "<" + std::string(node.name) + "> is reserved and comes with a later version")
-          .help("remove it for now");
-      node.spec = spec;
       return;
     }
     if (!may_stand(*spec, *where->spec)) {

@@ -172,6 +172,8 @@ inline ElementSpec element(std::string_view group, std::string_view name, std::s
 void add_sensors(std::vector<ElementSpec>& out);
 /// Tests and measures.
 void add_tests(std::vector<ElementSpec>& out);
+/// Regions, templates, rules and their actions.
+void add_events(std::vector<ElementSpec>& out, const Words& template_content);
 /// Mazes, doors, and what is strewn into them.
 void add_mazes(std::vector<ElementSpec>& out);
 

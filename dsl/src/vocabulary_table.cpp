@@ -100,16 +100,21 @@ const Words kMatter = {"material", "collide"};
 /// Inside an assembly.
 Words assembly_content() {
   return kShapes + Words{"body", "assembly", "frame"} + kJoints + Words{"motor", "servo"} +
-         kSensors + Words{"contact", "controller", "instance", "plot", "door"} + kMatter;
+         kSensors + Words{"contact", "controller", "instance", "plot", "region", "door"} + kMatter;
+}
+/// Inside a template: what an added assembly can have.
+Words template_content() {
+  return kShapes + Words{"body", "assembly", "frame"} + kJoints + Words{"motor", "servo"} +
+         kSensors + Words{"contact", "controller", "instance"} + kMatter;
 }
 Words scene_content() {
   return Words{"physics", "param", "import", "prototype"} + assembly_content() +
-         Words{"supervisor", "light",  "view", "maze",   "scatter",
-               "region",     "record", "test", "measure"};
+         Words{"supervisor", "light",    "view", "maze",   "scatter",
+               "template",   "on",       "record", "test", "measure"};
 }
 Words prototype_content() {
   return Words{"param", "export"} + assembly_content() +
-         Words{"light", "maze", "scatter", "region"};
+         Words{"light", "maze", "scatter", "on"};
 }
 
 // ---- the table
@@ -477,19 +482,6 @@ void add_results(std::vector<ElementSpec>& out) {
                         "<series y=\"right.velocity\"/> </plot>"));
 }
 
-void add_later(std::vector<ElementSpec>& out) {
-  struct Later {
-    std::string_view group, name, doc;
-  };
-  static constexpr Later kLater[] = {
-      {"Regions", "region", "A zone with enter and leave events; comes with a later version."}};
-  for (const Later& later : kLater) {
-    ElementSpec e = element(later.group, later.name, later.doc, {});
-    e.reserved = e.open_attributes = e.text = true;
-    out.push_back(std::move(e));
-  }
-}
-
 }  // namespace
 
 const std::vector<ElementSpec>& vocabulary() {
@@ -504,8 +496,8 @@ const std::vector<ElementSpec>& vocabulary() {
     add_sensors(out);
     add_minds(out);
     add_reuse(out);
+    add_events(out, template_content());
     add_mazes(out);
-    add_later(out);
     add_results(out);
     add_tests(out);
     return out;

@@ -27,6 +27,10 @@ class COGRSIM_API PluginCatalog {
   /// (CG0901 not found, CG0902 refused, CG0903 wrong kind) and the places searched.
   virtual Result<ParameterTable> parameters(PluginKind kind, const std::string& name) = 0;
 
+  /// What a controller or supervisor publishes, so that signals can name it; nothing where that is
+  /// not known. Asked only about plugins of which parameters() said something.
+  virtual std::vector<OutputModel> outputs(PluginKind kind, const std::string& name);
+
   /// Every plugin of a kind that can be found; backends name the engine blocks `<NAME …/>`.
   virtual std::vector<std::string> names(PluginKind kind) = 0;
 
