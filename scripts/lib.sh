@@ -12,7 +12,7 @@ packages=(
   libsimbody-dev libbullet-dev libeigen3-dev libtinyxml2-dev libboost-dev
   libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev
   libpng-dev libjpeg-dev libembree-dev libqhull-dev libosmesa6-dev libcairo2-dev ffmpeg libjs-dygraphs gnuplot-nox
-  libompl-dev libzstd-dev zlib1g-dev protobuf-compiler libprotobuf-dev libprotozero-dev
+  libompl-dev libzstd-dev zlib1g-dev libsqlite3-dev libopenmpi-dev openmpi-bin protobuf-compiler libprotobuf-dev libprotozero-dev
   catch2 libxml2-utils
 )
 # Judge recordings from outside; some nodejs packages bring npm themselves.

@@ -1,5 +1,6 @@
 #include "command_line.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -13,6 +14,7 @@
 #include "picture_words.h"
 #include "quantities.h"
 #include "recording_words.h"
+#include "sweep_command.h"
 #include "terminal.h"
 #include "test_command.h"
 #include "words.h"
@@ -29,8 +31,9 @@ struct Words {
   std::vector<std::string> scenes;
   std::string scene, backend, duration, speed, seed, json, record, report, code, format = "text";
   std::vector<std::string> steps, set, thresholds, backends;
-  std::vector<std::string> files, plots, x, y, z;
-  std::string plots_folder, kind, title, every, from, to, output = "plots", picture = "png";
+  std::vector<std::string> files, plots, x, y, z, by, save_at;
+  std::string snapshot, plots_folder, kind, title, every, from, to, output = "plots",
+                                                                    picture = "png";
   int rows = 10;
   bool json_flag = false, reference = false;
 };
@@ -75,6 +78,32 @@ SceneOptions scene_from(const Words& words) {
   return options;
 }
 
+// Pairs of time and file, by time.
+std::vector<RunOptions::Save> saves_from(const std::vector<std::string>& words) {
+  std::vector<RunOptions::Save> saves;
+  if (words.size() % 2 != 0) {
+    throw UsageError("--save-at", Problem("a snapshot needs a time and a file", "",
+                                          "write --save-at 2s two.snap"));
+  }
+  for (std::size_t i = 0; i + 1 < words.size(); i += 2) {
+    const auto time = parse_time(words[i]);
+    if (!time) throw UsageError("--save-at", time.error());
+    if (*time < 0.0 || *time > kLongestDuration) {
+      throw UsageError("--save-at", Problem(fmt::format("'{}' is out of range", words[i])));
+    }
+    for (const RunOptions::Save& other : saves) {
+      if (other.file == words[i + 1]) {
+        throw UsageError("--save-at", Problem(fmt::format("'{}' is named twice", other.file), "",
+                                              "each snapshot needs a file of its own"));
+      }
+    }
+    saves.push_back({*time, words[i + 1]});
+  }
+  std::stable_sort(saves.begin(), saves.end(),
+                   [](const auto& a, const auto& b) { return a.time < b.time; });
+  return saves;
+}
+
 RunOptions run_from(const Words& words) {
   RunOptions options;
   options.scene = scene_from(words);
@@ -88,6 +117,8 @@ RunOptions run_from(const Words& words) {
   options.json = words.json;
   options.plots = words.plots_folder;
   options.record = words.record;
+  options.from = words.snapshot;
+  options.saves = saves_from(words.save_at);
   if (!options.record.empty() && options.record == options.json) {
     throw UsageError("--record", Problem("--record and --json name the same file"));
   }
@@ -110,6 +141,7 @@ PlotCommandOptions plot_from(const Words& words) {
   options.x = words.x;
   options.y = words.y;
   options.z = words.z;
+  options.by = words.by;
   options.title = words.title;
   options.every = time_from("--every", words.every);
   options.from = time_from("--from", words.from);
@@ -229,6 +261,17 @@ void add_run(CLI::App& app, Words& words, int& status) {
       ->type_name("FILE.mcap");
   command.add_option("--plots", words.plots_folder, "Draw the scene's plots into this folder")
       ->type_name("DIR");
+  command
+      .add_option("--save-at", words.save_at,
+                  "Keep the state at this time in a file, to go on from; may be repeated")
+      ->type_name("T FILE.snap")
+      ->expected(2)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      .add_option("--from", words.snapshot,
+                  "Go on from a state that was kept; --backend, --set and --seed may be others "
+                  "than then, and what cannot be carried over is told")
+      ->type_name("FILE.snap");
   command.footer(
       "Examples:\n"
       "  cogrsim run robot.scene.xml\n"
@@ -237,12 +280,14 @@ void add_run(CLI::App& app, Words& words, int& status) {
       "  cogrsim run robot.scene.xml --speed 1      as fast as the clock on the wall\n"
       "  cogrsim run robot.scene.xml --json - | jq .energy\n"
       "  cogrsim run robot.scene.xml --record robot.mcap      then: cogrsim info robot.mcap\n"
+      "  cogrsim run robot.scene.xml --save-at 2s two.snap      then: what if the floor were icy?\n"
+      "  cogrsim run robot.scene.xml --from two.snap --set friction=0.05\n"
       "Ctrl-C ends the run and prints what there is; exit status 0 good, 1 failed, 2 wrong usage.");
   command.callback([&] { status = run_command(run_from(words)); });
 }
 
 void add_plot(CLI::App& app, Words& words, int& status) {
-  CLI::App& command = *app.add_subcommand("plot", "Draw figures of recorded runs");
+  CLI::App& command = *app.add_subcommand("plot", "Draw figures of recorded runs and of studies");
   const auto several = [&](const char* name, std::vector<std::string>& to, const char* text,
                            const char* type) {
     command.add_option(name, to, text)
@@ -251,10 +296,12 @@ void add_plot(CLI::App& app, Words& words, int& status) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   };
   command
-      .add_option("files", words.files,
-                  "Recordings, which become series of the same figure; or one figure, NAME.json")
+      .add_option(
+          "files", words.files,
+          "Recordings, which become series of the same figure; or one figure, NAME.json; or the "
+          "folder, results.sqlite or results.csv of a study")
       ->required()
-      ->type_name("RUN.mcap...");
+      ->type_name("RUN.mcap...|DIR");
   several("--plot", words.plots, "A plot of the scene, by name; may be repeated; default: all",
           "NAME");
   command.add_option("--kind", words.kind, "Kind of a figure that is not in the scene")
@@ -263,6 +310,10 @@ void add_plot(CLI::App& app, Words& words, int& status) {
   several("--x", words.x, "Signal along x; a curve's is the time if left out", "SIGNAL");
   several("--y", words.y, "Signal along y; may be repeated for several series", "SIGNAL");
   several("--z", words.z, "Signal that is the height of a surface", "SIGNAL");
+  several("--by", words.by,
+          "Of a study: the column that tells series apart; --x, --y and --z are "
+          "columns, too",
+          "COLUMN");
   command.add_option("--title", words.title, "Title of the figure")->type_name("TEXT");
   command.add_option("--every", words.every, "Time between samples; 0: every recorded frame")
       ->type_name("DT");
@@ -286,6 +337,7 @@ void add_plot(CLI::App& app, Words& words, int& status) {
       "  cogrsim plot run.mcap --kind surface --x robot.x --y robot.y --z robot.speed -o "
       "floor.png\n"
       "  cogrsim plot path.json -o path.svg             a figure drawn before\n"
+      "  cogrsim plot study --kind box --x r --y time --by backend -o time.svg\n"
       "Beside a picture stay its script (gnuplot NAME.gp draws it again), data and NAME.json.");
   command.callback([&] { status = plot_command(plot_from(words)); });
 }
@@ -423,8 +475,9 @@ int run_command_line(int argc, char** argv) {
   add_plot(app, words, status);
   add_info(app, status);
   add_replay(app, status);
-  add_test(app, status);
   add_check(app, words, status);
+  add_sweep(app, status);
+  add_test(app, status);
   add_map(app, status);
   add_render(app, status);
   add_small_ones(app, words, status);

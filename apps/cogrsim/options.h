@@ -42,6 +42,12 @@ struct RunOptions {
   std::string json;    ///< file, "-" or empty
   std::string record;  ///< file; empty: what the scene says
   std::string plots;   ///< folder for the scene's plots; empty: they are not drawn
+  struct Save {
+    double time = 0.0;  ///< [s]
+    std::string file;
+  };
+  std::vector<Save> saves;  ///< snapshots, by time
+  std::string from;         ///< a snapshot to go on from; empty: from the start
 };
 
 struct CompareCommandOptions {
@@ -56,10 +62,11 @@ struct CompareCommandOptions {
 };
 
 struct PlotCommandOptions {
-  std::vector<std::string> files;  ///< recordings, or one figure (.json)
+  std::vector<std::string> files;  ///< recordings, one figure (.json), or one study's table
   std::vector<std::string> plots;  ///< of the scene, by name; empty: all
   std::string kind;                ///< of a plot made up here; empty: a curve
   std::vector<std::string> x, y, z;
+  std::vector<std::string> by;     ///< column that tells series of a table apart
   std::string title;             ///< empty: the plot's own
   std::optional<double> every;   ///< [s]; empty: the plot's own
   std::optional<double> from, to;  ///< [s]
@@ -117,6 +124,7 @@ int compare_command(const CompareCommandOptions& options);
 int map_command(const MapCommandOptions& options);
 int render_command(const RenderCommandOptions& options);
 int plot_command(const PlotCommandOptions& options);
+int plot_table(const PlotCommandOptions& options);  ///< its part for the tables of studies
 int check_command(const CheckOptions& options);
 int explain_command(const std::string& code);
 int schema_command(bool reference, const std::vector<std::string>& plugin_paths);

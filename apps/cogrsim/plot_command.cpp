@@ -12,6 +12,7 @@
 #include "cogrsim/recording/recording.h"
 #include "options.h"
 #include "plots.h"
+#include "result_table.h"
 #include "terminal.h"
 
 namespace cogrsim::cli {
@@ -194,6 +195,11 @@ int draw_all(const PlotCommandOptions& options, const std::vector<Run>& runs) {
 }  // namespace
 
 int plot_command(const PlotCommandOptions& options) {
+  if (std::any_of(options.files.begin(), options.files.end(), is_result_table))
+    return plot_table(options);
+  if (!options.by.empty())
+    return refuse(Error("--by is for the tables of studies", "", "recordings are series already"),
+                  kWrongUsage);
   const auto json = std::count_if(options.files.begin(), options.files.end(),
                                   [](const std::string& file) { return ends_with(file, ".json"); });
   if (json > 0) {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/simulation/snapshot_file.h"
 #include "interrupt.h"
 #include "options.h"
 #include "output_file.h"
@@ -48,6 +49,42 @@ RunStatus run_with_progress(Simulation& simulation, double duration, Progress& p
   return status;
 }
 
+// Runs to `duration`, keeping the snapshots that were asked for on the way. A time that lies behind
+// or is never reached is told.
+RunStatus run_and_save(const RunOptions& options, Simulation& simulation, double duration,
+                       Progress& progress, RunResult& result, bool& saved_all) {
+  RunStatus status = simulation.status();
+  const auto complain = [&](const Error& error) {
+    progress.finish();
+    print_error(error.text());
+    result.diagnostics.push_back(to_diagnostic(error));
+    saved_all = false;
+  };
+  for (const RunOptions::Save& save : options.saves) {
+    const auto at = [&](double time) {
+      return std::fabs(simulation.time() - time) <= 0.5 * simulation.dt();
+    };
+    const bool goes_on = status == RunStatus::running || status == RunStatus::completed;
+    if (goes_on && save.time > simulation.time() && !at(save.time)) {
+      status =
+          run_with_progress(simulation, std::min(save.time, duration), progress, result.wall_time);
+    }
+    if (!at(save.time)) {
+      complain(Error(
+          fmt::format("no snapshot '{}' at {}: the run {}", save.file, time_text(save.time),
+                      save.time < simulation.time() ? "began later"
+                                                    : "ended at " + time_text(simulation.time()))));
+      continue;
+    }
+    if (const auto kept = write_snapshot(simulation, save.file, options.scene.set); !kept) {
+      complain(kept.error());
+    }
+  }
+  const bool goes_on = status == RunStatus::running || status == RunStatus::completed;
+  if (!goes_on || simulation.paused()) return status;
+  return run_with_progress(simulation, duration, progress, result.wall_time);
+}
+
 bool good(RunStatus status) {
   return status == RunStatus::completed || status == RunStatus::stopped;
 }
@@ -72,9 +109,29 @@ int deliver(const RunOptions& options, const RunResult& result, int status) {
   return status;
 }
 
+// What the snapshot's run was told holds for this one too, unless it is told otherwise.
+void take_over(const SnapshotInfo& then, RunOptions& options) {
+  if (options.backend.empty()) options.backend = then.backend;
+  if (!options.scene.seed) options.scene.seed = then.seed;
+  if (options.step == 0.0) options.step = then.step;
+  for (const auto& setting : then.parameters) options.scene.set.insert(setting);
+}
+
+// From the start, or from a snapshot; what could not be carried over is told.
+tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> make_simulation(
+    const std::optional<SnapshotFile>& snapshot, const RunOptions& options,
+    const LoadedScene& scene, const SimulationOptions& settings) {
+  if (!snapshot) return Simulation::create(scene.model, settings, scene.loader);
+  auto resumed = resume(*snapshot, scene.model, settings, scene.loader);
+  if (!resumed) return tl::unexpected(resumed.error());
+  for (const std::string& note : resumed->notes) print_warning(options.from + ": " + note);
+  return std::move(resumed->simulation);
+}
+
 }  // namespace
 
-int run_command(const RunOptions& options) {
+int run_command(const RunOptions& given) {
+  RunOptions options = given;
   if (!options.json.empty()) {
     if (const auto writable = check_writable(options.json); !writable) {
       print_error(writable.error().text());
@@ -86,6 +143,17 @@ int run_command(const RunOptions& options) {
   RunResult result;
   result.file = options.scene.scene;
   result.backend = options.backend;
+  std::optional<SnapshotFile> snapshot;
+  if (!options.from.empty()) {
+    auto read = SnapshotFile::read(options.from);
+    if (!read) {
+      print_error(read.error().text());
+      result.diagnostics.push_back(to_diagnostic(read.error()));
+      return deliver(options, result, kFailed);
+    }
+    snapshot = std::move(*read);
+    take_over(snapshot->info(), options);
+  }
   LoadedScene scene = load_scene(options.scene);
   result.diagnostics = scene.diagnostics;
   print_diagnostics(result.diagnostics);
@@ -106,9 +174,23 @@ int run_command(const RunOptions& options) {
   settings.step = options.step;
   settings.seed = options.scene.seed;
   settings.speed = options.speed;
-  auto created = Simulation::create(scene.model, settings, scene.loader);
+  for (const RunOptions::Save& save : options.saves) {
+    if (const auto writable = check_writable(save.file); !writable) {
+      print_error(writable.error().text());
+      return deliver(options, result, kFailed);
+    }
+  }
+  auto created = make_simulation(snapshot, options, scene, settings);
   if (!created) {
-    print_diagnostics(created.error());
+    std::vector<Diagnostic> coded;
+    for (const Diagnostic& d : created.error()) {
+      if (d.code.empty()) {
+        print_error(Error(d.message, "", d.help).text());
+      } else {
+        coded.push_back(d);
+      }
+    }
+    print_diagnostics(coded);
     result.diagnostics.insert(result.diagnostics.end(), created.error().begin(),
                               created.error().end());
     return deliver(options, result, kFailed);
@@ -140,11 +222,18 @@ int run_command(const RunOptions& options) {
     if (plots->empty()) print_warning("the scene has no plots, so --plots draws nothing");
   }
 
+  if (simulation.time() > duration - 0.5 * simulation.dt()) {
+    print_warning(
+        fmt::format("the snapshot is of {}, where the run ends; ask for a longer "
+                    "--duration",
+                    time_text(simulation.time())));
+  }
+  bool saved_all = true;
   RunStatus status = RunStatus::running;
   {
     const InterruptStops stops(simulation);
     Progress progress(result.backend, duration);
-    status = run_with_progress(simulation, duration, progress, result.wall_time);
+    status = run_and_save(options, simulation, duration, progress, result, saved_all);
   }
   result.messages = simulation.messages();
   if (status == RunStatus::running) {
@@ -162,7 +251,7 @@ int run_command(const RunOptions& options) {
   result.time = simulation.time();
   result.frame = simulation.frame();
   print_messages(result.messages);
-  int exit_status = good(status) ? kGood : kFailed;
+  int exit_status = good(status) && saved_all ? kGood : kFailed;
   if (plots) {
     if (const auto drawn = plots->draw(options.plots); !drawn) {
       print_error(drawn.error().text());

@@ -10,8 +10,8 @@
 namespace cogrsim::dsl {
 namespace {
 
-constexpr std::size_t kMostValues = 100000;  // of one parameter; and of seeds a hundred times that
-constexpr std::size_t kMostSeeds = 10000000;
+constexpr std::size_t kMostValues = 100000;  // of one parameter
+constexpr std::size_t kMostSeeds = 1000000;
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -70,6 +70,11 @@ StudyValue value_of(std::string_view text) {
   if (const auto number = number_of(text)) {
     out.number = number->to_si.to_si(number->value);
     out.unit = unit_of(number->to_si.dimension);
+    // As scenes write it: "3cm" is text there.
+    if (!number->unit.empty()) {
+      const auto digits = static_cast<std::size_t>(number->unit.data() - text.data());
+      out.text = std::string(trimmed(text.substr(0, digits))) + " " + std::string(number->unit);
+    }
   }
   return out;
 }

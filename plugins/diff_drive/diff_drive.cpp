@@ -1,7 +1,10 @@
 // Drives a vehicle with two wheels: by velocity commands, or along waypoints. See README.md.
 #include <algorithm>
 #include <cmath>
+#include <locale>
 #include <optional>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -35,6 +38,8 @@ class DiffDrive final : public cogrsim::Controller {
  public:
   void configure(cogrsim::Assembly& robot) override;
   void update(const cogrsim::Tick& tick) override;
+  std::optional<std::string> save() const override;
+  void restore(const std::string& memory) override;
 
  private:
   void configure_waypoints(cogrsim::Assembly& robot);
@@ -165,6 +170,32 @@ void DiffDrive::update(const cogrsim::Tick& tick) {
       limited(wheel_speeds(now_, radius_, track_), left_.max_speed(), right_.max_speed());
   left_.set(left_sign_ * wheels.left);
   right_.set(right_sign_ * wheels.right);
+}
+
+std::optional<std::string> DiffDrive::save() const {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out.precision(17);
+  const PathFollower::Progress progress = follower_.progress();
+  out << odometry_.x << ' ' << odometry_.y << ' ' << odometry_.heading << ' ' << last_left_ << ' '
+      << last_right_ << ' ' << now_.forward << ' ' << now_.turn << ' ' << announced_ << ' '
+      << progress.from.x << ' ' << progress.from.y << ' ' << progress.started << ' '
+      << progress.done << ' ' << progress.next;
+  return out.str();
+}
+
+void DiffDrive::restore(const std::string& memory) {
+  std::istringstream in(memory);
+  in.imbue(std::locale::classic());
+  PathFollower::Progress progress;
+  if (!(in >> odometry_.x >> odometry_.y >> odometry_.heading >> last_left_ >> last_right_ >>
+        now_.forward >> now_.turn >> announced_ >> progress.from.x >> progress.from.y >>
+        progress.started >> progress.done >> progress.next)) {
+    throw std::runtime_error("the memory is not one of a diff_drive");
+  }
+  if (follow_ && !follower_.resume(progress)) {
+    throw std::runtime_error("the memory is of a longer list of waypoints");
+  }
 }
 
 }  // namespace

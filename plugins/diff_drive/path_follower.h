@@ -67,6 +67,26 @@ class PathFollower {
   bool done() const { return done_; }
   int next_waypoint() const { return static_cast<int>(next_); }
 
+  /// How far it is, to go on from later.
+  struct Progress {
+    Point from;
+    bool started = false, done = false;
+    std::size_t next = 0;
+  };
+  Progress progress() const { return {from_, started_, done_, next_}; }
+  /// False: it has fewer waypoints than that.
+  bool resume(const Progress& progress) {
+    if (progress.next > waypoints_.size() ||
+        (!progress.done && progress.next == waypoints_.size() && !waypoints_.empty())) {
+      return false;
+    }
+    from_ = progress.from;
+    started_ = progress.started;
+    done_ = progress.done;
+    next_ = progress.next;
+    return true;
+  }
+
  private:
   void advance();
 

@@ -1,7 +1,10 @@
 // Holds joints at targets with one PID law each. See README.md.
 #include <algorithm>
 #include <limits>
+#include <locale>
 #include <optional>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -30,6 +33,8 @@ class JointPid final : public cogrsim::Controller {
  public:
   void configure(cogrsim::Assembly& robot) override;
   void update(const cogrsim::Tick& tick) override;
+  std::optional<std::string> save() const override;
+  void restore(const std::string& memory) override;
 
  private:
   struct Loop {
@@ -101,6 +106,28 @@ void JointPid::update(const cogrsim::Tick& tick) {
   for (Loop& loop : loops_) {
     loop.motor.set(loop.pid.update(loop.target, robot_->joint_position(loop.motor),
                                    robot_->joint_velocity(loop.motor), tick.period));
+  }
+}
+
+// The integrals, in the order of the motors.
+std::optional<std::string> JointPid::save() const {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out.precision(17);
+  for (const Loop& loop : loops_) out << loop.pid.integral_output() << ' ';
+  return out.str();
+}
+
+void JointPid::restore(const std::string& memory) {
+  std::istringstream in(memory);
+  in.imbue(std::locale::classic());
+  for (Loop& loop : loops_) {
+    double integral = 0.0;
+    if (!(in >> integral)) {
+      throw std::runtime_error("the memory is of another number of motors than " +
+                               std::to_string(loops_.size()));
+    }
+    loop.pid.set_integral_output(integral);
   }
 }
 

@@ -26,6 +26,8 @@ class Pid {
   double update(double target, double position, double velocity, double dt);
   /// ki I: what the integral contributes to the output.
   double integral_output() const { return integral_; }
+  /// Goes on with the integral of another time.
+  void set_integral_output(double value) { integral_ = value; }
 
  private:
   Gains gains_;

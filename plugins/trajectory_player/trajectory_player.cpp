@@ -1,4 +1,5 @@
 // Plays a CSV file of joint targets into motors. See README.md.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ class TrajectoryPlayer final : public cogrsim::Controller {
     sample(trajectory_, (tick.time - delay_) * rate_, at_end_, targets_);
     for (std::size_t i = 0; i < motors_.size(); ++i) motors_[i].set(targets_[i]);
   }
+
+  // The time says it all.
+  std::optional<std::string> save() const override { return std::string(); }
 
  private:
   Trajectory trajectory_;

@@ -232,7 +232,7 @@ class Resumption {
         continue;
       }
       const Json& saved = then.at(model.name);
-      take_clock(saved, model.rate, clock);
+      take_clock(saved.at("clock"), model.rate, clock);
       RandomStream* random = nullptr;
       std::vector<double>* outputs = nullptr;
       if (controllers && to_.controllers[i].access) {

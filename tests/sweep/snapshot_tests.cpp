@@ -1,0 +1,344 @@
+// Snapshots on file: going on, elsewhere, with something changed; and files that are none.
+#include <fstream>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "cogrsim/simulation/snapshot_file.h"
+#include "process.h"
+#include "scene_loading.h"
+
+using namespace cogrsim;
+using Catch::Contains;
+using nlohmann::ordered_json;
+
+namespace {
+
+const std::string kScenes = COGRSIM_SCENES;
+auto engines() { return Catch::Generators::values<std::string>({COGRSIM_ENGINES}); }
+
+cli::LoadedScene scene_of(const std::string& name, std::map<std::string, std::string> set = {}) {
+  cli::SceneOptions options;
+  options.scene = kScenes + "/" + name + ".scene.xml";
+  options.set = std::move(set);
+  options.plugin_paths = {COGRSIM_TOYS};
+  cli::LoadedScene scene = cli::load_scene(options);
+  for (const Diagnostic& d : scene.diagnostics) UNSCOPED_INFO(d.message);
+  REQUIRE(scene.model);
+  return scene;
+}
+
+SimulationOptions on(const std::string& backend) {
+  SimulationOptions options;
+  options.backend = backend;
+  return options;
+}
+
+std::unique_ptr<Simulation> simulate(const cli::LoadedScene& scene, const std::string& backend) {
+  auto made = Simulation::create(scene.model, on(backend), scene.loader);
+  if (!made) {
+    for (const Diagnostic& d : made.error()) UNSCOPED_INFO(d.message);
+  }
+  REQUIRE(made);
+  return std::move(*made);
+}
+
+SnapshotFile read(const std::string& path) {
+  auto file = SnapshotFile::read(path);
+  INFO((file ? "" : file.error().text()));
+  REQUIRE(file);
+  return *file;
+}
+
+Resumed go_on(const std::string& path, const cli::LoadedScene& scene, SimulationOptions options) {
+  auto resumed = resume(read(path), scene.model, options, scene.loader);
+  if (!resumed) {
+    for (const Diagnostic& d : resumed.error()) UNSCOPED_INFO(d.message);
+  }
+  REQUIRE(resumed);
+  return std::move(*resumed);
+}
+
+// The largest distance between origins of bodies of the same name [m].
+double apart(Simulation& a, Simulation& b) {
+  const FramePtr one = a.frame(), other = b.frame();
+  double most = 0.0;
+  for (std::size_t i = 0; i < one->model->bodies.size(); ++i) {
+    const Body& body = one->model->bodies[i];
+    const int j = find_body(*other->model, body.name);
+    if (body.removed || j < 0) continue;
+    most = std::max(
+        most, (one->state.poses[i].p - other->state.poses[static_cast<std::size_t>(j)].p).norm());
+  }
+  return most;
+}
+
+std::string joined(const std::vector<std::string>& notes) {
+  std::string out;
+  for (const std::string& note : notes) out += note + "\n";
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("without contacts a run goes on as if it had not stopped", "[sweep][snapshot]") {
+  const std::string backend = GENERATE(engines());
+  INFO(backend);
+  const TemporaryFolder folder;
+  const auto scene = scene_of("pendulum");
+  auto whole = simulate(scene, backend);
+  whole->run_until(0.7);
+  REQUIRE(write_snapshot(*whole, folder / "a.snap"));
+  const Resumed resumed = go_on(folder / "a.snap", scene, on(backend));
+  CHECK(joined(resumed.notes).empty());
+  CHECK(resumed.same_scene);
+  CHECK(resumed.simulation->time() == whole->time());
+  CHECK(resumed.simulation->step_count() == whole->step_count());
+  whole->run_until(2.0);
+  resumed.simulation->run_until(2.0);
+  // Turning a pose into the engine's own coordinates and back rounds in the last place. A joint that
+  // is held by forces has a gap, some 1e-8 m here, which going on closes: the joints' coordinates win.
+  CHECK(apart(*whole, *resumed.simulation) < 1e-7);
+  // Noise, rates and integrals too: the readings' random streams and the controller go on.
+  const Reading& then = whole->frame()->readings.at(0);
+  const Reading& now = resumed.simulation->frame()->readings.at(0);
+  CHECK(now.sequence == then.sequence);
+  CHECK(now.time == then.time);
+  REQUIRE(now.values.size() == then.values.size());
+  for (std::size_t i = 0; i < now.values.size(); ++i) {
+    // the pendulum's motion is that of a damped one: what is equal to 1e-7 stays so
+    CHECK(now.values[i] == Approx(then.values[i]).margin(1e-4));
+  }
+}
+
+TEST_CASE("with contacts a run goes on nearly as if it had not stopped", "[sweep][snapshot]") {
+  const std::string backend = GENERATE(engines());
+  INFO(backend);
+  const TemporaryFolder folder;
+  const auto scene = scene_of("heap");
+  auto whole = simulate(scene, backend);
+  whole->run_until(0.5);
+  REQUIRE(write_snapshot(*whole, folder / "a.snap"));
+  const Resumed resumed = go_on(folder / "a.snap", scene, on(backend));
+  // Efforts and contacts of the last step are not in it, poses are.
+  CHECK(apart(*whole, *resumed.simulation) < 1e-12);
+  whole->run_until(2.0);
+  resumed.simulation->run_until(2.0);
+  // The contacts' solvers start without what they remembered of the step before; what comes of it
+  // is a solver's residual in the first steps, some micrometres, which friction keeps.
+  CHECK(apart(*whole, *resumed.simulation) < 1e-3);
+}
+
+TEST_CASE("two runs from one snapshot are the same to the last bit", "[sweep][snapshot]") {
+  const std::string backend = GENERATE(engines());
+  const TemporaryFolder folder;
+  const auto scene = scene_of("heap");
+  auto first = simulate(scene, backend);
+  first->run_until(0.3);
+  REQUIRE(write_snapshot(*first, folder / "a.snap"));
+  const Resumed one = go_on(folder / "a.snap", scene, on(backend));
+  const Resumed two = go_on(folder / "a.snap", scene, on(backend));
+  one.simulation->run_until(1.0);
+  two.simulation->run_until(1.0);
+  CHECK(state_hash(one.simulation->frame()->state) == state_hash(two.simulation->frame()->state));
+}
+
+TEST_CASE("state is carried to another engine", "[sweep][snapshot]") {
+  const std::vector<std::string> all = {COGRSIM_ENGINES};
+  if (all.size() < 2) return;
+  const std::string name = GENERATE(values<std::string>({"pendulum", "heap"}));
+  INFO(name);
+  const TemporaryFolder folder;
+  const auto scene = scene_of(name);
+  auto first = simulate(scene, all[0]);
+  first->run_until(0.5);
+  REQUIRE(write_snapshot(*first, folder / "a.snap"));
+  const Resumed resumed = go_on(folder / "a.snap", scene, on(all[1]));
+  CHECK(std::string(resumed.simulation->backend().name()) == all[1]);
+  CHECK_FALSE(resumed.same_scene);
+  CHECK(joined(resumed.notes).empty());
+  // Joints' coordinates win over poses: the gap of a joint that is held by forces is closed.
+  CHECK(apart(*first, *resumed.simulation) < 1e-5);
+  CHECK(resumed.simulation->run_until(1.0) == RunStatus::completed);
+}
+
+TEST_CASE("a changed scene takes over what it knows, and says what it does not",
+          "[sweep][snapshot]") {
+  const std::string backend = GENERATE(engines());
+  const TemporaryFolder folder;
+  auto first = simulate(scene_of("pendulum"), backend);
+  first->run_until(0.5);
+  REQUIRE(write_snapshot(*first, folder / "a.snap"));
+  const Resumed heavier =
+      go_on(folder / "a.snap", scene_of("pendulum", {{"mass", "2 kg"}}), on(backend));
+  CHECK_THAT(joined(heavier.notes), Contains("not the one of then"));
+  CHECK(apart(*first, *heavier.simulation) < 1e-7);  // the gap again
+  CHECK_FALSE(heavier.same_scene);
+
+  const Resumed other = go_on(
+      folder / "a.snap", scene_of("pendulum", {{"extra", "true"}, {"imu", "false"}}), on(backend));
+  CHECK_THAT(joined(other.notes), Contains("does not have it: body 'more'") &&
+                                      Contains("not in the scene any more: sensor 'rig.feel'"));
+  const int more = find_body(*other.simulation->model(), "more");
+  REQUIRE(more >= 0);
+  CHECK(other.simulation->frame()->state.poses[static_cast<std::size_t>(more)].p.z() == 60.0);
+
+  SimulationOptions reseeded = on(backend);
+  reseeded.seed = 99;
+  reseeded.step = 2e-3;
+  const Resumed again = go_on(folder / "a.snap", scene_of("pendulum"), reseeded);
+  CHECK_THAT(joined(again.notes), Contains("the seed is another"));
+  CHECK(again.simulation->time() == Approx(0.5).epsilon(1e-12));
+  CHECK(again.simulation->run_until(1.0) == RunStatus::completed);
+
+  const auto heap = scene_of("heap");
+  const auto foreign = resume(read(folder / "a.snap"), heap.model, on(backend), heap.loader);
+  REQUIRE_FALSE(foreign);
+  CHECK_THAT(foreign.error().at(0).message, Contains("of scene 'pendulum', not of 'heap'"));
+}
+
+TEST_CASE("what came, went and was changed is there again", "[sweep][snapshot]") {
+  const std::string backend = GENERATE(engines());
+  INFO(backend);
+  const TemporaryFolder folder;
+  const auto scene = scene_of("heap"), part = scene_of("part");
+  auto first = simulate(scene, backend);
+  first->run_until(0.2);
+  Pose place;
+  place.p = Vec3(-1, 0, 0);
+  first->send(AddAssembly{part.model, "one", place});
+  place.p = Vec3(-2, 0, 0);
+  first->send(AddAssembly{part.model, "two", place});
+  first->send(Remove{"top"});
+  first->send(SetStatic{"middle", true});
+  first->run_until(0.3);
+  Attach hitch;
+  hitch.name = "hitch";
+  hitch.parent = "two.base";
+  hitch.child = "slider";
+  first->send(hitch);
+  first->send(Remove{"one"});
+  first->run_until(0.5);
+  for (const RunMessage& m : first->messages()) UNSCOPED_INFO(m.message);
+  REQUIRE(find_joint(*first->model(), "hitch") >= 0);
+  REQUIRE(write_snapshot(*first, folder / "a.snap"));
+  CHECK(read(folder / "a.snap").info().changed);
+
+  const Resumed resumed = go_on(folder / "a.snap", scene, on(backend));
+  Simulation& second = *resumed.simulation;
+  CHECK(joined(resumed.notes).empty());
+  CHECK(apart(*first, second) < 1e-9);
+  CHECK(find_body(*second.model(), "two.arm") >= 0);
+  CHECK(find_body(*second.model(), "one.arm") < 0);
+  CHECK(find_body(*second.model(), "top") < 0);
+  CHECK(find_joint(*second.model(), "hitch") >= 0);
+  const int middle = find_body(*second.model(), "middle");
+  REQUIRE(middle >= 0);
+  CHECK(second.model()->bodies[static_cast<std::size_t>(middle)].kind == BodyKind::fixed);
+  first->run_until(1.0);
+  second.run_until(1.0);
+  CHECK(apart(*first, second) < 1e-3);  // as above
+
+  // On the other engine, too.
+  const std::vector<std::string> all = {COGRSIM_ENGINES};
+  const Resumed elsewhere = go_on(folder / "a.snap", scene, on(all.back()));
+  CHECK(find_joint(*elsewhere.simulation->model(), "hitch") >= 0);
+  CHECK(elsewhere.simulation->run_until(1.0) == RunStatus::completed);
+
+  // From the very start again: the scene as it is written.
+  second.send(Restart{});
+  second.step();
+  second.run_until(0.1);
+  auto fresh = simulate(scene, backend);
+  fresh->run_until(0.1);
+  CHECK(find_body(*second.model(), "top") >= 0);
+  CHECK(state_hash(second.frame()->state) == state_hash(fresh->frame()->state));
+}
+
+TEST_CASE("files that are no snapshots are refused in words", "[sweep][snapshot]") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> all = {COGRSIM_ENGINES};
+  auto simulation = simulate(scene_of("heap"), all[0]);
+  simulation->run_until(0.1);
+  REQUIRE(write_snapshot(*simulation, folder / "good.snap", {{"friction", "0.5"}}));
+  CHECK(folder.files().size() == 1);  // nothing half-written beside it
+  const std::string good = read_file(folder / "good.snap");
+  CHECK(read(folder / "good.snap").info().parameters.at("friction") == "0.5");
+  const auto refused = [&](const std::string& text) {
+    std::ofstream(folder / "bad.snap", std::ios::binary | std::ios::trunc) << text;
+    const auto file = SnapshotFile::read(folder / "bad.snap");
+    REQUIRE_FALSE(file);
+    return file.error().text();
+  };
+  CHECK_THAT(refused(""), Contains("is not a snapshot"));
+  CHECK_THAT(refused("<scene/>"), Contains("is not a snapshot"));
+  CHECK_THAT(refused("{\"format\": \"something else\"}"), Contains("is not a snapshot"));
+  CHECK_THAT(refused("[1, 2]"), Contains("is not a snapshot"));
+  for (const std::size_t length : {good.size() - 3, good.size() / 2, std::size_t{200}}) {
+    CHECK_THAT(refused(good.substr(0, length)), Contains("damaged"));
+  }
+  std::string flipped = good;
+  const auto digit = flipped.find("\"pose\"");
+  REQUIRE(digit != std::string::npos);
+  for (std::size_t i = digit; i < flipped.size(); ++i) {
+    if (flipped[i] < '1' || flipped[i] > '8') continue;
+    ++flipped[i];
+    break;
+  }
+  CHECK_THAT(refused(flipped), Contains("checksum"));
+  ordered_json newer = ordered_json::parse(good);
+  newer["version"] = 2;
+  CHECK_THAT(refused(newer.dump()), Contains("version 2"));
+  CHECK_FALSE(SnapshotFile::read(folder / "nowhere.snap"));
+  CHECK_FALSE(write_snapshot(*simulation, folder / "no/such/folder/a.snap"));
+  CHECK(folder.files().size() == 2);
+}
+
+TEST_CASE("run keeps snapshots and goes on from them", "[sweep][snapshot][program]") {
+  const TemporaryFolder folder;
+  const auto run = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"run", kScenes + "/trial.scene.xml"});
+    words.insert(words.end(), {"--plugin-path", COGRSIM_TOYS});
+    return cogrsim_run(words);
+  };
+  const auto hash = [](const Outcome& outcome) {
+    INFO(outcome.err);
+    REQUIRE(outcome.status == 0);
+    return ordered_json::parse(outcome.out)["state_hash"].get<std::string>();
+  };
+  const Outcome whole =
+      run({"--save-at", "300 ms", folder / "a.snap", "--save-at", "0", folder / "start.snap",
+           "--save-at", "1 s", folder / "end.snap", "--set", "v=3 m/s", "--json", "-"});
+  REQUIRE(folder.files().size() == 3);
+  // The toy has no memory besides its state; and --set is remembered.
+  const Outcome rest = run({"--from", folder / "a.snap", "--json", "-"});
+  CHECK(hash(rest) == hash(whole));
+  CHECK_THAT(rest.err,
+             Contains("keeps no memory for snapshots and begins anew: supervisor 'trouble'"));
+  CHECK(hash(run({"--from", folder / "start.snap", "--json", "-"})) == hash(whole));
+  CHECK(hash(run({"--from", folder / "a.snap", "--backend", "toy_euler", "--json", "-"})) !=
+        hash(whole));
+  CHECK_THAT(run({"--from", folder / "end.snap"}).err, Contains("longer --duration"));
+  const struct {
+    std::vector<std::string> words;
+    int status;
+    const char* text;
+  } wrong[] = {
+      {{"--save-at", "1 s"}, 2, "--save-at"},
+      {{"--save-at", "soon", folder / "x"}, 2, "not a time"},
+      {{"--save-at", "0.1", folder / "x", "--save-at", "0.2", folder / "x"}, 2, "named twice"},
+      {{"--save-at", "5 s", folder / "x"}, 1, "ended at 1 s"},
+      {{"--from", folder / "a.snap", "--save-at", "0.1", folder / "x"}, 1, "began later"},
+      {{"--save-at", "0.1", folder / "no/x"}, 1, "cannot write"},
+      {{"--from", folder / "nowhere"}, 1, "cannot read the snapshot"},
+      {{"--from", kScenes + "/trial.scene.xml"}, 1, "is not a snapshot"},
+  };
+  for (const auto& item : wrong) {
+    std::string line;
+    for (const std::string& word : item.words) line += word + " ";
+    INFO(line);
+    const Outcome outcome = run(item.words);
+    CHECK(outcome.status == item.status);
+    CHECK_THAT(outcome.err, Contains(item.text));
+  }
+}
