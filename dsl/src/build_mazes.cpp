@@ -8,6 +8,9 @@
 namespace cogrsim::dsl {
 namespace {
 
+constexpr double kLeastForce = 40.0;  // [N]
+constexpr double kPull = 20.0;        // [m/s^2]
+
 std::string newtons(double value) {
   char text[48];
   std::snprintf(text, sizeof text, "%.3g N", value);
@@ -31,11 +34,13 @@ void Builder::doors() {
     const auto motor = motors.find(plan.motor->path);
     if (motor != motors.end()) {
       door.motor = motor->second;
-      const Motor& drive = model_.motors[static_cast<std::size_t>(door.motor)];
+      Motor& drive = model_.motors[static_cast<std::size_t>(door.motor)];
       const Joint& slide = model_.joints[static_cast<std::size_t>(drive.joint)];
       const Note& leaf = note(*plan.leaf);
       if (leaf.body != kWorld && !leaf.faulty && !note(*plan.element).faulty) {
         const Body& body = model_.bodies[static_cast<std::size_t>(leaf.body)];
+        // Enough to lift it, and to stop it within its time constant from half a metre a second.
+        if (!plan.force_given) drive.max_effort = std::max(kLeastForce, kPull * body.mass);
         const Vec3 axis = body.X_WB.q * (slide.X_CM.q * Vec3::UnitZ());
         const double weight = body.mass * std::abs(axis.dot(model_.physics.gravity));
         if (weight >= drive.max_effort)

@@ -9,6 +9,9 @@
 namespace cogrsim::dsl {
 namespace {
 
+constexpr int kRounds = 24;                 // drawings of one scatter
+constexpr std::size_t kPlaces = 4'000'000;  // looked at by one scatter: a few seconds
+
 // Four digits are enough to measure a mistake by.
 std::string centimetres(double metres) {
   char text[48];
@@ -140,18 +143,18 @@ void Builder::strew(const ScatterPlan& plan, const std::set<int>& absent) {
       if (shape.collides)
         add_solids(model_, shape, X_GW * (model_.bodies[b].X_WB * shape.X_BS), obstacles);
   }
-  Strewer strewer(*where, std::move(obstacles), *clearance);
-  int fitted = 0, number = 0;
+  // The rounds as they were built: about the place of the scatter itself.
+  const Pose X_EW = note(scatter).X_W.inverse();
+  std::vector<Bundle> bundles;
+  std::vector<std::vector<std::size_t>> bodies;
   double widest = 0.0;
+  bool good = true;
   for (const ScatterGroup& group : plan.groups) {
-    // The round as it was built: about the place of the scatter itself.
-    const Pose X_EW = note(scatter).X_W.inverse();
-    Bundle bundle;
-    std::vector<std::size_t> bodies;
-    bool good = true;
+    Bundle& bundle = bundles.emplace_back();
+    std::vector<std::size_t>& own = bodies.emplace_back();
     const auto take = [&](const Element& element) {
       if (note(element).owner == &element)
-        bodies.push_back(static_cast<std::size_t>(note(element).body));
+        own.push_back(static_cast<std::size_t>(note(element).body));
     };
     for (const Element* member : group.members) {
       for (const char* placed : {"frame", "at"})
@@ -159,38 +162,54 @@ void Builder::strew(const ScatterPlan& plan, const std::set<int>& absent) {
           good = false;
           fault("CG1012", *member, placed,
                 "'" + std::string(placed) +
-                    "' says where it stands, but that is for the scatter "
-                    "to draw")
+                    "' says where it stands, but that is for the scatter to draw")
               .help("take it out of the scatter, or delete '" + std::string(placed) + "'");
         }
       take(*member);
       for_each(*member, take);
     }
-    if (!good) return;
-    for (const std::size_t b : bodies)
+    for (const std::size_t b : own)
       for (const Shape& shape : model_.bodies[b].shapes)
         if (shape.collides)
           add_solids(model_, shape, X_EW * (model_.bodies[b].X_WB * shape.X_BS), bundle.solids);
     for (const Solid& solid : bundle.solids)
       for (const auto& p : solid.outline)
         widest = std::max({widest, std::abs(p.x()) + solid.radius, std::abs(p.y()) + solid.radius});
-    RandomStream random(context_.seed, scatter.path + "/" + std::to_string(number++));
-    const auto place = strewer.put(bundle, random);
-    if (!place) continue;
-    ++fitted;
+  }
+  if (!good) return;
+  // Where it is tight, the first ones may lie in the way of the last: then all are drawn anew.
+  std::vector<std::optional<Vec3>> best(bundles.size());
+  std::size_t fitted = 0, budget = kPlaces;
+  for (int round = 0; round < kRounds && budget > 0; ++round) {
+    Strewer strewer(*where, obstacles, *clearance, budget);
+    std::vector<std::optional<Vec3>> places;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < bundles.size(); ++i) {
+      RandomStream random(context_.seed, scatter.path + "/" + std::to_string(i) +
+                                             (round > 0 ? "/" + std::to_string(round) : ""));
+      places.push_back(strewer.put(bundles[i], random));
+      if (places.back()) ++count;
+    }
+    if (round == 0 || count > fitted) {
+      best = std::move(places);
+      fitted = count;
+    }
+    if (fitted == bundles.size()) break;
+  }
+  for (std::size_t i = 0; i < bundles.size(); ++i) {
+    if (!best[i]) continue;
     Pose X_GP;
-    X_GP.p = *place;
+    X_GP.p = *best[i];
     const Pose X_WP = where->X_WG * X_GP;
-    for (const Element* member : group.members) context_.drawn_places[member] = X_WP;
+    for (const Element* member : plan.groups[i].members) context_.drawn_places[member] = X_WP;
     // For the scatters after this one.
-    for (const std::size_t b : bodies)
+    for (const std::size_t b : bodies[i])
       model_.bodies[b].X_WB = X_WP * (X_EW * model_.bodies[b].X_WB);
   }
-  const int wanted = static_cast<int>(plan.groups.size());
-  if (fitted == wanted) return;
+  if (fitted == bundles.size()) return;
   fault("CG1010", scatter, "count",
         (fitted == 0 ? std::string("none") : "only " + std::to_string(fitted)) + " of " +
-            std::to_string(wanted) + " fit into " +
+            std::to_string(bundles.size()) + " fit into " +
             (where->name == "the area" ? where->name : "'" + where->name + "'") +
             (*clearance > 0 ? ", " + centimetres(*clearance) + " clear of everything" : ""))
       .help((fitted > 0 ? "ask for at most " + std::to_string(fitted) + ", or " : std::string()) +

@@ -28,7 +28,7 @@ int Expander::door_drive(const Node& node, const Place& inside, const DoorDrive&
   give(motor, "mode", "position");
   give(motor, "response", kResponse);
   give(motor, "target", number_text(drive.open ? drive.travel : 0.0));
-  give(motor, "max-force", number_text(drive.force));
+  if (drive.force) give(motor, "max-force", number_text(*drive.force));
   give(motor, "max-speed", number_text(drive.speed));
   DoorPlan plan;
   plan.element = drive.door;
@@ -36,7 +36,7 @@ int Expander::door_drive(const Node& node, const Place& inside, const DoorDrive&
   plan.motor = add_made(motor, inside, "drive");
   plan.travel = drive.travel;
   plan.starts_open = drive.open;
-  plan.lifts = drive.lifts;
+  plan.force_given = drive.force.has_value();
   if (plan.motor == nullptr) return -1;
   context_.doors.push_back(std::move(plan));
   return static_cast<int>(context_.doors.size()) - 1;
@@ -83,10 +83,9 @@ void Expander::door(const Node& node, const Place& place, const std::string& key
   drive.at = node.span;
   drive.axis = vertical ? (way > 0 ? "0 0 1" : "0 0 -1") : (way > 0 ? "1 0 0" : "-1 0 0");
   drive.travel = std::abs(way);
-  drive.force = *force;
+  if (force.given()) drive.force = *force;
   drive.speed = *speed;
   drive.open = *open;
-  drive.lifts = vertical;
   door_drive(node, inside, drive);
 }
 

@@ -152,7 +152,7 @@ class MazeMaker {
         speed.failed() || direction.failed())
       return false;
     sizes_ = {*cell, *thickness, *height, door.given() ? *door : 0.6 * *thickness};
-    force_ = *force;
+    if (force.given()) force_ = *force;
     speed_ = *speed;
     direction_ = *direction == "up"     ? DoorDirection::up
                  : *direction == "down" ? DoorDirection::down
@@ -361,7 +361,6 @@ class MazeMaker {
     drive.force = force_;
     drive.speed = speed_;
     drive.open = open_.count(name) != 0;
-    drive.lifts = vertical;
     const int index = expander_.door_drive(node_, inside, drive);
     if (index < 0) return;
     DoorPlan& door_plan = context_.doors[static_cast<std::size_t>(index)];
@@ -436,7 +435,8 @@ class MazeMaker {
   Element& written_;
   Expander::Place inner_;
   MazeSizes sizes_;
-  double force_ = 0, speed_ = 0;
+  std::optional<double> force_;
+  double speed_ = 0;
   DoorDirection direction_ = DoorDirection::side;
   MazeDrawing drawing_;
   Lines lines_;

@@ -53,12 +53,11 @@ struct DoorDrive {
   const Element* door = nullptr;
   const Element* leaf = nullptr;
   SourceSpan at;
-  std::string axis;     ///< in the leaf's frame, "1 0 0"
-  double travel = 1.0;  ///< [m] > 0
-  double force = 1.0;   ///< [N]
-  double speed = 1.0;   ///< [m/s]
-  bool open = false;    ///< at the start
-  bool lifts = false;   ///< against gravity
+  std::string axis;             ///< in the leaf's frame, "1 0 0"
+  double travel = 1.0;          ///< [m] > 0
+  std::optional<double> force;  ///< [N]
+  double speed = 1.0;           ///< [m/s]
+  bool open = false;            ///< at the start
 };
 
 class Expander {

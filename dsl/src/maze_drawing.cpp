@@ -134,7 +134,7 @@ class DrawingReader {
             "this line of the maze is " + std::to_string(length) +
                 " characters long, its first one " + std::to_string(width),
             "line them up: every cell takes " + std::to_string(out_.pitch - 1) +
-                " characters between two walls");
+                " characters between two walls, and the outer wall has no gap");
       if (enough()) break;
     }
     if (!out_.faults.empty()) return false;

@@ -15,7 +15,6 @@ constexpr int kFine = 48,
               kCoarse = 6;        // places along a side then looked at: of one rectangle, of many
 constexpr double kStands = 1e-6;  // [m] what stands on something does not overlap it
 constexpr int kMaxBins = 128;
-constexpr std::size_t kMaxTests = 20'000'000;  // a few seconds of looking
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -155,8 +154,9 @@ double Bundle::lowest() const {
   return solids.empty() ? 0.0 : z;
 }
 
-Strewer::Strewer(const Ground& ground, std::vector<Solid> obstacles, double clearance)
-    : ground_(ground), clearance_(clearance) {
+Strewer::Strewer(const Ground& ground, const std::vector<Solid>& obstacles, double clearance,
+                 std::size_t& budget)
+    : ground_(ground), clearance_(clearance), budget_(budget) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   whole_ = {kFar, -kFar, kFar, -kFar};
   for (const Ground::Rectangle& r : ground.rectangles)
@@ -170,7 +170,7 @@ Strewer::Strewer(const Ground& ground, std::vector<Solid> obstacles, double clea
   columns_ = std::clamp(static_cast<int>(std::ceil(width / bin_)), 1, kMaxBins);
   rows_ = std::clamp(static_cast<int>(std::ceil(depth / bin_)), 1, kMaxBins);
   bin_contents_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
-  for (Solid& solid : obstacles) add(std::move(solid));
+  for (const Solid& solid : obstacles) add(solid);
 }
 
 template <class Use>
@@ -220,7 +220,7 @@ bool Strewer::fits(const Bundle& bundle, double x, double y, double lift) {
         const Bounds& o = bounds_[k];
         if (other.top <= bottom || other.bottom >= top) continue;
         if (o.x1 < b.x0 || o.x0 > b.x1 || o.y1 < b.y0 || o.y0 > b.y1) continue;
-        ++tests_;
+        if (budget_ > 0) --budget_;
         const double gap = distance(solid, at, other);
         if (gap < clearance_ || gap <= 0.0) return false;
       }
@@ -248,7 +248,8 @@ std::optional<Vec3> Strewer::put(const Bundle& bundle, RandomStream& random) {
   // The origin's share of a rectangle, u and v from 0 to 1.
   const auto attempt = [&](const Ground::Rectangle& r, double u, double v) -> std::optional<Vec3> {
     const double x0 = r.x0 - own.x0, x1 = r.x1 - own.x1, y0 = r.y0 - own.y0, y1 = r.y1 - own.y1;
-    ++tests_;
+    if (budget_ == 0) return std::nullopt;
+    --budget_;
     if (x0 > x1 || y0 > y1) return std::nullopt;
     const double x = x0 + u * (x1 - x0), y = y0 + v * (y1 - y0);
     if (ground_.radius > 0 && !within_circle(x, y)) return std::nullopt;
@@ -268,7 +269,7 @@ std::optional<Vec3> Strewer::put(const Bundle& bundle, RandomStream& random) {
   const auto first = static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(all.size())));
   for (std::size_t i = 0; i < all.size() && !found; ++i)
     for (int k = 0; k <= side && !found; ++k)
-      for (int l = 0; l <= side && !found && tests_ < kMaxTests; ++l)
+      for (int l = 0; l <= side && !found && budget_ > 0; ++l)
         found = attempt(all[(first + i) % all.size()], static_cast<double>(k) / side,
                         static_cast<double>(l) / side);
   if (!found) return found;

@@ -45,8 +45,10 @@ struct Bundle {
 
 class Strewer {
  public:
-  /// `obstacles`: in the frame of the ground.
-  Strewer(const Ground& ground, std::vector<Solid> obstacles, double clearance);
+  /// `obstacles`: in the frame of the ground. `budget`: places that may still be looked at, by all
+  /// that share it.
+  Strewer(const Ground& ground, const std::vector<Solid>& obstacles, double clearance,
+          std::size_t& budget);
 
   /// A place for the bundle, wholly inside and clear of the rest by the clearance, drawn from
   /// `random`; then it is an obstacle itself. What would reach below the ground is raised to stand
@@ -70,7 +72,7 @@ class Strewer {
   double bin_ = 1.0;
   int columns_ = 1, rows_ = 1;
   std::vector<std::vector<int>> bin_contents_;
-  std::size_t tests_ = 0;
+  std::size_t& budget_;
 };
 
 }  // namespace cogrsim::dsl

@@ -18,7 +18,7 @@ struct DoorPlan {
   const Element* motor = nullptr;
   double travel = 0.0;  ///< [m] > 0
   bool starts_open = false;
-  bool lifts = false;                  ///< against gravity
+  bool force_given = false;            ///< else its motor is as strong as its leaf needs
   std::vector<const Element*> passes;  ///< bodies that it slides into
   bool passes_ground = false;          ///< and everything static
 };

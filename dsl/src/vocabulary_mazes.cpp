@@ -8,7 +8,9 @@ AttributeSpec direction(std::string_view name) {
   return choice(name, {"side", "up", "down"}, "Where it opens to.", "side");
 }
 AttributeSpec force(std::string_view name) {
-  return above_zero(number(name, kForce, "The most its motor pushes with.", "40 N"));
+  return above_zero(number(name, kForce,
+                           "The most its motor pushes with; 40 N if left out, or what accelerates "
+                           "the leaf by 20 m/s^2 if that is more."));
 }
 AttributeSpec speed(std::string_view name) {
   return above_zero(number(name, kSpeed, "How fast it opens and closes.", "0.5 m/s"));
@@ -18,6 +20,9 @@ AttributeSpec speed(std::string_view name) {
 
 void add_mazes(std::vector<ElementSpec>& out) {
   const auto group = "Mazes and doors";
+  AttributeSpec open =
+      attr("open", Kind::references, "Doors that stand open at the start; none if left out.");
+  open.max_count = 52;  // letters
   ElementSpec maze = element(
       group, "maze",
       "Walls from a drawing in characters, its cells being named places: see mazes.md. Its origin "
@@ -30,9 +35,7 @@ void add_mazes(std::vector<ElementSpec>& out) {
               attr("material", Kind::reference, "Material of the walls.")} +
           matter() + placed() +
           Attributes{
-              attr("open", Kind::references,
-                   "Doors that stand open at the start; none if left out."),
-              direction("door-direction"), force("door-force"), speed("door-speed"),
+              open, direction("door-direction"), force("door-force"), speed("door-speed"),
               above_zero(number("door-thickness", kLength,
                                 "Of the doors; six tenths of the walls' if left out.")),
               attr("door-material", Kind::reference,
