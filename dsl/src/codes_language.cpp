@@ -69,11 +69,6 @@ std::vector<CodeInfo> language_codes() {
       {"CG0205", error, "text where none belongs",
        "Between elements only white space and comments may stand.",
        "Put the text into a comment, <!-- like this -->.", "bad:  <scene> hello </scene>"},
-      {"CG0206", error, "a reserved word",
-       "The word belongs to the language, but what it does comes with a later version of CogRSim. "
-       "It "
-       "is not left out in silence.",
-       "Remove the element for now, or install a later version.", "<lidar name=\"scan\" …/>"},
       {"CG0207", error, "an element that may stand once",
        "There is a second element of a kind that a scene has only once.", "Merge the two.",
        "bad:  <physics step=\"1 ms\"/> <physics gravity=\"0 0 0\"/>"},
