@@ -100,6 +100,7 @@ Json frame_json(const Frame& frame, const ChannelsOf& channels) {
     out["events"].push_back({{"time", event.time},
                              {"kind", event.kind},
                              {"source", event.source},
+                             {"subject", event.subject},
                              {"message", event.message}});
   }
   return out;

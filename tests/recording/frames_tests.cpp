@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "cogrsim/rendering/renderer.h"
+#include "recording/messages.h"
 #include "recording/model_json.h"
 #include "support.h"
 
@@ -235,4 +236,43 @@ TEST_CASE("a scene model comes back whole") {
   CHECK_FALSE(model_from_json("{\"bodies\": 3}"));
   CHECK_FALSE(model_from_json("{\"bodies\": [{\"kind\": 7}]}"));
   CHECK_FALSE(model_from_json("nonsense"));
+}
+
+TEST_CASE("who took part in an event and what minds publish come back") {
+  std::string bytes;
+  put_event(bytes, {1.5, "enter", "goal", "", "robot.hand"});
+  const auto event = take_event(bytes);
+  REQUIRE(event);
+  CHECK(event->source == "goal");
+  CHECK(event->subject == "robot.hand");
+
+  SceneModel model;
+  model.controllers.resize(2);
+  model.controllers[0].outputs = {{"plans", "1"}, {"goal", "m"}};
+  model.supervisors.resize(1);
+  model.supervisors[0].outputs = {{"score", "1"}};
+  Frame frame;
+  frame.model = std::make_shared<const SceneModel>(model);
+  frame.controller_outputs = {{3.0, 0.25}, {}};
+  // The supervisor has published nothing: as if it were gone.
+  std::string on_file;
+  FrameEncoder().frame(on_file, frame, 0, {}, 0, true);
+  const auto record = take_frame(on_file);
+  REQUIRE(record);
+  CHECK(check_frame(*record, model));
+  Frame back;
+  share_outputs(*record, model, back);
+  REQUIRE(back.controller_outputs.size() == 2);
+  CHECK(back.controller_outputs[0] == std::vector<double>{3.0, 0.25});
+  CHECK(back.controller_outputs[1].empty());
+  CHECK(std::isnan(back.supervisor_outputs[0][0]));
+
+  // A file from before there were outputs fits; one with too many does not.
+  FrameRecord old = *record;
+  old.controller_outputs.clear();
+  CHECK(check_frame(old, model));
+  share_outputs(old, model, back);
+  CHECK(std::isnan(back.controller_outputs[0][1]));
+  old.controller_outputs = {1.0};
+  CHECK_FALSE(check_frame(old, model));
 }

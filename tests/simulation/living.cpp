@@ -342,3 +342,99 @@ TEST_CASE("what happens by itself is the same however a run is cut", "[living]")
     CHECK(state_hash(other->frame()->state) != hash);
   }
 }
+
+namespace {
+
+SceneModelPtr flooded(int count) {
+  Yard yard;
+  ControllerModel flood;
+  flood.name = "flood";
+  flood.plugin = "flood";
+  flood.parameters["count"] = std::int64_t{count};
+  yard.builder.model.supervisors.push_back(flood);
+  return yard.builder.build();
+}
+
+}  // namespace
+
+TEST_CASE("a million spawns are refused at a limit and the run goes on", "[living]") {
+  const std::string backend = GENERATE(both_backends());
+  auto simulation = simulate(flooded(1000000), backend);
+  Diary diary(*simulation);
+  CHECK(simulation->run_until(4e-3) == RunStatus::completed);
+  // A hundred come in a step; the first are there from the second step on.
+  CHECK(diary.count("added") == 300);
+  CHECK(diary.count("refused") == 2);
+  const std::string said = messages_of(*simulation);
+  CHECK(said.find("sent more than 10000 commands in one step") != std::string::npos);
+  CHECK(said.find("100 assemblies came in this step already") != std::string::npos);
+  CHECK(simulation->messages().size() == 2);
+  CHECK(simulation->model()->supervisors[0].outputs[0].name == "sent");
+  CHECK(simulation->frame()->supervisor_outputs[0][0] == 4e6);
+}
+
+TEST_CASE("only so many bodies can be there that came during a run", "[living]") {
+  auto simulation = simulate(flooded(100), "bullet");
+  Diary diary(*simulation);
+  CHECK(simulation->run_until(0.024) == RunStatus::completed);
+  CHECK(diary.count("added") == 2000);
+  CHECK(diary.count("refused") == 1);
+  CHECK(messages_of(*simulation).find("2000 are there, and 2000 may be") != std::string::npos);
+}
+
+TEST_CASE("what a supervisor has sent is part of a snapshot", "[living]") {
+  const std::string backend = GENERATE(both_backends());
+  auto whole = simulate(flooded(2), backend);
+  whole->run_until(0.03);
+  auto cut = simulate(flooded(2), backend);
+  cut->run_until(0.011);
+  const SimulationSnapshotPtr saved = cut->save();
+  cut->run_until(0.019);
+  REQUIRE(cut->restore(saved));
+  cut->run_until(0.03);
+  CHECK(find_assembly(*cut->model(), "Ball_58") >= 0);
+  CHECK(state_hash(cut->frame()->state) == state_hash(whole->frame()->state));
+}
+
+TEST_CASE("things are attached where they are and let go", "[living]") {
+  const std::string backend = GENERATE(both_backends());
+  Yard yard(true);
+  yard.builder.model.bodies[3].V_WB = {};
+  yard.builder.model.bodies[3].X_WB = at(5, 5, 0.31);  // 1 cm above the crate
+  auto simulation = simulate(yard.builder.build(), backend);
+  Diary diary(*simulation);
+  simulation->send(SetStatic{"crate", true});
+  Attach attach;
+  attach.name = "grip";
+  attach.parent = "crate";
+  attach.child = "ball";
+  attach.reach = 0.005;
+  simulation->send(attach);
+  simulation->step();
+  // The surfaces are 1 cm apart, the reach is half of that.
+  CHECK(messages_of(*simulation).find("the reach is") != std::string::npos);
+  attach.reach = 0.02;
+  simulation->send(attach);
+  simulation->run_until(0.5);
+  const auto height = [&] { return simulation->frame()->state.poses[3].p.z(); };
+  CHECK(height() == Approx(0.31).margin(1e-3));  // fell for a step, 1e-5 m, and then hung there
+  CHECK(diary.time_of("attached", "grip") == Approx(1e-3));
+  CHECK(diary.count("frozen") == 1);
+  simulation->send(Detach{"grip"});
+  simulation->run_until(1.0);
+  CHECK(diary.count("detached") == 1);
+  CHECK(height() < 0.305);  // lies on the crate or beside it
+  simulation->send(SetStatic{"crate", false});
+  simulation->run_until(1.1);
+  CHECK(diary.count("freed") == 1);
+}
+
+TEST_CASE("limits change while a run goes on", "[living]") {
+  const std::string backend = GENERATE(both_backends());
+  Yard yard;
+  auto simulation = simulate(yard.builder.build(), backend);
+  simulation->send(SetJointLimits{"slide", 0, std::nullopt, 0.3});
+  simulation->send(MoveDoor{"door", true});
+  simulation->run_until(3.0);
+  CHECK(simulation->frame()->state.joint_positions[0] == Approx(0.3).margin(0.01));
+}

@@ -137,6 +137,19 @@ void FrameEncoder::frame(std::string& bytes, const Frame& frame, std::uint32_t m
   if (!readings.empty()) out.add_packed_uint64(15, readings.begin(), readings.end());
   out.add_uint64(16, events);
   out.add_uint32(17, static_cast<std::uint32_t>(frame.events.size()));
+  const auto put_outputs = [&](std::uint32_t field, const std::vector<ControllerModel>& minds,
+                               const std::vector<std::vector<double>>& outputs) {
+    numbers_.clear();
+    for (std::size_t i = 0; i < minds.size(); ++i) {
+      for (std::size_t k = 0; k < minds[i].outputs.size(); ++k) {
+        const bool known = i < outputs.size() && k < outputs[i].size();
+        numbers_.push_back(known ? outputs[i][k] : std::numeric_limits<double>::quiet_NaN());
+      }
+    }
+    if (!numbers_.empty()) put_doubles(out, field, numbers_);
+  };
+  put_outputs(18, frame.model->controllers, frame.controller_outputs);
+  put_outputs(19, frame.model->supervisors, frame.supervisor_outputs);
 }
 
 Result<FrameRecord> take_frame(std::string_view bytes) {
@@ -207,6 +220,12 @@ Result<FrameRecord> take_frame(std::string_view bytes) {
       case 17:
         record.new_events = in.get_uint32();
         break;
+      case 18:
+        record.controller_outputs = take_doubles(in);
+        break;
+      case 19:
+        record.supervisor_outputs = take_doubles(in);
+        break;
       default:
         in.skip();
     }
@@ -218,6 +237,34 @@ Result<FrameRecord> take_frame(std::string_view bytes) {
     return fail("the contacts of a recorded frame are damaged");
   }
   return record;
+}
+
+namespace {
+
+std::size_t output_count(const std::vector<ControllerModel>& minds) {
+  std::size_t count = 0;
+  for (const ControllerModel& mind : minds) count += mind.outputs.size();
+  return count;
+}
+
+std::vector<std::vector<double>> shared_out(const std::vector<ControllerModel>& minds,
+                                            const std::vector<double>& numbers) {
+  std::vector<std::vector<double>> out(minds.size());
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < minds.size(); ++i) {
+    for (std::size_t k = 0; k < minds[i].outputs.size(); ++k) {
+      out[i].push_back(next < numbers.size() ? numbers[next++]
+                                             : std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void share_outputs(const FrameRecord& record, const SceneModel& model, Frame& frame) {
+  frame.controller_outputs = shared_out(model.controllers, record.controller_outputs);
+  frame.supervisor_outputs = shared_out(model.supervisors, record.supervisor_outputs);
 }
 
 Result<> check_frame(const FrameRecord& record, const SceneModel& model) {
@@ -233,7 +280,10 @@ Result<> check_frame(const FrameRecord& record, const SceneModel& model) {
               fits(state.motor_efforts, model.motors.size()) &&
               fits(frame.accelerations, model.bodies.size(), true) &&
               fits(frame.joint_reactions, model.joints.size(), true) &&
-              fits(record.readings, model.sensors.size()) && record.new_events <= record.events;
+              fits(record.readings, model.sensors.size()) &&
+              fits(record.controller_outputs, output_count(model.controllers), true) &&
+              fits(record.supervisor_outputs, output_count(model.supervisors), true) &&
+              record.new_events <= record.events;
   const auto is_shape = [&](int body, int shape) {
     return body >= 0 && body < static_cast<int>(model.bodies.size()) && shape >= -1 &&
            shape < static_cast<int>(model.bodies[static_cast<std::size_t>(body)].shapes.size());
@@ -381,6 +431,7 @@ void put_event(std::string& bytes, const Event& event) {
   out.add_string(2, event.kind);
   out.add_string(3, event.source);
   out.add_string(4, event.message);
+  if (!event.subject.empty()) out.add_string(5, event.subject);
 }
 
 Result<Event> take_event(std::string_view bytes) {
@@ -398,6 +449,9 @@ Result<Event> take_event(std::string_view bytes) {
         break;
       case 4:
         event.message = in.get_string();
+        break;
+      case 5:
+        event.subject = in.get_string();
         break;
       default:
         in.skip();

@@ -21,6 +21,8 @@ struct FrameRecord {
   std::vector<std::uint64_t> readings;
   std::uint64_t events = 0;
   std::uint32_t new_events = 0;
+  std::vector<double> controller_outputs;  ///< one after the other; see share_outputs()
+  std::vector<double> supervisor_outputs;
 };
 
 /// Appends messages to strings; one object per thread, because it keeps its scratch memory.
@@ -36,6 +38,8 @@ class FrameEncoder {
 Result<FrameRecord> take_frame(std::string_view bytes);
 /// Refuses a frame whose arrays have other lengths than its model's, or that points outside it.
 Result<> check_frame(const FrameRecord& record, const SceneModel& model);
+/// Gives the minds of a frame what they had published by then; NaN: nothing, or an older file.
+void share_outputs(const FrameRecord& record, const SceneModel& model, Frame& frame);
 
 void put_model(std::string& out, const SceneModel& model, std::uint32_t index);
 Result<std::shared_ptr<const SceneModel>> take_model(std::string_view bytes);

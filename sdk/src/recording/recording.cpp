@@ -365,6 +365,7 @@ Result<std::shared_ptr<Frame>> Recording::Impl::frame(std::size_t index) {
   if (auto good = check_frame(*known, **scene); !good) return tl::unexpected(good.error());
   auto out = std::make_shared<Frame>(std::move(known->frame));
   out->model = *scene;
+  share_outputs(*known, **scene, *out);
   out->readings.reserve(known->readings.size());
   for (std::size_t i = 0; i < known->readings.size(); ++i) {
     out->readings.push_back(reading(i, known->readings[i], **scene));

@@ -150,6 +150,11 @@ Result<> Simulation::Impl::add_assembly(const AddAssembly& command, const std::s
   for (const Diagnostic& d : check_capabilities(**next, backend->name(), backend->capabilities())) {
     if (d.severity == Severity::error) return fail(d.message, "", d.help, d.code);
   }
+  if (!command.fragment->controllers.empty()) {
+    auto named = std::make_shared<SceneModel>(**next);
+    name_outputs(*named, *loader);
+    next = SceneModelPtr(std::move(named));
+  }
   // Devices first, on the new model: what they refuse must leave the world as it was.
   const SceneModelPtr before = model;
   const std::size_t sensors_before = sensors.size(), controllers_before = controllers.size();

@@ -67,6 +67,7 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   frame->events = events;
   frame->controller_outputs.resize(controllers.size());
   for (std::size_t i = 0; i < controllers.size(); ++i) {
+    frame->controller_outputs[i].clear();
     if (controllers[i].access) frame->controller_outputs[i] = controllers[i].access->outputs;
   }
   frame->supervisor_outputs.resize(supervisors.size());
