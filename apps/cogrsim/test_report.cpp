@@ -48,6 +48,7 @@ std::string shell_word(const std::string& word) {
 }
 
 std::string again(const TestCase& one, const TestCommandOptions& options) {
+  if (one.backends.empty()) return "cogrsim check " + shell_word(one.scene);
   std::string backends;
   for (const std::string& backend : one.backends)
     backends += (backends.empty() ? "" : ",") + backend;
@@ -82,6 +83,7 @@ std::string headline(const TestCase& one) {
 }  // namespace
 
 std::string TestCase::title() const {
+  if (backends.empty()) return test;
   std::string where;
   for (const std::string& backend : backends) where += (where.empty() ? "" : "+") + backend;
   return fmt::format("{} [{}, seed {}]", test, where, seed_used);
