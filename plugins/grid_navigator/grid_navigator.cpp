@@ -118,6 +118,7 @@ void GridNavigator::configure(cogrsim::Assembly& robot) {
   settings.cell = maze_->cell;
   settings.acceleration = robot.parameter<double>("acceleration");
   settings.turn_rate = robot.parameter<double>("turn_rate");
+  settings.turn_acceleration = robot.parameter<double>("turn_acceleration");
   settings.clearance = robot.parameter<double>("clearance");
   driver_ = WheelDriver(settings);
   obstacles_ = ObstacleMap(*maze_);
@@ -482,8 +483,9 @@ COGRSIM_CONTROLLER(
         .range(1e-3, 2.0)
         .must_be_set(),
     parameter("speed", 0.5, "m/s", "cruising speed").range(0.01, 5.0),
-    parameter("acceleration", 1.5, "m/s^2", "of starting and braking").range(0.01, 50.0),
-    parameter("turn_rate", 4.0, "rad/s", "bound of the turn rate").range(0.1, 20.0),
+    parameter("acceleration", 2.0, "m/s^2", "of starting and braking").range(0.01, 50.0),
+    parameter("turn_rate", 6.0, "rad/s", "of turns on the spot").range(0.1, 20.0),
+    parameter("turn_acceleration", 30.0, "rad/s^2", "the same").range(0.1, 1000.0),
     parameter("clearance", 0.15, "m", "kept from the robot's middle to what it sees ahead")
         .range(0.0, 1.0),
     parameter("high", "high_",

@@ -8,9 +8,11 @@ namespace grid_navigator {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kAligned = 0.03;         // [rad]: of a cell's length this is 1.5 cm aside
-constexpr double kAlignedRate = 0.5;      // [rad/s]
-constexpr double kTurnGain = 8.0;         // turn rate per heading error [1/s]
+constexpr double kAligned =
+    0.05;  // [rad]: of a cell's length this is 2.5 cm aside; steering does the rest
+constexpr double kAlignedRate = 1.0;      // [rad/s]
+constexpr double kTurnGain = 8.0;         // on the move: turn rate per heading error [1/s]
+constexpr double kSpotGain = 14.0;        // on the spot [1/s]
 constexpr double kAsideGain = 4.0;        // heading per distance from the line [rad/m]
 constexpr double kMaxAsideHeading = 0.3;  // [rad]
 constexpr double kCentred = 0.05;         // [m]
@@ -152,7 +154,7 @@ Velocity WheelDriver::turn(const PlanarPose& pose) {
     return {};
   }
   // The fastest turn that can still be braked, linear near the end.
-  const double size = std::min({settings_.turn_rate, kTurnGain * std::abs(error),
+  const double size = std::min({settings_.turn_rate, kSpotGain * std::abs(error),
                                 std::sqrt(2 * settings_.turn_acceleration * std::abs(error))});
   return {0.0, std::copysign(size, error)};
 }

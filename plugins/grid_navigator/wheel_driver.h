@@ -50,9 +50,9 @@ class Localiser {
 
 struct DriverSettings {
   double cell = 0.5;                ///< from centre to centre [m]
-  double acceleration = 1.5;        ///< [m/s^2]
-  double turn_rate = 4.0;           ///< [rad/s]
-  double turn_acceleration = 16.0;  ///< [rad/s^2]
+  double acceleration = 2.0;        ///< [m/s^2]
+  double turn_rate = 6.0;           ///< [rad/s]
+  double turn_acceleration = 30.0;  ///< [rad/s^2]
   double arrival = 0.01;            ///< a centre counts as reached this near [m]
   double clearance = 0.15;          ///< from its centre to what is seen ahead, at the target [m]
   double patience = 1.0;            ///< pushed in vain so long, an action ends blocked [s]

@@ -1,13 +1,29 @@
 #include "hindsight.h"
 
 #include <algorithm>
-#include <queue>
 
 namespace maze_referee {
 
 namespace {
 
 using cogrsim::Grid;
+
+using cogrsim::Side;
+
+/// The cell a step leads to; nothing where it cannot be made.
+std::optional<int> beyond(const Grid& grid, int from, Side side) {
+  const Cell at = grid.cell(from);
+  const Cell to{at.row + (side == Side::north) - (side == Side::south),
+                at.column + (side == Side::east) - (side == Side::west)};
+  if (!grid.contains(to) || !(grid.step_cost(at, to) < cogrsim::kBlocked)) return std::nullopt;
+  return grid.index(to);
+}
+
+double turning(const Pace& pace, int heading, int side) {
+  if (heading == side) return 0.0;
+  // north 0, south 1, east 2, west 3: opposites are pairs.
+  return heading / 2 == side / 2 ? pace.half : pace.quarter;
+}
 
 bool reaches(const Grid& grid, const Cell& from, const Cell& to) {
   const std::vector<int> all = grid.reachable(from);
@@ -17,39 +33,52 @@ bool reaches(const Grid& grid, const Cell& from, const Cell& to) {
 }  // namespace
 
 std::optional<int> fewest_steps(const cogrsim::MazeModel& maze, const Task& task,
-                                const std::vector<Cube>& cubes, double step_time) {
-  const Grid closed = cogrsim::grid_of(maze, false), open = cogrsim::grid_of(maze, true);
-  const auto cells = static_cast<std::size_t>(closed.size());
+                                const std::vector<Cube>& cubes, const Pace& pace) {
+  const Grid grids[] = {cogrsim::grid_of(maze, false), cogrsim::grid_of(maze, true)};
+  const auto cells = static_cast<std::size_t>(grids[0].size());
   std::vector<double> blocked_from(cells, cogrsim::kBlocked);
   for (const Cube& cube : cubes) {
-    double& since = blocked_from[static_cast<std::size_t>(closed.index(cube.cell))];
+    double& since = blocked_from[static_cast<std::size_t>(grids[0].index(cube.cell))];
     since = std::min(since, cube.since);
   }
 
-  std::vector<int> steps(2 * cells, -1);  // by errand, then cell
-  std::queue<std::size_t> waiting;
-  const auto visit = [&](const Cell& cell, std::size_t errand, int count) {
-    if (cell == task.trigger) errand = 1;
-    const std::size_t node = errand * cells + static_cast<std::size_t>(closed.index(cell));
-    if (steps[node] >= 0) return;
-    steps[node] = count;
-    waiting.push(node);
+  // By errand, cell and heading; infinite: k steps do not lead there.
+  const auto state = [&](int errand, int cell, int heading) {
+    return (static_cast<std::size_t>(errand) * cells + static_cast<std::size_t>(cell)) * 4 +
+           static_cast<std::size_t>(heading);
   };
-  visit(task.start, 0, 0);
-  std::vector<Grid::Step> next;
-  while (!waiting.empty()) {
-    const std::size_t node = waiting.front();
-    waiting.pop();
-    const std::size_t errand = node / cells;
-    const auto index = static_cast<int>(node % cells);
-    const int count = steps[node];
-    if (errand == 1 && closed.cell(index) == task.goal) return count;
-    (errand == 1 ? open : closed).steps(index, next);
-    for (const Grid::Step& step : next) {
-      if ((count + 1) * step_time < blocked_from[static_cast<std::size_t>(step.to)]) {
-        visit(closed.cell(step.to), errand, count + 1);
+  const int start = grids[0].index(task.start), goal = grids[0].index(task.goal);
+  const int first = task.start == task.trigger ? 1 : 0;
+  if (first == 1 && start == goal) return 0;
+  std::vector<double> now(cells * 8, cogrsim::kBlocked);
+  for (int heading = 0; heading < 4; ++heading) {
+    if (pace.heading && static_cast<int>(*pace.heading) != heading) continue;
+    now[state(first, start, heading)] = 0.0;
+  }
+
+  // A shortest way is at no place twice on one errand.
+  for (int count = 1; count <= 2 * static_cast<int>(cells); ++count) {
+    std::vector<double> next(cells * 8, cogrsim::kBlocked);
+    for (int errand = 0; errand < 2; ++errand) {
+      const Grid& grid = grids[errand];
+      for (int from = 0; from < grid.size(); ++from) {
+        for (int side = 0; side < 4; ++side) {
+          const auto to = beyond(grid, from, static_cast<Side>(side));
+          if (!to) continue;
+          double time = cogrsim::kBlocked;
+          for (int heading = 0; heading < 4; ++heading) {
+            time = std::min(time, now[state(errand, from, heading)] + turning(pace, heading, side));
+          }
+          time += pace.step;
+          if (!(time < blocked_from[static_cast<std::size_t>(*to)])) continue;
+          const bool done = errand == 1 || grid.cell(*to) == task.trigger;
+          if (done && *to == goal) return count;
+          double& best = next[state(done ? 1 : 0, *to, side)];
+          best = std::min(best, time);
+        }
       }
     }
+    now.swap(next);
   }
   return std::nullopt;
 }

@@ -20,6 +20,7 @@ using cogrsim::Stage;
 using cogrsim::Vec3;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kPi = 3.14159265358979323846;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// So many updates after it was asked for, an obstacle is there or was refused.
 constexpr int kRefused = 3;
@@ -57,6 +58,7 @@ class MazeReferee final : public cogrsim::Supervisor {
  private:
   void draw_obstacles(Stage& stage);
   void watch_model(const cogrsim::SceneModelPtr& model);
+  cogrsim::Side looks(const cogrsim::Quat& q) const;
   void follow_robot(const Frame& frame, Stage& stage);
   void count_touches(const Frame& frame);
   void place_obstacles(const Frame& frame, Stage& stage);
@@ -68,7 +70,8 @@ class MazeReferee final : public cogrsim::Supervisor {
   cogrsim::MazeModel maze_;
   Task task_;
   std::string robot_, cube_template_, ball_template_;
-  double step_time_ = 1.0, arrival_ = 0.03, cube_height_ = 0.2, ball_radius_ = 0.06;
+  Pace pace_;
+  double arrival_ = 0.03, cube_height_ = 0.2, ball_radius_ = 0.06;
   bool end_run_ = true;
 
   std::vector<Obstacle> obstacles_;
@@ -109,7 +112,18 @@ void MazeReferee::configure(Stage& stage) {
   if (cogrsim::find_assembly(model, robot_) < 0) {
     throw std::runtime_error("there is no assembly '" + robot_ + "' to watch");
   }
-  step_time_ = maze_.cell / parameter<double>(stage, "speed");
+  const double speed = parameter<double>(stage, "speed"),
+               turn_rate = parameter<double>(stage, "turn_rate"),
+               turn_acceleration = parameter<double>(stage, "turn_acceleration");
+  // Turning by an angle from rest to rest, and the time that braking before it and starting again
+  // lose against full speed.
+  const auto turn = [&](double angle) {
+    const double ramps = turn_rate * turn_rate / turn_acceleration;  // turned while both last
+    const double turning = angle > ramps ? angle / turn_rate + turn_rate / turn_acceleration
+                                         : 2 * std::sqrt(angle / turn_acceleration);
+    return turning + speed / parameter<double>(stage, "acceleration");
+  };
+  pace_ = {maze_.cell / speed, turn(kPi / 2), turn(kPi), {}};
   arrival_ = parameter<double>(stage, "arrival");
   cube_height_ = parameter<double>(stage, "cube");
   ball_radius_ = parameter<double>(stage, "ball");
@@ -190,8 +204,18 @@ std::vector<Cube> MazeReferee::cubes() const {
   return out;
 }
 
+// Which of the four directions of the maze is nearest to a body's x axis.
+cogrsim::Side MazeReferee::looks(const cogrsim::Quat& q) const {
+  const Vec3 forward = maze_.X_WM.q.conjugate() * (q * Vec3::UnitX());
+  if (std::abs(forward.x()) > std::abs(forward.y())) {
+    return forward.x() > 0 ? cogrsim::Side::east : cogrsim::Side::west;
+  }
+  return forward.y() > 0 ? cogrsim::Side::north : cogrsim::Side::south;
+}
+
 void MazeReferee::follow_robot(const Frame& frame, Stage& stage) {
   const Vec3 place = frame.state.poses[static_cast<std::size_t>(base_)].p;
+  if (!started_) pace_.heading = looks(frame.state.poses[static_cast<std::size_t>(base_)].q);
   if (started_) path_ += (place - last_).head<2>().norm();
   started_ = true;
   last_ = place;
@@ -280,7 +304,7 @@ void MazeReferee::place_obstacles(const Frame& frame, Stage& stage) {
 void MazeReferee::publish(Stage& stage) {
   const std::vector<Cube> known = cubes();
   if (!judged_ || *judged_ != known.size()) {
-    const auto steps = fewest_steps(maze_, task_, known, step_time_);
+    const auto steps = fewest_steps(maze_, task_, known, pace_);
     optimum_ = steps ? *steps * maze_.cell : kNaN;
     judged_ = known.size();
   }
@@ -324,14 +348,17 @@ COGRSIM_SUPERVISOR(
     parameter("start", "", "cell in which it starts: a named place, or \"r2c5\"").must_be_set(),
     parameter("trigger", "", "cell it must visit first").must_be_set(),
     parameter("goal", "", "cell at which the run ends").must_be_set(),
-    parameter("speed", 0.5, "m/s", "the fastest a robot could be, for the optimum")
+    parameter("speed", 0.5, "m/s", "the fastest the robot can be, for the optimum")
         .range(0.01, 10.0),
+    parameter("acceleration", 2.0, "m/s^2", "the same").range(0.01, 100.0),
+    parameter("turn_rate", 6.0, "rad/s", "the same").range(0.1, 100.0),
+    parameter("turn_acceleration", 30.0, "rad/s^2", "the same").range(0.1, 1000.0),
     parameter("arrival", 0.03, "m", "the goal counts as reached this near to its middle")
         .range(1e-3, 1.0),
     parameter("cubes", 5, "cubes that appear").range(0, 200),
     parameter("balls", 4, "balls that appear").range(0, 200),
     parameter("from", 1.0, "s", "nothing appears before").range(0.0, 1e6),
-    parameter("until", 25.0, "s", "the last appears by then").range(0.0, 1e6),
+    parameter("until", 15.0, "s", "the last appears by then").range(0.0, 1e6),
     parameter("vanishing", 0.5, "1", "share of the balls that vanish again after 4 s to 12 s")
         .range(0.0, 1.0),
     parameter("scatter", 0.03, "m",

@@ -15,6 +15,7 @@ using cogrsim::MazeModel;
 using maze_referee::can_be_done;
 using maze_referee::Cube;
 using maze_referee::fewest_steps;
+using maze_referee::Pace;
 using maze_referee::Task;
 
 namespace {
@@ -195,15 +196,31 @@ TEST_CASE("the optimum waits for the doors and knows when cubes come", "[navigat
   west_of(maze, 1, 2, MazeModel::kWall);
   const Task task{{0, 1}, {1, 0}, {1, 3}};
   // To the trigger 2 steps; back 2, through the door 1, and 2 to the goal.
-  CHECK(fewest_steps(maze, task, {}, 1.0) == 7);
+  CHECK(fewest_steps(maze, task, {}, Pace{}) == 7);
   // Without the errand it would have been 3.
-  CHECK(fewest_steps(maze, {{0, 1}, {0, 1}, {1, 3}}, {}, 1.0) == 3);
+  CHECK(fewest_steps(maze, {{0, 1}, {0, 1}, {1, 3}}, {}, Pace{}) == 3);
   // The robot stands behind the door, cell (0, 2), after 5 steps: a cube that comes at 5.5 s is too
   // late to be in the way, one at 4.5 s cuts it.
-  CHECK(fewest_steps(maze, task, {{{0, 2}, 5.5}}, 1.0) == 7);
-  CHECK_FALSE(fewest_steps(maze, task, {{{0, 2}, 4.5}}, 1.0));
+  CHECK(fewest_steps(maze, task, {{{0, 2}, 5.5}}, Pace{}) == 7);
+  CHECK_FALSE(fewest_steps(maze, task, {{{0, 2}, 4.5}}, Pace{}));
   // One of the two equal ways to the trigger is cut at once: no loss.
-  CHECK(fewest_steps(maze, task, {{{0, 0}, 0.0}}, 1.0) == 7);
+  CHECK(fewest_steps(maze, task, {{{0, 0}, 0.0}}, Pace{}) == 7);
+}
+
+TEST_CASE("the optimum pays for turns with time and not with length", "[navigation]") {
+  // A corridor of five cells: 4 steps straight on.
+  MazeModel maze = open_maze(1, 5);
+  const Task task{{0, 0}, {0, 0}, {0, 4}};
+  const Pace pace{1.0, 0.5, 0.75, cogrsim::Side::east};
+  CHECK(fewest_steps(maze, task, {}, pace) == 4);
+  // At (0, 3) after 3 s when it looks ahead at the start, 0.5 s later when it must turn first.
+  const std::vector<Cube> late = {{{0, 3}, 3.25}};
+  CHECK(fewest_steps(maze, task, late, pace) == 4);
+  CHECK_FALSE(fewest_steps(maze, task, late, Pace{1.0, 0.5, 0.75, cogrsim::Side::north}));
+  // To the west and back, two half turns: at (0, 3) after 1 + 3 steps and 1.5 s.
+  const Task back{{0, 1}, {0, 0}, {0, 4}};
+  CHECK(fewest_steps(maze, back, {{{0, 3}, 5.6}}, pace) == 5);
+  CHECK_FALSE(fewest_steps(maze, back, {{{0, 3}, 5.4}}, pace));
 }
 
 TEST_CASE("a cube is fair while a way is left", "[navigation]") {
