@@ -193,12 +193,11 @@ double surface_distance(const PlacedShape& surface, const PlacedShape& other, do
   return best;
 }
 
-PlacedShape placed(const SceneModel& model, const Body& body, int index, const Shape& shape,
-                   const Pose& X_WB, double grown) {
-  PlacedShape out{&model, &shape, X_WB * shape.X_BS, index, grown};
+PlacedShape placed(const SceneModel& model, int body, const Shape& shape, const Pose& X_WB,
+                   double grown) {
+  PlacedShape out{&model, &shape, X_WB * shape.X_BS, body, grown};
   out.low.setConstant(-kInfinity);
   out.high.setConstant(kInfinity);
-  static_cast<void>(body);
   if (shape.type == ShapeType::plane) return out;
   if (has_inside(shape)) {
     for (int i = 0; i < 3; ++i) {
@@ -225,8 +224,7 @@ std::vector<PlacedShape> shapes_of(const SceneModel& model, const WorldState& st
   const Body& body = model.bodies[static_cast<std::size_t>(index)];
   for (const Shape& shape : body.shapes) {
     if (!shape.collides) continue;
-    out.push_back(
-        placed(model, body, index, shape, state.poses[static_cast<std::size_t>(index)], 0));
+    out.push_back(placed(model, index, shape, state.poses[static_cast<std::size_t>(index)], 0));
   }
   return out;
 }
@@ -272,8 +270,7 @@ std::string Room::in_the_way(const SceneModel& fragment, const Pose& pose, doubl
       if (!shape.collides) continue;
       Pose X_WB = pose * body.X_WB;
       X_WB.p.z() += kSunk;
-      const PlacedShape newcomer =
-          placed(fragment, body, static_cast<int>(i), shape, X_WB, clearance);
+      const PlacedShape newcomer = placed(fragment, static_cast<int>(i), shape, X_WB, clearance);
       for (const PlacedShape& other : shapes_) {
         if (shape_distance(newcomer, other, 0.0) > 0.0) continue;
         return model_.bodies[static_cast<std::size_t>(other.body)].name;
