@@ -181,6 +181,30 @@ TEST_CASE("a bin owns its lower edge and the last one both", "[statistics]") {
   CHECK(bin_counts({0, 1, 2, 2, -0.1, 2.1}, {0, 1, 2}) == std::vector<double>{1, 3});
 }
 
+TEST_CASE("samples on lines get a cell for each line", "[statistics]") {
+  // A board of 3 x 2 places half a metre apart, each told five times with another value.
+  std::vector<double> x, y, z;
+  for (int round = 0; round < 5; ++round) {
+    for (int place = 0; place < 6; ++place) {
+      x.push_back(0.25 + 0.5 * (place % 3));
+      y.push_back(1.25 + 0.5 * (place / 3));
+      z.push_back(10.0 * place + round);
+    }
+  }
+  const Grid grid = grid_means(x, y, z);
+  REQUIRE(grid.x.size() == 3);
+  REQUIRE(grid.y.size() == 2);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(grid.x[i] == Approx(0.25 + 0.5 * double(i)));
+  CHECK(grid.y[1] == Approx(1.75));
+  for (std::size_t i = 0; i < 6; ++i) {
+    CHECK(grid.counts[i] == 5.0);
+    CHECK(grid.z[i] == Approx(10.0 * double(i) + 2.0));
+  }
+  // One that is off its line: cells as usual.
+  x[0] += 0.1;
+  CHECK(grid_means(x, y, z).x.size() == 4);
+}
+
 TEST_CASE("scattered samples are averaged per cell", "[statistics]") {
   // Two columns over x 0 … 4, two rows over y 0 … 2; the upper right cell stays empty.
   const std::vector<double> x = {0, 1, 4, 3, 0, 1}, y = {0, 0.5, 0, 0.5, 2, 1.5};

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -205,6 +206,26 @@ struct Axis1 {
     low -= 0.5 * cell;
     high = low + cell;
   }
+  // Samples that stand on a few equally spaced lines, again and again, get a line of cells for each:
+  // equal cells between the outermost ones would leave empty cells between them.
+  static std::optional<Axis1> on_lines(std::vector<double> values) {
+    const std::size_t count = values.size();
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    const std::size_t lines = values.size();
+    if (lines < 2 || lines > 40 || count < 4 * lines) return std::nullopt;
+    const double pitch = values.back() / static_cast<double>(lines - 1) -
+                         values.front() / static_cast<double>(lines - 1);
+    for (std::size_t i = 0; i < lines; ++i) {
+      const double there = values.front() + static_cast<double>(i) * pitch;
+      if (!(std::fabs(values[i] - there) < 1e-6 * pitch)) return std::nullopt;
+    }
+    Axis1 axis({}, static_cast<int>(lines));
+    axis.low = values.front() - 0.5 * pitch;
+    axis.high = values.back() + 0.5 * pitch;
+    axis.cell = pitch;
+    return axis;
+  }
   std::size_t index(double value) const {
     return static_cast<std::size_t>(
         std::clamp(std::floor(value / cell - low / cell), 0.0, static_cast<double>(cells - 1)));
@@ -233,8 +254,11 @@ Grid grid_means(const std::vector<double>& x, const std::vector<double>& y,
   }
   const int usual =
       std::clamp(static_cast<int>(std::sqrt(static_cast<double>(xs.size()) / 4.0)), 4, 40);
-  const Axis1 across(xs, columns > 0 ? columns : usual);
-  const Axis1 along(ys, rows > 0 ? rows : usual);
+  const auto axis = [&](const std::vector<double>& values, int count) {
+    if (count > 0) return Axis1(values, count);
+    return Axis1::on_lines(values).value_or(Axis1(values, usual));
+  };
+  const Axis1 across = axis(xs, columns), along = axis(ys, rows);
   Grid grid;
   grid.method = fmt::format("mean per cell, {} x {} cells", across.cells, along.cells);
   if (xs.empty()) {
