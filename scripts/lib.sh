@@ -65,11 +65,17 @@ build() {
   cmake --build "$build_dir" --parallel "$(nproc)" --target "$@"
 }
 
-# The main job: one scene, two engines, one table.
+# The main job: the navigation experiment on two engines, in short, and how far they part.
 run_demo() {
-  local scene=$repo/examples/010_two_wheels/two_wheels.scene.xml
-  local report=$build_dir/two_wheels.html
-  say "cogrsim compare examples/010_two_wheels/two_wheels.scene.xml --backends bullet,simbody"
-  "$build_dir/bin/cogrsim" compare "$scene" --backends bullet,simbody --report "$report" || return
-  printf '\nThe curves are in %s\n' "$report"
+  local example=examples/050_navigation album=$build_dir/navigation
+  say "$example/experiment --short --seeds 3 ${album#"$repo"/}"
+  COGRSIM=$build_dir/bin/cogrsim "$repo/$example/experiment" --short --seeds 3 "$album" || return
+  say "cogrsim compare $example/navigation.scene.xml --backends bullet,simbody"
+  "$build_dir/bin/cogrsim" compare "$repo/$example/navigation.scene.xml" --backends bullet,simbody \
+    --report "$album/report.html" || return
+  printf '\nOver three seeds:\n'
+  cat "$album/summary.txt"
+  printf '\nThe map, with the way dashed:  %s\nPictures and figures:          %s\n' \
+    "$album/bullet/map.png" "$album"
+  printf 'The curves of both engines:    %s\n' "$album/report.html"
 }
