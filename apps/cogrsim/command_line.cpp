@@ -35,7 +35,7 @@ struct Words {
   std::string snapshot, plots_folder, kind, title, every, from, to, output = "plots",
                                                                     picture = "png";
   int rows = 10;
-  bool json_flag = false, reference = false;
+  bool json_flag = false, reference = false, events = false;
 };
 
 double duration_from(const std::string& word) {
@@ -119,6 +119,7 @@ RunOptions run_from(const Words& words) {
   options.record = words.record;
   options.from = words.snapshot;
   options.saves = saves_from(words.save_at);
+  options.events = words.events;
   if (!options.record.empty() && options.record == options.json) {
     throw UsageError("--record", Problem("--record and --json name the same file"));
   }
@@ -272,6 +273,8 @@ void add_run(CLI::App& app, Words& words, int& status) {
                   "Go on from a state that was kept; --backend, --set and --seed may be others "
                   "than then, and what cannot be carried over is told")
       ->type_name("FILE.snap");
+  command.add_flag("--events", words.events,
+                   "Print every event as it happens: time, kind, source, subject, message");
   command.footer(
       "Examples:\n"
       "  cogrsim run robot.scene.xml\n"
@@ -282,6 +285,7 @@ void add_run(CLI::App& app, Words& words, int& status) {
       "  cogrsim run robot.scene.xml --record robot.mcap      then: cogrsim info robot.mcap\n"
       "  cogrsim run robot.scene.xml --save-at 2s two.snap      then: what if the floor were icy?\n"
       "  cogrsim run robot.scene.xml --from two.snap --set friction=0.05\n"
+      "  cogrsim run robot.scene.xml --events      who entered where, which door opened, and when\n"
       "Ctrl-C ends the run and prints what there is; exit status 0 good, 1 failed, 2 wrong usage.");
   command.callback([&] { status = run_command(run_from(words)); });
 }

@@ -58,6 +58,14 @@ Json contacts_json(const Frame& frame) {
   return out;
 }
 
+Json to_json(const Event& event) {
+  return {{"time", event.time},
+          {"kind", event.kind},
+          {"source", event.source},
+          {"subject", event.subject},
+          {"message", event.message}};
+}
+
 Json readings_json(const Frame& frame, const ChannelsOf& channels) {
   Json out = Json::object();
   for (const Reading& reading : frame.readings) {
@@ -96,13 +104,7 @@ Json frame_json(const Frame& frame, const ChannelsOf& channels) {
   out["contacts"] = contacts_json(frame);
   out["sensors"] = readings_json(frame, channels);
   out["events"] = Json::array();
-  for (const Event& event : frame.events) {
-    out["events"].push_back({{"time", event.time},
-                             {"kind", event.kind},
-                             {"source", event.source},
-                             {"subject", event.subject},
-                             {"message", event.message}});
-  }
+  for (const Event& event : frame.events) out["events"].push_back(to_json(event));
   return out;
 }
 

@@ -16,6 +16,8 @@ using ChannelsOf = std::function<const std::vector<Channel>&(int)>;
 Json bodies_json(const Frame& frame);
 Json joints_json(const Frame& frame);
 Json contacts_json(const Frame& frame);
+/// time, kind, source, subject, message.
+Json to_json(const Event& event);
 /// By sensor: time, sequence, valid, enabled, values by channel.
 Json readings_json(const Frame& frame, const ChannelsOf& channels);
 /// All of it, with step, time and events.

@@ -48,6 +48,7 @@ struct RunOptions {
   };
   std::vector<Save> saves;  ///< snapshots, by time
   std::string from;         ///< a snapshot to go on from; empty: from the start
+  bool events = false;      ///< print every event as it happens
 };
 
 struct CompareCommandOptions {

@@ -9,11 +9,13 @@
 
 #include "cogrsim/simulation/snapshot_file.h"
 #include "interrupt.h"
+#include "narrator.h"
 #include "options.h"
 #include "output_file.h"
 #include "plots.h"
 #include "progress.h"
 #include "recording_start.h"
+#include "run_measures.h"
 #include "run_result.h"
 #include "scene_loading.h"
 #include "terminal.h"
@@ -222,6 +224,17 @@ int run_command(const RunOptions& given) {
     if (plots->empty()) print_warning("the scene has no plots, so --plots draws nothing");
   }
 
+  std::optional<RunMeasures> measures;
+  if (!scene.model->measures.empty()) {
+    auto attached = RunMeasures::attach(simulation, scene.model->measures);
+    if (!attached) {
+      print_error(attached.error().text());
+      result.diagnostics.push_back(to_diagnostic(attached.error()));
+      return deliver(options, result, kFailed);
+    }
+    measures = std::move(*attached);
+  }
+
   if (simulation.time() > duration - 0.5 * simulation.dt()) {
     print_warning(
         fmt::format("the snapshot is of {}, where the run ends; ask for a longer "
@@ -230,17 +243,25 @@ int run_command(const RunOptions& given) {
   }
   bool saved_all = true;
   RunStatus status = RunStatus::running;
+  Progress progress(result.backend, duration);
+  // With --json - the standard output is JSON alone.
+  std::FILE* const told = options.json == "-" ? stderr : stdout;
+  Narrator narrator(simulation, progress, options.events ? told : nullptr);
   {
     const InterruptStops stops(simulation);
-    Progress progress(result.backend, duration);
     status = run_and_save(options, simulation, duration, progress, result, saved_all);
   }
+  narrator.finish();
   result.messages = simulation.messages();
+  result.events = narrator.events();
+  result.events_left_out = narrator.events_left_out();
+  if (measures) result.measures = measures->values();
   if (status == RunStatus::running) {
     if (simulation.paused()) {
       status = RunStatus::stopped;
       result.messages.push_back({simulation.time(), Severity::advice, "cogrsim",
                                  "the run was paused, and nobody is here to resume it"});
+      print_message(result.messages.back());
     } else {
       status = RunStatus::completed;
     }
@@ -250,7 +271,6 @@ int run_command(const RunOptions& given) {
   result.steps = simulation.step_count();
   result.time = simulation.time();
   result.frame = simulation.frame();
-  print_messages(result.messages);
   int exit_status = good(status) && saved_all ? kGood : kFailed;
   if (plots) {
     if (const auto drawn = plots->draw(options.plots); !drawn) {

@@ -1,11 +1,14 @@
 #include "run_measures.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <variant>
 
 #include "cogrsim/signals/condition.h"
 #include "cogrsim/signals/signal.h"
+#include "model_names.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -17,9 +20,45 @@ struct Parsed {
   Condition condition;  // of first_time
 };
 
+bool is_own(const SceneModel& model, const MeasureModel& measure) {
+  return std::any_of(model.measures.begin(), model.measures.end(), [&](const MeasureModel& own) {
+    return own.name == measure.name && own.signal == measure.signal;
+  });
+}
+
+// "ball", "ball2" and "ball.wheel" for "ball": the second of a name gets a number behind it.
+bool goes_by(const std::string& name, const std::string& given) {
+  if (given.empty() || name.compare(0, given.size(), given) != 0) return false;
+  std::size_t end = given.size();
+  while (end < name.size() && name[end] >= '0' && name[end] <= '9') ++end;
+  return end == name.size() || name[end] == '.';
+}
+
+// Whether an action of the scene brings something of this name.
+bool is_brought(const SceneModel& model, const std::string& name) {
+  for (const RuleModel& rule : model.rules) {
+    for (const Action& action : rule.actions) {
+      if (const auto* spawn = std::get_if<Spawn>(&action);
+          spawn != nullptr && goes_by(name, spawn->name.empty() ? spawn->of : spawn->name)) {
+        return true;
+      }
+      if (const auto* attach = std::get_if<Attach>(&action);
+          attach != nullptr && name == attach->name) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 Result<Parsed> parse(const SceneModel& model, const ChannelLookup& channels,
                      const MeasureModel& measure) {
-  const SignalScope scope{model, channels, {}, {}};
+  SignalScope scope{model, channels, {}, {}};
+  // Names in the scene's own have been checked when it was compiled, with those of its 'added'.
+  const bool own = is_own(model, measure);
+  scope.may_come = [&model, own](const std::string& name) {
+    return !in_scene(model, name) && (own || is_brought(model, name));
+  };
   const auto named = [&](const Error& error) {
     return fail("measure '" + measure.name + "': " + error.message, error.where, error.hint,
                 error.code);

@@ -111,6 +111,12 @@ Json to_json(const RunResult& result) {
   out["bodies"] = ran ? bodies_json(*result.frame) : Json::object();
   out["joints"] = ran ? joints_json(*result.frame) : Json::object();
   out["contacts"] = ran ? contacts_json(*result.frame) : Json::array();
+  out["measures"] = Json::object();
+  for (const RunMeasures::Value& measure : result.measures)
+    out["measures"][measure.name] = measure.value;
+  out["events"] = Json::array();
+  for (const Event& event : result.events) out["events"].push_back(to_json(event));
+  out["events_left_out"] = result.events_left_out;
   out["diagnostics"] = diagnostics_json(result.diagnostics, result.messages);
   return out;
 }
@@ -125,6 +131,15 @@ std::string summary_text(const RunResult& result, const Style& style) {
   out += fmt::format("  wall time {}, {} real time\n", elapsed_text(result.wall_time),
                      factor_text(result.time / result.wall_time));
   const Energy energy = energy_of(*frame.model, frame.state);
+  if (!result.measures.empty()) {
+    out += "  measures  ";
+    for (const RunMeasures::Value& measure : result.measures) {
+      if (&measure != &result.measures.front()) out += ", ";
+      out += measure.name + " " +
+             quantity_text(measure.value, measure.unit == "1" ? "" : measure.unit);
+    }
+    out += "\n";
+  }
   out += fmt::format("  energy    kinetic {}, potential {}\n", quantity_text(energy.kinetic, "J"),
                      quantity_text(energy.potential, "J"));
   double deepest = 0.0;

@@ -8,6 +8,7 @@
 #include "cogrsim/physics/frame.h"
 #include "cogrsim/simulation/simulation.h"
 #include "json_text.h"
+#include "run_measures.h"
 #include "terminal.h"
 
 namespace cogrsim::cli {
@@ -25,6 +26,9 @@ struct RunResult {
   FramePtr frame;          ///< the last one; nullptr: it never started
   std::vector<Diagnostic> diagnostics;
   std::vector<RunMessage> messages;
+  std::vector<Event> events;                 ///< of the whole run, the first Narrator::kMostEvents
+  std::uint64_t events_left_out = 0;         ///< that came after those
+  std::vector<RunMeasures::Value> measures;  ///< the scene's own
 };
 
 /// The contract other programs read: all keys, always; what is not known is null or empty.

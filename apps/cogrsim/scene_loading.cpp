@@ -12,8 +12,6 @@
 namespace cogrsim::cli {
 namespace {
 
-constexpr std::size_t kPrintedMessages = 20;
-
 const char* severity_text(Severity severity) {
   return severity == Severity::error ? "error" : "advice";
 }
@@ -140,8 +138,19 @@ void print_diagnostics(const std::vector<Diagnostic>& diagnostics) {
   std::fputs(diagnostics_text(diagnostics, color).c_str(), stderr);
 }
 
-void print_messages(const std::vector<RunMessage>& messages, const std::string& run) {
+void print_message(const RunMessage& message, const std::string& run) {
   const Style style = style_of(STDERR_FILENO);
+  const bool error = message.severity == Severity::error;
+  std::string text = error ? style.red : style.cyan;
+  text += std::string(severity_text(message.severity)) + ":" + style.off + " ";
+  if (!run.empty()) text += run + ", ";
+  // What was said before the start has no time worth telling.
+  if (message.time > 0.0) text += "at " + time_text(message.time) + ", ";
+  if (!message.source.empty()) text += message.source + ": ";
+  std::fputs((text + printable(message.message) + "\n").c_str(), stderr);
+}
+
+void print_messages(const std::vector<RunMessage>& messages, const std::string& run) {
   std::size_t printed = 0;
   for (const RunMessage& message : messages) {
     if (printed == kPrintedMessages) {
@@ -150,14 +159,7 @@ void print_messages(const std::vector<RunMessage>& messages, const std::string& 
           stderr);
       break;
     }
-    const bool error = message.severity == Severity::error;
-    std::string text = error ? style.red : style.cyan;
-    text += std::string(severity_text(message.severity)) + ":" + style.off + " ";
-    if (!run.empty()) text += run + ", ";
-    // What was said before the start has no time worth telling.
-    if (message.time > 0.0) text += "at " + time_text(message.time) + ", ";
-    if (!message.source.empty()) text += message.source + ": ";
-    std::fputs((text + printable(message.message) + "\n").c_str(), stderr);
+    print_message(message, run);
     ++printed;
   }
 }

@@ -42,7 +42,11 @@ Json diagnostics_json(const std::vector<Diagnostic>& diagnostics,
 std::string diagnostics_text(std::vector<Diagnostic> diagnostics, bool color);
 /// Prints findings to stderr, compiler style, in colour on a terminal.
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics);
-/// "error: at 1.2 s, bot.driver: …", to stderr; long lists are cut. `run`: which of several.
+/// "error: at 1.2 s, bot.driver: …", to stderr. `run`: which of several.
+void print_message(const RunMessage& message, const std::string& run = {});
+/// Of one run the user is shown so many messages; the others are in the JSON.
+inline constexpr std::size_t kPrintedMessages = 20;
+/// The first kPrintedMessages of them, and how many more there are.
 void print_messages(const std::vector<RunMessage>& messages, const std::string& run = {});
 
 }  // namespace cogrsim::cli

@@ -12,6 +12,7 @@
 
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/testing/judge.h"
+#include "model_names.h"
 #include "recording_start.h"
 #include "scene_loading.h"
 
@@ -22,18 +23,6 @@ using Runs = std::vector<std::unique_ptr<Simulation>>;
 
 std::string findings(const std::vector<Diagnostic>& diagnostics) {
   return diagnostics_text(diagnostics, false);
-}
-
-bool in_scene(const SceneModel& model, const std::string& name) {
-  const auto among = [&](const auto& elements) {
-    for (const auto& element : elements)
-      if (element.name == name) return true;
-    return false;
-  };
-  return among(model.bodies) || among(model.assemblies) || among(model.frames) ||
-         among(model.joints) || among(model.motors) || among(model.sensors) ||
-         among(model.controllers) || among(model.supervisors) || among(model.regions) ||
-         among(model.doors);
 }
 
 tl::expected<Runs, std::string> create(const LoadedScene& scene, const Json& input) {
@@ -124,8 +113,9 @@ Json record_again(const LoadedScene& scene, const Json& input, double duration) 
     RunOptions options;
     options.scene.scene = input["scene"].get<std::string>();
     options.scene.set = input["set"].get<std::map<std::string, std::string>>();
-    options.record =
-        path + (runs->size() > 1 ? std::string(".") + run->backend().name() : std::string()) + ".mcap";
+    options.record = path +
+                     (runs->size() > 1 ? std::string(".") + run->backend().name() : std::string()) +
+                     ".mcap";
     auto recorder = Recorder::start(*run, recorder_options(*scene.model, options));
     if (!recorder) continue;
     const RunStatus status = run->run_until(duration);

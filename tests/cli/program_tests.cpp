@@ -1,6 +1,7 @@
 // The program as a user meets it: exit status, JSON contract, error texts, silence when piped.
 #include <sys/stat.h>
 #include <unistd.h>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 
@@ -16,6 +17,7 @@ namespace {
 
 const std::string kScenes = COGRSIM_SCENES;
 const std::string kFlight = kScenes + "/flight.scene.xml";
+const std::string kEventful = kScenes + "/eventful.scene.xml";
 
 using Words = std::vector<std::string>;
 
@@ -30,9 +32,10 @@ json json_of(const Outcome& outcome) {
   return json::parse(outcome.out);
 }
 
-const char* const kRunKeys[] = {"scene",      "file",   "backend", "step",      "steps",
-                                "time",       "status", "energy",  "wall_time", "realtime_factor",
-                                "state_hash", "bodies", "joints",  "contacts",  "diagnostics"};
+const char* const kRunKeys[] = {
+    "scene",       "file",      "backend",         "step",           "steps",  "time",   "status",
+    "energy",      "wall_time", "realtime_factor", "state_hash",     "bodies", "joints", "contacts",
+    "diagnostics", "measures",  "events",          "events_left_out"};
 
 }  // namespace
 
@@ -156,6 +159,82 @@ TEST_CASE("a terminal gets colours and a progress line; NO_COLOR is heeded", "[c
   const Outcome plain = cogrsim_on_terminal(words, {"NO_COLOR=1"});
   CHECK(plain.out.find("\033[1m") == std::string::npos);
   CHECK_THAT(plain.out, Contains("%"));
+}
+
+TEST_CASE("what a run tells appears while it goes on", "[cli][program]") {
+  const Words words = {"run", kEventful, "--events", "--speed", "1", "--plugin-path", COGRSIM_TOYS};
+  const Outcome live = cogrsim_on_terminal(words, {"NO_COLOR=1"});
+  INFO(live.out);
+  REQUIRE(live.status == 0);
+  // Each on a line that was cleared before, and the progress line is drawn again behind it.
+  const auto comes = live.out.find("\033[K     0.4 s  enter"), goes = live.out.find("it goes");
+  REQUIRE(comes != std::string::npos);
+  REQUIRE(goes != std::string::npos);
+  CHECK(comes < live.out.find("it comes"));
+  CHECK(live.out.find("% ", comes) < goes);
+  CHECK(live.out.find("% ", goes) != std::string::npos);
+  for (std::size_t at = live.out.find('%'); at != std::string::npos;
+       at = live.out.find('%', at + 1)) {
+    const std::string after = live.out.substr(at, live.out.find_first_of("\r\n", at) - at);
+    CHECK_THAT(after, !Contains("advice") && !Contains("enter"));
+  }
+  const auto entered = live.out.find("enter ");
+  CHECK(entered < live.out.find("leave "));
+  CHECK(live.out.find("leave ") < live.out.find("eventful on toy"));
+}
+
+TEST_CASE("events are told as they happen and are in the JSON", "[cli][program]") {
+  const Outcome told = with_toys({"run", kEventful, "--events"});
+  CHECK(told.status == 0);
+  CHECK_THAT(told.out, Catch::Matches("[^]*0\\.4[0-9]* s +enter +gate +crate\n[^]*"));
+  CHECK_THAT(told.out, Catch::Matches("[^]*0\\.6[0-9]* s +leave +gate +crate\n[^]*"));
+  CHECK_THAT(told.err, Contains("it comes") && Contains("it goes"));
+  CHECK(with_toys({"run", kEventful}).out.find("enter") == std::string::npos);
+
+  const Outcome both = with_toys({"run", kEventful, "--events", "--json", "-"});
+  CHECK_THAT(both.err, Contains("leave"));
+  const json result = json_of(both);
+  REQUIRE(result["events"].size() == 3);
+  const json& enter = result["events"][0];
+  CHECK(enter["kind"] == "enter");
+  CHECK(enter["source"] == "gate");
+  CHECK(enter["subject"] == "crate");
+  CHECK(enter["message"] == "");
+  // The region begins at 0.4 m and the crate makes 1 m/s: seen within the step that brings it in.
+  CHECK(enter["time"].get<double>() == Approx(0.4).margin(2e-3));
+  CHECK(result["events"][1]["kind"] == "leave");
+  CHECK(result["events"][2]["kind"] == "raised");
+  CHECK(result["events"][2]["source"] == "gone");
+  CHECK(result["events_left_out"] == 0);
+}
+
+TEST_CASE("events and messages are bounded and what is left out is counted", "[cli][program]") {
+  const Outcome outcome = with_toys({"run", kScenes + "/noisy.scene.xml", "--json", "-"});
+  REQUIRE(outcome.status == 0);
+  const json result = json_of(outcome);
+  CHECK(result["events"].size() == 10000);
+  // Twelve rules raise one at every millisecond of a second, give or take the first and the last.
+  CHECK(result["events_left_out"].get<int>() == Approx(2000).margin(36));
+  std::size_t lines = 0;
+  for (auto at = outcome.err.find("again"); at != std::string::npos;
+       at = outcome.err.find("again", at + 1)) {
+    ++lines;
+  }
+  CHECK(lines == 20);
+  CHECK_THAT(outcome.err, Contains("more messages, see --json"));
+}
+
+TEST_CASE("measures of the scene stand in summary and JSON", "[cli][program]") {
+  const Outcome outcome = with_toys({"run", kEventful, "--json", "-"});
+  const json measures = json_of(outcome)["measures"];
+  CHECK(measures.size() == 3);
+  CHECK(measures["way"].get<double>() == Approx(1.0));
+  // sqrt(1 + (g t)^2) = 5 at sqrt(24) / g, seen with the step that reaches it.
+  CHECK(measures["fast"].get<double>() == Approx(std::sqrt(24.0) / 9.81).margin(1.1e-3));
+  CHECK(measures["never"].is_null());
+  const Outcome plain = with_toys({"run", kEventful});
+  CHECK_THAT(plain.out, Contains("measures  way 1.00 m, fast 0.5 s, never -\n"));
+  CHECK(with_toys({"run", kFlight}).out.find("measures") == std::string::npos);
 }
 
 TEST_CASE("Ctrl-C ends a run with what there is", "[cli][program]") {
