@@ -47,7 +47,62 @@ bool passable(const Grid& grid, const Cell& from, Action action) {
   return grid.contains(to) && grid.step_cost(from, to) < cogrsim::kBlocked;
 }
 
+/// Steps from every cell to `end`, by index; -1: none. `without`: a cell taken for blocked.
+std::vector<int> steps_to(const Grid& grid, const Cell& end, int without) {
+  std::vector<int> steps(static_cast<std::size_t>(grid.size()), -1);
+  std::vector<int> line{grid.index(end)};
+  steps[static_cast<std::size_t>(line.front())] = 0;
+  std::vector<Grid::Step> next;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    grid.steps(line[i], next);
+    for (const Grid::Step& step : next) {
+      int& there = steps[static_cast<std::size_t>(step.to)];
+      if (there >= 0 || step.to == without) continue;
+      there = steps[static_cast<std::size_t>(line[i])] + 1;
+      line.push_back(step.to);
+    }
+  }
+  return steps;
+}
+
 }  // namespace
+
+std::vector<std::pair<Action, int>> risks(const Grid& grid, const Cell& at, const Cell& end) {
+  // A cell without which there is no way at all: more than any detour in a maze this size.
+  const int no_way = grid.size();
+  const std::vector<int> steps = steps_to(grid, end, -1);
+  const auto to_go = [&](int cell) { return steps[static_cast<std::size_t>(cell)]; };
+  std::vector<int> near;  // cells on the way, the nearest to the end first
+  for (int i = 0; i < grid.size(); ++i) {
+    if (to_go(i) >= 0 && to_go(i) <= to_go(grid.index(at))) near.push_back(i);
+  }
+  std::stable_sort(near.begin(), near.end(), [&](int a, int b) { return to_go(a) < to_go(b); });
+  std::vector<std::vector<int>> around(static_cast<std::size_t>(grid.size()));
+  std::vector<int> risk(static_cast<std::size_t>(grid.size()), 0);
+  const auto risk_by = [&](int from, int over) {
+    if (over == grid.index(end)) return 0;
+    auto& detour = around[static_cast<std::size_t>(over)];
+    if (detour.empty()) detour = steps_to(grid, end, over);
+    const int then = detour[static_cast<std::size_t>(from)];
+    return (then < 0 ? no_way : then - to_go(from)) + risk[static_cast<std::size_t>(over)];
+  };
+  std::vector<std::pair<Action, int>> out;
+  std::vector<Grid::Step> next;
+  for (const int cell : near) {
+    if (to_go(cell) == 0) continue;
+    grid.steps(cell, next);
+    int least = std::numeric_limits<int>::max();
+    for (const Grid::Step& step : next) {
+      if (to_go(step.to) != to_go(cell) - 1) continue;
+      const int by = risk_by(cell, step.to);
+      least = std::min(least, by);
+      if (grid.cell(cell) != at) continue;
+      if (const auto action = action_between(at, grid.cell(step.to))) out.push_back({*action, by});
+    }
+    risk[static_cast<std::size_t>(cell)] = least;
+  }
+  return out;
+}
 
 PlannerBrain::PlannerBrain(Planners to_trigger, Planners to_goal, const Ends& ends)
     : planners_{std::move(to_trigger), std::move(to_goal)}, ends_(ends) {}
@@ -63,12 +118,16 @@ std::optional<Action> PlannerBrain::choose(Errand errand, const Cell& at,
   const Cell& end = ends_.of(errand);
   const auto path = planner.plan(at, end);
   if (!path || path->cells.size() < 2) return std::nullopt;
-  // Costs are whole numbers of cells; half a cell tells an equal way from a longer one.
-  if (straight && passable(planner.grid(), at, *straight)) {
-    const auto other = planner.plan(neighbour(at, *straight), end);
-    if (other && other->cost + 1 < path->cost + 0.5) return straight;
+  // The planner's way is one of the shortest; of those, the one that risks least, if possible
+  // straight on.
+  std::optional<Action> best = action_between(at, path->cells[1]);
+  int least = std::numeric_limits<int>::max();
+  for (const auto& [action, risk] : risks(planner.grid(), at, end)) {
+    if (risk > least || (risk == least && action != straight)) continue;
+    least = risk;
+    best = action;
   }
-  return action_between(at, path->cells[1]);
+  return best;
 }
 
 double PlannerBrain::value(Errand errand, const Cell& at) {

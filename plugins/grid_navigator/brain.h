@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cogrsim/algorithms/grid_planner.h"
@@ -49,7 +50,17 @@ struct Ends {
   const Cell& of(Errand errand) const { return errand == Errand::trigger ? trigger : goal; }
 };
 
-/// Follows the planner's path. Among equally short ways it takes the one that goes straight on.
+/// What the ways from a cell to `end` risk, by the cell they begin with; all are of equal, least
+/// length.
+///
+/// An obstacle in cell c, met from its neighbour u, costs d_c(u) - d(u) further steps, where d counts
+/// those to `end` and d_c does without c. A way risks the sum over its cells, and of the ways from u
+/// one takes the least: R(u) = min over c of (d_c(u) - d(u)) + R(c).
+std::vector<std::pair<Action, int>> risks(const cogrsim::Grid& grid, const Cell& at,
+                                          const Cell& end);
+
+/// Follows the planner's path. Of equally short ways it takes the one that risks least, of those the
+/// one that goes straight on.
 class PlannerBrain final : public Brain {
  public:
   /// A planner for each errand, which keeps what it found out, and another one for the values, whose

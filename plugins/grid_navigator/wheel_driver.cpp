@@ -8,8 +8,8 @@ namespace grid_navigator {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kAligned =
-    0.05;  // [rad]: of a cell's length this is 2.5 cm aside; steering does the rest
+// Of a cell's length this is 2.5 cm aside; steering does the rest.
+constexpr double kAligned = 0.05;         // [rad]
 constexpr double kAlignedRate = 1.0;      // [rad/s]
 constexpr double kTurnGain = 8.0;         // on the move: turn rate per heading error [1/s]
 constexpr double kSpotGain = 14.0;        // on the spot [1/s]

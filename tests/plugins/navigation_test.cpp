@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "cogrsim/algorithms/grid.h"
+#include "grid_navigator/brain.h"
 #include "grid_navigator/obstacle_map.h"
 #include "grid_navigator/wheel_driver.h"
 #include "maze_referee/hindsight.h"
@@ -187,6 +188,39 @@ TEST_CASE("beams that end inside of a cell mark it and walls do not", "[navigati
   // What ends in the robot's own cell is itself, or noise.
   beam.distance = 0.05;
   for (int i = 0; i < 5; ++i) CHECK(map.see(beam, own).empty());
+}
+
+TEST_CASE("of equally short ways the one with ways round risks less", "[navigation]") {
+  // From the south-west of 3 x 3 cells to the north-east, the ways along the south and the east walled
+  // off into a corridor.
+  MazeModel maze = open_maze(3, 3);
+  for (const int column : {1, 2}) {
+    maze.horizontal[static_cast<std::size_t>(maze.columns + column)] = MazeModel::kWall;
+  }
+  west_of(maze, 1, 2, MazeModel::kWall);
+  const auto found = risks(cogrsim::grid_of(maze), {0, 0}, {2, 2});
+  // East: the corridor ends in (0, 2), walled to the north: no way of four steps begins there.
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].first == Action::north);
+  // Met at (0, 0), a cube in (1, 0) cuts the way: 9, the number of cells. After that there are two
+  // ways to (2, 1), so nothing is lost with either of its cells; one in (2, 1) cuts it again.
+  CHECK(found[0].second == 18);
+
+  // Without walls both beginnings are alike.
+  const auto open = risks(cogrsim::grid_of(open_maze(3, 3)), {0, 0}, {2, 2});
+  REQUIRE(open.size() == 2);
+  CHECK(open[0].second == open[1].second);
+
+  // Three rows, the southern one a corridor with ways out at its ends. A cube in it costs nothing at
+  // (0, 1), 2 steps at (0, 2) and 4 at (0, 3); in the row above nothing at (1, 0), and 2 each at (1, 1)
+  // and (1, 2), since there the third row leads around.
+  MazeModel rows = open_maze(3, 4);
+  for (const int column : {1, 2}) {
+    rows.horizontal[static_cast<std::size_t>(rows.columns + column)] = MazeModel::kWall;
+  }
+  const auto ways = risks(cogrsim::grid_of(rows), {0, 0}, {1, 3});
+  REQUIRE(ways.size() == 2);
+  for (const auto& [action, risk] : ways) CHECK(risk == (action == Action::east ? 6 : 4));
 }
 
 TEST_CASE("the optimum waits for the doors and knows when cubes come", "[navigation]") {
