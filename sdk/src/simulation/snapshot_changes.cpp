@@ -207,13 +207,26 @@ class Rebuilder {
     });
   }
 
-  /// Bodies and joints as they were then: what was attached there fits there.
+  /// Whether a body that cannot move stood then where its scene had put it.
+  bool never_moved(const Body& now, const Pose& then) const {
+    const int index = find_body(original_, now.name);
+    if (now.kind != BodyKind::fixed || index < 0) return false;
+    const Body& before = original_.bodies[static_cast<std::size_t>(index)];
+    constexpr double kRounding = 1e-9;  // [m], [rad]: an engine's own coordinates and back
+    return before.kind == BodyKind::fixed && (before.X_WB.p - then.p).norm() < kRounding &&
+           before.X_WB.q.angularDistance(then.q) < kRounding;
+  }
+
+  /// Bodies and joints as they were then: what was attached there fits there. What was stopped on
+  /// its way stays there, too; what never moved stands where the scene of now puts it.
   void place() {
     const Json& bodies = content_.at("bodies");
     for (Body& body : out_->bodies) {
       if (body.removed || !bodies.contains(body.name)) continue;
       const Json& state = bodies.at(body.name);
-      body.X_WB = pose_from(state.at("pose"));
+      const Pose then = pose_from(state.at("pose"));
+      if (never_moved(body, then)) continue;
+      body.X_WB = then;
       body.V_WB = body.kind == BodyKind::fixed ? Twist() : twist_from(state.at("twist"));
     }
     const Json& joints = content_.at("joints");
