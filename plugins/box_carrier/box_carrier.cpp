@@ -1,0 +1,698 @@
+// Fetches boxes and brings them to a zone, beside another robot that does the same. See README.md.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cogrsim/algorithms/grid_planner.h"
+#include "cogrsim/algorithms/steering.h"
+#include "cogrsim/control/controller.h"
+#include "sightings.h"
+#include "traffic.h"
+
+namespace box_carrier {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kCell = 0.1;        ///< of the grid it plans on [m]
+constexpr double kPlanEvery = 0.25;  ///< [s]
+constexpr double kStandOff = 0.24;   ///< in front of a box, from the fork to the box [m]
+constexpr double kCreep = 0.12;      ///< docking, setting down, backing off [m/s]
+constexpr double kTouch = 0.006;     ///< of the feeler: the fork is at the box [m]
+constexpr double kHolds = 0.025;     ///< of the feeler: the box has come along [m]
+constexpr double kLiftTime = 0.7, kGripTime = 0.3;  ///< [s]
+constexpr double kBackOff = 0.2;                    ///< [m]
+constexpr int kSure = 4;  ///< scans in which a box must have been seen before it is fetched
+/// How long without a step forward until it gives up its way: the one that gives way first.
+constexpr double kPatience = 3.0, kLongPatience = 8.0;  ///< [s]
+constexpr double kRetreat = 4.0;                        ///< for so long [s]
+constexpr double kFar = 1.3;  ///< farther away the other is not what it waits for [m]
+
+enum class Phase {
+  idle,
+  fetch,
+  face,
+  dock,
+  grip,
+  lift,
+  back,
+  carry,
+  turn,
+  enter,
+  lower,
+  release,
+  leave,
+  retreat
+};
+
+class BoxCarrier final : public cogrsim::Controller {
+ public:
+  void configure(cogrsim::Assembly& robot) override;
+  void update(const cogrsim::Tick& tick) override;
+
+ private:
+  Rectangle rectangle(cogrsim::Assembly& robot, const std::string& name) const;
+  void localise(double period);
+  void look(double time);
+  Scan scan_of(const cogrsim::Lidar& lidar) const;
+  void go_on(double time, double period);
+  void enter_phase(Phase phase, double time);
+
+  bool choose_box();
+  bool keep_box();
+  std::optional<double> approach_to(const Box& box, std::optional<double> before) const;
+  PlanarPoint stand_of(const Box& box, double approach) const;
+  bool choose_slot();
+  bool zone_taken() const;
+
+  void drive_to(const PlanarPoint& goal, double time, double period);
+  void plan(const PlanarPoint& goal, double time);
+  std::vector<PlanarPoint> obstacles() const;
+  void follow(const PlanarPoint& from, const PlanarPoint& to, double speed, double period);
+  bool turn_to(double heading);
+  PlanarPoint refuge() const;
+  void move(double forward, double turn);
+  void send(double period);
+  void publish();
+
+  double radius() const { return holding_ ? loaded_radius_ : radius_; }
+  PlanarPoint here() const { return place(pose_); }
+  double bearing_of(const PlanarPoint& p) const { return std::atan2(p.y - pose_.y, p.x - pose_.x); }
+
+  std::optional<cogrsim::Assembly> robot_;
+  cogrsim::MotorHandle left_, right_, lift_;
+  cogrsim::PoseSensor tracking_;
+  cogrsim::Lidar low_, high_;
+  cogrsim::Infrared feeler_;
+  std::vector<double> low_bearings_, high_bearings_;
+  std::uint64_t tracked_ = 0, low_seen_ = 0, high_seen_ = 0;
+
+  Rectangle arena_, zone_;
+  PlanarPoint home_;
+  TrafficRules rules_;
+  double wheel_ = 0.04, track_ = 0.16, speed_ = 0.35, side_ = 0.12, tower_ = 0.04;
+  double fork_ = 0.125, lift_height_ = 0.03, radius_ = 0.14, loaded_radius_ = 0.27;
+  bool from_east_ = false;
+
+  std::shared_ptr<cogrsim::GridPlanner> planner_;
+  std::shared_ptr<cogrsim::Steering> steering_, pursuit_;
+
+  PlanarPose pose_;
+  bool placed_ = false;
+  cogrsim::PlanarVelocity wanted_, sent_;
+  Neighbour other_;
+  BoxMemory memory_;
+
+  Phase phase_ = Phase::idle;
+  double since_ = 0.0;  ///< when the phase began [s]
+  PlanarPoint began_;   ///< where
+  bool holding_ = false, gripping_ = false, raised_ = false;
+  std::optional<Box> target_;
+  std::optional<double> approach_;  ///< direction from the box to the robot [rad]
+  PlanarPoint slot_, goal_;
+  std::vector<PlanarPoint> path_;
+  double planned_at_ = -1e9;
+  bool arrived_ = false;
+  double moved_at_ = 0.0, patience_ = kPatience;
+  PlanarPoint moved_from_;
+  int retreats_ = 0, fetched_ = 0;
+};
+
+Rectangle BoxCarrier::rectangle(cogrsim::Assembly& robot, const std::string& name) const {
+  const auto list = robot.parameter<std::vector<double>>(name);
+  if (list.size() != 4 || !(list[0] < list[1]) || !(list[2] < list[3])) {
+    robot.fail("parameter '" + name + "': expected west, east, south and north, in this order");
+    return {};
+  }
+  return {list[0], list[1], list[2], list[3]};
+}
+
+void BoxCarrier::configure(cogrsim::Assembly& robot) {
+  robot_ = robot;
+  left_ = robot.motor("left");
+  right_ = robot.motor("right");
+  lift_ = robot.motor("lift");
+  tracking_ = robot.sensor<cogrsim::PoseSensor>("tracker");
+  low_ = robot.sensor<cogrsim::Lidar>("low");
+  high_ = robot.sensor<cogrsim::Lidar>("high");
+  feeler_ = robot.sensor<cogrsim::Infrared>("feeler");
+  arena_ = rectangle(robot, "arena");
+  zone_ = rectangle(robot, "zone");
+  wheel_ = robot.parameter<double>("wheel_radius");
+  track_ = robot.parameter<double>("track");
+  speed_ = robot.parameter<double>("speed");
+  side_ = robot.parameter<double>("box");
+  tower_ = robot.parameter<double>("tower");
+  fork_ = robot.parameter<double>("fork");
+  lift_height_ = robot.parameter<double>("lift_height");
+  radius_ = robot.parameter<double>("radius");
+  loaded_radius_ = robot.parameter<double>("loaded_radius");
+  rules_.gives_way = robot.parameter<bool>("gives_way");
+  patience_ = rules_.gives_way ? kPatience : kLongPatience;
+  planner_ = robot.algorithm<cogrsim::GridPlanner>(robot.parameter<std::string>("planner"));
+  steering_ = robot.algorithm<cogrsim::Steering>(robot.parameter<std::string>("steering"));
+  pursuit_ =
+      robot.algorithm<cogrsim::Steering>("pure_pursuit", {{"lookahead", 0.15}, {"arrival", 0.005}});
+  memory_ = BoxMemory(side_);
+}
+
+void BoxCarrier::localise(double period) {
+  // Between two readings it goes on as it was told to.
+  if (placed_) {
+    pose_.x += sent_.forward * period * std::cos(pose_.heading);
+    pose_.y += sent_.forward * period * std::sin(pose_.heading);
+  }
+  if (!tracking_.valid() || tracking_.sequence() == tracked_) return;
+  tracked_ = tracking_.sequence();
+  const PlanarPose measured = cogrsim::planar(tracking_.pose());
+  const double trust = placed_ ? 0.3 : 1.0;
+  pose_.x += trust * (measured.x - pose_.x);
+  pose_.y += trust * (measured.y - pose_.y);
+  pose_.heading = measured.heading;
+  if (!placed_) {
+    home_ = began_ = moved_from_ = here();
+    from_east_ = home_.x > (zone_.west + zone_.east) / 2;
+  }
+  placed_ = true;
+}
+
+Scan BoxCarrier::scan_of(const cogrsim::Lidar& lidar) const {
+  Scan scan;
+  scan.sensor = pose_;
+  scan.ranges = lidar.ranges();
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const cogrsim::Vec3 d = lidar.direction(i);
+    scan.bearings.push_back(std::atan2(d.y(), d.x()));
+  }
+  return scan;
+}
+
+void BoxCarrier::look(double time) {
+  if (high_.valid() && high_.sequence() != high_seen_) {
+    high_seen_ = high_.sequence();
+    // Nothing but walls and the other's tower is so high.
+    const auto clusters = clusters_of(scan_of(high_), arena_, 0.08, 0.06);
+    const auto largest = std::max_element(
+        clusters.begin(), clusters.end(),
+        [](const Cluster& a, const Cluster& b) { return a.points.size() < b.points.size(); });
+    if (largest != clusters.end()) other_.see(tower_of(*largest, here(), tower_), time);
+  }
+  if (low_.valid() && low_.sequence() != low_seen_) {
+    low_seen_ = low_.sequence();
+    Scan scan = scan_of(low_);
+    // What it carries hides what is in front.
+    for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+      const bool own = scan.ranges[i] < fork_ + 0.2 && std::abs(scan.bearings[i]) < 1.0;
+      if (own && gripping_) scan.ranges[i] = std::numeric_limits<double>::quiet_NaN();
+    }
+    std::vector<PlanarPoint> masked;
+    if (other_.place()) masked.push_back(*other_.place());
+    memory_.see(scan, arena_, masked, loaded_radius_ + 0.05);
+  }
+}
+
+PlanarPoint BoxCarrier::stand_of(const Box& box, double approach) const {
+  const double away = fork_ + kStandOff + side_ / 2;
+  return {box.centre.x + away * std::cos(approach), box.centre.y + away * std::sin(approach)};
+}
+
+// The side from which to take a box: the nearest where there is room to stand. With one chosen
+// before, the one nearest to that.
+std::optional<double> BoxCarrier::approach_to(const Box& box, std::optional<double> before) const {
+  const double first = box.shape_known ? box.yaw : bearing_of(box.centre) + kPi;
+  std::optional<double> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 4; ++k) {
+    const double approach = cogrsim::wrapped_angle(first + k * kPi / 2);
+    const PlanarPoint stand = stand_of(box, approach);
+    if (!arena_.contains(stand, radius_ + 0.04) || zone_.contains(stand, -radius_)) continue;
+    const bool free = std::none_of(memory_.boxes().begin(), memory_.boxes().end(),
+                                   [&](const BoxMemory::Known& k2) {
+                                     return distance(k2.box.centre, box.centre) > 0.1 &&
+                                            distance(k2.box.centre, stand) < radius_ + 0.75 * side_;
+                                   });
+    if (!free) continue;
+    const double cost =
+        before ? std::abs(cogrsim::wrapped_angle(approach - *before)) : distance(here(), stand);
+    if (cost < least) least = cost, best = approach;
+  }
+  return best;
+}
+
+bool BoxCarrier::choose_box() {
+  const double claimed = rules_.gives_way ? 0.7 : 0.5;
+  double least = std::numeric_limits<double>::infinity();
+  target_.reset();
+  for (const BoxMemory::Known& known : memory_.boxes()) {
+    if (known.seen < kSure || zone_.contains(known.box.centre)) continue;
+    double cost = distance(here(), known.box.centre);
+    if (other_.place()) {
+      const double its = distance(*other_.place(), known.box.centre);
+      if (its < claimed) continue;  // the other is about to take it
+      cost += 0.5 * std::max(0.0, 1.2 - its);
+    }
+    const auto approach = approach_to(known.box, std::nullopt);
+    if (!approach || cost >= least) continue;
+    least = cost;
+    target_ = known.box;
+    approach_ = approach;
+  }
+  return target_.has_value();
+}
+
+// Follows what it knows of the box it is after; false: that is gone, or the other takes it.
+bool BoxCarrier::keep_box() {
+  const BoxMemory::Known* nearest = nullptr;
+  for (const BoxMemory::Known& known : memory_.boxes()) {
+    if (distance(known.box.centre, target_->centre) < 0.12 &&
+        (nearest == nullptr || distance(known.box.centre, target_->centre) <
+                                   distance(nearest->box.centre, target_->centre))) {
+      nearest = &known;
+    }
+  }
+  if (nearest == nullptr || zone_.contains(nearest->box.centre)) return false;
+  if (other_.place()) {
+    const double its = distance(*other_.place(), nearest->box.centre);
+    if (its < (rules_.gives_way ? 0.6 : 0.45) && its < distance(here(), nearest->box.centre)) {
+      return false;
+    }
+  }
+  target_ = nearest->box;
+  approach_ = approach_to(*target_, approach_);
+  return approach_.has_value();
+}
+
+// The zone is filled from its far row, each robot beginning at its own side.
+bool BoxCarrier::choose_slot() {
+  const double pitch = 0.3;
+  const double width = zone_.east - zone_.west, depth = zone_.north - zone_.south;
+  const int columns = std::max(1, static_cast<int>(width / pitch));
+  const int rows = std::max(1, static_cast<int>(depth / (2.0 * side_)));
+  const auto taken = [&](const PlanarPoint& p) {
+    return std::any_of(
+        memory_.boxes().begin(), memory_.boxes().end(),
+        [&](const BoxMemory::Known& k) { return distance(k.box.centre, p) < 1.5 * side_; });
+  };
+  for (int row = 0; row < rows; ++row) {
+    for (int i = 0; i < columns; ++i) {
+      const int column = from_east_ ? columns - 1 - i : i;
+      const double x = zone_.west + width * (column + 0.5) / columns;
+      const double y = zone_.north - 0.9 * side_ - row * 2.0 * side_;
+      bool free = !taken({x, y});
+      // Nothing may stand before it.
+      for (int near = row + 1; near < rows; ++near) {
+        free = free && !taken({x, zone_.north - 0.9 * side_ - near * 2.0 * side_});
+      }
+      if (!free) continue;
+      slot_ = {x, y};
+      return true;
+    }
+  }
+  return false;
+}
+
+// Whether the other is busy in the zone, too near to where this robot wants to go.
+bool BoxCarrier::zone_taken() const {
+  if (!other_.place()) return false;
+  const PlanarPoint& p = *other_.place();
+  const double court = rules_.gives_way ? 0.7 : 0.45;
+  return p.y > zone_.south - court && p.x > zone_.west - 0.35 && p.x < zone_.east + 0.35 &&
+         std::abs(p.x - slot_.x) < 2 * loaded_radius_ + 0.25;
+}
+
+void BoxCarrier::plan(const PlanarPoint& goal, double time) {
+  planned_at_ = time;
+  goal_ = goal;
+  const int columns = static_cast<int>(std::ceil((arena_.east - arena_.west) / kCell));
+  const int rows = static_cast<int>(std::ceil((arena_.north - arena_.south) / kCell));
+  cogrsim::Grid grid(rows, columns, cogrsim::GridMoves::eight);
+  const auto middle = [&](const cogrsim::Cell& c) {
+    return PlanarPoint{arena_.west + (c.column + 0.5) * kCell,
+                       arena_.south + (c.row + 0.5) * kCell};
+  };
+  const auto cell = [&](const PlanarPoint& p) {
+    return cogrsim::Cell{std::clamp(static_cast<int>((p.y - arena_.south) / kCell), 0, rows - 1),
+                         std::clamp(static_cast<int>((p.x - arena_.west) / kCell), 0, columns - 1)};
+  };
+  // Nothing is forbidden, only dear: there is always a way out of where it should not be.
+  const auto near = [](double gap) { return gap < 0.0 ? 40.0 : gap < 0.12 ? 3.0 : 0.0; };
+  for (int i = 0; i < grid.size(); ++i) {
+    const PlanarPoint p = middle(grid.cell(i));
+    double cost = 1.0 + near(std::min({p.x - arena_.west, arena_.east - p.x, p.y - arena_.south,
+                                       arena_.north - p.y}) -
+                             radius());
+    for (const BoxMemory::Known& known : memory_.boxes()) {
+      cost += near(distance(known.box.centre, p) - radius() - 0.7 * side_);
+    }
+    if (other_.place()) {
+      const double gap = distance(*other_.place(), p) - radius() - loaded_radius_ - rules_.guard;
+      cost += gap < 0.0 ? 80.0 : gap < 0.3 ? 6.0 * (0.3 - gap) / 0.3 : 0.0;
+    }
+    (void)grid.set_cost(grid.cell(i), cost);
+  }
+  planner_->set_grid(std::move(grid));
+  path_ = {here()};
+  if (const auto found = planner_->plan(cell(here()), cell(goal))) {
+    for (std::size_t i = 1; i + 1 < found->cells.size(); ++i) {
+      path_.push_back(middle(found->cells[i]));
+    }
+  }
+  path_.push_back(goal);
+}
+
+std::vector<PlanarPoint> BoxCarrier::obstacles() const {
+  std::vector<PlanarPoint> out;
+  constexpr double kNear = 1.1;
+  const auto add = [&](const PlanarPoint& p) {
+    if (distance(p, here()) < kNear) out.push_back(p);
+  };
+  for (double x = arena_.west; x <= arena_.east; x += kCell) {
+    add({x, arena_.south});
+    add({x, arena_.north});
+  }
+  for (double y = arena_.south; y <= arena_.north; y += kCell) {
+    add({arena_.west, y});
+    add({arena_.east, y});
+  }
+  for (const BoxMemory::Known& known : memory_.boxes()) {
+    for (int k = 0; k < 8; ++k) {
+      // Corners and middles of the faces.
+      const double r = k % 2 == 0 ? side_ / 2 : side_ / std::sqrt(2.0);
+      const double a = known.box.yaw + k * kPi / 4;
+      add({known.box.centre.x + r * std::cos(a), known.box.centre.y + r * std::sin(a)});
+    }
+  }
+  if (other_.place()) {
+    for (int k = 0; k < 16; ++k) {
+      const double a = k * kPi / 8;
+      add({other_.place()->x + loaded_radius_ * std::cos(a),
+           other_.place()->y + loaded_radius_ * std::sin(a)});
+    }
+  }
+  return out;
+}
+
+void BoxCarrier::drive_to(const PlanarPoint& goal, double time, double period) {
+  if (distance(goal, goal_) > 0.04 || time - planned_at_ >= kPlanEvery) plan(goal, time);
+  cogrsim::SteeringTask task;
+  task.pose = pose_;
+  task.velocity = sent_;
+  task.path = path_;
+  task.obstacles = obstacles();
+  task.radius = radius();
+  task.period = period;
+  // Slow near the goal and while it looks elsewhere, so that it does not run in circles about it.
+  const double off = std::abs(
+      cogrsim::wrapped_angle(bearing_of(path_.size() > 2 ? path_[2] : goal) - pose_.heading));
+  task.limits.max_speed =
+      std::min({holding_ ? 0.8 * speed_ : speed_, 0.06 + 0.8 * distance(here(), goal),
+                off > 1.0 ? 0.05 : speed_});
+  task.limits.max_turn = 2.0;
+  task.limits.acceleration = 0.8;
+  task.limits.turn_acceleration = 8.0;
+  const bool jammed = time - moved_at_ > 1.5;
+  const bool alone = !other_.place() || distance(*other_.place(), here()) > kFar;
+  if (jammed && alone) {
+    // Boxes are light: rather touch one than stand still for ever.
+    follow(here(), path_.size() > 2 ? path_[1] : goal, kCreep, period);
+  } else if (const auto command = steering_->steer(task)) {
+    move(command->velocity.forward, command->velocity.turn);
+  } else {
+    throw std::runtime_error(command.error().text());
+  }
+  arrived_ = distance(here(), goal) < 0.06;
+  if (arrived_) move(0.0, 0.0);
+}
+
+void BoxCarrier::follow(const PlanarPoint& from, const PlanarPoint& to, double speed,
+                        double period) {
+  cogrsim::SteeringTask task;
+  task.pose = pose_;
+  task.velocity = sent_;
+  task.path = {from, to};
+  task.radius = radius();
+  task.period = period;
+  task.limits.max_speed = speed;
+  task.limits.max_turn = 1.0;
+  task.limits.acceleration = 0.8;
+  task.limits.turn_acceleration = 8.0;
+  const auto command = pursuit_->steer(task);
+  if (!command) throw std::runtime_error(command.error().text());
+  move(command->velocity.forward, command->velocity.turn);
+}
+
+bool BoxCarrier::turn_to(double heading) {
+  const double off = cogrsim::wrapped_angle(heading - pose_.heading);
+  const bool there = std::abs(off) < 0.02 && std::abs(sent_.turn) < 0.15;
+  move(0.0, there ? 0.0 : std::clamp(3.0 * off, -1.5, 1.5));
+  return there;
+}
+
+// Of some places in the arena the one that is far from the other and not far from here.
+PlanarPoint BoxCarrier::refuge() const {
+  PlanarPoint best = home_;
+  double most = -std::numeric_limits<double>::infinity();
+  for (int i = 1; i < 6; ++i) {
+    for (int k = 1; k < 5; ++k) {
+      const PlanarPoint p{arena_.west + (arena_.east - arena_.west) * i / 6.0,
+                          arena_.south + (arena_.north - arena_.south) * k / 5.0};
+      if (zone_.contains(p, -0.5)) continue;
+      const double away = other_.place() ? std::min(1.4, distance(p, *other_.place())) : 0.0;
+      // Not past the other.
+      const double past =
+          other_.place() ? std::cos(bearing_of(p) - bearing_of(*other_.place())) : 0.0;
+      const double merit = 2.0 * away - 0.7 * distance(p, here()) - 0.8 * std::max(0.0, past);
+      if (merit > most) most = merit, best = p;
+    }
+  }
+  return best;
+}
+
+void BoxCarrier::move(double forward, double turn) { wanted_ = {forward, turn}; }
+
+void BoxCarrier::enter_phase(Phase phase, double time) {
+  phase_ = phase;
+  since_ = time;
+  began_ = moved_from_ = here();
+  moved_at_ = time;
+  arrived_ = false;
+  planned_at_ = -1e9;
+}
+
+void BoxCarrier::go_on(double time, double period) {
+  const double north = kPi / 2;
+  const double lasted = time - since_;
+  const PlanarPoint gate{slot_.x, zone_.south - 0.32};
+  const auto back_off = [&](double way) {
+    const bool done = distance(here(), began_) >= way || lasted > 2.0 * way / kCreep + 6.0;
+    move(done ? 0.0 : -kCreep, 0.0);
+    return done;
+  };
+  move(0.0, 0.0);
+  switch (phase_) {
+    case Phase::idle:
+      if (choose_box()) {
+        enter_phase(Phase::fetch, time);
+      } else {
+        drive_to(home_, time, period);
+      }
+      break;
+    case Phase::fetch: {
+      if (!keep_box()) {
+        enter_phase(Phase::idle, time);
+        break;
+      }
+      drive_to(stand_of(*target_, *approach_), time, period);
+      if (arrived_) enter_phase(Phase::face, time);
+      break;
+    }
+    case Phase::face:
+      if (!keep_box()) {
+        enter_phase(Phase::idle, time);
+      } else if (turn_to(bearing_of(target_->centre))) {
+        enter_phase(Phase::dock, time);
+      }
+      break;
+    case Phase::dock: {
+      (void)keep_box();
+      const double felt = feeler_.valid() ? feeler_.distance() : 1.0;
+      const double left = std::isfinite(felt) ? felt : felt < 0 ? 0.0 : 1.0;
+      if (left <= kTouch) {
+        gripping_ = true;
+        enter_phase(Phase::grip, time);
+      } else if (distance(here(), began_) > kStandOff + 0.1 || lasted > 8.0) {
+        enter_phase(Phase::back, time);
+      } else {
+        const double a = bearing_of(target_->centre);
+        follow(began_,
+               {target_->centre.x + 0.3 * std::cos(a), target_->centre.y + 0.3 * std::sin(a)},
+               left < 0.03 ? 0.4 * kCreep : kCreep, period);
+      }
+      break;
+    }
+    case Phase::grip:
+      if (lasted > kGripTime) {
+        raised_ = true;
+        enter_phase(Phase::lift, time);
+      }
+      break;
+    case Phase::lift:
+      if (lasted > kLiftTime) {
+        holding_ = true;
+        enter_phase(Phase::back, time);
+      }
+      break;
+    case Phase::back:
+      if (back_off(kBackOff)) {
+        const double felt = feeler_.valid() ? feeler_.distance() : 1.0;
+        holding_ = gripping_ && felt < kHolds;
+        if (holding_) {
+          memory_.forget(target_->centre, 0.15);
+          enter_phase(Phase::carry, time);
+        } else {
+          // Perhaps it is not where, or not what, it seemed to be: look again.
+          if (target_) memory_.forget(target_->centre, 0.15);
+          gripping_ = raised_ = false;
+          enter_phase(Phase::idle, time);
+        }
+      }
+      break;
+    case Phase::carry:
+      if (!choose_slot()) {
+        drive_to(home_, time, period);  // the zone is full
+      } else if (zone_taken()) {
+        // Beside the zone, on its own side of it.
+        drive_to({from_east_ ? zone_.east + 0.65 : zone_.west - 0.65, zone_.south - 0.35}, time,
+                 period);
+        arrived_ = false;
+      } else {
+        drive_to({slot_.x, zone_.south - 0.32}, time, period);
+        if (arrived_) enter_phase(Phase::turn, time);
+      }
+      break;
+    case Phase::turn:
+      if (turn_to(north)) enter_phase(Phase::enter, time);
+      break;
+    case Phase::enter:
+      if (pose_.y + fork_ + side_ / 2 >= slot_.y || lasted > 15.0) {
+        raised_ = false;
+        enter_phase(Phase::lower, time);
+      } else {
+        follow(gate, {slot_.x, zone_.north}, kCreep, period);
+      }
+      break;
+    case Phase::lower:
+      if (lasted > kLiftTime) {
+        gripping_ = false;
+        ++fetched_;
+        enter_phase(Phase::release, time);
+      }
+      break;
+    case Phase::release:
+      if (lasted > kGripTime) enter_phase(Phase::leave, time);
+      break;
+    case Phase::leave:
+      if (pose_.y <= gate.y || lasted > 12.0) {
+        holding_ = false;
+        enter_phase(Phase::idle, time);
+      } else {
+        move(-kCreep, 0.0);
+      }
+      break;
+    case Phase::retreat:
+      drive_to(goal_, time, period);
+      if (arrived_ || lasted > kRetreat) {
+        enter_phase(holding_ ? Phase::carry : Phase::idle, time);
+      }
+      break;
+  }
+  // Who waits for the other too long goes out of its way.
+  const bool travels =
+      phase_ == Phase::fetch || phase_ == Phase::carry || (phase_ == Phase::idle && !arrived_);
+  if (!travels || distance(here(), moved_from_) > 0.1) {
+    moved_from_ = here();
+    moved_at_ = time;
+  }
+  const bool near = other_.place() && distance(*other_.place(), here()) < kFar;
+  const bool at_home = distance(here(), home_) < 0.1;
+  if (travels && near && !at_home && time - moved_at_ > patience_) {
+    ++retreats_;
+    patience_ = (rules_.gives_way ? kPatience : kLongPatience) * robot_->uniform(1.0, 1.5);
+    const PlanarPoint away = refuge();
+    enter_phase(Phase::retreat, time);
+    plan(away, time);
+  }
+}
+
+void BoxCarrier::send(double period) {
+  TrafficRules rules = rules_;
+  // Only on its way it can give way; while it handles a box it is the other that must keep off.
+  rules.gives_way = rules_.gives_way &&
+                    (phase_ == Phase::fetch || phase_ == Phase::carry || phase_ == Phase::idle);
+  if (!may_drive(pose_, wanted_.forward, radius(), other_, loaded_radius_, rules)) {
+    wanted_.forward = 0.0;
+  }
+  const auto towards = [](double now, double aim, double change) {
+    return now + std::clamp(aim - now, -change, change);
+  };
+  sent_.forward = towards(sent_.forward, wanted_.forward, 2.0 * period);
+  sent_.turn = towards(sent_.turn, wanted_.turn, 20.0 * period);
+  left_.set((sent_.forward - sent_.turn * track_ / 2) / wheel_);
+  right_.set((sent_.forward + sent_.turn * track_ / 2) / wheel_);
+  lift_.set(raised_ ? lift_height_ : 0.0);
+}
+
+void BoxCarrier::update(const cogrsim::Tick& tick) {
+  localise(tick.period);
+  if (!placed_) return;
+  look(tick.time);
+  go_on(tick.time, tick.period);
+  send(tick.period);
+  publish();
+}
+
+void BoxCarrier::publish() {
+  robot_->publish("grip", gripping_ ? 1.0 : 0.0);
+  robot_->publish("phase", static_cast<double>(phase_));
+  robot_->publish("known", static_cast<double>(memory_.boxes().size()));
+  robot_->publish("fetched", fetched_);
+  robot_->publish("retreats", retreats_);
+  robot_->publish("speed", sent_.forward);
+}
+
+}  // namespace
+}  // namespace box_carrier
+
+COGRSIM_CONTROLLER(
+    box_carrier::BoxCarrier, "box_carrier", version("1.0.0"), author("CogRSim"),
+    summary("fetches boxes it sees and brings them to a zone, giving way to another robot"),
+    parameter("arena", std::vector<double>{-2.0, 2.0, -1.5, 1.5}, "m",
+              "inner faces of the walls: west, east, south, north"),
+    parameter("zone", std::vector<double>{-0.6, 0.6, 0.98, 1.5}, "m",
+              "where boxes belong, likewise; it is entered from the south"),
+    parameter("gives_way", false, "to the other, where both want the same room: just one should"),
+    parameter("planner", "a_star", "name of a grid planner"),
+    parameter("steering", "dynamic_window", "name of a steering algorithm"),
+    parameter("speed", 0.35, "m/s", "cruising speed").range(0.05, 2.0),
+    parameter("box", 0.12, "m", "edge of the boxes").range(0.02, 1.0),
+    parameter("tower", 0.04, "m", "radius of the other's tower").range(0.005, 0.5),
+    parameter("fork", 0.125, "m", "from the robot's middle to the front of its fork")
+        .range(0.01, 1.0),
+    parameter("lift_height", 0.03, "m", "how far the fork rises").range(0.0, 1.0),
+    parameter("radius", 0.14, "m", "of the disc that holds the robot").range(0.01, 1.0),
+    parameter("loaded_radius", 0.27, "m", "the same with a box; what is kept free about the other")
+        .range(0.01, 2.0),
+    parameter("wheel_radius", 0.04, "m", "radius of both wheels").range(1e-3, 1.0),
+    parameter("track", 0.16, "m", "distance between the wheels' middles").range(1e-3, 2.0),
+    output("grip", "1", "1: wants to hold what is at the fork"),
+    output("phase", "1",
+           "0 idle, 1 fetch, 2 face, 3 dock, 4 grip, 5 lift, 6 back, 7 carry, 8 turn, 9 enter, "
+           "10 lower, 11 release, 12 leave, 13 retreat"),
+    output("known", "1", "boxes it knows of"), output("fetched", "1", "boxes it has brought"),
+    output("retreats", "1", "times it went out of the other's way"),
+    output("speed", "m/s", "forward, as told to the wheels"))

@@ -1,0 +1,42 @@
+#include "traffic.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace box_carrier {
+
+namespace {
+constexpr double kSmoothing = 0.25;  ///< [s]
+constexpr double kForesight = 0.4;   ///< [s]: two readings, and braking from cruising speed
+constexpr double kMoves = 0.06;      ///< slower is standing still [m/s]
+}  // namespace
+
+void Neighbour::see(const PlanarPoint& tower, double time) {
+  const double passed = time - time_;
+  if (place_ && passed > 0.0 && passed < 1.0) {
+    const double share = passed / (kSmoothing + passed);
+    vx_ += share * ((tower.x - place_->x) / passed - vx_);
+    vy_ += share * ((tower.y - place_->y) / passed - vy_);
+  } else if (passed >= 1.0) {
+    vx_ = vy_ = 0.0;
+  }
+  place_ = tower;
+  time_ = time;
+}
+
+bool may_drive(const PlanarPose& pose, double forward, double radius, const Neighbour& other,
+               double other_radius, const TrafficRules& rules) {
+  if (!other.place() || forward == 0.0) return true;
+  const double dx = other.place()->x - pose.x, dy = other.place()->y - pose.y;
+  const double apart = std::hypot(dx, dy);
+  if (!(apart > 0.0)) return false;
+  const double mine = forward * (std::cos(pose.heading) * dx + std::sin(pose.heading) * dy) / apart;
+  if (mine <= 0.0) return true;  // away from it
+  const double its = -(other.vx() * dx + other.vy() * dy) / apart;
+  const double least = radius + other_radius + rules.guard;
+  if (apart - kForesight * (mine + std::max(0.0, its)) < least) return false;
+  const bool approaching = its > kMoves;
+  return !(rules.gives_way && approaching && apart < least + rules.caution);
+}
+
+}  // namespace box_carrier

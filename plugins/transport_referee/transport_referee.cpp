@@ -1,0 +1,251 @@
+// The hands of two robots that carry boxes, and the judge of their work. See README.md.
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cogrsim/control/supervisor.h"
+#include "cogrsim/signals/signal.h"
+
+namespace transport_referee {
+namespace {
+
+using cogrsim::Frame;
+using cogrsim::SceneModel;
+using cogrsim::Stage;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+template <class Type>
+Type parameter(const Stage& stage, const std::string& name) {
+  return std::get<Type>(*stage.parameter(name));
+}
+
+struct Robot {
+  std::string name;
+  std::string fork;   ///< body that holds
+  std::string joint;  ///< name of the one with which it holds
+  std::size_t controller = 0, output = 0;
+  bool wants = false;  ///< as of the last update
+  int carries = -1;    ///< body
+};
+
+class TransportReferee final : public cogrsim::Supervisor {
+ public:
+  cogrsim::FrameContents needs() const override {
+    cogrsim::FrameContents contents;
+    contents.contacts = true;
+    return contents;
+  }
+  void configure(Stage& stage) override;
+  void update(const cogrsim::Tick& tick, Stage& stage) override;
+
+ private:
+  Robot find_robot(const SceneModel& model, const std::string& name, const std::string& fork) const;
+  void watch_model(const cogrsim::SceneModelPtr& model);
+  void work_hands(const Frame& frame, Stage& stage, Robot& robot);
+  void count_collisions(const Frame& frame);
+  int count_delivered(const Frame& frame) const;
+  void publish(const Frame& frame, Stage& stage);
+
+  std::array<Robot, 2> robots_;
+  std::string boxes_name_;
+  cogrsim::RegionModel zone_;
+  cogrsim::Signal gap_;
+  double reach_ = 0.02;
+  bool end_run_ = true;
+
+  cogrsim::SceneModelPtr model_;
+  std::vector<int> boxes_;   // bodies
+  std::vector<char> owner_;  // of every body: 0, 1 a robot, -1 neither
+  int delivered_ = 0, collisions_ = 0;
+  bool touching_ = false, ending_ = false;
+  double nearest_ = std::numeric_limits<double>::infinity();
+  double done_at_ = kNaN;
+};
+
+Robot TransportReferee::find_robot(const SceneModel& model, const std::string& name,
+                                   const std::string& fork) const {
+  const int assembly = cogrsim::find_assembly(model, name);
+  if (assembly < 0) throw std::runtime_error("there is no assembly '" + name + "'");
+  Robot robot;
+  robot.name = name;
+  robot.fork = name + "." + fork;
+  robot.joint = name + ".held";
+  if (cogrsim::find_body(model, robot.fork) < 0) {
+    throw std::runtime_error("there is no body '" + robot.fork + "' to hold boxes with");
+  }
+  for (std::size_t i = 0; i < model.controllers.size(); ++i) {
+    const auto& controller = model.controllers[i];
+    if (controller.assembly != assembly) continue;
+    for (std::size_t k = 0; k < controller.outputs.size(); ++k) {
+      if (controller.outputs[k].name != "grip") continue;
+      robot.controller = i;
+      robot.output = k;
+      return robot;
+    }
+  }
+  throw std::runtime_error("no controller of '" + name + "' publishes an output 'grip'");
+}
+
+void TransportReferee::configure(Stage& stage) {
+  const SceneModel& model = *stage.frame().model;
+  std::istringstream names(parameter<std::string>(stage, "robots"));
+  std::string first, second, more;
+  if (!(names >> first >> second) || names >> more || first == second) {
+    throw std::runtime_error("'robots': expected the names of two assemblies");
+  }
+  const auto fork = parameter<std::string>(stage, "fork");
+  robots_ = {find_robot(model, first, fork), find_robot(model, second, fork)};
+  boxes_name_ = parameter<std::string>(stage, "boxes");
+  const auto zone = parameter<std::string>(stage, "zone");
+  const auto region = std::find_if(model.regions.begin(), model.regions.end(),
+                                   [&](const auto& r) { return r.name == zone; });
+  if (region == model.regions.end()) {
+    throw std::runtime_error("there is no region '" + zone + "'");
+  }
+  if (region->type != cogrsim::RegionModel::Type::box || region->body != cogrsim::kWorld) {
+    throw std::runtime_error("region '" + zone + "' is not a box that stands still");
+  }
+  zone_ = *region;
+  auto gap = cogrsim::Signal::parse({model, {}, {}}, "distance(" + first + ", " + second + ")");
+  if (!gap) throw std::runtime_error(gap.error().text());
+  gap_ = *gap;
+  reach_ = parameter<double>(stage, "reach");
+  end_run_ = parameter<bool>(stage, "end_run");
+  watch_model(stage.frame().model);
+  if (boxes_.empty()) throw std::runtime_error("no body is named '" + boxes_name_ + ".…'");
+  publish(stage.frame(), stage);
+}
+
+void TransportReferee::watch_model(const cogrsim::SceneModelPtr& model) {
+  if (model == model_) return;
+  model_ = model;
+  boxes_.clear();
+  // A scatter is no assembly: its things are known by the first part of their names.
+  for (std::size_t i = 0; i < model->bodies.size(); ++i) {
+    const auto& body = model->bodies[i];
+    if (!body.removed && body.name.rfind(boxes_name_ + ".", 0) == 0) {
+      boxes_.push_back(static_cast<int>(i));
+    }
+  }
+  owner_.assign(model->bodies.size(), -1);
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    Robot& robot = robots_[i];
+    const int assembly = cogrsim::find_assembly(*model, robot.name);
+    if (assembly < 0) throw std::runtime_error("'" + robot.name + "' is gone");
+    for (const int body : cogrsim::bodies_of(*model, assembly)) {
+      owner_[static_cast<std::size_t>(body)] = static_cast<char>(i);
+    }
+    // What it holds counts as part of it.
+    const int joint = cogrsim::find_joint(*model, robot.joint);
+    robot.carries = joint < 0 ? -1 : model->joints[static_cast<std::size_t>(joint)].child;
+    if (robot.carries >= 0) owner_[static_cast<std::size_t>(robot.carries)] = static_cast<char>(i);
+  }
+}
+
+// Opens and closes the hand as the robot's controller publishes it.
+void TransportReferee::work_hands(const Frame& frame, Stage& stage, Robot& robot) {
+  const double grip = frame.controller_outputs[robot.controller][robot.output];
+  const bool wants = grip > 0.5;
+  if (wants == robot.wants) return;
+  robot.wants = wants;
+  if (!wants) {
+    if (robot.carries >= 0) stage.send(cogrsim::Detach{robot.joint});
+    return;
+  }
+  const auto& poses = frame.state.poses;
+  const cogrsim::Vec3 hand =
+      poses[static_cast<std::size_t>(cogrsim::find_body(*model_, robot.fork))].p;
+  int nearest = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (const int box : boxes_) {
+    const double away = (poses[static_cast<std::size_t>(box)].p - hand).norm();
+    if (owner_[static_cast<std::size_t>(box)] < 0 && away < least) nearest = box, least = away;
+  }
+  if (nearest < 0) return;
+  cogrsim::Attach attach;
+  attach.name = robot.joint;
+  attach.parent = robot.fork;
+  attach.child = model_->bodies[static_cast<std::size_t>(nearest)].name;
+  attach.reach = reach_;
+  stage.send(attach);
+}
+
+void TransportReferee::count_collisions(const Frame& frame) {
+  const auto owner = [&](int body) {
+    return body < 0 ? -1 : static_cast<int>(owner_[static_cast<std::size_t>(body)]);
+  };
+  const bool touching =
+      std::any_of(frame.contacts.begin(), frame.contacts.end(), [&](const cogrsim::Contact& c) {
+        const int a = owner(c.body_a), b = owner(c.body_b);
+        return a >= 0 && b >= 0 && a != b && (c.depth >= 0.0 || c.force.norm() > 0.0);
+      });
+  if (touching && !touching_) ++collisions_;
+  touching_ = touching;
+}
+
+int TransportReferee::count_delivered(const Frame& frame) const {
+  return static_cast<int>(std::count_if(boxes_.begin(), boxes_.end(), [&](int box) {
+    if (owner_[static_cast<std::size_t>(box)] >= 0) return false;  // still held
+    const cogrsim::Vec3 p =
+        zone_.X_BR.inverse() * frame.state.poses[static_cast<std::size_t>(box)].p;
+    return (p.cwiseAbs().array() <= 0.5 * zone_.size.array()).all();
+  }));
+}
+
+void TransportReferee::publish(const Frame& frame, Stage& stage) {
+  const double gap = gap_.evaluate(frame);
+  if (gap < nearest_) nearest_ = gap;
+  const bool done = delivered_ == static_cast<int>(boxes_.size());
+  if (done && !(done_at_ <= frame.time)) {
+    done_at_ = frame.time;
+    stage.report("all boxes are delivered");
+  }
+  stage.publish("delivered", delivered_);
+  stage.publish("left", static_cast<double>(boxes_.size()) - delivered_);
+  stage.publish("collisions", collisions_);
+  stage.publish("gap", gap);
+  stage.publish("nearest", nearest_);
+  stage.publish("time", done_at_);
+  stage.publish("success", done && collisions_ == 0 ? 1.0 : 0.0);
+}
+
+void TransportReferee::update(const cogrsim::Tick&, Stage& stage) {
+  if (ending_) {
+    // The frame in between has carried the verdict.
+    stage.send(cogrsim::EndRun{"all boxes are delivered"});
+    return;
+  }
+  const Frame& frame = stage.frame();
+  watch_model(frame.model);
+  for (Robot& robot : robots_) work_hands(frame, stage, robot);
+  count_collisions(frame);
+  delivered_ = count_delivered(frame);
+  publish(frame, stage);
+  ending_ = end_run_ && done_at_ <= frame.time;
+}
+
+}  // namespace
+}  // namespace transport_referee
+
+COGRSIM_SUPERVISOR(
+    transport_referee::TransportReferee, "transport_referee", version("1.0.0"), author("CogRSim"),
+    summary("fastens boxes to two robots that want to hold them, and judges how they are carried"),
+    parameter("robots", "", "the two assemblies, with a blank in between").must_be_set(),
+    parameter("boxes", "boxes", "scatter or assembly that has all the boxes"),
+    parameter("zone", "zone", "region where they belong: a box that stands still"),
+    parameter("fork", "fork", "body of each robot that boxes are fastened to"),
+    parameter("reach", 0.02, "m", "a box farther from the fork than that is not fastened")
+        .range(0.0, 1.0),
+    parameter("end_run", true, "the run ends when all boxes are delivered"),
+    output("delivered", "1", "boxes that stand in the zone and are let go"),
+    output("left", "1", "boxes that are not"),
+    output("collisions", "1", "times the robots, or what they hold, came to touch each other"),
+    output("gap", "m", "between the surfaces of the robots"),
+    output("nearest", "m", "the least gap so far"), output("time", "s", "when all were delivered"),
+    output("success", "1", "1 once all are delivered without a collision"))
