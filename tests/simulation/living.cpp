@@ -1,5 +1,7 @@
 // A world that changes while it runs: doors, regions, rules, things that come and go.
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <map>
 
 #include "support.h"
@@ -394,6 +396,88 @@ TEST_CASE("what a supervisor has sent is part of a snapshot", "[living]") {
   cut->run_until(0.03);
   CHECK(find_assembly(*cut->model(), "Ball_58") >= 0);
   CHECK(state_hash(cut->frame()->state) == state_hash(whole->frame()->state));
+}
+
+TEST_CASE("the reach of an attachment is between surfaces", "[living]") {
+  TriangleMesh corner;
+  corner.name = "corner";
+  corner.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  corner.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  const Quat lying = z_to(Vec3(1, 0, 0));
+  const Quat turned(Eigen::AngleAxisd(0.25 * 3.14159265358979323846, Vec3::UnitZ()));
+  const struct {
+    const char* what;
+    std::function<void(ModelBuilder&)> make;
+    double distance;  // [m], by hand
+  } cases[] = {
+      {"corner of a box, ball",
+       [](ModelBuilder& b) {
+         b.box("a", Vec3(0.2, 0.2, 0.2), 1, at(0, 0, 0));
+         b.sphere("b", 0.1, 1, at(0.4, 0.4, 0.4));
+       },
+       0.3 * std::sqrt(3.0) - 0.1},
+      {"two balls",
+       [](ModelBuilder& b) {
+         b.sphere("a", 0.2, 1, at(0, 0, 0));
+         b.sphere("b", 0.1, 1, at(0.6, 0, 0.8));
+       },
+       0.7},
+      {"crossing capsules",
+       [&](ModelBuilder& b) {
+         b.capsule("a", 0.1, 1, 1, at(0, 0, 0));
+         b.capsule("b", 0.1, 1, 1, Pose(Vec3(0, 0.5, 0), lying));
+       },
+       0.3},
+      {"cylinder, edge of a box",
+       [&](ModelBuilder& b) {
+         b.cylinder("a", 0.2, 0.4, 1, at(0, 0, 0));
+         b.box("b", Vec3(0.2, 0.2, 0.2), 1, Pose(Vec3(1, 0, 0), turned));
+       },
+       0.8 - 0.1 * std::sqrt(2.0)},
+      {"crossing cylinders",
+       [&](ModelBuilder& b) {
+         b.cylinder("a", 0.2, 1, 1, at(0, 0, 0));
+         b.cylinder("b", 0.2, 1, 1, Pose(Vec3(0, 1, 0), lying));
+       },
+       0.6},
+      {"floor, lying capsule",
+       [&](ModelBuilder& b) {
+         b.plane("a");
+         b.capsule("b", 0.2, 1, 1, Pose(Vec3(0, 0, 1), lying));
+       },
+       0.8},
+      {"face of a hull, ball",
+       [&](ModelBuilder& b) {
+         b.mesh("a", corner, true, 1, at(0, 0, 0));
+         b.sphere("b", 0.1, 1, at(1, 1, 1));
+       },
+       2.0 / std::sqrt(3.0) - 0.1},
+      {"face of a mesh, ball",
+       [&](ModelBuilder& b) {
+         b.mesh("a", corner, false, 0, at(0, 0, 0));
+         b.sphere("b", 0.1, 1, at(1, 1, 1));
+       },
+       2.0 / std::sqrt(3.0) - 0.1},
+  };
+  for (const auto& one : cases) {
+    INFO(one.what);
+    // Distances are good to 1e-9 m.
+    for (const double more : {-1e-8, 1e-8}) {
+      ModelBuilder builder("pair");
+      builder.model.physics.gravity = Vec3::Zero();
+      one.make(builder);
+      auto simulation = simulate(builder.build(), "bullet");
+      Attach attach;
+      attach.name = "grip";
+      attach.parent = "a";
+      attach.child = "b";
+      attach.reach = one.distance + more;
+      simulation->send(attach);
+      simulation->step();
+      INFO("reach " << attach.reach << ": " << messages_of(*simulation));
+      CHECK((find_joint(*simulation->model(), "grip") >= 0) == (more > 0));
+    }
+  }
 }
 
 TEST_CASE("things are attached where they are and let go", "[living]") {

@@ -5,12 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "signals/gjk.h"
+
 namespace cogrsim {
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kMaxIterations = 64;
 // Nearer than rounding in a scene some hundred metres wide lets one tell.
 constexpr double kTouching = 1e-9;  // [m]
 
@@ -18,7 +19,12 @@ bool has_inside(const Shape& shape) {
   return shape.type != ShapeType::mesh && shape.type != ShapeType::heightmap;
 }
 
-// Outermost point of a convex shape along d, in the shape's frame.
+// Radius around the core of a convex shape: curved all over, it is far easier to measure without.
+double margin_of(const Shape& shape) {
+  return shape.type == ShapeType::sphere || shape.type == ShapeType::capsule ? shape.radius : 0.0;
+}
+
+// Outermost point of the core of a convex shape along d, in the shape's frame.
 Vec3 outermost(const SceneModel& model, const Shape& shape, const Vec3& d) {
   const double radial = std::hypot(d.x(), d.y());
   const Vec3 rim = radial > 0.0 ? Vec3(d.x() / radial, d.y() / radial, 0.0) : Vec3::Zero();
@@ -28,11 +34,11 @@ Vec3 outermost(const SceneModel& model, const Shape& shape, const Vec3& d) {
       return 0.5 * Vec3(std::copysign(shape.size.x(), d.x()), std::copysign(shape.size.y(), d.y()),
                         std::copysign(shape.size.z(), d.z()));
     case ShapeType::sphere:
-      return shape.radius * d.normalized();
+      return Vec3::Zero();
     case ShapeType::cylinder:
       return shape.radius * rim + Vec3(0, 0, end);
     case ShapeType::capsule:
-      return shape.radius * d.normalized() + Vec3(0, 0, end);
+      return Vec3(0, 0, end);
     default:
       break;
   }
@@ -64,71 +70,25 @@ Vec3 outermost(const Triangle& triangle, const Vec3& d) {
                            [&](const Vec3& a, const Vec3& b) { return a.dot(d) < b.dot(d); });
 }
 
-/// Up to four points; nearest() keeps those that the nearest point to the origin lies between.
-struct Simplex {
-  std::array<Vec3, 4> points;
-  int size = 0;
+double margin_of(const PlacedShape& placed) { return margin_of(*placed.shape); }
+double margin_of(const Triangle&) { return 0.0; }
 
-  Vec3 nearest() {
-    double best = kInfinity;
-    Vec3 found = Vec3::Zero();
-    std::array<Vec3, 4> kept;
-    int kept_size = 0;
-    // Every subset: the nearest point of the plane, line or point it spans counts if it lies within.
-    for (int mask = 1; mask < 1 << size; ++mask) {
-      std::array<Vec3, 4> p;
-      int n = 0;
-      for (int i = 0; i < size; ++i) {
-        if (mask & (1 << i)) p[static_cast<std::size_t>(n++)] = points[static_cast<std::size_t>(i)];
-      }
-      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> D(3, n - 1);
-      for (int i = 1; i < n; ++i) D.col(i - 1) = p[static_cast<std::size_t>(i)] - p[0];
-      Vec3 v = p[0];
-      if (n > 1) {
-        const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> t =
-            (D.transpose() * D).ldlt().solve(-D.transpose() * p[0]);
-        if (!t.allFinite() || t.minCoeff() < 0.0 || t.sum() > 1.0) continue;
-        v += D * t;
-      }
-      if (v.squaredNorm() < best) {
-        best = v.squaredNorm();
-        found = v;
-        kept = p;
-        kept_size = n;
-      }
-    }
-    points = kept;
-    size = kept_size;
-    return found;
-  }
-};
-
-// Distance between two convex sets of which only the outermost points are known.
+// Distance between two convex sets: of their cores, less what is around these.
 template <class A, class B>
 double convex_distance(const A& a, const B& b, const Vec3& towards) {
-  Vec3 d = towards.squaredNorm() > 0.0 ? towards : Vec3(1, 0, 0);
-  Simplex simplex;
-  simplex.points[0] = outermost(a, d) - outermost(b, -d);
-  simplex.size = 1;
-  Vec3 v = simplex.points[0];
-  for (int i = 0; i < kMaxIterations; ++i) {
-    const double square = v.squaredNorm();
-    if (square <= kTouching * kTouching) return 0.0;
-    const Vec3 w = outermost(a, -v) - outermost(b, v);
-    // No point is nearer by more than a share of 1e-9: found.
-    if (square - v.dot(w) <= 1e-9 * square) break;
-    simplex.points[static_cast<std::size_t>(simplex.size++)] = w;
-    v = simplex.nearest();
-    if (simplex.size == 4) return 0.0;  // the origin lies within
-    if (v.squaredNorm() >= square) break;
-  }
-  return v.norm();
+  const auto difference = [&](const Vec3& d) -> Vec3 { return outermost(a, d) - outermost(b, -d); };
+  const Vec3 d = towards.squaredNorm() > 0.0 ? towards : Vec3(1, 0, 0);
+  const double apart =
+      gjk::origin_distance(difference, difference(d)) - margin_of(a) - margin_of(b);
+  return apart <= kTouching ? 0.0 : apart;
 }
 
 double plane_distance(const PlacedShape& plane, const PlacedShape& other) {
   const Vec3 up = plane.X_WS.q * Vec3::UnitZ();
   const auto height = [&](const Vec3& point) { return (point - plane.X_WS.p).dot(up); };
-  if (has_inside(*other.shape)) return std::max(0.0, height(outermost(other, -up)));
+  if (has_inside(*other.shape)) {
+    return std::max(0.0, height(outermost(other, -up)) - margin_of(other));
+  }
   return kInfinity;
 }
 
@@ -201,8 +161,8 @@ PlacedShape placed(const SceneModel& model, int body, const Shape& shape, const 
   if (shape.type == ShapeType::plane) return out;
   if (has_inside(shape)) {
     for (int i = 0; i < 3; ++i) {
-      out.high[i] = outermost(out, Vec3::Unit(i))[i];
-      out.low[i] = outermost(out, -Vec3::Unit(i))[i];
+      out.high[i] = outermost(out, Vec3::Unit(i))[i] + margin_of(shape);
+      out.low[i] = outermost(out, -Vec3::Unit(i))[i] - margin_of(shape);
     }
     return out;
   }

@@ -20,7 +20,7 @@ struct PlacedShape {
 };
 
 /// Distance between the surfaces of two shapes [m]; 0 where they touch or overlap. Exact for
-/// everything convex (Gilbert, Johnson and Keerthi 1988) and for planes; meshes and height maps
+/// everything convex (signals/gjk.h) and for planes; meshes and height maps
 /// count as their triangles, a height map also with all that is below it. Two of those that have no
 /// inside are infinitely far from each other. More than `enough`: some distance beyond it.
 double shape_distance(const PlacedShape& a, const PlacedShape& b, double enough);
