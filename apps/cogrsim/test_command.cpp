@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "interrupt.h"
 #include "options.h"
 #include "output_file.h"
 #include "quantities.h"
@@ -198,6 +199,7 @@ int test_command(const TestCommandOptions& options) {
     print_error(files.error().text());
     return kFailed;
   }
+  catch_interrupts();
   std::vector<TestCase> cases;
   for (const std::string& file : *files) plan(file, options, cases);
   if (cases.empty()) {

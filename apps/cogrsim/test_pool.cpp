@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "interrupt.h"
 #include "test_command.h"
 
 namespace cogrsim::cli {
@@ -139,11 +140,13 @@ Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& optio
     children.push_back({number, pid, Clock::now(), false});
     return {};
   };
+  const auto end_all = [&] {
+    for (const Child& child : children) kill(child.pid, SIGKILL), waitpid(child.pid, nullptr, 0);
+  };
   while (told < cases.size()) {
-    while (next < cases.size() && children.size() < jobs) {
+    while (next < cases.size() && children.size() < jobs && !interrupted()) {
       if (auto started = start(next); !started) {
-        for (const Child& child : children)
-          kill(child.pid, SIGKILL), waitpid(child.pid, nullptr, 0);
+        end_all();
         return started;
       }
       ++next;
@@ -168,6 +171,11 @@ Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& optio
       ++ended;
       failed += one.passed() ? 0 : 1;
       children.erase(children.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    // A terminal sends Ctrl-C to the cases, too: how they ended now says nothing about them.
+    if (interrupted()) {
+      end_all();
+      return fail(fmt::format("interrupted: {} of {} cases done", told, cases.size()));
     }
     progress(ended, failed);
     for (; told < cases.size() && !cases[told].result.is_null(); ++told) done(cases[told]);

@@ -3,6 +3,7 @@
 #include <unistd.h>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 
 #include <catch2/catch.hpp>
@@ -245,6 +246,18 @@ TEST_CASE("Ctrl-C ends a run with what there is", "[cli][program]") {
   CHECK(result["status"] == "stopped");
   CHECK(result["time"].get<double>() < 10.0);
   CHECK(result["bodies"].contains("crate"));
+}
+
+TEST_CASE("Ctrl-C ends tests and leaves nothing behind", "[cli][program]") {
+  const TemporaryFolder folder;
+  setenv("TMPDIR", (folder / "").c_str(), 1);
+  const Outcome outcome =
+      with_toys({"test", kScenes + "/endless.scene.xml", "-o", folder / "recordings"}, 1.0);
+  unsetenv("TMPDIR");
+  INFO(outcome.out << outcome.err);
+  CHECK(outcome.status == 1);
+  CHECK_THAT(outcome.err, Contains("interrupted: 0 of 1 cases"));
+  CHECK(folder.files().empty());
 }
 
 TEST_CASE("a scene that explodes: status, body and time", "[cli][program]") {
