@@ -1,6 +1,7 @@
 // Regions and templates, and what may be there by and by.
 #include <algorithm>
 #include <cctype>
+#include <sstream>
 
 #include "build_scene.h"
 
@@ -203,9 +204,8 @@ std::string Builder::full_name(const Element& from, const std::string& name, Thi
   return {};
 }
 
+/// Whether an action of the scene brings something of this name.
 bool Builder::may_come(const std::string& name, Thing thing) const {
-  // A supervisor may make anything.
-  if (!model_.supervisors.empty()) return thing != Thing::templates;
   for (const Coming& coming : coming_) {
     if (coming.is_joint) {
       if (thing == Thing::joint && name == coming.name) return true;
@@ -228,26 +228,53 @@ bool Builder::may_come(const std::string& name, Thing thing) const {
   return false;
 }
 
+/// Whether `added` of the rule or region around says that something of this name may come.
+bool Builder::is_announced(const Element& from, const std::string& name) {
+  const Element* holder = &from;
+  while (holder != nullptr && holder->find("added") == nullptr) holder = holder->parent;
+  if (holder == nullptr) return false;
+  const auto names = reader(*holder).text("added");
+  std::istringstream words(*names);
+  for (std::string word; words >> word;) {
+    if (begins_with(name, word) && (name.size() == word.size() || name[word.size()] == '.'))
+      return true;
+  }
+  return false;
+}
+
 // The same with complaints; nullopt: reported.
 std::optional<std::string> Builder::present_name(const Element& from, const Word& word,
                                                  Thing thing) {
   std::string full = full_name(from, word.text, thing);
   if (!full.empty()) return full;
   if (may_come(word.text, thing)) return word.text;
+  if (thing != Thing::templates && is_announced(from, word.text)) return word.text;
   const Names::Found found = names_.peek(from, word.text);
   if (found.lost) return std::nullopt;
   // It was refused, and that is reported.
   if (found.element != nullptr && becomes(*found.element, thing) && sink().has_errors())
     return std::nullopt;
+  // A supervisor may make anything.
+  const bool may_be_made =
+      !model_.supervisors.empty() && thing != Thing::templates && found.element == nullptr;
   Report report = sink().report(
-      thing == Thing::templates ? "CG1306" : "CG1302", word.span, from.trail,
+      thing == Thing::templates ? "CG1306"
+      : may_be_made             ? "CG2030"
+                                : "CG1302",
+      word.span, from.trail,
       found.element != nullptr
           ? "'" + word.text + "' is " + kind_of(*found.element) + ", expected a " + describe(thing)
           : "there is no " + std::string(describe(thing)) + " '" + word.text +
                 (thing == Thing::templates ? "'" : "' here, and no action brings one"));
   const std::vector<std::string> known = names_of(model_, thing);
-  report.help(known.empty() ? "the scene has none" : suggest(word.text, known));
-  return std::nullopt;
+  const std::string help = known.empty() ? "the scene has none" : suggest(word.text, known);
+  if (!may_be_made) {
+    report.help(help);
+    return std::nullopt;
+  }
+  report.help((help.empty() ? "" : help + (help.back() == '?' ? " " : "; ")) + "write added=\"" +
+              word.text + "\" if a supervisor adds it");
+  return word.text;
 }
 
 void Builder::region(const Element& element) {

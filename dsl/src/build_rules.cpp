@@ -182,6 +182,7 @@ std::optional<std::string> Builder::rule_condition(const Element& element,
   const auto given = reader(element).text(attribute);
   if (!given.given()) return std::nullopt;
   bool lost = false, coming = false, refused = false;
+  std::string unknown;
   SignalScope scope{model_, built_in_channels(model_), {}};
   scope.resolve = [&](const std::string& name) -> std::string {
     const Names::Found found = names_.peek(element, name);
@@ -192,6 +193,10 @@ std::optional<std::string> Builder::rule_condition(const Element& element,
       if (!full.empty()) return full;
       coming = coming || may_come(name, thing);
     }
+    coming = coming || is_announced(element, name);
+    // Asked for with its quantity, and without.
+    if (found.element == nullptr && (unknown.empty() || name.size() < unknown.size()))
+      unknown = name;
     // Not in the model: it has no signals, or was refused.
     refused = refused || found.element != nullptr;
     return found.element != nullptr ? found.element->path : std::string();
@@ -201,6 +206,12 @@ std::optional<std::string> Builder::rule_condition(const Element& element,
   // What is not there yet is looked for when it has come.
   if (coming) return *given;
   if (lost || (refused && sink().has_errors())) return std::nullopt;
+  // A supervisor may make anything.
+  if (!unknown.empty() && !model_.supervisors.empty()) {
+    fault("CG2030", element, attribute, parsed.error().message)
+        .help("correct the name; write added=\"" + unknown + "\" if a supervisor adds it");
+    return *given;
+  }
   fault("CG1308", element, attribute, parsed.error().message).help(parsed.error().hint);
   return std::nullopt;
 }

@@ -186,6 +186,7 @@ class Builder {
   void region(const Element& element);
   std::string full_name(const Element& from, const std::string& name, Thing thing);
   bool may_come(const std::string& name, Thing thing) const;
+  bool is_announced(const Element& from, const std::string& name);
   std::optional<std::string> present_name(const Element& from, const Word& word, Thing thing);
 
   // build_rules.cpp

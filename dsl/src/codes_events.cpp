@@ -4,7 +4,7 @@
 namespace cogrsim::dsl {
 
 std::vector<CodeInfo> event_codes() {
-  const Severity error = Severity::error;
+  const Severity error = Severity::error, advice = Severity::advice;
   return {
       {"CG1301", error, "a region without a shape",
        "A region is a box, which has a `size`, or a ball, which has a `radius`: one of the two.",
@@ -48,6 +48,12 @@ std::vector<CodeInfo> event_codes() {
        "Correct what the message names; the page on scene tests shows what can be written.",
        "bad:  <on when=\"robot.sped gt 1\"> … </on>\n"
        "good: <on when=\"robot.speed gt 1 m/s\"> … </on>"},
+      {"CG2030", advice, "something that only a supervisor could bring",
+       "A region, rule or action names something that the scene does not have and that no <spawn> "
+       "or <attach> of it makes. The scene has a supervisor, which may add anything; if it does "
+       "not, the rule never fires and the action is refused.",
+       "Correct the name, or list it in `added` if a supervisor adds it.",
+       "<on event=\"enter(goal, parcel)\" added=\"parcel\"> <tell message=\"it is here\"/> </on>"},
   };
 }
 

@@ -163,7 +163,7 @@ void Expander::children(const Node& node, const Place& outer, Definitions* own) 
   std::map<std::string_view, int> ordinals;
   for (const Node* c : node.children) {
     if (full_) return;
-    if (c->spec == nullptr ? !is_engine_block(*c, context_.files) : c->spec->reserved) {
+    if (c->spec == nullptr && !is_engine_block(*c, context_.files)) {
       lose(*c, place);
       continue;
     }

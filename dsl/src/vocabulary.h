@@ -57,7 +57,6 @@ struct ElementSpec {
   std::vector<std::string_view> children;  ///< what may stand inside; flow elements are implied
                                            ///< wherever anything may
   std::string_view example = {};
-  bool reserved = false;         ///< known, comes with a later version
   bool flow = false;             ///< repeat, for, if: takes what its parent takes
   bool open_attributes = false;  ///< set, instance: any further attribute
   bool engine_blocks = false;    ///< physics, assembly: may hold `<ENGINE …/>`
@@ -80,7 +79,7 @@ bool is_shape(std::string_view element);
 /// Sensor elements; false for nullptr.
 bool is_sensor(const ElementSpec* element);
 
-/// Checks a parsed tree: unknown or misplaced elements, unknown, missing or reserved words, text
+/// Checks a parsed tree: unknown or misplaced elements, unknown and missing words, text
 /// where none belongs. Fills Node::spec. Faulty elements stay in the tree with a null spec and
 /// must be skipped silently afterwards (engine blocks too have a null spec: see is_engine_block).
 void check_vocabulary(Document& document, SourceFiles& files, DiagnosticSink& sink);

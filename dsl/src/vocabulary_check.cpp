@@ -169,7 +169,7 @@ class Checker {
 
   void check(Node& node) {
     const Node* parent = node.parent;
-    if (!parent->spec || parent->spec->reserved) return;  // reported with the parent
+    if (!parent->spec) return;  // reported with the parent
     const Node* where = context(node);
     if (!where || !where->spec) return;
     if (is_engine_block(node, files_)) {

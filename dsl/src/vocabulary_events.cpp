@@ -23,6 +23,10 @@ void add_events(std::vector<ElementSpec>& out, const Words& template_content) {
                            "Bodies, assemblies and frames it looks for, by where their origin is "
                            "(of an assembly: that of its first body). If left out: whatever can "
                            "move.");
+  const AttributeSpec added =
+      attr("added", Kind::text,
+           "Names of things that a supervisor adds while it runs; what a <spawn> of the scene adds "
+           "is known.");
   who.min_count = 0;
   who.max_count = 1000;
   out.push_back(element(
@@ -31,7 +35,8 @@ void add_events(std::vector<ElementSpec>& out, const Words& template_content) {
       "in nobody's way and moves with what it stands on.",
       named_always("Name of the region.") +
           Attributes{above_zero(numbers("size", kLength, 3, "Full extents of a box.")),
-                     above_zero(number("radius", kLength, "Of a ball, instead of a box.")), who} +
+                     above_zero(number("radius", kLength, "Of a ball, instead of a box.")), who,
+                     added} +
           placed(),
       {}, "<region name=\"goal\" xyz=\"2 0 0.2\" size=\"50 50 40 cm\" who=\"robot\"/>"));
   out.push_back(element(
@@ -56,7 +61,8 @@ void add_events(std::vector<ElementSpec>& out, const Words& template_content) {
               attr("when", Kind::text, "Condition: fires whenever it becomes true."),
               attr("if", Kind::text, "Condition that must hold when the event or time comes."),
               at_least(number("after", kTime, "Delay of the actions.", "0 s"), 0.0),
-              at_least(attr("limit", Kind::integer, "Fires that often at most.", "1000"), 1.0)},
+              at_least(attr("limit", Kind::integer, "Fires that often at most.", "1000"), 1.0),
+              added},
       event_actions(),
       "<on event=\"enter(walls.T1, robot)\" limit=\"1\"> <open door=\"walls.A\"/> </on>"));
 

@@ -82,7 +82,6 @@ std::string bounds_text(const AttributeSpec& a) {
 
 void write_element(const ElementSpec& e, std::string& out) {
   out += "\n### `<" + std::string(e.name) + ">`\n\n" + std::string(e.doc) + "\n";
-  if (e.reserved) return;
   if (!e.example.empty()) out += "\n```xml\n" + std::string(e.example) + "\n```\n";
   if (!e.attributes.empty()) {
     out += "\n| attribute | takes | unit | default | |\n|---|---|---|---|---|\n";
@@ -102,9 +101,7 @@ void write_element(const ElementSpec& e, std::string& out) {
   } else if (!e.children.empty()) {
     out += "\nMay hold:";
     for (const auto child : e.children) {
-      const ElementSpec* spec = find_element(child);
-      if (!spec || spec->reserved) continue;
-      out += " `" + std::string(child) + "`";
+      if (find_element(child) != nullptr) out += " `" + std::string(child) + "`";
     }
     out += e.engine_blocks ? ", and an engine's own element.\n" : "\n";
   } else if (e.engine_blocks) {

@@ -113,9 +113,8 @@ std::string write_xsd(PluginCatalog* plugins) {
     if (&e == &contact_sensor()) continue;
     const bool two_meanings = e.name == contact_sensor().name;
     out += "  <xs:element name=\"" + escaped(e.name) + "\">\n" + documentation("    ", e.doc);
-    const bool open_content = e.reserved;
     out += "    <xs:complexType";
-    if (e.text || open_content) out += " mixed=\"true\"";
+    if (e.text) out += " mixed=\"true\"";
     out += ">\n";
     std::vector<std::string_view> children = e.flow ? everything : e.children;
     if (!e.flow && !children.empty()) {
@@ -124,7 +123,7 @@ std::string write_xsd(PluginCatalog* plugins) {
     if (e.engine_blocks || e.flow) {
       for (const std::string& name : engines) children.push_back(name);
     }
-    if (open_content || (children.empty() && e.engine_blocks)) {
+    if (children.empty() && e.engine_blocks) {
       out +=
           "      <xs:sequence><xs:any minOccurs=\"0\" maxOccurs=\"unbounded\" "
           "processContents=\"skip\"/></xs:sequence>\n";

@@ -161,5 +161,23 @@ TEST_CASE("with a supervisor in the scene names may come that nobody knows", "[e
   CHECK(codes_of("<box name=\"a\" size=\"1 1 1\" mass=\"1\"/>"
                  "<on event=\"added(guest)\"> <freeze name=\"guest\"/> </on>") == "CG1302 CG1302");
   CHECK(codes_of("<box name=\"a\" size=\"1 1 1\" mass=\"1\"/> <supervisor plugin=\"referee\"/>"
-                 "<on event=\"added(guest)\"> <freeze name=\"guest\"/> </on>") == "");
+                 "<on event=\"added(guest)\"> <freeze name=\"guest\"/> </on>") == "CG2030 CG2030");
+  // Advice, so that it runs; what is announced is none.
+  const std::string with =
+      "<box name=\"a\" size=\"1 1 1\" mass=\"1\"/> "
+      "<supervisor plugin=\"referee\"/>";
+  const auto model = compile_scene(with +
+                                   "<on event=\"added(guest)\" if=\"guest.z gt 1 m\"> "
+                                   "<freeze name=\"guest.arm\"/> </on>");
+  REQUIRE(model->rules.size() == 1);
+  CHECK(model->rules[0].source == "guest");
+  CHECK(model->rules[0].when == "guest.z gt 1 m");
+  CHECK(codes_of(with + "<region name=\"goal\" radius=\"1 m\" who=\"guest\" added=\"guest\"/>"
+                        "<on added=\"box guest\" event=\"added(guest)\" if=\"guest.z gt 1 m\"> "
+                        "<freeze name=\"guest.arm\"/> </on>") == "");
+  CHECK(codes_of(with + "<on added=\"guest\" when=\"gest.z gt 1 m\"> <freeze name=\"guests\"/> "
+                        "</on>") == "CG2030 CG2030");
+  // Bad grammar stays an error, and so does something of another kind.
+  CHECK(codes_of(with + "<on when=\"a.z gt\"> <freeze name=\"a\"/> </on>") == "CG1308");
+  CHECK(codes_of(with + "<on time=\"1 s\"> <drive motor=\"a\" target=\"1\"/> </on>") == "CG1302");
 }
