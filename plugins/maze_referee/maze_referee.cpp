@@ -1,8 +1,10 @@
 // Puts obstacles into a maze while a robot drives through it, and judges the run. See README.md.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -54,6 +56,8 @@ class MazeReferee final : public cogrsim::Supervisor {
   }
   void configure(Stage& stage) override;
   void update(const cogrsim::Tick& tick, Stage& stage) override;
+  std::optional<std::string> save() const override;
+  void restore(const std::string& memory) override;
 
  private:
   void draw_obstacles(Stage& stage);
@@ -335,6 +339,75 @@ void MazeReferee::update(const cogrsim::Tick&, Stage& stage) {
   place_obstacles(frame, stage);
   publish(stage);
   ending_ = end_run_ && !std::isnan(goal_time_);
+}
+
+// What has happened so far; what is to come is drawn anew from the same seed.
+std::optional<std::string> MazeReferee::save() const {
+  std::ostringstream out;
+  out.precision(17);
+  out << "maze_referee 1 " << obstacles_.size() << ' ' << started_ << ' ' << touching_ << ' '
+      << touched_ << ' ' << path_ << ' ' << trigger_time_ << ' ' << goal_time_ << ' ' << last_.x()
+      << ' ' << last_.y() << ' ' << last_.z() << ' '
+      << (pace_.heading ? static_cast<int>(*pace_.heading) : -1) << ' ' << at_.row << ' '
+      << at_.column << '\n';
+  for (const Obstacle& one : obstacles_) {
+    out << one.name << ' ' << one.there << ' ' << one.time << ' ' << one.tried << ' '
+        << one.cell.row << ' ' << one.cell.column << '\n';
+  }
+  return out.str();
+}
+
+void MazeReferee::restore(const std::string& memory) {
+  std::istringstream in(memory);
+  const auto word = [&] {
+    std::string text;
+    if (!(in >> text)) throw std::runtime_error("the memory of the referee ends too early");
+    return text;
+  };
+  // Not by >>, which does not know the "nan" and "inf" that it wrote.
+  const auto number = [&] {
+    const std::string text = word();
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (*end != '\0') throw std::runtime_error("'" + text + "' is no number");
+    return value;
+  };
+  const auto whole = [&] {
+    const double value = number();
+    if (!(std::abs(value) < 1e9)) throw std::runtime_error("a count is out of range");
+    return static_cast<int>(value);
+  };
+  const auto cell = [&] {
+    Cell out{whole(), 0};
+    out.column = whole();
+    if (out.row < 0 || out.row >= maze_.rows || out.column < 0 || out.column >= maze_.columns) {
+      throw std::runtime_error("the snapshot knows a cell that is not in this maze");
+    }
+    return out;
+  };
+  if (word() != "maze_referee" || whole() != 1) {
+    throw std::runtime_error("this is not the memory of a maze_referee");
+  }
+  if (number() != static_cast<double>(obstacles_.size())) {
+    throw std::runtime_error("the snapshot knows another number of obstacles");
+  }
+  started_ = whole() != 0;
+  touching_ = whole() != 0;
+  touched_ = whole();
+  path_ = number();
+  trigger_time_ = number();
+  goal_time_ = number();
+  for (int i = 0; i < 3; ++i) last_[i] = number();
+  const int heading = whole();
+  if (heading >= 0 && heading < 4) pace_.heading = static_cast<cogrsim::Side>(heading);
+  at_ = cell();
+  for (Obstacle& one : obstacles_) {
+    if (word() != one.name) throw std::runtime_error("the snapshot knows other obstacles");
+    one.there = whole() != 0;
+    one.time = number();
+    one.tried = static_cast<std::size_t>(std::max(0, whole()));
+    one.cell = cell();
+  }
 }
 
 }  // namespace
