@@ -39,7 +39,7 @@ bool is_brought(const SceneModel& model, const std::string& name) {
   for (const RuleModel& rule : model.rules) {
     for (const Action& action : rule.actions) {
       if (const auto* spawn = std::get_if<Spawn>(&action);
-          spawn != nullptr && goes_by(name, spawn->name.empty() ? spawn->of : spawn->name)) {
+          spawn != nullptr && goes_by(name, spawn->name.empty() ? spawn->of + "_" : spawn->name)) {
         return true;
       }
       if (const auto* attach = std::get_if<Attach>(&action);

@@ -70,7 +70,11 @@ std::optional<std::string> Builder::with_signals(
   };
   std::vector<std::string> coming = added;
   for_each(scene_, [&](const Element& spawn) {
-    if (spawn.tag() != "spawn" || spawn.find("name") == nullptr) return;
+    if (spawn.tag() != "spawn") return;
+    if (spawn.find("name") == nullptr) {  // it goes by its template and a number
+      if (const auto of = reader(spawn).text("of"); of.given()) coming.push_back(*of + "_");
+      return;
+    }
     coming.push_back(spawn.path);
     coming.push_back(spawn.path.substr(spawn.path.rfind('.') + 1));
   });

@@ -204,6 +204,30 @@ TEST_CASE("each measure takes its own of a signal", "[sweep][program]") {
         Rows{{"m*s"}});
 }
 
+TEST_CASE("measures speak of what comes during the run", "[sweep][program]") {
+  const std::vector<std::string> engines = {COGRSIM_ENGINES};
+  if (engines.empty()) return;
+  const std::string live = COGRSIM_SCENES "/live.scene.xml";
+  const TemporaryFolder folder;
+  const Outcome outcome = sweep({live, "--backends", engines[0], "-o", folder / "out", "--measure",
+                                 "highest=Ball_1.b.z@max", "--measure", "side=Ball_1.b.y"});
+  INFO(outcome.out << outcome.err);
+  REQUIRE(outcome.status == 0);
+  const Rows rows =
+      query(folder / "out/results.sqlite", "SELECT lowest, guest, highest, side FROM runs");
+  REQUIRE(rows.size() == 1);
+  // It comes at 1 m, falls on the floor within its 0.7 s (0.44 s), and lies there on its radius.
+  CHECK(std::stod(rows[0][0]) == Approx(0.05).margin(5e-3));
+  CHECK(rows[0][1].empty());
+  CHECK(std::stod(rows[0][2]) == Approx(1.0).margin(1e-3));
+  CHECK(std::stod(rows[0][3]) == Approx(2.0).margin(1e-3));
+
+  const Outcome slip =
+      sweep({live, "--backends", engines[0], "-o", folder / "no", "--measure", "high=Bal_1.b.z"});
+  CHECK(slip.status == 1);
+  CHECK_THAT(slip.err, Contains("Bal_1"));
+}
+
 TEST_CASE("a run that ends badly is a row with its cause", "[sweep][program]") {
   const TemporaryFolder folder;
   const Outcome outcome =
