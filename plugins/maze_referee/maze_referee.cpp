@@ -284,6 +284,16 @@ void MazeReferee::ask_for(Obstacle& obstacle, Stage& stage) {
 void MazeReferee::place_obstacles(const Frame& frame, Stage& stage) {
   for (Obstacle& one : obstacles_) {
     if (one.there || one.time > frame.time) continue;
+    // In a run that is gone on from its middle without the memory of it, some are there already.
+    if (one.asked == 0 && cogrsim::find_assembly(*model_, one.name) >= 0) {
+      const int body =
+          cogrsim::bodies_of(*model_, cogrsim::find_assembly(*model_, one.name)).front();
+      const auto cell =
+          cogrsim::cell_at(maze_, frame.state.poses[static_cast<std::size_t>(body)].p);
+      if (cell) one.cell = *cell;
+      one.there = true;
+      continue;
+    }
     if (one.asked > 0) {
       if (cogrsim::find_assembly(*model_, one.name) >= 0) {
         one.there = true;
