@@ -285,12 +285,13 @@ void MazeReferee::place_obstacles(const Frame& frame, Stage& stage) {
   for (Obstacle& one : obstacles_) {
     if (one.there || one.time > frame.time) continue;
     // In a run that is gone on from its middle without the memory of it, some are there already.
-    if (one.asked == 0 && cogrsim::find_assembly(*model_, one.name) >= 0) {
-      const int body =
-          cogrsim::bodies_of(*model_, cogrsim::find_assembly(*model_, one.name)).front();
-      const auto cell =
-          cogrsim::cell_at(maze_, frame.state.poses[static_cast<std::size_t>(body)].p);
-      if (cell) one.cell = *cell;
+    const int there = one.asked == 0 ? cogrsim::find_assembly(*model_, one.name) : -1;
+    if (there >= 0) {
+      const std::vector<int> bodies = cogrsim::bodies_of(*model_, there);
+      if (!bodies.empty()) {
+        const auto body = static_cast<std::size_t>(bodies.front());
+        if (const auto cell = cogrsim::cell_at(maze_, frame.state.poses[body].p)) one.cell = *cell;
+      }
       one.there = true;
       continue;
     }
