@@ -31,9 +31,10 @@ std::string event_text(const Event& event) {
   return line;
 }
 
-Narrator::Narrator(Simulation& simulation, Progress& progress, std::FILE* events)
+Narrator::Narrator(Simulation& simulation, Progress& progress, std::FILE* events, bool keep)
     : simulation_(simulation), progress_(progress), printed_events_(events) {
   tell_messages();
+  if (events == nullptr && !keep) return;
   simulation.observe({}, [this](const FramePtr& frame) { see(frame); });
 }
 

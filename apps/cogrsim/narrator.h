@@ -16,12 +16,15 @@ class Narrator {
   /// Events kept for JSON at most.
   static constexpr std::size_t kMostEvents = 10000;
 
-  /// Looks at every step of `simulation` from now on, and prints to stderr the messages there are
-  /// already. `events`: where every event is printed, nullptr for nowhere. `progress` makes way for
-  /// what is printed. Simulation and progress must outlive the last step.
-  Narrator(Simulation& simulation, Progress& progress, std::FILE* events);
+  /// Prints to stderr the messages there are already. `events`: where every event is printed, nullptr
+  /// for nowhere; only if that is asked for, or `keep`, it looks at every step. `progress` makes
+  /// way for what is printed. Simulation and progress must outlive the last step.
+  Narrator(Simulation& simulation, Progress& progress, std::FILE* events, bool keep);
   Narrator(const Narrator&) = delete;
   Narrator& operator=(const Narrator&) = delete;
+
+  /// Prints the messages that have come since.
+  void tell_messages();
 
   /// After the last step: what came too late for a frame, and how many messages were not printed.
   void finish();
@@ -31,7 +34,6 @@ class Narrator {
 
  private:
   void see(const FramePtr& frame);
-  void tell_messages();
 
   Simulation& simulation_;
   Progress& progress_;

@@ -29,12 +29,12 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Runs to `duration` [s] in pieces short enough to redraw the progress line; a run is the same
-// however it is chopped. Without a terminal there is one piece.
+// Runs to `duration` [s] in pieces short enough to redraw the progress line and to tell what came; a
+// run is the same however it is chopped.
 RunStatus run_with_progress(Simulation& simulation, double duration, Progress& progress,
-                            double& wall_time) {
+                            Narrator& narrator, double& wall_time) {
   constexpr double kPiece = 0.05;  // aimed-at wall time of a piece [s]
-  double steps = progress.shown() ? 1.0 : std::numeric_limits<double>::infinity();
+  double steps = 1.0;
   RunStatus status = simulation.status();
   while (simulation.time() < duration - 0.5 * simulation.dt()) {
     const double end = std::min(duration, simulation.time() + steps * simulation.dt());
@@ -42,6 +42,7 @@ RunStatus run_with_progress(Simulation& simulation, double duration, Progress& p
     status = simulation.run_until(end);
     const double took = seconds_since(start);
     wall_time += took;
+    narrator.tell_messages();
     progress.show(simulation.time());
     const bool goes_on = status == RunStatus::running || status == RunStatus::completed;
     // Nobody is there to resume a run that a supervisor paused.
@@ -54,7 +55,7 @@ RunStatus run_with_progress(Simulation& simulation, double duration, Progress& p
 // Runs to `duration`, keeping the snapshots that were asked for on the way. A time that lies behind
 // or is never reached is told.
 RunStatus run_and_save(const RunOptions& options, Simulation& simulation, double duration,
-                       Progress& progress, RunResult& result, bool& saved_all) {
+                       Progress& progress, Narrator& narrator, RunResult& result, bool& saved_all) {
   RunStatus status = simulation.status();
   const auto complain = [&](const Error& error) {
     progress.finish();
@@ -68,8 +69,8 @@ RunStatus run_and_save(const RunOptions& options, Simulation& simulation, double
     };
     const bool goes_on = status == RunStatus::running || status == RunStatus::completed;
     if (goes_on && save.time > simulation.time() && !at(save.time)) {
-      status =
-          run_with_progress(simulation, std::min(save.time, duration), progress, result.wall_time);
+      status = run_with_progress(simulation, std::min(save.time, duration), progress, narrator,
+                                 result.wall_time);
     }
     if (!at(save.time)) {
       complain(Error(
@@ -84,7 +85,7 @@ RunStatus run_and_save(const RunOptions& options, Simulation& simulation, double
   }
   const bool goes_on = status == RunStatus::running || status == RunStatus::completed;
   if (!goes_on || simulation.paused()) return status;
-  return run_with_progress(simulation, duration, progress, result.wall_time);
+  return run_with_progress(simulation, duration, progress, narrator, result.wall_time);
 }
 
 bool good(RunStatus status) {
@@ -246,10 +247,10 @@ int run_command(const RunOptions& given) {
   Progress progress(result.backend, duration);
   // With --json - the standard output is JSON alone.
   std::FILE* const told = options.json == "-" ? stderr : stdout;
-  Narrator narrator(simulation, progress, options.events ? told : nullptr);
+  Narrator narrator(simulation, progress, options.events ? told : nullptr, !options.json.empty());
   {
     const InterruptStops stops(simulation);
-    status = run_and_save(options, simulation, duration, progress, result, saved_all);
+    status = run_and_save(options, simulation, duration, progress, narrator, result, saved_all);
   }
   narrator.finish();
   result.messages = simulation.messages();
