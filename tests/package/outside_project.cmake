@@ -40,6 +40,16 @@ run("configure" ${CMAKE_COMMAND} -S "${WORK_DIR}/project" -B "${WORK_DIR}/projec
   "-DCMAKE_CXX_FLAGS=${flags}" -DCMAKE_PREFIX_PATH=${prefix})
 run("build" ${CMAKE_COMMAND} --build "${WORK_DIR}/project/build")
 
+find_program(CTEST ctest REQUIRED)
+run("ctest of the project" ${CTEST} --test-dir "${WORK_DIR}/project/build" --output-on-failure)
+file(COPY "${SOURCE_DIR}/tests/package/scene_tests" DESTINATION "${WORK_DIR}")
+run("configure scene tests" ${CMAKE_COMMAND} -S "${WORK_DIR}/scene_tests" -B "${WORK_DIR}/scene_tests/build"
+  -G "${GENERATOR}" -DCMAKE_MAKE_PROGRAM=${MAKE_PROGRAM} -DCMAKE_PREFIX_PATH=${prefix})
+run("ctest of the scenes" ${CTEST} --test-dir "${WORK_DIR}/scene_tests/build" --output-on-failure)
+if(NOT output MATCHES "100% tests passed, 0 tests failed out of 3")
+  message(SEND_ERROR "the scenes' tests:\n${output}")
+endif()
+
 foreach(backend bullet simbody)
   run("run on ${backend}" "${prefix}/bin/cogrsim" run project/slalom.scene.xml --backend ${backend}
     --plugin-path project/build/cogrsim_plugins --json ${backend}.json)

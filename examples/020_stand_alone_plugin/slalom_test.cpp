@@ -1,0 +1,24 @@
+// The slalom in C++: on every backend it drives the same way, which is kept beside this file.
+// `slalom_test --update-golden` keeps a new one.
+#define CATCH_CONFIG_RUNNER
+#include "cogrsim/dsl/compiler.h"
+#include "cogrsim/testing/catch.h"
+
+using namespace cogrsim;
+
+int main(int argc, char** argv) {
+  testing::take_golden_option(argc, argv);
+  return Catch::Session().run(argc, argv);
+}
+
+TEST_CASE("the robot drives its slalom") {
+  const auto scene = dsl::compile_file("slalom.scene.xml");
+  REQUIRE(scene.ok());
+  const std::string backend = GENERATE(testing::backends());
+  CAPTURE(backend);
+
+  const auto run = testing::start(scene.model, backend);
+  // The engines' wheels scrub differently: millimetres after two seconds.
+  const auto way = testing::record(*run, {"robot.x", "robot.y"}, 2.0, 0.25);
+  CHECK_THAT(way, testing::MatchesGolden(__FILE__, "slalom.csv", 1e-2));
+}
