@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kCell = 0.1;        ///< of the grid it plans on [m]
+constexpr double kLargest = 50.0;    ///< side of an arena: it is planned on as a whole [m]
 constexpr double kPlanEvery = 0.25;  ///< [s]
 constexpr double kStandOff = 0.24;   ///< in front of a box, from the fork to the box [m]
 constexpr double kCreep = 0.12;      ///< docking, setting down, backing off [m/s]
@@ -143,6 +144,13 @@ void BoxCarrier::configure(cogrsim::Assembly& robot) {
   feeler_ = robot.sensor<cogrsim::Infrared>("feeler");
   arena_ = rectangle(robot, "arena");
   zone_ = rectangle(robot, "zone");
+  const double width = arena_.east - arena_.west, depth = arena_.north - arena_.south;
+  if (std::min(width, depth) < 1.0 || std::max(width, depth) > kLargest) {
+    robot.fail("parameter 'arena': each side must be 1 m to 50 m long");
+  }
+  if (!arena_.contains({zone_.west, zone_.south}) || !arena_.contains({zone_.east, zone_.north})) {
+    robot.fail("parameter 'zone': it must lie within the arena");
+  }
   wheel_ = robot.parameter<double>("wheel_radius");
   track_ = robot.parameter<double>("track");
   speed_ = robot.parameter<double>("speed");

@@ -63,7 +63,7 @@ class TransportReferee final : public cogrsim::Supervisor {
   std::vector<int> boxes_;   // bodies
   std::vector<char> owner_;  // of every body: 0, 1 a robot, -1 neither
   int delivered_ = 0, collisions_ = 0;
-  bool touching_ = false, ending_ = false;
+  bool started_ = false, touching_ = false, ending_ = false;
   double nearest_ = std::numeric_limits<double>::infinity();
   double done_at_ = kNaN;
 };
@@ -223,6 +223,11 @@ void TransportReferee::update(const cogrsim::Tick&, Stage& stage) {
   }
   const Frame& frame = stage.frame();
   watch_model(frame.model);
+  if (!started_) {
+    // A run that goes on from a snapshot may begin with a box in the hand.
+    for (Robot& robot : robots_) robot.wants = robot.carries >= 0;
+    started_ = true;
+  }
   for (Robot& robot : robots_) work_hands(frame, stage, robot);
   count_collisions(frame);
   delivered_ = count_delivered(frame);

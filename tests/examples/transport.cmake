@@ -21,3 +21,15 @@ file(READ ${FOLDER}/summary.txt summary)
 if(NOT summary MATCHES "bullet +1 +100.0%")
   message(FATAL_ERROR "the box was not delivered:\n${summary}")
 endif()
+# Being recorded changes nothing: the same run of the sweep was not.
+execute_process(COMMAND ${PROGRAM} run ${SCENE} --set boxes=1 --seed 1 --backend bullet --json -
+    --record ${FOLDER}/again.mcap
+  RESULT_VARIABLE status OUTPUT_VARIABLE result ERROR_VARIABLE said)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "the run failed (${status}):\n${said}")
+endif()
+string(REGEX MATCH "\"state_hash\": *\"([0-9a-f]+)\"" found "${result}")
+file(READ ${FOLDER}/sweep/results.csv table)
+if(NOT found OR NOT table MATCHES "${CMAKE_MATCH_1}")
+  message(FATAL_ERROR "recorded, the run ends differently: ${found}\n${table}")
+endif()
