@@ -398,6 +398,32 @@ TEST_CASE("what a supervisor has sent is part of a snapshot", "[living]") {
   CHECK(state_hash(cut->frame()->state) == state_hash(whole->frame()->state));
 }
 
+TEST_CASE("a supervisor sees every event whoever else looks on", "[living]") {
+  const std::string backend = GENERATE(both_backends());
+  // Seldom, so that most events fall between two of its updates.
+  const double rate = GENERATE(0.0, 10.0);
+  const auto seen = [&](bool watched) {
+    Yard yard;
+    ControllerModel counter;
+    counter.name = "counter";
+    counter.plugin = "probe_supervisor";
+    counter.parameters["height"] = -9.0;
+    counter.rate = rate;
+    yard.builder.model.supervisors.push_back(counter);
+    auto simulation = simulate(yard.builder.build(), backend);
+    std::size_t happened = 0;
+    if (watched) {
+      simulation->observe({}, [&](const FramePtr& frame) { happened += frame->events.size(); });
+    }
+    simulation->send(MoveDoor{"door", true});
+    simulation->run_until(2.2);
+    if (watched) CHECK(happened == 4);  // opening, opened, enter, leave
+    return simulation->frame()->supervisor_outputs[0][0];
+  };
+  CHECK(seen(false) == 4.0);
+  CHECK(seen(true) == 4.0);
+}
+
 TEST_CASE("the reach of an attachment is between surfaces", "[living]") {
   TriangleMesh corner;
   corner.name = "corner";

@@ -148,25 +148,20 @@ void Simulation::Impl::run_minds() {
     slot.access->fault.reset();
     if (slot.clock.stopped) let_go(*slot.access);
   }
-  // A frame that somebody else asked for earlier in this step was made before sensors were read and
-  // controllers ran. What a supervisor sees must not depend on whether anybody did.
-  const bool supervised = std::any_of(
-      supervisors.begin(), supervisors.end(),
-      [&](SupervisorSlot& s) { return !s.clock.stopped && s.clock.timer.due(now, dt); });
-  if (cached && supervised) {
-    std::shared_ptr<Frame> fresh = pool->take();
-    *fresh = *cached;
-    sensors.copy_readings(fresh->readings);
-    fresh->controller_outputs.resize(controllers.size());
-    for (std::size_t i = 0; i < controllers.size(); ++i) {
-      if (controllers[i].access) fresh->controller_outputs[i] = controllers[i].access->outputs;
-    }
-    cached = std::move(fresh);
-  }
   for (std::size_t i = 0; i < supervisors.size() && status == RunStatus::running; ++i) {
     SupervisorSlot& slot = supervisors[i];
     if (slot.clock.stopped || !slot.clock.timer.due(now, dt)) continue;
-    slot.stage->show(frame_with(slot.needs));
+    // A frame that somebody else asked for in this step may be older than the sensors' readings, the
+    // controllers' outputs and the last events. What a supervisor sees must not depend on that.
+    std::shared_ptr<Frame> fresh = pool->take();
+    *fresh = *frame_with(slot.needs);
+    sensors.copy_readings(fresh->readings);
+    fresh->controller_outputs.resize(controllers.size());
+    for (std::size_t c = 0; c < controllers.size(); ++c) {
+      if (controllers[c].access) fresh->controller_outputs[c] = controllers[c].access->outputs;
+    }
+    fresh->events = std::exchange(slot.events, {});
+    slot.stage->show(std::move(fresh));
     const Tick tick = tick_of(slot.clock);
     if (auto thrown = slot.entry->update(*slot.supervisor, tick, *slot.stage)) {
       fault(model->supervisors[i], slot.clock, "threw in update: " + *thrown);

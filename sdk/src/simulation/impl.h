@@ -68,6 +68,7 @@ struct SupervisorSlot {
   std::unique_ptr<SupervisorStage> stage;
   std::unique_ptr<Supervisor, void (*)(Supervisor*)> supervisor{nullptr, nullptr};
   FrameContents needs;
+  std::vector<Event> events;  ///< since its last update
   MindClock clock;
   SupervisorSlot();
   SupervisorSlot(SupervisorSlot&&) noexcept;
@@ -92,6 +93,7 @@ struct SimulationSnapshot {
   std::vector<MindClock> controllers, supervisors;
   std::vector<std::uint64_t> controller_random, supervisor_random;
   std::vector<std::vector<double>> controller_outputs, supervisor_outputs;
+  std::vector<std::vector<Event>> supervisor_events;
   std::vector<Twist> twists_before;
   LivingMemory living;
   std::vector<QueuedCommand> sent;  ///< by supervisors, for the next boundary

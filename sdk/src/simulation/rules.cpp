@@ -24,6 +24,9 @@ std::string circle(const SceneModel& model, const Causes& causes, int rule) {
 
 void Simulation::Impl::happen(Event event) {
   cached.reset();  // the frame there was does not have it
+  for (SupervisorSlot& slot : supervisors) {
+    if (slot.events.size() < kMaxEventsPerStep) slot.events.push_back(event);
+  }
   if (events.size() < kMaxEventsPerStep) {
     events.push_back(std::move(event));
     event_causes.push_back(causes);

@@ -27,6 +27,7 @@ SimulationSnapshotPtr Simulation::save() const {
     snapshot->supervisors.push_back(slot.clock);
     snapshot->supervisor_random.push_back(slot.stage->random().state());
     snapshot->supervisor_outputs.push_back(slot.stage->outputs());
+    snapshot->supervisor_events.push_back(slot.events);
   }
   snapshot->last_dt = from.last_dt;
   snapshot->twists_before = from.twists_before;
@@ -76,6 +77,7 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
     if (!to.supervisors[i].stage) continue;
     to.supervisors[i].stage->random().set_state(snapshot->supervisor_random[i]);
     to.supervisors[i].stage->outputs() = snapshot->supervisor_outputs[i];
+    to.supervisors[i].events = snapshot->supervisor_events[i];
   }
   to.living.memory = snapshot->living;
   to.ending = false;

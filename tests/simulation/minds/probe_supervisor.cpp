@@ -1,4 +1,5 @@
-// A supervisor that ends the run when a body has fallen below a height, and draws one number.
+// A supervisor that ends the run when a body has fallen below a height, draws one number and counts the
+// events it is shown.
 #include "cogrsim/control/supervisor.h"
 
 namespace {
@@ -10,6 +11,8 @@ class ProbeSupervisor final : public cogrsim::Supervisor {
     stage.report("drew " + std::to_string(stage.uniform(0.0, 1.0)));
   }
   void update(const cogrsim::Tick&, cogrsim::Stage& stage) override {
+    events_ += stage.frame().events.size();
+    stage.publish("events", static_cast<double>(events_));
     if (stage.frame().state.poses[0].p.z() < height_) {
       stage.send(cogrsim::EndRun{"fell below the line"});
     }
@@ -17,9 +20,11 @@ class ProbeSupervisor final : public cogrsim::Supervisor {
 
  private:
   double height_ = 0.0;
+  std::size_t events_ = 0;
 };
 
 }  // namespace
 
 COGRSIM_SUPERVISOR(ProbeSupervisor, "probe_supervisor", version("1.0.0"),
+                   output("events", "1", "events seen so far"),
                    parameter("height", 0.0, "m", "where the run ends"))

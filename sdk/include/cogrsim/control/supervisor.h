@@ -10,7 +10,8 @@ namespace cogrsim {
 class COGRSIM_API Stage {
  public:
   virtual ~Stage() = default;
-  /// The latest frame, with what the supervisor asked for in needs().
+  /// The latest frame, with what the supervisor asked for in needs(), the readings and outputs of this
+  /// very moment, and all events since its last update.
   virtual const Frame& frame() const = 0;
   /// Queued for the next step boundary. What cannot be done there is reported as an event.
   virtual void send(Command command) = 0;
