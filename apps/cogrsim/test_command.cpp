@@ -261,7 +261,8 @@ int test_command(const TestCommandOptions& options) {
     }
   }
   const std::string summary =
-      text ? fmt::format("{} cases: {} passed, {} failed\n", cases.size(),
+      text ? fmt::format("{} case{}: {} passed, {} failed\n", cases.size(),
+                         cases.size() == 1 ? "" : "s",
                          cases.size() - static_cast<std::size_t>(failed), failed)
            : json_text(report_json(cases, options)) + "\n";
   if (const auto printed = print_output(summary); !printed) {

@@ -1,7 +1,9 @@
 #include "trails.h"
 
-#include <fmt/format.h>
+#include <algorithm>
 #include <limits>
+
+#include <fmt/format.h>
 
 namespace cogrsim::cli {
 namespace {
@@ -58,8 +60,13 @@ Result<Trails> Trails::of(const SceneModel& model, const std::vector<std::string
   for (const ControllerModel& c : model.controllers) {
     if (!c.removed) consider(c.assembly);
   }
-  for (const Motor& m : model.motors) {
-    if (!m.removed) consider(m.assembly);
+  // What opens a door does not make it a robot.
+  const auto moves_door = [&](std::size_t motor) {
+    return std::any_of(model.doors.begin(), model.doors.end(),
+                       [&](const DoorModel& d) { return d.motor == static_cast<int>(motor); });
+  };
+  for (std::size_t m = 0; m < model.motors.size(); ++m) {
+    if (!model.motors[m].removed && !moves_door(m)) consider(model.motors[m].assembly);
   }
   return out;
 }
