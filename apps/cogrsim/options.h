@@ -68,11 +68,11 @@ struct PlotCommandOptions {
   std::string kind;                ///< of a plot made up here; empty: a curve
   std::vector<std::string> x, y, z;
   std::vector<std::string> by;     ///< column that tells series of a table apart
-  std::string title;             ///< empty: the plot's own
-  std::optional<double> every;   ///< [s]; empty: the plot's own
+  std::string title;               ///< empty: the plot's own
+  std::optional<double> every;     ///< [s]; empty: the plot's own
   std::optional<double> from, to;  ///< [s]
-  std::string output = "plots";  ///< a picture, or the folder for several
-  std::string format = "png";    ///< of pictures in a folder
+  std::string output = "plots";    ///< a picture, or the folder for several
+  std::string format = "png";      ///< of pictures in a folder
 };
 
 struct CheckOptions {

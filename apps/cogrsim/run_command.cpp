@@ -234,6 +234,10 @@ int run_command(const RunOptions& given) {
       return deliver(options, result, kFailed);
     }
     measures = std::move(*attached);
+    if (snapshot && simulation.time() > 0.0) {
+      print_warning("measures count from " + time_text(simulation.time()) +
+                    " on: a snapshot does not hold what they saw before");
+    }
   }
 
   if (simulation.time() > duration - 0.5 * simulation.dt()) {

@@ -209,6 +209,10 @@ int run_all(const SweepPlan& plan, RankMessages* messages) {
     print_warning("interrupted: the same command goes on where this one ended");
     return kFailed;
   }
+  if (counts.good == 0 && counts.failed > 0) {
+    print_error("no run was good; the table's column 'cause' says why");
+    return kFailed;
+  }
   return kGood;
 }
 

@@ -168,6 +168,18 @@ std::optional<SweepPlan> make_plan(SweepOptions options) {
   LoadedScene scene = load_scene(first);
   print_diagnostics(scene.diagnostics);
   if (!scene.model) return std::nullopt;
+  // A value out of range is a slip to be told now, not a column of failed runs.
+  constexpr std::size_t kMostTried = 100;
+  for (const dsl::Study::Variation& variation : options.variations) {
+    for (std::size_t i = 1; i < std::min(variation.values.size(), kMostTried); ++i) {
+      SceneOptions other = first;
+      other.set[variation.param] = variation.values[i].text;
+      const LoadedScene tried = load_scene(other);
+      if (tried.model) continue;
+      print_diagnostics(tried.diagnostics);
+      return std::nullopt;
+    }
+  }
   plan.scene_name = scene.model->name;
   plan.scene_hash = hash_of_scene(*scene.model);
   if (options.seeds.empty()) options.seeds = {scene.model->physics.seed};

@@ -102,8 +102,9 @@ Json to_json(const Verdict& verdict, const SceneModel& model) {
   return out;
 }
 
-// The same run again, kept on file: a run is the same every time.
-Json record_again(const LoadedScene& scene, const Json& input, double duration) {
+// The same run again, kept on file: a run is the same every time. `problem`: why there is none.
+Json record_again(const LoadedScene& scene, const Json& input, double duration,
+                  std::string& problem) {
   Json files = Json::array();
   const auto path = input["recording"].get<std::string>();
   if (path.empty()) return files;
@@ -117,9 +118,17 @@ Json record_again(const LoadedScene& scene, const Json& input, double duration) 
                      (runs->size() > 1 ? std::string(".") + run->backend().name() : std::string()) +
                      ".mcap";
     auto recorder = Recorder::start(*run, recorder_options(*scene.model, options));
-    if (!recorder) continue;
+    if (!recorder) {
+      problem = recorder.error().text();
+      continue;
+    }
     const RunStatus status = run->run_until(duration);
-    if ((*recorder)->finish(status)) files.push_back(options.record);
+    const auto finished = (*recorder)->finish(status);
+    if (finished) {
+      files.push_back(options.record);
+    } else {
+      problem = finished.error().text();
+    }
   }
   return files;
 }
@@ -168,7 +177,11 @@ Json run_case(const Json& input) {
   }
   out["status"] = passed ? "passed" : "failed";
   out["simulated"] = first.time();
-  if (!passed) out["recordings"] = record_again(scene, input, duration);
+  if (!passed) {
+    std::string problem;
+    out["recordings"] = record_again(scene, input, duration, problem);
+    if (!problem.empty()) out["unrecorded"] = problem;
+  }
   return out;
 }
 

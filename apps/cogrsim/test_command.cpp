@@ -210,6 +210,12 @@ int test_command(const TestCommandOptions& options) {
   }
   std::error_code ignored;
   fs::create_directories(options.out, ignored);
+  if (!fs::is_directory(options.out, ignored) || access(options.out.c_str(), W_OK) != 0) {
+    print_error(Error("recordings of what fails cannot be kept in '" + options.out + "'", "",
+                      "name another folder with --out")
+                    .text());
+    return kFailed;
+  }
 
   // Scenes that do not compile need no run.
   std::vector<TestCase> open;
@@ -250,6 +256,18 @@ int test_command(const TestCommandOptions& options) {
   if (fs::is_empty(options.out, ignored)) fs::remove(options.out, ignored);
   if (!ran) {
     print_error(ran.error().text());
+    if (options.junit.empty()) return kFailed;
+    for (TestCase& one : cases) {
+      if (!one.result.is_null()) continue;
+      one.result = {{"status", "error"},
+                    {"message", "not run: " + ran.error().text()},
+                    {"verdicts", Json::array()},
+                    {"recordings", Json::array()},
+                    {"simulated", 0.0}};
+    }
+    if (const auto written = write_output(options.junit, junit_text(cases)); !written) {
+      print_error(written.error().text());
+    }
     return kFailed;
   }
   const auto failed =
@@ -307,7 +325,8 @@ void add_test(CLI::App& app, int& status) {
   command.add_option("-o,--out", words->out, "Folder for recordings of what failed")
       ->type_name("DIR");
   command
-      .add_option("--timeout", words->timeout, "Longest a case may take on the clock on the wall")
+      .add_option("--timeout", words->timeout,
+                  "Longest a case may take on the clock on the wall; default: no limit")
       ->type_name("T");
   several("--set", words->set, "Value of a <param> of the scenes; may be repeated", "NAME=VALUE");
   several("--plugin-path", words->plugin_paths,
@@ -322,8 +341,13 @@ void add_test(CLI::App& app, int& status) {
     TestCommandOptions options;
     options.scenes = words->scenes;
     for (const std::string& list : words->backends)
-      for (const std::string& name : split(list, ','))
-        if (!name.empty()) options.backends.push_back(name);
+      for (const std::string& name : split(list, ',')) {
+        if (name.empty()) continue;
+        const auto& there = options.backends;
+        if (std::find(there.begin(), there.end(), name) != there.end())
+          throw UsageError("--backends", Problem("'" + name + "' is given twice"));
+        options.backends.push_back(name);
+      }
     if (!words->seeds.empty()) {
       const auto seeds = seeds_from(words->seeds);
       if (!seeds) throw UsageError("--seeds", seeds.error());

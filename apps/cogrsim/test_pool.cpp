@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <thread>
 
 #include <fmt/format.h>
@@ -105,6 +106,15 @@ Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& optio
                             std::strerror(errno)));
   const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
   const std::size_t jobs = options.jobs > 0 ? static_cast<std::size_t>(options.jobs) : processors;
+  // Scenes of one name in several folders, and tests whose names differ by a blank only.
+  std::vector<std::string> names;
+  std::map<std::string, int> taken;
+  for (const TestCase& one : cases) {
+    names.push_back(file_name(one));
+    if (const int count = ++taken[names.back()]; count > 1) {
+      names.back() += fmt::format(".{}", count);
+    }
+  }
   std::vector<Child> children;
   std::size_t next = 0, told = 0, ended = 0, failed = 0;
   const auto start = [&](std::size_t number) -> Result<> {
@@ -115,7 +125,7 @@ Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& optio
                   {"test", one.index},
                   {"backends", one.backends},
                   {"seed", one.seed ? Json(*one.seed) : Json(nullptr)},
-                  {"recording", (fs::path(options.out) / file_name(one)).string()},
+                  {"recording", (fs::path(options.out) / names[number]).string()},
                   {"fault", options.fault}};
     const std::string in = place.file(number, "in"), out = place.file(number, "out"),
                       errors = place.file(number, "err");

@@ -56,6 +56,7 @@ std::string again(const TestCase& one, const TestCommandOptions& options) {
       fmt::format("cogrsim test {} --filter {} --backends {} --seeds {}", shell_word(one.scene),
                   shell_word(one.test), shell_word(backends), one.seed_used);
   for (const auto& [name, value] : options.set) out += " --set " + shell_word(name + "=" + value);
+  if (options.timeout > 0.0) out += fmt::format(" --timeout {}s", options.timeout);
   for (const std::string& path : options.plugin_paths) out += " --plugin-path " + shell_word(path);
   return out;
 }
@@ -98,6 +99,8 @@ std::string failure_text(const TestCase& one, const TestCommandOptions& options)
     if (!verdict["passed"].get<bool>()) out += indented(verdict["text"].get<std::string>());
   for (const Json& file : one.result["recordings"])
     out += "  recording: " + file.get<std::string>() + "\n";
+  if (one.result.contains("unrecorded"))
+    out += indented("no recording: " + one.result["unrecorded"].get<std::string>());
   return out + "  again: " + again(one, options) + "\n";
 }
 

@@ -108,7 +108,8 @@ std::vector<CodeInfo> scene_codes() {
        "The picture has no whole number of pixels or more than 64 million of them, `near` is not "
        "less than `far`, or another setting of the lens describes no picture.",
        "Correct the attribute that the message names.",
-       "bad:  <camera … near=\"1 m\" far=\"50 cm\"/>\ngood: <camera … near=\"1 cm\" far=\"50 m\"/>"},
+       "bad:  <camera … near=\"1 m\" far=\"50 cm\"/>\ngood: <camera … near=\"1 cm\" far=\"50 "
+       "m\"/>"},
       {"CG0711", error, "a camera inside a body",
        "At the start the camera's eye lies inside a visible shape of a body that does not carry "
        "it, so that it would see nothing but that body from within.",

@@ -109,12 +109,11 @@ Words template_content() {
 }
 Words scene_content() {
   return Words{"physics", "param", "import", "prototype"} + assembly_content() +
-         Words{"supervisor", "light",    "view", "maze",   "scatter",
-               "template",   "on",       "record", "test", "measure"};
+         Words{"supervisor", "light", "view",   "maze", "scatter",
+               "template",   "on",    "record", "test", "measure"};
 }
 Words prototype_content() {
-  return Words{"param", "export"} + assembly_content() +
-         Words{"light", "maze", "scatter", "on"};
+  return Words{"param", "export"} + assembly_content() + Words{"light", "maze", "scatter", "on"};
 }
 
 // ---- the table

@@ -105,7 +105,7 @@ TEST_CASE("a failure names its line and values and how to see it again", "[comma
   REQUIRE(has(out.text, "again: cogrsim test " + again + "\n"));
   const Outcome same = folder.run(again);
   CHECK(same.status == 1);
-  CHECK(has(same.text, "1 cases: 0 passed, 1 failed"));
+  CHECK(has(same.text, "1 case: 0 passed, 1 failed"));
 
   tinyxml2::XMLDocument xml;
   REQUIRE(xml.LoadFile((folder.path / "r.xml").string().c_str()) == tinyxml2::XML_SUCCESS);

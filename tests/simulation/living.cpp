@@ -424,6 +424,36 @@ TEST_CASE("a supervisor sees every event whoever else looks on", "[living]") {
   CHECK(seen(true) == 4.0);
 }
 
+TEST_CASE("a door that was driven elsewhere still obeys", "[living]") {
+  const std::string backend = GENERATE(both_backends());
+  Yard yard;
+  auto simulation = simulate(yard.builder.build(), backend);
+  Diary diary(*simulation);
+  simulation->send(SetMotor{"drive", 0.5});
+  simulation->run_until(1.5);
+  simulation->send(MoveDoor{"door", false});
+  simulation->run_until(3.0);
+  CHECK(diary.count("closing") == 1);
+  CHECK(diary.count("closed") == 1);
+}
+
+TEST_CASE("what is removed lets go of what it was attached to", "[living]") {
+  const std::string backend = GENERATE(both_backends());
+  Yard yard;
+  auto simulation = simulate(yard.builder.build(), backend);
+  Diary diary(*simulation);
+  Attach hold;
+  hold.name = "hold";
+  hold.parent = "crate";
+  hold.child = "ball";
+  simulation->send(hold);
+  simulation->run_until(0.1);
+  simulation->send(Remove{"crate"});
+  simulation->run_until(0.2);
+  CHECK(diary.count("attached") == 1);
+  CHECK(diary.count("detached") == 1);
+}
+
 TEST_CASE("the reach of an attachment is between surfaces", "[living]") {
   TriangleMesh corner;
   corner.name = "corner";

@@ -323,6 +323,32 @@ TEST_CASE("rules, regions and lifetimes go on", "[sweep][snapshot]") {
   CHECK(apart(*whole, *resumed.simulation) < 1e-4);  // contacts, as above
 }
 
+TEST_CASE("doors go on to where they were sent", "[sweep][snapshot]") {
+  const std::string backend = GENERATE(engines());
+  // Half open, open, half closed.
+  const double when = GENERATE(1.0, 2.5, 3.2);
+  CAPTURE(backend, when);
+  const TemporaryFolder folder;
+  const auto scene = scene_of("door");
+  const auto told_from = [](Simulation& simulation) {
+    auto kinds = std::make_shared<std::string>();
+    simulation.observe({}, [kinds](const FramePtr& frame) {
+      for (const Event& event : frame->events) *kinds += event.kind + " ";
+    });
+    return kinds;
+  };
+  auto whole = simulate(scene, backend);
+  whole->run_until(when);
+  REQUIRE(write_snapshot(*whole, folder / "a.snap"));
+  const Resumed resumed = go_on(folder / "a.snap", scene, on(backend));
+  const auto expected = told_from(*whole), found = told_from(*resumed.simulation);
+  whole->run_until(6.0);
+  resumed.simulation->run_until(6.0);
+  CHECK(*found == *expected);
+  CHECK_THAT(*found, Contains("closed"));
+  CHECK(apart(*whole, *resumed.simulation) < 1e-7);  // no contacts, as above
+}
+
 TEST_CASE("files that are no snapshots are refused in words", "[sweep][snapshot]") {
   const TemporaryFolder folder;
   const std::vector<std::string> all = {COGRSIM_ENGINES};

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -52,6 +53,8 @@ struct Unary final : Signal::Node {
   bool abs;
 };
 
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
 struct Binary final : Signal::Node {
   Binary(SignalNode left, char op, SignalNode right, std::string unit_text)
       : a(std::move(left)), b(std::move(right)), sign(op) {
@@ -74,7 +77,7 @@ struct Binary final : Signal::Node {
       case '*':
         return x * y;
       default:
-        return x / y;
+        return y == 0.0 ? kNaN : x / y;  // nothing that could be compared or averaged
     }
   }
   std::uint64_t revision(const Frame& frame) const override {

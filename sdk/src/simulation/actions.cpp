@@ -241,9 +241,12 @@ Result<> Simulation::Impl::move_door(const MoveDoor& action) {
   if (door.motor < 0) return fail("door '" + door.name + "' has no motor");
   living.follow(model);
   DoorMemory& memory = living.memory.doors[at(*found)];
-  if (memory.open == action.open) return {};  // it stands there, or is on its way
+  const double end = action.open ? door.open : door.closed;
+  // Somebody may have driven its motor elsewhere since.
+  const bool aims_there = motors[at(door.motor)].target == end;
+  if (memory.open == action.open && aims_there) return {};  // it stands there, or is on its way
   const std::string motor = model->motors[at(door.motor)].name;
-  if (auto set = set_motor(motor, action.open ? door.open : door.closed); !set) return set;
+  if (auto set = set_motor(motor, end); !set) return set;
   memory = {action.open, false};
   happen({time(), action.open ? "opening" : "closing", door.name, "", ""});
   return {};

@@ -195,7 +195,7 @@ Result<> Simulation::Impl::remove_named(const std::string& name) {
   auto next = with_removed(*model, name);
   if (!next) return tl::unexpected(next.error());
   if (auto removed = world->remove(*next); !removed) return removed;
-  model = *next;
+  const SceneModelPtr before = std::exchange(model, *next);
   for (std::size_t i = 0; i < controllers.size(); ++i) {
     if (!model->controllers[i].removed) continue;
     controllers[i].clock.stopped = true;
@@ -203,6 +203,18 @@ Result<> Simulation::Impl::remove_named(const std::string& name) {
   }
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     if (model->sensors[i].removed) sensors.enable(i, false);
+  }
+  // What held it to others has let go; its own joints are gone with it.
+  for (std::size_t i = 0; i < model->joints.size(); ++i) {
+    const Joint& joint = model->joints[i];
+    if (!joint.removed || before->joints[i].removed) continue;
+    if (joint.assembly >= 0 &&
+        model->assemblies[static_cast<std::size_t>(joint.assembly)].removed) {
+      continue;
+    }
+    happen(
+        {time(), "detached", joint.name, "",
+         joint.child == kWorld ? "" : model->bodies[static_cast<std::size_t>(joint.child)].name});
   }
   happen({time(), "removed", name, "", ""});
   return {};
