@@ -292,13 +292,6 @@ void add_run(CLI::App& app, Words& words, int& status) {
 
 void add_plot(CLI::App& app, Words& words, int& status) {
   CLI::App& command = *app.add_subcommand("plot", "Draw figures of recorded runs and of studies");
-  const auto several = [&](const char* name, std::vector<std::string>& to, const char* text,
-                           const char* type) {
-    command.add_option(name, to, text)
-        ->type_name(type)
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  };
   command
       .add_option(
           "files", words.files,
@@ -306,18 +299,18 @@ void add_plot(CLI::App& app, Words& words, int& status) {
           "folder, results.sqlite or results.csv of a study")
       ->required()
       ->type_name("RUN.mcap...|DIR");
-  several("--plot", words.plots, "A plot of the scene, by name; may be repeated; default: all",
-          "NAME");
+  add_list(command, "--plot", words.plots,
+           "A plot of the scene, by name; may be repeated; default: all", "NAME");
   command.add_option("--kind", words.kind, "Kind of a figure that is not in the scene")
       ->check(CLI::IsMember({"curve", "box", "surface", "histogram", "map"}))
       ->type_name("K");
-  several("--x", words.x, "Signal along x; a curve's is the time if left out", "SIGNAL");
-  several("--y", words.y, "Signal along y; may be repeated for several series", "SIGNAL");
-  several("--z", words.z, "Signal that is the height of a surface", "SIGNAL");
-  several("--by", words.by,
-          "Of a study: the column that tells series apart; --x, --y and --z are "
-          "columns, too",
-          "COLUMN");
+  add_list(command, "--x", words.x, "Signal along x; a curve's is the time if left out", "SIGNAL");
+  add_list(command, "--y", words.y, "Signal along y; may be repeated for several series", "SIGNAL");
+  add_list(command, "--z", words.z, "Signal that is the height of a surface", "SIGNAL");
+  add_list(command, "--by", words.by,
+           "Of a study: the column that tells series apart; --x, --y and --z are "
+           "columns, too",
+           "COLUMN");
   command.add_option("--title", words.title, "Title of the figure")->type_name("TEXT");
   command.add_option("--every", words.every, "Time between samples; 0: every recorded frame")
       ->type_name("DT");

@@ -173,30 +173,23 @@ std::optional<SweepOptions> options_from(const SweepWords& words) {
 void add_sweep(CLI::App& app, int& status) {
   CLI::App& command = *app.add_subcommand("sweep", "Run a scene many times and gather a table");
   const auto words = std::make_shared<SweepWords>();
-  const auto several = [&](const char* name, std::vector<std::string>& to, const char* text,
-                           const char* type) {
-    command.add_option(name, to, text)
-        ->type_name(type)
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  };
   command
       .add_option("scene", words->scene, "Scene, or a study, which says all of the below itself")
       ->required()
       ->type_name("SCENE|STUDY.xml");
-  several("--vary", words->vary,
-          "Values of a <param>: a list, a range with a count (3cm..5cm:5, 1..100:3:log), or both; "
-          "several of them make a grid",
-          "NAME=VALUES");
+  add_list(command, "--vary", words->vary,
+           "Values of a <param>: a list, a range with a count (3cm..5cm:5, 1..100:3:log), or both; "
+           "several of them make a grid",
+           "NAME=VALUES");
   command.add_option("--seeds", words->seeds, "Such as 1..100 or 1,5,9; default: the scene's")
       ->type_name("LIST");
-  several("-b,--backends", words->backends, "With commas; default: the scene's", "A,B");
-  several("--measure", words->measures,
-          "A number for the table: of a signal the last, min, max, mean or integral, of a "
-          "condition the first time; beside the scene's <measure>s",
-          "NAME=SIGNAL[@TAKE]");
-  several("--set", words->set, "A <param> that is the same in all runs; may be repeated",
-          "NAME=VALUE");
+  add_list(command, "-b,--backends", words->backends, "With commas; default: the scene's", "A,B");
+  add_list(command, "--measure", words->measures,
+           "A number for the table: of a signal the last, min, max, mean or integral, of a "
+           "condition the first time; beside the scene's <measure>s",
+           "NAME=SIGNAL[@TAKE]");
+  add_list(command, "--set", words->set, "A <param> that is the same in all runs; may be repeated",
+           "NAME=VALUE");
   command.add_option("--until", words->until, "End of each run; default: the scene's, else 10 s")
       ->type_name("T");
   command.add_option("--step", words->step, "Step length; default: the scene's")->type_name("DT");

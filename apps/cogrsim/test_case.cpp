@@ -133,14 +133,6 @@ Json record_again(const LoadedScene& scene, const Json& input, double duration,
   return files;
 }
 
-Json failure(const std::string& message) {
-  return {{"status", "error"},
-          {"message", message},
-          {"verdicts", Json::array()},
-          {"recordings", Json::array()},
-          {"simulated", 0.0}};
-}
-
 Json run_case(const Json& input) {
   SceneOptions options;
   options.scene = input["scene"].get<std::string>();
@@ -148,28 +140,28 @@ Json run_case(const Json& input) {
   options.plugin_paths = input["plugin_paths"].get<std::vector<std::string>>();
   if (!input["seed"].is_null()) options.seed = input["seed"].get<std::uint64_t>();
   const LoadedScene scene = load_scene(options);
-  if (!scene.model) return failure(findings(scene.diagnostics));
+  if (!scene.model) return no_result(findings(scene.diagnostics));
   const auto index = input["test"].get<std::size_t>();
-  if (index >= scene.model->tests.size()) return failure("with this seed there is no such test");
+  if (index >= scene.model->tests.size()) return no_result("with this seed there is no such test");
   const TestModel& test = scene.model->tests[index];
   const double duration = test.duration.value_or(duration_of(*scene.model, options));
 
   auto runs = create(scene, input);
-  if (!runs) return failure(runs.error());
+  if (!runs) return no_result(runs.error());
   Simulation& first = *runs->front();
   SignalScope scope{*scene.model, [&first](int sensor) { return &first.channels(sensor); }, {}};
   // The compiler has let pass what may come during the run.
   scope.may_come = [&](const std::string& name) { return !in_scene(*scene.model, name); };
   auto judge =
       TestJudge::create(scope, test, duration, input["backends"].get<std::vector<std::string>>());
-  if (!judge) return failure(judge.error().text());
+  if (!judge) return no_result(judge.error().text());
   for (const auto& run : *runs) run->observe(judge->needs(), [](const FramePtr&) {});
 
   const std::string early = run_all(*runs, duration, [&](const std::vector<FramePtr>& frames) {
     judge->see(frames);
     return judge->decided();
   });
-  Json out = failure("");
+  Json out = no_result("");
   bool passed = true;
   for (const Verdict& verdict : judge->finish(early)) {
     passed = passed && verdict.passed;
@@ -187,6 +179,14 @@ Json run_case(const Json& input) {
 
 }  // namespace
 
+Json no_result(const std::string& message) {
+  return {{"status", "error"},
+          {"message", message},
+          {"verdicts", Json::array()},
+          {"recordings", Json::array()},
+          {"simulated", 0.0}};
+}
+
 int test_case_command(const std::string& input, const std::string& result) {
   std::ifstream in(input);
   const Json read = Json::parse(in, nullptr, false);
@@ -199,7 +199,7 @@ int test_case_command(const std::string& input, const std::string& result) {
   try {
     out = run_case(read);
   } catch (const std::exception& e) {
-    out = failure(e.what());
+    out = no_result(e.what());
   }
   std::ofstream file(result);
   file << out.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -8,6 +8,9 @@
 
 namespace cogrsim::cli {
 
+/// Result of a case that did not come to a verdict, and why.
+Json no_result(const std::string& message);
+
 /// The hidden subcommand: reads the case from the file `input` and writes what came of it to
 /// `result`, always, unless it crashes.
 ///

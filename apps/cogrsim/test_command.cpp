@@ -93,11 +93,7 @@ void plan(const std::string& file, const TestCommandOptions& options,
     TestCase broken;
     broken.scene = file;
     broken.test = "compiles";
-    broken.result = {{"status", "error"},
-                     {"message", diagnostics_text(scene.diagnostics, false)},
-                     {"verdicts", Json::array()},
-                     {"recordings", Json::array()},
-                     {"simulated", 0.0}};
+    broken.result = no_result(diagnostics_text(scene.diagnostics, false));
     cases.push_back(std::move(broken));
     return;
   }
@@ -258,12 +254,7 @@ int test_command(const TestCommandOptions& options) {
     print_error(ran.error().text());
     if (options.junit.empty()) return kFailed;
     for (TestCase& one : cases) {
-      if (!one.result.is_null()) continue;
-      one.result = {{"status", "error"},
-                    {"message", "not run: " + ran.error().text()},
-                    {"verdicts", Json::array()},
-                    {"recordings", Json::array()},
-                    {"simulated", 0.0}};
+      if (one.result.is_null()) one.result = no_result("not run: " + ran.error().text());
     }
     if (const auto written = write_output(options.junit, junit_text(cases)); !written) {
       print_error(written.error().text());
@@ -300,17 +291,11 @@ void add_test(CLI::App& app, int& status) {
   const auto words = std::make_shared<Words>();
   CLI::App& command =
       *app.add_subcommand("test", "Run the tests that stand in scenes, on every backend");
-  const auto several = [&](const char* name, std::vector<std::string>& to, const char* text,
-                           const char* type) {
-    command.add_option(name, to, text)
-        ->type_name(type)
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  };
   command.add_option("scenes", words->scenes, "Scenes, or folders of them")
       ->required()
       ->type_name("SCENE|FOLDER...");
-  several("--backends", words->backends, "Physics engines; default: the test's, else all", "A,B");
+  add_list(command, "--backends", words->backends, "Physics engines; default: the test's, else all",
+           "A,B");
   command.add_option("--seeds", words->seeds, "Seeds; default: the test's, else the scene's")
       ->type_name("1..5|1,3");
   command.add_option("-j,--jobs", words->jobs, "Cases run at a time; default: one per processor")
@@ -328,9 +313,10 @@ void add_test(CLI::App& app, int& status) {
       .add_option("--timeout", words->timeout,
                   "Longest a case may take on the clock on the wall; default: no limit")
       ->type_name("T");
-  several("--set", words->set, "Value of a <param> of the scenes; may be repeated", "NAME=VALUE");
-  several("--plugin-path", words->plugin_paths,
-          "Folder in which plugins and backends are looked for first; may be repeated", "DIR");
+  add_list(command, "--set", words->set, "Value of a <param> of the scenes; may be repeated",
+           "NAME=VALUE");
+  add_list(command, "--plugin-path", words->plugin_paths,
+           "Folder in which plugins and backends are looked for first; may be repeated", "DIR");
   command.add_option("--fault", words->fault)->group("");
   command.footer(
       "Examples:\n"

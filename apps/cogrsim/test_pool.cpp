@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "interrupt.h"
+#include "test_case.h"
 #include "test_command.h"
 
 namespace cogrsim::cli {
@@ -73,26 +74,18 @@ std::string last_lines(const std::string& path) {
   return text;
 }
 
-Json broken(const std::string& message) {
-  return {{"status", "error"},
-          {"message", message},
-          {"verdicts", Json::array()},
-          {"recordings", Json::array()},
-          {"simulated", 0.0}};
-}
-
 Json outcome(const Child& child, int status, const Workplace& place, double timeout) {
   const std::string said = last_lines(place.file(child.number, "err"));
   const std::string tail = said.empty() ? "" : "\n" + said;
   if (child.timed_out)
-    return broken(fmt::format("was ended after {:.6g} s, see --timeout{}", timeout, tail));
+    return no_result(fmt::format("was ended after {:.6g} s, see --timeout{}", timeout, tail));
   if (WIFSIGNALED(status))
-    return broken(fmt::format("crashed: signal {}, {}{}", WTERMSIG(status),
-                              strsignal(WTERMSIG(status)), tail));
+    return no_result(fmt::format("crashed: signal {}, {}{}", WTERMSIG(status),
+                                 strsignal(WTERMSIG(status)), tail));
   std::ifstream in(place.file(child.number, "out"));
   Json result = Json::parse(in, nullptr, false);
   if (result.is_object() && result.contains("status")) return result;
-  return broken(fmt::format("ended with exit status {}{}", WEXITSTATUS(status), tail));
+  return no_result(fmt::format("ended with exit status {}{}", WEXITSTATUS(status), tail));
 }
 
 }  // namespace

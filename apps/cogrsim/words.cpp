@@ -47,4 +47,12 @@ std::map<std::string, std::string> settings_from(const std::vector<std::string>&
   return settings;
 }
 
+void add_list(CLI::App& command, const char* name, std::vector<std::string>& to, const char* text,
+              const char* type) {
+  command.add_option(name, to, text)
+      ->type_name(type)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
 }  // namespace cogrsim::cli

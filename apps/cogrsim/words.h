@@ -22,6 +22,9 @@ class UsageError : public CLI::ValidationError {
 /// Step length [s] of `--step`. Throws UsageError, as all here do.
 double step_from(const std::string& word);
 std::uint64_t seed_from(const std::string& word);
+/// An option that may be repeated, one word at a time.
+void add_list(CLI::App& command, const char* name, std::vector<std::string>& to, const char* text,
+              const char* type);
 /// `--set NAME=VALUE`, each name once.
 std::map<std::string, std::string> settings_from(const std::vector<std::string>& words);
 

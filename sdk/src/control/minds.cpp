@@ -156,10 +156,7 @@ void Simulation::Impl::run_minds() {
     std::shared_ptr<Frame> fresh = pool->take();
     *fresh = *frame_with(slot.needs);
     sensors.copy_readings(fresh->readings);
-    fresh->controller_outputs.resize(controllers.size());
-    for (std::size_t c = 0; c < controllers.size(); ++c) {
-      if (controllers[c].access) fresh->controller_outputs[c] = controllers[c].access->outputs;
-    }
+    copy_controller_outputs(*fresh);
     fresh->events = std::exchange(slot.events, {});
     slot.stage->show(std::move(fresh));
     const Tick tick = tick_of(slot.clock);

@@ -155,6 +155,7 @@ struct Simulation::Impl {
   double time() const { return base_time + static_cast<double>(steps_since_base) * dt; }
   const WorldState& present_state();
   FramePtr frame_with(const FrameContents& contents);
+  void copy_controller_outputs(Frame& frame) const;
   void world_changed();
 
   // create.cpp: building what the model names; errors as diagnostics at the element's place.

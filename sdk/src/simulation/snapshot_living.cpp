@@ -94,10 +94,6 @@ void living_from(const Json& json, const SceneModel& model, LivingMemory& memory
     rule.off = value.at("off").get<bool>();
     rule.limit_told = value.at("limit_told").get<bool>();
   }
-  // A door that the file does not know stands where it starts.
-  for (std::size_t i = memory.doors.size(); i < model.doors.size(); ++i) {
-    memory.doors.push_back({model.doors[i].starts_open, true});
-  }
   for (const auto& [name, value] : json.at("doors").items()) {
     const int index = index_of(model.doors, name);
     if (index < 0 || static_cast<std::size_t>(index) >= memory.doors.size()) continue;

@@ -44,6 +44,7 @@ class Resumption {
     sensors();
     minds("controllers", to_.model->controllers);
     minds("supervisors", to_.model->supervisors);
+    to_.living.follow(to_.model);  // a door that the file does not know stands where it starts
     living_from(content_.at("living"), *to_.model, to_.living.memory);
     if (!same_seed_) {
       notes_.push_back("the seed is another: random numbers begin anew");

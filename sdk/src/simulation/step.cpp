@@ -42,6 +42,14 @@ void Simulation::Impl::world_changed() {
   cached.reset();
 }
 
+void Simulation::Impl::copy_controller_outputs(Frame& frame) const {
+  frame.controller_outputs.resize(controllers.size());
+  for (std::size_t i = 0; i < controllers.size(); ++i) {
+    frame.controller_outputs[i].clear();
+    if (controllers[i].access) frame.controller_outputs[i] = controllers[i].access->outputs;
+  }
+}
+
 FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   if (cached && covers(cached_contents, contents)) return cached;
   const FrameContents wanted = cached ? cached_contents | contents : contents;
@@ -65,11 +73,7 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   }
   sensors.copy_readings(frame->readings);
   frame->events = events;
-  frame->controller_outputs.resize(controllers.size());
-  for (std::size_t i = 0; i < controllers.size(); ++i) {
-    frame->controller_outputs[i].clear();
-    if (controllers[i].access) frame->controller_outputs[i] = controllers[i].access->outputs;
-  }
+  copy_controller_outputs(*frame);
   frame->supervisor_outputs.resize(supervisors.size());
   for (std::size_t i = 0; i < supervisors.size(); ++i) {
     if (supervisors[i].stage) frame->supervisor_outputs[i] = supervisors[i].stage->outputs();
