@@ -1,0 +1,34 @@
+// The scene's text and its one history: edits by typing, in the tree, with handles and in forms.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cogrsim/dsl/compiler.h"
+#include "run.h"
+#include "talk.h"
+
+namespace cogrsim::studio {
+
+struct DocumentOptions {
+  std::string path;  ///< of the scene file; need not exist yet: an empty scene then
+  std::map<std::string, std::string> parameters;  ///< `--set`
+  std::optional<std::uint64_t> seed;
+  bool allow_build = false;
+};
+
+/// The part that answers everything in PROTOCOL.md under "The document". Works on a thread of its
+/// own: compiling is never in the way of the network or the run.
+class Document : public Part {
+ public:
+  /// Compiles and hands what is good to `show`. Errors: the file is there and cannot be read, or is
+  /// no UTF-8.
+  static Result<std::unique_ptr<Document>> open(DocumentOptions options,
+                                                std::shared_ptr<PluginLoader> loader, Run& run,
+                                                Outbox& outbox);
+};
+
+}  // namespace cogrsim::studio

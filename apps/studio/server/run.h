@@ -1,0 +1,70 @@
+// The run the studio shows: simulations on a thread of their own, all frames so far, and what is
+// asked about them.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cogrsim/core/diagnostic.h"
+#include "cogrsim/model/scene_model.h"
+#include "cogrsim/plugin/loader.h"
+#include "talk.h"
+
+namespace cogrsim::studio {
+
+/// What of a compiled scene the page is told beside the model: which element of the text made what.
+/// Element ids as in the document's version; -1: none (made by an import, a prototype, a program).
+struct Origins {
+  struct Origin {
+    int element = -1;
+    bool own = false;  ///< that element is this thing and nothing else
+  };
+  std::uint64_t version = 0;  ///< of the document
+  std::vector<Origin> bodies, assemblies, joints, motors, sensors, controllers, supervisors, lights,
+      views, regions, plots;
+};
+
+/// A scene that compiled.
+struct Scene {
+  SceneModelPtr model;
+  Origins origins;
+};
+
+struct RunOptions {
+  std::string backend;  ///< empty: the scene's, else "bullet"
+  double step = 0.0;    ///< [s]; 0: the scene's
+  std::optional<std::uint64_t> seed;
+  std::map<std::string, std::string> parameters;  ///< `--set`, for recordings
+  std::string folder;                             ///< where recordings go: the scene's
+  /// Frames kept for the timeline take this much memory; beyond, every second one of the older half
+  /// is let go [byte].
+  std::size_t history_bytes = 512u << 20;
+};
+
+/// The part that answers everything in PROTOCOL.md under "The run" and "Numbers and pictures".
+class Run : public Part {
+ public:
+  /// Of a scene still to come: see show().
+  static std::unique_ptr<Run> of_scene(RunOptions options, std::shared_ptr<PluginLoader> loader,
+                                       Outbox& outbox);
+  /// Of a recording: no simulation. Errors: Recording::open's.
+  static Result<std::unique_ptr<Run>> of_recording(const std::string& path,
+                                                   std::shared_ptr<PluginLoader> loader,
+                                                   Outbox& outbox);
+
+  /// Goes on with another scene: at time 0 anew; later with the state carried over by name where the
+  /// element did not change its place, as Simulation's resume() does. From any thread; `done` is called
+  /// once, from the run's: with what could not be carried over, or with why the engine refused the
+  /// scene (the one before then stays).
+  virtual void show(Scene scene,
+                    std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>
+                        done) = 0;
+
+  /// The file behind /asset/NUMBER, see Inbox.
+  virtual std::string asset(std::size_t number) const = 0;
+};
+
+}  // namespace cogrsim::studio

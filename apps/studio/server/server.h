@@ -1,0 +1,55 @@
+// HTTP and WebSocket: who may come in, what they are given, and never waiting for them.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "cogrsim/core/result.h"
+#include "talk.h"
+
+namespace cogrsim::studio {
+
+struct ServerOptions {
+  std::string host = "127.0.0.1";  ///< an address of this machine, or "localhost"
+  unsigned short port = 0;         ///< 0: any that is free
+  /// The page: "index.html", … Served as they are, those with .gz beside them compressed.
+  struct Limits {
+    std::size_t message_bytes = 8u << 20;   ///< of one text from a page
+    std::size_t clients = 32;               ///< WebSockets at a time
+    std::size_t connections = 128;          ///< TCP, at a time
+    double messages_per_second = 400.0;     ///< of one client, on average; bursts of twice as many
+    double idle_seconds = 60.0;             ///< without an answer to a ping
+    double request_seconds = 10.0;          ///< for the request's head and body
+    std::size_t waiting_bytes = 32u << 20;  ///< texts that one client has not taken in
+  } limits;
+};
+
+class Server final : public Outbox {
+ public:
+  /// Listens; answers once run() is called. Errors: no such address, the port is taken.
+  static Result<std::unique_ptr<Server>> listen(const ServerOptions& options);
+  ~Server() override;
+
+  /// "http://127.0.0.1:40213/?token=…", for those who may do all, or only look on.
+  std::string address(Role role) const;
+  std::size_t client_count() const;
+
+  /// Serves until stop(), on the calling thread.
+  void run(Inbox& inbox);
+  /// From any thread or a signal handler.
+  void stop() noexcept;
+
+  void send(ClientId client, std::string text) override;
+  void send_all(std::string text) override;
+  void offer_frame(ClientId client, Bytes frame) override;
+  void offer_picture(ClientId client, const std::string& key, Bytes picture) override;
+  bool wants_picture(ClientId client) const override;
+
+ private:
+  struct Impl;
+  explicit Server(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cogrsim::studio

@@ -1,0 +1,81 @@
+// What the parts of the studio's server say to each other. Who answers what: ../PROTOCOL.md.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "cogrsim/core/result.h"
+
+namespace cogrsim::studio {
+
+using Json = nlohmann::json;
+
+using ClientId = std::uint64_t;  ///< counts from 1; never used twice
+enum class Role { viewer, operator_ };
+
+/// Immutable bytes that several clients may be sent.
+using Bytes = std::shared_ptr<const std::string>;
+
+/// Where messages to the pages go. From any thread; returns at once, whatever the network does.
+class Outbox {
+ public:
+  virtual ~Outbox() = default;
+
+  /// A text message. A client that does not take its texts in is let go when too many wait.
+  virtual void send(ClientId client, std::string text) = 0;
+  /// To every client.
+  virtual void send_all(std::string text) = 0;
+
+  /// The client's newest frame: replaces one that still waits.
+  virtual void offer_frame(ClientId client, Bytes frame) = 0;
+  /// The client's newest picture of that key (kind and name): replaces one that still waits.
+  virtual void offer_picture(ClientId client, const std::string& key, Bytes picture) = 0;
+  /// Whether the client has taken in all pictures it was offered: only then is it worth rendering
+  /// more. From any thread.
+  virtual bool wants_picture(ClientId client) const = 0;
+};
+
+/// What the network hands on. Called from its thread; returns at once.
+class Inbox {
+ public:
+  virtual ~Inbox() = default;
+  virtual void joined(ClientId client, Role role) = 0;
+  virtual void left(ClientId client) = 0;
+  /// A text message that is no acknowledgement; at most so long as the network's limit.
+  virtual void received(ClientId client, std::string text) = 0;
+  /// The file behind /asset/NUMBER: absolute path, "" for none. From the network's thread.
+  virtual std::string asset(std::size_t number) = 0;
+};
+
+/// One request of a page.
+struct Request {
+  ClientId client = 0;
+  Role role = Role::viewer;
+  std::string what;  ///< its "do"
+  Json fields;
+};
+
+/// An answer's fields beside id and ok, or why not; Error::code may be "viewer" or "stale".
+using Answer = Result<Json>;
+/// To be called once, from any thread.
+using Reply = std::function<void(Answer)>;
+
+/// A part that answers some of the requests: the run, the document, pictures.
+class Part {
+ public:
+  virtual ~Part() = default;
+  /// Whether it answers requests of that name, and whether viewers may ask.
+  enum class Access { none, viewer, operator_ };
+  virtual Access access(std::string_view what) const = 0;
+  /// Called from one thread, one request at a time; what takes long is done elsewhere.
+  virtual void handle(Request request, Reply reply) = 0;
+  virtual void joined(ClientId, Role) {}
+  virtual void left(ClientId) {}
+};
+
+}  // namespace cogrsim::studio
