@@ -1,0 +1,55 @@
+// What every panel is given.
+import type { CommandRegistry } from "@lumino/commands";
+import type { Widget } from "@lumino/widgets";
+import type { Link } from "./link";
+import type { Op } from "./protocol";
+import type { State } from "./state";
+
+export interface Studio {
+  link: Link;
+  state: State;
+  /** Everything that can be done, by id ("run:play", "edit:undo", "view:top"): menus, palette and keys are made from it. */
+  commands: CommandRegistry;
+
+  /** One step of the history. Answers with the ids of what was made, in the version that `tree` then has. Failures are shown to
+   *  the user and make it null; a stale version is tried again once. */
+  edit(label: string, ops: Op[]): Promise<number[] | null>;
+  select(elements: number[]): void;
+  /** Looks at the last frame at or before `time` [s], in all panels. */
+  seek(time: number): void;
+
+  /** A short note at the edge of the window; errors stay until they are closed. */
+  notify(text: string, kind?: "note" | "error"): void;
+  /** Shows the code panel with the cursor there; lines and columns from 1. */
+  go_to(file: string, line: number, column: number): void;
+  /** Opens (or raises) a panel: "view3d", "map", "tree", "properties", "code", "cameras", "figures", "compare", "console". */
+  open_panel(name: string): void;
+  /** A new figure, or one more curve in `figure`. */
+  draw_signal(signal: string, figure?: string): void;
+  /** Asks with a modal dialog; null: cancelled. The dialog owns focus, Escape cancels. */
+  dialog(content: DialogContent): Promise<Record<string, string> | null>;
+}
+
+export interface DialogContent {
+  title: string;
+  /** Text in front of the fields. */
+  text?: string;
+  fields: {
+    name: string;
+    label: string;
+    kind?: "text" | "number" | "choice" | "color" | "boolean";
+    choices?: string[];
+    value?: string;
+    help?: string;
+  }[];
+  /** An element below the fields, kept up to date with what is typed (mass before assembling, …). */
+  preview?: (values: Record<string, string>) => HTMLElement | Promise<HTMLElement>;
+  accept: string;
+}
+
+/** A panel: makes its widget once; opened and closed by the shell. */
+export interface PanelType {
+  name: string;
+  title: string;
+  create(studio: Studio): Widget;
+}
