@@ -1,0 +1,102 @@
+// A studio server for a test: started on a copy of a scene, stopped at the end.
+import { test as base, expect, type Page } from "@playwright/test";
+import { spawn, type ChildProcess } from "node:child_process";
+import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { basename, dirname, join } from "node:path";
+
+export const program = process.env.COGRSIM_PROGRAM!;
+export const repository = process.env.COGRSIM_SCENES!;
+export const out = process.env.STUDIO_OUT!;
+
+export class StudioServer {
+  private process: ChildProcess | null = null;
+  /** What it said on standard error. */
+  said = "";
+  address = "";
+
+  constructor(
+    readonly file: string,
+    readonly words: string[],
+  ) {}
+
+  async start(port = 0): Promise<void> {
+    const child = spawn(program, ["studio", this.file, "--no-open", "--port", String(port), ...this.words], {
+      stdio: ["ignore", "pipe", "pipe"],
+    });
+    this.process = child;
+    child.stderr!.on("data", (text) => (this.said += text));
+    this.address = await new Promise((resolve, reject) => {
+      let text = "";
+      child.stdout!.on("data", (more) => {
+        text += more;
+        const line = /^(http:\S+)$/m.exec(text);
+        if (line) resolve(line[1]!);
+      });
+      child.on("exit", (code) => reject(new Error(`the studio ended with ${code}: ${this.said}`)));
+    });
+  }
+  get port(): number {
+    return Number(new URL(this.address).port);
+  }
+  get pid(): number {
+    return this.process!.pid!;
+  }
+  text(): string {
+    return readFileSync(this.file, "utf8");
+  }
+  async stop(signal: NodeJS.Signals = "SIGTERM"): Promise<number | null> {
+    const child = this.process;
+    if (!child || child.exitCode !== null) return child?.exitCode ?? null;
+    const ended = new Promise<number | null>((resolve) => child.on("exit", (code) => resolve(code)));
+    child.kill(signal);
+    return ended;
+  }
+}
+
+export interface Fixtures {
+  /** Starts a server on a copy of a scene: a path in the repository, or the text of a scene. */
+  studio: (scene: string, ...words: string[]) => Promise<StudioServer>;
+  /** Opens the page and waits until it shows a scene. */
+  open: (server: StudioServer, page?: Page) => Promise<Page>;
+}
+
+export const test = base.extend<Fixtures>({
+  studio: async ({}, use) => {
+    const servers: StudioServer[] = [];
+    const folders: string[] = [];
+    await use(async (scene, ...words) => {
+      const folder = mkdtempSync(join(tmpdir(), "studio-"));
+      folders.push(folder);
+      let file = join(folder, "test.scene.xml");
+      if (scene.trimStart().startsWith("<")) {
+        writeFileSync(file, scene);
+      } else {
+        cpSync(dirname(join(repository, scene)), folder, { recursive: true });
+        file = join(folder, basename(scene));
+      }
+      const server = new StudioServer(file, words);
+      await server.start();
+      servers.push(server);
+      return server;
+    });
+    for (const server of servers) await server.stop();
+    for (const folder of folders) rmSync(folder, { recursive: true, force: true });
+  },
+  open: async ({ page }, use) => {
+    await use(async (server, other) => {
+      const shown = other ?? page;
+      await shown.goto(server.address);
+      await expect(shown.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
+      return shown;
+    });
+  },
+});
+
+/** Keeps a picture for people to look at. */
+export async function keep(page: Page, name: string): Promise<void> {
+  mkdirSync(join(out, "pictures"), { recursive: true });
+  await page.screenshot({ path: join(out, "pictures", `${name}.png`) });
+}
+
+export { expect };
