@@ -1,5 +1,6 @@
-// Builds the page into static files:   node build.mjs [--out DIR] [--modules DIR/node_modules] [--watch]
+// Builds the page into static files:   node build.mjs [--out DIR] [--modules DIR/node_modules] [--watch] [--dev]
 //
+// --dev adds dev.html, the page with a made-up run for working on it without a server.
 // Works from a read-only source folder: --modules says where the packages were installed.
 import { build, context } from "esbuild";
 import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -12,6 +13,7 @@ const word = (name, otherwise) => {
   return at < 0 ? otherwise : resolve(process.argv[at + 1]);
 };
 const out = word("--out", join(here, "dist"));
+const dev = process.argv.includes("--dev");
 const modules = word("--modules", join(here, "node_modules"));
 
 rmSync(out, { recursive: true, force: true });
@@ -24,18 +26,22 @@ const page = {
     building.onEnd((result) => {
       if (result.errors.length > 0) return;
       const outputs = Object.entries(result.metafile.outputs);
-      const main = outputs.find(([, o]) => o.entryPoint?.endsWith("src/main.ts"));
       const name = (path) => path.replace(/^.*\//, "");
-      const html = readFileSync(join(here, "index.html"), "utf8")
-        .replace("main.js", name(main[0]))
-        .replace("main.css", name(main[1].cssBundle ?? "main.css"));
-      writeFileSync(join(out, "index.html"), html);
+      const write = (html, entry) => {
+        const [script, of] = outputs.find(([, o]) => o.entryPoint?.endsWith(entry));
+        const text = readFileSync(join(here, "index.html"), "utf8")
+          .replace("main.js", name(script))
+          .replace("main.css", name(of.cssBundle));
+        writeFileSync(join(out, html), text);
+      };
+      write("index.html", "src/main.ts");
+      if (dev) write("dev.html", "src/dev/dev.ts");
     });
   },
 };
 
 const options = {
-  entryPoints: [join(here, "src/main.ts")],
+  entryPoints: [join(here, "src/main.ts"), ...(dev ? [join(here, "src/dev/dev.ts")] : [])],
   absWorkingDir: here,
   nodePaths: [modules],
   outdir: out,

@@ -1,3 +1,4 @@
 import { start } from "./shell/start";
+import { SocketLink } from "./core/socket_link";
 
-start();
+start(new SocketLink());

@@ -18,4 +18,6 @@ export interface Link {
   on_picture(listener: (picture: Picture) => void): Unsubscribe;
   /** Whether there is an open way; changes are told. Broken ways are mended again and again. */
   on_open(listener: (open: boolean) => void): Unsubscribe;
+  /** Address of a texture, from the path a shape names. */
+  asset(path: string): string;
 }

@@ -1,0 +1,264 @@
+// A Link that answers from memory: for a run that came with the page.
+import { RequestError, type Link, type Unsubscribe } from "./link";
+import type {
+  DocumentState,
+  Frame,
+  Hello,
+  Picture,
+  Problem,
+  RunEvent,
+  RunMessage,
+  Scene,
+  Status,
+  Tells,
+  TreeElement,
+} from "./protocol";
+import { index_at, low_high } from "./series";
+
+/** A quantity over the whole run, one value for each frame; NaN where there is none. */
+export interface MemorySignal {
+  name: string;
+  unit: string;
+  owner: string;
+  values: ArrayLike<number>;
+}
+
+/** All there is to know of a run. Frames may be unpacked when asked for. */
+export interface MemoryRun {
+  hello: Hello;
+  /** usually one; each frame names the one it belongs to by its number */
+  scenes: Scene[];
+  count: number;
+  /** [s]; never falls */
+  time_of(frame: number): number;
+  frame(index: number): Frame;
+  backend: string;
+  engine_version: string;
+  ending: string;
+  /** [s] */
+  dt: number;
+  document?: DocumentState;
+  elements?: TreeElement[];
+  problems?: Problem[];
+  messages?: RunMessage[];
+  events?: RunEvent[];
+  signals?: MemorySignal[];
+  /** answer to `plots` */
+  plots?: unknown[];
+  /** answers to `figure`, by name of the plot */
+  figures?: Record<string, Record<string, unknown>>;
+  compare?: Status["compare"];
+  /** answer to `divergence` */
+  divergence?: Record<string, unknown>;
+  /** addresses of textures (data: or blob:), by path under /asset/ */
+  assets?: Record<string, string>;
+}
+
+type Fields = Record<string, unknown>;
+type Listener<T> = (value: T) => void;
+
+/** A set of listeners; one that fails does not keep the others from being told. */
+export class Listeners<T> {
+  private readonly all = new Set<Listener<T>>();
+
+  add(listener: Listener<T>): Unsubscribe {
+    this.all.add(listener);
+    return () => void this.all.delete(listener);
+  }
+  tell(value: T): void {
+    for (const listener of [...this.all]) {
+      try {
+        listener(value);
+      } catch (error) {
+        console.error(error);
+      }
+    }
+  }
+}
+
+export class MemoryLink implements Link {
+  protected readonly run: MemoryRun;
+  /** index of the frame that is looked at */
+  protected at = 0;
+  private subscribed = { contacts: false, readings: false };
+  private told_scene = -1;
+  private waiting = false;
+  private readonly frames = new Listeners<Frame>();
+  private readonly pictures = new Listeners<Picture>();
+  private readonly tells = new Map<keyof Tells, Listeners<unknown>>();
+
+  constructor(run: MemoryRun) {
+    if (run.count < 1) throw new Error("a run in memory needs at least one frame");
+    this.run = run;
+  }
+
+  async request<Answer = Fields>(what: string, fields: Fields = {}): Promise<Answer> {
+    // answers come later, as over a network
+    await Promise.resolve();
+    return (await this.answer(what, fields)) as Answer;
+  }
+  on<Name extends keyof Tells>(name: Name, listener: (tell: Tells[Name]) => void): Unsubscribe {
+    let listeners = this.tells.get(name);
+    if (!listeners) this.tells.set(name, (listeners = new Listeners()));
+    return listeners.add(listener as Listener<unknown>);
+  }
+  on_frame(listener: (frame: Frame) => void): Unsubscribe {
+    return this.frames.add(listener);
+  }
+  on_picture(listener: (picture: Picture) => void): Unsubscribe {
+    return this.pictures.add(listener);
+  }
+  on_open(listener: (open: boolean) => void): Unsubscribe {
+    queueMicrotask(() => listener(true));
+    return () => {};
+  }
+  asset(path: string): string {
+    return this.run.assets?.[path] ?? "";
+  }
+
+  protected tell<Name extends keyof Tells>(name: Name, tell: Tells[Name]): void {
+    this.tells.get(name)?.tell(tell);
+  }
+
+  protected status(): Status {
+    const { run } = this;
+    const scene = run.scenes[run.scenes.length - 1]!;
+    const last = run.time_of(run.count - 1);
+    return {
+      state: "recording",
+      ending: run.ending,
+      time: last,
+      step_count: run.frame(run.count - 1).step,
+      dt: run.dt,
+      scene_dt: scene.step,
+      speed: 1,
+      factor: 0,
+      backend: run.backend,
+      engine_version: run.engine_version,
+      recording: null,
+      first: run.time_of(0),
+      last,
+      frames: run.count,
+      scene: scene.scene,
+      compare: run.compare ?? null,
+      viewers: 1,
+    };
+  }
+
+  /** Whether the page looks at the newest frame of a run that goes on. */
+  protected live(): boolean {
+    return false;
+  }
+
+  protected answer(what: string, fields: Fields): unknown {
+    const { run } = this;
+    switch (what) {
+      case "hello":
+        queueMicrotask(() => this.tell_all());
+        return run.hello;
+      case "seek":
+        return this.look(index_at(run.count, (i) => run.time_of(i), Number(fields.time)));
+      case "step-back":
+        return this.look(this.at - 1);
+      case "live":
+        return this.look(run.count - 1);
+      case "subscribe":
+        this.subscribed = { contacts: fields.contacts === true, readings: fields.readings === true };
+        this.show();
+        return {};
+      case "signals":
+        return { signals: (run.signals ?? []).map(({ name, unit, owner }) => ({ name, unit, owner })) };
+      case "series":
+        return this.series(fields);
+      case "divergence":
+        if (!run.divergence) throw refused("nothing is compared in this run");
+        return run.divergence;
+      case "plots":
+        return { plots: run.plots ?? [] };
+      case "figure": {
+        const figure = run.figures?.[String(fields.plot)];
+        if (!figure) throw refused(`no figure '${String(fields.plot)}' in this run`);
+        return figure;
+      }
+      case "events":
+        return { events: (run.events ?? []).filter((e) => e.index >= Number(fields.from ?? 0)) };
+      case "sources":
+        return { files: [] };
+      default:
+        throw refused(`'${what}' needs a server`, "open the scene with 'cogrsim studio'");
+    }
+  }
+
+  protected tell_all(): void {
+    const { run } = this;
+    this.tell("status", this.status());
+    this.told_scene = -1;
+    this.tell_scene(run.frame(this.at).scene);
+    if (run.document) this.tell("document", run.document);
+    if (run.elements) this.tell("tree", { version: run.document?.version ?? 0, elements: run.elements });
+    if (run.problems) this.tell("problems", { version: run.document?.version ?? 0, problems: run.problems });
+    if (run.messages) this.tell("messages", { messages: run.messages });
+    if (run.events) this.tell("events", { events: run.events });
+    this.show();
+  }
+
+  /** Forgets which scene was told, after a change of its contents. */
+  protected tell_scene(number: number): void {
+    if (number === this.told_scene) return;
+    const scene = this.run.scenes.find((s) => s.scene === number);
+    if (!scene) return;
+    this.told_scene = number;
+    this.tell("scene", scene);
+  }
+
+  private look(index: number): { time: number } {
+    this.at = Math.min(Math.max(index, 0), this.run.count - 1);
+    this.show();
+    return { time: this.run.time_of(this.at) };
+  }
+
+  /** Hands the present frame out, once per animation frame. */
+  protected show(): void {
+    if (this.waiting) return;
+    this.waiting = true;
+    next_picture(() => {
+      this.waiting = false;
+      const frame = this.run.frame(this.at);
+      this.tell_scene(frame.scene);
+      const tail: Frame["tail"] = {};
+      if (this.subscribed.contacts && frame.tail.contacts) tail.contacts = frame.tail.contacts;
+      if (this.subscribed.readings && frame.tail.readings) tail.readings = frame.tail.readings;
+      this.frames.tell({ ...frame, live: this.live(), tail });
+    });
+  }
+
+  private series(fields: Fields): unknown {
+    const { run } = this;
+    const names = fields.signals as string[];
+    const from = typeof fields.from === "number" ? fields.from : -Infinity;
+    const to = typeof fields.to === "number" ? fields.to : Infinity;
+    const points = typeof fields.points === "number" ? fields.points : 2000;
+    let begin = index_at(run.count, (i) => run.time_of(i), from);
+    if (run.time_of(begin) < from) begin += 1;
+    const end = to < run.time_of(0) ? 0 : index_at(run.count, (i) => run.time_of(i), to) + 1;
+    let time: number[] = [];
+    const series = names.map((name) => {
+      const signal = run.signals?.find((s) => s.name === name);
+      if (!signal) throw refused(`no signal '${name}'`);
+      const { picks, low, high } = low_high(signal.values, begin, end, points);
+      time = picks.map((i) => run.time_of(i));
+      return { signal: name, unit: signal.unit, low, high };
+    });
+    return { time, series };
+  }
+}
+
+export function refused(message: string, help?: string, code?: string): RequestError {
+  return new RequestError({ message, help, code });
+}
+
+/** Calls `then` before the browser draws next; without a browser, soon. */
+export function next_picture(then: () => void): void {
+  if (typeof requestAnimationFrame === "function" && !document.hidden) requestAnimationFrame(then);
+  else setTimeout(then, 16);
+}

@@ -1,0 +1,77 @@
+// Keeps the state up to what the link says.
+import { batch } from "@preact/signals-core";
+import type { Link } from "./link";
+import type { Hello, RunEvent, RunMessage } from "./protocol";
+import type { State } from "./state";
+
+/** Messages and events that the page keeps at most: the newest. */
+export const kKept = 5000;
+
+/** `all` with `more` behind it, the newest kKept of them. */
+export function append<T>(all: readonly T[], more: readonly T[], kept = kKept): T[] {
+  return all.concat(more).slice(-kept);
+}
+
+/** Events are numbered from 0 in each run: those of a new run take the place of the old ones with their number. */
+export function append_events(all: readonly RunEvent[], more: readonly RunEvent[]): RunEvent[] {
+  const first = more[0];
+  if (!first) return all.slice();
+  return append(
+    all.filter((event) => event.index < first.index),
+    more,
+  );
+}
+
+export function wire(link: Link, state: State, failed: (message: string) => void): void {
+  // What the link tells between a new way and its answer to hello stands for the whole run anew.
+  let fresh = false;
+  link.on_open((open) => {
+    if (!open) {
+      state.open.value = false;
+      return;
+    }
+    fresh = true;
+    link.request<Hello>("hello").then(
+      (hello) => {
+        batch(() => {
+          state.hello.value = hello;
+          state.open.value = true;
+        });
+        if (!state.live.value && state.frame.value) {
+          link.request("seek", { time: state.frame.value.time }).catch(() => (state.live.value = true));
+        }
+      },
+      (error: unknown) => failed(error instanceof Error ? error.message : String(error)),
+    );
+  });
+  link.on("status", (status) => {
+    const before = state.status.value;
+    batch(() => {
+      state.status.value = status;
+      // Back at the start: what was said of the run before is no longer so.
+      if (before && status.last < before.last && status.frames < before.frames && status.state === "stopped") {
+        state.events.value = [];
+        state.live.value = true;
+      }
+    });
+  });
+  link.on("scene", (scene) => (state.scene.value = scene));
+  link.on("document", (document) => (state.document.value = document));
+  link.on("tree", (tree) => {
+    batch(() => {
+      state.tree.value = tree;
+      const there = state.selection.value.filter((id) => id < tree.elements.length);
+      if (there.length !== state.selection.value.length) state.selection.value = there;
+    });
+  });
+  link.on("problems", ({ problems }) => (state.problems.value = problems));
+  link.on("messages", ({ messages }) => {
+    const before: RunMessage[] = fresh ? [] : state.messages.value;
+    fresh = false;
+    state.messages.value = append(before, messages);
+  });
+  link.on("events", ({ events }) => {
+    state.events.value = append_events(state.events.value, events);
+  });
+  link.on_frame((frame) => (state.frame.value = frame));
+}

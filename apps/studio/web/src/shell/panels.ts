@@ -1,0 +1,28 @@
+// All panels there are.
+import * as cameras from "../cameras/panel";
+import * as code from "../code/panel";
+import * as compare from "../compare/panel";
+import * as console_ from "../console/panel";
+import type { PanelType, Studio } from "../core/studio";
+import * as figures from "../figures/panel";
+import * as forms from "../forms/panel";
+import * as map2d from "../map2d/panel";
+import * as tree from "../tree/panel";
+import * as view3d from "../view3d/panel";
+
+/** In the order of the View menu. */
+export const panels: { panel: PanelType; register(studio: Studio): void }[] = [
+  view3d,
+  map2d,
+  tree,
+  forms,
+  code,
+  cameras,
+  figures,
+  compare,
+  console_,
+];
+
+export function panel_named(name: string): PanelType | undefined {
+  return panels.find((p) => p.panel.name === name)?.panel;
+}
