@@ -8,7 +8,10 @@ import type { State } from "./state";
 export interface Studio {
   link: Link;
   state: State;
-  /** Everything that can be done, by id ("run:play", "edit:undo", "view:top"): menus, palette and keys are made from it. */
+  /** Everything that can be done, by id: menus, palette, keys and the list of shortcuts are made from it. What stands before the
+   *  colon says in which menu a command is: file, edit, view, insert, run, tools, help; anything else is under Tools. Keys are
+   *  bound by the shell (shell/keys.ts) to view:front, back, left, right, top, bottom, iso (1 to 7), view:focus (F), edit:delete,
+   *  copy, paste, duplicate, rename (F2), select-all; those with `isVisible` false are in no menu. */
   commands: CommandRegistry;
 
   /** One step of the history. Answers with the ids of what was made, in the version that `tree` then has. Failures are shown to
