@@ -1,0 +1,95 @@
+// What a figure shows, whatever draws it: the page, an SVG or PNG file, a table.
+import type { Sample } from "./statistics";
+import { bin_counts, bin_edges, box_numbers, cell_means, type BoxNumbers, type Cells } from "./statistics";
+
+export type FigureKind = "curve" | "map" | "box" | "histogram" | "surface";
+export const kind_names: Record<FigureKind, string> = {
+  curve: "Curves",
+  map: "Path",
+  box: "Box plot",
+  histogram: "Histogram",
+  surface: "Surface",
+};
+
+export interface Axis {
+  label: string;
+  unit: string;
+  log?: boolean;
+}
+
+/** One curve, path, box, … Lists that a kind does not use are empty. */
+export interface FigureSeries {
+  label: string;
+  unit: string;
+  color: string;
+  dashed: boolean;
+  /** 0: the axis on the left, 1: on the right */
+  axis: 0 | 1;
+  x: Sample[];
+  /** values; of a thinned curve the lowest of each interval */
+  y: Sample[];
+  /** of a thinned curve the highest of each interval; else absent */
+  high?: Sample[];
+  z: Sample[];
+}
+
+export interface FigureData {
+  kind: FigureKind;
+  title: string;
+  x: Axis;
+  y: Axis;
+  /** on the right, where units differ */
+  y2?: Axis;
+  z: Axis;
+  series: FigureSeries[];
+  /** horizontal lines, against the axis on the left */
+  levels?: { value: number; label: string }[];
+}
+
+/** Colours that stay apart for people who see red and green alike, and dark enough for white paper (Okabe and Ito's, three of
+ *  them darkened). */
+export const colors = ["#0072b2", "#c44e00", "#007a5a", "#a8437f", "#7a5c00", "#3a86c8", "#5b4b9a", "#555555"];
+export const color_of = (index: number): string => colors[index % colors.length]!;
+
+/** Counts and edges, in bins that all series share. */
+export function histogram_of(data: FigureData): { edges: number[]; counts: number[][] } {
+  const edges = bin_edges(data.series.flatMap((s) => s.x));
+  return { edges, counts: data.series.map((s) => bin_counts(s.x, edges)) };
+}
+export function boxes_of(data: FigureData): BoxNumbers[] {
+  return data.series.map((s) => box_numbers(s.y));
+}
+export function cells_of(data: FigureData): Cells {
+  const s = data.series[0];
+  return s ? cell_means(s.x, s.y, s.z) : { x: [], y: [], z: [], counts: [] };
+}
+
+/** Puts series on the two axes: the first unit is on the left, the second on the right; further ones join the right and say
+ *  their unit in the legend. */
+export function share_axes(units: readonly string[]): { axes: (0 | 1)[]; left: string; right: string | null } {
+  const kinds = [...new Set(units)];
+  return {
+    axes: units.map((u) => (u === kinds[0] ? 0 : 1)),
+    left: kinds[0] ?? "",
+    right: kinds.length > 1 ? (kinds.length === 2 ? kinds[1]! : "") : null,
+  };
+}
+
+/** What an axis says: the one name, or what the names have in common behind their last dot, or "value". */
+export function axis_label(names: readonly string[]): string {
+  const all = [...new Set(names)];
+  if (all.length === 1) return all[0]!;
+  const tails = [...new Set(all.map((n) => n.slice(n.lastIndexOf(".") + 1)))];
+  return tails.length === 1 && all.length > 0 ? tails[0]! : "value";
+}
+
+/** A name that any file system takes: "two wheels", "speed of a/b" give "two-wheels-speed-of-a-b". */
+export function file_name(scene: string, figure: string, ending: string): string {
+  const clean = (text: string): string =>
+    text
+      .replace(/[^\p{L}\p{N}._-]+/gu, "-")
+      .replace(/^[-.]+|[-.]+$/g, "")
+      .slice(0, 60);
+  const name = [clean(scene), clean(figure)].filter((part) => part !== "").join("-");
+  return `${name === "" ? "figure" : name}.${ending}`;
+}
