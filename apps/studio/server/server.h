@@ -1,7 +1,6 @@
 // HTTP and WebSocket: who may come in, what they are given, and never waiting for them.
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <string>
 
@@ -13,7 +12,7 @@ namespace cogrsim::studio {
 struct ServerOptions {
   std::string host = "127.0.0.1";  ///< an address of this machine, or "localhost"
   unsigned short port = 0;         ///< 0: any that is free
-  /// The page: "index.html", … Served as they are, those with .gz beside them compressed.
+  std::string goodbye;             ///< a text for all when the server ends; empty: none
   struct Limits {
     std::size_t message_bytes = 8u << 20;   ///< of one text from a page
     std::size_t clients = 32;               ///< WebSockets at a time
@@ -35,9 +34,10 @@ class Server final : public Outbox {
   std::string address(Role role) const;
   std::size_t client_count() const;
 
-  /// Serves until stop(), on the calling thread.
+  /// Serves until stop(), on the calling thread; once. What is sent afterwards goes nowhere.
   void run(Inbox& inbox);
-  /// From any thread or a signal handler.
+  /// From any thread or a signal handler, also before run(): clients are sent the goodbye and have a
+  /// second to take in what waits for them.
   void stop() noexcept;
 
   void send(ClientId client, std::string text) override;
@@ -48,8 +48,11 @@ class Server final : public Outbox {
 
  private:
   struct Impl;
+  friend class WebClient;
+  friend class Connection;
   explicit Server(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
+  int stop_event_;  ///< written to by stop()
 };
 
 }  // namespace cogrsim::studio

@@ -1,0 +1,333 @@
+#include "http.h"
+
+#include <cctype>
+#include <charconv>
+#include <cstdint>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "page.h"
+#include "token.h"
+
+namespace cogrsim::studio {
+namespace {
+
+constexpr std::size_t kLargestAsset = 64u << 20;  // [byte]
+
+// Scripts, pictures and connections of this server alone. The editor, the docking panels and the big
+// charts set styles on elements, which needs 'unsafe-inline' for styles.
+constexpr const char* kContentPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; connect-src 'self'; worker-src 'self' blob:; font-src 'self'; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+
+const char* reason_of(int status) {
+  switch (status) {
+    case 200:
+      return "OK";
+    case 303:
+      return "See Other";
+    case 304:
+      return "Not Modified";
+    case 400:
+      return "Bad Request";
+    case 403:
+      return "Forbidden";
+    case 404:
+      return "Not Found";
+    case 405:
+      return "Method Not Allowed";
+    case 408:
+      return "Request Timeout";
+    case 413:
+      return "Content Too Large";
+    case 426:
+      return "Upgrade Required";
+    case 431:
+      return "Request Header Fields Too Large";
+    case 503:
+      return "Service Unavailable";
+    default:
+      return "Error";
+  }
+}
+
+bool same_word(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::tolower(static_cast<unsigned char>(a[i])) !=
+        std::tolower(static_cast<unsigned char>(b[i]))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+// Calls `visit` for each part between separators, trimmed, until it returns true.
+template <class Visit>
+bool any_part(std::string_view list, char separator, const Visit& visit) {
+  while (true) {
+    const auto end = list.find(separator);
+    if (visit(trimmed(list.substr(0, end)))) return true;
+    if (end == std::string_view::npos) return false;
+    list.remove_prefix(end + 1);
+  }
+}
+
+bool accepts_gzip(std::string_view accepted) {
+  return any_part(accepted, ',', [](std::string_view word) {
+    const auto weight = word.find(';');
+    if (!same_word(trimmed(word.substr(0, weight)), "gzip")) return false;
+    if (weight == std::string_view::npos) return true;
+    const std::string_view q = trimmed(word.substr(weight + 1));
+    // "q=0", "q=0.000": not wanted.
+    return !(q.substr(0, 3) == "q=0" && q.find_first_of("123456789") == std::string_view::npos);
+  });
+}
+
+bool has_tag(std::string_view tags, std::string_view etag) {
+  return any_part(tags, ',', [&](std::string_view tag) {
+    if (tag.substr(0, 2) == "W/") tag.remove_prefix(2);
+    return tag == etag || tag == "*";
+  });
+}
+
+const char* picture_type(const std::string& bytes) {
+  const auto starts = [&](std::string_view magic) {
+    return std::string_view(bytes).substr(0, magic.size()) == magic;
+  };
+  if (starts("\x89PNG\r\n\x1a\n")) return "image/png";
+  if (starts("\xff\xd8\xff")) return "image/jpeg";
+  if (starts("BM")) return "image/bmp";
+  if (starts("GIF8")) return "image/gif";
+  return "application/octet-stream";
+}
+
+// A regular file and its tag; a pipe or a device would keep everybody waiting.
+struct FileContent {
+  std::string bytes, etag;
+};
+std::optional<FileContent> read_asset(const std::string& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return std::nullopt;
+  FileContent content;
+  struct stat about {};
+  bool good = fstat(file, &about) == 0 && S_ISREG(about.st_mode) &&
+              static_cast<std::uint64_t>(about.st_size) <= kLargestAsset;
+  if (good) {
+    content.bytes.resize(static_cast<std::size_t>(about.st_size));
+    std::size_t got = 0;
+    while (got < content.bytes.size()) {
+      const ssize_t more = read(file, content.bytes.data() + got, content.bytes.size() - got);
+      if (more <= 0) break;
+      got += static_cast<std::size_t>(more);
+    }
+    content.bytes.resize(got);
+    // Two textures may take turns under one number: the file itself is part of the tag.
+    content.etag = fmt::format("\"{:x}-{:x}-{:x}-{:x}\"", about.st_dev, about.st_ino, about.st_size,
+                               about.st_mtim.tv_sec * 1000000000LL + about.st_mtim.tv_nsec);
+  }
+  close(file);
+  return good ? std::optional<FileContent>(std::move(content)) : std::nullopt;
+}
+
+}  // namespace
+
+std::string HttpAnswer::text(bool keep_alive) const {
+  std::string out = fmt::format("HTTP/1.1 {} {}\r\n", status, reason_of(status));
+  const auto add = [&](std::string_view name, std::string_view value) {
+    out.append(name).append(": ").append(value).append("\r\n");
+  };
+  for (const auto& [name, value] : headers) add(name, value);
+  if (status != 304) add("Content-Length", std::to_string(body.size()));
+  add("Connection", keep_alive ? "keep-alive" : "close");
+  add("Content-Security-Policy", kContentPolicy);
+  add("X-Content-Type-Options", "nosniff");
+  add("Referrer-Policy", "no-referrer");
+  add("Cross-Origin-Opener-Policy", "same-origin");
+  add("Cross-Origin-Resource-Policy", "same-origin");
+  out += "\r\n";
+  if (with_body && status != 304) out += body;
+  return out;
+}
+
+HttpAnswer refusal(int status, std::string text) {
+  HttpAnswer answer;
+  answer.status = status;
+  answer.headers = {{"Content-Type", "text/plain; charset=utf-8"}, {"Cache-Control", "no-store"}};
+  answer.body = std::move(text) + "\n";
+  return answer;
+}
+
+Gate::Gate(Secrets secrets, unsigned short port, std::function<std::string(std::size_t)> asset)
+    : secrets_(std::move(secrets)),
+      port_(std::to_string(port)),
+      cookie_name_("cogrsim_studio_" + port_),
+      asset_(std::move(asset)) {}
+
+// A name that somebody else's server of names gives out may lead here (DNS rebinding): only addresses
+// that are this machine's, and the name that never leaves it, are answered.
+bool Gate::known_host(std::string_view host, std::string_view local_address) const {
+  std::string_view name = host, port = "80";
+  const auto colon = host.rfind(':');
+  if (colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos) {
+    name = host.substr(0, colon);
+    port = host.substr(colon + 1);
+  }
+  if (port != port_) return false;
+  return same_word(name, "localhost") || name == "127.0.0.1" || name == "[::1]" ||
+         (!local_address.empty() && same_word(name, local_address));
+}
+
+std::optional<Role> Gate::role_of(std::string_view token) const {
+  if (same_token(token, secrets_.operator_token)) return Role::operator_;
+  if (same_token(token, secrets_.viewer_token)) return Role::viewer;
+  return std::nullopt;
+}
+
+std::optional<Role> Gate::role_of(const std::vector<std::string_view>& cookies) const {
+  std::optional<Role> role;
+  for (const std::string_view header : cookies) {
+    any_part(header, ';', [&](std::string_view cookie) {
+      const auto equals = cookie.find('=');
+      if (equals == std::string_view::npos || cookie.substr(0, equals) != cookie_name_)
+        return false;
+      role = role_of(cookie.substr(equals + 1));
+      return role.has_value();
+    });
+    if (role) break;
+  }
+  return role;
+}
+
+HttpAnswer Gate::take_token(std::string_view query) const {
+  std::string_view token;
+  any_part(query, '&', [&](std::string_view part) {
+    if (part.substr(0, 6) != "token=") return false;
+    token = part.substr(6);
+    return true;
+  });
+  if (!role_of(token)) {
+    return refusal(403,
+                   "This is not the address that was printed. Open the one that `cogrsim studio` "
+                   "printed in the terminal; it is another one after every start.");
+  }
+  HttpAnswer answer;
+  answer.status = 303;
+  answer.headers = {
+      {"Location", "/"},
+      {"Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name_, token)},
+      {"Cache-Control", "no-store"}};
+  return answer;
+}
+
+HttpAnswer Gate::page(std::string_view path, const HttpRequest& request) const {
+  const PageFile* file = find_page_file(path == "/" ? "/index.html" : path);
+  if (!file) return refusal(404, "There is nothing at this address.");
+  HttpAnswer answer;
+  answer.headers = {{"Content-Type", std::string(file->type)},
+                    {"ETag", std::string(file->etag)},
+                    {"Vary", "Accept-Encoding"},
+                    {"Cache-Control", file->immutable ? "private, max-age=31536000, immutable"
+                                                      : "private, no-cache"}};
+  if (has_tag(request.if_none_match, file->etag)) {
+    answer.status = 304;
+    return answer;
+  }
+  if (accepts_gzip(request.accept_encoding)) {
+    answer.headers.emplace_back("Content-Encoding", "gzip");
+    answer.body = file->gzip;
+  } else {
+    answer.body = inflated(*file);
+  }
+  return answer;
+}
+
+HttpAnswer Gate::asset(std::string_view number, const HttpRequest& request) const {
+  std::size_t index = 0;
+  const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), index);
+  std::optional<FileContent> content;
+  if (error == std::errc{} && rest == number.data() + number.size()) {
+    const std::string path = asset_(index);
+    if (!path.empty()) content = read_asset(path);
+  }
+  if (!content) return refusal(404, "There is no such texture.");
+  HttpAnswer answer;
+  answer.headers = {{"Content-Type", picture_type(content->bytes)},
+                    {"ETag", content->etag},
+                    {"Cache-Control", "private, no-cache"}};
+  if (has_tag(request.if_none_match, content->etag)) {
+    answer.status = 304;
+  } else {
+    answer.body = std::move(content->bytes);
+  }
+  return answer;
+}
+
+Gate::Decision Gate::decide(const HttpRequest& request) const {
+  const auto with = [&](HttpAnswer answer) {
+    answer.with_body = request.method != "HEAD";
+    return Decision{std::move(answer), std::nullopt};
+  };
+  if (!request.one_host || request.host.empty()) {
+    return with(refusal(400, "A request needs one Host header."));
+  }
+  if (!known_host(request.host, request.local_address)) {
+    return with(refusal(403,
+                        "This server has another name. Open the address that was printed in "
+                        "the terminal."));
+  }
+  // The page is of this server, so its origin is the very address it asks.
+  const bool own_origin = same_word(request.origin, "http://" + std::string(request.host));
+  if (!request.origin.empty() && !own_origin) {
+    return with(refusal(403, "Pages of other servers are not answered."));
+  }
+  if (request.method != "GET" && request.method != "HEAD") {
+    HttpAnswer answer = refusal(405, "There is only GET and HEAD here.");
+    answer.headers.emplace_back("Allow", "GET, HEAD");
+    return with(std::move(answer));
+  }
+  if (request.target.empty() || request.target.front() != '/') {
+    return with(refusal(400, "An address starts with a slash."));
+  }
+  const auto question = request.target.find('?');
+  const std::string_view path = request.target.substr(0, question);
+  const std::string_view query =
+      question == std::string_view::npos ? std::string_view() : request.target.substr(question + 1);
+  const auto has_token = [](std::string_view part) { return part.substr(0, 6) == "token="; };
+  if (path == "/" && any_part(query, '&', has_token)) return with(take_token(query));
+
+  const std::optional<Role> role = role_of(request.cookies);
+  if (!role) {
+    return with(refusal(403,
+                        "This is CogRSim's studio, which needs a key: open the whole address, with "
+                        "its token, that `cogrsim studio` printed in the terminal."));
+  }
+  if (path == "/socket") {
+    if (!request.upgrade || request.method != "GET") {
+      HttpAnswer answer = refusal(426, "Here is a WebSocket.");
+      answer.headers.emplace_back("Upgrade", "websocket");
+      return with(std::move(answer));
+    }
+    if (!own_origin) return with(refusal(403, "A WebSocket needs an Origin header."));
+    Decision decision;
+    decision.upgrade = role;
+    return decision;
+  }
+  constexpr std::string_view kAsset = "/asset/";
+  if (path.substr(0, kAsset.size()) == kAsset) {
+    return with(asset(path.substr(kAsset.size()), request));
+  }
+  return with(page(path, request));
+}
+
+}  // namespace cogrsim::studio

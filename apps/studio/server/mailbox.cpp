@@ -1,0 +1,106 @@
+#include "mailbox.h"
+
+namespace cogrsim::studio {
+
+bool Mailbox::wake() {
+  const bool first = !woken_;
+  woken_ = true;
+  return first;
+}
+
+bool Mailbox::put_text(Bytes text) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (closed_ || overfull_) return false;
+  text_bytes_ += text->size();
+  texts_.push_back(std::move(text));
+  // The first one does not count: a large scene must not shut out those who are to see it.
+  if (text_bytes_ - texts_.front()->size() > limit_) {
+    overfull_ = true;
+    texts_.clear();
+    text_bytes_ = 0;
+    frame_.reset();
+    pictures_.clear();
+  }
+  return wake();
+}
+
+bool Mailbox::put_frame(Bytes frame) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (closed_ || overfull_) return false;
+  frame_ = std::move(frame);
+  return !frame_on_way_ && wake();
+}
+
+bool Mailbox::put_picture(const std::string& key, Bytes picture) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (closed_ || overfull_) return false;
+  pictures_[key] = std::move(picture);
+  return !picture_on_way_ && wake();
+}
+
+void Mailbox::wake_seen() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  woken_ = false;
+}
+
+bool Mailbox::wants_picture() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return !closed_ && !overfull_ && !picture_on_way_ && pictures_.empty();
+}
+
+bool Mailbox::overfull() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return overfull_;
+}
+
+std::size_t Mailbox::waiting_bytes() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::size_t bytes = text_bytes_ + (frame_ ? frame_->size() : 0);
+  for (const auto& [key, picture] : pictures_) bytes += picture->size();
+  return bytes;
+}
+
+std::optional<Mailbox::Item> Mailbox::next() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!texts_.empty()) {
+    Item item{std::move(texts_.front()), false};
+    texts_.pop_front();
+    text_bytes_ -= item.bytes->size();
+    return item;
+  }
+  if (frame_ && !frame_on_way_) {
+    frame_on_way_ = true;
+    return Item{std::move(frame_), true};
+  }
+  if (!pictures_.empty() && !picture_on_way_) {
+    auto turn = pictures_.upper_bound(last_key_);
+    if (turn == pictures_.end()) turn = pictures_.begin();
+    last_key_ = turn->first;
+    Item item{std::move(turn->second), true};
+    pictures_.erase(turn);
+    picture_on_way_ = true;
+    return item;
+  }
+  return std::nullopt;
+}
+
+void Mailbox::frame_taken() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  frame_on_way_ = false;
+}
+
+void Mailbox::picture_taken() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  picture_on_way_ = false;
+}
+
+void Mailbox::close() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  closed_ = true;
+  texts_.clear();
+  text_bytes_ = 0;
+  frame_.reset();
+  pictures_.clear();
+}
+
+}  // namespace cogrsim::studio

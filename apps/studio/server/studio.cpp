@@ -1,0 +1,352 @@
+#include "studio.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "cogrsim/core/parameter.h"
+
+namespace cogrsim::studio {
+namespace {
+
+// All of PROTOCOL.md, to tell a slip of the pen from what this studio does not have.
+const std::vector<std::string>& known_requests() {
+  static const std::vector<std::string> names = {
+      "hello",       "play",      "pause",   "stop",     "restart",    "step",    "speed",
+      "dt",          "backend",   "record",  "seek",     "step-back",  "live",    "compare",
+      "compare-off", "subscribe", "signals", "series",   "divergence", "plots",   "figure",
+      "events",      "cameras",   "view",    "set-text", "edit",       "undo",    "redo",
+      "save",        "revert",    "schema",  "complete", "mass",       "sources", "open-source",
+      "save-source", "build"};
+  return names;
+}
+
+// Deeper than a reader that calls itself would like: counted before anything is read.
+bool too_deep(const std::string& text, std::size_t limit) {
+  std::size_t depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted) {
+      if (c == '\\') ++i;
+      if (c == '"') quoted = false;
+    } else if (c == '"') {
+      quoted = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > limit) return true;
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+  return false;
+}
+
+std::string dumped(const Json& message) {
+  // Logs and names may hold bytes that are no UTF-8.
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json refused(const Error& error) {
+  Json told = {{"message", error.message}};
+  if (!error.hint.empty()) told["help"] = error.hint;
+  if (!error.where.empty()) told["where"] = error.where;
+  if (!error.code.empty()) told["code"] = error.code;
+  return told;
+}
+
+}  // namespace
+
+struct Studio::Impl : std::enable_shared_from_this<Impl> {
+  StudioInfo info;
+  std::vector<Part*> parts;
+  std::function<std::string(std::size_t)> find_asset;
+  Outbox& outbox;
+  Limits limits;
+
+  struct Event {
+    enum class Kind { joined, left, received } kind = Kind::received;
+    ClientId client = 0;
+    Role role = Role::viewer;
+    std::string text;
+  };
+  std::mutex mutex;  // guards what follows
+  std::condition_variable news;
+  std::deque<Event> events;
+  struct Load {
+    std::size_t requests = 0, bytes = 0;
+  };
+  std::map<ClientId, Load> loads;  // of the clients there are
+  bool ending = false;
+
+  // Of the dispatcher's thread.
+  struct Client {
+    Role role = Role::viewer;
+    bool greeted = false;
+  };
+  std::map<ClientId, Client> clients;
+  std::thread dispatcher;
+
+  Impl(StudioInfo about, std::vector<Part*> all, std::function<std::string(std::size_t)> assets,
+       Outbox& out, Limits bounds)
+      : info(std::move(about)),
+        parts(std::move(all)),
+        find_asset(std::move(assets)),
+        outbox(out),
+        limits(bounds) {}
+
+  void put(Event event) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      events.push_back(std::move(event));
+    }
+    news.notify_one();
+  }
+
+  void dispatch() {
+    std::unique_lock<std::mutex> lock(mutex);
+    while (true) {
+      news.wait(lock, [this] { return ending || !events.empty(); });
+      if (ending) return;
+      Event event = std::move(events.front());
+      events.pop_front();
+      lock.unlock();
+      take(std::move(event));
+      lock.lock();
+    }
+  }
+
+  void take(Event event) {
+    switch (event.kind) {
+      case Event::Kind::joined:
+        clients[event.client] = {event.role, false};
+        break;
+      case Event::Kind::left: {
+        const auto found = clients.find(event.client);
+        if (found == clients.end()) break;
+        const bool greeted = found->second.greeted;
+        clients.erase(found);
+        if (!greeted) break;
+        for (Part* part : parts) part->left(event.client);
+        break;
+      }
+      case Event::Kind::received: {
+        const auto found = clients.find(event.client);
+        if (found != clients.end()) take(event.client, found->second, std::move(event.text));
+        break;
+      }
+    }
+  }
+
+  // One request, until it is answered: once, by whoever holds it last if by nobody else.
+  class Pending {
+   public:
+    Pending(std::shared_ptr<Impl> studio, ClientId client, Json id, std::size_t bytes)
+        : studio_(std::move(studio)), client_(client), id_(std::move(id)), bytes_(bytes) {}
+    Pending(const Pending&) = delete;
+    Pending& operator=(const Pending&) = delete;
+    ~Pending() {
+      if (!answered_) answer(fail("the request was given up"));
+    }
+
+    void answer(Answer answer) {
+      if (answered_.exchange(true)) return;
+      Json told;
+      if (answer) {
+        told = answer->is_object() ? std::move(*answer) : Json::object();
+        told["ok"] = true;
+      } else {
+        told["ok"] = false;
+        told["error"] = refused(answer.error());
+      }
+      told["id"] = id_;
+      studio_->done(client_, bytes_);
+      studio_->tell(client_, told);
+    }
+
+   private:
+    std::shared_ptr<Impl> studio_;
+    ClientId client_;
+    Json id_;
+    std::size_t bytes_;
+    std::atomic<bool> answered_{false};
+  };
+
+  void done(ClientId client, std::size_t bytes) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    const auto load = loads.find(client);
+    if (load == loads.end()) return;
+    --load->second.requests;
+    load->second.bytes -= bytes;
+  }
+
+  void tell(ClientId client, const Json& message) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (ending) return;
+    }
+    outbox.send(client, dumped(message));
+  }
+
+  void take(ClientId client, Client& about, std::string text) {
+    const std::size_t bytes = text.size();
+    Json fields;
+    Result<void> good = tl::unexpected<Error>(Error("the request is not well-formed JSON"));
+    if (too_deep(text, limits.depth)) {
+      good = fail(fmt::format("the request is nested deeper than {}", limits.depth));
+    } else {
+      fields = Json::parse(text, nullptr, false);
+      if (!fields.is_discarded()) good = {};
+    }
+    text = std::string();
+    Json id;
+    if (good && !fields.is_object()) good = fail("a request is an object");
+    if (good) {
+      const auto found = fields.find("id");
+      if (found == fields.end() || !found->is_number_integer()) {
+        good = fail("the request's 'id' is missing or no whole number");
+      } else {
+        id = *found;
+      }
+    }
+    std::string what;
+    if (good) {
+      const auto found = fields.find("do");
+      if (found == fields.end() || !found->is_string()) {
+        good = fail("the request's 'do' is missing or no text");
+      } else {
+        what = found->get<std::string>();
+      }
+    }
+    const auto pending = std::make_shared<Pending>(shared_from_this(), client, id, bytes);
+    if (!good) return pending->answer(tl::unexpected<Error>(good.error()));
+    handle({client, about.role, std::move(what), std::move(fields)}, about, pending);
+  }
+
+  void handle(Request request, Client& about, const std::shared_ptr<Pending>& pending) {
+    if (request.what == "hello") return hello(request, about, *pending);
+    if (!about.greeted) return pending->answer(fail("say hello first"));
+    Part* responsible = nullptr;
+    Part::Access access = Part::Access::none;
+    for (Part* part : parts) {
+      access = part->access(request.what);
+      if (access == Part::Access::none) continue;
+      responsible = part;
+      break;
+    }
+    if (!responsible) return pending->answer(tl::unexpected<Error>(unknown(request.what)));
+    if (access == Part::Access::operator_ && request.role != Role::operator_) {
+      return pending->answer(fail(fmt::format("'{}' is not for viewers", request.what), "",
+                                  "open the address that the studio printed for its operator",
+                                  "viewer"));
+    }
+    const std::string what = request.what;
+    try {
+      responsible->handle(std::move(request),
+                          [pending](Answer answer) { pending->answer(std::move(answer)); });
+    } catch (const std::exception& e) {
+      pending->answer(fail(fmt::format("'{}' failed: {}", what, e.what())));
+    }
+  }
+
+  void hello(const Request& request, Client& about, Pending& pending) {
+    Json backends = Json::array();
+    for (const std::string& name : info.backends) backends.push_back(name);
+    pending.answer(Json{{"role", request.role == Role::operator_ ? "operator" : "viewer"},
+                        {"client", request.client},
+                        {"version", info.version},
+                        {"kind", info.kind},
+                        {"file", info.file},
+                        {"allow_build", info.allow_build},
+                        {"backends", std::move(backends)}});
+    if (about.greeted) return;
+    about.greeted = true;
+    for (Part* part : parts) part->joined(request.client, request.role);
+  }
+
+  Error unknown(const std::string& what) const {
+    const auto& names = known_requests();
+    for (const std::string& name : names) {
+      if (name == what) {
+        return Error(fmt::format("'{}' is not there for a {}", what, info.kind));
+      }
+    }
+    const std::string shown = what.substr(0, 60);
+    const std::string nearest = nearest_name(shown, names);
+    return Error(fmt::format("there is no request '{}'", shown), "",
+                 nearest.empty() ? "" : fmt::format("did you mean '{}'?", nearest));
+  }
+};
+
+Studio::Studio(StudioInfo info, std::vector<Part*> parts,
+               std::function<std::string(std::size_t)> asset, Outbox& outbox, Limits limits)
+    : impl_(std::make_shared<Impl>(std::move(info), std::move(parts), std::move(asset), outbox,
+                                   limits)) {
+  impl_->dispatcher = std::thread([impl = impl_.get()] { impl->dispatch(); });
+}
+
+Studio::Studio(StudioInfo info, std::vector<Part*> parts,
+               std::function<std::string(std::size_t)> asset, Outbox& outbox)
+    : Studio(std::move(info), std::move(parts), std::move(asset), outbox, Limits()) {}
+
+Studio::~Studio() {
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    impl_->ending = true;
+  }
+  impl_->news.notify_one();
+  impl_->dispatcher.join();
+}
+
+void Studio::joined(ClientId client, Role role) {
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    impl_->loads[client] = {};
+  }
+  impl_->put({Impl::Event::Kind::joined, client, role, {}});
+}
+
+void Studio::left(ClientId client) {
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    impl_->loads.erase(client);
+  }
+  impl_->put({Impl::Event::Kind::left, client, Role::viewer, {}});
+}
+
+void Studio::received(ClientId client, std::string text) {
+  bool busy = false;
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    const auto load = impl_->loads.find(client);
+    if (load == impl_->loads.end()) return;
+    busy = load->second.requests >= impl_->limits.requests ||
+           (load->second.requests > 0 && load->second.bytes + text.size() > impl_->limits.bytes);
+    if (!busy) {
+      ++load->second.requests;
+      load->second.bytes += text.size();
+    }
+  }
+  if (!busy)
+    return impl_->put({Impl::Event::Kind::received, client, Role::viewer, std::move(text)});
+  // Its id, if it is short enough to be read here: the network waits meanwhile.
+  Json id;
+  if (text.size() <= 4096 && !too_deep(text, impl_->limits.depth)) {
+    const Json fields = Json::parse(text, nullptr, false);
+    if (fields.is_object() && fields.contains("id") && fields["id"].is_number_integer()) {
+      id = fields["id"];
+    }
+  }
+  impl_->tell(client, {{"id", id},
+                       {"ok", false},
+                       {"error", refused(Error("too many requests wait for their answers", "",
+                                               "wait for some of them", "busy"))}});
+}
+
+std::string Studio::asset(std::size_t number) { return impl_->find_asset(number); }
+
+}  // namespace cogrsim::studio

@@ -1,0 +1,50 @@
+// Between the network and the parts: reads requests, says who may ask what, and hands them on.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "talk.h"
+
+namespace cogrsim::studio {
+
+/// What a page is told when it says hello.
+struct StudioInfo {
+  std::string version;
+  std::string kind;  ///< "scene" or "recording"
+  std::string file;
+  bool allow_build = false;
+  std::vector<std::string> backends;
+};
+
+/// Requests as in PROTOCOL.md. A page says `hello` first; the parts are told then that it joined, on
+/// the same thread on which they handle requests.
+class Studio final : public Inbox {
+ public:
+  /// What a client may have under way at a time; more is refused with the code "busy".
+  struct Limits {
+    std::size_t requests = 256;     ///< without an answer yet
+    std::size_t bytes = 64u << 20;  ///< of their texts
+    std::size_t depth = 64;         ///< of arrays and objects in one another
+  };
+
+  /// `parts`, asked in this order, `asset` and `outbox` outlive the studio.
+  Studio(StudioInfo info, std::vector<Part*> parts, std::function<std::string(std::size_t)> asset,
+         Outbox& outbox, Limits limits);
+  Studio(StudioInfo info, std::vector<Part*> parts, std::function<std::string(std::size_t)> asset,
+         Outbox& outbox);
+  /// Waits for the request that is being handled; those behind it are given up.
+  ~Studio() override;
+
+  void joined(ClientId client, Role role) override;
+  void left(ClientId client) override;
+  void received(ClientId client, std::string text) override;
+  std::string asset(std::size_t number) override;
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;  // answers that come late refer to it
+};
+
+}  // namespace cogrsim::studio
