@@ -1,11 +1,17 @@
-import { Widget } from "@lumino/widgets";
+import type { Widget } from "@lumino/widgets";
+import { h } from "preact";
 import type { PanelType, Studio } from "../core/studio";
+import { PreactWidget } from "./preact_widget";
+import { Properties } from "./properties";
+import "./forms.css";
 
 export const panel: PanelType = {
   name: "properties",
   title: "Properties",
-  create(_studio: Studio): Widget {
-    return new Widget();
+  create(studio: Studio): Widget {
+    const widget = new PreactWidget(() => h(Properties, { studio }));
+    widget.addClass("cg-properties-panel");
+    return widget;
   },
 };
 

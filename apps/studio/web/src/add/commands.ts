@@ -1,0 +1,78 @@
+// The commands "insert:…": one for every element that may be added.
+import type { Studio } from "../core/studio";
+import { kJoints } from "../forms/schema";
+import { tree_state } from "../tree/tree_state";
+import { insert_dialog } from "./dialog";
+import { insert_op, insert_plan } from "./plan";
+
+/** In the order of the menu; what a newcomer needs first comes first. */
+const kOffered: [string, string][] = [
+  ["box", "Box"], ["sphere", "Sphere"], ["cylinder", "Cylinder"], ["capsule", "Capsule"], ["plane", "Plane"],
+  ["mesh", "Mesh"], ["heightmap", "Ground of heights"], ["body", "Body"], ["assembly", "Assembly"],
+  ["hinge", "Hinge"], ["slider", "Slider"], ["ball", "Ball joint"], ["universal", "Universal joint"], ["fixed", "Fixed joint"],
+  ["cylindrical", "Cylindrical joint"], ["planar", "Planar joint"], ["screw", "Screw"], ["free", "Free joint"],
+  ["motor", "Motor"], ["servo", "Servo"],
+  ["camera", "Camera"], ["infrared", "Infrared sensor"], ["lidar", "Lidar"], ["contact", "Contact sensor"], ["imu", "IMU"],
+  ["pose", "Pose sensor"], ["encoder", "Encoder"], ["force-torque", "Force and torque sensor"], ["sensor", "Sensor plugin"],
+  ["controller", "Controller"], ["supervisor", "Supervisor"],
+  ["light", "Light"], ["view", "View"], ["material", "Material"], ["collide", "Collision rule"], ["frame", "Frame"],
+  ["region", "Region"],
+];
+
+/** Every element that may stand where the selection is, or around it, in the order of the menu. */
+export function insertable(studio: Studio): string[] {
+  const schema = tree_state(studio).schema.value;
+  if (!schema) return [];
+  const { elements } = studio.state.tree.value;
+  const main = studio.state.selection.value[studio.state.selection.value.length - 1] ?? 0;
+  const allowed = new Set<string>();
+  for (let at = elements[main] ? main : 0; at >= 0; at = elements[at]?.parent ?? -1) {
+    for (const tag of schema.children_of(elements, at)) allowed.add(tag);
+    if (at === 0) break;
+  }
+  const order = kOffered.map(([tag]) => tag);
+  return [...order.filter((t) => allowed.has(t)), ...[...allowed].filter((t) => !order.includes(t))];
+}
+
+/** Inserts one with what it begins with, or asks if something must be known first, or if `ask`. */
+export async function insert(studio: Studio, tag: string, ask: boolean): Promise<void> {
+  const schema = tree_state(studio).schema.peek();
+  if (!schema) {
+    studio.notify("the vocabulary has not come yet: try again in a moment");
+    return;
+  }
+  const plan = insert_plan(studio.state, schema, tag);
+  const made =
+    ask || plan.missing.length > 0
+      ? await insert_dialog(studio, schema, plan)
+      : await studio.edit(`insert ${tag}`, [insert_op(plan)]);
+  if (made && made.length > 0) studio.select(made.slice(0, 1));
+}
+
+export function register_insert_commands(studio: Studio): void {
+  const { commands, state } = studio;
+  const add = (tag: string, label: string) => {
+    const id = `insert:${tag}`;
+    if (commands.hasCommand(id)) return;
+    commands.addCommand(id, {
+      // From a menu attributes are set first; a tool bar says {ask: false}.
+      label: (args) => (args.ask === false ? label : `${label}…`),
+      caption: () => tree_state(studio).schema.peek()?.element(tag, tag === "contact" ? { on: "" } : {})?.doc ?? "",
+      isEnabled: () => state.may_edit.value && tree_state(studio).schema.value !== null,
+      execute: (args) => insert(studio, tag, args.ask !== false),
+    });
+  };
+  for (const [tag, label] of kOffered) add(tag, label);
+  // What else the schema has is offered as well, after these.
+  tree_state(studio).schema.subscribe((schema) => {
+    const inside = new Set(schema?.elements.flatMap((e) => e.children) ?? []);
+    for (const tag of inside) if (tag !== "set") add(tag, `<${tag}>`);
+  });
+}
+
+/** What stands in the tool bar. */
+export const kTools: { title: string; tags: string[] }[] = [
+  { title: "Bodies", tags: ["box", "sphere", "cylinder"] },
+  { title: "Joints", tags: kJoints.slice(0, 2) },
+  { title: "Devices", tags: ["motor", "camera", "infrared", "light", "controller"] },
+];

@@ -1,0 +1,147 @@
+// The dialog where a new element's attributes are set before it is inserted.
+import { render } from "preact";
+import { useState } from "preact/hooks";
+import type { JSX } from "preact";
+import type { Studio } from "../core/studio";
+import { Field } from "../forms/field";
+import type { Schema } from "../forms/schema";
+import { label_of } from "../tree/model";
+import { first_attributes } from "./defaults";
+import { insert_op, name_choices, possible_parents, type InsertPlan } from "./plan";
+
+interface FormProps {
+  studio: Studio;
+  schema: Schema;
+  plan: InsertPlan;
+  close(plan: InsertPlan | null, parameters: Record<string, string>): void;
+}
+
+function InsertForm({ studio, schema, plan, close }: FormProps): JSX.Element {
+  const { elements } = studio.state.tree.value;
+  const [values, set_values] = useState(plan.attributes);
+  const [parent, set_parent] = useState(plan.parent);
+  const [parameters, set_parameters] = useState<Record<string, string>>({});
+  const [wrong, set_wrong] = useState("");
+  const element = schema.element(plan.tag, values);
+  const known = element?.attributes ?? [];
+  const first = first_attributes(schema, plan.tag);
+  const plugin = schema.plugin(plan.tag, values.plugin ?? "");
+  const parents = possible_parents(schema, elements, plan.tag);
+  const field = (name: string) => {
+    const spec = known.find((a) => a.name === name);
+    if (!spec) return null;
+    const choices = name_choices(schema, elements, parent, plan.tag, spec);
+    // Names that must be known are chosen from what there is.
+    const chooses = choices && (spec.required || name === "parent") && spec.kind !== "references";
+    return (
+      <Field
+        key={name}
+        spec={chooses ? { ...spec, kind: "choice", choices, default: name === "parent" ? "the world" : "" } : spec}
+        text={values[name] ?? ""}
+        choices={chooses ? undefined : choices}
+        commit={(text) => set_values((old) => ({ ...old, [name]: text ?? "" }))}
+      />
+    );
+  };
+  const accept = () => {
+    const missing = known.find((a) => a.required && (values[a.name] ?? "") === "");
+    if (missing) {
+      set_wrong(`${missing.name} is needed: ${missing.doc}`);
+      return;
+    }
+    close({ ...plan, parent, attributes: values }, parameters);
+  };
+  return (
+    <form
+      class="cg-insert"
+      onSubmit={(event) => {
+        event.preventDefault();
+        // A field that still has the focus commits first.
+        (document.activeElement as HTMLElement | null)?.blur();
+        requestAnimationFrame(() => current?.());
+      }}
+    >
+      <h2 id="cg-insert-title">Insert {plan.tag}</h2>
+      <p class="cg-muted">{element?.doc}</p>
+      <div class="cg-insert-fields">
+        {parents.length > 1 && (
+          <div class="cg-field">
+            <label for="cg-insert-parent">in</label>
+            <span class="cg-field-body">
+              <select id="cg-insert-parent" value={parent} onChange={(event) => set_parent(Number(event.currentTarget.value))}>
+                {parents.map((id) => (
+                  <option key={id} value={id}>
+                    {id === 0 ? "the scene" : elements[id]!.path || `${elements[id]!.tag} ${label_of(elements[id]!)}`}
+                  </option>
+                ))}
+              </select>
+            </span>
+            <span />
+          </div>
+        )}
+        {first.map(field)}
+        {plugin && plugin.parameters.length > 0 && (
+          <fieldset>
+            <legend>Parameters of {plugin.name}</legend>
+            {plugin.doc && <p class="cg-muted">{plugin.doc}</p>}
+            {plugin.parameters.map((spec) => (
+              <Field
+                key={`${plugin.name}.${spec.name}`}
+                spec={spec}
+                text={parameters[spec.name] ?? ""}
+                commit={(text) => set_parameters((old) => ({ ...old, [spec.name]: text ?? "" }))}
+              />
+            ))}
+          </fieldset>
+        )}
+        {known.length > first.length && (
+          <details>
+            <summary>More</summary>
+            {known.filter((a) => !first.includes(a.name)).map((a) => field(a.name))}
+          </details>
+        )}
+      </div>
+      {wrong && <p class="cg-field-problem" role="alert">{wrong}</p>}
+      <div class="cg-insert-buttons">
+        <button type="button" onClick={() => close(null, {})}>Cancel</button>
+        <button type="submit" class="cg-primary">Insert</button>
+      </div>
+      <Latest accept={accept} />
+    </form>
+  );
+}
+
+// The accept of the newest rendering: a field that commits on blur has been taken in by then.
+let current: (() => void) | null = null;
+function Latest({ accept }: { accept(): void }): null {
+  current = accept;
+  return null;
+}
+
+/** Asks for the attributes, then inserts. Escape cancels; the focus goes back to where it was. */
+export function insert_dialog(studio: Studio, schema: Schema, plan: InsertPlan): Promise<number[] | null> {
+  return new Promise((resolve) => {
+    const dialog = document.createElement("dialog");
+    dialog.className = "cg-insert-dialog";
+    dialog.setAttribute("aria-labelledby", "cg-insert-title");
+    dialog.setAttribute("aria-modal", "true");
+    const close = (made: InsertPlan | null, parameters: Record<string, string>) => {
+      if (!dialog.isConnected) return;
+      render(null, dialog);
+      dialog.close();
+      dialog.remove();
+      current = null;
+      const wanted = Object.fromEntries(Object.entries(parameters).filter(([, v]) => v !== ""));
+      if (!made) resolve(null);
+      else void studio.edit(`insert ${made.tag}`, [insert_op(made, wanted)]).then(resolve);
+    };
+    dialog.addEventListener("cancel", (event) => {
+      event.preventDefault();
+      close(null, {});
+    });
+    document.body.append(dialog);
+    render(<InsertForm studio={studio} schema={schema} plan={plan} close={close} />, dialog);
+    dialog.showModal();
+    dialog.querySelector<HTMLElement>("input, select")?.focus();
+  });
+}

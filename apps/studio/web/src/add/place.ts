@@ -1,0 +1,114 @@
+// Where new things go: above the ground, beside what is selected, not inside what is there.
+import type { Pose, Scene, SceneBody, Vec3 } from "../core/protocol";
+import type { State } from "../core/state";
+
+/** Rotates a vector by the quaternion (w x y z) of a pose. */
+export function rotate(pose: Pose, v: Vec3): Vec3 {
+  const [, , , w, x, y, z] = pose;
+  // v + 2 q × (q × v + w v)
+  const t: Vec3 = [
+    2 * (y * v[2] - z * v[1]),
+    2 * (z * v[0] - x * v[2]),
+    2 * (x * v[1] - y * v[0]),
+  ];
+  return [
+    v[0] + w * t[0] + y * t[2] - z * t[1],
+    v[1] + w * t[1] + z * t[0] - x * t[2],
+    v[2] + w * t[2] + x * t[1] - y * t[0],
+  ];
+}
+
+/** A point of the world in the frame that has this pose there. */
+export function into_frame(pose: Pose, point: Vec3): Vec3 {
+  const inverse: Pose = [0, 0, 0, pose[3], -pose[4], -pose[5], -pose[6]];
+  return rotate(inverse, [point[0] - pose[0], point[1] - pose[1], point[2] - pose[2]]);
+}
+
+export interface Round {
+  centre: Vec3;
+  radius: number;
+}
+
+/** A ball around a body; null for what has no end or no shape: planes, grounds. */
+export function ball_around(body: SceneBody, scene: Scene): Round | null {
+  let radius = 0;
+  let any = false;
+  for (const shape of body.shapes) {
+    if (shape.type === "plane" || shape.type === "heightmap") return null;
+    const away = Math.hypot(shape.pose[0], shape.pose[1], shape.pose[2]);
+    const [a = 0, b = 0, c = 0] = shape.size;
+    let own = 0;
+    if (shape.type === "box") own = Math.hypot(a, b, c) / 2;
+    else if (shape.type === "sphere") own = a;
+    else if (shape.type === "cylinder") own = Math.hypot(a, b / 2);
+    else if (shape.type === "capsule") own = a + b / 2;
+    else {
+      const positions = scene.meshes[shape.mesh ?? -1]?.positions ?? [];
+      for (let i = 0; i + 2 < positions.length; i += 3) {
+        own = Math.max(own, Math.hypot(positions[i]!, positions[i + 1]!, positions[i + 2]!));
+      }
+    }
+    radius = Math.max(radius, away + own);
+    any = true;
+  }
+  return any ? { centre: [body.pose[0], body.pose[1], body.pose[2]], radius } : null;
+}
+
+const overlaps = (a: Round, b: Round): boolean =>
+  Math.hypot(a.centre[0] - b.centre[0], a.centre[1] - b.centre[1], a.centre[2] - b.centre[2]) < a.radius + b.radius;
+
+const rounded = (v: number): number => Math.round(v * 1000) / 1000;
+
+/** The first free place for a ball of `radius`: at `start`, then on growing rings around it at the same height. */
+export function free_place(others: readonly Round[], start: Vec3, radius: number): Vec3 {
+  for (let ring = 0; ring < 40; ++ring) {
+    const places = ring === 0 ? 1 : 6 * ring;
+    for (let i = 0; i < places; ++i) {
+      const angle = (2 * Math.PI * i) / places;
+      const away = ring * 2 * (radius + 0.01);
+      const centre: Vec3 = [
+        rounded(start[0] + away * Math.cos(angle)),
+        rounded(start[1] + away * Math.sin(angle)),
+        start[2],
+      ];
+      if (!others.some((other) => overlaps(other, { centre, radius }))) return centre;
+    }
+  }
+  return start;
+}
+
+/** A free place in the world for something new of `radius`, beside the main selected body or at the middle. */
+export function new_place(state: State, radius: number, height: number): Vec3 {
+  const scene = state.scene.peek();
+  if (!scene) return [0, 0, height];
+  const balls = scene.bodies.filter((b) => !b.removed).map((b) => ball_around(b, scene));
+  const main = state.selection.peek()[state.selection.peek().length - 1];
+  let start: Vec3 = [0, 0, height];
+  if (main !== undefined && main > 0) {
+    const index = state.bodies_of(main).find((i) => {
+      const body = scene.bodies[i]!;
+      return !body.shapes.some((s) => s.type === "plane" || s.type === "heightmap");
+    });
+    const body = index === undefined ? undefined : scene.bodies[index];
+    const ball = body ? ball_around(body, scene) : null;
+    if (ball) start = [rounded(ball.centre[0] + ball.radius + radius + 0.05), rounded(ball.centre[1]), height];
+  }
+  return free_place(balls.filter((b): b is Round => b !== null), start, radius);
+}
+
+/** How far from its original a copy stands: beside it along x. */
+export function duplicate_offset(state: State, ids: readonly number[]): Vec3 {
+  const scene = state.scene.peek();
+  if (!scene) return [0.3, 0, 0];
+  let low = Infinity;
+  let high = -Infinity;
+  for (const id of ids) {
+    for (const index of state.bodies_of(id)) {
+      const ball = ball_around(scene.bodies[index]!, scene);
+      if (!ball) continue;
+      low = Math.min(low, ball.centre[0] - ball.radius);
+      high = Math.max(high, ball.centre[0] + ball.radius);
+    }
+  }
+  return low < high ? [Math.ceil((high - low + 0.02) * 100) / 100, 0, 0] : [0.3, 0, 0];
+}

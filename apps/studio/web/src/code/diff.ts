@@ -1,0 +1,144 @@
+// What changed between two texts, in few and small pieces, so that a cursor and what is scrolled stay where they are.
+
+export interface Change {
+  from: number;
+  to: number;
+  insert: string;
+}
+
+const low_surrogate = (c: number): boolean => c >= 0xdc00 && c <= 0xdfff;
+
+/** One piece: what is left when the common beginning and end are taken away. Never cuts a code point in two. */
+function narrow(a: string, b: string, offset: number): Change | null {
+  if (a === b) return null;
+  const most = Math.min(a.length, b.length);
+  let head = 0;
+  while (head < most && a.charCodeAt(head) === b.charCodeAt(head)) ++head;
+  if (head > 0 && (low_surrogate(a.charCodeAt(head)) || low_surrogate(b.charCodeAt(head)))) --head;
+  let tail = 0;
+  while (tail < most - head && a.charCodeAt(a.length - 1 - tail) === b.charCodeAt(b.length - 1 - tail)) ++tail;
+  if (tail > 0 && low_surrogate(a.charCodeAt(a.length - tail))) --tail;
+  return { from: offset + head, to: offset + a.length - tail, insert: b.slice(head, b.length - tail) };
+}
+
+function lines_of(text: string): string[] {
+  const out: string[] = [];
+  for (let at = 0; at < text.length; ) {
+    const end = text.indexOf("\n", at);
+    const next = end < 0 ? text.length : end + 1;
+    out.push(text.slice(at, next));
+    at = next;
+  }
+  return out;
+}
+
+// Above this many differing lines on both sides the middle is replaced as one piece: time and memory go with the product.
+const kMostCells = 4_000_000;
+
+/** Matching lines of two lists by the longest common subsequence: pairs of indices, going up. */
+function common_lines(a: string[], b: string[]): [number, number][] {
+  const width = b.length + 1;
+  const best = new Uint32Array((a.length + 1) * width);
+  for (let i = a.length - 1; i >= 0; --i) {
+    for (let j = b.length - 1; j >= 0; --j) {
+      best[i * width + j] =
+        a[i] === b[j]
+          ? best[(i + 1) * width + j + 1]! + 1
+          : Math.max(best[(i + 1) * width + j]!, best[i * width + j + 1]!);
+    }
+  }
+  const out: [number, number][] = [];
+  for (let i = 0, j = 0; i < a.length && j < b.length; ) {
+    if (a[i] === b[j]) out.push([i++, j++]);
+    else if (best[(i + 1) * width + j]! >= best[i * width + j + 1]!) ++i;
+    else ++j;
+  }
+  return out;
+}
+
+/** Changes that make `b` of `a`, from front to back, in positions of `a`, not touching each other. */
+export function diff(a: string, b: string): Change[] {
+  const whole = narrow(a, b, 0);
+  if (!whole) return [];
+  // whole lines around the piece, so that equal lines inside it are found
+  const begin = whole.from === 0 ? 0 : a.lastIndexOf("\n", whole.from - 1) + 1;
+  const from_end = a.length - whole.to;
+  const line_end = a.indexOf("\n", whole.to);
+  const end = line_end < 0 ? a.length : line_end + 1;
+  const end_b = b.length - (from_end - (end - whole.to));
+  const lines_a = lines_of(a.slice(begin, end));
+  const lines_b = lines_of(b.slice(begin, end_b));
+  if (lines_a.length < 2 || lines_b.length < 2 || lines_a.length * lines_b.length > kMostCells) return [whole];
+
+  const out: Change[] = [];
+  let at = begin;
+  let i = 0;
+  let j = 0;
+  for (const [next_i, next_j] of [...common_lines(lines_a, lines_b), [lines_a.length, lines_b.length] as const]) {
+    const old_lines = lines_a.slice(i, next_i);
+    const new_lines = lines_b.slice(j, next_j);
+    if (old_lines.length === new_lines.length) {
+      // line by line: several edits in neighbouring lines stay several
+      for (let k = 0; k < old_lines.length; ++k) {
+        const change = narrow(old_lines[k]!, new_lines[k]!, at);
+        if (change) out.push(change);
+        at += old_lines[k]!.length;
+      }
+    } else {
+      const old_text = old_lines.join("");
+      const change = narrow(old_text, new_lines.join(""), at);
+      if (change) out.push(change);
+      at += old_text.length;
+    }
+    if (next_i < lines_a.length) at += lines_a[next_i]!.length;
+    i = next_i + 1;
+    j = next_j + 1;
+  }
+  return out;
+}
+
+export function apply(text: string, changes: readonly Change[]): string {
+  let out = "";
+  let at = 0;
+  for (const change of changes) {
+    out += text.slice(at, change.from) + change.insert;
+    at = change.to;
+  }
+  return out + text.slice(at);
+}
+
+/** Where a position goes; what is inside a replaced piece goes to its end. */
+export function map_position(position: number, changes: readonly Change[]): number {
+  let shift = 0;
+  for (const change of changes) {
+    if (change.from > position) break;
+    if (change.to <= position) shift += change.insert.length - (change.to - change.from);
+    else return change.from + shift + change.insert.length;
+  }
+  return position + shift;
+}
+
+/** `theirs` in positions of the text that `mine` made, when both changed the same text. Where both changed the same
+ *  piece, mine stays: nothing typed is ever lost. */
+export function rebase(theirs: readonly Change[], mine: readonly Change[]): Change[] {
+  const out: Change[] = [];
+  for (const change of theirs) {
+    let shift = 0;
+    let clash = false;
+    for (const own of mine) {
+      const before = own.to < change.from || (own.to === change.from && own.from < change.from) ||
+        (own.from === change.from && own.to === own.from && change.to > change.from);
+      if (before || (own.from === own.to && own.from === change.from && change.to === change.from)) {
+        shift += own.insert.length - (own.to - own.from);
+      } else if (own.from < change.to && change.from < own.to) {
+        clash = true;
+      } else if (own.from === own.to && own.from > change.from && own.from < change.to) {
+        clash = true;
+      } else if (change.from === change.to && change.from > own.from && change.from < own.to) {
+        clash = true;
+      }
+    }
+    if (!clash) out.push({ from: change.from + shift, to: change.to + shift, insert: change.insert });
+  }
+  return out;
+}

@@ -1,0 +1,47 @@
+// Which edits of a text make one step of the history: a burst of typing, not every key.
+
+export interface TypedEdit {
+  /** of the clock [ms] */
+  time: number;
+  /** what was replaced, in positions before the edit */
+  from: number;
+  to: number;
+  insert: string;
+}
+
+/** A burst ends when nothing was typed for so long [ms]. */
+export const kBurstPause = 1500;
+
+export class TypingGroups {
+  private number_ = 0;
+  private last_: { time: number; end: number; deletes: boolean } | null = null;
+
+  /** `seed` tells this page's groups from other pages'. */
+  constructor(private readonly seed_: string) {}
+
+  /** The group of an edit. Another one begins after a pause, at another place, when typing turns into deleting or the
+   *  other way round, behind a line end, and with anything that is no typing: pasted text, several places at once. */
+  next(edits: readonly TypedEdit[]): string {
+    const edit = edits[0];
+    if (!edit) return this.name_();
+    const deletes = edit.insert === "";
+    const last = this.last_;
+    const touches = last !== null && (deletes ? edit.to === last.end || edit.from === last.end : edit.from === last.end);
+    const typing = edits.length === 1 && edit.insert.length <= 2 && edit.to - edit.from <= 2;
+    const goes_on =
+      last !== null && typing && touches && deletes === last.deletes && edit.time - last.time <= kBurstPause;
+    if (!goes_on) ++this.number_;
+    const ends = !typing || edit.insert.includes("\n");
+    this.last_ = ends ? null : { time: edit.time, end: edit.from + edit.insert.length, deletes };
+    return this.name_();
+  }
+
+  /** The next edit begins another group: the cursor went elsewhere, something else was done in between. */
+  end(): void {
+    this.last_ = null;
+  }
+
+  private name_(): string {
+    return `${this.seed_}${this.number_}`;
+  }
+}

@@ -1,0 +1,266 @@
+// One attribute as a form field, of the kind that the schema says.
+import { useEffect, useId, useState } from "preact/hooks";
+import type { JSX } from "preact";
+import { boxes_of, text_from, with_unit } from "./number_model";
+import type { AttributeSchema } from "./schema";
+import { hex_color, short_number } from "./values";
+
+export interface FieldProps {
+  spec: AttributeSchema;
+  /** as it stands in the file; "": it does not */
+  text: string;
+  /** Several elements with different texts. */
+  mixed?: boolean;
+  disabled?: boolean;
+  /** what the compiler says of it */
+  problem?: string;
+  /** names that a reference may have */
+  choices?: string[];
+  /** null: the attribute goes. Answers at once; what comes of it comes back as `text`. */
+  commit(text: string | null): void;
+}
+
+const kNumeric = ["number", "numbers", "integer", "range"];
+
+/** "≥ 0 m, ≤ 5 m" of what may be entered. */
+export function range_text(spec: AttributeSchema): string {
+  const unit = spec.units.length === 1 && spec.units[0] !== "" && spec.units[0] !== "1" ? ` ${spec.units[0]}` : "";
+  const parts: string[] = [];
+  if (spec.min !== null) parts.push(`${spec.above_min ? ">" : "≥"} ${short_number(spec.min)}${unit}`);
+  if (spec.max !== null) parts.push(`≤ ${short_number(spec.max)}${unit}`);
+  if (spec.none_allowed) parts.push("or none");
+  return parts.join(", ");
+}
+
+export function help_text(spec: AttributeSchema): string {
+  const parts = [spec.doc];
+  const range = range_text(spec);
+  if (range !== "") parts.push(`(${range})`);
+  if (spec.default !== "") parts.push(`Default: ${spec.default}.`);
+  return parts.filter((p) => p !== "").join(" ");
+}
+
+interface PlainProps extends FieldProps {
+  id: string;
+  describe: string;
+  list?: string;
+}
+
+function keys(commit: () => void, revert: () => void): (event: KeyboardEvent) => void {
+  return (event) => {
+    if (event.key === "Enter") commit();
+    else if (event.key === "Escape") revert();
+    else return;
+    event.stopPropagation();
+    if (event.key === "Enter") event.preventDefault();
+  };
+}
+
+function PlainField(props: PlainProps): JSX.Element {
+  const { spec, text, mixed } = props;
+  const [draft, set_draft] = useState(text);
+  useEffect(() => set_draft(text), [text]);
+  const commit = () => {
+    if (draft.trim() === text || (mixed && draft === "")) return;
+    props.commit(draft.trim() === "" ? null : draft.trim());
+  };
+  return (
+    <input
+      id={props.id}
+      class={text.includes("${") ? "cg-field-text is-expression" : "cg-field-text"}
+      value={draft}
+      list={props.list}
+      disabled={props.disabled}
+      spellcheck={false}
+      autocomplete="off"
+      placeholder={mixed ? "several" : spec.default}
+      aria-describedby={props.describe}
+      aria-invalid={props.problem ? true : undefined}
+      aria-required={spec.required}
+      onInput={(event) => set_draft(event.currentTarget.value)}
+      onChange={(event) => {
+        // a name taken from the list is a decision
+        if (props.choices?.includes(event.currentTarget.value)) props.commit(event.currentTarget.value);
+      }}
+      onBlur={commit}
+      onKeyDown={keys(commit, () => set_draft(text))}
+    />
+  );
+}
+
+function NumberField(props: PlainProps & { report(error: string): void }): JSX.Element {
+  const { spec, text, mixed } = props;
+  const shown = boxes_of(spec, text);
+  const [drafts, set_drafts] = useState<string[] | null>(null);
+  const [unit, set_unit] = useState<string | null>(null);
+  useEffect(() => {
+    set_drafts(null);
+    props.report("");
+  }, [text]);
+  if (!shown) return <PlainField {...props} />;
+  const now_unit = shown.unit === null ? null : (unit ?? shown.unit);
+  const boxes = drafts ?? shown.boxes;
+  const commit = () => {
+    if (!drafts) return;
+    const made = text_from(spec, drafts, now_unit);
+    if ("error" in made) {
+      props.report(shown.boxes.length > 1 ? `entry ${made.box + 1}: ${made.error}` : made.error);
+      return;
+    }
+    props.report("");
+    set_drafts(null);
+    if ((made.text ?? "") !== text && !(mixed && made.text === null)) props.commit(made.text);
+  };
+  const names = boxes.length === 3 && ["xyz", "rpy", "size"].includes(spec.name)
+    ? (spec.name === "rpy" ? ["roll", "pitch", "yaw"] : ["x", "y", "z"])
+    : spec.kind === "range" ? ["least", "largest"] : [];
+  return (
+    <span class="cg-field-numbers">
+      {boxes.map((box, i) => (
+        <input
+          key={i}
+          id={i === 0 ? props.id : undefined}
+          value={box}
+          inputMode="decimal"
+          disabled={props.disabled}
+          spellcheck={false}
+          autocomplete="off"
+          placeholder={mixed ? "several" : shown.placeholders[i]}
+          aria-label={boxes.length > 1 ? `${spec.name} ${names[i] ?? i + 1}` : undefined}
+          aria-describedby={props.describe}
+          aria-invalid={props.problem ? true : undefined}
+          aria-required={spec.required}
+          onInput={(event) => {
+            const next = boxes.slice();
+            next[i] = event.currentTarget.value;
+            set_drafts(next);
+          }}
+          onBlur={(event) => {
+            // Going from box to box of one list is still one edit.
+            const to = event.relatedTarget as Node | null;
+            if (!to || !(event.currentTarget.parentElement?.contains(to) ?? false)) commit();
+          }}
+          onKeyDown={keys(commit, () => {
+            set_drafts(null);
+            props.report("");
+          })}
+        />
+      ))}
+      {shown.units.length > 1 && (
+        <select
+          aria-label={`unit of ${spec.name}`}
+          value={now_unit ?? ""}
+          disabled={props.disabled}
+          onChange={(event) => {
+            const next = event.currentTarget.value;
+            set_unit(next);
+            const converted = text === "" || drafts ? null : with_unit(spec, text, next);
+            if (converted !== null && converted !== text) props.commit(converted);
+          }}
+          onBlur={(event) => {
+            const to = event.relatedTarget as Node | null;
+            if (!to || !(event.currentTarget.parentElement?.contains(to) ?? false)) commit();
+          }}
+        >
+          {shown.units.map((u) => <option key={u} value={u}>{u}</option>)}
+        </select>
+      )}
+      {shown.units.length === 1 && <span class="cg-field-unit">{shown.units[0]}</span>}
+    </span>
+  );
+}
+
+function ColorField(props: PlainProps): JSX.Element {
+  const hex = hex_color(props.text);
+  return (
+    <span class="cg-field-color">
+      <input
+        type="color"
+        aria-label={`${props.spec.name}: choose`}
+        value={hex ?? hex_color(props.spec.default) ?? "#808080"}
+        disabled={props.disabled}
+        onChange={(event) => props.commit(event.currentTarget.value)}
+      />
+      <PlainField {...props} />
+    </span>
+  );
+}
+
+export function Field(props: FieldProps): JSX.Element {
+  const { spec, text, mixed } = props;
+  const id = useId();
+  const [error, report] = useState("");
+  const describe = `${id}-help`;
+  const problem = error || props.problem || "";
+  const inner: PlainProps = { ...props, problem, id, describe };
+  let body: JSX.Element;
+  if (spec.kind === "boolean") {
+    const on = (text || spec.default) === "true";
+    body = (
+      <input
+        id={id}
+        type="checkbox"
+        checked={on}
+        indeterminate={mixed ?? false}
+        disabled={props.disabled}
+        aria-describedby={describe}
+        onChange={(event) => {
+          const next = String(event.currentTarget.checked);
+          props.commit(next === (spec.default || "false") ? null : next);
+        }}
+      />
+    );
+    if (text !== "" && text !== "true" && text !== "false") body = <PlainField {...inner} />;
+  } else if (spec.kind === "choice" && (text === "" || spec.choices.includes(text))) {
+    body = (
+      <select
+        id={id}
+        value={mixed ? "\0" : text}
+        disabled={props.disabled}
+        aria-describedby={describe}
+        aria-invalid={problem ? true : undefined}
+        onChange={(event) => props.commit(event.currentTarget.value === "" ? null : event.currentTarget.value)}
+      >
+        {mixed && <option value={"\0"}>several</option>}
+        <option value="">{spec.default === "" ? "" : `${spec.default} (default)`}</option>
+        {spec.choices.map((c) => <option key={c} value={c}>{c}</option>)}
+      </select>
+    );
+  } else if (kNumeric.includes(spec.kind)) {
+    body = <NumberField {...inner} report={report} />;
+  } else if (spec.kind === "color") {
+    body = <ColorField {...inner} />;
+  } else {
+    const list = props.choices ? `${id}-names` : undefined;
+    body = (
+      <>
+        <PlainField {...inner} list={list} />
+        {list && <datalist id={list}>{props.choices!.map((c) => <option key={c} value={c} />)}</datalist>}
+      </>
+    );
+  }
+  return (
+    <div class={`cg-field${problem ? " is-wrong" : ""}${text !== "" ? " is-set" : ""}`} data-attribute={spec.name}>
+      <label for={id} title={help_text(spec)}>
+        {spec.name}
+        {spec.required && <span class="cg-field-must" title="required"> *</span>}
+      </label>
+      <span class="cg-field-body">{body}</span>
+      {text !== "" && !spec.required && !props.disabled ? (
+        <button
+          type="button"
+          class="cg-field-reset"
+          title={spec.default === "" ? `Leave ${spec.name} out` : `Back to ${spec.default}`}
+          aria-label={`reset ${spec.name}`}
+          onClick={() => props.commit(null)}
+        >
+          ↺
+        </button>
+      ) : (
+        <span />
+      )}
+      <span id={describe} class="cg-unseen">{help_text(spec)}</span>
+      {problem && <p class="cg-field-problem" role="alert">{problem}</p>}
+    </div>
+  );
+}

@@ -1,0 +1,128 @@
+// Which fields the form of some elements has, what stands in them, and the edits that come out of them.
+import type { Op, Problem, TreeElement } from "../core/protocol";
+import { line_span, offset_at, utf16_offset } from "../code/columns";
+import type { AttributeSchema, PluginSchema, PluginUse, Schema } from "./schema";
+import { escape_attribute, start_tag } from "./xml_text";
+
+export interface FormField {
+  spec: AttributeSchema;
+  text: string;
+  mixed: boolean;
+}
+
+export interface FormGroup {
+  title: string;
+  fields: FormField[];
+}
+
+const kGroups: [string, string[]][] = [
+  ["Place", ["xyz", "rpy", "quat", "frame", "at", "on", "direction", "look-at"]],
+  ["Matter", ["material", "mass", "density", "friction", "restitution", "stiffness", "com", "inertia"]],
+  ["Looks", ["color", "texture", "texture-size", "visible", "show"]],
+  ["Motion", ["static", "kinematic", "linear-velocity", "angular-velocity", "position", "velocity", "collide"]],
+];
+
+/** A field that the vocabulary does not know: text, so that nothing in the file is hidden. */
+function unknown_attribute(name: string): AttributeSchema {
+  return {
+    name, kind: "text", doc: "", default: "", required: false, units: [], per_entry: false, min: null, max: null,
+    above_min: false, none_allowed: false, choices: [], min_count: 1, max_count: 1,
+  };
+}
+
+function field(spec: AttributeSchema, elements: readonly TreeElement[]): FormField {
+  const texts = elements.map((e) => e.attributes[spec.name] ?? "");
+  const mixed = texts.some((t) => t !== texts[0]);
+  return { spec, text: mixed ? "" : (texts[0] ?? ""), mixed };
+}
+
+/** Groups of fields for elements of one tag: what makes them what they are first, then where they are, and so on. */
+export function form_groups(schema: Schema, elements: readonly TreeElement[]): FormGroup[] {
+  const first = elements[0];
+  if (!first || elements.some((e) => e.tag !== first.tag)) return [];
+  const known = schema.element(first.tag, first.attributes)?.attributes ?? [];
+  // Names are one by one.
+  const specs = known.filter((a) => a.name !== "name");
+  for (const element of elements) {
+    for (const name of Object.keys(element.attributes)) {
+      if (name !== "name" && !specs.some((s) => s.name === name)) specs.push(unknown_attribute(name));
+    }
+  }
+  const groups: FormGroup[] = [{ title: "", fields: [] }, ...kGroups.map(([title]) => ({ title, fields: [] }))];
+  for (const spec of specs) {
+    const at = kGroups.findIndex(([, names]) => names.includes(spec.name));
+    groups[spec.required ? 0 : at + 1]!.fields.push(field(spec, elements));
+  }
+  // Joints and rules have little more than places and motion: no need for headings then.
+  return groups.filter((g) => g.fields.length > 0);
+}
+
+/** One step: the attribute of all of them. */
+export function set_ops(elements: readonly TreeElement[], attribute: string, value: string | null): Op[] {
+  return elements
+    .filter((e) => (e.attributes[attribute] ?? null) !== value)
+    .map((e) => ({ op: "set", element: e.id, attribute, value }));
+}
+
+export interface PluginForm {
+  use: PluginUse;
+  plugin: PluginSchema;
+  fields: FormField[];
+}
+
+/** Parameters of the plugin that an element names; they stand in the <set> elements inside it. */
+export function plugin_form(schema: Schema, elements: readonly TreeElement[], id: number): PluginForm | null {
+  const element = elements[id];
+  if (!element || !["controller", "supervisor", "sensor"].includes(element.tag)) return null;
+  const plugin = schema.plugin(element.tag, element.attributes.plugin ?? "");
+  if (!plugin) return null;
+  const values: Record<string, string> = {};
+  for (const inner of elements) if (inner.parent === id && inner.tag === "set") Object.assign(values, inner.attributes);
+  return {
+    use: element.tag as PluginUse,
+    plugin,
+    fields: plugin.parameters.map((spec) => ({ spec, text: values[spec.name] ?? "", mixed: false })),
+  };
+}
+
+/** The edit that gives a parameter a value: in the <set> that has it, else in the first there is, else in a new one. */
+export function parameter_ops(
+  elements: readonly TreeElement[], id: number, parameter: string, value: string | null,
+): Op[] {
+  const sets = elements.filter((e) => e.parent === id && e.tag === "set");
+  const at = sets.find((e) => parameter in e.attributes);
+  if (value === null) {
+    if (!at) return [];
+    // An empty <set> says nothing.
+    if (Object.keys(at.attributes).length === 1) return [{ op: "remove", elements: [at.id] }];
+    return [{ op: "set", element: at.id, attribute: parameter, value: null }];
+  }
+  const target = at ?? sets[0];
+  if (target) return [{ op: "set", element: target.id, attribute: parameter, value }];
+  return [{ op: "insert", parent: id, xml: `<set ${parameter}="${escape_attribute(value)}"/>`, before: null }];
+}
+
+export interface ElementProblems {
+  /** by attribute */
+  fields: Map<string, Problem>;
+  /** of the element's own tag, not of what is inside it */
+  others: Problem[];
+}
+
+/** Problems that the compiler has with an element's own tag, at the attributes where they are. */
+export function problems_of(text: string, element: TreeElement, file: string, problems: readonly Problem[]): ElementProblems {
+  const out: ElementProblems = { fields: new Map(), others: [] };
+  if (problems.length === 0) return out;
+  const tag = start_tag(text, offset_at(text, element.line, element.column));
+  if (!tag) return out;
+  for (const problem of problems) {
+    if (problem.file !== file || problem.line < element.line) continue;
+    const line = line_span(text, problem.line);
+    const at = line.from + utf16_offset(text.slice(line.from, line.to), problem.column - 1);
+    if (at < tag.from || at >= tag.to) continue;
+    const attribute = tag.attributes.find((a) => at >= a.from && at < a.to);
+    if (attribute) out.fields.set(attribute.name, problem);
+    else out.others.push(problem);
+  }
+  return out;
+}

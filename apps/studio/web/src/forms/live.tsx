@@ -1,0 +1,63 @@
+// Where the selected body is now and how fast it is.
+import { effect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import type { JSX } from "preact";
+import type { Frame } from "../core/protocol";
+import type { Studio } from "../core/studio";
+
+/** Speed [m/s] of a body between two frames; null: it cannot be told from them. */
+export function speed_between(before: Frame | null, now: Frame, body: number): number | null {
+  if (!before || before.scene !== now.scene || before.time === now.time) return null;
+  let square = 0;
+  for (let i = 0; i < 3; ++i) square += (now.poses[7 * body + i]! - before.poses[7 * body + i]!) ** 2;
+  return Math.sqrt(square) / Math.abs(now.time - before.time);
+}
+
+/** Roll, pitch and yaw [deg] about fixed axes of the quaternion w x y z. */
+export function roll_pitch_yaw(w: number, x: number, y: number, z: number): [number, number, number] {
+  const turn = 180 / Math.PI;
+  const sine = Math.max(-1, Math.min(1, 2 * (w * y - z * x)));
+  return [
+    turn * Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
+    turn * Math.asin(sine),
+    turn * Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
+  ];
+}
+
+// Faster than this nobody reads; the page has better things to do.
+const kShortestPause = 100;
+
+const fixed = (values: number[], digits: number): string => values.map((v) => v.toFixed(digits)).join("  ");
+
+export function LiveValues({ studio, body }: { studio: Studio; body: number }): JSX.Element {
+  const place = useRef<HTMLElement>(null);
+  const turned = useRef<HTMLElement>(null);
+  const speed = useRef<HTMLElement>(null);
+  useEffect(() => {
+    let before: Frame | null = null;
+    let shown = -Infinity;
+    return effect(() => {
+      const frame = studio.state.frame.value;
+      const scene = studio.state.scene.peek();
+      if (!frame || !scene || frame.scene !== scene.scene || 7 * body + 6 >= frame.poses.length) return;
+      if (performance.now() - shown < kShortestPause && studio.state.status.peek()?.state === "playing") return;
+      shown = performance.now();
+      const pose = Array.from(frame.poses.subarray(7 * body, 7 * body + 7));
+      place.current!.textContent = `${fixed(pose.slice(0, 3), 3)} m`;
+      turned.current!.textContent = `${fixed(roll_pitch_yaw(pose[3]!, pose[4]!, pose[5]!, pose[6]!), 1)} deg`;
+      const fast = speed_between(before, frame, body);
+      speed.current!.textContent = fast === null ? "" : `${fast.toFixed(3)} m/s`;
+      before = frame;
+    });
+  }, [studio, body]);
+  return (
+    <dl class="cg-mass" data-testid="live-values" aria-label="Now">
+      <dt>position</dt>
+      <dd ref={place} />
+      <dt>roll pitch yaw</dt>
+      <dd ref={turned} />
+      <dt>speed</dt>
+      <dd ref={speed} />
+    </dl>
+  );
+}

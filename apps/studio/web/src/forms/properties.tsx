@@ -1,0 +1,180 @@
+// The properties panel: forms for what is selected.
+import { useEffect, useState } from "preact/hooks";
+import type { JSX } from "preact";
+import type { TreeElement } from "../core/protocol";
+import type { Studio } from "../core/studio";
+import { name_choices } from "../add/plan";
+import { rename } from "../tree/commands";
+import { Icon } from "../tree/icons";
+import { ask_mass, mass_lines } from "../tree/mass_view";
+import { label_of } from "../tree/model";
+import { kSignalType, signal_label, tree_state } from "../tree/tree_state";
+import { Field } from "./field";
+import { form_groups, parameter_ops, plugin_form, problems_of, set_ops } from "./form_model";
+import { LiveValues } from "./live";
+import type { AttributeSchema, Schema } from "./schema";
+
+const kNameSpec: Omit<AttributeSchema, "doc" | "required"> = {
+  name: "name", kind: "name", default: "", units: [], per_entry: false, min: null, max: null, above_min: false,
+  none_allowed: false, choices: [], min_count: 1, max_count: 1,
+};
+
+function Mass({ studio, ids }: { studio: Studio; ids: number[] }): JSX.Element | null {
+  const [lines, set_lines] = useState<[string, string][]>([]);
+  const scene = studio.state.scene.value?.scene;
+  const key = ids.join(",");
+  useEffect(() => {
+    let gone = false;
+    ask_mass(studio, ids).then(
+      (answer) => !gone && set_lines(answer.bodies.length > 0 ? mass_lines(answer) : []),
+      // Planes and the like have no mass to speak of.
+      () => !gone && set_lines([]),
+    );
+    return () => void (gone = true);
+  }, [studio, scene, key]);
+  if (lines.length === 0) return null;
+  return (
+    <section aria-label="Mass">
+      <h3>Mass</h3>
+      <dl class="cg-mass" data-testid="mass">
+        {lines.map(([name, value]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}>{value}</dd>])}
+      </dl>
+    </section>
+  );
+}
+
+function Signals({ studio, path }: { studio: Studio; path: string }): JSX.Element | null {
+  const signals = path === "" ? undefined : tree_state(studio).signals.value.get(path);
+  if (!signals || signals.length === 0) return null;
+  return (
+    <section aria-label="Signals">
+      <h3>Signals</h3>
+      <div class="cg-signals">
+        {signals.map((info) => (
+          <button
+            key={info.name}
+            type="button"
+            draggable
+            title={`Draw ${info.name}; or drag it into a figure`}
+            onDragStart={(event) => {
+              event.dataTransfer!.setData(kSignalType, info.name);
+              event.dataTransfer!.setData("text/plain", info.name);
+            }}
+            onClick={() => studio.draw_signal(info.name)}
+          >
+            {signal_label(info)}
+          </button>
+        ))}
+      </div>
+    </section>
+  );
+}
+
+function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schema; chosen: TreeElement[] }): JSX.Element {
+  const { state } = studio;
+  const { version, elements } = state.tree.value;
+  const first = chosen[0]!;
+  const one = chosen.length === 1 ? first : null;
+  const meaning = schema.element(first.tag, first.attributes);
+  const name_spec = meaning?.attributes.find((a) => a.name === "name");
+  const text = state.document.value;
+  const disabled = !state.may_edit.value || text?.version !== version;
+  const problems = one && text && text.version === version ? problems_of(text.text, one, text.file, state.problems.value) : null;
+  const plugin = one ? plugin_form(schema, elements, one.id) : null;
+  const what = one ? `${one.tag} ${label_of(one)}`.trim() : `${chosen.length} ${first.tag} elements`;
+  const set = (name: string, value: string | null) => {
+    const ops = set_ops(chosen, name, value);
+    if (ops.length > 0) void studio.edit(`${value === null ? "reset" : "set"} ${name} of ${what}`, ops);
+  };
+  return (
+    <>
+      {one && name_spec && (
+        <Field
+          key={`name ${one.id}`}
+          spec={{ ...kNameSpec, doc: name_spec.doc, required: name_spec.required }}
+          text={one.name}
+          disabled={disabled}
+          problem={problems?.fields.get("name")?.message}
+          commit={(name) => void (name === null ? set("name", null) : rename(studio, one.id, name))}
+        />
+      )}
+      {problems?.others.map((p, i) => (
+        <p key={i} class="cg-field-problem" role="alert">{p.message}{p.help && ` (${p.help})`}</p>
+      ))}
+      {form_groups(schema, chosen).map((group) => {
+        const fields = group.fields.map((f) => {
+          const problem = problems?.fields.get(f.spec.name);
+          return (
+            <Field
+              key={`${first.id} ${f.spec.name}`}
+              spec={f.spec}
+              text={f.text}
+              mixed={f.mixed}
+              disabled={disabled}
+              problem={problem && (problem.help ? `${problem.message} (${problem.help})` : problem.message)}
+              choices={name_choices(schema, elements, first.parent, first.tag, f.spec)}
+              commit={(value) => set(f.spec.name, value)}
+            />
+          );
+        });
+        if (group.title === "") return <div key="own">{fields}</div>;
+        const used = group.fields.some((f) => f.text !== "" || f.mixed) || group.title === "Place";
+        return (
+          <details key={group.title} open={used}>
+            <summary>{group.title}</summary>
+            {fields}
+          </details>
+        );
+      })}
+      {plugin && plugin.fields.length > 0 && (
+        <details open>
+          <summary>Parameters of {plugin.plugin.name}</summary>
+          {plugin.fields.map((f) => (
+            <Field
+              key={`${one!.id} set ${f.spec.name}`}
+              spec={f.spec}
+              text={f.text}
+              disabled={disabled}
+              commit={(value) => {
+                const ops = parameter_ops(elements, one!.id, f.spec.name, value);
+                if (ops.length > 0) void studio.edit(`set ${f.spec.name} of ${what}`, ops);
+              }}
+            />
+          ))}
+        </details>
+      )}
+    </>
+  );
+}
+
+export function Properties({ studio }: { studio: Studio }): JSX.Element {
+  const { state } = studio;
+  const schema = tree_state(studio).schema.value;
+  const chosen = state.selection.value.flatMap((id) => state.element(id) ?? []);
+  const first = chosen[0];
+  if (!first) return <p class="cg-muted cg-properties-empty">Select something in the tree or the picture to see what it is made of.</p>;
+  const same = chosen.every((e) => e.tag === first.tag);
+  const bodies = chosen.flatMap((e) => (e.id > 0 ? state.bodies_of(e.id) : []));
+  const ids = chosen.filter((e) => e.id > 0).map((e) => e.id);
+  const doc = schema?.element(first.tag, first.attributes)?.doc;
+  return (
+    <div class="cg-properties" role="form" aria-label="Properties">
+      <h2>
+        <Icon tag={same ? first.tag : "other"} />{" "}
+        {chosen.length === 1 ? label_of(first) || first.tag : same ? `${chosen.length} × ${first.tag}` : `${chosen.length} selected`}
+        {chosen.length === 1 && label_of(first) !== "" && <span class="cg-tree-tag"> {first.tag}</span>}
+      </h2>
+      {same && doc && <p class="cg-muted">{doc}</p>}
+      {!same && <p class="cg-muted">They are of different kinds: choose those of one kind to edit them together.</p>}
+      {same && schema && <ElementForm studio={studio} schema={schema} chosen={chosen} />}
+      {bodies.length === 1 && (
+        <section aria-label="Now">
+          <h3>Now</h3>
+          <LiveValues key={bodies[0]} studio={studio} body={bodies[0]!} />
+        </section>
+      )}
+      {bodies.length > 0 && <Mass studio={studio} ids={ids} />}
+      {chosen.length === 1 && <Signals studio={studio} path={first.path} />}
+    </div>
+  );
+}

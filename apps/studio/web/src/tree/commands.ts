@@ -1,0 +1,169 @@
+// What can be done to elements: the commands "edit:…" and those of the tree's menu.
+import type { Op } from "../core/protocol";
+import type { Studio } from "../core/studio";
+import { settle_typing } from "../code/pending";
+import { kBodies, kMovable } from "../forms/schema";
+import { duplicate_offset } from "../add/place";
+import { start_tag } from "../forms/xml_text";
+import { copied_elements, copy_elements } from "./clipboard";
+import { mass_element } from "./mass_view";
+import { label_of, top_most } from "./model";
+import { start_renaming, tree_state } from "./tree_state";
+
+/** What can be glued into one body. */
+const kParts = [...kBodies, "assembly", "instance"];
+
+function chosen(studio: Studio): number[] {
+  return top_most(studio.state.tree.value.elements, studio.state.selection.value);
+}
+
+/** "box crate", "3 elements". */
+function named(studio: Studio, ids: readonly number[]): string {
+  if (ids.length !== 1) return `${ids.length} elements`;
+  const element = studio.state.tree.value.elements[ids[0]!];
+  return element ? `${element.tag} ${label_of(element)}`.trim() : "element";
+}
+
+async function remove(studio: Studio): Promise<void> {
+  const ids = chosen(studio);
+  if (ids.length === 0) return;
+  const made = await studio.edit(`delete ${named(studio, ids)}`, [{ op: "remove", elements: ids }]);
+  if (made) studio.select([]);
+}
+
+async function duplicate(studio: Studio): Promise<void> {
+  const ids = chosen(studio);
+  if (ids.length === 0) return;
+  const offset = duplicate_offset(studio.state, ids);
+  const { elements } = studio.state.tree.value;
+  const ops = ids.map((element): Op => {
+    const moves = kMovable.includes(elements[element]!.tag) || elements[element]!.tag === "instance";
+    return moves ? { op: "duplicate", element, offset } : { op: "duplicate", element };
+  });
+  const made = await studio.edit(`duplicate ${named(studio, ids)}`, ops);
+  if (made) studio.select(made);
+}
+
+async function paste(studio: Studio): Promise<void> {
+  const copied = await copied_elements(studio);
+  if (!copied) {
+    studio.notify("there is nothing to paste: copy an element first");
+    return;
+  }
+  const { elements } = studio.state.tree.value;
+  const schema = tree_state(studio).schema.value;
+  const main = studio.state.selection.value[studio.state.selection.value.length - 1] ?? 0;
+  const ops: Op[] = [];
+  for (const xml of copied) {
+    const tag = start_tag(xml, 0)?.tag ?? "";
+    // Into what is selected if that is a group, else beside it; at the end of the first around it that may hold it.
+    const groups = ["scene", "assembly", "prototype", "template", "body"];
+    let parent = main;
+    const takes = (id: number) => !schema || schema.may_hold(elements, id, tag);
+    if (!groups.includes(elements[parent]?.tag ?? "") || !takes(parent)) parent = elements[parent]?.parent ?? 0;
+    while (parent > 0 && !takes(parent)) parent = elements[parent]!.parent;
+    ops.push({ op: "insert", parent: Math.max(0, parent), xml, before: null });
+  }
+  const made = await studio.edit(copied.length === 1 ? "paste" : `paste ${copied.length} elements`, ops);
+  if (made) studio.select(made);
+}
+
+async function assemble(studio: Studio): Promise<void> {
+  const { elements } = studio.state.tree.value;
+  const ids = chosen(studio).filter((id) => kParts.includes(elements[id]!.tag));
+  if (ids.length < 2) {
+    studio.notify("choose two or more bodies or assemblies to assemble");
+    return;
+  }
+  const materials = elements.filter((e) => e.tag === "material" && e.name !== "").map((e) => e.path || e.name);
+  const answer = await studio.dialog({
+    title: "Assemble into one rigid body",
+    text: `${ids.map((id) => label_of(elements[id]!) || elements[id]!.tag).join(", ")} will move as one.`,
+    fields: [
+      { name: "name", label: "Name", value: "assembly" },
+      {
+        name: "material",
+        label: "Material",
+        kind: "choice",
+        choices: ["", ...materials],
+        value: "",
+        help: "Shared by all parts; each keeps its own if left empty.",
+      },
+    ],
+    preview: (values) => mass_element(studio, ids, values.material ?? ""),
+    accept: "Assemble",
+  });
+  if (!answer) return;
+  const op: Op = { op: "assemble", elements: ids, name: (answer.name ?? "").trim() || "assembly" };
+  if (answer.material) op.material = answer.material;
+  const made = await studio.edit(`assemble ${ids.length} parts`, [op]);
+  if (made) studio.select(made.slice(0, 1));
+}
+
+async function disassemble(studio: Studio): Promise<void> {
+  const { elements } = studio.state.tree.value;
+  const ids = chosen(studio).filter((id) => ["assembly", "body"].includes(elements[id]!.tag));
+  if (ids.length === 0) return;
+  const made = await studio.edit(`disassemble ${named(studio, ids)}`, ids.map((element) => ({ op: "disassemble", element })));
+  if (made) studio.select(made);
+}
+
+/** Asks something of the document that has no further fields. */
+async function ask(studio: Studio, what: string, done?: (answer: Record<string, unknown>) => void): Promise<void> {
+  await settle_typing(studio);
+  try {
+    const answer = await studio.link.request(what);
+    done?.(answer);
+  } catch (error) {
+    studio.notify(error instanceof Error ? error.message : String(error), "error");
+  }
+}
+
+export function register_edit_commands(studio: Studio): void {
+  const { commands, state } = studio;
+  const may = () => state.may_edit.value;
+  const some = () => may() && chosen(studio).length > 0;
+  const add = (
+    id: string, label: string | (() => string), execute: (args: Record<string, unknown>) => unknown,
+    isEnabled: () => boolean = may, caption = "",
+  ) => commands.addCommand(id, { label, caption, isEnabled, execute: (args) => execute(args) as undefined });
+
+  add("edit:undo", () => (state.document.value?.undo ? `Undo ${state.document.value.undo}` : "Undo"),
+    () => ask(studio, "undo"), () => may() && state.document.value?.undo !== null);
+  add("edit:redo", () => (state.document.value?.redo ? `Redo ${state.document.value.redo}` : "Redo"),
+    () => ask(studio, "redo"), () => may() && state.document.value?.redo !== null);
+  add("edit:save", "Save", () => ask(studio, "save", (answer) => studio.notify(`saved ${String(answer.file ?? "")}`)));
+  add("edit:delete", "Delete", () => remove(studio), some, "With all inside and what refers to it");
+  add("edit:duplicate", "Duplicate", () => duplicate(studio), some);
+  add("edit:copy", "Copy", () => copy_elements(studio, chosen(studio)), () => chosen(studio).length > 0);
+  add("edit:cut", "Cut", () => (copy_elements(studio, chosen(studio)) ? remove(studio) : undefined), some);
+  add("edit:paste", "Paste", () => paste(studio));
+  add("edit:rename", "Rename", () => start_renaming(studio, chosen(studio)[chosen(studio).length - 1]!), some);
+  add("edit:assemble", "Assemble…", () => assemble(studio),
+    () => may() && chosen(studio).filter((id) => kParts.includes(state.element(id)?.tag ?? "")).length >= 2,
+    "Several bodies into one rigid body");
+  add("edit:disassemble", "Disassemble", () => disassemble(studio),
+    () => may() && chosen(studio).some((id) => ["assembly", "body"].includes(state.element(id)?.tag ?? "")),
+    "The parts take its place, where they are");
+  add("edit:select-all", "Select all", () => {
+    const { elements } = state.tree.value;
+    studio.select(elements.filter((e) => e.parent === 0).map((e) => e.id));
+  }, () => state.tree.value.elements.length > 0);
+  add("tree:show-line", "Go to the line", (args) => {
+    const id = (args.element as number | undefined) ?? state.selection.value[state.selection.value.length - 1] ?? -1;
+    const element = state.element(id);
+    if (element) studio.go_to(state.document.value?.file ?? "", element.line, element.column);
+  }, () => state.selection.value.length > 0);
+  commands.addCommand("tree:draw", {
+    label: (args) => `Draw ${String(args.label ?? "")}`,
+    execute: (args) => studio.draw_signal(String(args.signal)),
+    isVisible: (args) => args.signal !== undefined,
+  });
+}
+
+/** Renames and says so in the history. */
+export async function rename(studio: Studio, element: number, name: string): Promise<void> {
+  const old = studio.state.element(element);
+  if (!old || old.name === name || name === "") return;
+  await studio.edit(`rename ${old.name || old.tag} to ${name}`, [{ op: "rename", element, name }]);
+}

@@ -1,0 +1,64 @@
+// The tree's menus, made anew for what they are opened on.
+import { Menu } from "@lumino/widgets";
+import { insertable } from "../add/commands";
+import type { Studio } from "../core/studio";
+import type { Row } from "./model";
+import { signal_label, tree_state } from "./tree_state";
+
+function insert_menu(studio: Studio): Menu {
+  const menu = new Menu({ commands: studio.commands });
+  menu.title.label = "Insert";
+  for (const tag of insertable(studio)) {
+    const command = `insert:${tag}`;
+    if (studio.commands.hasCommand(command)) menu.addItem({ command });
+  }
+  return menu;
+}
+
+function open(menu: Menu, x: number, y: number): void {
+  // The keyboard goes back to where the menu was opened from, unless a command takes it elsewhere.
+  const from = document.activeElement as HTMLElement | null;
+  menu.aboutToClose.connect(() =>
+    setTimeout(() => {
+      const now = document.activeElement;
+      if (from?.isConnected && (now === null || now === document.body)) from.focus();
+      menu.dispose();
+    }),
+  );
+  menu.open(x, y);
+}
+
+export function open_insert_menu(studio: Studio, x: number, y: number): void {
+  open(insert_menu(studio), x, y);
+}
+
+export function open_menu(studio: Studio, row: Row, x: number, y: number): void {
+  const { commands, state } = studio;
+  const menu = new Menu({ commands });
+  const element = state.element(row.id);
+  if (!row.signal) {
+    if (state.may_edit.value) {
+      const insert = insert_menu(studio);
+      if (insert.items.length > 0) menu.addItem({ type: "submenu", submenu: insert });
+      for (const name of ["rename", "duplicate", "copy", "cut", "paste", "delete"]) menu.addItem({ command: `edit:${name}` });
+      menu.addItem({ type: "separator" });
+      menu.addItem({ command: "edit:assemble" });
+      menu.addItem({ command: "edit:disassemble" });
+      menu.addItem({ type: "separator" });
+    }
+    if (commands.hasCommand("view:focus")) menu.addItem({ command: "view:focus" });
+    menu.addItem({ command: "tree:show-line", args: { element: row.id } });
+  }
+  const signals = row.signal ? [row.signal] : (tree_state(studio).signals.value.get(element?.path || "-") ?? []);
+  if (signals.length > 0) {
+    if (menu.items.length > 0) menu.addItem({ type: "separator" });
+    const draw = signals.length > 4 ? new Menu({ commands }) : menu;
+    if (draw !== menu) {
+      draw.title.label = "Draw";
+      menu.addItem({ type: "submenu", submenu: draw });
+    }
+    for (const info of signals) draw.addItem({ command: "tree:draw", args: { signal: info.name, label: signal_label(info) } });
+    if (!row.signal) menu.addItem({ command: "tree:show-signals", args: { element: row.id } });
+  }
+  open(menu, x, y);
+}

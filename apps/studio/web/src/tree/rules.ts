@@ -1,0 +1,61 @@
+// Where dragged elements may go.
+import type { Op, TreeElement } from "../core/protocol";
+import type { Schema } from "../forms/schema";
+import { children_lists, is_inside, top_most } from "./model";
+
+export type DropZone = "before" | "into" | "after";
+
+export interface DropPlace {
+  parent: number;
+  /** null: last */
+  before: number | null;
+}
+
+/** Which part of a row the pointer is in; `y` [0, 1] of its height. Rows that can hold what is dragged have a middle. */
+export function drop_zone(y: number, may_hold: boolean): DropZone {
+  if (!may_hold) return y < 0.5 ? "before" : "after";
+  return y < 0.25 ? "before" : y > 0.75 ? "after" : "into";
+}
+
+export function drop_place(elements: readonly TreeElement[], target: number, zone: DropZone): DropPlace | null {
+  const element = elements[target];
+  if (!element) return null;
+  if (zone === "into") return { parent: target, before: null };
+  if (element.parent < 0) return null;
+  if (zone === "before") return { parent: element.parent, before: target };
+  const siblings = children_lists(elements)[element.parent]!;
+  return { parent: element.parent, before: siblings[siblings.indexOf(target) + 1] ?? null };
+}
+
+/** Why the elements may not go there; "": they may. */
+export function refuse_drop(
+  schema: Schema, elements: readonly TreeElement[], dragged: readonly number[], place: DropPlace,
+): string {
+  const moved = top_most(elements, dragged);
+  if (moved.length === 0) return "the scene itself stays where it is";
+  const parent = elements[place.parent];
+  if (!parent) return "there is nothing to hold it";
+  for (const id of moved) {
+    if (is_inside(elements, place.parent, id)) return "an element cannot go into itself";
+    const element = elements[id]!;
+    const stays = element.parent === place.parent;
+    if (!stays && !schema.may_hold(elements, place.parent, element.tag)) {
+      return `<${parent.tag}> holds no <${element.tag}>`;
+    }
+  }
+  return "";
+}
+
+/** Moves that change something, in an order that keeps theirs. */
+export function drop_ops(elements: readonly TreeElement[], dragged: readonly number[], place: DropPlace): Op[] {
+  const moved = top_most(elements, dragged);
+  let before = place.before;
+  // "Before" something that moves too means before the next that stays.
+  const siblings = children_lists(elements)[place.parent] ?? [];
+  while (before !== null && moved.includes(before)) before = siblings[siblings.indexOf(before) + 1] ?? null;
+  if (moved.length === 1) {
+    const at = siblings.indexOf(moved[0]!);
+    if (at >= 0 && (siblings[at + 1] ?? null) === before) return [];
+  }
+  return moved.map((element) => ({ op: "move", element, parent: place.parent, before, keep_place: true }));
+}

@@ -1,0 +1,403 @@
+// The scene tree: a virtualised ARIA tree.
+import { computed, effect, signal } from "@preact/signals";
+import { useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
+import type { JSX } from "preact";
+import type { Studio } from "../core/studio";
+import { rename } from "./commands";
+import { Icon } from "./icons";
+import { open_menu } from "./menu";
+import { element_keys, label_of, tree_rows, type_ahead, visible_rows, type Row, type SignalInfo } from "./model";
+import { drop_ops, drop_place, drop_zone, refuse_drop, type DropZone } from "./rules";
+import { kSignalType, signal_label, tree_state } from "./tree_state";
+
+export const kRowHeight = 24;
+const kTypeAheadRest = 800;
+const kElementType = "application/x-cogrsim-elements";
+
+/** Same element or same signal of it. */
+const row_key = (row: Row): string => (row.signal ? `${row.id}~${row.signal.name}` : String(row.id));
+
+export class TreeModel {
+  readonly search = signal("");
+  readonly closed = signal<ReadonlySet<string>>(new Set());
+  /** keys of elements whose signals are shown */
+  readonly open_signals = signal<ReadonlySet<string>>(new Set());
+  readonly keys = computed(() => element_keys(this.studio.state.tree.value.elements));
+  readonly rows = computed(() => {
+    const { elements } = this.studio.state.tree.value;
+    const by_owner = tree_state(this.studio).signals.value;
+    const signals = new Map<number, readonly SignalInfo[]>();
+    const open = this.open_signals.value;
+    if (open.size > 0) {
+      elements.forEach((e) => {
+        const own = e.path === "" ? undefined : by_owner.get(e.path);
+        if (own && open.has(this.keys.value[e.id]!)) signals.set(e.id, own);
+      });
+    }
+    return tree_rows(elements, { closed: this.closed.value, keys: this.keys.value, search: this.search.value, signals });
+  });
+  /** the row with the keyboard; in rows */
+  readonly active = signal("0");
+  readonly anchor = signal(-1);
+
+  constructor(readonly studio: Studio) {}
+
+  toggle(id: number, open?: boolean): void {
+    this.closed.value = changed(this.closed.value, this.keys.value[id]!, open === undefined ? undefined : !open);
+  }
+  toggle_signals(id: number): void {
+    this.open_signals.value = changed(this.open_signals.value, this.keys.value[id]!);
+    if (this.open_signals.value.has(this.keys.value[id]!)) this.toggle(id, true);
+  }
+  /** Opens what is around an element, so that it has a row. */
+  reveal(id: number): void {
+    const { elements } = this.studio.state.tree.peek();
+    const closed = new Set(this.closed.peek());
+    for (let at = elements[id]?.parent ?? -1; at >= 0; at = elements[at]?.parent ?? -1) closed.delete(this.keys.peek()[at]!);
+    if (closed.size !== this.closed.peek().size) this.closed.value = closed;
+  }
+}
+
+const models = new WeakMap<Studio, TreeModel>();
+
+/** What is open and searched outlives the panel. */
+export function tree_model(studio: Studio): TreeModel {
+  let model = models.get(studio);
+  if (!model) models.set(studio, (model = new TreeModel(studio)));
+  return model;
+}
+
+function changed(set: ReadonlySet<string>, key: string, member?: boolean): ReadonlySet<string> {
+  const next = new Set(set);
+  if (member ?? !next.has(key)) next.add(key);
+  else next.delete(key);
+  return next;
+}
+
+function NameField({ studio, id, name }: { studio: Studio; id: number; name: string }): JSX.Element {
+  const field = useRef<HTMLInputElement>(null);
+  const state = tree_state(studio);
+  useLayoutEffect(() => {
+    field.current?.focus();
+    field.current?.select();
+  }, []);
+  const done = (accept: boolean) => {
+    if (state.renaming.peek() !== id) return;
+    state.renaming.value = -1;
+    if (accept) void rename(studio, id, field.current!.value.trim());
+  };
+  return (
+    <input
+      ref={field}
+      class="cg-tree-name-field"
+      aria-label="New name"
+      data-testid="rename-field"
+      defaultValue={name}
+      spellcheck={false}
+      onBlur={() => done(true)}
+      onKeyDown={(event) => {
+        event.stopPropagation();
+        const tree = (event.target as HTMLElement).closest<HTMLElement>('[role="tree"]');
+        if (event.key === "Enter") done(true);
+        else if (event.key === "Escape") done(false);
+        else return;
+        tree?.focus();
+      }}
+    />
+  );
+}
+
+export function TreeView({ model }: { model: TreeModel }): JSX.Element {
+  const { studio } = model;
+  const { state } = studio;
+  const shared = tree_state(studio);
+  const box = useRef<HTMLDivElement>(null);
+  const [scrolled, set_scrolled] = useState(0);
+  const [height, set_height] = useState(400);
+  const [drop, set_drop] = useState<{ id: number; zone: DropZone } | null>(null);
+  const typed = useMemo(() => ({ text: "", time: 0 }), []);
+  const prefix = useMemo(() => `cg-tree-${Math.random().toString(36).slice(2, 8)}`, []);
+
+  const rows = model.rows.value;
+  const { elements } = state.tree.value;
+  const selection = state.selection.value;
+  const selected = useMemo(() => new Set(selection), [selection]);
+  const hovered_body = state.hovered.value;
+  const hovered = hovered_body < 0 ? -1 : (state.scene.value?.bodies[hovered_body]?.element ?? -1);
+  const active = Math.max(0, rows.findIndex((row) => row_key(row) === model.active.value));
+  const renaming = shared.renaming.value;
+  const by_owner = shared.signals.value;
+  const may_edit = state.may_edit.value;
+
+  useEffect(() => {
+    const observer = new ResizeObserver(() => set_height(box.current?.clientHeight ?? 400));
+    observer.observe(box.current!);
+    return () => observer.disconnect();
+  }, []);
+
+  const scroll_to = (index: number) => {
+    const view = box.current;
+    if (!view || index < 0) return;
+    const top = index * kRowHeight;
+    if (top < view.scrollTop) view.scrollTop = top;
+    else if (top + kRowHeight > view.scrollTop + view.clientHeight) view.scrollTop = top + kRowHeight - view.clientHeight;
+  };
+
+  // What is selected elsewhere comes into sight.
+  useEffect(
+    () =>
+      effect(() => {
+        const main = state.selection.value[state.selection.value.length - 1];
+        const renamed = shared.renaming.value;
+        const shown = renamed >= 0 ? renamed : main;
+        if (shown === undefined) return;
+        model.reveal(shown);
+        model.active.value = String(shown);
+        const index = model.rows.peek().findIndex((row) => row.id === shown && !row.signal);
+        requestAnimationFrame(() => scroll_to(index));
+      }),
+    [],
+  );
+
+  const select_row = (index: number, event: { ctrlKey: boolean; metaKey: boolean; shiftKey: boolean }) => {
+    const row = rows[index];
+    if (!row) return;
+    model.active.value = row_key(row);
+    if (row.signal) return;
+    if (event.shiftKey && model.anchor.peek() >= 0) {
+      const from = rows.findIndex((r) => r.id === model.anchor.peek() && !r.signal);
+      if (from >= 0) {
+        const [low, high] = from < index ? [from, index] : [index, from];
+        const range = rows.slice(low, high + 1).flatMap((r) => (r.signal ? [] : [r.id]));
+        studio.select(from < index ? range : range.reverse());
+        return;
+      }
+    }
+    model.anchor.value = row.id;
+    if (event.ctrlKey || event.metaKey) {
+      studio.select(selected.has(row.id) ? selection.filter((id) => id !== row.id) : [...selection, row.id]);
+    } else {
+      studio.select([row.id]);
+    }
+  };
+
+  const activate = (row: Row) => {
+    if (row.signal) studio.draw_signal(row.signal.name);
+    else if (studio.commands.hasCommand("view:focus")) void studio.commands.execute("view:focus");
+  };
+
+  const on_key = (event: KeyboardEvent) => {
+    const row = rows[active];
+    if (!row) return;
+    const go = (index: number) => {
+      const to = Math.min(rows.length - 1, Math.max(0, index));
+      // With Ctrl only the keyboard goes there, to add it with Ctrl+Space.
+      if (event.ctrlKey) model.active.value = row_key(rows[to]!);
+      else select_row(to, { ctrlKey: false, metaKey: false, shiftKey: event.shiftKey });
+      scroll_to(to);
+    };
+    const page = Math.max(1, Math.floor(height / kRowHeight) - 1);
+    switch (event.key) {
+      case "ArrowDown": go(active + 1); break;
+      case "ArrowUp": go(active - 1); break;
+      case "Home": go(0); break;
+      case "End": go(rows.length - 1); break;
+      case "PageDown": go(active + page); break;
+      case "PageUp": go(active - page); break;
+      case "ArrowRight":
+        if (row.expanded === false) model.toggle(row.id, true);
+        else if (row.expanded) go(active + 1);
+        break;
+      case "ArrowLeft": {
+        if (row.expanded && model.search.value === "") {
+          model.toggle(row.id, false);
+          break;
+        }
+        const around = row.signal ? row.id : (elements[row.id]?.parent ?? -1);
+        const index = rows.findIndex((r) => r.id === around && !r.signal);
+        if (index >= 0) go(index);
+        break;
+      }
+      case "Enter": activate(row); break;
+      case "F2": if (may_edit) void studio.commands.execute("edit:rename"); break;
+      case " ":
+        if (!event.ctrlKey) return;
+        select_row(active, { ctrlKey: true, metaKey: false, shiftKey: false });
+        break;
+      case "ContextMenu":
+      case "F10": {
+        if (event.key === "F10" && !event.shiftKey) return;
+        const place = box.current!.getBoundingClientRect();
+        open_menu(studio, row, place.left + 40, place.top + (active + 1) * kRowHeight - box.current!.scrollTop);
+        break;
+      }
+      default: {
+        if (event.ctrlKey || event.metaKey || event.altKey || !/^[\p{L}_]$/u.test(event.key)) return;
+        if (event.timeStamp - typed.time > kTypeAheadRest) typed.text = "";
+        typed.time = event.timeStamp;
+        typed.text += event.key;
+        const labels = rows.map((r) => (r.signal ? signal_label(r.signal) : label_of(elements[r.id]!) || elements[r.id]!.tag));
+        const to = type_ahead(labels, typed.text.length > 1 ? active : active + 1, typed.text);
+        if (to >= 0) go(to);
+      }
+    }
+    event.preventDefault();
+    event.stopPropagation();
+  };
+
+  const drag_start = (event: DragEvent, row: Row) => {
+    const data = event.dataTransfer!;
+    const own = row.signal ? [row.signal] : (by_owner.get(elements[row.id]?.path || "-") ?? []);
+    if (own.length > 0) data.setData(kSignalType, own[0]!.name);
+    if (row.signal) {
+      data.setData("text/plain", row.signal.name);
+      data.effectAllowed = "copy";
+      return;
+    }
+    const dragged = selected.has(row.id) ? selection : [row.id];
+    data.setData(kElementType, JSON.stringify(dragged));
+    data.setData("text/plain", elements[row.id]?.path || label_of(elements[row.id]!));
+    data.effectAllowed = "copyMove";
+    model_drag = dragged;
+  };
+
+  const place_of = (event: DragEvent, row: Row) => {
+    const schema = shared.schema.value;
+    if (!schema || row.signal || !may_edit || !event.dataTransfer!.types.includes(kElementType)) return null;
+    const bounds = (event.currentTarget as HTMLElement).getBoundingClientRect();
+    const into = { parent: row.id, before: null };
+    const holds = refuse_drop(schema, elements, model_drag, into) === "";
+    const zone = row.id === 0 ? "into" : drop_zone((event.clientY - bounds.top) / bounds.height, holds);
+    const place = drop_place(elements, row.id, zone);
+    if (!place || refuse_drop(schema, elements, model_drag, place) !== "") return null;
+    return { zone, place };
+  };
+
+  const { first, last } = visible_rows(rows.length, kRowHeight, scrolled, height);
+  const drawn = rows.slice(first, last).map((row, i) => ({ row, index: first + i }));
+  const keyboard_row = rows[active];
+  if (keyboard_row && (active < first || active >= last)) drawn.push({ row: keyboard_row, index: active });
+
+  return (
+    <div
+      ref={box}
+      class="cg-tree"
+      role="tree"
+      tabIndex={0}
+      aria-label="Scene tree"
+      aria-multiselectable="true"
+      aria-activedescendant={keyboard_row ? `${prefix}-${row_key(keyboard_row)}` : undefined}
+      data-cg-keys="own"
+      onScroll={(event) => set_scrolled((event.currentTarget as HTMLElement).scrollTop)}
+      onKeyDown={on_key}
+      onPointerLeave={() => (state.hovered.value = -1)}
+    >
+      <div class="cg-tree-space" role="presentation" style={{ height: `${rows.length * kRowHeight}px` }}>
+        {drawn.map(({ row, index }) => {
+          const element = elements[row.id];
+          if (!element) return null;
+          const is_selected = !row.signal && selected.has(row.id);
+          const classes = ["cg-tree-row"];
+          if (is_selected) classes.push("is-selected");
+          if (index === active) classes.push("is-active");
+          if (!row.signal && row.id === hovered) classes.push("is-hovered");
+          if (row.found) classes.push("is-found");
+          if (drop && drop.id === row.id && !row.signal) classes.push(`is-drop-${drop.zone}`);
+          const label = row.signal ? signal_label(row.signal) : label_of(element);
+          const signals = row.signal || element.path === "" ? undefined : by_owner.get(element.path);
+          return (
+            <div
+              key={row_key(row)}
+              id={`${prefix}-${row_key(row)}`}
+              class={classes.join(" ")}
+              role="treeitem"
+              aria-level={row.depth + 1}
+              aria-posinset={row.position}
+              aria-setsize={row.siblings}
+              aria-selected={is_selected}
+              aria-expanded={row.expanded === null ? undefined : row.expanded}
+              aria-label={row.signal ? `signal ${label}` : `${element.tag} ${label}`.trim()}
+              data-element={row.signal ? undefined : row.id}
+              data-path={row.signal ? row.signal.name : element.path}
+              style={{ top: `${index * kRowHeight}px`, paddingLeft: `${4 + row.depth * 14}px` }}
+              title={row.signal ? row.signal.name : element.path || element.tag}
+              draggable={renaming !== row.id || row.signal !== null}
+              onClick={(event) => {
+                // The field for the name keeps the focus.
+                if (!(event.target as HTMLElement).closest("input")) select_row(index, event);
+              }}
+              onDblClick={(event) => {
+                if (!(event.target as HTMLElement).closest("input, button")) activate(row);
+              }}
+              onContextMenu={(event) => {
+                event.preventDefault();
+                if (!row.signal && !selected.has(row.id)) select_row(index, { ctrlKey: false, metaKey: false, shiftKey: false });
+                open_menu(studio, row, event.clientX, event.clientY);
+              }}
+              onPointerEnter={() => (state.hovered.value = row.id > 0 ? (state.bodies_of(row.id)[0] ?? -1) : -1)}
+              onDragStart={(event) => drag_start(event, row)}
+              onDragEnd={() => set_drop(null)}
+              onDragOver={(event) => {
+                const found = place_of(event, row);
+                if (found) {
+                  event.preventDefault();
+                  event.dataTransfer!.dropEffect = "move";
+                }
+                if (drop?.id !== (found ? row.id : undefined) || drop?.zone !== found?.zone) {
+                  set_drop(found ? { id: row.id, zone: found.zone } : null);
+                }
+              }}
+              onDrop={(event) => {
+                const found = place_of(event, row);
+                set_drop(null);
+                if (!found) return;
+                event.preventDefault();
+                const ops = drop_ops(elements, model_drag, found.place);
+                const what = model_drag.length === 1 ? label_of(elements[model_drag[0]!]!) : `${model_drag.length} elements`;
+                if (ops.length > 0) void studio.edit(`move ${what}`, ops).then((made) => made?.length && studio.select(made));
+              }}
+            >
+              {row.expanded === null ? (
+                <span class="cg-tree-twist" />
+              ) : (
+                <span
+                  class={`cg-tree-twist${row.expanded ? " is-open" : ""}`}
+                  aria-hidden="true"
+                  onClick={(event) => {
+                    event.stopPropagation();
+                    model.toggle(row.id);
+                  }}
+                />
+              )}
+              <Icon tag={row.signal ? "signal" : element.tag} />
+              {renaming === row.id && !row.signal ? (
+                <NameField studio={studio} id={row.id} name={element.name} />
+              ) : (
+                <span class="cg-tree-label">
+                  {label !== "" && <span class="cg-tree-name">{label}</span>}
+                  {!row.signal && <span class="cg-tree-tag">{element.tag}</span>}
+                </span>
+              )}
+              {signals && (
+                <span
+                  class="cg-tree-signals"
+                  title="Show what can be drawn"
+                  aria-hidden="true"
+                  onClick={(event) => {
+                    event.stopPropagation();
+                    model.toggle_signals(row.id);
+                  }}
+                >
+                  <Icon tag="signal" />
+                </span>
+              )}
+            </div>
+          );
+        })}
+      </div>
+    </div>
+  );
+}
+
+// What is dragged, for dragover: the data itself can be read on drop only.
+let model_drag: readonly number[] = [];
