@@ -189,7 +189,8 @@ export interface Scene {
   controllers: (FromFile & { name: string; plugin: string; assembly: number })[];
   supervisors: (FromFile & { name: string; plugin: string })[];
   plots: (FromFile & { name: string; kind: string; title: string })[];
-  meshes: { positions: number[]; indices: number[] }[];
+  /** `uv`: u, v of each corner of each triangle, in the order of `indices`; empty: none of its own */
+  meshes: { positions: number[]; indices: number[]; uv?: number[] }[];
   heightmaps: { rows: number; columns: number; size: Vec3; heights: number[] }[];
   gravity: Vec3;
   step: number;

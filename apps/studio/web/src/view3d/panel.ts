@@ -1,13 +1,138 @@
+// The panel of the 3D view. What draws is loaded when it is first shown.
+import { effect } from "@preact/signals-core";
 import { Widget } from "@lumino/widgets";
 import type { PanelType, Studio } from "../core/studio";
+import { register_commands } from "./commands";
+import { open_views, OVERLAYS } from "./settings";
+import { fill_tools, menu_button, open_context_menu } from "./tools";
+import type { View3d } from "./view";
+import "./view3d.css";
+
+class View3dWidget extends Widget {
+  private readonly host: HTMLElement;
+  private readonly notes: HTMLElement;
+  private readonly said = new Map<string, string>();
+  private view: View3d | null = null;
+  private loading = false;
+  private readonly stops: (() => void)[] = [];
+
+  constructor(private readonly studio: Studio) {
+    super();
+    this.addClass("cg-view");
+    const { ownerDocument: document } = this.node;
+    const row = document.createElement("div");
+    row.className = "cg-tools";
+    row.setAttribute("role", "toolbar");
+    row.setAttribute("aria-label", "Views, handles and overlays");
+    this.stops.push(
+      fill_tools(studio, row, [
+        [
+          { command: "view:front", text: "Front" },
+          { command: "view:back", text: "Back" },
+          { command: "view:left", text: "Left" },
+          { command: "view:right", text: "Right" },
+          { command: "view:top", text: "Top" },
+          { command: "view:bottom", text: "Bottom" },
+          { command: "view:iso", text: "Iso" },
+        ],
+        [
+          { command: "view:fit", text: "Fit" },
+          { command: "view:focus", text: "Focus" },
+          { command: "view:follow", text: "Follow" },
+        ],
+        [
+          { command: "handles:move", text: "Move" },
+          { command: "handles:rotate", text: "Rotate" },
+          { command: "handles:local", text: "Local" },
+          { command: "handles:snap", text: "Snap" },
+        ],
+      ]),
+    );
+    menu_button(
+      studio,
+      row,
+      "Show",
+      "What is drawn over the scene",
+      OVERLAYS.map((name) => `overlay:${name}`),
+    );
+    this.host = document.createElement("div");
+    this.host.className = "cg-view-host";
+    this.host.tabIndex = 0;
+    this.host.setAttribute("role", "application");
+    this.host.setAttribute("aria-label", "3D view. Shift and arrows turn it, Page Up and Page Down zoom");
+    this.notes = document.createElement("div");
+    this.notes.className = "cg-view-note";
+    this.notes.setAttribute("role", "status");
+    this.notes.hidden = true;
+    const stage = document.createElement("div");
+    stage.className = "cg-view-stage";
+    stage.append(this.host, this.notes);
+    this.node.append(row, stage);
+  }
+
+  private note(matter: string, text: string): void {
+    if ((this.said.get(matter) ?? "") === text) return;
+    this.said.set(matter, text);
+    const all = [...this.said.values()].filter(Boolean);
+    this.notes.textContent = all.join(" \u00b7 ");
+    this.notes.hidden = all.length === 0;
+  }
+
+  protected override onAfterAttach(): void {
+    if (this.view || this.loading) return;
+    this.loading = true;
+    void this.load();
+  }
+
+  private async load(): Promise<void> {
+    const { View3d } = await import("./view");
+    if (this.isDisposed) return;
+    this.view = new View3d(this.studio, {
+      host: this.host,
+      note: (matter, text) => this.note(matter, text),
+      context_menu: (event) => open_context_menu(this.studio, event.clientX, event.clientY, ["view:focus", "view:follow", "view:fit"]),
+    });
+    const sizes = new ResizeObserver(() => this.view?.set_size(this.host.clientWidth, this.host.clientHeight));
+    sizes.observe(this.host);
+    // hidden behind another tab, closed, scrolled away: whatever the reason, nothing is drawn
+    let seen = false;
+    const look = (now: boolean) => {
+      if (now === seen) return;
+      seen = now;
+      open_views.value += now ? 1 : -1;
+      this.view?.set_visible(now);
+    };
+    const sight = new IntersectionObserver((entries) => look(entries.at(-1)!.isIntersecting));
+    sight.observe(this.host);
+    this.view.set_size(this.host.clientWidth, this.host.clientHeight);
+    this.stops.push(
+      () => sizes.disconnect(),
+      () => sight.disconnect(),
+      () => look(false),
+      effect(() => {
+        const { scene } = this.studio.state;
+        this.host.toggleAttribute("aria-busy", scene.value === null);
+      }),
+    );
+  }
+
+  override dispose(): void {
+    if (this.isDisposed) return;
+    for (const stop of this.stops) stop();
+    this.view?.dispose();
+    super.dispose();
+  }
+}
 
 export const panel: PanelType = {
   name: "view3d",
   title: "3D",
-  create(_studio: Studio): Widget {
-    return new Widget();
+  create(studio: Studio): Widget {
+    return new View3dWidget(studio);
   },
 };
 
 /** Adds the panel's commands; called once, before any panel is made. */
-export function register(_studio: Studio): void {}
+export function register(studio: Studio): void {
+  register_commands(studio);
+}

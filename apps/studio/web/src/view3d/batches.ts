@@ -1,0 +1,281 @@
+// The bodies of a scene as things to draw: shapes alike share one draw call, whatever their number.
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DoubleSide,
+  DynamicDrawUsage,
+  Group,
+  InstancedMesh,
+  Matrix4,
+  Mesh,
+  MeshLambertMaterial,
+  RepeatWrapping,
+  SRGBColorSpace,
+  TextureLoader,
+  type Intersection,
+  type Texture,
+} from "three";
+import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
+import { pose_at, place_matrix, scaled_matrix } from "./pose";
+import { box, cylinder, rectangle, round, textured, triangles_of, type Triangles } from "./triangles";
+
+/** A shape of a body, where it is drawn. */
+interface Item {
+  body: number;
+  shape: SceneShape;
+  /** scale and pose in the body, 4 x 4 column by column */
+  local: Float64Array;
+  mesh: Mesh | InstancedMesh;
+  /** instance; -1: a mesh of its own */
+  index: number;
+}
+
+export interface BatchOptions {
+  /** address of a texture */
+  asset: (path: string) => string;
+  /** called when a texture has come */
+  changed: () => void;
+  /** the other run of a comparison: all see-through, in this colour (sRGB), nothing that cannot move */
+  ghost?: Color;
+}
+
+const GHOST_OPACITY = 0.4;
+const MANY_ROUND = 300;
+
+function geometry_of(t: Triangles): BufferGeometry {
+  const made = new BufferGeometry();
+  made.setAttribute("position", new BufferAttribute(new Float32Array(t.positions), 3));
+  made.setAttribute("normal", new BufferAttribute(new Float32Array(t.normals), 3));
+  if (t.uvs) made.setAttribute("uv", new BufferAttribute(new Float32Array(t.uvs), 2));
+  made.setIndex(t.indices);
+  made.computeBoundingSphere();
+  return made;
+}
+
+export class Batches {
+  readonly root = new Group();
+  private readonly items: Item[] = [];
+  private readonly by_mesh = new Map<object, Item[]>();
+  private readonly by_body = new Map<number, Item[]>();
+  private readonly geometries = new Map<string, BufferGeometry>();
+  private readonly materials = new Map<string, MeshLambertMaterial>();
+  private readonly textures: Texture[] = [];
+  private readonly segments: number;
+  private gone = false;
+
+  constructor(
+    private readonly scene: Scene,
+    private readonly options: BatchOptions,
+  ) {
+    const visible = scene.bodies.flatMap((body, b) => {
+      if (body.removed || (options.ghost && body.kind === "fixed")) return [];
+      return body.shapes.filter((s) => s.visual).map((shape) => ({ body: b, shape }));
+    });
+    const curved = new Set(["sphere", "cylinder", "capsule"]);
+    this.segments = visible.filter((v) => curved.has(v.shape.type)).length > MANY_ROUND ? 20 : 48;
+
+    const groups = new Map<string, { body: number; shape: SceneShape }[]>();
+    for (const one of visible) {
+      const key = this.is_alone(one.shape) ? `alone ${groups.size}` : this.group_key(one.shape);
+      const group = groups.get(key);
+      if (group) group.push(one);
+      else groups.set(key, [one]);
+    }
+    for (const members of groups.values()) this.add_group(members);
+    this.root.matrixAutoUpdate = false;
+  }
+
+  /** See-through things are drawn from far to near, each by itself. */
+  private is_alone(shape: SceneShape): boolean {
+    return !this.options.ghost && shape.color[3] < 1;
+  }
+
+  private geometry_key(shape: SceneShape): string {
+    const by = shape.texture && !this.options.ghost ? ` ${shape.size.join(" ")} ${shape.tile.join(" ")}` : "";
+    if (shape.type === "capsule") return `capsule ${shape.size.join(" ")}${by && shape.tile.join(" ")}`;
+    if (shape.type === "mesh") return `mesh ${shape.mesh}${by}`;
+    if (shape.type === "heightmap") return `heightmap ${shape.heightmap}${by}`;
+    return shape.type + by;
+  }
+
+  private group_key(shape: SceneShape): string {
+    return `${this.geometry_key(shape)} | ${this.options.ghost ? "" : shape.texture}`;
+  }
+
+  /** Of size 1 where one size makes all others by scaling. */
+  private is_unit(shape: SceneShape): boolean {
+    const plain = !shape.texture || this.options.ghost !== undefined;
+    return plain && ["box", "sphere", "cylinder", "plane"].includes(shape.type);
+  }
+
+  private geometry(shape: SceneShape): BufferGeometry {
+    const key = this.geometry_key(shape);
+    let made = this.geometries.get(key);
+    if (made) return made;
+    let t: Triangles;
+    if (!this.is_unit(shape)) {
+      t = triangles_of(this.scene, shape, this.segments);
+      if (shape.texture && !this.options.ghost) t = textured(this.scene, shape, t);
+    } else if (shape.type === "sphere") t = round(1, 0, this.segments);
+    else if (shape.type === "cylinder") t = cylinder(1, 1, this.segments);
+    else if (shape.type === "plane") t = rectangle(1, 1);
+    else t = box([1, 1, 1]);
+    made = geometry_of(t);
+    this.geometries.set(key, made);
+    return made;
+  }
+
+  private local_matrix(shape: SceneShape): Float64Array {
+    const [a = 1, b = 1, c = 1] = shape.size;
+    let scale: Vec3 = [1, 1, 1];
+    if (this.is_unit(shape)) {
+      if (shape.type === "box") scale = [a, b, c];
+      else if (shape.type === "sphere") scale = [a, a, a];
+      else if (shape.type === "cylinder") scale = [a, a, b / 2];
+      else if (shape.type === "plane") scale = [a, b, 1];
+    }
+    return scaled_matrix(shape.pose, scale);
+  }
+
+  private material(shape: SceneShape): MeshLambertMaterial {
+    const { ghost } = this.options;
+    const alone = this.is_alone(shape);
+    const plane = shape.type === "plane";
+    const texture = ghost ? "" : shape.texture;
+    const key = ghost ? "ghost" : `${texture} ${plane} ${alone ? shape.color.join(" ") : ""}`;
+    let made = this.materials.get(key);
+    if (made) return made;
+    made = new MeshLambertMaterial({ side: DoubleSide });
+    if (ghost) {
+      made.color = ghost;
+      made.transparent = true;
+      made.opacity = GHOST_OPACITY;
+      made.depthWrite = false;
+    } else if (alone) {
+      made.color.setRGB(shape.color[0], shape.color[1], shape.color[2], SRGBColorSpace);
+      made.transparent = true;
+      made.opacity = shape.color[3];
+      made.depthWrite = false;
+    }
+    // the grid and flat things on the ground shall be seen on it
+    if (plane) Object.assign(made, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 });
+    this.materials.set(key, made);
+    if (texture) this.load(texture, made);
+    return made;
+  }
+
+  private load(path: string, material: MeshLambertMaterial): void {
+    const address = this.options.asset(path);
+    if (!address) return;
+    const texture = new TextureLoader().load(
+      address,
+      () => {
+        if (this.gone) return;
+        material.map = texture;
+        material.needsUpdate = true;
+        this.options.changed();
+      },
+      undefined,
+      () => console.warn(`the texture ${address} cannot be loaded`),
+    );
+    texture.colorSpace = SRGBColorSpace;
+    texture.wrapS = texture.wrapT = RepeatWrapping;
+    texture.anisotropy = 8;
+    this.textures.push(texture);
+  }
+
+  private add_group(members: { body: number; shape: SceneShape }[]): void {
+    const first = members[0]!.shape;
+    const alone = this.is_alone(first);
+    const geometry = this.geometry(first);
+    const material = this.material(first);
+    let mesh: Mesh | InstancedMesh;
+    if (alone) {
+      mesh = new Mesh(geometry, material);
+      mesh.matrixAutoUpdate = false;
+    } else {
+      const many = new InstancedMesh(geometry, material, members.length);
+      many.instanceMatrix.setUsage(DynamicDrawUsage);
+      if (!this.options.ghost) {
+        const color = new Color();
+        members.forEach(({ shape }, i) => {
+          const [r, g, b] = shape.color;
+          many.setColorAt(i, color.setRGB(r, g, b, SRGBColorSpace));
+        });
+      }
+      mesh = many;
+    }
+    // instances are all over the place: what is out of sight is not worth finding out
+    mesh.frustumCulled = false;
+    mesh.castShadow = !this.options.ghost && !alone && first.type !== "plane";
+    mesh.receiveShadow = !this.options.ghost;
+    if (this.options.ghost) mesh.renderOrder = 1;
+    const items = members.map(({ body, shape }, i): Item => {
+      return { body, shape, local: this.local_matrix(shape), mesh, index: alone ? -1 : i };
+    });
+    this.by_mesh.set(mesh, items);
+    for (const item of items) {
+      this.items.push(item);
+      const of_body = this.by_body.get(item.body);
+      if (of_body) of_body.push(item);
+      else this.by_body.set(item.body, [item]);
+    }
+    this.root.add(mesh);
+  }
+
+  /** Puts everything where a frame says; what has no place is not drawn. */
+  place(poses: ArrayLike<number>): void {
+    const own = new Float32Array(16);
+    for (const item of this.items) {
+      const from = 7 * item.body;
+      const sound = from + 6 < poses.length && Number.isFinite(poses[from]! + poses[from + 3]! + poses[from + 6]!);
+      if (item.index >= 0) {
+        const array = (item.mesh as InstancedMesh).instanceMatrix.array as Float32Array;
+        if (sound) place_matrix(array, 16 * item.index, poses, from, item.local);
+        else array.fill(0, 16 * item.index, 16 * item.index + 16);
+        continue;
+      }
+      item.mesh.visible = sound;
+      if (!sound) continue;
+      place_matrix(own, 0, poses, from, item.local);
+      item.mesh.matrix.fromArray(own);
+      item.mesh.matrixWorldNeedsUpdate = true;
+    }
+    for (const mesh of this.by_mesh.keys()) {
+      if (!(mesh instanceof InstancedMesh)) continue;
+      mesh.instanceMatrix.needsUpdate = true;
+      mesh.boundingSphere = null;
+    }
+  }
+
+  /** The body a ray met; -1: something else. */
+  body_at(hit: Intersection): number {
+    const items = this.by_mesh.get(hit.object);
+    if (!items) return -1;
+    return items[hit.instanceId ?? 0]?.body ?? -1;
+  }
+
+  /** What a body is drawn with, for drawing it once more. */
+  drawn(body: number): { geometry: BufferGeometry; matrix: Matrix4; plane: boolean }[] {
+    return (this.by_body.get(body) ?? []).map((item) => {
+      const matrix = new Matrix4();
+      if (item.index >= 0) (item.mesh as InstancedMesh).getMatrixAt(item.index, matrix);
+      else matrix.copy(item.mesh.matrix);
+      return { geometry: item.mesh.geometry, matrix, plane: item.shape.type === "plane" };
+    });
+  }
+
+  pose_of(poses: ArrayLike<number>, body: number): Pose {
+    return 7 * body + 6 < poses.length ? pose_at(poses, body) : this.scene.bodies[body]!.pose;
+  }
+
+  dispose(): void {
+    this.gone = true;
+    this.root.removeFromParent();
+    for (const mesh of this.by_mesh.keys()) if (mesh instanceof InstancedMesh) mesh.dispose();
+    for (const made of this.geometries.values()) made.dispose();
+    for (const made of this.materials.values()) made.dispose();
+    for (const made of this.textures) made.dispose();
+  }
+}

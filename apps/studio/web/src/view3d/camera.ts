@@ -1,0 +1,113 @@
+// The eye: orbit, pan and zoom around a point, standard views, following a body.
+import { MOUSE, PerspectiveCamera, Vector3 } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import type { Pose, Vec3 } from "../core/protocol";
+import { middle_of, NOTHING, radius_of, type Bounds } from "./bounds";
+import { camera_pose, direction_of, distance_for, vertical_fov, type ViewName } from "./views";
+
+export class Eye {
+  readonly camera = new PerspectiveCamera(40, 1, 0.01, 1000);
+  readonly controls: OrbitControls;
+  /** Whether a user has ever moved it. */
+  touched = false;
+  private reach = 2;
+  private followed: Vec3 | null = null;
+
+  constructor(element: HTMLElement, changed: () => void) {
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, element);
+    this.controls.enableDamping = false;
+    this.controls.zoomToCursor = true;
+    this.controls.screenSpacePanning = true;
+    this.controls.minDistance = 1e-3;
+    this.controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
+    this.controls.addEventListener("change", changed);
+    this.controls.addEventListener("start", () => (this.touched = true));
+    this.look("iso", NOTHING);
+    this.touched = false;
+  }
+
+  set_size(width: number, height: number): void {
+    this.camera.aspect = width / Math.max(height, 1);
+    this.camera.fov = (vertical_fov(this.camera.aspect) * 180) / Math.PI;
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** Shows all of the bounds from a side. */
+  look(view: ViewName, bounds: Bounds): void {
+    this.place(direction_of(view), bounds);
+  }
+
+  /** Shows all of the bounds from where one looks now. */
+  fit(bounds: Bounds): void {
+    const d = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.place([d.x, d.y, d.z], bounds);
+  }
+
+  private place(direction: Vec3, bounds: Bounds): void {
+    const middle = middle_of(bounds);
+    const distance = distance_for(bounds, direction, this.camera.aspect);
+    this.touched = true;
+    this.controls.target.set(...middle);
+    this.camera.position.set(...middle).addScaledVector(new Vector3(...direction), distance);
+    this.controls.update();
+  }
+
+  /** Moves along with what is followed; null: nothing is. */
+  follow(place: Vec3 | null): void {
+    const before = this.followed;
+    this.followed = place;
+    if (!before || !place || !place.every(Number.isFinite)) return;
+    const moved = new Vector3(place[0] - before[0], place[1] - before[1], place[2] - before[2]);
+    if (moved.lengthSq() === 0) return;
+    this.camera.position.add(moved);
+    this.controls.target.add(moved);
+    this.controls.update();
+  }
+
+  /** Looks at a point from as far as now. */
+  look_at(place: Vec3): void {
+    const moved = new Vector3(...place).sub(this.controls.target);
+    this.camera.position.add(moved);
+    this.controls.target.add(moved);
+    this.controls.update();
+  }
+
+  /** Turns around what is looked at [rad], or comes nearer by a factor: what the keyboard does. */
+  turn(azimuth: number, elevation: number, nearer = 1): void {
+    this.touched = true;
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const length = offset.length() / nearer;
+    const polar = Math.acos(Math.max(-1, Math.min(1, offset.z / offset.length()))) - elevation;
+    const around = Math.atan2(offset.y, offset.x) + azimuth;
+    const p = Math.max(1e-4, Math.min(Math.PI - 1e-4, polar));
+    offset.set(Math.sin(p) * Math.cos(around), Math.sin(p) * Math.sin(around), Math.cos(p)).multiplyScalar(length);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+  }
+
+  /** Near and far planes that hold everything and waste little depth. */
+  adjust(bounds: Bounds | null): void {
+    if (bounds) {
+      const far = this.camera.position.distanceTo(new Vector3(...middle_of(bounds)));
+      this.reach = far + radius_of(bounds);
+    }
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    this.camera.near = Math.max(1e-3, 0.005 * distance);
+    // far enough for the ground behind, too
+    this.camera.far = 20 * (distance + this.reach);
+    this.camera.updateProjectionMatrix();
+    this.camera.updateMatrixWorld();
+  }
+
+  /** As the server has it: looks along +x, z up. */
+  pose(): Pose {
+    const { position } = this.camera;
+    const { target } = this.controls;
+    return camera_pose([position.x, position.y, position.z], [target.x, target.y, target.z]);
+  }
+
+  dispose(): void {
+    this.controls.dispose();
+  }
+}

@@ -1,0 +1,174 @@
+// Handles that move and rotate what is selected; the text is changed when they are let go.
+import { Object3D } from "three";
+import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
+import type { Camera, Scene as ThreeScene } from "three";
+import type { Pose, Scene } from "../core/protocol";
+import type { Studio } from "../core/studio";
+import { carried, compose, inverse, is_finite, pose_at, tidy } from "./pose";
+import { bodies_in, movable, type Movable } from "./selecting";
+import { handle_mode, handles_local, handles_snap, SNAP_ANGLE, SNAP_LENGTH } from "./settings";
+
+/** How long a change that the server took is shown before its scene comes [ms]. */
+const PATIENCE = 3000;
+
+export class Handles {
+  /** Poses that are shown instead of the frame's: of what is dragged. */
+  readonly held = new Map<number, Pose>();
+  private readonly controls: TransformControls;
+  private readonly proxy = new Object3D();
+  private what: Movable | null = null;
+  private start: Pose | null = null;
+  private starts = new Map<number, Pose>();
+  private busy = false;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    private readonly studio: Studio,
+    camera: Camera,
+    private readonly element: HTMLElement,
+    stage: ThreeScene,
+    private readonly hooks: {
+      /** something must be drawn again */
+      changed: () => void;
+      /** whether the orbit must keep still */
+      dragging: (on: boolean) => void;
+      note: (text: string) => void;
+    },
+  ) {
+    this.controls = new TransformControls(camera, element);
+    this.controls.setSize(0.8);
+    stage.add(this.proxy, this.controls.getHelper());
+    this.controls.addEventListener("change", () => this.hooks.changed());
+    this.controls.addEventListener("dragging-changed", (event) => {
+      this.hooks.dragging(Boolean(event.value));
+      if (event.value) this.grab();
+      else void this.let_go();
+    });
+    this.controls.addEventListener("objectChange", () => this.moved());
+  }
+
+  get dragging(): boolean {
+    return this.controls.dragging;
+  }
+  /** Whether the pointer is on a handle. */
+  get hot(): boolean {
+    return this.controls.object !== undefined && this.controls.axis !== null;
+  }
+
+  /** Puts the handles on the main selected thing, at the poses shown; takes them away without one. */
+  update(scene: Scene | null, poses: ArrayLike<number> | null): void {
+    if (this.controls.dragging) return;
+    const { state } = this.studio;
+    const element = state.selection.value.at(-1) ?? -1;
+    const mode = handle_mode.value;
+    this.what = null;
+    let problem = "";
+    if (scene && poses && element >= 0 && mode !== "off" && state.may_edit.value) {
+      const found = movable(scene, element);
+      if (typeof found === "string") problem = found;
+      else this.what = found;
+    }
+    this.hooks.note(problem);
+    const pose = this.what && scene && poses ? this.place_of(scene, poses) : null;
+    if (!this.what || !pose || !is_finite(pose)) {
+      if (this.controls.object) this.controls.detach();
+      return;
+    }
+    this.proxy.position.set(pose[0], pose[1], pose[2]);
+    this.proxy.quaternion.set(pose[4], pose[5], pose[6], pose[3]);
+    this.proxy.updateMatrixWorld();
+    this.controls.setMode(mode === "rotate" ? "rotate" : "translate");
+    this.controls.setSpace(handles_local.value ? "local" : "world");
+    this.controls.setTranslationSnap(handles_snap.value ? SNAP_LENGTH : null);
+    this.controls.setRotationSnap(handles_snap.value ? SNAP_ANGLE : null);
+    if (this.controls.object !== this.proxy) this.controls.attach(this.proxy);
+  }
+
+  /** Where the thing's frame is now. An assembly is carried along by its first body. */
+  private place_of(scene: Scene, poses: ArrayLike<number>): Pose | null {
+    const { kind, index } = this.what!;
+    const now = (body: number): Pose => {
+      const held = this.held.get(body);
+      return held ?? (7 * body + 6 < poses.length ? pose_at(poses, body) : scene.bodies[body]!.pose);
+    };
+    if (kind === "body") return now(index);
+    const first = bodies_in(scene, index)[0];
+    const { pose } = scene.assemblies[index]!;
+    return first === undefined ? pose : carried(pose, scene.bodies[first]!.pose, now(first));
+  }
+
+  private here(): Pose {
+    const { position: p, quaternion: q } = this.proxy;
+    return [p.x, p.y, p.z, q.w, q.x, q.y, q.z];
+  }
+
+  private grab(): void {
+    const scene = this.studio.state.scene.peek();
+    const frame = this.studio.state.frame.peek();
+    if (!scene || !this.what) return;
+    this.start = this.here();
+    const bodies = this.what.kind === "body" ? [this.what.index] : bodies_in(scene, this.what.index);
+    this.starts = new Map(
+      bodies.map((body) => {
+        const shown = frame && 7 * body + 6 < frame.poses.length ? pose_at(frame.poses, body) : scene.bodies[body]!.pose;
+        return [body, this.held.get(body) ?? shown];
+      }),
+    );
+    this.element.ownerDocument.addEventListener("keydown", this.on_key, true);
+  }
+
+  private moved(): void {
+    if (!this.controls.dragging || !this.start) return;
+    const by = compose(this.here(), inverse(this.start));
+    for (const [body, pose] of this.starts) this.held.set(body, compose(by, pose));
+    this.hooks.changed();
+  }
+
+  private readonly on_key = (event: KeyboardEvent): void => {
+    if (event.key !== "Escape" || !this.controls.dragging) return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.controls.reset();
+    this.start = null;
+    // the end of the drag sees that there is nothing to be written
+    this.controls.pointerUp(null);
+    this.drop();
+  };
+
+  private async let_go(): Promise<void> {
+    this.element.ownerDocument.removeEventListener("keydown", this.on_key, true);
+    const { what, start } = this;
+    this.start = null;
+    if (!what || !start || this.held.size === 0) return;
+    const pose = this.here();
+    if (pose.every((v, i) => Math.abs(v - start[i]!) < 1e-9)) {
+      this.drop();
+      return;
+    }
+    this.busy = true;
+    const done = await this.studio
+      .edit(`move ${what.name}`, [{ op: "place", element: what.element, pose: tidy(pose) }])
+      .catch(() => null);
+    this.busy = false;
+    if (done === null) this.drop();
+    else this.timer = setTimeout(() => this.drop(), PATIENCE);
+  }
+
+  /** The scene with the change has come, or none will. */
+  drop(): void {
+    if (this.busy) return;
+    clearTimeout(this.timer);
+    if (this.controls.dragging) return;
+    this.held.clear();
+    this.starts.clear();
+    this.hooks.changed();
+  }
+
+  dispose(): void {
+    clearTimeout(this.timer);
+    this.element.ownerDocument.removeEventListener("keydown", this.on_key, true);
+    this.controls.detach();
+    this.controls.getHelper().removeFromParent();
+    this.controls.dispose();
+  }
+}

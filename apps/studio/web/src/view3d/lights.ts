@@ -1,0 +1,144 @@
+// The lights of a scene, as bright and as soft as in the pictures of the command line.
+import {
+  Color,
+  DirectionalLight,
+  Group,
+  HemisphereLight,
+  PointLight,
+  ShaderChunk,
+  SpotLight,
+  SRGBColorSpace,
+  Vector3,
+  type Light,
+} from "three";
+import type { Scene, Vec3 } from "../core/protocol";
+import { middle_of, radius_of, type Bounds } from "./bounds";
+import { transform } from "./pose";
+
+/** A white wall that faces one light of intensity 1 comes out white; what no light reaches has a rest, more from above. */
+const LIGHT_SHARE = 0.8;
+const AMBIENT_MIDDLE = 0.19;
+const AMBIENT_UP = 0.07;
+/** At this distance a lamp is half as bright as close by [m]; beyond, it falls off with the square. */
+const LAMP_RANGE = 6;
+/** Share of a spot's cone that has full brightness. */
+const SPOT_EDGE = 0.85;
+const SUN: Vec3 = [0.45, 0.3, -1];
+const MOST_LIGHTS = 16;
+/** Each takes one of the 16 textures that a fragment may look at. */
+const MOST_SHADOWS = 6;
+
+// Lamps fade as 1 / (1 + r^2 / range^2): finite close by. The library's own law is infinite there. `decay` carries
+// 1 / range^2.
+const FALLOFF = "float distanceFalloff = 1.0 / max( pow( lightDistance, decayExponent ), 0.01 );";
+if (!ShaderChunk.lights_pars_begin.includes(FALLOFF)) console.warn("lamps fade by another law than in pictures");
+ShaderChunk.lights_pars_begin = ShaderChunk.lights_pars_begin.replace(
+  FALLOFF,
+  "float distanceFalloff = 1.0 / ( 1.0 + decayExponent * lightDistance * lightDistance );",
+);
+
+export class Lights {
+  readonly root = new Group();
+  private readonly shining: { light: Light; direction: Vec3 }[] = [];
+  private fitted: { middle: Vec3; radius: number } | null = null;
+
+  constructor(scene: Scene) {
+    // The library divides what matt matter throws back by pi.
+    const sky = new HemisphereLight(0xffffff, 0xffffff, Math.PI);
+    sky.color.setScalar(AMBIENT_MIDDLE + AMBIENT_UP);
+    sky.groundColor.setScalar(AMBIENT_MIDDLE - AMBIENT_UP);
+    sky.position.set(0, 0, 1);
+    this.root.add(sky);
+
+    let shadows = 0;
+    const add = (light: DirectionalLight | PointLight | SpotLight, place: Vec3, direction: Vec3, casts: boolean) => {
+      light.position.set(...place);
+      if (!(light instanceof PointLight)) {
+        light.target.position.set(place[0] + direction[0], place[1] + direction[1], place[2] + direction[2]);
+        this.root.add(light.target);
+      }
+      if (casts && shadows < MOST_SHADOWS) {
+        shadows++;
+        light.castShadow = true;
+        const size = light instanceof DirectionalLight ? 2048 : 1024;
+        light.shadow.mapSize.set(size, size);
+      }
+      this.root.add(light);
+      this.shining.push({ light, direction });
+    };
+    for (const source of scene.lights.slice(0, MOST_LIGHTS)) {
+      const [r = 1, g = 1, b = 1] = source.color;
+      const color = new Color().setRGB(r, g, b, SRGBColorSpace);
+      const intensity = Math.PI * LIGHT_SHARE * source.intensity;
+      const place: Vec3 = [source.pose[0], source.pose[1], source.pose[2]];
+      const ahead = transform(source.pose, [1, 0, 0]);
+      const direction: Vec3 = [ahead[0] - place[0], ahead[1] - place[1], ahead[2] - place[2]];
+      const decay = 1 / (LAMP_RANGE * LAMP_RANGE);
+      if (source.type === "directional") {
+        add(new DirectionalLight(color, intensity), place, direction, source.shadows);
+      } else if (source.type === "point") {
+        add(new PointLight(color, intensity, 0, decay), place, direction, source.shadows);
+      } else {
+        const cone = Math.min(source.cone, 1.5);
+        add(new SpotLight(color, intensity, 0, cone, 1 - SPOT_EDGE, decay), place, direction, source.shadows);
+      }
+    }
+    if (scene.lights.length === 0) {
+      const n = Math.hypot(...SUN);
+      add(
+        new DirectionalLight(0xffffff, Math.PI * LIGHT_SHARE),
+        [0, 0, 0],
+        [SUN[0] / n, SUN[1] / n, SUN[2] / n],
+        true,
+      );
+    }
+  }
+
+  /** Lets the shadow maps span everything that casts. Returns at once unless that changed enough to matter. */
+  fit(bounds: Bounds): void {
+    const middle = middle_of(bounds);
+    const radius = Math.max(radius_of(bounds), 0.05);
+    if (this.fitted) {
+      const moved = Math.hypot(...middle.map((v, i) => v - this.fitted!.middle[i]!));
+      const spans = moved + radius <= this.fitted.radius;
+      if (spans && radius > 0.5 * this.fitted.radius) return;
+    }
+    // some room, so that shadows do not shimmer while things move about
+    this.fitted = { middle, radius: 1.15 * radius };
+    const span = this.fitted.radius;
+    for (const { light, direction } of this.shining) {
+      if (!light.castShadow) continue;
+      if (light instanceof DirectionalLight) {
+        light.position.set(...middle).addScaledVector(new Vector3(...direction), -2 * span);
+        light.target.position.set(...middle);
+        light.target.updateMatrixWorld();
+        const camera = light.shadow.camera;
+        camera.left = camera.bottom = -span;
+        camera.right = camera.top = span;
+        camera.near = span;
+        camera.far = 3 * span;
+        // A texel seen edge-on is what a surface may be off by; one and a half of it is safe.
+        light.shadow.normalBias = (1.5 * 2 * span) / light.shadow.mapSize.x;
+        camera.updateProjectionMatrix();
+      } else if (light instanceof PointLight || light instanceof SpotLight) {
+        const camera = light.shadow.camera;
+        const away = Math.hypot(
+          light.position.x - middle[0],
+          light.position.y - middle[1],
+          light.position.z - middle[2],
+        );
+        camera.near = 0.02;
+        camera.far = Math.max(away + span, 0.04);
+        light.shadow.normalBias = (1.5 * 2 * Math.min(away, 10)) / light.shadow.mapSize.x;
+        light.shadow.bias = -0.0005;
+        camera.updateProjectionMatrix();
+      }
+      light.updateMatrixWorld();
+    }
+  }
+
+  dispose(): void {
+    this.root.removeFromParent();
+    for (const { light } of this.shining) light.dispose();
+  }
+}

@@ -1,0 +1,108 @@
+// What makes a picture: the graphics card, or without one the server.
+import { PCFShadowMap, SRGBColorSpace, WebGLRenderer, type Scene } from "three";
+import type { Studio } from "../core/studio";
+import type { Eye } from "./camera";
+import type { Highlight } from "./highlight";
+import { horizontal_fov } from "./views";
+
+export interface Painter {
+  /** What is put into the panel. */
+  readonly element: HTMLElement;
+  set_size(width: number, height: number): void;
+  draw(stage: Scene, eye: Eye, highlight: Highlight, shadows: boolean): void;
+  dispose(): void;
+}
+
+/** null: there is no WebGL here. `lost` is called when it goes away for good. */
+export function gl_painter(document: Document, lost: () => void, restored: () => void): Painter | null {
+  const canvas = document.createElement("canvas");
+  let renderer: WebGLRenderer;
+  try {
+    const context = canvas.getContext("webgl2", { antialias: true, alpha: false, powerPreference: "high-performance" });
+    if (!context) return null;
+    renderer = new WebGLRenderer({ canvas, context, antialias: true });
+  } catch {
+    return null;
+  }
+  renderer.outputColorSpace = SRGBColorSpace;
+  renderer.shadowMap.enabled = true;
+  renderer.shadowMap.type = PCFShadowMap;
+  renderer.shadowMap.autoUpdate = false;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  // A context may come back (a driver that was reset); one that does not within seconds is gone.
+  canvas.addEventListener("webglcontextlost", (event) => {
+    event.preventDefault();
+    timer = setTimeout(lost, 4000);
+  });
+  canvas.addEventListener("webglcontextrestored", () => {
+    clearTimeout(timer);
+    restored();
+  });
+  return {
+    element: canvas,
+    set_size(width, height) {
+      renderer.setPixelRatio(canvas.ownerDocument.defaultView?.devicePixelRatio ?? 1);
+      renderer.setSize(width, height, false);
+    },
+    draw(stage, eye, highlight, shadows) {
+      if (renderer.getContext().isContextLost()) return;
+      renderer.shadowMap.needsUpdate = shadows;
+      renderer.render(stage, eye.camera);
+      highlight.draw(renderer, eye.camera);
+    },
+    dispose() {
+      clearTimeout(timer);
+      renderer.dispose();
+    },
+  };
+}
+
+/** Pictures of the server, asked for one after the other. */
+export function server_painter(studio: Studio, document: Document, failed: (text: string) => void): Painter {
+  const image = document.createElement("img");
+  image.alt = "The scene, drawn by the server";
+  image.draggable = false;
+  let width = 640;
+  let height = 480;
+  let waiting = false;
+  let again: Eye | null = null;
+  let address = "";
+  let gone = false;
+  const stop = studio.link.on_picture((picture) => {
+    if (picture.name !== "" || picture.kind !== "color") return;
+    const next = URL.createObjectURL(picture.file);
+    image.src = next;
+    if (address) URL.revokeObjectURL(address);
+    address = next;
+  });
+  const ask = async (eye: Eye): Promise<void> => {
+    waiting = true;
+    again = null;
+    try {
+      const fov = horizontal_fov(width / height);
+      await studio.link.request("view", { width, height, pose: eye.pose(), fov });
+    } catch (error) {
+      failed(String(error instanceof Error ? error.message : error));
+    }
+    waiting = false;
+    if (again && !gone) void ask(again);
+  };
+  return {
+    element: image,
+    set_size(w, h) {
+      // the server's processor draws them: no more pixels than can be seen
+      const scale = Math.min(1, 1280 / w);
+      width = Math.max(16, Math.round(w * scale));
+      height = Math.max(16, Math.round(h * scale));
+    },
+    draw(_stage, eye) {
+      if (waiting) again = eye;
+      else void ask(eye);
+    },
+    dispose() {
+      gone = true;
+      stop();
+      if (address) URL.revokeObjectURL(address);
+    },
+  };
+}

@@ -1,0 +1,49 @@
+// Lines of sight of the ranging sensors, as their readings tell them.
+import type { Frame, Scene, Vec3 } from "../core/protocol";
+import { compose, is_finite, pose_at, transform } from "./pose";
+
+export interface Ray {
+  from: Vec3;
+  /** where the reading says the ray ended, or its full range [m] */
+  to: Vec3;
+  hit: boolean;
+}
+
+const RANGING = new Set(["infrared", "lidar"]);
+
+/**
+ * Of all infrared sensors and lidars that have a reading. A reading of null is no number: beyond the range nothing was
+ * seen, and the ray is drawn in full as a miss.
+ */
+export function ray_ends(scene: Scene, frame: Frame): Ray[] {
+  const rays: Ray[] = [];
+  for (const reading of frame.tail.readings ?? []) {
+    const sensor = scene.sensors[reading.sensor];
+    if (!sensor || !RANGING.has(sensor.type) || reading.values.length === 0) continue;
+    if (sensor.body >= 0 && 7 * sensor.body + 6 >= frame.poses.length) continue;
+    const place = sensor.body < 0 ? sensor.pose : compose(pose_at(frame.poses, sensor.body), sensor.pose);
+    if (!is_finite(place)) continue;
+    // the cone of an infrared sensor has one distance, drawn along its middle
+    const lines = reading.values.length === 1 ? middle_ray(sensor.rays) : sensor.rays;
+    lines.forEach((line, k) => {
+      const value = reading.values[k];
+      if (value === undefined) return;
+      const [ox = 0, oy = 0, oz = 0, dx = 1, dy = 0, dz = 0, range = 0] = line;
+      const hit = value !== null && value < range;
+      const length = value === null ? range : Math.min(Math.max(value, 0), range);
+      rays.push({
+        from: transform(place, [ox, oy, oz]),
+        to: transform(place, [ox + length * dx, oy + length * dy, oz + length * dz]),
+        hit,
+      });
+    });
+  }
+  return rays;
+}
+
+/** The one ray of a sensor that measures one distance: that nearest to its +x. */
+function middle_ray(rays: number[][]): number[][] {
+  if (rays.length <= 1) return rays;
+  const first = rays[0]!;
+  return [[first[0]!, first[1]!, first[2]!, 1, 0, 0, Math.max(...rays.map((r) => r[6] ?? 0))]];
+}

@@ -1,0 +1,84 @@
+// What is drawn over the scene and how handles work; remembered by the browser.
+import { signal, type Signal } from "@preact/signals-core";
+import type { ViewName } from "./views";
+
+export const OVERLAYS = [
+  "grid",
+  "rays",
+  "contacts",
+  "joints",
+  "frames",
+  "centres",
+  "trails",
+  "regions",
+  "names",
+] as const;
+export type OverlayName = (typeof OVERLAYS)[number];
+
+export const OVERLAY_LABELS: Record<OverlayName, string> = {
+  grid: "Grid",
+  rays: "Rays of Sensors",
+  contacts: "Contacts",
+  joints: "Joint Axes",
+  frames: "Frames of Bodies",
+  centres: "Centres of Mass",
+  trails: "Trajectories",
+  regions: "Regions",
+  names: "Names",
+};
+
+export const MAP_LAYERS = ["rays", "trails", "names", "regions"] as const;
+export type MapLayer = (typeof MAP_LAYERS)[number];
+
+export type HandleMode = "off" | "move" | "rotate";
+
+const remembered = <T extends boolean | string>(name: string, otherwise: T): Signal<T> => {
+  const key = `cogrsim.view.${name}`;
+  let value = otherwise;
+  try {
+    const stored = JSON.parse(globalThis.localStorage?.getItem(key) ?? "null") as unknown;
+    if (typeof stored === typeof otherwise) value = stored as T;
+  } catch {
+    // a browser that keeps nothing: what is set holds for this visit
+  }
+  const made = signal(value);
+  let first = true;
+  made.subscribe((now) => {
+    if (first) {
+      first = false;
+      return;
+    }
+    try {
+      globalThis.localStorage?.setItem(key, JSON.stringify(now));
+    } catch {
+      // as above
+    }
+  });
+  return made;
+};
+
+const SHOWN_AT_FIRST = new Set<OverlayName>(["grid", "rays"]);
+export const overlays = Object.fromEntries(
+  OVERLAYS.map((name) => [name, remembered<boolean>(`overlay.${name}`, SHOWN_AT_FIRST.has(name))]),
+) as Record<OverlayName, Signal<boolean>>;
+
+export const map_layers = Object.fromEntries(
+  MAP_LAYERS.map((name) => [name, remembered<boolean>(`map.${name}`, true)]),
+) as Record<MapLayer, Signal<boolean>>;
+
+export const handle_mode = remembered<string>("handles", "off") as Signal<HandleMode>;
+if (!["off", "move", "rotate"].includes(handle_mode.peek())) handle_mode.value = "off";
+/** Axes of the thing instead of those of the world. */
+export const handles_local = remembered<boolean>("handles.local", false);
+/** Steps of 1 cm and 15 degrees. */
+export const handles_snap = remembered<boolean>("handles.snap", false);
+export const SNAP_LENGTH = 0.01;
+export const SNAP_ANGLE = Math.PI / 12;
+
+/** Index of a body that was clicked though no element of the file made it: shown, but not in the selection. */
+export const marked = signal(-1);
+
+/** The newest wish to look at something; every panel that shows the scene obeys as far as it can. */
+export const view_request = signal<{ what: ViewName | "fit" | "focus" } | null>(null);
+/** How many 3D views there are. */
+export const open_views = signal(0);

@@ -1,0 +1,49 @@
+// What the server puts into the tails of frames: the sum of what panels ask for.
+import { effect } from "@preact/signals-core";
+import type { Studio } from "../core/studio";
+
+export interface Needs {
+  readings: boolean;
+  contacts: boolean;
+}
+
+class Subscription {
+  private readonly needs = new Map<string, Needs>();
+  private sent = "";
+
+  constructor(private readonly studio: Studio) {
+    // a server met anew knows nothing of what was asked before
+    effect(() => {
+      studio.state.hello.value;
+      this.sent = JSON.stringify({ contacts: false, readings: false });
+      this.tell();
+    });
+  }
+
+  set(who: string, needs: Needs): void {
+    this.needs.set(who, needs);
+    this.tell();
+  }
+
+  private tell(): void {
+    if (!this.studio.state.hello.peek()) return;
+    const all = [...this.needs.values()];
+    const fields = { contacts: all.some((n) => n.contacts), readings: all.some((n) => n.readings) };
+    const text = JSON.stringify(fields);
+    if (text === this.sent) return;
+    this.sent = text;
+    this.studio.link.request("subscribe", fields).catch(() => {
+      // asked again when the way is open again, or when the needs change
+      this.sent = "";
+    });
+  }
+}
+
+const known = new WeakMap<Studio, Subscription>();
+
+/** From now on `who` needs this; what was set before by that name no longer counts. */
+export function subscribe(studio: Studio, who: string, needs: Needs): void {
+  let made = known.get(studio);
+  if (!made) known.set(studio, (made = new Subscription(studio)));
+  made.set(who, needs);
+}

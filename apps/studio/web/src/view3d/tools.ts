@@ -1,0 +1,81 @@
+// A row of buttons made from commands.
+import { Menu } from "@lumino/widgets";
+import type { Studio } from "../core/studio";
+
+export interface Tool {
+  command: string;
+  /** short, on the button; the command's own label and caption are its name and tip */
+  text: string;
+}
+
+/** Buttons that follow their commands: enabled, pressed. Returns what ends that. */
+export function fill_tools(studio: Studio, row: HTMLElement, groups: Tool[][]): () => void {
+  const { commands } = studio;
+  const { ownerDocument: document } = row;
+  const refresh: (() => void)[] = [];
+  for (const group of groups) {
+    const box = document.createElement("div");
+    box.className = "cg-view-tools";
+    box.setAttribute("role", "group");
+    for (const { command, text } of group) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = text;
+      button.dataset.command = command;
+      button.addEventListener("click", () => void commands.execute(command));
+      refresh.push(() => {
+        if (!commands.hasCommand(command)) return;
+        const keys = commands.keyBindings.find((k) => k.command === command)?.keys.join(" ");
+        const label = commands.label(command);
+        button.setAttribute("aria-label", label);
+        button.title = [label, commands.caption(command), keys && `Key: ${keys}`].filter(Boolean).join("\n");
+        button.disabled = !commands.isEnabled(command);
+        if (commands.isToggleable(command)) button.setAttribute("aria-pressed", String(commands.isToggled(command)));
+      });
+      box.append(button);
+    }
+    row.append(box);
+  }
+  const all = () => refresh.forEach((run) => run());
+  all();
+  commands.commandChanged.connect(all);
+  return () => void commands.commandChanged.disconnect(all);
+}
+
+/** A button that opens a menu of commands below itself. */
+export function menu_button(studio: Studio, row: HTMLElement, text: string, label: string, ids: string[]): void {
+  const { ownerDocument: document } = row;
+  const button = document.createElement("button");
+  button.type = "button";
+  button.textContent = `${text} \u25be`;
+  button.setAttribute("aria-label", label);
+  button.setAttribute("aria-haspopup", "menu");
+  button.addEventListener("click", () => {
+    const menu = new Menu({ commands: studio.commands });
+    menu.addClass("cg-menu");
+    for (const command of ids) menu.addItem({ command });
+    const box = button.getBoundingClientRect();
+    menu.aboutToClose.connect(() => requestAnimationFrame(() => button.isConnected && button.focus()));
+    menu.open(box.left, box.bottom);
+  });
+  row.append(button);
+}
+
+/** What can be done with a thing that was clicked in a picture of the scene. */
+export function open_context_menu(studio: Studio, x: number, y: number, extra: string[]): void {
+  const { commands, state } = studio;
+  const menu = new Menu({ commands });
+  menu.addClass("cg-menu");
+  const add = (ids: string[]) => {
+    const there = ids.filter((id) => commands.hasCommand(id));
+    if (there.length > 0 && menu.items.length > 0) menu.addItem({ type: "separator" });
+    for (const command of there) menu.addItem({ command });
+  };
+  if (state.selection.peek().length > 0 && state.may_edit.peek()) {
+    add(["handles:move", "handles:rotate"]);
+    add(["edit:rename", "edit:duplicate", "edit:copy", "edit:delete"]);
+    add(["edit:assemble", "edit:disassemble"]);
+  }
+  add(extra);
+  if (menu.items.length > 0) menu.open(x, y);
+}

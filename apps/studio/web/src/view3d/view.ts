@@ -1,0 +1,438 @@
+// The 3D view itself: loaded when the panel is first shown.
+import { effect, untracked } from "@preact/signals-core";
+import { Color, Raycaster, Scene as Stage, Vector2 } from "three";
+import type { Frame, Scene } from "../core/protocol";
+import type { Studio } from "../core/studio";
+import { Backdrop } from "./backdrop";
+import { Batches } from "./batches";
+import { joined, NOTHING, radius_of, visible_bounds, type Bounds } from "./bounds";
+import { Eye } from "./camera";
+import { Handles } from "./handles";
+import { Highlight } from "./highlight";
+import { Labels } from "./labels";
+import { Lights } from "./lights";
+import { Overlay } from "./overlay";
+import { gl_painter, server_painter, type Painter } from "./painters";
+import { is_finite, pose_at } from "./pose";
+import { bodies_of, click_body, element_of, why_not } from "./selecting";
+import { handle_mode, handles_local, handles_snap, marked, overlays, view_request } from "./settings";
+import { trails_of } from "./trails";
+import type { ViewName } from "./views";
+
+/** What the panel gives the view. */
+export interface Stand {
+  host: HTMLElement;
+  /** One text for each matter; "": nothing to be said about it. */
+  note: (matter: "pictures" | "clicked" | "handles", text: string) => void;
+  context_menu: (event: MouseEvent, body: number) => void;
+}
+
+const CLICK = 4; // a pointer that moved less between down and up has clicked [pixel]
+const SHADOW_LIMIT = 400; // beyond so many bodies the bounds are not looked at for every frame
+
+export class View3d {
+  private readonly stage = new Stage();
+  private readonly backdrop = new Backdrop();
+  private readonly highlight = new Highlight();
+  private readonly overlay = new Overlay();
+  private readonly labels: Labels;
+  private readonly eye: Eye;
+  private readonly handles: Handles;
+  private readonly ray = new Raycaster();
+  private painter: Painter;
+  private batches: Batches | null = null;
+  private ghosts: Batches | null = null;
+  private lights: Lights | null = null;
+  private scene: Scene | null = null;
+  private frame: Frame | null = null;
+  private poses = new Float32Array();
+  private bounds: Bounds | null = null;
+  private ghost_color = "#7a3fb5";
+  private frames = 0;
+  private width = 1;
+  private height = 1;
+  private visible = false;
+  private asked = 0;
+  private moved = true;
+  private relight = true;
+  private remark = true;
+  private rethemed = true;
+  private pointer: Vector2 | null = null;
+  private down: { x: number; y: number } | null = null;
+  private readonly stops: (() => void)[] = [];
+
+  constructor(
+    private readonly studio: Studio,
+    private readonly stand: Stand,
+  ) {
+    const { host } = stand;
+    const { ownerDocument: document } = host;
+    this.labels = new Labels(document);
+    const painter = gl_painter(document, () => this.fall_back(), () => this.refresh());
+    this.painter = painter ?? this.server_pictures();
+    this.put(this.painter.element);
+    // Events are taken from the box around the picture, which stays when the painter changes.
+    this.eye = new Eye(host, () => this.draw_soon());
+    this.handles = new Handles(studio, this.eye.camera, host, this.stage, {
+      changed: () => {
+        this.moved = true;
+        this.draw_soon();
+      },
+      dragging: (on) => (this.eye.controls.enabled = !on),
+      note: (text) => stand.note("handles", text),
+    });
+    this.stage.add(this.backdrop.root, this.overlay.root);
+    host.append(this.labels.element);
+    this.listen(host);
+    this.watch();
+  }
+
+  private put(element: HTMLElement): void {
+    element.dataset.testid = "view3d";
+    element.classList.add("cg-view-picture");
+    element.dataset.frames = String(this.frames);
+    this.stand.host.prepend(element);
+  }
+
+  private server_pictures(): Painter {
+    this.stand.host.dataset.pictures = "server";
+    this.stand.note("pictures", "There is no WebGL here: the server draws these pictures. Overlays and handles are not in them.");
+    return server_painter(this.studio, this.stand.host.ownerDocument, (text) => this.stand.note("pictures", text));
+  }
+
+  private fall_back(): void {
+    this.painter.element.remove();
+    this.painter.dispose();
+    this.painter = this.server_pictures();
+    this.put(this.painter.element);
+    this.painter.set_size(this.width, this.height);
+    this.draw_soon();
+  }
+
+  private refresh(): void {
+    this.moved = true;
+    this.relight = true;
+    this.draw_soon();
+  }
+
+  private watch(): void {
+    const { state } = this.studio;
+    const on = (run: () => void) => this.stops.push(effect(run));
+    on(() => {
+      const scene = state.scene.value;
+      untracked(() => this.adopt(scene));
+    });
+    on(() => {
+      this.frame = state.frame.value;
+      this.moved = true;
+      this.draw_soon();
+    });
+    on(() => {
+      state.selection.value;
+      state.tree.value;
+      state.scene.value;
+      state.hovered.value;
+      if (state.selection.value.length > 0) marked.value = -1;
+      this.stand.note("clicked", why_not(state, marked.value));
+      this.remark = true;
+      this.draw_soon();
+    });
+    on(() => {
+      state.theme.value;
+      // the page's style follows the signal: it is read when drawing
+      this.rethemed = true;
+      this.refresh();
+    });
+    on(() => {
+      for (const shown of Object.values(overlays)) shown.value;
+      this.backdrop.show_grid(overlays.grid.value);
+      this.moved = true;
+      this.draw_soon();
+    });
+    on(() => {
+      state.followed.value;
+      this.eye.follow(null);
+      this.moved = true;
+      this.draw_soon();
+    });
+    on(() => {
+      for (const depends of [state.scene, state.selection, state.may_edit, handle_mode, handles_local, handles_snap]) {
+        depends.value;
+      }
+      untracked(() => this.handles.update(this.scene, this.poses));
+      this.draw_soon();
+    });
+    let seen = view_request.peek();
+    on(() => {
+      const request = view_request.value;
+      if (!request || request === seen) return;
+      seen = request;
+      untracked(() => this.obey(request.what));
+    });
+  }
+
+  private set_theme(): void {
+    const theme = this.studio.state.theme.peek();
+    const document = this.stand.host.ownerDocument;
+    const style = document.defaultView?.getComputedStyle(document.documentElement);
+    const color = (name: string, otherwise: string) => style?.getPropertyValue(name).trim() || otherwise;
+    this.backdrop.set_theme(theme, color("--cg-grid", "#808890"));
+    this.highlight.set_colors(color("--cg-highlight", "#e07a00"), color("--cg-accent", "#0b5cad"));
+    this.overlay.set_colors(color("--cg-ray", "#d11c1c"));
+    this.ghost_color = color("--cg-ghost", "#7a3fb5");
+    this.ghosts?.dispose();
+    this.ghosts = null;
+    this.moved = true;
+    this.rethemed = false;
+  }
+
+  private adopt(scene: Scene | null): void {
+    this.batches?.dispose();
+    this.ghosts?.dispose();
+    this.lights?.dispose();
+    this.batches = this.ghosts = null;
+    this.lights = null;
+    this.scene = scene;
+    this.handles.drop();
+    if (!scene) return;
+    this.batches = new Batches(scene, {
+      asset: (path) => this.studio.link.asset(path),
+      changed: () => this.draw_soon(),
+    });
+    this.lights = new Lights(scene);
+    this.stage.add(this.batches.root, this.lights.root);
+    this.overlay.adopt(scene);
+    this.labels.adopt(scene);
+    this.bounds = null;
+    this.remark = true;
+    this.refresh();
+  }
+
+  /** The frame of another scene than the one that is shown is of no use. */
+  private sound_frame(): Frame | null {
+    return this.frame && this.frame.scene === this.scene?.scene ? this.frame : null;
+  }
+
+  private place(): void {
+    const { scene, batches } = this;
+    if (!scene || !batches) return;
+    const frame = this.sound_frame();
+    const poses = new Float32Array(7 * scene.bodies.length);
+    scene.bodies.forEach((body, i) => poses.set(body.pose, 7 * i));
+    if (frame) poses.set(frame.poses.subarray(0, poses.length));
+    for (const [body, pose] of this.handles.held) poses.set(pose, 7 * body);
+    this.poses = poses;
+    batches.place(poses);
+
+    if (frame && frame.ghost.length > 0) {
+      if (!this.ghosts) {
+        this.ghosts = new Batches(scene, { asset: () => "", changed: () => {}, ghost: new Color(this.ghost_color) });
+        this.stage.add(this.ghosts.root);
+      }
+      this.ghosts.place(frame.ghost);
+    } else if (this.ghosts) {
+      this.ghosts.dispose();
+      this.ghosts = null;
+    }
+    if (!this.bounds || scene.bodies.length <= SHADOW_LIMIT || this.frames % 15 === 0) {
+      const first = !this.bounds;
+      this.bounds = visible_bounds(scene, poses);
+      // what is added to an empty scene is shown, once
+      if (first && this.bounds && !this.eye.touched) {
+        this.eye.look("iso", this.bounds);
+        this.eye.touched = false;
+      }
+      this.lights?.fit(this.bounds ?? NOTHING);
+    }
+    const followed = this.studio.state.followed.peek();
+    if (followed) {
+      const body = scene.bodies.findIndex((b) => b.name === followed && !b.removed);
+      const pose = body >= 0 ? pose_at(poses, body) : null;
+      this.eye.follow(pose && is_finite(pose) ? [pose[0], pose[1], pose[2]] : null);
+    }
+    this.handles.update(scene, poses);
+    this.relight = true;
+    this.remark = true;
+  }
+
+  private mark(): void {
+    const { state } = this.studio;
+    const selected = bodies_of(state, state.selection.peek());
+    if (marked.peek() >= 0) selected.add(marked.peek());
+    this.highlight.show(this.batches, selected, selected.has(state.hovered.peek()) ? -1 : state.hovered.peek());
+  }
+
+  private draw(): void {
+    this.asked = 0;
+    if (!this.visible) return;
+    untracked(() => {
+      if (this.rethemed) this.set_theme();
+      if (this.moved) this.place();
+      if (this.remark) this.mark();
+      if (this.scene) {
+        const frame = this.sound_frame();
+        const empty: Frame = {
+          live: true,
+          scene: this.scene.scene,
+          time: 0,
+          step: 0,
+          poses: this.poses,
+          ghost: new Float32Array(),
+          tail: {},
+        };
+        const size = this.bounds ? 2 * radius_of(this.bounds) : 2;
+        if (this.moved) this.overlay.update(this.scene, frame ?? empty, this.poses, size, trails_of(this.studio));
+      }
+      this.eye.adjust(this.bounds);
+      this.backdrop.follow(this.eye.camera, this.eye.controls.target);
+      this.painter.draw(this.stage, this.eye, this.highlight, this.relight);
+      this.labels.update(overlays.names.peek(), this.poses, this.eye.camera, this.width, this.height);
+      this.moved = this.remark = this.relight = false;
+      this.frames++;
+      const { dataset } = this.painter.element;
+      dataset.frames = String(this.frames);
+      dataset.time = String(this.sound_frame()?.time ?? 0);
+    });
+  }
+
+  private draw_soon(): void {
+    if (this.asked || !this.visible) return;
+    const window = this.stand.host.ownerDocument.defaultView ?? globalThis.window;
+    this.asked = window.requestAnimationFrame(() => this.draw());
+  }
+
+  set_visible(visible: boolean): void {
+    this.visible = visible;
+    if (visible) this.refresh();
+  }
+
+  set_size(width: number, height: number): void {
+    if (width < 1 || height < 1) return;
+    this.width = width;
+    this.height = height;
+    this.painter.set_size(width, height);
+    this.eye.set_size(width, height);
+    // a canvas that was resized is empty until it is drawn, which should not be seen
+    if (this.visible && this.frames > 0) this.draw();
+    else this.draw_soon();
+  }
+
+  private obey(what: ViewName | "fit" | "focus"): void {
+    if (this.moved) this.place();
+    if (what === "fit") this.eye.fit(this.bounds ?? NOTHING);
+    else if (what === "focus") this.focus();
+    else this.eye.look(what, this.bounds ?? NOTHING);
+    this.draw_soon();
+  }
+
+  /** What is selected; without any, everything. */
+  private focus(): void {
+    const { state } = this.studio;
+    const bodies = bodies_of(state, state.selection.peek());
+    if (marked.peek() >= 0) bodies.add(marked.peek());
+    const around = this.scene && bodies.size > 0 ? visible_bounds(this.scene, this.poses, bodies) : null;
+    if (around) {
+      // a thing thinner than a hair would be looked at from within
+      const grow = Math.max(0.02 - radius_of(around), 0);
+      this.eye.fit(
+        joined(around, {
+          low: around.low.map((v) => v - grow) as Bounds["low"],
+          high: around.high.map((v) => v + grow) as Bounds["high"],
+        }),
+      );
+    } else this.eye.fit(this.bounds ?? NOTHING);
+    this.draw_soon();
+  }
+
+  /** The body under a place of the window; -1: none. */
+  body_at(x: number, y: number): number {
+    if (!this.batches) return -1;
+    const box = this.stand.host.getBoundingClientRect();
+    const at = new Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2);
+    this.eye.adjust(this.bounds);
+    this.ray.setFromCamera(at, this.eye.camera);
+    const hits = this.ray.intersectObject(this.batches.root, true);
+    return hits.length > 0 ? this.batches.body_at(hits[0]!) : -1;
+  }
+
+  private hover(): void {
+    const { state } = this.studio;
+    const none = !this.pointer || this.down || this.handles.dragging || this.handles.hot;
+    const body = none ? -1 : this.body_at(this.pointer!.x, this.pointer!.y);
+    if (state.hovered.peek() !== body) state.hovered.value = body;
+    const name = body >= 0 ? this.scene!.bodies[body]!.name : "";
+    this.painter.element.dataset.hover = name;
+    this.stand.host.title = name;
+  }
+
+  private listen(host: HTMLElement): void {
+    let waiting = false;
+    const hover_soon = () => {
+      if (waiting) return;
+      waiting = true;
+      (host.ownerDocument.defaultView ?? globalThis.window).requestAnimationFrame(() => {
+        waiting = false;
+        this.hover();
+      });
+    };
+    host.addEventListener("pointermove", (event) => {
+      this.pointer = new Vector2(event.clientX, event.clientY);
+      hover_soon();
+    });
+    host.addEventListener("pointerleave", () => {
+      this.pointer = null;
+      hover_soon();
+    });
+    host.addEventListener("pointerdown", (event) => {
+      host.focus({ preventScroll: true });
+      this.down = this.handles.hot || this.handles.dragging ? null : { x: event.clientX, y: event.clientY };
+    });
+    host.addEventListener("pointerup", (event) => {
+      const { down } = this;
+      this.down = null;
+      if (!down || Math.hypot(event.clientX - down.x, event.clientY - down.y) > CLICK) return;
+      const body = this.body_at(event.clientX, event.clientY);
+      if (event.button === 0) {
+        click_body(this.studio, body, event.ctrlKey || event.shiftKey || event.metaKey);
+      } else if (event.button === 2) {
+        const element = this.scene ? element_of(this.scene, body) : -1;
+        if (body >= 0 && !this.studio.state.selection.peek().includes(element)) click_body(this.studio, body, false);
+        this.stand.context_menu(event, body);
+      }
+    });
+    host.addEventListener("pointercancel", () => (this.down = null));
+    host.addEventListener("dblclick", () => this.focus());
+    host.addEventListener("contextmenu", (event) => event.preventDefault());
+    host.addEventListener("keydown", (event) => this.on_key(event));
+  }
+
+  /** Shift and arrows turn, Page Up and Down come nearer and go away. */
+  private on_key(event: KeyboardEvent): void {
+    const turn = 0.1;
+    if (event.key === "PageUp") this.eye.turn(0, 0, 1.15);
+    else if (event.key === "PageDown") this.eye.turn(0, 0, 1 / 1.15);
+    else if (!event.shiftKey) return;
+    else if (event.key === "ArrowLeft") this.eye.turn(-turn, 0);
+    else if (event.key === "ArrowRight") this.eye.turn(turn, 0);
+    else if (event.key === "ArrowUp") this.eye.turn(0, turn);
+    else if (event.key === "ArrowDown") this.eye.turn(0, -turn);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.draw_soon();
+  }
+
+  dispose(): void {
+    for (const stop of this.stops) stop();
+    this.visible = false;
+    this.handles.dispose();
+    this.eye.dispose();
+    this.batches?.dispose();
+    this.ghosts?.dispose();
+    this.lights?.dispose();
+    this.overlay.dispose();
+    this.highlight.dispose();
+    this.backdrop.dispose();
+    this.painter.dispose();
+  }
+}
