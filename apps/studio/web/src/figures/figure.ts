@@ -3,7 +3,7 @@ import type { Sample } from "./statistics";
 import { bin_counts, bin_edges, box_numbers, cell_means, type BoxNumbers, type Cells } from "./statistics";
 
 export type FigureKind = "curve" | "map" | "box" | "histogram" | "surface";
-export const kind_names: Record<FigureKind, string> = {
+export const kKindNames: Record<FigureKind, string> = {
   curve: "Curves",
   map: "Path",
   box: "Box plot",
@@ -42,14 +42,17 @@ export interface FigureData {
   y2?: Axis;
   z: Axis;
   series: FigureSeries[];
+  /** [s] of the samples, where they have times */
+  times?: readonly number[];
   /** horizontal lines, against the axis on the left */
   levels?: { value: number; label: string }[];
 }
 
-/** Colours that stay apart for people who see red and green alike, and dark enough for white paper (Okabe and Ito's, three of
- *  them darkened). */
-export const colors = ["#0072b2", "#c44e00", "#007a5a", "#a8437f", "#7a5c00", "#3a86c8", "#5b4b9a", "#555555"];
-export const color_of = (index: number): string => colors[index % colors.length]!;
+/** The theme's colours of series on white, which are those on paper, too. */
+export const kColors = ["#0b5cad", "#b3541e", "#1b7a3d", "#8a2fa8", "#a3241c", "#00707a", "#6d6100", "#4a5568"];
+export const color_of = (index: number): string => kColors[index % kColors.length]!;
+/** The same colour in the present theme, as CSS. */
+export const theme_color = (color: string): string => `var(--cg-series-${Math.max(kColors.indexOf(color), 0) + 1})`;
 
 /** Counts and edges, in bins that all series share. */
 export function histogram_of(data: FigureData): { edges: number[]; counts: number[][] } {

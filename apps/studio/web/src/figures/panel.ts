@@ -1,13 +1,90 @@
+import type { Message } from "@lumino/messaging";
 import { Widget } from "@lumino/widgets";
+import { h, render } from "preact";
+import "uplot/dist/uPlot.min.css";
 import type { PanelType, Studio } from "../core/studio";
+import type { FigureKind } from "./figure";
+import "./figures.css";
+import type { FileKind } from "./save";
+import { figures_of, type FiguresStore } from "./store";
+import { export_figure, FiguresView } from "./view";
+
+class FiguresWidget extends Widget {
+  private readonly see = (): void => {
+    this.store.seen.value = this.isVisible && !this.node.ownerDocument.hidden;
+  };
+
+  constructor(private readonly store: FiguresStore) {
+    super();
+    this.addClass("cg-figures");
+    render(h(FiguresView, { store }), this.node);
+  }
+  override dispose(): void {
+    if (this.isDisposed) return;
+    this.store.seen.value = false;
+    super.dispose();
+    render(null, this.node);
+  }
+  protected override onAfterAttach(_message: Message): void {
+    this.node.ownerDocument.addEventListener("visibilitychange", this.see);
+    this.see();
+  }
+  protected override onBeforeDetach(_message: Message): void {
+    this.node.ownerDocument.removeEventListener("visibilitychange", this.see);
+    this.store.seen.value = false;
+  }
+  protected override onAfterShow(_message: Message): void {
+    this.see();
+  }
+  protected override onAfterHide(_message: Message): void {
+    this.see();
+  }
+}
 
 export const panel: PanelType = {
   name: "figures",
   title: "Figures",
-  create(_studio: Studio): Widget {
-    return new Widget();
+  create(studio: Studio): Widget {
+    return new FiguresWidget(figures_of(studio));
   },
 };
 
+/** Draws a signal: in the figure of that title, else in a new one. */
+export function draw_signal(studio: Studio, signal: string, figure?: string): void {
+  const store = figures_of(studio);
+  studio.open_panel("figures");
+  const there = figure === undefined ? undefined : store.specs.value.find((s) => s.title === figure && !s.plot);
+  if (there) store.add_signal(there.id, signal);
+  else store.add("curve", [signal], figure ?? "");
+}
+
 /** Adds the panel's commands; called once, before any panel is made. */
-export function register(_studio: Studio): void {}
+export function register(studio: Studio): void {
+  const store = figures_of(studio);
+  const { commands } = studio;
+  const make = (id: string, label: string, kind: FigureKind): void =>
+    void commands.addCommand(`figures:${id}`, {
+      label,
+      execute: ({ signals }) => {
+        studio.open_panel("figures");
+        store.add(kind, Array.isArray(signals) ? signals.map(String) : []);
+      },
+    });
+  make("new-curve", "New figure: curves", "curve");
+  make("new-box", "New figure: box plot", "box");
+  make("new-histogram", "New figure: histogram", "histogram");
+  make("new-surface", "New figure: surface", "surface");
+  make("new-path", "New figure: path", "map");
+  for (const kind of ["png", "svg", "csv"] as FileKind[])
+    commands.addCommand(`figures:export-${kind}`, {
+      label: `Save figure as ${kind.toUpperCase()}`,
+      isEnabled: () => store.active.value >= 0,
+      execute: () => export_figure(store, store.active.value, kind),
+    });
+  commands.addCommand("figures:draw-signal", {
+    label: "Draw a signal",
+    isVisible: () => false,
+    execute: ({ signal, figure }) =>
+      draw_signal(studio, String(signal), typeof figure === "string" ? figure : undefined),
+  });
+}

@@ -76,7 +76,7 @@ export function rounded_step(width: number): number {
   return power * (digits < Math.SQRT2 ? 1 : digits < Math.sqrt(10) ? 2 : digits < Math.sqrt(50) ? 5 : 10);
 }
 
-const most_bins = 1000;
+const kMostBins = 1000;
 
 /** Edges of bins for all finite samples, ascending, one more than bins: one per whole number where these are few, else by Scott's
  *  rule, width 3.5 s / n^(1/3) rounded to 1, 2 or 5 times a power of ten. Empty without samples. */
@@ -96,9 +96,9 @@ export function bin_edges(samples: readonly Sample[]): number[] {
   let width = (3.5 * moments(sorted).deviation) / Math.cbrt(sorted.length);
   if (width > digit) width = rounded_step(width);
   const count = Math.ceil(high / width) - Math.floor(low / width);
-  if (!(width > digit) || !(count <= most_bins)) {
-    const even = Array.from({ length: most_bins + 1 }, (_, i) => low + ((high - low) * i) / most_bins);
-    even[most_bins] = high;
+  if (!(width > digit) || !(count <= kMostBins)) {
+    const even = Array.from({ length: kMostBins + 1 }, (_, i) => low + ((high - low) * i) / kMostBins);
+    even[kMostBins] = high;
     return even;
   }
   const first = Math.floor(low / width);

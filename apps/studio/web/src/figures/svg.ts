@@ -3,9 +3,9 @@ import { boxes_of, cells_of, histogram_of, type Axis, type FigureData, type Figu
 import { range_of, type Sample } from "./statistics";
 import { drawable_range, log_ticks, short_number, tick_labels, ticks, with_unit } from "./ticks";
 
-const font = 13;
+const kFont = 13;
 /** Width of a text in the figure's font, about: 0.55 of its height per letter is on the wide side for Helvetica. */
-const text_width = (text: string): number => text.length * font * 0.55;
+const text_width = (text: string): number => text.length * kFont * 0.55;
 export const escape_xml = (text: string): string =>
   text
     // control characters are no XML at all
@@ -72,7 +72,7 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
 
   out.push(
     `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" ` +
-      `font-family="Helvetica, Arial, sans-serif" font-size="${font}" fill="#000">`,
+      `font-family="Helvetica, Arial, sans-serif" font-size="${kFont}" fill="#000">`,
     `<title>${escape_xml(data.title)}</title>`,
     `<rect width="${width}" height="${height}" fill="#fff"/>`,
     `<clipPath id="area"><rect x="${px(area.left)}" y="${px(area.top)}" width="${px(area.width)}" ` +

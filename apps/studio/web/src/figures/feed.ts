@@ -1,0 +1,264 @@
+// Brings what a figure shows from the run, as little of it as is needed.
+import { signal } from "@preact/signals-core";
+import { RequestError } from "../core/link";
+import type { Status } from "../core/protocol";
+import type { Studio } from "../core/studio";
+import { Curves, is_thinned, type SeriesAnswer } from "./curves";
+import { axis_label, color_of, share_axes, type Axis, type FigureData, type FigureKind, type FigureSeries } from "./figure";
+import type { FigureSpec } from "./store";
+import type { Sample } from "./statistics";
+
+/** Points of a curve: more than there are pixels side by side. */
+const kPoints = 2000;
+/** Samples of box plots and the like, which must not be thinned. */
+const kSamples = 200_000;
+/** [ms] between two looks at the run, of curves and of what is costly to draw. */
+const kCurvePause = 180;
+const kOtherPause = 1000;
+/** [ms] after a refusal. */
+const kPatience = 2000;
+
+/** The answer to `figure`. */
+interface PlotAnswer {
+  kind: string;
+  title?: string;
+  x?: Partial<Axis>;
+  y?: Partial<Axis>;
+  z?: Partial<Axis>;
+  series: { label?: string; x?: Sample[]; y?: Sample[]; z?: Sample[] }[];
+}
+
+export class Feed {
+  readonly data = signal<FigureData | null>(null);
+  readonly error = signal("");
+  /** what should be known about the numbers; empty: nothing */
+  readonly note = signal("");
+  /** part of the time axis that is seen [s]; null: all */
+  readonly range = signal<[number, number] | null>(null);
+
+  private readonly curves = new Curves();
+  private key = "";
+  private seen: { last: number; frames: number } = { last: -Infinity, frames: 0 };
+  private next_look = 0;
+  private busy = false;
+  private bad = new Map<string, string>();
+
+  constructor(
+    private readonly studio: Studio,
+    private readonly spec: () => FigureSpec,
+  ) {}
+
+  /** Looks whether there is something new; called again and again while the figure is seen. */
+  async tick(now: number): Promise<void> {
+    const status = this.studio.state.status.peek();
+    if (this.busy || now < this.next_look || !status || !this.studio.state.open.peek()) return;
+    const spec = this.spec();
+    const key = this.key_of(spec, status);
+    const rewound = status.last < this.seen.last - 1e-9;
+    const anew = key !== this.key || rewound;
+    if (!anew && status.last === this.seen.last && status.frames === this.seen.frames) return;
+    // what is seen of a zoomed figure does not change at its right end
+    const range = this.range.peek();
+    if (!anew && spec.kind === "curve" && !spec.plot && range && range[1] < this.seen.last) return;
+    this.busy = true;
+    if (key !== this.key) this.bad.clear();
+    this.key = key;
+    this.seen = { last: status.last, frames: status.frames };
+    try {
+      const data = await this.read(spec, anew, range, status);
+      this.next_look = now + (spec.kind === "curve" ? kCurvePause : kOtherPause);
+      // asked again meanwhile: for something else
+      if (key === this.key_of(this.spec(), this.studio.state.status.peek() ?? status)) {
+        this.data.value = data;
+        this.error.value = [...this.bad.values()].join("; ");
+      }
+    } catch (error) {
+      this.key = "";
+      this.next_look = now + kPatience;
+      if (!is_closed(error)) this.error.value = error instanceof Error ? error.message : String(error);
+    } finally {
+      this.busy = false;
+    }
+  }
+
+  /** Shows only part of the time axis [s], in full detail; null: all. */
+  zoom(range: [number, number] | null): void {
+    this.range.value = range;
+    this.next_look = 0;
+  }
+
+  private key_of(spec: FigureSpec, status: Status): string {
+    return JSON.stringify([spec.kind, spec.plot, spec.signals, status.scene, status.compare?.labels, this.range.peek()]);
+  }
+
+  private async read(
+    spec: FigureSpec,
+    anew: boolean,
+    range: [number, number] | null,
+    status: Status,
+  ): Promise<FigureData> {
+    if (spec.plot) {
+      this.note.value = "";
+      return from_plot(await this.studio.link.request<PlotAnswer>("figure", { plot: spec.plot }));
+    }
+    const names = [...new Set(spec.signals.filter((s) => s !== ""))];
+    if (names.length === 0) {
+      this.curves.clear();
+      this.note.value = "";
+      return empty_figure(spec);
+    }
+    if (spec.kind !== "curve") return this.samples(spec, names, status);
+    const grows = !anew && !range && this.curves.time.length > 0;
+    const from = grows ? this.curves.last : (range?.[0] ?? null);
+    const answer = await this.series(names, from, range?.[1] ?? null, kPoints);
+    if (!grows || !this.curves.append(answer)) {
+      this.curves.replace(
+        grows ? await this.series(names, null, null, kPoints) : answer,
+      );
+    }
+    this.note.value = this.curves.series.some(is_thinned)
+      ? "More steps than points: the band is from the lowest to the highest value of each interval. Drag over a part to see all of it."
+      : "";
+    return curve_figure(spec, this.curves, status.compare?.labels ?? null);
+  }
+
+  private async samples(spec: FigureSpec, names: string[], status: Status): Promise<FigureData> {
+    const answer = await this.series(names, null, null, Math.min(Math.max(status.frames, kPoints), kSamples));
+    const parts = answer.series.filter((s) => s.run !== "ghost");
+    this.note.value = parts.some(is_thinned) ? "Made of every few samples only: the run is long." : "";
+    const part = (name: string | undefined) => parts.find((p) => p.signal === name);
+    const data = empty_figure(spec);
+    if (spec.kind === "box" || spec.kind === "histogram") {
+      data.series = parts.map((p) => {
+        const values = p.low;
+        const box = spec.kind === "box";
+        const color = color_of(spec.signals.indexOf(p.signal));
+        return series_of({ label: p.signal, unit: p.unit, color, x: box ? [] : values, y: box ? values : [] });
+      });
+      const units = new Set(parts.map((p) => p.unit));
+      const axis = { label: axis_label(parts.map((p) => p.signal)), unit: units.size === 1 ? [...units][0]! : "" };
+      // boxes of different units each say their own
+      if (units.size > 1)
+        data.series.forEach((s) => {
+          if (s.unit && s.unit !== "1") s.label = `${s.label} [${s.unit}]`;
+        });
+      if (spec.kind === "box") data.y = axis;
+      else data.x = axis;
+      if (spec.kind === "histogram") data.y = { label: "count", unit: "" };
+      return data;
+    }
+    const [x, y, z] = [part(spec.signals[0]), part(spec.signals[1]), part(spec.signals[2])];
+    if (!x || !y || (spec.kind === "surface" && !z)) return data;
+    data.x = { label: x.signal, unit: x.unit };
+    data.y = { label: y.signal, unit: y.unit };
+    if (z) data.z = { label: z.signal, unit: z.unit };
+    data.times = answer.time;
+    data.series = [
+      series_of({ label: (z ?? y).signal, unit: (z ?? y).unit, color: color_of(0), x: x.low, y: y.low, z: z?.low ?? [] }),
+    ];
+    return data;
+  }
+
+  /** Of the signals that there are; the others are remembered as bad, with why. */
+  private async series(
+    names: string[],
+    from: number | null,
+    to: number | null,
+    points: number,
+  ): Promise<SeriesAnswer> {
+    const ask = (signals: string[], p: number): Promise<SeriesAnswer> =>
+      this.studio.link.request<SeriesAnswer>("series", { signals, from, to, points: p });
+    let good = names.filter((n) => !this.bad.has(n));
+    if (good.length === 0) return { time: [], series: [] };
+    try {
+      return await ask(good, points);
+    } catch (error) {
+      if (is_closed(error)) throw error;
+      if (good.length === 1) this.bad.set(good[0]!, message_of(error));
+      else
+        for (const name of good)
+          await ask([name], 1).catch((e: unknown) => {
+            if (is_closed(e)) throw e;
+            this.bad.set(name, message_of(e));
+          });
+      good = good.filter((n) => !this.bad.has(n));
+      if (good.length === 0) return { time: [], series: [] };
+      return ask(good, points);
+    }
+  }
+}
+
+const message_of = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+const is_closed = (error: unknown): boolean => error instanceof RequestError && error.failure.code === "closed";
+
+function series_of(fields: Partial<FigureSeries>): FigureSeries {
+  return { label: "", unit: "", color: color_of(0), dashed: false, axis: 0, x: [], y: [], z: [], ...fields };
+}
+
+export function empty_figure(spec: FigureSpec): FigureData {
+  const none = { label: "", unit: "" };
+  return { kind: spec.kind, title: spec.title, x: none, y: none, z: none, series: [] };
+}
+
+/** Curves with two axes where units differ. `labels`: of the solid and the dashed run of a comparison. */
+export function curve_figure(spec: FigureSpec, curves: Curves, labels: readonly string[] | null): FigureData {
+  const time = curves.time.slice();
+  const shared = share_axes(curves.series.map((s) => s.unit));
+  const names = (axis: 0 | 1): string => axis_label(curves.series.filter((_, k) => shared.axes[k] === axis).map((s) => s.signal));
+  return {
+    ...empty_figure(spec),
+    x: { label: "time", unit: "s" },
+    y: { label: names(0), unit: shared.left },
+    y2: shared.right === null ? undefined : { label: names(1), unit: shared.right },
+    series: curves.series.map((s, k) => {
+      const ghost = s.run === "ghost";
+      const run = labels?.[ghost ? 1 : 0];
+      return series_of({
+        label: run ? `${s.signal} (${run})` : s.signal,
+        unit: s.unit,
+        color: color_of(Math.max(spec.signals.indexOf(s.signal), 0)),
+        dashed: ghost,
+        axis: shared.axes[k]!,
+        x: time,
+        y: s.low.slice(),
+        high: is_thinned(s) ? s.high.slice() : undefined,
+      });
+    }),
+  };
+}
+
+const kKinds: readonly string[] = ["curve", "map", "box", "histogram", "surface"];
+
+/** A plot of the scene, as the server sampled it. */
+export function from_plot(answer: PlotAnswer): FigureData {
+  const axis = (a: Partial<Axis> | undefined): Axis => ({ label: a?.label ?? "", unit: a?.unit ?? "", log: a?.log });
+  return {
+    kind: (kKinds.includes(answer.kind) ? answer.kind : "curve") as FigureKind,
+    title: answer.title ?? "",
+    x: axis(answer.x),
+    y: axis(answer.y),
+    z: axis(answer.z),
+    series: answer.series.map((s, k) =>
+      series_of({
+        label: s.label ?? "",
+        unit: (answer.kind === "histogram" ? answer.x?.unit : answer.y?.unit) ?? "",
+        color: color_of(k),
+        x: s.x ?? [],
+        y: s.y ?? [],
+        z: s.z ?? [],
+      }),
+    ),
+  };
+}
+
+/** Whether a figure's curves go over time, so that a click can go to it and the time can be shown. */
+export function over_time(data: FigureData): boolean {
+  const x = data.series[0]?.x ?? [];
+  return (
+    data.kind === "curve" &&
+    data.x.unit === "s" &&
+    data.series.every((s) => s.x.length === x.length) &&
+    x.every((t, i) => t !== null && (i === 0 || t >= (x[i - 1] ?? NaN))) &&
+    data.series.every((s) => s.x === x || s.x.every((t, i) => t === x[i]))
+  );
+}
