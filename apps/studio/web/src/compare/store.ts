@@ -1,0 +1,97 @@
+// Starts and ends comparisons, and asks how far the two runs are apart.
+import { computed, effect, signal } from "@preact/signals-core";
+import { RequestError } from "../core/link";
+import type { Studio } from "../core/studio";
+import type { Divergence } from "./words";
+
+/** [ms] between two looks; more when answers take their time. */
+const kPause = 400;
+
+export class CompareStore {
+  readonly data = signal<Divergence | null>(null);
+  readonly error = signal("");
+  /** whether the panel is seen; nothing is asked for otherwise */
+  readonly seen = signal(false);
+  /** time the page looks at [s], a few times a second */
+  readonly looked = signal<number | null>(null);
+  readonly busy = signal(false);
+
+  readonly labels = computed(() => this.studio.state.status.value?.compare?.labels ?? null);
+  /** what can be compared with what runs now */
+  readonly others = computed(() => {
+    const present = this.studio.state.status.value?.backend;
+    return (this.studio.state.hello.value?.backends ?? []).filter((b) => b !== present);
+  });
+  readonly step = computed(() => this.studio.state.status.value?.dt ?? null);
+
+  private timer: ReturnType<typeof setInterval> | undefined;
+  private asking = false;
+  private next_look = 0;
+  private key = "";
+
+  constructor(readonly studio: Studio) {
+    effect(() => {
+      clearInterval(this.timer);
+      this.timer = this.seen.value ? setInterval(() => void this.tick(), 100) : undefined;
+    });
+    effect(() => {
+      if (this.labels.value === null) this.data.value = null;
+    });
+  }
+
+  /** Runs the scene on `backend` beside the present one, both from time 0; null: with another `step` [s]. */
+  async compare(what: { backend: string } | { step: number }): Promise<void> {
+    this.busy.value = true;
+    try {
+      await this.studio.link.request("compare", { backend: null, step: null, ...what });
+      this.studio.open_panel("compare");
+    } catch (error) {
+      this.studio.notify(error instanceof Error ? error.message : String(error), "error");
+    } finally {
+      this.busy.value = false;
+    }
+  }
+  async off(): Promise<void> {
+    try {
+      await this.studio.link.request("compare-off");
+    } catch (error) {
+      this.studio.notify(error instanceof Error ? error.message : String(error), "error");
+    }
+  }
+
+  /** Selects the body of that name, if something in the file made it. */
+  select(name: string): void {
+    const body = this.studio.state.scene.value?.bodies.find((b) => b.name === name);
+    if (body && body.element >= 0) this.studio.select([body.element]);
+    else this.studio.notify(`nothing in this file made ${name}`);
+  }
+
+  private async tick(): Promise<void> {
+    this.looked.value = this.studio.state.frame.peek()?.time ?? null;
+    const status = this.studio.state.status.peek();
+    const now = performance.now();
+    if (!status?.compare || this.asking || now < this.next_look) return;
+    const key = JSON.stringify([status.compare, status.scene, status.last, status.frames]);
+    if (key === this.key) return;
+    this.asking = true;
+    try {
+      this.data.value = await this.studio.link.request<Divergence>("divergence");
+      this.error.value = "";
+      this.key = key;
+    } catch (error) {
+      const closed = error instanceof RequestError && error.failure.code === "closed";
+      if (!closed) this.error.value = error instanceof Error ? error.message : String(error);
+    } finally {
+      this.asking = false;
+      const took = performance.now() - now;
+      this.next_look = performance.now() + Math.max(kPause, 4 * took);
+    }
+  }
+}
+
+const stores = new WeakMap<Studio, CompareStore>();
+export function compare_of(studio: Studio): CompareStore {
+  let store = stores.get(studio);
+  if (!store) stores.set(studio, (store = new CompareStore(studio)));
+  return store;
+}

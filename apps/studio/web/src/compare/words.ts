@@ -1,0 +1,123 @@
+// What a comparison says in words and in rows.
+import { color_of, type FigureData } from "../figures/figure";
+import type { Sample } from "../figures/statistics";
+import type { RunEvent } from "../core/protocol";
+
+/** The answer to `divergence`. */
+export interface Divergence {
+  /** [s] */
+  time: number[];
+  /** largest distance of two bodies of one name [m], largest turn [rad] */
+  worst: Sample[];
+  worst_angle: Sample[];
+  bodies: { name: string; distance: Sample[] }[];
+  first: { time: number; name: string } | null;
+  labels: [string, string];
+}
+
+/** From here on two bodies count as apart: 1 cm, 1°. */
+export const kApart = 0.01;
+export const kApartAngle = Math.PI / 180;
+
+export type Difference = "backend" | "step";
+
+/** What differs between two runs, of which only labels such as "bullet" or "bullet, 1 ms" are known. */
+export function difference_of(labels: readonly [string, string], backends: readonly string[]): Difference {
+  const backend = (label: string): string | undefined => backends.find((b) => label === b || label.startsWith(b));
+  const [a, b] = [backend(labels[0]), backend(labels[1])];
+  return a !== undefined && a === b ? "step" : "backend";
+}
+
+export function explanation(difference: Difference, labels: readonly [string, string]): string[] {
+  const both = `Solid is ${labels[0]}, the ghost is ${labels[1]}. Both began with the same state at time 0.`;
+  return difference === "backend"
+    ? [
+        both,
+        "Smooth motion should agree: engines differ by how they solve contacts, friction and joint limits.",
+        "Look at what touches what where the bodies part. To see whether the time step is to blame, compare two time steps of one engine.",
+      ]
+    : [
+        both,
+        "It is one engine; only the time step differs. A gap that halves, or better, with the step is the error of the integration: take a smaller step.",
+        "A gap that opens at an impact does not shrink so: whatever small difference there was is multiplied there.",
+      ];
+}
+
+/** Events just before or at `time`, which may be why the runs part; newest last. */
+export function around(events: readonly RunEvent[], time: number, within = 0.25): RunEvent[] {
+  return events.filter((e) => e.time <= time + 0.02 && e.time >= time - within).slice(-4);
+}
+
+export interface Row {
+  name: string;
+  /** [m] at the time looked at, and the most so far */
+  now: Sample;
+  most: Sample;
+  /** [s] when it was first apart; null: never */
+  since: number | null;
+}
+
+/** The worst first. `at`: index of the time looked at. */
+export function rows_of(data: Divergence, at: number): Row[] {
+  return data.bodies
+    .map(({ name, distance }) => {
+      let most: Sample = null;
+      let since: number | null = null;
+      distance.forEach((d, i) => {
+        if (d === null) return;
+        if (most === null || d > most) most = d;
+        if (since === null && d > kApart) since = data.time[i] ?? null;
+      });
+      return { name, now: distance[at] ?? null, most: most as Sample, since };
+    })
+    .sort((a, b) => (b.most ?? -1) - (a.most ?? -1));
+}
+
+/** Curves of the worst bodies, and of the largest turn of any against the axis on the right. */
+export function divergence_figure(data: Divergence, log: boolean, curves = 5): FigureData {
+  const worst = rows_of(data, -1).slice(0, curves);
+  const series = worst.map(({ name }, k) => ({
+    label: name,
+    unit: "m",
+    color: color_of(k),
+    dashed: false,
+    axis: 0 as const,
+    x: data.time as Sample[],
+    y: data.bodies.find((b) => b.name === name)!.distance,
+    z: [],
+  }));
+  return {
+    kind: "curve",
+    title: `${data.labels[0]} and ${data.labels[1]}`,
+    x: { label: "time", unit: "s" },
+    y: { label: "distance", unit: "m", log },
+    y2: { label: "largest turn", unit: "rad", log },
+    z: { label: "", unit: "" },
+    series: [
+      ...series,
+      {
+        label: "largest turn",
+        unit: "rad",
+        color: color_of(7),
+        dashed: true,
+        axis: 1 as const,
+        x: data.time,
+        y: data.worst_angle,
+        z: [],
+      },
+    ],
+    levels: [{ value: kApart, label: "1 cm" }],
+  };
+}
+
+/** A length for people: "3.2 mm", "4.1 cm", "1.25 m"; small ones in powers of ten. */
+export function length_text(metres: Sample): string {
+  if (metres === null || !Number.isFinite(metres)) return "–";
+  const size = Math.abs(metres);
+  if (size === 0) return "0";
+  if (size < 1e-6) return `${metres.toExponential(1)} m`;
+  if (size < 1e-3) return `${Number((metres * 1e6).toPrecision(3))} µm`;
+  if (size < 1e-2) return `${Number((metres * 1e3).toPrecision(3))} mm`;
+  if (size < 1) return `${Number((metres * 1e2).toPrecision(3))} cm`;
+  return `${Number(metres.toPrecision(3))} m`;
+}
