@@ -26,6 +26,7 @@ CompileResult compile(const CompileOptions& options, Open&& open) {
   }
   if (sink.has_errors()) result.model = nullptr;
   result.diagnostics = sink.take();
+  result.files_read = files.read();
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -79,6 +80,7 @@ class SourceFiles {
 
   /// A file that is no scene: nothing but its XML is checked. To be called first and once.
   const Document* open_plain(const std::string& path);
+  const Document* open_plain_text(const std::string& text, const std::string& name);
 
   /// An import. `href` is relative to the file it stands in, or to a library folder. Files are
   /// parsed and checked against the vocabulary once; nullptr: reported, at `at`. Cycles are the
@@ -91,6 +93,9 @@ class SourceFiles {
 
   const SourceFile& file(int index) const { return *files_[static_cast<std::size_t>(index)]; }
   int size() const { return static_cast<int>(files_.size()); }
+
+  /// Absolute paths of everything that was opened or located so far, sorted.
+  std::vector<std::string> read() const { return {read_.begin(), read_.end()}; }
 
   /// Engine names that may stand as elements in `<physics>` and `<assembly>`.
   const std::vector<std::string>& engine_words() const { return engine_words_; }
@@ -110,6 +115,7 @@ class SourceFiles {
   std::vector<std::unique_ptr<Document>> documents_;
   std::unordered_map<std::string, std::size_t> by_path_;
   std::vector<std::string> roots_;  // canonical folders that files may lie below
+  std::set<std::string> read_;      // absolute paths
   std::vector<std::string> engine_words_;
 };
 

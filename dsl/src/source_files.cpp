@@ -147,6 +147,11 @@ const Document* SourceFiles::open_plain(const std::string& path) {
   return open_scene(path);
 }
 
+const Document* SourceFiles::open_plain_text(const std::string& text, const std::string& name) {
+  plain_ = true;
+  return open_scene_text(text, name);
+}
+
 const Document* SourceFiles::open_scene_text(const std::string& text, const std::string& name) {
   std::error_code fault;
   fs::path folder = fs::path(name).parent_path();
@@ -169,6 +174,7 @@ const Document* SourceFiles::open_scene_text(const std::string& text, const std:
     return nullptr;
   }
   const fs::path own = fs::path(roots_.front()) / fs::path(name).filename();
+  read_.insert(own.string());
   return add(name, own.string(), text);
 }
 
@@ -251,7 +257,7 @@ std::string SourceFiles::locate(std::string_view href, const SourceSpan& at, con
       outside = true;
       continue;
     }
-    if (fs::is_regular_file(path, fault)) return path.string();
+    if (fs::is_regular_file(path, fault)) return *read_.insert(path.string()).first;
     if (std::find(tried.begin(), tried.end(), path.string()) == tried.end()) {
       tried.push_back(path.string());
     }

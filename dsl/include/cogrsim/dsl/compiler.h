@@ -69,6 +69,9 @@ struct CompileOptions {
 struct CompileResult {
   SceneModelPtr model;                  ///< nullptr when there is an error
   std::vector<Diagnostic> diagnostics;  ///< errors and advice, in file order
+  /// Absolute paths, sorted, of all that the scene is made of: itself, imports, meshes, heightmaps,
+  /// textures. Of a text, its own path is where it would be.
+  std::vector<std::string> files_read;
   bool ok() const { return model != nullptr; }
 };
 

@@ -1,0 +1,109 @@
+#include "local.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "terminal.h"
+
+namespace cogrsim::share {
+
+namespace fs = std::filesystem;
+
+Result<TemporaryFolder> TemporaryFolder::make(const std::string& parent) {
+  std::error_code error;
+  const fs::path above = parent.empty() ? fs::temp_directory_path(error) : fs::path(parent);
+  std::string pattern = (above / ".cogrsim-XXXXXX").string();
+  if (error || mkdtemp(pattern.data()) == nullptr) {
+    return fail(fmt::format("no folder can be made there: {}", std::strerror(errno)),
+                above.string(), "is it yours, and is the disk full?");
+  }
+  return TemporaryFolder(pattern);
+}
+
+TemporaryFolder::TemporaryFolder(TemporaryFolder&& other) noexcept
+    : path_(std::exchange(other.path_, {})) {}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  if (!path_.empty()) fs::remove_all(path_, ignored);
+}
+
+Result<> move_to_free_name(const std::string& from, const std::string& to) {
+  // A plain rename would replace a file, or an empty folder.
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return {};
+  int why = errno;
+  if (why == EINVAL || why == ENOSYS) {  // not every file system can do it in one go
+    std::error_code error;
+    if (fs::exists(fs::symlink_status(to, error))) {
+      why = EEXIST;
+    } else if (std::rename(from.c_str(), to.c_str()) == 0) {
+      return {};
+    } else {
+      why = errno;
+    }
+  }
+  if (why == EEXIST || why == ENOTEMPTY) return fail("is there already, and is not touched", to);
+  return fail(fmt::format("cannot be made: {}", std::strerror(why)), to);
+}
+
+std::string bytes_text(std::uint64_t bytes) {
+  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
+  const double size = static_cast<double>(bytes);
+  if (size < 1e6) return fmt::format("{:.3g} kB", size / 1e3);
+  if (size < 1e9) return fmt::format("{:.3g} MB", size / 1e6);
+  return fmt::format("{:.3g} GB", size / 1e9);
+}
+
+std::string shell_word(const std::string& text) {
+  const bool plain =
+      !text.empty() && text.front() != '-' && std::all_of(text.begin(), text.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               std::strchr("_-./+,:@%", c) != nullptr;
+      });
+  if (plain) return text;
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+TransferLine::TransferLine(std::string title)
+    : title_(std::move(title)), shown_(cli::is_live_terminal(STDERR_FILENO)) {}
+
+TransferLine::~TransferLine() {
+  if (drawn_) std::fputs("\r\033[K", stderr);
+}
+
+TransferProgress TransferLine::progress() {
+  return [this](std::uint64_t done, std::uint64_t total) { show(done, total); };
+}
+
+void TransferLine::show(std::uint64_t done, std::uint64_t total) {
+  if (!shown_) return;
+  const double now =
+      std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  if (drawn_ && now - last_ < 0.1 && done != total) return;
+  std::string line = title_ + "  " + bytes_text(done);
+  if (total > 0) {
+    const auto filled = static_cast<std::size_t>(20.0 * static_cast<double>(std::min(done, total)) /
+                                                 static_cast<double>(total));
+    line = fmt::format("{}  [{}{}]  {} of {}", title_, std::string(filled, '#'),
+                       std::string(20 - filled, '-'), bytes_text(done), bytes_text(total));
+  }
+  const auto width = static_cast<std::size_t>(std::max(20, cli::terminal_width(STDERR_FILENO) - 1));
+  std::fputs(("\r\033[K" + cli::shortened(line, width)).c_str(), stderr);
+  std::fflush(stderr);
+  drawn_ = true;
+  last_ = now;
+}
+
+}  // namespace cogrsim::share

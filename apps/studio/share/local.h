@@ -1,0 +1,53 @@
+// Folders, texts and progress on this machine.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "cogrsim/core/result.h"
+#include "http.h"
+
+namespace cogrsim::share {
+
+/// A new empty folder of our own, removed with all in it at the end.
+class TemporaryFolder {
+ public:
+  /// Below `parent`, which must be there; empty: where the system keeps such things.
+  static Result<TemporaryFolder> make(const std::string& parent = {});
+  ~TemporaryFolder();
+  TemporaryFolder(TemporaryFolder&& other) noexcept;
+  TemporaryFolder& operator=(TemporaryFolder&&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  explicit TemporaryFolder(std::string path) : path_(std::move(path)) {}
+  std::string path_;
+};
+
+/// Moves a file or folder to a name that must be free. Errors: it is not, or cannot be made.
+Result<> move_to_free_name(const std::string& from, const std::string& to);
+
+/// "812 bytes", "31.2 kB", "1.5 GB".
+std::string bytes_text(std::uint64_t bytes);
+
+/// One word for a shell, whatever is in it.
+std::string shell_word(const std::string& text);
+
+/// A line on stderr that shows how far a transfer is, if that is a terminal; else nothing.
+class TransferLine {
+ public:
+  explicit TransferLine(std::string title);
+  ~TransferLine();
+  TransferLine(const TransferLine&) = delete;
+  TransferLine& operator=(const TransferLine&) = delete;
+  TransferProgress progress();
+
+ private:
+  void show(std::uint64_t done, std::uint64_t total);
+  std::string title_;
+  bool shown_, drawn_ = false;
+  double last_ = -1.0;  // [s] of the steady clock
+};
+
+}  // namespace cogrsim::share
