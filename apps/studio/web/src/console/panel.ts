@@ -1,13 +1,24 @@
+import { effect } from "@preact/signals-core";
 import { Widget } from "@lumino/widgets";
 import type { PanelType, Studio } from "../core/studio";
+import { count_wrong } from "./lines";
+import { show_console } from "./view";
 
 export const panel: PanelType = {
   name: "console",
   title: "Console",
-  create(_studio: Studio): Widget {
-    return new Widget();
+  create(studio: Studio): Widget {
+    const widget = new Widget();
+    widget.addClass("cg-console");
+    show_console(studio, widget.node);
+    const { problems, messages } = studio.state;
+    effect(() => {
+      const wrong = count_wrong(problems.value, messages.value);
+      // the shell sets the title once the widget is made
+      queueMicrotask(() => (widget.title.label = wrong > 0 ? `Console (${wrong})` : "Console"));
+    });
+    return widget;
   },
 };
 
-/** Adds the panel's commands; called once, before any panel is made. */
 export function register(_studio: Studio): void {}

@@ -1,38 +1,104 @@
-// The window: docked panels, and what they are given.
+// The window: what panels are given, and what is around them.
 import { CommandRegistry } from "@lumino/commands";
-import { DockPanel, Widget } from "@lumino/widgets";
-import type { Link } from "../core/link";
+import { MessageLoop } from "@lumino/messaging";
+import { ContextMenu, Widget } from "@lumino/widgets";
+import { effect } from "@preact/signals-core";
+import { show_bar } from "../control/bar";
+import { Control } from "../control/commands";
+import { count_wrong } from "../console/lines";
+import { RequestError, type Link } from "../core/link";
 import type { Op } from "../core/protocol";
 import { State } from "../core/state";
 import type { DialogContent, Studio } from "../core/studio";
+import { browser_clock, Playback } from "../timeline/playback";
+import { Timeline } from "../timeline/timeline";
+import { register_commands } from "./commands";
+import { ask } from "./dialog";
+import { Docking } from "./docking";
+import { edit } from "./editing";
+import { bind_keys, listen } from "./keys";
+import { make_menus } from "./menus";
+import { Notices } from "./notices";
 import { panel_named, panels } from "./panels";
+import { page_title, show_status_line } from "./status_line";
+import { Windows } from "./windows";
 
 export class App implements Studio {
   readonly state = new State();
   readonly commands = new CommandRegistry();
-  readonly dock = new DockPanel({ spacing: 4 });
-  private readonly open = new Map<string, Widget>();
+  readonly playback: Playback;
+  readonly docking: Docking;
+  private readonly notices = new Notices();
+  private readonly windows: Windows;
 
-  constructor(readonly link: Link) {}
+  /** `only`: name of the one panel that this window is for, "": all. */
+  constructor(
+    readonly link: Link,
+    private readonly only: string,
+  ) {
+    this.playback = new Playback(link, this.state, browser_clock, (message) => this.notify(message, "error"));
+    this.docking = new Docking(
+      this,
+      () => panels.forEach(({ panel }) => this.tell_changed(`panel:${panel.name}`)),
+      (panel) => this.pop_out(panel),
+    );
+    const main = only ? (window.opener as Window | null) : null;
+    this.windows = new Windows(this.state, main, {
+      cursor: (live, time) => this.playback.follow(live, time),
+      call: (name, values) => this.called(name, values),
+      returned: (panel) => this.open_panel(panel),
+    });
+    this.playback.moved = (live, time) => this.windows.cursor(live, time);
+  }
 
   show(): void {
+    const control = new Control(this, this.playback);
+    for (const { register } of panels) register(this);
+    control.register();
+    register_commands(this);
+    bind_keys(this.commands);
+    listen(this.commands, document);
+    effect(() => void (document.documentElement.dataset.theme = this.state.theme.value));
+    effect(() => this.show_title());
+
     const shell = document.createElement("div");
     shell.className = "cg-shell";
-    document.body.append(shell);
-    for (const { register } of panels) register(this);
-    this.dock.addClass("cg-dock");
-    Widget.attach(this.dock, shell);
-    for (const { panel } of panels) this.open_panel(panel.name);
-    window.addEventListener("resize", () => this.dock.update());
+    shell.append(this.connection_bar());
+    document.body.prepend(shell);
+    if (this.only) {
+      this.show_only(shell);
+      return;
+    }
+
+    const head = document.createElement("header");
+    head.className = "cg-head";
+    shell.append(head);
+    Widget.attach(make_menus(this.commands), head);
+    head.append(this.layout_choice(), this.theme_button());
+    const bar = document.createElement("div");
+    shell.append(bar);
+    show_bar(control, bar);
+    shell.append(new Timeline(control).node);
+    const main = document.createElement("main");
+    main.className = "cg-main";
+    shell.append(main);
+    Widget.attach(this.docking.dock, main);
+    new ResizeObserver(() => this.docking.dock.fit()).observe(main);
+    const foot = document.createElement("footer");
+    shell.append(foot);
+    show_status_line(this, foot);
+    this.tab_menu();
+    effect(() => {
+      const hello = this.state.hello.value;
+      if (hello) this.docking.arrange_for(hello.file, hello.kind === "scene" ? "Edit" : "Run");
+    });
   }
 
   async edit(label: string, ops: Op[]): Promise<number[] | null> {
     try {
-      const version = this.state.document.value?.version ?? 0;
-      const answer = await this.link.request<{ created?: number[] }>("edit", { version, ops, label });
-      return answer.created ?? [];
+      return await edit(this.link, this.state, label, ops);
     } catch (error) {
-      this.notify(error instanceof Error ? error.message : String(error), "error");
+      this.fail(error);
       return null;
     }
   }
@@ -40,34 +106,150 @@ export class App implements Studio {
     this.state.selection.value = elements;
   }
   seek(time: number): void {
-    this.state.live.value = false;
-    this.link.request("seek", { time }).catch((error: Error) => this.notify(error.message, "error"));
+    this.playback.seek(time);
   }
-  notify(text: string, _kind: "note" | "error" = "note"): void {
-    console.log(text);
+  notify(text: string, kind: "note" | "error" = "note"): void {
+    this.notices.show(text, kind);
   }
-  go_to(_file: string, _line: number, _column: number): void {
+  /** Tells the user of what went wrong; a broken way has its own bar. */
+  fail(error: unknown): void {
+    if (error instanceof RequestError && error.failure.code === "closed") return;
+    this.notify(error instanceof Error ? error.message : String(error), "error");
+  }
+  go_to(file: string, line: number, column: number): void {
+    if (this.elsewhere("code")) {
+      this.windows.call("go_to", [file, line, column]);
+      return;
+    }
     this.open_panel("code");
+    if (this.commands.hasCommand("code:go-to")) void this.commands.execute("code:go-to", { file, line, column });
   }
   open_panel(name: string): void {
-    const panel = panel_named(name);
-    if (!panel) return;
-    let widget = this.open.get(name);
-    if (!widget) {
-      widget = panel.create(this);
-      widget.id = name;
-      widget.title.label = panel.title;
-      widget.title.closable = true;
-      widget.disposed.connect(() => this.open.delete(name));
-      this.open.set(name, widget);
-      this.dock.addWidget(widget, { mode: this.open.size % 3 ? "tab-after" : "split-right" });
+    if (this.only) {
+      if (this.elsewhere(name)) this.windows.call("open_panel", [name]);
+      return;
     }
-    this.dock.activateWidget(widget);
+    if (panel_named(name)) this.docking.show(name);
   }
-  draw_signal(_signal: string, _figure?: string): void {
-    this.open_panel("figures");
+  draw_signal(signal: string, figure?: string): void {
+    if (this.elsewhere("figures")) this.windows.call("draw_signal", figure === undefined ? [signal] : [signal, figure]);
+    else {
+      this.open_panel("figures");
+      void this.commands.execute("figures:draw", { signal, figure: figure ?? "" });
+    }
   }
-  async dialog(_content: DialogContent): Promise<Record<string, string> | null> {
-    return null;
+  dialog(content: DialogContent): Promise<Record<string, string> | null> {
+    return ask(content);
+  }
+
+  pop_out(panel: string): void {
+    if (this.windows.pop_out(panel)) this.docking.close(panel);
+    else this.notify("the browser did not let a window open: allow pop-ups for this page", "error");
+  }
+
+  /** Whether a panel is a matter of the main window, and this is none. */
+  private elsewhere(panel: string): boolean {
+    return this.only !== "" && this.only !== panel;
+  }
+  /** Another window asks. */
+  private called(name: string, values: (string | number)[]): void {
+    if (name === "open_panel") this.open_panel(String(values[0]));
+    if (name === "go_to") this.go_to(String(values[0]), Number(values[1]), Number(values[2]));
+    if (name === "draw_signal") this.draw_signal(String(values[0]), values[1] === undefined ? undefined : String(values[1]));
+    if (name === "notify") this.notify(String(values[0]));
+  }
+  private tell_changed(command: string): void {
+    if (this.commands.hasCommand(command)) this.commands.notifyCommandChanged(command);
+  }
+
+  private show_only(shell: HTMLElement): void {
+    const type = panel_named(this.only);
+    const main = document.createElement("main");
+    main.className = "cg-main cg-only";
+    shell.append(main);
+    if (!type) {
+      main.textContent = `There is no panel '${this.only}'.`;
+      return;
+    }
+    const widget = type.create(this);
+    widget.node.dataset.testid = `panel-${type.name}`;
+    widget.node.setAttribute("aria-label", type.title);
+    Widget.attach(widget, main);
+    new ResizeObserver(() => MessageLoop.sendMessage(widget, Widget.ResizeMessage.UnknownSize)).observe(main);
+  }
+
+  private show_title(): void {
+    const { scene, document: text, status, problems, messages, hello } = this.state;
+    const name = scene.value?.name || hello.value?.file || "";
+    const panel = this.only ? (panel_named(this.only)?.title ?? "") : "";
+    const title = page_title(
+      name,
+      text.value?.dirty ?? false,
+      status.value?.state ?? "",
+      count_wrong(problems.value, messages.value),
+    );
+    document.title = panel ? `${panel} – ${title}` : title;
+  }
+
+  private connection_bar(): HTMLElement {
+    const bar = document.createElement("div");
+    bar.className = "cg-connection";
+    bar.setAttribute("role", "alert");
+    bar.dataset.testid = "connection";
+    let ended = "";
+    this.link.on("goodbye", ({ reason }) => (ended = reason));
+    effect(() => {
+      const lost = !this.state.open.value && this.state.hello.value !== null;
+      if (this.state.open.value) ended = "";
+      bar.hidden = !lost;
+      bar.textContent = lost
+        ? `Connection lost${ended ? ` (${ended})` : ""}, trying again. If the studio was started anew, open the address it printed.`
+        : "";
+    });
+    return bar;
+  }
+
+  private layout_choice(): HTMLElement {
+    const group = document.createElement("div");
+    group.className = "cg-layouts";
+    group.setAttribute("role", "group");
+    group.setAttribute("aria-label", "Layout");
+    for (const name of ["Run", "Edit", "Analyse", "Compare"]) {
+      const button = document.createElement("button");
+      button.textContent = name;
+      button.title = `Layout: ${name}`;
+      button.setAttribute("aria-label", `Layout ${name}`);
+      button.addEventListener("click", () => void this.commands.execute(`layout:${name.toLowerCase()}`));
+      group.append(button);
+    }
+    return group;
+  }
+  private theme_button(): HTMLElement {
+    const button = document.createElement("button");
+    button.className = "cg-theme";
+    button.dataset.testid = "theme";
+    button.addEventListener("click", () => void this.commands.execute("view:theme"));
+    effect(() => {
+      const dark = this.state.theme.value === "dark";
+      button.textContent = dark ? "☀" : "☾";
+      button.title = dark ? "Light colours" : "Dark colours";
+      button.setAttribute("aria-label", button.title);
+    });
+    return button;
+  }
+
+  private tab_menu(): void {
+    const menu = new ContextMenu({ commands: this.commands });
+    this.docking.dock.node.addEventListener("contextmenu", (event) => {
+      const tab = (event.target as Element).closest(".lm-TabBar-tab");
+      const bar = tab && [...this.docking.dock.tabBars()].find((b) => b.node.contains(tab));
+      const panel = bar?.titles[[...bar.contentNode.children].indexOf(tab!)]?.owner.id;
+      if (!panel) return;
+      menu.menu.clearItems();
+      menu.menu.addItem({ command: "panel:pop-out", args: { panel } });
+      menu.menu.addItem({ command: "panel:close", args: { panel } });
+      menu.menu.open(event.clientX, event.clientY);
+      event.preventDefault();
+    });
   }
 }

@@ -1,0 +1,247 @@
+// The control bar.
+import "@preact/signals";
+import { render, type ComponentChildren } from "preact";
+import { useRef, useState } from "preact/hooks";
+import { kSpeeds, speed_text, type Control } from "./commands";
+import "./control.css";
+import { icons, type IconName } from "./icons";
+import { read_step, recorded, step_hint, step_text } from "./rules";
+
+interface ToolProps {
+  label: string;
+  icon: IconName;
+  keys?: string;
+  /** why it cannot be used now */
+  reason: string | null;
+  pressed?: boolean;
+  testid: string;
+  on_click(): void;
+  children?: ComponentChildren;
+}
+
+function Tool({ label, icon, keys, reason, pressed, testid, on_click, children }: ToolProps) {
+  // What cannot be used can still be reached, and says why.
+  return (
+    <button
+      class="cg-tool"
+      aria-label={label}
+      aria-disabled={reason !== null}
+      aria-pressed={pressed}
+      title={reason ? `${label}: ${reason}` : keys ? `${label} (${keys})` : label}
+      data-testid={testid}
+      // the keyboard's focus stays where it is: Space goes on to mean play and pause
+      onMouseDown={(event) => event.preventDefault()}
+      onClick={() => reason === null && on_click()}
+    >
+      <svg viewBox="0 0 16 16" width="16" height="16" aria-hidden="true">
+        <path d={icons[icon]} fill="currentColor" />
+      </svg>
+      {children}
+    </button>
+  );
+}
+
+function SpeedChoice({ control }: { control: Control }) {
+  const speed = control.speed();
+  const reason = control.why_not("speed");
+  const ladder = recorded(control.situation()) ? kSpeeds.filter((s) => s !== null) : kSpeeds;
+  const all = ladder.includes(speed) ? ladder : [...ladder, speed];
+  return (
+    <select
+      aria-label="Speed"
+      title={reason ?? "Simulated time per second of the clock"}
+      disabled={reason !== null}
+      data-testid="speed"
+      value={String(speed)}
+      onChange={(event) => control.set_speed(event.currentTarget.value === "null" ? null : Number(event.currentTarget.value))}
+    >
+      {all.map((s) => (
+        <option key={String(s)} value={String(s)}>
+          {speed_text(s)}
+        </option>
+      ))}
+    </select>
+  );
+}
+
+function StepField({ control }: { control: Control }) {
+  const status = control.studio.state.status.value;
+  const [wrong, set_wrong] = useState("");
+  const field = useRef<HTMLInputElement>(null);
+  const dt = status?.dt ?? 0;
+  const own = status?.scene_dt ?? dt;
+  const reason = control.why_not("dt");
+  const take = async () => {
+    const input = field.current!;
+    const step = read_step(input.value);
+    if (typeof step === "string") {
+      set_wrong(step);
+      return;
+    }
+    set_wrong("");
+    if (Math.abs(step - dt) > 1e-12) {
+      const done = await control.ask("dt", { value: Math.abs(step - own) < 1e-12 ? null : step });
+      if (!done) input.value = step_text(dt);
+    }
+  };
+  return (
+    <span class="cg-step-field">
+      <label for="time-step">Time step</label>
+      <input
+        id="time-step"
+        ref={field}
+        type="text"
+        inputMode="decimal"
+        size={6}
+        // what is being typed is not overwritten by what comes from the run
+        key={dt}
+        defaultValue={step_text(dt)}
+        disabled={reason !== null}
+        title={reason ?? undefined}
+        aria-describedby="time-step-hint"
+        aria-invalid={wrong !== ""}
+        data-testid="time-step"
+        onBlur={() => void take()}
+        onKeyDown={(event) => {
+          if (event.key === "Enter") void take();
+          if (event.key === "Escape") {
+            event.currentTarget.value = step_text(dt);
+            set_wrong("");
+          }
+        }}
+      />
+      <span>ms</span>
+      {Math.abs(dt - own) > 1e-12 && reason === null && (
+        <button
+          class="cg-tool"
+          title={`Back to the scene's own ${step_text(own)} ms`}
+          aria-label="Use the scene's own time step"
+          data-testid="time-step-reset"
+          onClick={() => void control.ask("dt", { value: null })}
+        >
+          ↺
+        </button>
+      )}
+      <span id="time-step-hint" class="cg-hint" role="note">
+        {wrong ? <strong class="cg-error">{wrong}</strong> : status ? step_hint(dt, own) : ""}
+      </span>
+    </span>
+  );
+}
+
+function Backend({ control }: { control: Control }) {
+  const { hello, status } = control.studio.state;
+  const reason = control.why_not("backend");
+  const present = status.value?.backend ?? "";
+  const names = hello.value?.backends ?? [];
+  const all = names.includes(present) || !present ? names : [present, ...names];
+  return (
+    <label>
+      Backend{" "}
+      <select
+        disabled={reason !== null}
+        title={reason ?? "The run goes on there from the state it is in"}
+        data-testid="backend"
+        value={present}
+        onChange={(event) => {
+          const select = event.currentTarget;
+          const name = select.value;
+          // shows what is, until the run says otherwise
+          select.value = present;
+          void control.set_backend(name);
+        }}
+      >
+        {all.map((name) => (
+          <option key={name} value={name}>
+            {name}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function Record({ control }: { control: Control }) {
+  const recording = control.studio.state.status.value?.recording ?? null;
+  const [file, set_file] = useState("");
+  const reason = control.why_not("record");
+  return (
+    <span class="cg-record">
+      <Tool
+        label={recording ? "End the recording" : "Record"}
+        icon="record"
+        pressed={recording !== null}
+        reason={reason}
+        testid="record"
+        on_click={() => void control.record(file)}
+      />
+      {recording ? (
+        <span class="cg-recording" data-testid="recording-file">
+          {recording}
+        </span>
+      ) : (
+        <input
+          type="text"
+          size={10}
+          placeholder="run.mcap"
+          aria-label="File to record to"
+          title={reason ?? "Name of the file beside the scene; empty: one is made up"}
+          disabled={reason !== null}
+          value={file}
+          onInput={(event) => set_file(event.currentTarget.value.trim())}
+        />
+      )}
+    </span>
+  );
+}
+
+function Figures({ control }: { control: Control }) {
+  const status = control.studio.state.status.value;
+  const factor = status?.state === "playing" ? `${status.factor.toFixed(2)}×` : "–";
+  return (
+    <span class="cg-factor" title="Simulated seconds per second of the clock, as measured" data-testid="factor">
+      Real-time factor <output aria-live="off">{factor}</output>
+    </span>
+  );
+}
+
+function Bar({ control }: { control: Control }) {
+  const { playback } = control;
+  const past = recorded(control.situation());
+  return (
+    <>
+      <span class="cg-group">
+        <Tool label="Play" icon="play" keys="Space" reason={control.why_not("play")} pressed={control.moving()} testid="play" on_click={() => control.play()} />
+        <Tool label="Pause" icon="pause" keys="Space" reason={control.why_not("pause")} testid="pause" on_click={() => control.pause()} />
+        <Tool label="Stop" icon="stop" reason={control.why_not("stop")} testid="stop" on_click={() => control.stop()} />
+        <Tool label="Restart" icon="restart" reason={control.why_not("restart")} testid="restart" on_click={() => control.restart()} />
+      </span>
+      <span class="cg-group">
+        <Tool label="Step back" icon="back" keys="←" reason={control.why_not("step-back")} testid="step-back" on_click={() => void playback.step_back()} />
+        <Tool label="Step forward" icon="step" keys="→" reason={control.why_not("step")} testid="step" on_click={() => control.step()} />
+      </span>
+      <span class="cg-group">
+        <Tool label="Slower" icon="slower" keys="−" reason={control.why_not("speed")} testid="slower" on_click={() => control.change_speed(-1)} />
+        <SpeedChoice control={control} />
+        <Tool label="Faster" icon="faster" keys="=" reason={control.why_not("speed")} testid="faster" on_click={() => control.change_speed(1)} />
+      </span>
+      {!past && <Figures control={control} />}
+      <span class="cg-group">
+        <StepField control={control} />
+      </span>
+      <span class="cg-group">
+        <Backend control={control} />
+      </span>
+      <span class="cg-group">
+        <Record control={control} />
+      </span>
+    </>
+  );
+}
+
+export function show_bar(control: Control, node: HTMLElement): void {
+  node.classList.add("cg-control");
+  node.setAttribute("role", "toolbar");
+  node.setAttribute("aria-label", "Run");
+  render(<Bar control={control} />, node);
+}

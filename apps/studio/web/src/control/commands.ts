@@ -1,0 +1,154 @@
+// Steering the run, as commands.
+import { effect } from "@preact/signals-core";
+import { RequestError } from "../core/link";
+import type { Studio } from "../core/studio";
+import type { Playback } from "../timeline/playback";
+import { neighbour } from "../timeline/scale";
+import { kSpeeds, next_speed, play_means, recorded, speed_text, why_not, type Action, type Situation } from "./rules";
+
+export class Control {
+  constructor(
+    readonly studio: Studio,
+    readonly playback: Playback,
+  ) {}
+
+  /** Reads signals: what calls it in an effect is told of changes. */
+  situation(): Situation {
+    const { state } = this.studio;
+    return {
+      hello: state.hello.value,
+      open: state.open.value,
+      status: state.status.value,
+      live: state.live.value,
+      replaying: this.playback.running.value,
+    };
+  }
+  why_not(action: Action): string | null {
+    return why_not(action, this.situation());
+  }
+
+  /** Whether something moves on this page. */
+  moving(): boolean {
+    const now = this.situation();
+    return now.replaying || (now.live && now.status?.state === "playing");
+  }
+  speed(): number | null {
+    const now = this.situation();
+    return recorded(now) ? this.playback.speed.value : (now.status?.speed ?? null);
+  }
+
+  async ask(what: string, fields: Record<string, unknown> = {}): Promise<Record<string, unknown> | null> {
+    try {
+      return await this.studio.link.request(what, fields);
+    } catch (error) {
+      const closed = error instanceof RequestError && error.failure.code === "closed";
+      if (!closed) this.studio.notify(error instanceof Error ? error.message : String(error), "error");
+      return null;
+    }
+  }
+
+  play(): void {
+    if (play_means(this.situation()) === "run") {
+      void this.ask("play");
+      return;
+    }
+    this.playback.run(() => {
+      if (this.playback.recorded()) return;
+      this.playback.live();
+      if (this.why_not("play") === null) void this.ask("play");
+    });
+  }
+  pause(): void {
+    if (this.playback.running.value) this.playback.halt();
+    else void this.ask("pause");
+  }
+  stop(): void {
+    if (recorded(this.situation())) {
+      this.playback.seek(this.studio.state.status.value?.first ?? 0);
+      return;
+    }
+    this.playback.halt();
+    void this.ask("stop").then((done) => done && this.playback.live());
+  }
+  restart(): void {
+    if (recorded(this.situation())) {
+      this.playback.seek(this.studio.state.status.value?.first ?? 0);
+      this.play();
+      return;
+    }
+    this.playback.halt();
+    void this.ask("restart").then((done) => done && this.playback.live());
+  }
+  step(): void {
+    const now = this.situation();
+    if (recorded(now) || !now.live) void this.playback.step_forward();
+    else void this.ask("step", { count: 1 });
+  }
+  change_speed(way: 1 | -1): void {
+    this.set_speed(next_speed(this.speed(), way, !recorded(this.situation())));
+  }
+  set_speed(factor: number | null): void {
+    if (recorded(this.situation())) this.playback.speed.value = factor ?? 10;
+    else void this.ask("speed", { factor });
+  }
+  async set_backend(name: string): Promise<void> {
+    const answer = await this.ask("backend", { name });
+    const notes = Array.isArray(answer?.notes) ? (answer.notes as unknown[]) : [];
+    if (answer) this.studio.notify([`the run goes on with ${name}`, ...notes.map(String)].join("; "));
+  }
+  async record(file: string): Promise<void> {
+    const on = !this.studio.state.status.value?.recording;
+    const answer = await this.ask("record", on && file ? { on, file } : { on });
+    if (!answer) return;
+    const named = typeof answer.file === "string" ? answer.file : "";
+    this.studio.notify(on ? `recording to ${named}` : `recorded${named ? ` to ${named}` : ""}`);
+  }
+
+  /** [s], in order: events, and where two runs part. */
+  bookmarks(): number[] {
+    const { events, status } = this.studio.state;
+    const parting = status.value?.compare?.first_over;
+    const times = events.value.map((e) => e.time);
+    if (typeof parting === "number") times.push(parting);
+    return times.sort((a, b) => a - b);
+  }
+  to_bookmark(way: 1 | -1): void {
+    const time = neighbour(this.bookmarks(), this.playback.time, way);
+    if (time === undefined) this.studio.notify(way > 0 ? "no event after this time" : "no event before this time");
+    else this.playback.seek(time);
+  }
+
+  register(): void {
+    const { commands } = this.studio;
+    const add = (id: string, label: string, action: Action | null, execute: () => void) =>
+      commands.addCommand(id, {
+        label,
+        caption: () => (action && this.why_not(action)) ?? "",
+        isEnabled: () => action === null || this.why_not(action) === null,
+        execute: () => execute(),
+      });
+    commands.addCommand("run:toggle", {
+      label: () => (this.moving() ? "Pause" : "Play"),
+      isEnabled: () => this.why_not(this.moving() ? "pause" : "play") === null,
+      execute: () => (this.moving() ? this.pause() : this.play()),
+    });
+    add("run:stop", "Stop, back to the start", "stop", () => this.stop());
+    add("run:restart", "Restart", "restart", () => this.restart());
+    add("run:step-back", "Step back", "step-back", () => void this.playback.step_back());
+    add("run:step", "Step forward", "step", () => this.step());
+    add("run:slower", "Slower", "speed", () => this.change_speed(-1));
+    add("run:faster", "Faster", "speed", () => this.change_speed(1));
+    add("run:as-fast-as-possible", "As fast as possible", "speed", () => this.set_speed(recorded(this.situation()) ? 10 : null));
+    add("run:live", "Follow the run (live)", "live", () => this.playback.live());
+    add("run:previous-event", "Previous event", null, () => this.to_bookmark(-1));
+    add("run:next-event", "Next event", null, () => this.to_bookmark(1));
+    add("run:record", "Record, or end the recording", "record", () => void this.record(""));
+    // menus and palette read what is enabled when they open; a palette that is open is told
+    effect(() => {
+      this.situation();
+      commands.notifyCommandChanged("run:toggle");
+    });
+  }
+}
+
+export { kSpeeds, speed_text };

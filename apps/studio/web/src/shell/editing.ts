@@ -1,0 +1,77 @@
+// Edits of the text: refused ones are told, those that came too late are tried again if they still mean the same.
+import { effect } from "@preact/signals-core";
+import { RequestError, type Link } from "../core/link";
+import type { Op, TreeElement } from "../core/protocol";
+import type { State } from "../core/state";
+
+const kPatience = 5_000; // [ms]
+
+/** Ids of the elements that operations are about. */
+export function elements_of(ops: Op[]): number[] {
+  return ops.flatMap((op) => {
+    switch (op.op) {
+      case "insert":
+        return op.before === null ? [op.parent] : [op.parent, op.before];
+      case "move":
+        return op.before === null ? [op.element, op.parent] : [op.element, op.parent, op.before];
+      case "remove":
+      case "assemble":
+        return op.elements;
+      default:
+        return [op.element];
+    }
+  });
+}
+
+/** Whether the ids mean the same elements in both texts. */
+export function same_elements(ids: number[], before: TreeElement[], after: TreeElement[]): boolean {
+  return ids.every((id) => {
+    for (let at = id; at >= 0; ) {
+      const [a, b] = [before[at], after[at]];
+      if (!a || !b || a.tag !== b.tag || a.name !== b.name || a.parent !== b.parent) return false;
+      at = a.parent;
+    }
+    return true;
+  });
+}
+
+/** Done when the tree is of `version` or a later one; false when that does not come. */
+function tree_of(state: State, version: number): Promise<boolean> {
+  return new Promise((resolve) => {
+    let stop: (() => void) | undefined;
+    const timer = setTimeout(() => finish(false), kPatience);
+    const finish = (there: boolean) => {
+      clearTimeout(timer);
+      // an effect cannot end itself before it has begun
+      queueMicrotask(() => stop?.());
+      resolve(there);
+    };
+    stop = effect(() => {
+      if (state.tree.value.version >= version) finish(true);
+    });
+  });
+}
+
+/** Ids of what was made, in the version that `state.tree` then has. Throws why not. */
+export async function edit(link: Link, state: State, label: string, ops: Op[]): Promise<number[]> {
+  const { version, elements } = state.tree.value;
+  const ask = (of: number) => link.request<{ version: number; created?: number[] }>("edit", { version: of, ops, label });
+  let answer;
+  try {
+    answer = await ask(version);
+  } catch (error) {
+    if (!(error instanceof RequestError) || error.failure.code !== "stale") throw error;
+    if (state.document.value && state.document.value.version > version) await tree_of(state, state.document.value.version);
+    else await tree_of(state, version + 1);
+    const now = state.tree.value;
+    if (now.version === version) {
+      throw new Error("the text has an error: mend it in the code panel first");
+    }
+    if (!same_elements(elements_of(ops), elements, now.elements)) {
+      throw new Error("the text was changed at the same time: look at it and try again");
+    }
+    answer = await ask(now.version);
+  }
+  await tree_of(state, answer.version);
+  return answer.created ?? [];
+}

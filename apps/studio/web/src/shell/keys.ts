@@ -1,0 +1,121 @@
+// Keys and what they do. One table: the palette, the menus and the list of shortcuts read it through the registry.
+import type { CommandRegistry } from "@lumino/commands";
+
+/** Key, command. Accel is Ctrl, on a Mac Command. */
+export const kKeys: [key: string, command: string][] = [
+  ["Space", "run:toggle"],
+  ["ArrowLeft", "run:step-back"],
+  ["ArrowRight", "run:step"],
+  ["-", "run:slower"],
+  ["=", "run:faster"],
+  ["Shift +", "run:faster"],
+  ["F", "view:focus"],
+  ["1", "view:front"],
+  ["2", "view:back"],
+  ["3", "view:left"],
+  ["4", "view:right"],
+  ["5", "view:top"],
+  ["6", "view:bottom"],
+  ["7", "view:iso"],
+  ["Delete", "edit:delete"],
+  ["F2", "edit:rename"],
+  ["Accel Z", "edit:undo"],
+  ["Accel Shift Z", "edit:redo"],
+  ["Accel Y", "edit:redo"],
+  ["Accel S", "edit:save"],
+  ["Accel C", "edit:copy"],
+  ["Accel X", "edit:cut"],
+  ["Accel V", "edit:paste"],
+  ["Accel D", "edit:duplicate"],
+  ["Accel A", "edit:select-all"],
+  ["Accel K", "help:palette"],
+  ["?", "help:shortcuts"],
+];
+
+/** What also works while text is being written. */
+const kInText = new Set(["edit:save", "help:palette"]);
+/** What the code editor, whose text is the scene's, leaves to the one history. */
+const kInCode = new Set(["edit:save", "help:palette", "edit:undo", "edit:redo"]);
+
+export type Surroundings = "page" | "text" | "code" | "control" | "tab";
+
+/** Whether a key that is bound to `command` may act while the focus is there. `key`: as of the event. */
+export function may_fire(command: string, key: string, where: Surroundings): boolean {
+  if (where === "text") return kInText.has(command);
+  if (where === "code") return kInCode.has(command);
+  // A button is pressed with Space, a slider or a tab moved with arrows, a tab closed with Delete: theirs, not ours.
+  if (where === "tab" && key === "Delete") return false;
+  if (where === "control" || where === "tab") return ![" ", "ArrowLeft", "ArrowRight"].includes(key);
+  return true;
+}
+
+export function surroundings(target: EventTarget | null): Surroundings {
+  if (!(target instanceof Element)) return "page";
+  // an editor of another file has a history of its own
+  if (target.closest(".cm-editor")) return target.closest("[data-own-history]") ? "text" : "code";
+  const input = target.closest("input, textarea, select, [contenteditable='true'], [role='textbox']");
+  if (input) {
+    const type = input instanceof HTMLInputElement ? input.type : "text";
+    return ["checkbox", "radio", "button", "color", "range", "submit"].includes(type) ? "control" : "text";
+  }
+  if (target.closest("[role='tab']")) return "tab";
+  const control =
+    "button, a[href], summary, [role='slider'], [role='menuitem'], [role='option'], [role='separator']," +
+    "[role='tree'], [role='treeitem'], [role='listbox'], [role='menubar'], [role='menu'], [role='radio'], [role='grid']";
+  return target.closest(control) ? "control" : "page";
+}
+
+/** How the event is written in kKeys; several ways where keyboards differ. */
+export function names_of(event: Pick<KeyboardEvent, "key" | "ctrlKey" | "metaKey" | "shiftKey" | "altKey">): string[] {
+  if (event.altKey) return [];
+  const accel = event.ctrlKey || event.metaKey ? "Accel " : "";
+  const key = event.key === " " ? "Space" : event.key.length === 1 ? event.key.toUpperCase() : event.key;
+  const plain = `${accel}${key}`;
+  const shifted = `${accel}Shift ${key}`;
+  if (!event.shiftKey) return [plain];
+  // A sign that needs Shift is that sign; a letter with Shift is another key.
+  return /^[A-Z]$/.test(key) || key.length > 1 ? [shifted] : [shifted, plain];
+}
+
+const bound = new Map(kKeys);
+
+export function command_of(event: KeyboardEvent): string | undefined {
+  for (const name of names_of(event)) {
+    const command = bound.get(name);
+    if (command) return command;
+  }
+  return undefined;
+}
+
+/** Puts the table into the registry, where menus and palette find the names of keys. */
+export function bind_keys(commands: CommandRegistry): void {
+  for (const [key, command] of kKeys) {
+    // "cg-bound" is on nothing: keys come through listen() alone, which knows where the focus is
+    if (!key.includes("Shift +")) commands.addKeyBinding({ command, keys: [key], selector: ".cg-bound" });
+  }
+}
+
+export function listen(commands: CommandRegistry, on: Document): void {
+  on.addEventListener(
+    "keydown",
+    (event) => {
+      if (event.defaultPrevented || event.isComposing) return;
+      // dialogs hear all keys themselves
+      if (event.target instanceof Element && event.target.closest("[aria-modal='true']")) return;
+      const command = command_of(event);
+      if (!command || !commands.hasCommand(command)) return;
+      if (!may_fire(command, event.key, surroundings(event.target))) return;
+      // what is copied is what is marked, if anything is
+      if (command === "edit:copy" && String(on.getSelection() ?? "") !== "") return;
+      if (!commands.isEnabled(command)) {
+        if (event.ctrlKey || event.metaKey) event.preventDefault();
+        return;
+      }
+      event.preventDefault();
+      event.stopPropagation();
+      void commands.execute(command);
+    },
+    // before the editors, of which one would take undo for itself
+    { capture: true },
+  );
+}

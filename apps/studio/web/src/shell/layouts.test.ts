@@ -1,0 +1,51 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { panels_in, presets, read_area } from "./layouts";
+
+const known = (p: string) => ["view3d", "map", "tree", "properties", "code", "cameras", "figures", "compare", "console"].includes(p);
+
+test("every preset is read back as it was written and names no panel twice", () => {
+  for (const [name, area] of Object.entries(presets)) {
+    assert.deepEqual(read_area(JSON.stringify(area), known), area, name);
+    const panels = panels_in(area);
+    assert.equal(new Set(panels).size, panels.length, name);
+    assert.ok(panels.includes("view3d"), name);
+  }
+});
+
+test("what is no arrangement is refused", () => {
+  for (const text of [null, "", "{", "3", "null", "[]", '{"type":"tabs","panels":3}', '{"type":"tabs","panels":[]}']) {
+    assert.equal(read_area(text, known), null, String(text));
+  }
+});
+
+test("unknown and repeated panels are left out, and areas that are left empty too", () => {
+  const text = JSON.stringify({
+    type: "split",
+    orientation: "vertical",
+    sizes: [1, "x", -3, 2],
+    children: [
+      { type: "tabs", panels: ["gone", "map", "code"], current: 2 },
+      { type: "tabs", panels: ["map"], current: 7 },
+      { type: "tabs", panels: ["gone"] },
+      { type: "tabs", panels: ["tree", 4], current: 1 },
+    ],
+  });
+  assert.deepEqual(read_area(text, known), {
+    type: "split",
+    orientation: "vertical",
+    sizes: [1, 2],
+    children: [
+      { type: "tabs", panels: ["map", "code"], current: 1 },
+      { type: "tabs", panels: ["tree"], current: 0 },
+    ],
+  });
+});
+
+test("a split with one area left is that area; endless nesting is cut", () => {
+  const inner = { type: "tabs", panels: ["map"], current: 0 };
+  assert.deepEqual(read_area(JSON.stringify({ type: "split", children: [inner] }), known), inner);
+  let deep: unknown = inner;
+  for (let i = 0; i < 100; ++i) deep = { type: "split", children: [deep] };
+  assert.equal(read_area(JSON.stringify(deep), known), null);
+});

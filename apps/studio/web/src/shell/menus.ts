@@ -1,0 +1,34 @@
+// The menu bar, made from the commands there are.
+import type { CommandRegistry } from "@lumino/commands";
+import { Menu, MenuBar } from "@lumino/widgets";
+import { items_of, kMenus } from "./menu_items";
+
+export function make_menus(commands: CommandRegistry): MenuBar {
+  const bar = new MenuBar();
+  bar.addClass("cg-menu-bar");
+  const menus = kMenus.map(([title, kind, first]) => {
+    const menu = new Menu({ commands });
+    menu.title.label = title;
+    menu.addClass("cg-menu");
+    bar.addMenu(menu);
+    return { menu, kind, first };
+  });
+  const fill = () => {
+    const all = commands.listCommands().filter((id) => commands.isVisible(id) && commands.label(id) !== "");
+    for (const { menu, kind, first } of menus) {
+      menu.clearItems();
+      for (const id of items_of(kind, first, all)) menu.addItem(id === null ? { type: "separator" } : { command: id });
+    }
+  };
+  let due = false;
+  commands.commandChanged.connect((_, change) => {
+    if (due || (change.type !== "added" && change.type !== "removed")) return;
+    due = true;
+    queueMicrotask(() => {
+      due = false;
+      fill();
+    });
+  });
+  fill();
+  return bar;
+}

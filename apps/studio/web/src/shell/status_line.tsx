@@ -1,0 +1,70 @@
+// The line at the foot of the window.
+import "@preact/signals";
+import { render } from "preact";
+import type { Studio } from "../core/studio";
+
+const kStates: Record<string, string> = {
+  stopped: "Stopped",
+  playing: "Playing",
+  paused: "Paused",
+  ended: "Ended",
+  recording: "Recording of a run",
+};
+
+export function show_status_line(studio: Studio, node: HTMLElement): void {
+  const { state } = studio;
+  function Line() {
+    const status = state.status.value;
+    const hello = state.hello.value;
+    const document = state.document.value;
+    const wrong = state.problems.value.filter((p) => p.severity === "error").length;
+    const main = state.selection.value[state.selection.value.length - 1];
+    const element = main === undefined ? undefined : state.element(main);
+    const body = state.scene.value?.bodies[state.hovered.value];
+    const run = status ? (kStates[status.state] ?? status.state) : "";
+    return (
+      <>
+        <span data-testid="run-state">
+          {run}
+          {status?.state === "ended" && status.ending ? `: ${status.ending}` : ""}
+        </span>
+        {wrong > 0 && (
+          <button class="cg-status-wrong" data-testid="problem-count" onClick={() => studio.open_panel("console")}>
+            {wrong === 1 ? "1 problem" : `${wrong} problems`}
+            {document && !document.good ? ": the last good scene goes on" : ""}
+          </button>
+        )}
+        <span class="cg-status-grow" data-testid="selected">
+          {element ? `Selected: ${element.path || element.name || `<${element.tag}>`}` : ""}
+          {state.selection.value.length > 1 ? ` and ${state.selection.value.length - 1} more` : ""}
+          {body ? `  ·  ${body.name}` : ""}
+        </span>
+        {hello?.role === "viewer" && <span data-testid="role">You look on: only the operator can change things</span>}
+        {status && status.viewers > 1 && <span>{status.viewers} pages</span>}
+        {status && (
+          <span data-testid="engine">
+            {status.backend} {status.engine_version}
+          </span>
+        )}
+        {document && (
+          <span data-testid="file">
+            {document.file}
+            {document.dirty ? " (not saved)" : ""}
+          </span>
+        )}
+        {!document && hello && <span data-testid="file">{hello.file}</span>}
+      </>
+    );
+  }
+  node.classList.add("cg-status");
+  node.setAttribute("role", "contentinfo");
+  node.setAttribute("aria-label", "Status");
+  render(<Line />, node);
+}
+
+/** What the browser's tab says. */
+export function page_title(name: string, dirty: boolean, state: string, wrong: number): string {
+  const scene = name ? `${dirty ? "• " : ""}${name}` : "";
+  const said = [wrong > 0 ? `(${wrong})` : "", scene].filter(Boolean).join(" ");
+  return [said, (kStates[state] ?? state).toLowerCase(), "CogRSim Studio"].filter(Boolean).join(" – ");
+}

@@ -1,0 +1,183 @@
+// The page's own cursor: looks at the past, and runs through it.
+import { signal } from "@preact/signals-core";
+import { RequestError, type Link } from "../core/link";
+import type { State } from "../core/state";
+
+export interface Clock {
+  /** [s] */
+  now(): number;
+  /** Calls back before the next picture; answers how to call it off. */
+  next(then: () => void): () => void;
+}
+
+export class Playback {
+  /** Whether the cursor runs. */
+  readonly running = signal(false);
+  /** Simulated per wall second. Of recordings alone: the past of a run is played at the run's speed. */
+  readonly speed = signal(1);
+  /** Where the page wants to look [s], until the frame is there; null: it looks at `state.frame`. */
+  readonly wanted = signal<number | null>(null);
+
+  /** Told when this page's place changed by the user's will: other windows follow. */
+  moved: (live: boolean, time: number) => void = () => {};
+
+  private in_flight = false;
+  private stop_clock: (() => void) | null = null;
+
+  constructor(
+    private readonly link: Link,
+    private readonly state: State,
+    private readonly clock: Clock,
+    private readonly failed: (message: string) => void,
+  ) {}
+
+  /** [s] */
+  get time(): number {
+    return this.wanted.value ?? this.state.frame.value?.time ?? this.state.status.value?.time ?? 0;
+  }
+
+  recorded(): boolean {
+    const kind = this.state.hello.value?.kind;
+    return kind === "recording" || kind === "bundle";
+  }
+
+  /** Looks at the last frame at or before `time`; the cursor no longer runs. */
+  seek(time: number): void {
+    this.halt();
+    this.go(time);
+  }
+
+  /** The frame after the one looked at, when there is one. */
+  async step_forward(): Promise<void> {
+    this.halt();
+    const status = this.state.status.value;
+    if (!status) return;
+    const from = this.time;
+    // Frames may lie further apart than steps, and further the older they are: reach out twice as far each time. That
+    // skips none, as neighbours lie equally far apart.
+    let reach = Math.max(status.dt, 1e-6);
+    this.state.live.value = false;
+    try {
+      for (;;) {
+        const to = Math.min(from + reach, status.last);
+        const { time } = await this.link.request<{ time: number }>("seek", { time: to });
+        this.moved(false, time);
+        if (time > from + 1e-9 || to >= status.last) return;
+        reach *= 2;
+      }
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  async step_back(): Promise<void> {
+    this.halt();
+    this.state.live.value = false;
+    try {
+      const { time } = await this.link.request<{ time: number }>("step-back");
+      this.moved(false, time);
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  live(): void {
+    this.halt();
+    this.wanted.value = null;
+    this.state.live.value = true;
+    this.moved(true, this.time);
+    this.link.request("live").catch((error: unknown) => this.fail(error));
+  }
+
+  halt(): void {
+    this.stop_clock?.();
+    this.stop_clock = null;
+    this.running.value = false;
+  }
+
+  /** Runs the cursor from where it is to the end, a recording that is at its end from its start. `arrived` is called at the end,
+   *  not when halted. */
+  run(arrived: () => void): void {
+    this.halt();
+    const status = this.state.status.value;
+    if (!status) return;
+    let time = this.time;
+    if (this.recorded() && time >= status.last - 1e-9) time = status.first;
+    this.running.value = true;
+    let before = this.clock.now();
+    const tick = () => {
+      const now = this.clock.now();
+      // a page that slept does not leap
+      const passed = Math.min(now - before, 0.25);
+      before = now;
+      const status = this.state.status.value;
+      if (!status) return this.halt();
+      const speed = this.recorded() ? this.speed.value : (status.speed ?? 10);
+      time += passed * speed;
+      if (time >= status.last) {
+        this.halt();
+        this.go(status.last);
+        arrived();
+        return;
+      }
+      this.go(time);
+      this.stop_clock = this.clock.next(tick);
+    };
+    this.stop_clock = this.clock.next(tick);
+  }
+
+  /** Another window moved. */
+  follow(live: boolean, time: number): void {
+    const moved = this.moved;
+    this.moved = () => {};
+    if (live) this.live();
+    else this.seek(time);
+    this.moved = moved;
+  }
+
+  /** One question at a time; those overtaken are not asked. */
+  private go(time: number): void {
+    const status = this.state.status.value;
+    if (status) time = Math.min(Math.max(time, status.first), status.last);
+    this.state.live.value = false;
+    this.wanted.value = time;
+    this.moved(false, time);
+    if (!this.in_flight) void this.ask();
+  }
+
+  private async ask(): Promise<void> {
+    this.in_flight = true;
+    try {
+      while (this.wanted.value !== null) {
+        const time = this.wanted.value;
+        await this.link.request("seek", { time });
+        if (this.wanted.value === time && !this.running.value) this.wanted.value = null;
+        else if (this.wanted.value === time) break;
+      }
+    } catch (error) {
+      this.halt();
+      this.wanted.value = null;
+      this.fail(error);
+    } finally {
+      this.in_flight = false;
+    }
+  }
+
+  private fail(error: unknown): void {
+    // a broken way has its own bar, and the place is asked for again when it is mended
+    if (error instanceof RequestError && error.failure.code === "closed") return;
+    this.failed(error instanceof Error ? error.message : String(error));
+  }
+}
+
+export const browser_clock: Clock = {
+  now: () => performance.now() / 1000,
+  next: (then) => {
+    if (document.hidden) {
+      const timer = setTimeout(then, 100);
+      return () => clearTimeout(timer);
+    }
+    const id = requestAnimationFrame(then);
+    return () => cancelAnimationFrame(id);
+  },
+};

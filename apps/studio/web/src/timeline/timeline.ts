@@ -1,0 +1,259 @@
+// Everything run so far, with a cursor, and marks where something happened.
+import { effect, signal } from "@preact/signals-core";
+import type { Control } from "../control/commands";
+import { icons, type IconName } from "../control/icons";
+import type { RunEvent } from "../core/protocol";
+import { groups, room, share, shift, ticks, time_at, time_text, zoom, type Span } from "./scale";
+import "./timeline.css";
+
+/** Marks closer than this share of the width are one. */
+const kApart = 0.008;
+const kPage = 0.1;
+
+export class Timeline {
+  readonly node = document.createElement("div");
+  private readonly track = element("div", "cg-track");
+  private readonly done = element("div", "cg-track-done");
+  private readonly marks = element("div", "cg-track-marks");
+  private readonly scale = element("div", "cg-track-scale");
+  private readonly cursor = element("div", "cg-track-cursor");
+  private readonly clock = element("output", "cg-clock");
+  private readonly live = element("button", "cg-live");
+  private readonly previous: HTMLButtonElement;
+  private readonly next: HTMLButtonElement;
+  private readonly all: HTMLButtonElement;
+  /** null: everything */
+  private readonly view = signal<Span | null>(null);
+  private drawn = "";
+
+  constructor(private readonly control: Control) {
+    this.node.className = "cg-timeline";
+    this.node.setAttribute("role", "group");
+    this.node.setAttribute("aria-label", "Timeline");
+    this.previous = tool("Previous event", "previous", () => control.to_bookmark(-1));
+    this.next = tool("Next event", "next", () => control.to_bookmark(1));
+    const nearer = tool("Zoom in", "faster", () => this.zoom(2, this.cursor_part()));
+    const farther = tool("Zoom out", "slower", () => this.zoom(0.5, this.cursor_part()));
+    this.all = element("button", "cg-tool");
+    this.all.textContent = "All";
+    this.all.title = "Show the whole run";
+    this.all.setAttribute("aria-label", "Show the whole run");
+    this.all.addEventListener("click", () => (this.view.value = null));
+    this.live.textContent = "Live";
+    this.live.dataset.testid = "live";
+    this.live.addEventListener("click", () => {
+      if (control.why_not("live") === null) control.playback.live();
+    });
+    this.clock.dataset.testid = "time";
+    this.clock.setAttribute("aria-label", "Time looked at");
+    this.clock.setAttribute("aria-live", "off");
+
+    this.track.tabIndex = 0;
+    this.track.dataset.testid = "timeline";
+    this.track.setAttribute("role", "slider");
+    this.track.setAttribute("aria-label", "Time");
+    this.track.append(this.done, this.scale, this.cursor);
+    const rail = element("div", "cg-rail");
+    rail.append(this.track, this.marks);
+    this.node.append(this.clock, rail, this.previous, this.next, nearer, farther, this.all, this.live);
+
+    this.listen();
+    effect(() => this.draw_scale());
+    effect(() => this.draw_marks());
+    effect(() => this.draw_cursor());
+  }
+
+  /** What there is, and room for what comes [s]. */
+  private whole(): Span {
+    const status = this.control.studio.state.status.value;
+    if (!status) return { from: 0, to: 1 };
+    const planned = this.control.studio.state.scene.value?.duration ?? null;
+    const to = this.control.playback.recorded() ? status.last : room(status.last, planned);
+    return { from: status.first, to: Math.max(to, status.first + 1e-3) };
+  }
+  private span(): Span {
+    const view = this.view.value;
+    const whole = this.whole();
+    if (!view || view.to - view.from >= whole.to - whole.from) return whole;
+    return shift(view, 0, whole);
+  }
+  private cursor_part(): number {
+    const part = share(this.span(), this.control.playback.time);
+    return part >= 0 && part <= 1 ? part : 0.5;
+  }
+
+  private zoom(factor: number, part: number): void {
+    this.view.value = zoom(this.span(), part, factor, this.whole());
+  }
+
+  private listen(): void {
+    const { playback } = this.control;
+    const seek_at = (event: PointerEvent) => {
+      const box = this.track.getBoundingClientRect();
+      const part = Math.min(Math.max((event.clientX - box.left) / Math.max(box.width, 1), 0), 1);
+      playback.seek(time_at(this.span(), part));
+    };
+    this.track.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
+      this.track.setPointerCapture(event.pointerId);
+      seek_at(event);
+    });
+    this.track.addEventListener("pointermove", (event) => {
+      if (this.track.hasPointerCapture(event.pointerId)) seek_at(event);
+    });
+    this.node.addEventListener(
+      "wheel",
+      (event) => {
+        event.preventDefault();
+        const box = this.track.getBoundingClientRect();
+        if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
+          const by = (event.deltaX || event.deltaY) / Math.max(box.width, 1);
+          const span = this.span();
+          if (this.view.value) this.view.value = shift(span, by * (span.to - span.from), this.whole());
+        } else {
+          const part = Math.min(Math.max((event.clientX - box.left) / Math.max(box.width, 1), 0), 1);
+          this.zoom(Math.exp(-event.deltaY / 300), part);
+        }
+      },
+      { passive: false },
+    );
+    this.track.addEventListener("keydown", (event) => {
+      const span = this.span();
+      const leap = kPage * (span.to - span.from);
+      const status = this.control.studio.state.status.value;
+      const keys: Record<string, () => void> = {
+        ArrowLeft: () => void playback.step_back(),
+        ArrowDown: () => void playback.step_back(),
+        ArrowRight: () => void playback.step_forward(),
+        ArrowUp: () => void playback.step_forward(),
+        PageDown: () => playback.seek(playback.time - leap),
+        PageUp: () => playback.seek(playback.time + leap),
+        Home: () => playback.seek(status?.first ?? 0),
+        End: () => playback.seek(status?.last ?? 0),
+      };
+      const act = event.ctrlKey || event.metaKey || event.altKey ? undefined : keys[event.key];
+      if (!act) return;
+      event.preventDefault();
+      act();
+    });
+  }
+
+  private draw_scale(): void {
+    const span = this.span();
+    const status = this.control.studio.state.status.value;
+    this.done.style.left = percent(share(span, status?.first ?? 0));
+    this.done.style.right = percent(1 - share(span, status?.last ?? 0));
+    this.all.setAttribute("aria-disabled", String(this.view.value === null));
+    const key = `${span.from} ${span.to}`;
+    if (key === this.drawn) return;
+    this.drawn = key;
+    const marks = ticks(span);
+    const step = (marks[1] ?? span.to) - (marks[0] ?? span.from);
+    this.scale.replaceChildren(
+      ...marks.map((time) => {
+        const tick = element("span", "cg-tick");
+        tick.style.left = percent(share(span, time));
+        tick.textContent = time_text(time, step);
+        return tick;
+      }),
+    );
+  }
+
+  private draw_marks(): void {
+    const span = this.span();
+    const { events, status } = this.control.studio.state;
+    const parting = status.value?.compare?.first_over;
+    const marks: { time: number; text: string; kind: string }[] = events.value.map((event) => ({
+      time: event.time,
+      text: event_text(event),
+      kind: event.kind,
+    }));
+    if (typeof parting === "number") marks.push({ time: parting, text: "the two runs part here", kind: "divergence" });
+    marks.sort((a, b) => a.time - b.time);
+    const none = marks.length === 0;
+    this.previous.setAttribute("aria-disabled", String(none));
+    this.next.setAttribute("aria-disabled", String(none));
+    const nodes = groups(
+      marks.map((m) => m.time),
+      span,
+      kApart,
+    ).map(({ first, end, part }) => {
+      const here = marks.slice(first, end);
+      const mark = element("button", "cg-mark");
+      mark.style.left = percent(part);
+      mark.dataset.kind = here.some((m) => m.kind === "divergence") ? "divergence" : here[0]!.kind;
+      mark.dataset.testid = "bookmark";
+      // reached with "previous" and "next event": no hundred stops for the Tab key
+      mark.tabIndex = -1;
+      const lines = here.slice(0, 6).map((m) => `${m.time.toFixed(3)} s  ${m.text}`);
+      if (here.length > 6) lines.push(`and ${here.length - 6} more`);
+      mark.title = lines.join("\n");
+      mark.setAttribute("aria-label", `Bookmark at ${lines.join(", ")}`);
+      mark.addEventListener("click", () => this.control.playback.seek(here[0]!.time));
+      return mark;
+    });
+    this.marks.replaceChildren(...nodes);
+  }
+
+  private draw_cursor(): void {
+    const { playback } = this.control;
+    const { live, status } = this.control.studio.state;
+    const span = this.span();
+    const time = playback.time;
+    const part = share(span, time);
+    this.cursor.hidden = part < -1e-6 || part > 1 + 1e-6;
+    this.cursor.style.left = percent(part);
+    const text = `${time.toFixed(3)} s`;
+    this.clock.textContent = text;
+    const recorded = playback.recorded();
+    const last = status.value?.last ?? 0;
+    this.track.setAttribute("aria-valuemin", String(status.value?.first ?? 0));
+    this.track.setAttribute("aria-valuemax", String(last));
+    this.track.setAttribute("aria-valuenow", String(time));
+    this.track.setAttribute("aria-valuetext", `${text} of ${last.toFixed(3)} s${live.value && !recorded ? ", live" : ""}`);
+    this.live.hidden = recorded;
+    this.live.setAttribute("aria-pressed", String(live.value));
+    this.live.title = live.value ? "The page follows the run" : "Follow the run again";
+    this.node.classList.toggle("cg-past", !live.value && !recorded);
+    // a view that is zoomed in goes with a cursor that runs
+    const view = this.view.peek();
+    if (view && (playback.running.value || live.value) && (part > 1 || part < 0)) {
+      this.view.value = shift(view, time - (view.from + 0.9 * (view.to - view.from)), this.whole());
+    }
+  }
+}
+
+export function event_text(event: RunEvent): string {
+  return event.message || [event.kind, event.subject].filter(Boolean).join(" ");
+}
+
+function percent(part: number): string {
+  return `${100 * part}%`;
+}
+
+function element<Name extends keyof HTMLElementTagNameMap>(name: Name, kind: string): HTMLElementTagNameMap[Name] {
+  const made = document.createElement(name);
+  made.className = kind;
+  return made;
+}
+
+function tool(label: string, icon: IconName, act: () => void): HTMLButtonElement {
+  const button = element("button", "cg-tool");
+  button.setAttribute("aria-label", label);
+  button.title = label;
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("viewBox", "0 0 16 16");
+  svg.setAttribute("width", "14");
+  svg.setAttribute("height", "14");
+  svg.setAttribute("aria-hidden", "true");
+  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  path.setAttribute("d", icons[icon]);
+  path.setAttribute("fill", "currentColor");
+  svg.append(path);
+  button.append(svg);
+  button.addEventListener("mousedown", (event) => event.preventDefault());
+  button.addEventListener("click", () => {
+    if (button.getAttribute("aria-disabled") !== "true") act();
+  });
+  return button;
+}
