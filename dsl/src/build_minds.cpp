@@ -1,5 +1,6 @@
 // Controllers, supervisors and engine blocks: what plugins are told.
 #include <algorithm>
+#include <sstream>
 
 #include "build_scene.h"
 
@@ -60,6 +61,12 @@ bool Builder::take_parameters(const Element& element, const ParameterTable* tabl
       continue;
     }
     auto value = r.parameter(attribute, *spec);
+    // A text may name things of the scene; what renames them wants to know.
+    if (context_.outline != nullptr && spec->type() == ParameterType::text &&
+        spec->choices.empty()) {
+      std::istringstream words{std::string(attribute.value)};
+      for (std::string word; words >> word;) names_.peek(element, word);
+    }
     if (value.given())
       given.emplace(name, std::move(value.value));
     else

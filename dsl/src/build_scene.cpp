@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "outline_notes.h"
+
 namespace cogrsim::dsl {
 
 Builder::Builder(CompileContext& context, const Element& scene)
@@ -53,6 +55,7 @@ SceneModelPtr Builder::build() {
   check_overlaps();
   check_mass_ratios();
   check_params();
+  if (context_.outline != nullptr) note_outline();
   finish_model(model_);
   return std::make_shared<const SceneModel>(std::move(model_));
 }
@@ -173,6 +176,23 @@ void Builder::view(const Element& element) {
   view.fov = *reader(element).number("fov");
   view.origin = element.span();
   model_.views.push_back(std::move(view));
+}
+
+void Builder::note_outline() {
+  // As far as its body was moved by the joints' initial positions, so far was what is on it.
+  std::vector<Pose> X_moved(body_elements_.size());
+  for (std::size_t i = 0; i < X_moved.size(); ++i)
+    X_moved[i] = model_.bodies[i].X_WB * note(*body_elements_[i]).X_W.inverse();
+  for_each(scene_, [&](const Element& element) {
+    OutlineNotes::Place place;
+    place.element = &element;
+    if (note(element).reference_known) place.reference = note(element).reference;
+    place.X_W = place.X_W_start = note(element).X_W;
+    if (place.reference != nullptr) place.X_WR = note(*place.reference).X_W;
+    const int body = carrier(element);
+    if (body != kWorld) place.X_W_start = X_moved[static_cast<std::size_t>(body)] * place.X_W;
+    context_.outline->places.push_back(place);
+  });
 }
 
 SceneModelPtr build_model(CompileContext& context, const Element& scene) {

@@ -80,6 +80,8 @@ struct ParamUse {
   std::string name;
 };
 
+struct OutlineNotes;  // outline_notes.h
+
 /// Everything one compilation shares. Deques keep addresses valid.
 struct CompileContext {
   const CompileOptions& options;
@@ -98,6 +100,8 @@ struct CompileContext {
   std::deque<MazePlan> mazes = {};
   std::deque<DoorPlan> doors = {};
   std::deque<ScatterPlan> scatters = {};
+  /// Where to write down what editing needs to know; nullptr: nowhere.
+  OutlineNotes* outline = nullptr;
   /// World poses that were drawn for things of a scatter; empty: not drawn yet.
   std::unordered_map<const Element*, Pose> drawn_places = {};
 };

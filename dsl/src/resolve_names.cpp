@@ -1,5 +1,6 @@
 #include "resolve_names.h"
 
+#include "outline_notes.h"
 #include "vocabulary.h"
 
 namespace cogrsim::dsl {
@@ -90,8 +91,8 @@ bool Names::may_be_lost(const Element& scope, std::string_view name) const {
   return it != context_.lost_names.end() && it->second.count(name) != 0;
 }
 
-Names::Walk Names::walk(const Element& scope, std::string_view dotted, bool materials,
-                        int depth) const {
+Names::Walk Names::walk(const Element& scope, std::string_view dotted, bool materials, int depth,
+                        Chain* chain) const {
   const Element* at = &scope;
   while (true) {
     const std::size_t dot = dotted.find('.');
@@ -101,6 +102,7 @@ Names::Walk Names::walk(const Element& scope, std::string_view dotted, bool mate
     // A material may lie inside an assembly, which is a thing.
     if (next == nullptr && materials && !last) next = child(*at, first, false);
     if (next == nullptr) return {nullptr, may_be_lost(*at, first)};
+    if (chain != nullptr) chain->push_back(next);
     if (next->tag() == "export" && depth < kMaxExports) {
       const Attribute* of = next->find("of");
       if (of == nullptr) return {nullptr, true};
@@ -112,6 +114,14 @@ Names::Walk Names::walk(const Element& scope, std::string_view dotted, bool mate
     at = next;
     dotted.remove_prefix(dot + 1);
   }
+}
+
+// The walk is made once more, so that compilations that nobody edits pay nothing.
+void Names::note_use(const Element& from, const SourceSpan& span, std::string_view text,
+                     const Element& scope, bool materials) const {
+  OutlineNotes::Use use{&from, span, std::string(text), {}};
+  walk(scope, text, materials, 0, &use.chain);
+  context_.outline->uses.push_back(std::move(use));
 }
 
 std::vector<std::string> Names::known(const Element& from, Wanted wanted) const {
@@ -138,6 +148,7 @@ Names::Found Names::peek(const Element& from, std::string_view name) const {
       out.lost = out.lost || result.lost;
       if (result.found == nullptr || result.found == &from) continue;
       out.element = result.found;
+      if (context_.outline != nullptr) note_use(from, {}, name, *scope, false);
       return out;
     }
   }
@@ -157,7 +168,10 @@ const Element* Names::find(const Element& from, const Word& word, Wanted wanted)
       const Walk result = walk(*scope, word.text, materials, 0);
       lost = lost || result.lost;
       if (result.found == nullptr || result.found == &from) continue;
-      if (matches(*result.found, wanted)) return result.found;
+      if (matches(*result.found, wanted)) {
+        if (context_.outline != nullptr) note_use(from, word.span, word.text, *scope, materials);
+        return result.found;
+      }
       if (of_another_kind == nullptr) of_another_kind = result.found;
     }
   }

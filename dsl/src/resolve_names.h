@@ -47,10 +47,15 @@ class Names {
     const Element* found = nullptr;
     bool lost = false;  ///< the name could be one that failed
   };
+  /// What the dotted parts of a name mean; an export is itself.
+  using Chain = std::vector<const Element*>;
 
   void index(const Element& element);
   const Element* child(const Element& scope, std::string_view name, bool materials) const;
-  Walk walk(const Element& scope, std::string_view dotted, bool materials, int depth) const;
+  Walk walk(const Element& scope, std::string_view dotted, bool materials, int depth,
+            Chain* chain = nullptr) const;
+  void note_use(const Element& from, const SourceSpan& span, std::string_view text,
+                const Element& scope, bool materials) const;
   bool may_be_lost(const Element& scope, std::string_view name) const;
   std::vector<std::string> known(const Element& from, Wanted wanted) const;
 
