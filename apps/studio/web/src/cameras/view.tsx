@@ -225,10 +225,10 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
         />
         {time.value === null && <span class="cg-muted">{store.refusal.value || "waiting for a picture"}</span>}
       </div>
-      <footer class="cg-camera-foot">
+      <div class="cg-camera-foot">
         <span>{when}</span>
         <span>{time.value === null ? "" : size.value}</span>
-      </footer>
+      </div>
       <div
         class="cg-camera-corner"
         aria-hidden="true"

@@ -16,7 +16,8 @@ export function CompareView({ store }: { store: CompareStore }): JSX.Element {
 
 function Choice({ store }: { store: CompareStore }): JSX.Element {
   const others = store.others.value;
-  const what = useSignal<"backend" | "step">(others.length > 0 ? "backend" : "step");
+  const picked = useSignal<"backend" | "step" | null>(null);
+  const what = picked.value ?? (others.length > 0 ? "backend" : "step");
   const backend = useSignal("");
   const step = useSignal("");
   const { hello, status, may_edit } = store.studio.state;
@@ -25,7 +26,7 @@ function Choice({ store }: { store: CompareStore }): JSX.Element {
   const chosen = others.includes(backend.value) ? backend.value : (others[0] ?? "");
   const step_ms = step.value === "" ? (dt === undefined ? NaN : (dt * 1000) / 2) : Number(step.value);
   const wrong =
-    what.value === "backend"
+    what === "backend"
       ? chosen === ""
         ? "there is no other backend here"
         : ""
@@ -41,7 +42,7 @@ function Choice({ store }: { store: CompareStore }): JSX.Element {
       onSubmit={(event) => {
         event.preventDefault();
         if (wrong || !allowed) return;
-        void store.compare(what.value === "backend" ? { backend: chosen } : { step: step_ms / 1000 });
+        void store.compare(what === "backend" ? { backend: chosen } : { step: step_ms / 1000 });
       }}
     >
       <p>
@@ -51,12 +52,12 @@ function Choice({ store }: { store: CompareStore }): JSX.Element {
       <fieldset>
         <legend>What differs</legend>
         <label>
-          <input type="radio" name="what" checked={what.value === "backend"} onChange={() => (what.value = "backend")} />
+          <input type="radio" name="what" checked={what === "backend"} onChange={() => (picked.value = "backend")} />
           Another backend
         </label>
         <select
           aria-label="Other backend"
-          disabled={what.value !== "backend"}
+          disabled={what !== "backend"}
           value={chosen}
           onChange={(event) => (backend.value = event.currentTarget.value)}
         >
@@ -66,14 +67,14 @@ function Choice({ store }: { store: CompareStore }): JSX.Element {
           ))}
         </select>
         <label>
-          <input type="radio" name="what" checked={what.value === "step"} onChange={() => (what.value = "step")} />
+          <input type="radio" name="what" checked={what === "step"} onChange={() => (picked.value = "step")} />
           Another time step
         </label>
         <span>
           <input
             type="number"
             aria-label="Other time step in milliseconds"
-            disabled={what.value !== "step"}
+            disabled={what !== "step"}
             min="0"
             step="any"
             value={step.value === "" ? (Number.isFinite(step_ms) ? String(Number(step_ms.toPrecision(6))) : "") : step.value}

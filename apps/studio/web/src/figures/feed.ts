@@ -197,7 +197,8 @@ function series_of(fields: Partial<FigureSeries>): FigureSeries {
 
 export function empty_figure(spec: FigureSpec): FigureData {
   const none = { label: "", unit: "" };
-  return { kind: spec.kind, title: spec.title, x: none, y: none, z: none, series: [] };
+  const x = spec.kind === "curve" ? { label: "time", unit: "s" } : none;
+  return { kind: spec.kind, title: spec.title, x, y: none, z: none, series: [] };
 }
 
 /** Curves with two axes where units differ. `labels`: of the solid and the dashed run of a comparison. */
@@ -207,7 +208,6 @@ export function curve_figure(spec: FigureSpec, curves: Curves, labels: readonly 
   const names = (axis: 0 | 1): string => axis_label(curves.series.filter((_, k) => shared.axes[k] === axis).map((s) => s.signal));
   return {
     ...empty_figure(spec),
-    x: { label: "time", unit: "s" },
     y: { label: names(0), unit: shared.left },
     y2: shared.right === null ? undefined : { label: names(1), unit: shared.right },
     series: curves.series.map((s, k) => {

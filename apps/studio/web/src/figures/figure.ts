@@ -67,6 +67,32 @@ export function cells_of(data: FigureData): Cells {
   return s ? cell_means(s.x, s.y, s.z) : { x: [], y: [], z: [], counts: [] };
 }
 
+/** The corners of cells, each as high as the cells around it are on average: a surface that is as wide as its cells, down to a
+ *  single one. null: no cell there has samples. */
+export function corners_of(cells: Cells): Cells {
+  const edges = (centres: number[]): number[] => {
+    if (centres.length === 0) return [];
+    const pitch = centres.length > 1 ? centres[1]! - centres[0]! : 1;
+    return [...centres.map((c) => c - pitch / 2), centres[centres.length - 1]! + pitch / 2];
+  };
+  const [x, y] = [edges(cells.x), edges(cells.y)];
+  const counts = y.map(() => x.map(() => 0));
+  const z = y.map((_, r) =>
+    x.map((_, c) => {
+      let sum = 0;
+      for (const row of [r - 1, r])
+        for (const column of [c - 1, c]) {
+          const value = cells.z[row]?.[column];
+          if (typeof value !== "number") continue;
+          sum += value;
+          counts[r]![c]! += 1;
+        }
+      return counts[r]![c]! > 0 ? sum / counts[r]![c]! : null;
+    }),
+  );
+  return { x, y, z, counts };
+}
+
 /** Puts series on the two axes: the first unit is on the left, the second on the right; further ones join the right and say
  *  their unit in the legend. */
 export function share_axes(units: readonly string[]): { axes: (0 | 1)[]; left: string; right: string | null } {

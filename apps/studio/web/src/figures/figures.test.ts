@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { to_csv } from "./csv";
 import { Curves, nearest, type SeriesAnswer } from "./curves";
-import { axis_label, boxes_of, file_name, share_axes, type FigureData, type FigureSeries } from "./figure";
+import { axis_label, boxes_of, corners_of, file_name, share_axes, type FigureData, type FigureSeries } from "./figure";
 import { bin_counts, bin_edges, box_numbers, cell_means, quantile, range_of, rounded_step } from "./statistics";
 import { to_svg } from "./svg";
 import { drawable_range, log_ticks, short_number, tick_labels, ticks, with_unit } from "./ticks";
@@ -138,6 +138,18 @@ test("cells: samples on lines get a line each; the mean of each cell", () => {
     [0, 10, 20],
     [1, 11, 21],
   ]);
+});
+
+test("corners: as high as the cells around them, and as wide as the cells are", () => {
+  const cells = { x: [0, 2], y: [5], z: [[1, 3]], counts: [[1, 1]] };
+  const { x, y, z } = corners_of(cells);
+  assert.deepEqual(x, [-1, 1, 3]);
+  assert.deepEqual(y, [4.5, 5.5]);
+  assert.deepEqual(z, [
+    [1, 2, 3],
+    [1, 2, 3],
+  ]);
+  assert.deepEqual(corners_of({ x: [0, 1], y: [0], z: [[null, 4]], counts: [[0, 1]] }).z[0], [null, 4, 4]);
 });
 
 test("ticks are round, inside, and without an error that grows", () => {

@@ -50,12 +50,10 @@ export const panel: PanelType = {
 };
 
 /** Draws a signal: in the figure of that title, else in a new one. */
-export function draw_signal(studio: Studio, signal: string, figure?: string): void {
-  const store = figures_of(studio);
-  studio.open_panel("figures");
-  const there = figure === undefined ? undefined : store.specs.value.find((s) => s.title === figure && !s.plot);
+function draw_signal(store: FiguresStore, signal: string, figure: string): void {
+  const there = figure === "" ? undefined : store.specs.value.find((s) => s.title === figure && !s.plot);
   if (there) store.add_signal(there.id, signal);
-  else store.add("curve", [signal], figure ?? "");
+  else store.add("curve", [signal], figure);
 }
 
 /** Adds the panel's commands; called once, before any panel is made. */
@@ -81,10 +79,10 @@ export function register(studio: Studio): void {
       isEnabled: () => store.active.value >= 0,
       execute: () => export_figure(store, store.active.value, kind),
     });
-  commands.addCommand("figures:draw-signal", {
+  commands.addCommand("figures:draw", {
     label: "Draw a signal",
     isVisible: () => false,
     execute: ({ signal, figure }) =>
-      draw_signal(studio, String(signal), typeof figure === "string" ? figure : undefined),
+      draw_signal(store, String(signal), typeof figure === "string" ? figure : ""),
   });
 }

@@ -1,5 +1,5 @@
 // Box plots, histograms, surfaces and paths, drawn by Plotly from numbers that were computed here.
-import { boxes_of, cells_of, histogram_of, type Axis, type FigureData } from "./figure";
+import { boxes_of, cells_of, corners_of, histogram_of, type Axis, type FigureData } from "./figure";
 import type { Sample } from "./statistics";
 import { with_unit } from "./ticks";
 
@@ -135,19 +135,26 @@ export function drawing(
         return {
           type: "box",
           name: plain(s.label),
-          x: one(0).map(() => plain(s.label)),
+          x: one(k),
           q1: one(b.q1),
           median: one(b.median),
           q3: one(b.q3),
           lowerfence: one(b.whisker_low),
           upperfence: one(b.whisker_high),
           mean: one(b.mean),
-          y: b.count > 0 ? [b.outliers] : [],
-          boxpoints: "outliers",
+          // Plotly draws no box that has an empty list of them
+          ...(b.outliers.length > 0 ? { y: [b.outliers], boxpoints: "outliers" } : {}),
           marker: { color: colors.series(s.color) },
         };
       });
-      return { traces, layout: { ...layout, xaxis: { ...axis({ label: "", unit: "" }), type: "category" }, yaxis: axis(data.y) }, three_d: false };
+      const places = {
+        ...axis({ label: "", unit: "" }),
+        showgrid: false,
+        tickvals: data.series.map((_, k) => k),
+        ticktext: data.series.map((s) => plain(s.label)),
+        range: [-0.6, Math.max(data.series.length, 1) - 0.4],
+      };
+      return { traces, layout: { ...layout, xaxis: places, yaxis: axis(data.y) }, three_d: false };
     }
     case "histogram": {
       const { edges, counts } = histogram_of(data);
@@ -173,13 +180,9 @@ export function drawing(
           layout: { ...layout, xaxis: axis(data.x), yaxis: axis(data.y) },
           three_d: false,
         };
-      const s = data.series[0];
-      const flat = cells.x.length < 2 || cells.y.length < 2;
-      // samples along a line span no surface: they are points
-      const trace = flat
-        ? { type: "scatter3d", mode: "markers", x: s?.x ?? [], y: s?.y ?? [], z: s?.z ?? [], marker: { size: 3, color: colors.series(s?.color ?? "") } }
-        : { type: "surface", x: cells.x, y: cells.y, z: cells.z, ...scale };
-      const scene = { xaxis: axis(data.x), yaxis: axis(data.y), zaxis: axis(data.z), aspectmode: "cube" };
+      const { x, y, z } = corners_of(cells);
+      const trace = { type: "surface", x, y, z, ...scale };
+      const scene = { xaxis: axis(data.x), yaxis: axis(data.y), zaxis: axis(data.z), aspectmode: "cube", camera: { eye: { x: 1.6, y: 1.6, z: 1.1 } } };
       return { traces: [trace], layout: { ...layout, margin: { l: 0, r: 0, t: colors === kPrintColors ? 40 : 0, b: 0 }, scene }, three_d: true };
     }
     case "map":

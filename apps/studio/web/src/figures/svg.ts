@@ -113,7 +113,7 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
   } else if (data.kind === "histogram") {
     const { edges, counts } = histogram_of(data);
     const x = new Scale(edges, area.left, right, false, 0.02);
-    const y = new Scale([0, ...counts.flat()], bottom, area.top, false, 0);
+    const y = new Scale([0, 1.04 * (range_of(counts.flat())[1] || 1)], bottom, area.top, false, 0);
     draw_bottom(out, x, data.x, area);
     draw_side(out, y, { label: data.y.label || "count", unit: data.y.unit }, area, "left");
     counts.forEach((list, k) => {

@@ -200,7 +200,10 @@ function list_label(spec: FigureSpec): string {
 /** Saves what a figure shows. */
 export async function export_figure(store: FiguresStore, id: number, kind: FileKind): Promise<void> {
   const spec = store.spec(id);
-  const data = store.feed_of(id).data.peek();
+  const feed = store.feed_of(id);
+  // one that was never scrolled into sight has not asked yet
+  if (feed.data.peek() === null) await feed.tick(performance.now());
+  const data = feed.data.peek();
   if (!spec || !data || data.series.length === 0) {
     store.studio.notify("this figure shows nothing yet: choose a signal and let the scene run");
     return;
