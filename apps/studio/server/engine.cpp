@@ -1,0 +1,333 @@
+// Obeying and keeping time.
+#include "engine.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cogrsim::studio {
+
+namespace {
+
+/// A piece of work between two looks at what is asked for.
+constexpr auto kPiece = std::chrono::milliseconds(8);
+/// Short sleeps cost more than they bring: steps are done in handfuls.
+constexpr auto kNap = std::chrono::milliseconds(2);
+constexpr auto kBetweenTold = std::chrono::milliseconds(50);
+/// A run that cannot keep up does not run after time that is lost.
+constexpr double kMostBehind = 0.1;  // [s] of the wall
+
+}  // namespace
+
+Error to_error(const Refusal& found) {
+  const Diagnostic* first = nullptr;
+  std::size_t errors = 0;
+  for (const Diagnostic& d : found) {
+    if (d.severity != Severity::error) continue;
+    if (!first) first = &d;
+    ++errors;
+  }
+  if (!first) return Error("the scene was refused");
+  std::string where;
+  if (!first->file.empty()) {
+    where = first->file + ":" + std::to_string(first->line) + ":" + std::to_string(first->column);
+  }
+  std::string message = first->message;
+  if (errors > 1) message += " (and " + std::to_string(errors - 1) + " more)";
+  return Error(message, where, first->help, first->code);
+}
+
+Engine::Engine(RunOptions options, std::vector<std::string> plugin_folders, History& history,
+               Scenes& scenes, Board& board, std::function<void()> restarted)
+    : options_(std::move(options)),
+      plugin_folders_(std::move(plugin_folders)),
+      history_(history),
+      scenes_(scenes),
+      board_(board),
+      restarted_(std::move(restarted)),
+      backend_(options_.backend) {
+  if (options_.step > 0.0) dt_ = options_.step;
+  thread_ = std::thread([this] { run(); });
+}
+
+Engine::~Engine() {
+  {
+    std::lock_guard lock(mutex_);
+    over_ = true;
+    asked_ = true;
+    waiting_.notify_one();
+  }
+  thread_.join();
+}
+
+void Engine::post(std::function<void()> task) {
+  std::lock_guard lock(mutex_);
+  tasks_.push_back(std::move(task));
+  asked_ = true;
+  waiting_.notify_one();
+}
+
+bool Engine::run_tasks() {
+  for (;;) {
+    std::function<void()> task;
+    {
+      std::lock_guard lock(mutex_);
+      if (over_) return false;
+      if (tasks_.empty()) {
+        asked_ = false;
+        return true;
+      }
+      task = std::move(tasks_.front());
+      tasks_.pop_front();
+    }
+    task();
+  }
+}
+
+void Engine::run() {
+  while (run_tasks()) {
+    const bool stepping = steps_left_ > 0;
+    if (simulation_ && (state_ == State::playing || stepping)) {
+      const Clock::duration rest = stepping ? Clock::duration::zero() : until_due();
+      if (rest <= Clock::duration::zero()) {
+        run_piece();
+        continue;
+      }
+      std::unique_lock lock(mutex_);
+      waiting_.wait_for(lock, std::max<Clock::duration>(rest, kNap),
+                        [this] { return over_ || !tasks_.empty(); });
+      continue;
+    }
+    std::unique_lock lock(mutex_);
+    waiting_.wait(lock, [this] { return over_ || !tasks_.empty(); });
+  }
+  end_recording("");
+  settle();
+}
+
+void Engine::anchor() {
+  anchor_wall_ = measured_wall_ = Clock::now();
+  anchor_time_ = measured_time_ = simulation_ ? simulation_->time() : 0.0;
+}
+
+Engine::Clock::duration Engine::until_due() const {
+  if (!speed_) return Clock::duration::zero();
+  const double next = simulation_->time() + simulation_->dt() - anchor_time_;
+  const auto due = anchor_wall_ + std::chrono::duration_cast<Clock::duration>(
+                                      std::chrono::duration<double>(next / *speed_));
+  return due - Clock::now();
+}
+
+void Engine::run_piece() {
+  const Clock::time_point begin = Clock::now();
+  bool going = true;
+  while (going) {
+    const bool stepping = steps_left_ > 0;
+    going = advance();
+    if (going && stepping && --steps_left_ == 0) {
+      state_ = State::paused;
+      going = false;
+    }
+    if (Clock::now() - begin >= kPiece || asked_.load(std::memory_order_relaxed)) break;
+    if (going && !stepping && until_due() > Clock::duration::zero()) break;
+  }
+  if (!going) settle();
+  if (speed_ && going) {
+    const double behind = std::chrono::duration<double>(-until_due()).count();
+    if (behind > kMostBehind) {
+      anchor_wall_ = Clock::now();
+      anchor_time_ = simulation_->time();
+    }
+  }
+  collect_messages();
+  measure();
+  if (going && Clock::now() - told_ < kBetweenTold) return;
+  told_ = Clock::now();
+  publish(!going);
+}
+
+bool Engine::step_main() {
+  const std::uint64_t before = simulation_->step_count();
+  const RunStatus status = simulation_->step();
+  if (simulation_->step_count() != before && status == RunStatus::running) return true;
+  if (status != RunStatus::running) {
+    found_status();
+    return false;
+  }
+  // A supervisor has paused it; to step on is to go on.
+  state_ = State::paused;
+  return false;
+}
+
+bool Engine::step_ghost() {
+  Simulation& other = *ghost_->simulation;
+  for (int tries = 0; tries < 2; ++tries) {
+    const std::uint64_t before = other.step_count();
+    const RunStatus status = other.step();
+    if (status != RunStatus::running) {
+      const std::vector<RunMessage>& said = other.messages();
+      end("the second run (" + ghost_->labels[1] +
+          ") ended: " + (said.empty() ? std::string(to_string(status)) : said.back().message));
+      return false;
+    }
+    if (other.step_count() != before) return true;
+    other.send(Resume{});  // the first run alone is paused
+  }
+  end("the second run (" + ghost_->labels[1] + ") stands still");
+  return false;
+}
+
+bool Engine::advance() {
+  if (!ghost_) {
+    if (!step_main()) return false;
+  } else {
+    const double tick = std::min(simulation_->dt(), ghost_->simulation->dt());
+    do {
+      // Half a tick of slack: clocks that agree differ by rounding at most.
+      const double ahead = simulation_->time() - ghost_->simulation->time();
+      if (ahead < 1e-6 * tick ? !step_main() : !step_ghost()) return false;
+    } while (std::fabs(simulation_->time() - ghost_->simulation->time()) > 1e-6 * tick);
+  }
+  take_moment(due_to_be_kept());
+  return true;
+}
+
+/// After standing still: the newest moment can be sought, and whoever waits is answered.
+void Engine::settle() {
+  steps_left_ = 0;
+  if (simulation_ && state_ != State::playing && latest_) take_moment(true);
+  if (step_reply_) std::exchange(step_reply_, nullptr)(Json::object());
+}
+
+Answer Engine::play() {
+  if (!simulation_)
+    return fail("there is no scene yet that can be run", "", "mend what is wrong in it");
+  if (state_ == State::ended) {
+    return fail("the run has ended: " + ending_, "", "stop goes back to the start");
+  }
+  if (simulation_->paused()) simulation_->send(Resume{});
+  settle();
+  if (state_ != State::playing) anchor();
+  state_ = State::playing;
+  publish(true);
+  return Json::object();
+}
+
+Answer Engine::pause() {
+  if (state_ == State::playing || steps_left_ > 0) state_ = State::paused;
+  settle();
+  publish(true);
+  return Json::object();
+}
+
+Answer Engine::stop(bool then_play) {
+  if (!scene_) return fail("there is no scene yet that can be run");
+  settle();
+  const std::optional<CompareWish> wish =
+      ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
+  if (auto done = begin_anew(*scene_, backend_, dt_, wish); !done) {
+    return tl::unexpected(to_error(done.error()));
+  }
+  return then_play ? play() : Answer(Json::object());
+}
+
+void Engine::step(std::int64_t count, Reply reply) {
+  if (!simulation_) return reply(fail("there is no scene yet that can be run"));
+  if (state_ == State::ended) {
+    return reply(fail("the run has ended: " + ending_, "", "stop goes back to the start"));
+  }
+  settle();
+  if (simulation_->paused()) simulation_->send(Resume{});
+  anchor();
+  state_ = State::paused;
+  steps_left_ = count;
+  step_reply_ = std::move(reply);
+}
+
+Answer Engine::set_speed(std::optional<double> factor) {
+  speed_ = factor;
+  if (simulation_) anchor();
+  publish(true);
+  return Json::object();
+}
+
+Answer Engine::set_step(std::optional<double> dt) {
+  if (!simulation_) {
+    dt_ = dt;
+    publish(true);
+    return Json::object();
+  }
+  if (ghost_ && ghost_->wish.step) {
+    return fail("the two runs that are compared have steps of their own", "",
+                "end the comparison first");
+  }
+  if (simulation_->step_count() == 0) {
+    const auto wish = ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
+    const bool playing = state_ == State::playing;
+    if (auto done = begin_anew(*scene_, backend_, dt, wish); !done) {
+      return tl::unexpected(to_error(done.error()));
+    }
+    dt_ = dt;
+    return playing ? play() : Answer(Json::object());
+  }
+  dt_ = dt;
+  const double now = dt.value_or(scene_->model->physics.step);
+  simulation_->send(SetStep{now});
+  if (ghost_) ghost_->simulation->send(SetStep{now});
+  publish(true);
+  return Json::object();
+}
+
+Answer Engine::set_backend(const std::string& name) {
+  if (!scene_) {
+    backend_ = name;
+    publish(true);
+    return Json{{"notes", Json::array()}};
+  }
+  settle();
+  const bool playing = state_ == State::playing;
+  std::vector<std::string> notes;
+  if (ghost_ || !simulation_ || simulation_->step_count() == 0 || state_ == State::ended) {
+    const auto wish = ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
+    if (simulation_ && simulation_->step_count() > 0) {
+      notes.push_back(ghost_ ? "the comparison begins anew" : "the run begins anew: it had ended");
+    }
+    if (auto done = begin_anew(*scene_, name, dt_, wish); !done) {
+      return tl::unexpected(to_error(done.error()));
+    }
+  } else {
+    auto carried = carry_over(*scene_, name);
+    if (!carried) return tl::unexpected(to_error(carried.error()));
+    notes = std::move(*carried);
+  }
+  backend_ = name;
+  if (playing && state_ != State::playing) {
+    if (auto going = play(); !going) return going;
+  }
+  publish(true);
+  return Json{{"notes", notes}};
+}
+
+Answer Engine::compare(CompareWish wish) {
+  if (!scene_) return fail("there is no scene yet that can be run");
+  settle();
+  const bool playing = state_ == State::playing;
+  if (auto done = begin_anew(*scene_, backend_, dt_, std::move(wish)); !done) {
+    return tl::unexpected(to_error(done.error()));
+  }
+  return playing ? play() : Answer(Json::object());
+}
+
+Answer Engine::end_compare() {
+  if (!ghost_) return fail("nothing is compared");
+  settle();
+  ghost_.reset();
+  if (state_ == State::ended && simulation_->status() == RunStatus::running) {
+    state_ = State::paused;  // the second one alone had ended
+    ending_.clear();
+  }
+  take_moment(true);
+  publish(true);
+  return Json::object();
+}
+
+}  // namespace cogrsim::studio

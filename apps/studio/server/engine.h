@@ -1,0 +1,147 @@
+// The thread that owns the simulation: it obeys, keeps time, and leaves frames behind.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cogrsim/recording/recording.h"
+#include "cogrsim/simulation/simulation.h"
+#include "compare_run.h"
+#include "history.h"
+#include "run.h"
+#include "run_board.h"
+#include "run_scenes.h"
+
+namespace cogrsim::studio {
+
+using Refusal = std::vector<Diagnostic>;
+
+/// The first error of them, with how many more there are.
+Error to_error(const Refusal& found);
+
+class Engine {
+ public:
+  /// `restarted`: called when all frames before are gone.
+  Engine(RunOptions options, std::vector<std::string> plugin_folders, History& history,
+         Scenes& scenes, Board& board, std::function<void()> restarted);
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  /// To be done on the engine's thread between two steps, in order. From any thread.
+  void post(std::function<void()> task);
+
+  // ---- on the engine's thread alone, see post()
+
+  Answer play();
+  Answer pause();
+  Answer stop(bool then_play);
+  /// Answers when they are done, or something else was asked for.
+  void step(std::int64_t count, Reply reply);
+  Answer set_speed(std::optional<double> factor);
+  Answer set_step(std::optional<double> dt);
+  Answer set_backend(const std::string& name);
+  Answer record(bool on, const std::optional<std::string>& file);
+  Answer compare(CompareWish wish);
+  Answer end_compare();
+  tl::expected<std::vector<std::string>, Refusal> show(Scene scene);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  enum class State { stopped, playing, paused, ended };
+  using Made = tl::expected<std::unique_ptr<Simulation>, Refusal>;
+
+  void run();
+  bool run_tasks();
+  void settle();
+  /// One step, or what leads to the next time both runs have in common. False: the run stands.
+  bool advance();
+  bool step_main();
+  bool step_ghost();
+  void run_piece();
+  Clock::duration until_due() const;
+  void anchor();
+
+  // engine_scene.cpp: what simulations are made of
+  SimulationOptions simulation_options() const;
+  Made make(const SceneModelPtr& model, const SimulationOptions& options) const;
+  tl::expected<void, Refusal> begin_anew(const Scene& scene, const std::string& backend,
+                                         std::optional<double> dt, std::optional<CompareWish> wish);
+  tl::expected<std::vector<std::string>, Refusal> carry_over(const Scene& scene,
+                                                             const std::string& backend);
+  void adopt(std::unique_ptr<Simulation> simulation);
+  void forget_past();
+
+  // engine_record.cpp
+  Result<std::string> recording_path(const std::optional<std::string>& file) const;
+  void end_recording(const std::string& why);
+
+  // engine_watch.cpp: what is kept and told
+  void on_frame(const FramePtr& frame);
+  void take_moment(bool keep);
+  bool due_to_be_kept() const;
+  Moment moment();
+  void end(const std::string& why);
+  void found_status();
+  void collect_messages();
+  void publish(bool urgent);
+  void measure();
+
+  RunOptions options_;
+  const std::vector<std::string> plugin_folders_;
+  History& history_;
+  Scenes& scenes_;
+  Board& board_;
+  const std::function<void()> restarted_;
+
+  // What is wished for.
+  std::optional<Scene> scene_;
+  OriginsPtr origins_;
+  std::string backend_;
+  std::optional<double> dt_;
+  std::optional<double> speed_ = 1.0;
+
+  std::unique_ptr<Simulation> simulation_;
+  FramePtr latest_;            ///< of the last step
+  SceneModelPtr told_model_;   ///< the one that has a number
+  bool same_lineage_ = false;  ///< the next number is for the same scene
+  SimulationOptions created_with_;
+  std::uint32_t scene_number_ = 0;
+  State state_ = State::stopped;
+  std::string ending_;
+  std::string end_reason_;  ///< what an event said
+  std::int64_t steps_left_ = 0;
+  Reply step_reply_;
+  std::size_t messages_seen_ = 0;
+  std::optional<double> last_kept_;  ///< [s]
+
+  std::unique_ptr<SecondRun> ghost_;
+
+  std::unique_ptr<Recorder> recorder_;
+  std::string recording_;
+
+  // Keeping time.
+  Clock::time_point anchor_wall_{};
+  double anchor_time_ = 0.0;
+  Clock::time_point measured_wall_{};
+  double measured_time_ = 0.0, factor_ = 0.0;
+  Clock::time_point published_{}, told_{};
+
+  std::mutex mutex_;
+  std::condition_variable waiting_;
+  std::deque<std::function<void()>> tasks_;
+  std::atomic<bool> asked_{false};  ///< there are tasks, or it is to end
+  bool over_ = false;
+  std::thread thread_;
+};
+
+}  // namespace cogrsim::studio

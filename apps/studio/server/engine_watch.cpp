@@ -1,0 +1,183 @@
+// What is kept of a run, and what is told.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "engine.h"
+
+namespace cogrsim::studio {
+
+namespace {
+
+/// Of scenes with no more bodies than this every step is kept; of others as many as one can see.
+constexpr std::size_t kSmallScene = 64;
+constexpr double kBetweenKept = 0.01;  // [s]
+constexpr auto kBetweenPublished = std::chrono::microseconds(15'000);
+
+/// Frames are kept by the thousand: pictures are made anew from them when somebody looks.
+FramePtr without_pictures(const FramePtr& frame) {
+  const auto has = [](const Reading& reading) { return reading.picture != nullptr; };
+  if (std::none_of(frame->readings.begin(), frame->readings.end(), has)) return frame;
+  auto plain = std::make_shared<Frame>(*frame);
+  for (Reading& reading : plain->readings) reading.picture.reset();
+  return plain;
+}
+
+}  // namespace
+
+void Engine::on_frame(const FramePtr& frame) {
+  // The frame at the start is shown once more with the first step.
+  const bool again = latest_ && latest_->step == frame->step;
+  if (latest_ && frame->step < latest_->step) forget_past();  // a supervisor has begun anew
+  latest_ = frame;
+  if (again) return;
+  for (const Event& event : frame->events) {
+    if (event.kind == "ended") end_reason_ = event.message;
+    board_.add_event(event);
+  }
+}
+
+bool Engine::due_to_be_kept() const {
+  if (steps_left_ > 0 || !last_kept_ || latest_->model->bodies.size() <= kSmallScene) return true;
+  // Half a step of slack, so that rounding does not make it every other time.
+  return latest_->time - *last_kept_ >= kBetweenKept - 0.5 * simulation_->dt();
+}
+
+Moment Engine::moment() {
+  Moment out;
+  out.frame = without_pictures(latest_);
+  if (ghost_) {
+    const FramePtr other = without_pictures(ghost_->simulation->frame());
+    // Where one of them ended it may be a step ahead.
+    if (std::fabs(other->time - latest_->time) < 0.5 * simulation_->dt()) out.ghost = other;
+  }
+  if (latest_->model != told_model_) {
+    const bool same_lineage = told_model_ != nullptr || same_lineage_;
+    told_model_ = latest_->model;
+    same_lineage_ = false;
+    scene_number_ = scenes_.add(told_model_, origins_, same_lineage,
+                                [this](int sensor) -> const std::vector<Channel>& {
+                                  return simulation_->channels(sensor);
+                                });
+  }
+  out.scene = scene_number_;
+  return out;
+}
+
+void Engine::take_moment(bool keep) {
+  const bool publish_due = Clock::now() - published_ >= kBetweenPublished;
+  if (!keep && !publish_due && !ghost_ && latest_->model == told_model_) return;
+  Moment now = moment();
+  if (now.ghost && !ghost_->first_over) {
+    if (const auto found = ghost_->parting.look(*now.frame, *now.ghost)) {
+      ghost_->first_over = found->time;
+      Event event;
+      event.time = found->time;
+      event.kind = "parted";
+      event.source = found->body;
+      event.message =
+          fmt::format("{} and {} are {:.3g} cm and {:.3g} degrees apart", ghost_->labels[0],
+                      ghost_->labels[1], 100.0 * found->distance, found->angle * 180.0 / M_PI);
+      board_.add_event(std::move(event));
+      keep = true;
+    }
+  }
+  if (keep) {
+    last_kept_ = now.time();
+    board_.discard(history_.add(now));
+  }
+  if (keep && !publish_due && state_ == State::playing) return;
+  published_ = Clock::now();
+  board_.set_newest(std::move(now));
+}
+
+void Engine::end(const std::string& why) {
+  state_ = State::ended;
+  ending_ = why;
+  steps_left_ = 0;
+}
+
+void Engine::found_status() {
+  const RunStatus status = simulation_->status();
+  const std::vector<RunMessage>& said = simulation_->messages();
+  const auto last_error = std::find_if(said.rbegin(), said.rend(), [](const RunMessage& m) {
+    return m.severity == Severity::error;
+  });
+  const std::string error = last_error == said.rend() ? "" : last_error->message;
+  switch (status) {
+    case RunStatus::diverged:
+      end(error.empty() ? "the physics diverged" : error);
+      break;
+    case RunStatus::fault:
+      end("a fault ended it: " + error);
+      break;
+    case RunStatus::stopped:
+      end(end_reason_.empty() ? "a supervisor ended it" : end_reason_);
+      break;
+    case RunStatus::running:
+    case RunStatus::completed:
+      end(to_string(status));
+      break;
+  }
+  // The step in which it ended was seen; of one that failed there is nothing to see.
+  if (latest_) take_moment(true);
+}
+
+void Engine::collect_messages() {
+  const std::vector<RunMessage>& all = simulation_->messages();
+  if (messages_seen_ >= all.size()) return;
+  board_.add_messages({all.begin() + static_cast<std::ptrdiff_t>(messages_seen_), all.end()});
+  messages_seen_ = all.size();
+}
+
+void Engine::measure() {
+  const Clock::time_point now = Clock::now();
+  const double wall = std::chrono::duration<double>(now - measured_wall_).count();
+  if (wall < 0.5) return;
+  factor_ = (simulation_->time() - measured_time_) / wall;
+  measured_wall_ = now;
+  measured_time_ = simulation_->time();
+}
+
+void Engine::publish(bool urgent) {
+  Situation s;
+  switch (state_) {
+    case State::stopped:
+      s.state = "stopped";
+      break;
+    case State::playing:
+      s.state = "playing";
+      break;
+    case State::paused:
+      s.state = "paused";
+      break;
+    case State::ended:
+      s.state = "ended";
+      break;
+  }
+  s.ending = ending_;
+  s.speed = speed_;
+  s.factor = state_ == State::playing ? factor_ : 0.0;
+  s.backend = backend_;
+  s.dt = dt_.value_or(0.0);
+  if (scene_) {
+    s.scene_dt = scene_->model->physics.step;
+    if (!dt_) s.dt = s.scene_dt;
+  }
+  if (simulation_) {
+    s.time = simulation_->time();
+    s.step_count = simulation_->step_count();
+    s.backend = simulation_->backend().name();
+    s.engine_version = simulation_->backend().engine_version();
+  }
+  if (recorder_) s.recording = recording_;
+  s.scene = scene_number_;
+  if (latest_ && state_ != State::playing) {
+    s.state_hash = fmt::format("{:016x}", state_hash(latest_->state));
+  }
+  if (ghost_) s.compare = {ghost_->labels, ghost_->first_over};
+  board_.set_situation(std::move(s), urgent);
+}
+
+}  // namespace cogrsim::studio

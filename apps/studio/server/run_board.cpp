@@ -1,0 +1,122 @@
+#include "run_board.h"
+
+#include <algorithm>
+
+namespace cogrsim::studio {
+
+namespace {
+
+/// What a run says is bounded by itself; several runs in a row are bounded here.
+constexpr std::size_t kMessagesKept = 2000;
+
+}  // namespace
+
+void Board::set_situation(Situation situation, bool urgent) {
+  std::lock_guard lock(mutex_);
+  situation_ = std::move(situation);
+  news_.status = true;
+  news_.urgent = news_.urgent || urgent;
+  waiting_.notify_one();
+}
+
+void Board::set_newest(Moment moment) {
+  std::lock_guard lock(mutex_);
+  trash_.push_back(std::exchange(newest_, std::move(moment)));
+  news_.frame = true;
+  waiting_.notify_one();
+}
+
+void Board::add_event(Event event) {
+  std::lock_guard lock(mutex_);
+  events_.push_back({next_event_++, std::move(event)});
+  waiting_.notify_one();
+}
+
+void Board::clear_events() {
+  std::lock_guard lock(mutex_);
+  events_.clear();
+  messages_.clear();
+}
+
+void Board::add_messages(std::vector<RunMessage> messages) {
+  if (messages.empty()) return;
+  std::lock_guard lock(mutex_);
+  messages_.insert(messages_.end(), messages.begin(), messages.end());
+  if (messages_.size() > kMessagesKept) {
+    messages_.erase(messages_.begin(),
+                    messages_.end() - static_cast<std::ptrdiff_t>(kMessagesKept));
+  }
+  for (RunMessage& message : messages) news_.messages.push_back(std::move(message));
+  waiting_.notify_one();
+}
+
+void Board::discard(std::vector<Moment> moments) {
+  if (moments.empty()) return;
+  std::lock_guard lock(mutex_);
+  if (trash_.empty()) {
+    trash_ = std::move(moments);
+  } else {
+    std::move(moments.begin(), moments.end(), std::back_inserter(trash_));
+  }
+  // Larger heaps are taken away at once, else with the next frame.
+  if (trash_.size() > 64) waiting_.notify_one();
+}
+
+Situation Board::situation() const {
+  std::lock_guard lock(mutex_);
+  return situation_;
+}
+
+Moment Board::newest() const {
+  std::lock_guard lock(mutex_);
+  return newest_;
+}
+
+std::vector<IndexedEvent> Board::events_from(std::size_t index) const {
+  std::lock_guard lock(mutex_);
+  const auto first = std::lower_bound(
+      events_.begin(), events_.end(), index,
+      [](const IndexedEvent& event, std::size_t wanted) { return event.index < wanted; });
+  return {first, events_.end()};
+}
+
+std::vector<RunMessage> Board::messages() const {
+  std::lock_guard lock(mutex_);
+  return messages_;
+}
+
+Board::News Board::wait(std::chrono::steady_clock::time_point until) {
+  std::vector<Moment> trash;
+  News news;
+  {
+    std::unique_lock lock(mutex_);
+    waiting_.wait_until(lock, until, [this] {
+      return news_.status || news_.frame || news_.viewers || news_.over ||
+             !news_.messages.empty() || told_event_ < next_event_ || trash_.size() > 64;
+    });
+    news = std::exchange(news_, News());
+    news_.over = news.over;
+    for (auto event = events_.end();
+         event != events_.begin() && (event - 1)->index >= told_event_;) {
+      news.events.push_back(*--event);
+    }
+    std::reverse(news.events.begin(), news.events.end());
+    told_event_ = next_event_;
+    trash.swap(trash_);
+  }
+  return news;
+}
+
+void Board::poke() {
+  std::lock_guard lock(mutex_);
+  news_.viewers = true;
+  waiting_.notify_one();
+}
+
+void Board::close() {
+  std::lock_guard lock(mutex_);
+  news_.over = true;
+  waiting_.notify_all();
+}
+
+}  // namespace cogrsim::studio

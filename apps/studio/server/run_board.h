@@ -1,0 +1,86 @@
+// What the run has to say, left where those who send it to the pages find it: the run itself never
+// waits for them.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cogrsim/simulation/simulation.h"
+#include "history.h"
+
+namespace cogrsim::studio {
+
+/// How the run is: the `status` tell without what others know.
+struct Situation {
+  std::string state = "stopped";  ///< "stopped", "playing", "paused", "ended", "recording"
+  std::string ending;             ///< how it ended, with the reason
+  double time = 0.0;
+  std::uint64_t step_count = 0;
+  double dt = 0.0, scene_dt = 0.0;
+  std::optional<double> speed = 1.0;  ///< empty: as fast as possible
+  double factor = 0.0;                ///< simulated per wall second, measured
+  std::string backend, engine_version;
+  std::optional<std::string> recording;  ///< file
+  std::uint32_t scene = 0;
+  std::string state_hash;  ///< of the newest state, as the command line has it; empty while playing
+  struct Comparison {
+    std::array<std::string, 2> labels;
+    std::optional<double> first_over;  ///< [s]
+  };
+  std::optional<Comparison> compare;
+};
+
+struct IndexedEvent {
+  std::size_t index = 0;  ///< never used twice
+  Event event;
+};
+
+class Board {
+ public:
+  // The run's side. None of these waits for longer than it takes to copy a few words.
+  void set_situation(Situation situation, bool urgent);
+  void set_newest(Moment moment);
+  void add_event(Event event);
+  void clear_events();
+  void add_messages(std::vector<RunMessage> messages);
+  /// To be destroyed by somebody else.
+  void discard(std::vector<Moment> moments);
+
+  // The other side.
+  Situation situation() const;
+  Moment newest() const;
+  /// Events of the present run from that index on.
+  std::vector<IndexedEvent> events_from(std::size_t index) const;
+  /// The latest ones of the present run; a page that comes later is told them.
+  std::vector<RunMessage> messages() const;
+
+  struct News {
+    bool status = false, urgent = false, frame = false, viewers = false, over = false;
+    std::vector<IndexedEvent> events;
+    std::vector<RunMessage> messages;
+  };
+  /// Waits until there is something, or until `until`. What was let go is destroyed here.
+  News wait(std::chrono::steady_clock::time_point until);
+  /// A client came, went, or looks elsewhere.
+  void poke();
+  void close();
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable waiting_;
+  Situation situation_;
+  Moment newest_;
+  std::vector<IndexedEvent> events_;
+  std::size_t next_event_ = 0, told_event_ = 0;
+  std::vector<RunMessage> messages_;
+  News news_;
+  std::vector<Moment> trash_;
+};
+
+}  // namespace cogrsim::studio

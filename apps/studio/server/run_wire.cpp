@@ -1,0 +1,145 @@
+#include "run_wire.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "scene_json.h"
+
+namespace cogrsim::studio {
+
+namespace {
+
+/// Appends numbers as they lie in memory, lowest byte first.
+class Bytewriter {
+ public:
+  explicit Bytewriter(std::string& out) : out_(out) {}
+
+  template <class Number>
+  void put(Number value) {
+    char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+    std::reverse(bytes, bytes + sizeof value);
+#endif
+    out_.append(bytes, sizeof value);
+  }
+
+  void put_poses(const Frame& frame) {
+    for (const Pose& X : frame.state.poses) {
+      for (const double v : {X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()}) {
+        put(static_cast<float>(v));
+      }
+    }
+  }
+
+ private:
+  std::string& out_;
+};
+
+std::string tail_text(const Frame& frame, Tail wanted) {
+  if (!wanted.contacts && !wanted.readings) return {};
+  Json out = Json::object();
+  if (wanted.readings) {
+    Json& readings = out["readings"] = Json::array();
+    for (const Reading& reading : frame.readings) {
+      if (reading.sensor < 0 || !reading.valid) continue;
+      readings.push_back({{"sensor", reading.sensor}, {"values", reading.values}});
+    }
+  }
+  if (wanted.contacts) {
+    Json& contacts = out["contacts"] = Json::array();
+    for (const Contact& c : frame.contacts) {
+      contacts.push_back({{"a", c.body_a},
+                          {"b", c.body_b},
+                          {"point", to_json(c.point)},
+                          {"normal", to_json(c.normal)},
+                          {"depth", c.depth},
+                          {"force", c.force.norm()}});
+    }
+  }
+  return to_text(out);
+}
+
+}  // namespace
+
+std::string encode_frame(const Moment& moment, bool live, Tail tail) {
+  const Frame& frame = *moment.frame;
+  const std::string text = tail_text(frame, tail);
+  const std::size_t bodies = frame.state.poses.size();
+  const std::size_t ghosts = moment.ghost ? moment.ghost->state.poses.size() : 0;
+  std::string out;
+  out.reserve(40 + (bodies + ghosts) * 28 + text.size());
+  Bytewriter to(out);
+  to.put(std::uint8_t{1});
+  to.put(static_cast<std::uint8_t>((live ? 1 : 0) | (moment.ghost ? 2 : 0)));
+  to.put(std::uint16_t{0});
+  to.put(moment.scene);
+  to.put(frame.time);
+  to.put(static_cast<double>(frame.step));
+  to.put(static_cast<std::uint32_t>(bodies));
+  to.put(static_cast<std::uint32_t>(ghosts));
+  to.put(static_cast<std::uint32_t>(text.size()));
+  to.put(std::uint32_t{0});
+  to.put_poses(frame);
+  if (moment.ghost) to.put_poses(*moment.ghost);
+  out += text;
+  return out;
+}
+
+std::string encode_picture(int kind, const std::string& name, int width, int height, double time,
+                           const std::string& file) {
+  std::string out;
+  out.reserve(20 + name.size() + file.size());
+  Bytewriter to(out);
+  to.put(std::uint8_t{2});
+  to.put(static_cast<std::uint8_t>(kind));
+  to.put(static_cast<std::uint16_t>(name.size()));
+  to.put(static_cast<std::uint32_t>(width));
+  to.put(static_cast<std::uint32_t>(height));
+  to.put(time);
+  return out + name + file;
+}
+
+Json to_json(const IndexedEvent& event) {
+  const Event& e = event.event;
+  return {{"index", event.index}, {"time", e.time},       {"kind", e.kind},
+          {"source", e.source},   {"subject", e.subject}, {"message", e.message}};
+}
+
+Json to_json(const RunMessage& message) {
+  return {{"time", message.time},
+          {"severity", message.severity == Severity::error ? "error" : "advice"},
+          {"source", message.source},
+          {"message", message.message}};
+}
+
+Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t viewers) {
+  Json out = {{"tell", "status"},
+              {"state", s.state},
+              {"ending", s.ending},
+              {"time", s.time},
+              {"step_count", s.step_count},
+              {"dt", s.dt},
+              {"scene_dt", s.scene_dt},
+              {"speed", nullptr},
+              {"factor", s.factor},
+              {"backend", s.backend},
+              {"engine_version", s.engine_version},
+              {"recording", nullptr},
+              {"first", extent.first},
+              {"last", extent.last},
+              {"frames", extent.count},
+              {"scene", s.scene},
+              {"state_hash", s.state_hash},
+              {"compare", nullptr},
+              {"viewers", viewers}};
+  if (s.speed) out["speed"] = *s.speed;
+  if (s.recording) out["recording"] = *s.recording;
+  if (s.compare) {
+    out["compare"] = {{"labels", s.compare->labels}, {"first_over", nullptr}};
+    if (s.compare->first_over) out["compare"]["first_over"] = *s.compare->first_over;
+  }
+  return out;
+}
+
+}  // namespace cogrsim::studio

@@ -1,0 +1,28 @@
+// Frames, events and status as they go to the pages: PROTOCOL.md.
+#pragma once
+
+#include <string>
+
+#include "run_board.h"
+#include "talk.h"
+
+namespace cogrsim::studio {
+
+/// What of a frame's tail a client wants.
+struct Tail {
+  bool contacts = false;
+  bool readings = false;
+};
+
+/// "Frames (binary, little-endian)".
+std::string encode_frame(const Moment& moment, bool live, Tail tail);
+
+/// "Pictures (binary)": the head and the file. `kind`: 0 colour, 1 depth, 2 segmentation.
+std::string encode_picture(int kind, const std::string& name, int width, int height, double time,
+                           const std::string& file);
+
+Json to_json(const IndexedEvent& event);
+Json to_json(const RunMessage& message);
+Json status_json(const Situation& situation, const Frames::Extent& extent, std::size_t viewers);
+
+}  // namespace cogrsim::studio

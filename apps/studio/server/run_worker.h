@@ -1,0 +1,56 @@
+// A thread for what takes long: jobs one after the other.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace cogrsim::studio {
+
+class Worker {
+ public:
+  Worker() : thread_([this] { run(); }) {}
+  ~Worker() { stop(); }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  void post(std::function<void()> job) {
+    std::lock_guard lock(mutex_);
+    jobs_.push_back(std::move(job));
+    waiting_.notify_one();
+  }
+  /// Jobs that have not begun are dropped.
+  void stop() {
+    {
+      std::lock_guard lock(mutex_);
+      over_ = true;
+      waiting_.notify_one();
+    }
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  void run() {
+    for (;;) {
+      std::function<void()> job;
+      {
+        std::unique_lock lock(mutex_);
+        waiting_.wait(lock, [this] { return over_ || !jobs_.empty(); });
+        if (over_) return;
+        job = std::move(jobs_.front());
+        jobs_.pop_front();
+      }
+      job();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable waiting_;
+  std::deque<std::function<void()>> jobs_;
+  bool over_ = false;
+  std::thread thread_;
+};
+
+}  // namespace cogrsim::studio
