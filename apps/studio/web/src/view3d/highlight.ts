@@ -92,6 +92,7 @@ export class Highlight {
         const mesh = new Mesh(geometry, material);
         mesh.matrixAutoUpdate = false;
         mesh.matrix.copy(matrix);
+        mesh.matrixWorldNeedsUpdate = true;
         mesh.frustumCulled = false;
         this.scene.add(mesh);
       }

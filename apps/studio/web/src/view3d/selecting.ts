@@ -61,8 +61,9 @@ export function click_body(studio: Studio, body: number, add: boolean): void {
   const scene = state.scene.peek();
   const element = scene ? element_of(scene, body) : -1;
   if (element < 0) {
-    marked.value = body;
     if (!add || body >= 0) studio.select([]);
+    // after the selection: what is selected takes the mark away
+    marked.value = body;
     return;
   }
   marked.value = -1;

@@ -176,7 +176,7 @@ export class View3d {
     const document = this.stand.host.ownerDocument;
     const style = document.defaultView?.getComputedStyle(document.documentElement);
     const color = (name: string, otherwise: string) => style?.getPropertyValue(name).trim() || otherwise;
-    this.backdrop.set_theme(theme, color("--cg-grid", "#808890"));
+    this.backdrop.set_theme(theme, color("--cg-muted", "#55606e"));
     this.highlight.set_colors(color("--cg-highlight", "#e07a00"), color("--cg-accent", "#0b5cad"));
     this.overlay.set_colors(color("--cg-ray", "#d11c1c"));
     this.ghost_color = color("--cg-ghost", "#7a3fb5");
@@ -357,8 +357,10 @@ export class View3d {
 
   private hover(): void {
     const { state } = this.studio;
-    const none = !this.pointer || this.down || this.handles.dragging || this.handles.hot;
-    const body = none ? -1 : this.body_at(this.pointer!.x, this.pointer!.y);
+    // gone elsewhere: what is hovered is another panel's business
+    if (!this.pointer) return;
+    const none = this.down || this.handles.dragging || this.handles.hot;
+    const body = none ? -1 : this.body_at(this.pointer.x, this.pointer.y);
     if (state.hovered.peek() !== body) state.hovered.value = body;
     const name = body >= 0 ? this.scene!.bodies[body]!.name : "";
     this.painter.element.dataset.hover = name;
@@ -381,7 +383,8 @@ export class View3d {
     });
     host.addEventListener("pointerleave", () => {
       this.pointer = null;
-      hover_soon();
+      this.studio.state.hovered.value = -1;
+      this.painter.element.dataset.hover = host.title = "";
     });
     host.addEventListener("pointerdown", (event) => {
       host.focus({ preventScroll: true });

@@ -1,0 +1,98 @@
+// The shapes of a scene as the map draws them: in order of height, each with an outline that is kept while the shape's tilt stays.
+import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
+import { compose, is_finite, pose_at } from "../view3d/pose";
+import { level, plan_outline, reach_up, turn_of, up_in } from "./outline";
+import type { Rotation } from "../view3d/pose";
+
+export interface Item {
+  body: number;
+  shape: SceneShape;
+  fixed: boolean;
+  /** place of the shape's origin [m] and its angle about the vertical [rad]; NaN: not drawn */
+  x: number;
+  y: number;
+  turn: number;
+  /** height of its highest point [m] */
+  top: number;
+  /** in metres, around the origin, before the turn */
+  path: Path2D;
+  /** unit normal of a plane, world */
+  normal: Vec3;
+}
+
+interface Kept extends Item {
+  up: Vec3;
+  tilt: Rotation;
+  reach: number;
+}
+
+/** So little tilt [rad] changes an outline by less than a pixel on any screen. */
+const SAME_TILT = 1e-4;
+
+export function path_of(polygons: [number, number][][]): Path2D {
+  const path = new Path2D();
+  for (const polygon of polygons) {
+    polygon.forEach(([x, y], i) => (i === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));
+    path.closePath();
+  }
+  return path;
+}
+
+export class Items {
+  private readonly all: Kept[] = [];
+
+  constructor(private readonly scene: Scene) {
+    scene.bodies.forEach((body, b) => {
+      if (body.removed) return;
+      for (const shape of body.shapes) {
+        if (!shape.visual) continue;
+        this.all.push({
+          body: b,
+          shape,
+          fixed: body.kind === "fixed",
+          x: NaN,
+          y: NaN,
+          turn: 0,
+          top: 0,
+          path: new Path2D(),
+          normal: [0, 0, 1],
+          up: [NaN, NaN, NaN],
+          tilt: [1, 0, 0, 0, 1, 0, 0, 0, 1],
+          reach: 0,
+        });
+      }
+    });
+  }
+
+  /** Puts all where the poses say; the lowest first. Those without a place are left out. */
+  place(poses: ArrayLike<number>): Item[] {
+    for (const item of this.all) {
+      const body: Pose = 7 * item.body + 6 < poses.length ? pose_at(poses, item.body) : this.scene.bodies[item.body]!.pose;
+      const pose = compose(body, item.shape.pose);
+      item.x = NaN;
+      if (!is_finite(pose)) continue;
+      [item.x, item.y] = pose;
+      const up = up_in(pose);
+      const change = Math.max(...up.map((v, i) => Math.abs(v - item.up[i]!)));
+      if (!(change <= SAME_TILT)) {
+        item.up = up;
+        item.tilt = level(up);
+        item.path = path_of(plan_outline(this.scene, item.shape, item.tilt));
+        item.reach = reach_up(this.scene, item.shape, up);
+      }
+      item.turn = turn_of(pose, item.tilt);
+      item.top = pose[2] + item.reach;
+      if (item.shape.type === "plane") item.normal = plane_normal(item.up, item.turn, item.tilt);
+    }
+    return this.all.filter((item) => !Number.isNaN(item.x)).sort((a, b) => a.top - b.top);
+  }
+}
+
+/** The shape's z axis in the world. */
+function plane_normal(up: Vec3, turn: number, tilt: Rotation): Vec3 {
+  const x = tilt[2];
+  const y = tilt[5];
+  const c = Math.cos(turn);
+  const s = Math.sin(turn);
+  return [c * x - s * y, s * x + c * y, up[2]];
+}
