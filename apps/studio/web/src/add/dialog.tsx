@@ -3,6 +3,7 @@ import { render } from "preact";
 import { useState } from "preact/hooks";
 import type { JSX } from "preact";
 import type { Studio } from "../core/studio";
+import { apply_ops } from "../forms/apply";
 import { Field } from "../forms/field";
 import type { Schema } from "../forms/schema";
 import { label_of } from "../tree/model";
@@ -13,10 +14,12 @@ interface FormProps {
   studio: Studio;
   schema: Schema;
   plan: InsertPlan;
-  close(plan: InsertPlan | null, parameters: Record<string, string>): void;
+  /** Inserts; answers why it was refused, or "". */
+  insert(plan: InsertPlan, parameters: Record<string, string>): Promise<string>;
+  cancel(): void;
 }
 
-function InsertForm({ studio, schema, plan, close }: FormProps): JSX.Element {
+function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.Element {
   const { elements } = studio.state.tree.value;
   const [values, set_values] = useState(plan.attributes);
   const [parent, set_parent] = useState(plan.parent);
@@ -49,7 +52,7 @@ function InsertForm({ studio, schema, plan, close }: FormProps): JSX.Element {
       set_wrong(`${missing.name} is needed: ${missing.doc}`);
       return;
     }
-    close({ ...plan, parent, attributes: values }, parameters);
+    void insert({ ...plan, parent, attributes: values }, parameters).then(set_wrong);
   };
   return (
     <form
@@ -103,7 +106,7 @@ function InsertForm({ studio, schema, plan, close }: FormProps): JSX.Element {
       </div>
       {wrong && <p class="cg-field-problem" role="alert">{wrong}</p>}
       <div class="cg-insert-buttons">
-        <button type="button" onClick={() => close(null, {})}>Cancel</button>
+        <button type="button" onClick={cancel}>Cancel</button>
         <button type="submit" class="cg-primary">Insert</button>
       </div>
       <Latest accept={accept} />
@@ -125,22 +128,27 @@ export function insert_dialog(studio: Studio, schema: Schema, plan: InsertPlan):
     dialog.className = "cg-insert-dialog";
     dialog.setAttribute("aria-labelledby", "cg-insert-title");
     dialog.setAttribute("aria-modal", "true");
-    const close = (made: InsertPlan | null, parameters: Record<string, string>) => {
+    const close = (created: number[] | null) => {
       if (!dialog.isConnected) return;
       render(null, dialog);
       dialog.close();
       dialog.remove();
       current = null;
+      resolve(created);
+    };
+    const insert = async (made: InsertPlan, parameters: Record<string, string>): Promise<string> => {
       const wanted = Object.fromEntries(Object.entries(parameters).filter(([, v]) => v !== ""));
-      if (!made) resolve(null);
-      else void studio.edit(`insert ${made.tag}`, [insert_op(made, wanted)]).then(resolve);
+      const outcome = await apply_ops(studio, `insert ${made.tag}`, [insert_op(made, wanted)]);
+      if ("error" in outcome) return outcome.error;
+      close(outcome.created);
+      return "";
     };
     dialog.addEventListener("cancel", (event) => {
       event.preventDefault();
-      close(null, {});
+      close(null);
     });
     document.body.append(dialog);
-    render(<InsertForm studio={studio} schema={schema} plan={plan} close={close} />, dialog);
+    render(<InsertForm studio={studio} schema={schema} plan={plan} insert={insert} cancel={() => close(null)} />, dialog);
     dialog.showModal();
     dialog.querySelector<HTMLElement>("input, select")?.focus();
   });

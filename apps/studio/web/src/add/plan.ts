@@ -116,7 +116,7 @@ export function name_choices(
 ): string[] | undefined {
   if (spec.name === "plugin") return schema.plugins(tag as "controller").map((p) => p.name);
   if (spec.kind !== "reference" && spec.kind !== "references") return undefined;
-  return reference_choices(elements, parent, tag, spec.name);
+  return reference_choices(elements, parent, spec.wants);
 }
 
 export function insert_op(plan: InsertPlan, parameters: Record<string, string> = {}): Op {

@@ -30,6 +30,9 @@ const kMostRetries = 5;
 export class TextSync {
   private base_ = "";
   private version_ = -1;
+  private known_ = false;
+  /** what was typed did not reach the server: it goes along with the next text */
+  private owed_ = false;
   /** ends of bursts that were not sent yet; the last one's text is the editor's when the timer fires */
   private waiting_: { text: string; group: string }[] = [];
   private group_ = "";
@@ -51,9 +54,9 @@ export class TextSync {
     return !this.dirty_ && this.waiting_.length === 0 && !this.sending_;
   }
 
-  /** The user changed the editor's text; `before` is what it was. */
-  typed(before: string, group: string): void {
-    if (this.dirty_ && group !== this.group_) this.waiting_.push({ text: before, group: this.group_ });
+  /** The user changed the editor's text; `before` answers what it was. */
+  typed(before: () => string, group: string): void {
+    if (this.dirty_ && group !== this.group_) this.waiting_.push({ text: before(), group: this.group_ });
     this.dirty_ = true;
     this.group_ = group;
     this.cancel_?.();
@@ -77,6 +80,8 @@ export class TextSync {
       return;
     }
     this.take_over_(text, version);
+    if (this.owed_ && this.waiting_.length === 0) this.waiting_.push({ text: this.ends_.text(), group: this.group_ });
+    this.owed_ = false;
     if (this.waiting_.length > 0) this.send_next_();
   }
 
@@ -130,6 +135,8 @@ export class TextSync {
     } else {
       this.retries_ = 0;
       if (behind) this.take_over_(behind.text, behind.version);
+      this.owed_ = true;
+      this.waiting_ = [];
       this.ends_.refused(answer.message);
       this.tell_idle_();
       return;
@@ -140,11 +147,12 @@ export class TextSync {
   /** Makes the server's text the base and brings what changed there into the editor's text. */
   private take_over_(text: string, version: number): void {
     const local = this.ends_.text();
-    const unsent = this.version_ >= 0 && local !== this.base_;
+    const unsent = this.known_ && local !== this.base_;
     const changes = unsent ? rebase(diff(this.base_, text), diff(this.base_, local)) : diff(local, text);
     // Ends of bursts that still wait are texts of before: one step is made of them.
     const earlier = this.waiting_.length > 0 ? this.waiting_[this.waiting_.length - 1]!.group : this.group_;
     this.base_ = text;
+    this.known_ = true;
     this.version_ = version;
     if (changes.length > 0) this.ends_.change(changes);
     if (this.waiting_.length > 0) this.waiting_ = [{ text: apply(local, changes), group: earlier }];

@@ -3,7 +3,8 @@ import { useEffect, useId, useState } from "preact/hooks";
 import type { JSX } from "preact";
 import { boxes_of, text_from, with_unit } from "./number_model";
 import type { AttributeSchema } from "./schema";
-import { hex_color, short_number } from "./values";
+import { help_text } from "./help";
+import { hex_color } from "./values";
 
 export interface FieldProps {
   spec: AttributeSchema;
@@ -16,31 +17,14 @@ export interface FieldProps {
   problem?: string;
   /** names that a reference may have */
   choices?: string[];
-  /** null: the attribute goes. Answers at once; what comes of it comes back as `text`. */
-  commit(text: string | null): void;
+  /** null: the attribute goes. What comes of it comes back as `text`; a promise tells why it was refused, or "". */
+  commit(text: string | null): void | Promise<string>;
 }
 
 const kNumeric = ["number", "numbers", "integer", "range"];
 
-/** "≥ 0 m, ≤ 5 m" of what may be entered. */
-export function range_text(spec: AttributeSchema): string {
-  const unit = spec.units.length === 1 && spec.units[0] !== "" && spec.units[0] !== "1" ? ` ${spec.units[0]}` : "";
-  const parts: string[] = [];
-  if (spec.min !== null) parts.push(`${spec.above_min ? ">" : "≥"} ${short_number(spec.min)}${unit}`);
-  if (spec.max !== null) parts.push(`≤ ${short_number(spec.max)}${unit}`);
-  if (spec.none_allowed) parts.push("or none");
-  return parts.join(", ");
-}
-
-export function help_text(spec: AttributeSchema): string {
-  const parts = [spec.doc];
-  const range = range_text(spec);
-  if (range !== "") parts.push(`(${range})`);
-  if (spec.default !== "") parts.push(`Default: ${spec.default}.`);
-  return parts.filter((p) => p !== "").join(" ");
-}
-
 interface PlainProps extends FieldProps {
+  report(error: string): void;
   id: string;
   describe: string;
   list?: string;
@@ -62,7 +46,7 @@ function PlainField(props: PlainProps): JSX.Element {
   useEffect(() => set_draft(text), [text]);
   const commit = () => {
     if (draft.trim() === text || (mixed && draft === "")) return;
-    props.commit(draft.trim() === "" ? null : draft.trim());
+    void props.commit(draft.trim() === "" ? null : draft.trim());
   };
   return (
     <input
@@ -83,12 +67,15 @@ function PlainField(props: PlainProps): JSX.Element {
         if (props.choices?.includes(event.currentTarget.value)) props.commit(event.currentTarget.value);
       }}
       onBlur={commit}
-      onKeyDown={keys(commit, () => set_draft(text))}
+      onKeyDown={keys(commit, () => {
+        set_draft(text);
+        props.report("");
+      })}
     />
   );
 }
 
-function NumberField(props: PlainProps & { report(error: string): void }): JSX.Element {
+function NumberField(props: PlainProps): JSX.Element {
   const { spec, text, mixed } = props;
   const shown = boxes_of(spec, text);
   const [drafts, set_drafts] = useState<string[] | null>(null);
@@ -108,8 +95,9 @@ function NumberField(props: PlainProps & { report(error: string): void }): JSX.E
       return;
     }
     props.report("");
-    set_drafts(null);
-    if ((made.text ?? "") !== text && !(mixed && made.text === null)) props.commit(made.text);
+    // What is refused stays to be put right; what is taken comes back as the text.
+    if ((made.text ?? "") !== text && !(mixed && made.text === null)) void props.commit(made.text);
+    else set_drafts(null);
   };
   const names = boxes.length === 3 && ["xyz", "rpy", "size"].includes(spec.name)
     ? (spec.name === "rpy" ? ["roll", "pitch", "yaw"] : ["x", "y", "z"])
@@ -192,7 +180,12 @@ export function Field(props: FieldProps): JSX.Element {
   const [error, report] = useState("");
   const describe = `${id}-help`;
   const problem = error || props.problem || "";
-  const inner: PlainProps = { ...props, problem, id, describe };
+  useEffect(() => report(""), [text]);
+  const commit = (value: string | null) => {
+    const outcome = props.commit(value);
+    if (outcome) void outcome.then(report);
+  };
+  const inner: PlainProps = { ...props, problem, id, describe, commit, report };
   let body: JSX.Element;
   if (spec.kind === "boolean") {
     const on = (text || spec.default) === "true";
@@ -206,7 +199,7 @@ export function Field(props: FieldProps): JSX.Element {
         aria-describedby={describe}
         onChange={(event) => {
           const next = String(event.currentTarget.checked);
-          props.commit(next === (spec.default || "false") ? null : next);
+          commit(next === (spec.default || "false") ? null : next);
         }}
       />
     );
@@ -219,7 +212,7 @@ export function Field(props: FieldProps): JSX.Element {
         disabled={props.disabled}
         aria-describedby={describe}
         aria-invalid={problem ? true : undefined}
-        onChange={(event) => props.commit(event.currentTarget.value === "" ? null : event.currentTarget.value)}
+        onChange={(event) => commit(event.currentTarget.value === "" ? null : event.currentTarget.value)}
       >
         {mixed && <option value={"\0"}>several</option>}
         <option value="">{spec.default === "" ? "" : `${spec.default} (default)`}</option>
@@ -227,7 +220,7 @@ export function Field(props: FieldProps): JSX.Element {
       </select>
     );
   } else if (kNumeric.includes(spec.kind)) {
-    body = <NumberField {...inner} report={report} />;
+    body = <NumberField {...inner} />;
   } else if (spec.kind === "color") {
     body = <ColorField {...inner} />;
   } else {
@@ -252,7 +245,7 @@ export function Field(props: FieldProps): JSX.Element {
           class="cg-field-reset"
           title={spec.default === "" ? `Leave ${spec.name} out` : `Back to ${spec.default}`}
           aria-label={`reset ${spec.name}`}
-          onClick={() => props.commit(null)}
+          onClick={() => commit(null)}
         >
           ↺
         </button>

@@ -26,7 +26,7 @@ const kGroups: [string, string[]][] = [
 function unknown_attribute(name: string): AttributeSchema {
   return {
     name, kind: "text", doc: "", default: "", required: false, units: [], per_entry: false, min: null, max: null,
-    above_min: false, none_allowed: false, choices: [], min_count: 1, max_count: 1,
+    above_min: false, none_allowed: false, choices: [], min_count: 1, max_count: 1, wants: "",
   };
 }
 

@@ -1,14 +1,14 @@
 // The properties panel: forms for what is selected.
 import { useEffect, useState } from "preact/hooks";
 import type { JSX } from "preact";
-import type { TreeElement } from "../core/protocol";
+import type { Op, TreeElement } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { name_choices } from "../add/plan";
-import { rename } from "../tree/commands";
 import { Icon } from "../tree/icons";
 import { ask_mass, mass_lines } from "../tree/mass_view";
 import { label_of } from "../tree/model";
 import { kSignalType, signal_label, tree_state } from "../tree/tree_state";
+import { apply_ops } from "./apply";
 import { Field } from "./field";
 import { form_groups, parameter_ops, plugin_form, problems_of, set_ops } from "./form_model";
 import { LiveValues } from "./live";
@@ -16,7 +16,7 @@ import type { AttributeSchema, Schema } from "./schema";
 
 const kNameSpec: Omit<AttributeSchema, "doc" | "required"> = {
   name: "name", kind: "name", default: "", units: [], per_entry: false, min: null, max: null, above_min: false,
-  none_allowed: false, choices: [], min_count: 1, max_count: 1,
+  none_allowed: false, choices: [], min_count: 1, max_count: 1, wants: "",
 };
 
 function Mass({ studio, ids }: { studio: Studio; ids: number[] }): JSX.Element | null {
@@ -82,10 +82,13 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
   const problems = one && text && text.version === version ? problems_of(text.text, one, text.file, state.problems.value) : null;
   const plugin = one ? plugin_form(schema, elements, one.id) : null;
   const what = one ? `${one.tag} ${label_of(one)}`.trim() : `${chosen.length} ${first.tag} elements`;
-  const set = (name: string, value: string | null) => {
-    const ops = set_ops(chosen, name, value);
-    if (ops.length > 0) void studio.edit(`${value === null ? "reset" : "set"} ${name} of ${what}`, ops);
+  const apply = async (label: string, ops: Op[]): Promise<string> => {
+    if (ops.length === 0) return "";
+    const outcome = await apply_ops(studio, label, ops);
+    return "error" in outcome ? outcome.error : "";
   };
+  const set = (name: string, value: string | null) =>
+    apply(`${value === null ? "reset" : "set"} ${name} of ${what}`, set_ops(chosen, name, value));
   return (
     <>
       {one && name_spec && (
@@ -95,7 +98,9 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
           text={one.name}
           disabled={disabled}
           problem={problems?.fields.get("name")?.message}
-          commit={(name) => void (name === null ? set("name", null) : rename(studio, one.id, name))}
+          commit={(name) =>
+            name === null ? set("name", null) : apply(`rename ${what} to ${name}`, [{ op: "rename", element: one.id, name }])
+          }
         />
       )}
       {problems?.others.map((p, i) => (
@@ -135,10 +140,9 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
               spec={f.spec}
               text={f.text}
               disabled={disabled}
-              commit={(value) => {
-                const ops = parameter_ops(elements, one!.id, f.spec.name, value);
-                if (ops.length > 0) void studio.edit(`set ${f.spec.name} of ${what}`, ops);
-              }}
+              commit={(value) =>
+                apply(`set ${f.spec.name} of ${what}`, parameter_ops(elements, one!.id, f.spec.name, value))
+              }
             />
           ))}
         </details>

@@ -13,7 +13,7 @@ export interface AttributeSchema {
   /** in the language's notation; "": none */
   default: string;
   required: boolean;
-  /** One: of every entry. Several: entry by entry if `per_entry`, else alternatives. "": a plain number. */
+  /** SI units. One: of every entry. Several: entry by entry if `per_entry`, else alternatives. "": a plain number. */
   units: string[];
   per_entry: boolean;
   /** SI; null: no bound */
@@ -24,6 +24,8 @@ export interface AttributeSchema {
   choices: string[];
   min_count: number;
   max_count: number;
+  /** what a reference means: "place", "joint", "material", "prototype", "door", "template", "motor", "sensor", "any" */
+  wants: string;
 }
 
 export interface ElementSchema {
@@ -36,7 +38,7 @@ export interface ElementSchema {
   /** repeat, for, if: stand anywhere and hold what their parent holds */
   flow: boolean;
   /** any further attribute is a parameter */
-  open_attributes: boolean;
+  open: boolean;
   /** `contact` means two things; this is the one that has the attribute */
   when: string;
 }
@@ -54,42 +56,87 @@ const text_of = (value: unknown): string => (typeof value === "string" ? value :
 const list_of = <T>(value: unknown): T[] => (Array.isArray(value) ? (value as T[]) : []);
 const number_of = (value: unknown): number | null => (typeof value === "number" && isFinite(value) ? value : null);
 
-export function read_attribute(raw: Loose): AttributeSchema {
-  const units = raw.units ?? (raw.unit !== undefined ? [raw.unit] : []);
+/** Units by name of the dimension, the usual one first. */
+type UnitTable = Record<string, string[]>;
+
+/** SI unit of a dimension; what has no name is told by its unit. */
+function si_unit(dimension: string, units: UnitTable): string {
+  if (dimension === "none" || dimension === "1") return "";
+  return dimension === "angle" ? "rad" : (units[dimension]?.[0] ?? dimension);
+}
+
+function read_attribute(raw: Loose, units: UnitTable): AttributeSchema {
+  const [least, most] = list_of<number>(raw.count);
   return {
     name: text_of(raw.name),
-    kind: (text_of(raw.kind ?? raw.type) || "text") as AttributeKind,
+    kind: (text_of(raw.kind) || "text") as AttributeKind,
     doc: text_of(raw.doc),
-    default: raw.default === undefined || raw.default === null ? "" : String(raw.default),
+    default: text_of(raw.default),
     required: raw.required === true,
-    units: list_of<string>(units),
+    units: list_of<string>(raw.dimensions).map((d) => si_unit(d, units)),
     per_entry: raw.per_entry === true,
-    min: number_of(raw.min),
-    max: number_of(raw.max),
-    above_min: raw.above_min === true,
+    min: number_of(raw.minimum),
+    max: number_of(raw.maximum),
+    above_min: raw.above_minimum === true,
     none_allowed: raw.none_allowed === true,
     choices: list_of<string>(raw.choices),
-    min_count: number_of(raw.min_count) ?? 1,
-    max_count: number_of(raw.max_count) ?? 1,
+    min_count: least ?? 1,
+    max_count: most ?? 1,
+    wants: text_of(raw.wants),
   };
 }
 
-function read_element(raw: Loose): ElementSchema {
+function read_element(raw: Loose, units: UnitTable): ElementSchema {
   return {
     name: text_of(raw.name),
     group: text_of(raw.group),
     doc: text_of(raw.doc),
     example: text_of(raw.example),
     children: list_of<string>(raw.children),
-    attributes: list_of<Loose>(raw.attributes).map(read_attribute),
+    attributes: list_of<Loose>(raw.attributes).map((a) => read_attribute(a, units)),
     flow: raw.flow === true,
-    open_attributes: raw.open_attributes === true,
-    when: text_of(raw.when),
+    open: raw.open === true,
+    when: text_of(raw.with),
+  };
+}
+
+const kParameterKinds: Record<string, AttributeKind> = {
+  boolean: "boolean", bool: "boolean", integer: "integer", int: "integer", number: "number", real: "number", text: "text",
+};
+
+/** A parameter of a plugin as an attribute of <set>. */
+export function read_parameter(raw: Loose): AttributeSchema {
+  const choices = list_of<string>(raw.choices);
+  const value = raw.default;
+  const list = Array.isArray(value) ? value.length : 0;
+  const unit = text_of(raw.unit);
+  const type = text_of(raw.type);
+  const kind = choices.length > 0 ? "choice" : (kParameterKinds[type] ?? (list > 0 || type.includes("list") ? "numbers" : "text"));
+  const plain = Array.isArray(value) ? value.join(" ") : value === null || value === undefined ? "" : String(value);
+  // Defaults are SI; an angle says so.
+  const numeric = kind === "number" || kind === "numbers" || kind === "integer";
+  return {
+    name: text_of(raw.name),
+    kind,
+    doc: text_of(raw.doc),
+    default: raw.required === true ? "" : numeric && unit !== "" && plain !== "" ? `${plain} ${unit}` : plain,
+    required: raw.required === true,
+    units: unit === "" || unit === "1" ? [] : [unit],
+    per_entry: false,
+    min: number_of(raw.minimum),
+    max: number_of(raw.maximum),
+    above_min: false,
+    none_allowed: false,
+    choices,
+    min_count: 1,
+    // as long as one likes
+    max_count: kind === "numbers" ? 1000 : 1,
+    wants: "",
   };
 }
 
 function read_plugin(raw: Loose): PluginSchema {
-  return { name: text_of(raw.name), doc: text_of(raw.doc), parameters: list_of<Loose>(raw.parameters).map(read_attribute) };
+  return { name: text_of(raw.name), doc: text_of(raw.doc), parameters: list_of<Loose>(raw.parameters).map(read_parameter) };
 }
 
 export class Schema {
@@ -99,7 +146,8 @@ export class Schema {
 
   constructor(answer: Loose) {
     const raw = (answer.schema ?? answer) as Loose;
-    this.elements = list_of<Loose>(raw.elements).map(read_element);
+    const units = (raw.units ?? {}) as UnitTable;
+    this.elements = list_of<Loose>(raw.elements).map((e) => read_element(e, units));
     for (const element of this.elements) {
       const same = this.by_name_.get(element.name);
       if (same) same.push(element);
@@ -107,7 +155,7 @@ export class Schema {
     }
     const plugins = (raw.plugins ?? {}) as Loose;
     const of = (use: string) => list_of<Loose>(plugins[use]).map(read_plugin);
-    this.plugins_ = { controller: of("controllers"), supervisor: of("supervisors"), sensor: of("sensors") };
+    this.plugins_ = { controller: of("controller"), supervisor: of("supervisor"), sensor: of("sensor") };
   }
 
   /** What a tag means; with attributes, which of two meanings. */
@@ -178,24 +226,20 @@ export const kJoints = ["hinge", "slider", "ball", "universal", "fixed", "cylind
 export const kBodies = [...kShapes, "body"];
 export const kMovable = [...kBodies, "assembly", "frame"];
 
-/** Which elements an attribute's reference may name. */
-export function referred_tags(tag: string, attribute: string): string[] {
-  switch (attribute) {
-    case "material": return ["material"];
-    case "joint": return kJoints;
-    case "of": return tag === "instance" ? ["prototype"] : tag === "spawn" ? ["template"] : kMovable;
-    case "door": return ["door"];
-    case "parent":
-    case "child": return [...kBodies, "assembly", "instance", "frame"];
-    case "between": return tag === "contact" ? ["material"] : [...kBodies, "assembly", "instance"];
-    case "on":
-    case "frame":
-    case "who":
-    case "at":
-    case "in": return [...kBodies, "assembly", "instance", "frame"];
-    default: return [];
-  }
-}
+const kSensors = ["camera", "infrared", "lidar", "contact", "imu", "encoder", "force-torque", "pose", "sensor"];
+const kPlaces = [...kBodies, "assembly", "instance", "frame"];
+const kReferred: Record<string, string[]> = {
+  place: kPlaces,
+  joint: kJoints,
+  material: ["material"],
+  prototype: ["prototype"],
+  door: ["door"],
+  template: ["template"],
+  motor: ["motor", "servo"],
+  sensor: kSensors,
+  region: ["region"],
+  any: [...kPlaces, ...kJoints, ...kSensors, "motor", "servo", "region", "door"],
+};
 
 /** The dotted name by which what stands in `scope` (a dotted name, "": the scene) reaches `path`. */
 export function relative_name(scope: string, path: string): string {
@@ -213,9 +257,9 @@ export function scope_of(elements: readonly TreeElement[], parent: number): stri
 
 /** Names that may stand in an attribute of an element standing in `parent`. */
 export function reference_choices(
-  elements: readonly TreeElement[], parent: number, tag: string, attribute: string,
+  elements: readonly TreeElement[], parent: number, wants: string,
 ): string[] {
-  const tags = referred_tags(tag, attribute);
+  const tags = kReferred[wants] ?? kReferred.any!;
   const scope = scope_of(elements, parent);
   const names = new Set<string>();
   for (const element of elements) {

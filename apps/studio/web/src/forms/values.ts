@@ -15,16 +15,21 @@ export interface ValueParts {
 }
 
 // SI value of one unit, by the dimension that the schema names with its SI unit.
+const kDegree = Math.PI / 180;
 const kUnits: Record<string, Record<string, number>> = {
   m: { m: 1, cm: 1e-2, mm: 1e-3, km: 1e3 },
-  rad: { deg: Math.PI / 180, rad: 1 },
+  rad: { deg: kDegree, rad: 1 },
   kg: { kg: 1, g: 1e-3, t: 1e3 },
-  s: { s: 1, ms: 1e-3, us: 1e-6, min: 60 },
-  "m/s": { "m/s": 1, "cm/s": 1e-2, "km/h": 1 / 3.6 },
-  "rad/s": { "rad/s": 1, "deg/s": Math.PI / 180, rpm: Math.PI / 30 },
-  N: { N: 1, kN: 1e3 },
-  "N*m": { "N*m": 1 },
+  s: { s: 1, ms: 1e-3, us: 1e-6, min: 60, h: 3600 },
+  "m/s": { "m/s": 1, "cm/s": 1e-2, "mm/s": 1e-3, "km/h": 1 / 3.6 },
+  "rad/s": { "rad/s": 1, "deg/s": kDegree, rpm: Math.PI / 30 },
   Hz: { Hz: 1, kHz: 1e3 },
+  "kg/m^3": { "kg/m^3": 1, "g/cm^3": 1e3 },
+  "kg*m^2": { "kg*m^2": 1, "g*cm^2": 1e-7 },
+  N: { N: 1, kN: 1e3, mN: 1e-3 },
+  "N*m": { "N*m": 1, "N*cm": 1e-2, "mN*m": 1e-3 },
+  "N/m": { "N/m": 1, "N/mm": 1e3 },
+  "N*m/rad": { "N*m/rad": 1, "N*m/deg": 1 / kDegree },
   V: { V: 1, mV: 1e-3 },
   A: { A: 1, mA: 1e-3 },
 };

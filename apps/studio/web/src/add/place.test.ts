@@ -1,0 +1,93 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import type { TreeElement } from "../core/protocol";
+import { State } from "../core/state";
+import { Schema } from "../forms/schema";
+import { free_place, into_frame, rotate } from "./place";
+import { common_parent, insert_op, insert_plan, parent_for } from "./plan";
+
+const close = (a: readonly number[], b: readonly number[]) =>
+  a.forEach((v, i) => assert.ok(Math.abs(v - b[i]!) < 1e-12, `${a.join(" ")} is not ${b.join(" ")}`));
+
+test("a quarter turn about z takes x to y, and back", () => {
+  const half = Math.SQRT1_2;
+  close(rotate([0, 0, 0, half, 0, 0, half], [1, 0, 0]), [0, 1, 0]);
+  close(into_frame([1, 0, 0, half, 0, 0, half], [1, 2, 3]), [2, 0, 3]);
+});
+
+test("new things do not overlap what is there", () => {
+  const others = [{ centre: [0, 0, 0.5] as [number, number, number], radius: 0.3 }];
+  const found = free_place(others, [0, 0, 0.5], 0.2);
+  assert.ok(Math.hypot(found[0], found[1]) >= 0.5);
+  assert.equal(found[2], 0.5);
+  assert.deepEqual(free_place(others, [2, 0, 0.5], 0.2), [2, 0, 0.5]);
+});
+
+const specs: [number, string, string, string][] = [
+  [-1, "scene", "", ""], [0, "assembly", "robot", "robot"], [1, "box", "deck", "robot.deck"], [1, "cylinder", "wheel", "robot.wheel"],
+  [1, "hinge", "axle", "robot.axle"], [0, "box", "crate", "crate"],
+];
+const elements = specs.map(([parent, tag, name, path], id): TreeElement => ({
+  id, parent, tag, name, path, line: 1, column: 1, end_line: 1, attributes: {},
+}));
+const place = { name: "xyz", kind: "numbers" };
+const reference = (name: string, required: boolean) => ({ name, kind: "reference", required });
+const holds = ["assembly", "box", "hinge", "motor", "camera", "light"];
+const schema = new Schema({
+  elements: [
+    { name: "scene", children: holds },
+    { name: "assembly", children: holds.filter((h) => h !== "light"), attributes: [place] },
+    { name: "box", attributes: [{ name: "name" }, { name: "size", required: true }, place] },
+    { name: "hinge", attributes: [{ name: "name" }, reference("parent", false), reference("child", true), place] },
+    { name: "motor", attributes: [{ name: "name" }, reference("joint", true), { name: "max-torque" }, { name: "max-force" }] },
+    { name: "camera", attributes: [{ name: "name" }, reference("on", true), place] },
+    { name: "light", attributes: [{ name: "name" }, { name: "type" }, place] },
+  ],
+});
+function plan(tag: string, selection: number[]) {
+  const state = new State();
+  state.tree.value = { version: 1, elements };
+  state.selection.value = selection;
+  return insert_plan(state, schema, tag);
+}
+
+test("new things go into the selected group, or beside what is selected", () => {
+  assert.equal(parent_for(schema, elements, 1, "box"), 1);
+  assert.equal(parent_for(schema, elements, 2, "box"), 1);
+  assert.equal(parent_for(schema, elements, 5, "box"), 0);
+  assert.equal(parent_for(schema, elements, 1, "light"), 0);
+  assert.equal(common_parent(elements, 2, 3), 1);
+  assert.equal(common_parent(elements, 2, 5), 0);
+});
+
+test("a box has a size and stands above the ground", () => {
+  const { attributes, missing } = plan("box", []);
+  assert.deepEqual(attributes, { name: "box", size: "20 20 20 cm", xyz: "0 0 0.5" });
+  assert.deepEqual(missing, []);
+});
+
+test("a joint takes the two selected bodies by the names that its place understands", () => {
+  const inside = plan("hinge", [2, 3]);
+  assert.deepEqual([inside.parent, inside.attributes.parent, inside.attributes.child, inside.missing], [1, "deck", "wheel", []]);
+  const across = plan("hinge", [5, 3]);
+  assert.deepEqual([across.parent, across.attributes.parent, across.attributes.child], [0, "crate", "robot.wheel"]);
+  assert.deepEqual(plan("hinge", []).missing, ["parent", "child"]);
+});
+
+test("a motor takes the only joint and stands beside it", () => {
+  const motor = plan("motor", [2]);
+  assert.deepEqual([motor.parent, motor.attributes.joint, motor.attributes["max-torque"]], [1, "axle", "1 N*m"]);
+});
+
+test("a sensor sits on the selected body", () => {
+  const camera = plan("camera", [5]);
+  assert.deepEqual([camera.parent, camera.attributes.on, camera.attributes.xyz], [0, "crate", undefined]);
+  assert.deepEqual(plan("camera", []).missing, ["on"]);
+});
+
+test("parameters become a <set> inside", () => {
+  const op = insert_op({ tag: "controller", parent: 1, attributes: { plugin: "drive", name: "" }, missing: [] }, { speed: "1 m/s" });
+  assert.deepEqual(op, {
+    op: "insert", parent: 1, xml: '<controller plugin="drive">\n  <set speed="1 m/s"/>\n</controller>', before: null,
+  });
+});

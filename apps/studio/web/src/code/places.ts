@@ -1,0 +1,42 @@
+// Elements, problems and cursor positions in the text of the scene.
+import type { Problem, TreeElement } from "../core/protocol";
+import { start_tag, type StartTag } from "../forms/xml_text";
+import { code_points, line_span, utf16_offset } from "./columns";
+
+/** The innermost element whose text a place is in; line and column (code points) from 1. -1: none. */
+export function element_at(elements: readonly TreeElement[], line: number, column: number): number {
+  let found = -1;
+  for (const element of elements) {
+    if (element.line > line || (element.line === line && element.column > column)) break;
+    if (element.end_line >= line) found = element.id;
+  }
+  return found;
+}
+
+/** Where a problem is; at least one character, so that it can be seen. */
+export function problem_range(text: string, problem: Problem): { from: number; to: number } {
+  const line = line_span(text, problem.line);
+  const content = text.slice(line.from, line.to);
+  let from = line.from + utf16_offset(content, problem.column - 1);
+  let to = from + utf16_offset(text.slice(from), Math.max(0, problem.length));
+  if (to <= from) to = from < text.length && from < line.to ? from + utf16_offset(text.slice(from), 1) : from;
+  if (to === from && from > line.from) from -= code_points(text.slice(0, from)) > 0 && from - 2 >= line.from && text.codePointAt(from - 2)! > 0xffff ? 2 : 1;
+  return { from, to };
+}
+
+/** The start tag that a position is in; null: it is in none. */
+export function tag_around(text: string, position: number): StartTag | null {
+  for (let at = text.lastIndexOf("<", position); at >= 0; at = text.lastIndexOf("<", at - 1)) {
+    const tag = start_tag(text, at);
+    if (tag) return position < tag.to ? tag : null;
+    // "<" inside quotes is no start; further than a few thousand characters no tag goes
+    if (position - at > 5000 || at === 0) return null;
+  }
+  return null;
+}
+
+/** Whether two paths name the same file, as far as one can tell: servers name it with folders or without. */
+export function same_file(a: string, b: string): boolean {
+  const name = (path: string) => path.replace(/^.*[\\/]/, "");
+  return a === b || name(a) === name(b);
+}

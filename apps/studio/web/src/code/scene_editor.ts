@@ -1,0 +1,334 @@
+// The editor of the scene's text.
+import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
+import { defaultKeymap, indentWithTab } from "@codemirror/commands";
+import { xml } from "@codemirror/lang-xml";
+import { bracketMatching, foldGutter, foldKeymap, indentOnInput } from "@codemirror/language";
+import { lintGutter, lintKeymap, setDiagnostics, type Diagnostic } from "@codemirror/lint";
+import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
+import { Annotation, Compartment, EditorState, StateEffect, StateField, type Transaction } from "@codemirror/state";
+import {
+  Decoration, drawSelection, EditorView, highlightActiveLineGutter, hoverTooltip, keymap, lineNumbers,
+  type DecorationSet, type Tooltip, type ViewUpdate,
+} from "@codemirror/view";
+import { effect } from "@preact/signals-core";
+import { RequestError } from "../core/link";
+import type { Studio } from "../core/studio";
+import { help_text } from "../forms/help";
+import { tree_state } from "../tree/tree_state";
+import { code_points, utf16_offset } from "./columns";
+import type { Change } from "./diff";
+import { TypingGroups } from "./groups";
+import { set_typing } from "./pending";
+import { element_at, problem_range, same_file, tag_around } from "./places";
+import { TextSync, type SyncAnswer, type SyncSetText } from "./sync";
+import { editor_look } from "./theme";
+
+const from_server = Annotation.define<boolean>();
+const from_page = Annotation.define<boolean>();
+const mark_lines = StateEffect.define<{ from: number; to: number }[]>();
+const marked_line = Decoration.line({ class: "cg-code-selected" });
+
+/** Lines of what is selected; they move with the text until the next tree says where they are. */
+const marked = StateField.define<DecorationSet>({
+  create: () => Decoration.none,
+  update(lines, transaction) {
+    lines = lines.map(transaction.changes);
+    for (const change of transaction.effects) {
+      if (change.is(mark_lines)) {
+        lines = Decoration.set(change.value.flatMap(({ from, to }) => line_marks(transaction.state, from, to)), true);
+      }
+    }
+    return lines;
+  },
+  provide: (field) => EditorView.decorations.from(field),
+});
+
+function line_marks(state: EditorState, from: number, to: number) {
+  const out = [];
+  for (let n = Math.max(1, from); n <= Math.min(to, state.doc.lines); ++n) out.push(marked_line.range(state.doc.line(n).from));
+  return out;
+}
+
+function paragraph(text: string, class_name = ""): HTMLElement {
+  const node = document.createElement("p");
+  node.textContent = text;
+  if (class_name !== "") node.className = class_name;
+  return node;
+}
+
+export class SceneEditor {
+  readonly view: EditorView;
+  private readonly sync: TextSync;
+  private readonly groups: TypingGroups;
+  private readonly editable = new Compartment();
+  /** line end of the file; the editor itself knows "\n" only */
+  private line_end = "\n";
+  private readonly stops: (() => void)[] = [];
+  /** set while this editor tells the page what its cursor is in */
+  private telling = false;
+
+  constructor(private readonly studio: Studio) {
+    const client = studio.state.hello.peek()?.client ?? 0;
+    this.groups = new TypingGroups(`typing ${client} ${Date.now().toString(36)} `);
+    this.sync = new TextSync({
+      send: (fields) => this.send(fields),
+      text: () => this.file_text(this.view.state),
+      change: (changes) => this.change(changes),
+      later: (ms, what) => {
+        const timer = setTimeout(what, ms);
+        return () => clearTimeout(timer);
+      },
+      refused: (message) => studio.notify(`the text was not taken: ${message}`, "error"),
+    });
+    this.view = new EditorView({ state: this.first_state() });
+    this.view.contentDOM.setAttribute("aria-label", "Text of the scene");
+    this.follow();
+    set_typing(studio, () => {
+      this.groups.end();
+      return this.sync.flush();
+    });
+  }
+
+  dispose(): void {
+    void this.sync.flush();
+    set_typing(this.studio, null);
+    for (const stop of this.stops) stop();
+    this.view.destroy();
+  }
+
+  /** Puts the cursor there; line and column (code points) from 1. */
+  go_to(line: number, column: number): void {
+    const { doc } = this.view.state;
+    const at = doc.line(Math.max(1, Math.min(line, doc.lines)));
+    const anchor = at.from + utf16_offset(at.text, column - 1);
+    this.view.dispatch({
+      selection: { anchor },
+      effects: EditorView.scrollIntoView(anchor, { y: "center" }),
+      annotations: from_page.of(true),
+    });
+    this.view.focus();
+  }
+
+  private file_text(state: EditorState): string {
+    return state.doc.sliceString(0, state.doc.length, this.line_end);
+  }
+
+  private async send(fields: SyncSetText): Promise<SyncAnswer> {
+    try {
+      const answer = await this.studio.link.request<{ version: number }>("set-text", { ...fields });
+      return { ok: true, version: answer.version };
+    } catch (error) {
+      const stale = error instanceof RequestError && error.failure.code === "stale";
+      return { ok: false, stale, message: error instanceof Error ? error.message : String(error) };
+    }
+  }
+
+  /** Positions of the file's text to the editor's, where a line end is one character. */
+  private change(changes: Change[]): void {
+    let taken = 0;
+    let at = 0;
+    const text = this.line_end === "\n" ? "" : this.file_text(this.view.state);
+    const place = (position: number): number => {
+      if (this.line_end === "\n") return position;
+      for (let next = text.indexOf("\r\n", at); next >= 0 && next < position; next = text.indexOf("\r\n", at)) {
+        ++taken;
+        at = next + 2;
+      }
+      return position - taken;
+    };
+    const length = this.view.state.doc.length;
+    this.view.dispatch({
+      changes: changes.map((c) => {
+        const from = place(c.from);
+        return { from, to: Math.min(length, place(c.to)), insert: c.insert.replace(/\r\n?/g, "\n") };
+      }),
+      annotations: from_server.of(true),
+    });
+  }
+
+  private first_state(): EditorState {
+    return EditorState.create({
+      doc: "",
+      extensions: [
+        lineNumbers(),
+        highlightActiveLineGutter(),
+        foldGutter(),
+        drawSelection(),
+        EditorState.allowMultipleSelections.of(true),
+        indentOnInput(),
+        bracketMatching(),
+        closeBrackets(),
+        highlightSelectionMatches(),
+        xml(),
+        EditorState.tabSize.of(2),
+        editor_look,
+        marked,
+        lintGutter(),
+        hoverTooltip((view, position) => this.hover(view, position)),
+        autocompletion({ override: [(context) => this.complete(context)], activateOnTyping: true }),
+        this.editable.of([]),
+        keymap.of([
+          { key: "Mod-z", run: () => this.run("edit:undo"), preventDefault: true },
+          { key: "Mod-Shift-z", run: () => this.run("edit:redo"), preventDefault: true },
+          { key: "Mod-y", run: () => this.run("edit:redo"), preventDefault: true },
+          ...closeBracketsKeymap,
+          ...completionKeymap,
+          ...searchKeymap,
+          ...foldKeymap,
+          ...lintKeymap,
+          ...defaultKeymap,
+          indentWithTab,
+        ]),
+        EditorView.updateListener.of((update) => this.updated(update)),
+      ],
+    });
+  }
+
+  private run(command: string): boolean {
+    if (this.studio.commands.isEnabled(command)) void this.studio.commands.execute(command);
+    return true;
+  }
+
+  private follow(): void {
+    const { state } = this.studio;
+    const on = (what: () => void) => this.stops.push(effect(what));
+    let client: number | undefined;
+    on(() => {
+      const now = state.hello.value?.client;
+      // Another server counts its versions anew.
+      if (client !== undefined && now !== client) this.sync.reset();
+      client = now;
+    });
+    on(() => {
+      const document_ = state.document.value;
+      if (!document_) return;
+      if (this.sync.version < 0) this.line_end = document_.text.includes("\r\n") ? "\r\n" : "\n";
+      // Mixed line ends become one kind here; the file keeps them until something is typed.
+      this.sync.arrived(document_.text.replace(/\r\n?|\n/g, this.line_end), document_.version);
+    });
+    on(() => {
+      const readonly = !state.may_edit.value;
+      this.view.dispatch({
+        effects: this.editable.reconfigure([EditorState.readOnly.of(readonly), EditorView.contentAttributes.of({ "aria-readonly": String(readonly) })]),
+      });
+    });
+    on(() => {
+      const problems = state.problems.value;
+      const document_ = state.document.value;
+      // What was typed since will be compiled as well; until then marks move with the text.
+      if (!document_ || !this.sync.settled) return;
+      const text = this.view.state.doc.toString();
+      const diagnostics = problems
+        .filter((p) => same_file(p.file, document_.file))
+        .map((p): Diagnostic => ({
+          ...problem_range(text, p),
+          severity: p.severity === "error" ? "error" : "warning",
+          message: p.help === "" ? p.message : `${p.message}\n${p.help}`,
+          source: p.code,
+        }));
+      this.view.dispatch(setDiagnostics(this.view.state, diagnostics));
+    });
+    on(() => {
+      const tree = state.tree.value;
+      const selection = state.selection.value;
+      if (tree.version !== this.sync.version || !this.sync.settled) return;
+      const lines = selection.flatMap((id) => {
+        const element = id > 0 ? tree.elements[id] : undefined;
+        return element ? [{ from: element.line, to: element.end_line }] : [];
+      });
+      const last = lines[lines.length - 1];
+      const effects: StateEffect<unknown>[] = [mark_lines.of(lines)];
+      // What is selected elsewhere comes into sight; who writes here is left alone.
+      if (last && !this.telling && !this.view.hasFocus && last.from <= this.view.state.doc.lines) {
+        effects.push(EditorView.scrollIntoView(this.view.state.doc.line(last.from).from, { y: "nearest", yMargin: 40 }));
+      }
+      this.view.dispatch({ effects });
+    });
+  }
+
+  private updated(update: ViewUpdate): void {
+    const own = update.transactions.filter((t) => t.docChanged && !t.annotation(from_server));
+    if (own.length > 0) this.typed(update, own);
+    const moved = update.transactions.some((t) => t.selection && t.isUserEvent("select") && !t.annotation(from_page));
+    if (moved) this.tell_cursor();
+  }
+
+  private typed(update: ViewUpdate, transactions: readonly Transaction[]): void {
+    const edits: { time: number; from: number; to: number; insert: string }[] = [];
+    for (const transaction of transactions) {
+      transaction.changes.iterChanges((from, to, _a, _b, text) => {
+        edits.push({ time: performance.now(), from, to, insert: text.toString() });
+      });
+    }
+    this.sync.typed(() => this.file_text(update.startState), this.groups.next(edits));
+  }
+
+  private tell_cursor(): void {
+    const { state } = this.studio;
+    const tree = state.tree.peek();
+    if (!this.sync.settled || tree.version !== this.sync.version) return;
+    const { doc, selection } = this.view.state;
+    const line = doc.lineAt(selection.main.head);
+    const column = code_points(line.text, selection.main.head - line.from) + 1;
+    const id = element_at(tree.elements, line.number, column);
+    const now = state.selection.peek();
+    this.groups.end();
+    if (id <= 0 || (now.length > 0 && now[now.length - 1] === id)) return;
+    this.telling = true;
+    this.studio.select([id]);
+    this.telling = false;
+  }
+
+  private async complete(context: CompletionContext): Promise<CompletionResult | null> {
+    const text = context.state.doc.toString();
+    const before = text.slice(Math.max(0, context.pos - 1), context.pos);
+    // After a blank outside of tags, and after what ends one, there is nothing one would want to be offered unasked.
+    if (!context.explicit && !/[\w<"'$.{-]/.test(before) && !(/\s/.test(before) && tag_around(`${text.slice(0, context.pos)}>`, context.pos))) return null;
+    try {
+      const answer = await this.studio.link.request<{
+        from: number;
+        items: { label: string; detail?: string; insert?: string }[];
+      }>("complete", { text, offset: code_points(text, context.pos) });
+      if (context.aborted || answer.items.length === 0) return null;
+      return {
+        from: utf16_offset(text, answer.from),
+        options: answer.items.map((item) => ({ label: item.label, detail: item.detail ?? "", apply: item.insert ?? item.label })),
+        validFor: /^[\w.-]*$/,
+      };
+    } catch {
+      return null;
+    }
+  }
+
+  private hover(view: EditorView, position: number): Tooltip | null {
+    const schema = tree_state(this.studio).schema.peek();
+    const text = view.state.doc.toString();
+    const tag = tag_around(text, position);
+    if (!schema || !tag) return null;
+    const attributes = Object.fromEntries(tag.attributes.map((a) => [a.name, text.slice(a.value_from, a.value_to)]));
+    const element = schema.element(tag.tag, attributes);
+    const span = tag.attributes.find((a) => position >= a.from && position <= a.to);
+    const on_tag = position <= tag.from + tag.tag.length + 1;
+    const spec = span ? element?.attributes.find((a) => a.name === span.name) : undefined;
+    if (!(on_tag && element) && !spec) return null;
+    return {
+      pos: span ? span.from : tag.from,
+      end: span ? span.to : tag.from + 1 + tag.tag.length,
+      above: true,
+      create: () => {
+        const dom = document.createElement("div");
+        dom.className = "cg-code-hover";
+        if (spec) {
+          const unit = spec.units.filter((u) => u !== "").join(spec.per_entry ? ", " : " or ");
+          dom.append(paragraph(`${spec.name}: ${spec.kind}${unit === "" ? "" : ` [${unit}]`}${spec.required ? ", required" : ""}`, "cg-code-hover-title"));
+          dom.append(paragraph(help_text(spec)));
+          if (spec.choices.length > 0) dom.append(paragraph(`One of: ${spec.choices.join(", ")}.`));
+        } else if (element) {
+          dom.append(paragraph(`<${element.name}>`, "cg-code-hover-title"), paragraph(element.doc));
+          if (element.example !== "") dom.append(paragraph(element.example, "cg-code-hover-example"));
+        }
+        return { dom };
+      },
+    };
+  }
+}

@@ -1,0 +1,93 @@
+// The editor of a controller's source: a file of its own with a history of its own.
+import { closeBrackets, closeBracketsKeymap } from "@codemirror/autocomplete";
+import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
+import { cpp } from "@codemirror/lang-cpp";
+import { bracketMatching, foldGutter, foldKeymap, indentOnInput, indentUnit } from "@codemirror/language";
+import { lintGutter, lintKeymap, setDiagnostics, type Diagnostic } from "@codemirror/lint";
+import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
+import { EditorState } from "@codemirror/state";
+import { drawSelection, EditorView, highlightActiveLineGutter, keymap, lineNumbers } from "@codemirror/view";
+import type { Problem } from "../core/protocol";
+import { utf16_offset } from "./columns";
+import { problem_range, same_file } from "./places";
+import { editor_look } from "./theme";
+
+export interface SourceFile {
+  name: string;
+  writable: boolean;
+}
+
+export class SourceEditor {
+  readonly view: EditorView;
+  private saved: string;
+  private readonly line_end: string;
+
+  /** `changed`: told whether the text differs from the saved one. */
+  constructor(
+    readonly file: SourceFile, text: string, may_edit: boolean, private readonly changed: (dirty: boolean) => void,
+  ) {
+    this.line_end = text.includes("\r\n") ? "\r\n" : "\n";
+    this.view = new EditorView({
+      state: EditorState.create({
+        doc: text,
+        extensions: [
+          lineNumbers(),
+          highlightActiveLineGutter(),
+          foldGutter(),
+          drawSelection(),
+          history(),
+          indentOnInput(),
+          indentUnit.of("  "),
+          bracketMatching(),
+          closeBrackets(),
+          highlightSelectionMatches(),
+          cpp(),
+          lintGutter(),
+          editor_look,
+          EditorState.readOnly.of(!may_edit || !file.writable),
+          EditorView.contentAttributes.of({ "aria-label": file.name }),
+          keymap.of([
+            ...closeBracketsKeymap, ...searchKeymap, ...historyKeymap, ...foldKeymap, ...lintKeymap, ...defaultKeymap,
+            indentWithTab,
+          ]),
+          EditorView.updateListener.of((update) => {
+            if (update.docChanged) this.changed(this.dirty);
+          }),
+        ],
+      }),
+    });
+    this.saved = this.text();
+  }
+
+  text(): string {
+    return this.view.state.doc.sliceString(0, this.view.state.doc.length, this.line_end);
+  }
+  get dirty(): boolean {
+    return this.text() !== this.saved;
+  }
+  /** `text` is what the file holds now. */
+  mark_saved(text: string): void {
+    this.saved = text;
+    this.changed(this.dirty);
+  }
+
+  show(problems: readonly Problem[]): void {
+    const text = this.view.state.doc.toString();
+    const diagnostics = problems
+      .filter((p) => same_file(p.file, this.file.name))
+      .map((p): Diagnostic => ({
+        ...problem_range(text, p),
+        severity: p.severity === "error" ? "error" : "warning",
+        message: p.help ? `${p.message}\n${p.help}` : p.message,
+      }));
+    this.view.dispatch(setDiagnostics(this.view.state, diagnostics));
+  }
+
+  go_to(line: number, column: number): void {
+    const { doc } = this.view.state;
+    const at = doc.line(Math.max(1, Math.min(line, doc.lines)));
+    const anchor = at.from + utf16_offset(at.text, column - 1);
+    this.view.dispatch({ selection: { anchor }, effects: EditorView.scrollIntoView(anchor, { y: "center" }) });
+    this.view.focus();
+  }
+}

@@ -1,0 +1,102 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { boxes_of, text_from, with_unit } from "./number_model";
+import { read_parameter, Schema, type AttributeSchema } from "./schema";
+import { check_entry, convert, hex_color, parse_numbers, parse_range, print_numbers, print_range, short_number } from "./values";
+
+const units = { length: ["m", "cm"], angle: ["deg", "rad"], none: [], "angular-damping": ["N*m*s/rad"], damping: ["N*s/m"] };
+function spec(raw: Record<string, unknown>): AttributeSchema {
+  return new Schema({ units, elements: [{ name: "e", attributes: [{ name: "a", ...raw }] }] }).attribute("e", "a")!;
+}
+const size = spec({ kind: "numbers", dimensions: ["length"], count: [3, 3], minimum: 0, above_minimum: true, required: true });
+const xyz = spec({ kind: "numbers", dimensions: ["length"], count: [3, 3], default: "0 0 0" });
+const rpy = spec({ kind: "numbers", dimensions: ["angle"], count: [3, 3], default: "0 0 0" });
+const range = spec({ kind: "range", dimensions: ["length"], minimum: 0, default: "0 .. 10 m" });
+const limits = spec({ kind: "numbers", dimensions: ["angle", "length"], per_entry: true, count: [2, 2], none_allowed: true });
+
+test("lists are read with one unit behind, or one each", () => {
+  assert.deepEqual(parse_numbers("24 14 4 cm")?.entries.map((e) => e.text + e.unit), ["24cm", "14cm", "4cm"]);
+  assert.equal(parse_numbers("24 14 4 cm")?.unit, "cm");
+  assert.deepEqual(parse_numbers("24 cm 14 cm 40 mm")?.unit, null);
+  assert.deepEqual(parse_numbers("-1e-3 .5 2.")?.entries.map((e) => e.text), ["-1e-3", ".5", "2."]);
+  assert.deepEqual(parse_numbers("3cm")?.entries, [{ text: "3", unit: "cm" }]);
+  assert.equal(parse_numbers("none -10 cm")?.entries[0]!.text, "none");
+  for (const bad of ["", "abc", "1 cm cm", "cm 1", "${a}", "1..2"]) assert.equal(parse_numbers(bad), null, bad);
+});
+
+test("lists come out as they came in", () => {
+  for (const text of ["24 14 4 cm", "24 cm 14 cm 40 mm", "0 0 1", "none -10 cm", "5 N*m", "1 2 kg/m^3"]) {
+    assert.equal(print_numbers(parse_numbers(text)!.entries), text);
+  }
+  // a unit behind "none" would be wrong
+  assert.equal(print_numbers(parse_numbers("-10 cm none")!.entries), "-10 cm none");
+});
+
+test("ranges", () => {
+  for (const text of ["2 .. 80 cm", "0.1 .. 10", "5 mm .. 2 m"]) assert.equal(print_range(parse_range(text)!.entries), text);
+  assert.equal(parse_range("2 80 cm"), null);
+});
+
+test("units are converted without changing the value", () => {
+  assert.deepEqual(convert({ text: "40", unit: "cm" }, "m", "m"), { text: "0.4", unit: "m" });
+  assert.deepEqual(convert({ text: "0.1", unit: "" }, "m", "mm"), { text: "100", unit: "mm" });
+  assert.deepEqual(convert({ text: "180", unit: "deg" }, "rad", "rad"), { text: "3.14159265", unit: "rad" });
+  assert.equal(convert({ text: "1", unit: "inch" }, "m", "cm"), null);
+  assert.equal(with_unit(size, "40 40 40 cm", "m"), "0.4 0.4 0.4 m");
+  assert.equal(with_unit(range, "2 .. 80 cm", "m"), "0.02 .. 0.8 m");
+  assert.equal(short_number(0.1 + 0.2), "0.3");
+});
+
+test("entries are checked in SI, whatever their unit", () => {
+  const bounds = { min: 0, max: 1, above_min: true, none_allowed: false };
+  assert.equal(check_entry({ text: "100", unit: "cm" }, "m", bounds), "");
+  assert.match(check_entry({ text: "101", unit: "cm" }, "m", bounds), /at most 1 m/);
+  assert.match(check_entry({ text: "0", unit: "cm" }, "m", bounds), /above 0 m/);
+  assert.match(check_entry({ text: "none", unit: "" }, "m", bounds), /not allowed/);
+  assert.match(check_entry({ text: "1", unit: "" }, "rad", { ...bounds, max: null }), /unit/);
+  assert.equal(check_entry({ text: "0", unit: "" }, "rad", { ...bounds, above_min: false }), "");
+  assert.match(check_entry({ text: "1.5", unit: "" }, "", { ...bounds, max: null, integer: true }), /whole/);
+});
+
+test("boxes show the list in its unit", () => {
+  const shown = boxes_of(size, "24 14 4 cm")!;
+  assert.deepEqual(shown.boxes, ["24", "14", "4"]);
+  assert.equal(shown.unit, "cm");
+  assert.ok(shown.units.includes("m") && shown.units.includes("mm"));
+  assert.deepEqual(boxes_of(size, "24 cm 14 cm 40 mm")!.boxes, ["24 cm", "14 cm", "40 mm"]);
+  assert.deepEqual(boxes_of(xyz, "")!.placeholders, ["0", "0", "0"]);
+  assert.equal(boxes_of(rpy, "")!.unit, "deg");
+  assert.equal(boxes_of(xyz, "0 0 ${h}"), null);
+  assert.deepEqual(boxes_of(range, "")!.placeholders, ["0", "10"]);
+});
+
+test("what stands in boxes becomes the shortest text", () => {
+  assert.deepEqual(text_from(size, ["20", "20", "20"], "cm"), { text: "20 20 20 cm" });
+  assert.deepEqual(text_from(xyz, ["1", "", ""], "m"), { text: "1 0 0" });
+  assert.deepEqual(text_from(rpy, ["", "90", ""], "deg"), { text: "0 90 0 deg" });
+  assert.deepEqual(text_from(size, ["1 m", "20", "20"], "cm"), { text: "100 20 20 cm" });
+  assert.deepEqual(text_from(xyz, ["", " ", ""], "m"), { text: null });
+  assert.deepEqual(text_from(range, ["2", "80"], "cm"), { text: "2 .. 80 cm" });
+  assert.deepEqual(text_from(limits, ["-90 deg", "none"], null), { text: "-90 deg none" });
+  assert.deepEqual(text_from(xyz, ["${a}", "1", ""], "m"), { text: "${a} 1 0 m" });
+});
+
+test("what is wrong in a box is told with its number", () => {
+  assert.deepEqual(text_from(size, ["1", "x", "1"], "m"), { error: "'x' is no number", box: 1 });
+  const low = text_from(size, ["1", "1", "-3"], "cm");
+  assert.ok("error" in low && low.box === 2 && /above 0 m/.test(low.error));
+});
+
+test("colours for the chooser", () => {
+  assert.equal(hex_color("#F80"), "#ff8800");
+  assert.equal(hex_color("#12345678"), "#123456");
+  assert.equal(hex_color("red"), null);
+});
+
+test("a plugin's parameter is a field of its type", () => {
+  const speed = read_parameter({ name: "speed", type: "number", unit: "m/s", default: 0.3, minimum: 0 });
+  assert.deepEqual([speed.kind, speed.default, speed.units, speed.min], ["number", "0.3 m/s", ["m/s"], 0]);
+  assert.equal(read_parameter({ name: "on", type: "boolean", default: false }).default, "false");
+  assert.equal(read_parameter({ name: "side", type: "text", default: "left", choices: ["left", "right"] }).kind, "choice");
+  assert.equal(boxes_of(read_parameter({ name: "gains", type: "number list", default: [1, 2] }), "1 2 3"), null);
+});
