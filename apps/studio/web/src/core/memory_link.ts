@@ -13,6 +13,7 @@ import type {
   Tells,
   TreeElement,
 } from "./protocol";
+import { divergence_of, pose_signals } from "./pose_signals";
 import { index_at, low_high } from "./series";
 
 /** A quantity over the whole run, one value for each frame; NaN where there is none. */
@@ -21,6 +22,8 @@ export interface MemorySignal {
   unit: string;
   owner: string;
   values: ArrayLike<number>;
+  /** of the second run of a comparison */
+  ghost?: ArrayLike<number>;
 }
 
 /** All there is to know of a run. Frames may be unpacked when asked for. */
@@ -82,6 +85,7 @@ export class MemoryLink implements Link {
   protected at = 0;
   private subscribed = { contacts: false, readings: false };
   private told_scene = -1;
+  private poses: { scene: Scene | undefined; signals: MemorySignal[] } = { scene: undefined, signals: [] };
   private waiting = false;
   private readonly frames = new Listeners<Frame>();
   private readonly pictures = new Listeners<Picture>();
@@ -167,12 +171,14 @@ export class MemoryLink implements Link {
         this.show();
         return {};
       case "signals":
-        return { signals: (run.signals ?? []).map(({ name, unit, owner }) => ({ name, unit, owner })) };
+        return { signals: this.signals().map(({ name, unit, owner }) => ({ name, unit, owner })) };
       case "series":
         return this.series(fields);
-      case "divergence":
-        if (!run.divergence) throw refused("nothing is compared in this run");
-        return run.divergence;
+      case "divergence": {
+        const divergence = run.divergence ?? (run.compare ? divergence_of(run, run.compare.labels) : null);
+        if (!divergence) throw refused("nothing is compared in this run");
+        return divergence;
+      }
       case "plots":
         return { plots: run.plots ?? [] };
       case "figure": {
@@ -232,6 +238,15 @@ export class MemoryLink implements Link {
     });
   }
 
+  /** Those that came with the run, and where its bodies are. */
+  private signals(): MemorySignal[] {
+    const newest = this.run.scenes[this.run.scenes.length - 1];
+    if (this.poses.scene !== newest) this.poses = { scene: newest, signals: pose_signals(this.run) };
+    const own = this.run.signals ?? [];
+    const names = new Set(own.map((s) => s.name));
+    return [...own, ...this.poses.signals.filter((s) => !names.has(s.name))];
+  }
+
   private series(fields: Fields): unknown {
     const { run } = this;
     const names = fields.signals as string[];
@@ -242,12 +257,16 @@ export class MemoryLink implements Link {
     if (run.time_of(begin) < from) begin += 1;
     const end = to < run.time_of(0) ? 0 : index_at(run.count, (i) => run.time_of(i), to) + 1;
     let time: number[] = [];
-    const series = names.map((name) => {
-      const signal = run.signals?.find((s) => s.name === name);
+    const all = this.signals();
+    const series = names.flatMap((name) => {
+      const signal = all.find((s) => s.name === name);
       if (!signal) throw refused(`no signal '${name}'`);
       const { picks, low, high } = low_high(signal.values, begin, end, points);
       time = picks.map((i) => run.time_of(i));
-      return { signal: name, unit: signal.unit, low, high };
+      const solid = { signal: name, unit: signal.unit, low, high };
+      if (!signal.ghost) return [solid];
+      const second = low_high(signal.ghost, begin, end, points);
+      return [solid, { ...solid, low: second.low, high: second.high, run: "ghost" }];
     });
     return { time, series };
   }

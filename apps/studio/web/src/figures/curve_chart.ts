@@ -158,6 +158,8 @@ export class CurveChart {
         dash: s.dashed ? [6, 4] : undefined,
         points: { show: false },
         spanGaps: false,
+        // smooth curves, not ones in steps of pixels
+        pxAlign: false,
       };
       series.push(line);
       if (!s.high) continue;
