@@ -72,7 +72,9 @@ function StepField({ control }: { control: Control }) {
   const own = status?.scene_dt ?? dt;
   const reason = control.why_not("dt");
   const take = async () => {
-    const input = field.current!;
+    const input = field.current;
+    // a field that was made anew loses the focus without anybody having typed
+    if (!input) return;
     const step = read_step(input.value);
     if (typeof step === "string") {
       set_wrong(step);

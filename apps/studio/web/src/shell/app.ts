@@ -70,15 +70,15 @@ export class App implements Studio {
       return;
     }
 
-    const head = document.createElement("header");
-    head.className = "cg-head";
-    shell.append(head);
-    Widget.attach(make_menus(this.commands), head);
-    head.append(this.layout_choice(), this.theme_button());
+    const header = document.createElement("header");
+    const menus = document.createElement("div");
+    menus.className = "cg-head";
     const bar = document.createElement("div");
-    shell.append(bar);
+    header.append(menus, bar, new Timeline(control).node);
+    shell.append(header);
+    Widget.attach(make_menus(this.commands), menus);
+    menus.append(this.layout_choice(), this.theme_button());
     show_bar(control, bar);
-    shell.append(new Timeline(control).node);
     const main = document.createElement("main");
     main.className = "cg-main";
     shell.append(main);

@@ -61,7 +61,7 @@ export function ask(content: DialogContent): Promise<Record<string, string> | nu
     buttons.append(cancel, accept);
     form.append(buttons);
     const first = inputs.values().next().value as Input | undefined;
-    (first ?? accept).setAttribute("autofocus", "");
+    (first ?? accept).dataset.first = "";
 
     const modal = open_modal(content.title, form, () => resolve(answer));
     if (first instanceof HTMLInputElement && first.type === "text") first.select();

@@ -37,8 +37,8 @@ class TabRenderer extends TabBar.Renderer {
         ...this.createTabARIA(data),
       },
       this.renderLabel(data),
-      h.div({ className: "cg-tab-out", title: "Pop out into a window of its own" }, "↗"),
-      h.div({ className: this.closeIconSelector.slice(1), title: "Close" }, "✕"),
+      h.div({ className: "cg-tab-out", title: "Pop out into a window of its own", "aria-hidden": "true" }, "↗"),
+      h.div({ className: this.closeIconSelector.slice(1), title: "Close", "aria-hidden": "true" }, "✕"),
     );
   }
 }

@@ -34,15 +34,20 @@ export const kMenus: [title: string, kind: string, first: (string | null)[]][] =
   ["Tools", "tools", []],
   ["Help", "help", ["help:palette", "help:shortcuts"]],
 ];
-/** Kinds of commands that belong to a menu of another name. */
-const kMenuOf: Record<string, string> = { overlay: "view", handles: "view", panel: "view", layout: "view" };
+/** Kinds of commands that are a menu inside another. */
+export const kInner: Record<string, { menu: string; title: string }> = {
+  overlay: { menu: "view", title: "Show" },
+  handles: { menu: "view", title: "Handles" },
+  panel: { menu: "view", title: "Panels" },
+  layout: { menu: "view", title: "Layout" },
+};
 const kKinds = new Set(kMenus.map(([, kind]) => kind));
 const kClaimed = new Map(kMenus.flatMap(([, kind, first]) => first.map((id) => [id, kind] as const)));
 
 /** The menu a command is in. */
 export function menu_of(id: string): string {
   const kind = id.split(":")[0]!;
-  return kClaimed.get(id) ?? kMenuOf[kind] ?? (kKinds.has(kind) ? kind : "tools");
+  return kClaimed.get(id) ?? kInner[kind]?.menu ?? (kKinds.has(kind) ? kind : "tools");
 }
 
 /** Ids of the commands in a menu, null for a line; lines stand between kinds, and do not begin, end or follow each other. */

@@ -1,7 +1,7 @@
 // The menu bar, made from the commands there are.
 import type { CommandRegistry } from "@lumino/commands";
 import { Menu, MenuBar } from "@lumino/widgets";
-import { items_of, kMenus } from "./menu_items";
+import { items_of, kInner, kMenus } from "./menu_items";
 
 export function make_menus(commands: CommandRegistry): MenuBar {
   const bar = new MenuBar();
@@ -17,7 +17,28 @@ export function make_menus(commands: CommandRegistry): MenuBar {
     const all = commands.listCommands().filter((id) => commands.isVisible(id) && commands.label(id) !== "");
     for (const { menu, kind, first } of menus) {
       menu.clearItems();
-      for (const id of items_of(kind, first, all)) menu.addItem(id === null ? { type: "separator" } : { command: id });
+      const inner = new Map<string, Menu>();
+      for (const id of items_of(kind, first, all)) {
+        if (id === null) {
+          // inner menus stand below each other without lines
+          if (inner.size === 0) menu.addItem({ type: "separator" });
+          continue;
+        }
+        const of = id.split(":")[0]!;
+        if (!kInner[of]) {
+          menu.addItem({ command: id });
+          continue;
+        }
+        let submenu = inner.get(of);
+        if (!submenu) {
+          submenu = new Menu({ commands });
+          submenu.addClass("cg-menu");
+          submenu.title.label = kInner[of].title;
+          inner.set(of, submenu);
+          menu.addItem({ type: "submenu", submenu });
+        }
+        submenu.addItem({ command: id });
+      }
     }
   };
   let due = false;

@@ -29,9 +29,9 @@ export function open_modal(title: string, content: HTMLElement, closed: () => vo
     open = false;
     // what was opened from here has the focus already
     const had_focus = ground.contains(document.activeElement);
+    closed();
     ground.remove();
     if (had_focus && before?.isConnected) before.focus();
-    closed();
   };
   ground.addEventListener("keydown", (event) => {
     // nothing behind it hears keys
@@ -48,7 +48,7 @@ export function open_modal(title: string, content: HTMLElement, closed: () => vo
     }
   });
   document.body.append(ground);
-  (node.querySelector<HTMLElement>("[autofocus]") ?? stops(node)[0] ?? node).focus();
+  (node.querySelector<HTMLElement>("[data-first]") ?? stops(node)[0] ?? node).focus();
   return { node, close };
 }
 

@@ -15,7 +15,7 @@ export function open_palette(commands: CommandRegistry): void {
   palette.inputNode.placeholder = "What do you want to do?";
   palette.inputNode.setAttribute("aria-label", "Search commands");
   for (const command of commands.listCommands()) {
-    if (!commands.isVisible(command) || !commands.label(command)) continue;
+    if (command === "help:palette" || !commands.isVisible(command) || !commands.label(command)) continue;
     palette.addItem({ command, category: category(command) });
   }
   const place = document.createElement("div");
@@ -24,7 +24,10 @@ export function open_palette(commands: CommandRegistry): void {
     palette.dispose();
   });
   modal.node.classList.add("cg-palette-modal");
-  const done = () => modal.close();
+  const done = (_: unknown, executed: CommandRegistry.ICommandExecutedArgs) => {
+    // the command that opened it is told of after it did
+    if (executed.id !== "help:palette") modal.close();
+  };
   commands.commandExecuted.connect(done);
   Widget.attach(palette, place);
   palette.activate();

@@ -37,7 +37,6 @@ export class Timeline {
     this.all = element("button", "cg-tool");
     this.all.textContent = "All";
     this.all.title = "Show the whole run";
-    this.all.setAttribute("aria-label", "Show the whole run");
     this.all.addEventListener("click", () => (this.view.value = null));
     this.live.textContent = "Live";
     this.live.dataset.testid = "live";
@@ -141,8 +140,8 @@ export class Timeline {
   private draw_scale(): void {
     const span = this.span();
     const status = this.control.studio.state.status.value;
-    this.done.style.left = percent(share(span, status?.first ?? 0));
-    this.done.style.right = percent(1 - share(span, status?.last ?? 0));
+    this.done.style.left = percent(Math.max(share(span, status?.first ?? 0), 0));
+    this.done.style.right = percent(Math.max(1 - share(span, status?.last ?? 0), 0));
     this.all.setAttribute("aria-disabled", String(this.view.value === null));
     const key = `${span.from} ${span.to}`;
     if (key === this.drawn) return;
