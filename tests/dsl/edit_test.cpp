@@ -104,6 +104,7 @@ TEST_CASE("what a repeat makes is not the element's own", "[edit]") {
       "<scene><repeat count=\"2\"><sphere name=\"s_${i}\" radius=\"1\" xyz=\"${3 m * i} 0 0\"/>"
       "</repeat></scene>";
   const OutlinedScene scene = compile_outlined(text, "t.scene.xml");
+  INFO(to_text(scene.result.diagnostics));
   REQUIRE(scene.result.ok());
   REQUIRE(scene.origins.bodies.size() == 2);
   CHECK(scene.origins.bodies[1].element == 2);

@@ -31,6 +31,9 @@ struct Origins {
 struct Scene {
   SceneModelPtr model;
   Origins origins;
+  /// Not empty: plugins were built, and come from these folders from now on (a new PluginLoader with
+  /// them; what is loaded already stays loaded beside).
+  std::vector<std::string> plugin_folders = {};
 };
 
 struct RunOptions {

@@ -1,0 +1,247 @@
+#include "build.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+extern char** environ;
+
+namespace cogrsim::studio {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMostLog = 1u << 20;  // [byte] kept of what is written
+constexpr auto kLongest = std::chrono::minutes(15);
+constexpr std::size_t kMostProblems = 200;
+
+std::string cache_folder() {
+  if (const char* given = std::getenv("XDG_CACHE_HOME"); given != nullptr && given[0] == '/')
+    return given;
+  if (const char* home = std::getenv("HOME"); home != nullptr && home[0] == '/')
+    return std::string(home) + "/.cache";
+  return {};
+}
+
+/// Where this program was installed, if its CMake package lies there too.
+std::string own_prefix() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path prefix = program.parent_path().parent_path();
+  for (const char* lib : {"lib", "lib64"}) {
+    if (fs::is_directory(prefix / lib / "cmake" / "CogRSim", error)) return prefix.string();
+    for (fs::directory_iterator it(prefix / lib, error), end; !error && it != end;
+         it.increment(error))
+      if (fs::is_directory(it->path() / "cmake" / "CogRSim", error)) return prefix.string();
+  }
+  return {};
+}
+
+std::optional<int> take_number(const std::string& line, std::size_t& at) {
+  const std::size_t begin = at;
+  int value = 0;
+  while (at < line.size() && line[at] >= '0' && line[at] <= '9' && at - begin < 8)
+    value = value * 10 + (line[at++] - '0');
+  return at == begin ? std::nullopt : std::optional<int>(value);
+}
+
+}  // namespace
+
+Json problems_in(const std::string& log, const std::string& folder) {
+  std::error_code error;
+  const std::string root = fs::weakly_canonical(folder, error).string() + "/";
+  Json out = Json::array();
+  const auto add = [&](const char* severity, std::string file, int line, int column,
+                       const std::string& message) {
+    if (file.compare(0, root.size(), root) == 0) file.erase(0, root.size());
+    Json one{{"severity", severity}, {"code", ""},   {"message", message},
+             {"help", ""},           {"file", file}, {"line", line},
+             {"column", column},     {"length", 1},  {"notes", Json::array()}};
+    if (out.size() < kMostProblems && std::find(out.begin(), out.end(), one) == out.end())
+      out.push_back(std::move(one));
+  };
+  for (std::size_t begin = 0; begin < log.size();) {
+    const std::size_t end = std::min(log.find('\n', begin), log.size());
+    const std::string line = log.substr(begin, std::min<std::size_t>(end - begin, 4000));
+    begin = end + 1;
+    // "CMake Error at CMakeLists.txt:5 (find_package):", the message in the lines below.
+    static const std::string kCMake = "CMake Error at ";
+    if (line.compare(0, kCMake.size(), kCMake) == 0) {
+      const std::size_t colon = line.find(':', kCMake.size());
+      std::size_t at = colon == std::string::npos ? line.size() : colon + 1;
+      const auto number = take_number(line, at);
+      if (!number) continue;
+      std::size_t from = begin;
+      while (from < log.size() && (log[from] == ' ' || log[from] == '\n')) ++from;
+      const std::size_t to = std::min(log.find("\n\n", from), log.size());
+      std::string message = log.substr(from, std::min<std::size_t>(to - from, 1000));
+      std::replace(message.begin(), message.end(), '\n', ' ');
+      add("error", line.substr(kCMake.size(), colon - kCMake.size()), *number, 1, message);
+      continue;
+    }
+    // "file.cpp:12:7: error: …"
+    for (const char* word : {"error", "fatal error", "warning"}) {
+      const std::string mark = std::string(": ") + word + ": ";
+      const std::size_t found = line.find(mark);
+      if (found == std::string::npos || found == 0) continue;
+      // Back over ":12:7" or ":12".
+      const std::string place = line.substr(0, found);
+      std::vector<int> numbers;
+      std::size_t cut = place.size();
+      while (numbers.size() < 2) {
+        const std::size_t colon = place.rfind(':', cut - 1);
+        if (colon == std::string::npos || colon == 0) break;
+        std::size_t at = colon + 1;
+        const auto number = take_number(place, at);
+        if (!number || at != cut) break;
+        numbers.insert(numbers.begin(), *number);
+        cut = colon;
+      }
+      if (numbers.empty()) continue;
+      add(std::string(word) == "warning" ? "advice" : "error", place.substr(0, cut), numbers[0],
+          numbers.size() > 1 ? numbers[1] : 1, line.substr(found + mark.size()));
+      break;
+    }
+  }
+  return out;
+}
+
+std::string Builder::mark() const {
+  std::error_code error;
+  const std::string path = fs::weakly_canonical(folder_, error).string();
+  char text[40];
+  std::snprintf(text, sizeof text, "build-%016zx", std::hash<std::string>()(path));
+  return text;
+}
+
+Result<int> Builder::run(const std::vector<std::string>& words, std::string& log) {
+  int pipe_ends[2];
+  if (::pipe2(pipe_ends, O_CLOEXEC) != 0)
+    return fail(std::string("no pipe: ") + std::strerror(errno));
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawnattr_init(&attributes);
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], 1);
+  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], 2);
+  // A group of its own, so that the compilers it starts end with it.
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  pid_t child = -1;
+  const int problem =
+      ::posix_spawnp(&child, arguments[0], &actions, &attributes, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  posix_spawnattr_destroy(&attributes);
+  ::close(pipe_ends[1]);
+  if (problem != 0) {
+    ::close(pipe_ends[0]);
+    return fail("'" + words[0] + "' cannot be started: " + std::strerror(problem), "",
+                "install it (Debian: apt install cmake g++)");
+  }
+  const auto end = std::chrono::steady_clock::now() + kLongest;
+  bool killed = false;
+  char buffer[4096];
+  while (true) {
+    if (!killed && (stopped_ || std::chrono::steady_clock::now() > end)) {
+      ::kill(-child, SIGKILL);
+      killed = true;
+    }
+    pollfd waiting{pipe_ends[0], POLLIN, 0};
+    if (::poll(&waiting, 1, 100) == 0) continue;
+    const ssize_t count = ::read(pipe_ends[0], buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) break;
+    log.append(buffer, static_cast<std::size_t>(count));
+    if (log.size() > 2 * kMostLog) log.erase(0, log.size() - kMostLog);
+  }
+  ::close(pipe_ends[0]);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (killed) return fail(stopped_ ? "the build was ended" : "the build took more than 15 minutes");
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+Result<Builder::Built> Builder::build() {
+  std::error_code error;
+  fs::path project;
+  if (fs::is_regular_file(fs::path(folder_) / "CMakeLists.txt", error)) {
+    project = folder_;
+  } else {
+    std::vector<fs::path> found;
+    for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error))
+      if (fs::is_regular_file(it->path() / "CMakeLists.txt", error)) found.push_back(it->path());
+    if (found.empty())
+      return fail("there is no CMakeLists.txt beside the scene", "",
+                  "see examples/020_stand_alone_plugin for what it holds");
+    if (found.size() > 1)
+      return fail("several folders beside the scene have a CMakeLists.txt", "",
+                  "write one beside the scene that adds them all");
+    project = found.front();
+  }
+  const std::string cache = cache_folder();
+  if (cache.empty()) return fail("there is no folder for builds", "", "set XDG_CACHE_HOME");
+  const fs::path place = fs::path(cache) / "cogrsim" / "studio" / mark();
+  fs::create_directories(place, error);
+  if (error)
+    return fail("the folder for builds cannot be made: " + error.message(), place.string());
+
+  Built out;
+  std::vector<std::string> configure = {
+      "cmake",
+      "-S",
+      fs::absolute(project).string(),
+      "-B",
+      (place / "tree").string(),
+      "-DCMAKE_BUILD_TYPE=Release",
+      "-DCOGRSIM_PLUGIN_OUTPUT_DIRECTORY=" + (place / "libraries").string()};
+  if (const std::string prefix = own_prefix(); !prefix.empty())
+    configure.push_back("-DCMAKE_PREFIX_PATH=" + prefix);
+  for (const std::vector<std::string>& words :
+       {configure, std::vector<std::string>{"cmake", "--build", (place / "tree").string(),
+                                            "--parallel", "2"}}) {
+    const auto status = run(words, out.log);
+    if (!status) return tl::unexpected(status.error());
+    out.ok = *status == 0;
+    if (!out.ok) break;
+  }
+  if (out.log.size() > kMostLog) out.log.erase(0, out.log.size() - kMostLog);
+  out.problems = problems_in(out.log, folder_);
+  if (!out.ok) return out;
+
+  // A library that is mapped is never loaded anew from the same file.
+  const fs::path fresh =
+      place /
+      ("plugins-" + std::to_string(std::chrono::system_clock::now().time_since_epoch().count()));
+  fs::create_directories(fresh, error);
+  for (fs::directory_iterator it(place / "libraries", error), end; !error && it != end;
+       it.increment(error))
+    if (it->path().extension() == ".so")
+      fs::copy_file(it->path(), fresh / it->path().filename(), error);
+  if (error)
+    return fail("the libraries cannot be copied: " + error.message(), place.string(),
+                "make plugins with cogrsim_add_plugin()");
+  for (fs::directory_iterator it(place, error), end; !error && it != end; it.increment(error))
+    if (it->path().filename().string().compare(0, 8, "plugins-") == 0 && it->path() != fresh)
+      fs::remove_all(it->path(), error);
+  out.plugins = fresh.string();
+  return out;
+}
+
+}  // namespace cogrsim::studio

@@ -1,0 +1,457 @@
+#include "document.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "cogrsim/dsl/schema.h"
+#include "complete.h"
+#include "document_impl.h"
+#include "document_json.h"
+#include "mass.h"
+
+namespace cogrsim::studio {
+namespace {
+
+constexpr std::size_t kMostBytes = 16u << 20;  // of a scene's text, as the compiler's limit
+constexpr double kNoticed = 0.05;              // [s] a page is told before a longer compilation
+
+/// What a scene begins with: ground to stand on, light to see by.
+std::string empty_scene(const std::string& file) {
+  std::string title = file.substr(0, file.find('.'));
+  for (char& c : title)
+    if (c == '_' || c == '&' || c == '<' || c == '"') c = ' ';
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<scene name=\"" + title +
+         "\" version=\"1\">\n"
+         "  <physics backend=\"bullet\" step=\"1 ms\" gravity=\"0 0 -9.81\"/>\n"
+         "  <light name=\"sun\" type=\"directional\" direction=\"0.3 0.2 -1\"/>\n"
+         "  <plane name=\"floor\"/>\n</scene>\n";
+}
+
+std::string dump(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// Editors in pages know one kind of line end: files keep theirs.
+std::string with_line_ends_of(const std::string& old, std::string text) {
+  const bool crlf = old.find("\r\n") != std::string::npos;
+  const std::size_t all = static_cast<std::size_t>(std::count(old.begin(), old.end(), '\n'));
+  const std::size_t returns = static_cast<std::size_t>(std::count(old.begin(), old.end(), '\r'));
+  if (!crlf || all != returns || text.find('\r') != std::string::npos) return text;
+  std::string out;
+  for (const char c : text) {
+    if (c == '\n') out += '\r';
+    out += c;
+  }
+  return out;
+}
+
+}  // namespace
+
+// ---- the thread and its work
+
+bool DocumentMail::put(Letter letter) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (closed_) return false;
+    letters_.push_back(std::move(letter));
+  }
+  waiting_.notify_one();
+  return true;
+}
+
+std::optional<DocumentMail::Letter> DocumentMail::take() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  waiting_.wait(lock, [&] { return closed_ || !letters_.empty(); });
+  if (closed_) return std::nullopt;
+  Letter letter = std::move(letters_.front());
+  letters_.pop_front();
+  return letter;
+}
+
+bool DocumentMail::next_changes_text() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (letters_.empty()) return false;
+  const std::string& what = letters_.front().what;
+  return what == "set-text" || what == "undo" || what == "redo" || what == "edit";
+}
+
+void DocumentMail::close() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    closed_ = true;
+    letters_.clear();
+  }
+  waiting_.notify_one();
+}
+
+Result<std::unique_ptr<Document>> Document::open(DocumentOptions options,
+                                                 std::shared_ptr<PluginLoader> loader, Run& run,
+                                                 Outbox& outbox) {
+  auto file = SceneFile::open(options.path, kMostBytes);
+  if (!file) return tl::unexpected(file.error());
+  return std::unique_ptr<Document>(std::make_unique<DocumentDesk>(
+      std::move(options), std::move(*file), std::move(loader), run, outbox));
+}
+
+DocumentDesk::DocumentDesk(DocumentOptions options, SceneFile file,
+                           std::shared_ptr<PluginLoader> loader, Run& run, Outbox& outbox)
+    : options_(std::move(options)),
+      run_(run),
+      outbox_(outbox),
+      file_(std::move(file)),
+      history_(file_.text() ? *file_.text() : empty_scene(file_.name())),
+      // A loader serves one thread; the same folders give the same plugins.
+      loader_(
+          std::make_shared<PluginLoader>(loader ? loader->folders() : std::vector<std::string>())),
+      catalog_(std::make_unique<cli::LoaderCatalog>(loader_)),
+      sources_(file_.folder()),
+      builder_(file_.folder()) {
+  mail_->put({"", [this] { compile(); }});
+  thread_ = std::thread([this] { work(); });
+}
+
+DocumentDesk::~DocumentDesk() {
+  mail_->close();
+  builder_.stop();
+  thread_.join();
+  if (build_thread_.joinable()) build_thread_.join();
+}
+
+void DocumentDesk::work() {
+  while (const auto letter = mail_->take()) {
+    letter->work();
+    // Of several changes in a row only the newest text is worth compiling.
+    if (stale_ && !mail_->next_changes_text()) compile();
+  }
+}
+
+const std::map<std::string, DocumentDesk::Entry, std::less<>>& DocumentDesk::table() {
+  using D = DocumentDesk;
+  static const std::map<std::string, Entry, std::less<>> entries = {
+      {"set-text", {&D::set_text, Access::operator_}},
+      {"edit", {&D::edit, Access::operator_}},
+      {"undo", {&D::undo, Access::operator_}},
+      {"redo", {&D::redo, Access::operator_}},
+      {"save", {&D::save, Access::operator_}},
+      {"revert", {&D::revert, Access::operator_}},
+      {"schema", {&D::schema, Access::viewer}},
+      {"complete", {&D::complete, Access::viewer}},
+      {"mass", {&D::mass, Access::viewer}},
+      {"sources", {&D::sources, Access::viewer}},
+      {"open-source", {&D::open_source, Access::viewer}},
+      {"save-source", {&D::save_source, Access::operator_}},
+      {"build", {nullptr, Access::operator_}}};
+  return entries;
+}
+
+Part::Access DocumentDesk::access(std::string_view what) const {
+  const auto found = table().find(what);
+  return found == table().end() ? Access::none : found->second.access;
+}
+
+void DocumentDesk::handle(Request request, Reply reply) {
+  std::string what = request.what;
+  mail_->put({std::move(what), [this, request = std::move(request), reply = std::move(reply)] {
+                answer(request, reply);
+              }});
+}
+
+void DocumentDesk::answer(const Request& request, const Reply& reply) {
+  const auto entry = table().find(request.what);
+  if (entry == table().end())
+    return reply(fail("the document does not answer '" + request.what + "'"));
+  if (entry->second.handler == nullptr) return build(request, reply);
+  const std::uint64_t before = version_;
+  reply((this->*entry->second.handler)(request));
+  if (version_ == before) return;
+  // What an edit left is compiled already.
+  if (!stale_) {
+    tell(document_json(false));
+    tell(tree_tell());
+    tell(problems_tell());
+    if (good_) show();
+  } else if (compile_seconds_ > kNoticed && !mail_->next_changes_text()) {
+    tell(document_json(true));
+  }
+}
+
+void DocumentDesk::joined(ClientId client, Role) {
+  mail_->put({"", [this, client] {
+                tell(document_json(stale_), client);
+                if (stale_) return;
+                tell(tree_tell(), client);
+                tell(problems_tell(), client);
+              }});
+}
+
+void DocumentDesk::tell(const Json& json, std::optional<ClientId> client) {
+  if (client)
+    outbox_.send(*client, dump(json));
+  else
+    outbox_.send_all(dump(json));
+}
+
+// ---- compiling
+
+dsl::CompileOptions DocumentDesk::compile_options() {
+  dsl::CompileOptions options;
+  options.set_parameters = options_.parameters;
+  options.seed = options_.seed;
+  options.plugins = catalog_.get();
+  return options;
+}
+
+void DocumentDesk::changed(ClientId by) {
+  ++version_;
+  by_ = by;
+  stale_ = true;
+}
+
+void DocumentDesk::compile() {
+  const auto start = std::chrono::steady_clock::now();
+  take_in(dsl::compile_outlined(history_.text(), file_.path(), compile_options()));
+  compile_seconds_ =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  tell(document_json(false));
+  tell(tree_tell());
+  tell(problems_tell());
+  if (good_) show();
+}
+
+void DocumentDesk::take_in(dsl::OutlinedScene scene) {
+  scene_ = std::move(scene);
+  scene_version_ = version_;
+  good_ = scene_.result.ok();
+  refused_.clear();
+  stale_ = false;
+}
+
+void DocumentDesk::show() {
+  Scene scene;
+  scene.model = scene_.result.model;
+  scene.origins.version = version_;
+  if (built_) scene.plugin_folders = loader_->folders();
+  const auto take = [](const std::vector<dsl::Origin>& from, std::vector<Origins::Origin>& to) {
+    for (const dsl::Origin& origin : from) to.push_back({origin.element, origin.own});
+  };
+  const dsl::ModelOrigins& origins = scene_.origins;
+  take(origins.bodies, scene.origins.bodies);
+  take(origins.assemblies, scene.origins.assemblies);
+  take(origins.joints, scene.origins.joints);
+  take(origins.motors, scene.origins.motors);
+  take(origins.sensors, scene.origins.sensors);
+  take(origins.controllers, scene.origins.controllers);
+  take(origins.supervisors, scene.origins.supervisors);
+  take(origins.lights, scene.origins.lights);
+  take(origins.views, scene.origins.views);
+  take(origins.regions, scene.origins.regions);
+  take(origins.plots, scene.origins.plots);
+  run_.show(std::move(scene), [this, mail = mail_, version = version_](auto shown) {
+    if (shown) return;
+    // Only the document's own thread, which lives as long as it takes letters, looks at `this`.
+    mail->put({"", [this, version, faults = std::move(shown.error())] {
+                 if (version != version_) return;
+                 refused_ = faults;
+                 tell(problems_tell());
+               }});
+  });
+}
+
+Json DocumentDesk::document_json(bool compiling) const {
+  const auto label = [](const std::optional<std::string>& text) {
+    return text ? Json(*text) : Json(nullptr);
+  };
+  return {{"tell", "document"},
+          {"version", version_},
+          {"text", history_.text()},
+          {"file", file_.name()},
+          {"dirty", !file_.text() || *file_.text() != history_.text()},
+          {"undo", label(history_.undo_label())},
+          {"redo", label(history_.redo_label())},
+          {"by", by_},
+          {"good", good_},
+          {"compiling", compiling}};
+}
+
+Json DocumentDesk::tree_tell() const {
+  return {{"tell", "tree"}, {"version", scene_version_}, {"elements", tree_json(scene_.elements)}};
+}
+
+Json DocumentDesk::problems_tell() const {
+  std::vector<Diagnostic> all = scene_.result.diagnostics;
+  all.insert(all.end(), refused_.begin(), refused_.end());
+  return {{"tell", "problems"},
+          {"version", scene_version_},
+          {"good", good_},
+          {"problems", problems_json(all, file_.path())}};
+}
+
+// ---- requests about the text
+
+Result<> DocumentDesk::check_version(const Request& request) const {
+  const auto version = whole_field(request.fields, "version");
+  if (!version) return tl::unexpected(version.error());
+  if (*version != static_cast<std::int64_t>(version_))
+    return fail("the text has changed meanwhile", "", "take the newest text and try again",
+                "stale");
+  return {};
+}
+
+Answer DocumentDesk::set_text(const Request& request) {
+  if (auto good = check_version(request); !good) return tl::unexpected(good.error());
+  auto text = text_field(request.fields, "text");
+  if (!text) return tl::unexpected(text.error());
+  std::string group;
+  if (request.fields.contains("group") && !request.fields["group"].is_null()) {
+    auto given = text_field(request.fields, "group");
+    if (!given) return tl::unexpected(given.error());
+    group = *given;
+  }
+  if (text->size() > kMostBytes)
+    return fail("a scene's text has at most " + std::to_string(kMostBytes >> 20) + " MB", "",
+                "put large data into mesh files");
+  // Typing of two clients is no one step.
+  if (!group.empty()) group += "/" + std::to_string(request.client);
+  if (history_.change(with_line_ends_of(history_.text(), std::move(*text)), "typing", group))
+    changed(request.client);
+  return Json{{"version", version_}};
+}
+
+Answer DocumentDesk::edit(const Request& request) {
+  if (auto good = check_version(request); !good) return tl::unexpected(good.error());
+  const auto ops = request.fields.find("ops");
+  auto operations = operations_from(ops == request.fields.end() ? Json() : *ops);
+  if (!operations) return tl::unexpected(operations.error());
+  std::string label = "edit";
+  if (request.fields.contains("label") && request.fields["label"].is_string())
+    label = request.fields["label"].get<std::string>().substr(0, 200);
+  auto made = dsl::edit_text(history_.text(), file_.path(), *operations, compile_options());
+  if (!made) return tl::unexpected(made.error());
+  if (history_.change(std::move(made->text), label)) {
+    changed(request.client);
+    take_in(std::move(made->scene));
+  }
+  return Json{{"version", version_}, {"created", made->created}};
+}
+
+Answer DocumentDesk::undo(const Request& request) {
+  const auto label = history_.undo();
+  if (!label) return fail("there is nothing to undo");
+  changed(request.client);
+  return Json{{"version", version_}, {"label", *label}};
+}
+
+Answer DocumentDesk::redo(const Request& request) {
+  const auto label = history_.redo();
+  if (!label) return fail("there is nothing to redo");
+  changed(request.client);
+  return Json{{"version", version_}, {"label", *label}};
+}
+
+Answer DocumentDesk::save(const Request& request) {
+  const auto named = request.fields.find("file");
+  std::string backup;
+  if (named != request.fields.end() && !named->is_null()) {
+    const auto name = text_field(request.fields, "file");
+    if (!name) return tl::unexpected(name.error());
+    if (*name != file_.name()) {
+      if (auto saved = file_.save_as(*name, history_.text()); !saved)
+        return tl::unexpected(saved.error());
+      tell(document_json(stale_));
+      return Json{{"file", file_.name()}, {"backup", ""}};
+    }
+  }
+  auto saved = file_.save(history_.text());
+  if (!saved) return tl::unexpected(saved.error());
+  tell(document_json(stale_));
+  return Json{{"file", file_.name()}, {"backup", *saved}};
+}
+
+Answer DocumentDesk::revert(const Request& request) {
+  if (auto read = file_.reread(); !read) return tl::unexpected(read.error());
+  if (history_.change(*file_.text(), "revert"))
+    changed(request.client);
+  else
+    tell(document_json(stale_));
+  return Json{{"version", version_}, {"text", history_.text()}};
+}
+
+Answer DocumentDesk::schema(const Request&) {
+  if (!schema_) schema_ = dsl::write_schema_json(catalog_.get());
+  return Json{{"schema", Json::parse(*schema_)}};
+}
+
+Answer DocumentDesk::complete(const Request& request) {
+  auto text = text_field(request.fields, "text");
+  if (!text) return tl::unexpected(text.error());
+  const auto offset = whole_field(request.fields, "offset");
+  if (!offset) return tl::unexpected(offset.error());
+  if (!schema_) schema_ = dsl::write_schema_json(catalog_.get());
+  return complete_at(*text, *offset, Json::parse(*schema_), scene_.elements);
+}
+
+Answer DocumentDesk::mass(const Request& request) {
+  const auto elements = ids_field(request.fields, "elements");
+  if (!elements) return tl::unexpected(elements.error());
+  if (stale_ || !good_)
+    return fail("there are masses only of a scene that compiles", "", "mend the text first");
+  return mass_of(*elements, scene_);
+}
+
+// ---- sources and building
+
+Answer DocumentDesk::sources(const Request&) { return sources_.list(); }
+
+Answer DocumentDesk::open_source(const Request& request) {
+  const auto name = text_field(request.fields, "name");
+  if (!name) return tl::unexpected(name.error());
+  return sources_.open(*name);
+}
+
+Answer DocumentDesk::save_source(const Request& request) {
+  const auto name = text_field(request.fields, "name");
+  if (!name) return tl::unexpected(name.error());
+  const auto text = text_field(request.fields, "text");
+  if (!text) return tl::unexpected(text.error());
+  std::optional<std::string> version;
+  if (request.fields.contains("version") && request.fields["version"].is_string())
+    version = request.fields["version"].get<std::string>();
+  return sources_.save(*name, *text, version);
+}
+
+void DocumentDesk::build(const Request& request, const Reply& reply) {
+  if (!options_.allow_build)
+    return reply(fail("nothing is built from the page", "", "start the studio with --allow-build",
+                      "not-allowed"));
+  if (building_) return reply(fail("a build is under way", "", "wait for its end", "busy"));
+  if (build_thread_.joinable()) build_thread_.join();
+  building_ = true;
+  build_thread_ = std::thread([this, mail = mail_, client = request.client, reply] {
+    // The scene can be edited meanwhile; what was built is taken over on the document's own thread.
+    auto built = std::make_shared<Result<Builder::Built>>(builder_.build());
+    const bool taken = mail->put({"", [this, built, client, reply] {
+                                    building_ = false;
+                                    reply(use_built(std::move(*built), client));
+                                  }});
+    if (!taken) reply(fail("the studio ends"));
+  });
+}
+
+Answer DocumentDesk::use_built(Result<Builder::Built> built, ClientId client) {
+  if (!built) return tl::unexpected(built.error());
+  const Json answer{{"built", built->ok}, {"log", built->log}, {"problems", built->problems}};
+  if (!built->ok) return answer;
+  // New libraries come first; those that run keep the old ones mapped until they are let go.
+  std::vector<std::string> folders{built->plugins};
+  for (const std::string& folder : loader_->folders())
+    if (folder.find(builder_.mark()) == std::string::npos) folders.push_back(folder);
+  loader_ = std::make_shared<PluginLoader>(folders);
+  catalog_ = std::make_unique<cli::LoaderCatalog>(loader_);
+  schema_.reset();
+  built_ = true;
+  changed(client);  // what plugins say of themselves may be something else
+  return answer;
+}
+
+}  // namespace cogrsim::studio
