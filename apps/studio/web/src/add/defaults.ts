@@ -60,7 +60,8 @@ export const kHeight = 0.5;
 export function default_attributes(tag: string, place: Vec3 | null): Record<string, string> {
   const out: Record<string, string> = { name: tag.replace(/[^A-Za-z0-9_]/g, "_"), ...kDefaults[tag] };
   if (tag === "plane" || tag === "heightmap") return out;
-  if (tag === "contact") delete out.color;
+  // Minds are called after their plugin.
+  if (tag === "controller" || tag === "supervisor") delete out.name;
   if (place && (kShapes.includes(tag) || ["body", "assembly", "instance", "region"].includes(tag))) out.xyz = place.join(" ");
   if (tag === "light") out.xyz = "0 0 3";
   return out;

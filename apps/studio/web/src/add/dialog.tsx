@@ -68,9 +68,9 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
       <p class="cg-muted">{element?.doc}</p>
       <div class="cg-insert-fields">
         {parents.length > 1 && (
-          <div class="cg-field">
+          <div class="cg-prop">
             <label for="cg-insert-parent">in</label>
-            <span class="cg-field-body">
+            <span class="cg-prop-body">
               <select id="cg-insert-parent" value={parent} onChange={(event) => set_parent(Number(event.currentTarget.value))}>
                 {parents.map((id) => (
                   <option key={id} value={id}>
@@ -104,7 +104,7 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
           </details>
         )}
       </div>
-      {wrong && <p class="cg-field-problem" role="alert">{wrong}</p>}
+      {wrong && <p class="cg-prop-problem" role="alert">{wrong}</p>}
       <div class="cg-insert-buttons">
         <button type="button" onClick={cancel}>Cancel</button>
         <button type="submit" class="cg-primary">Insert</button>

@@ -94,6 +94,9 @@ export function insert_plan(state: State, schema: Schema, tag: string): InsertPl
   } else if (schema.attribute(tag, "plugin")) {
     const plugins = schema.plugins(tag as "controller");
     if (plugins.length === 1) attributes.plugin = plugins[0]!.name;
+    // A controller is the brain of an assembly; when there is but one, it is that one's.
+    const assemblies = elements.filter((e) => e.tag === "assembly" && e.parent === 0);
+    if (tag === "controller" && parent === 0 && assemblies.length === 1) parent = assemblies[0]!.id;
   }
   const needs_place = !("on" in attributes) && schema.attribute(tag, "xyz") && !kJoints.includes(tag);
   const all = { ...default_attributes(tag, needs_place ? place_in(state, parent, tag) : null), ...attributes };

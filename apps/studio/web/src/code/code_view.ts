@@ -125,7 +125,7 @@ export class CodeView {
 
   async save(): Promise<void> {
     if (this.shown !== kScene) await this.save_source(this.shown);
-    else await this.studio.commands.execute(this.studio.commands.hasCommand("file:save") ? "file:save" : "edit:save");
+    else await this.studio.commands.execute("edit:save");
   }
 
   private editor() {
@@ -137,8 +137,9 @@ export class CodeView {
     if (!source) return;
     const text = source.text();
     try {
-      await this.studio.link.request("save-source", { name, text });
-      source.mark_saved(text);
+      const fields = { name, text, version: source.version };
+      const answer = await this.studio.link.request<{ version?: string }>("save-source", fields);
+      source.mark_saved(text, answer.version);
       this.studio.notify(`saved ${name}`);
     } catch (error) {
       this.studio.notify(`${name} was not saved: ${error instanceof Error ? error.message : String(error)}`, "error");
@@ -150,8 +151,8 @@ export class CodeView {
       const file = this.files.find((f) => f.name === name);
       if (!file) return;
       try {
-        const answer = await this.studio.link.request<{ text: string }>("open-source", { name });
-        const source = new SourceEditor(file, answer.text, this.studio.state.may_edit.peek(), () => this.show_tabs());
+        const answer = await this.studio.link.request<{ text: string; version?: string }>("open-source", { name });
+        const source = new SourceEditor(file, answer, this.studio.state.may_edit.peek(), () => this.show_tabs());
         source.view.dom.classList.add("cg-code-editor");
         source.view.dom.dataset.ownHistory = "";
         this.sources.set(name, source);

@@ -22,10 +22,15 @@ export class SourceEditor {
   private saved: string;
   private readonly line_end: string;
 
+  /** of the file as it was opened or saved last: nobody else's changes are overwritten */
+  version: string | undefined;
+
   /** `changed`: told whether the text differs from the saved one. */
   constructor(
-    readonly file: SourceFile, text: string, may_edit: boolean, private readonly changed: (dirty: boolean) => void,
+    readonly file: SourceFile, opened: { text: string; version?: string }, may_edit: boolean, private readonly changed: (dirty: boolean) => void,
   ) {
+    const { text } = opened;
+    this.version = opened.version;
     this.line_end = text.includes("\r\n") ? "\r\n" : "\n";
     this.view = new EditorView({
       state: EditorState.create({
@@ -66,7 +71,8 @@ export class SourceEditor {
     return this.text() !== this.saved;
   }
   /** `text` is what the file holds now. */
-  mark_saved(text: string): void {
+  mark_saved(text: string, version: string | undefined): void {
+    this.version = version;
     this.saved = text;
     this.changed(this.dirty);
   }

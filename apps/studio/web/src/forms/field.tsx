@@ -51,7 +51,7 @@ function PlainField(props: PlainProps): JSX.Element {
   return (
     <input
       id={props.id}
-      class={text.includes("${") ? "cg-field-text is-expression" : "cg-field-text"}
+      class={text.includes("${") ? "cg-prop-text is-expression" : "cg-prop-text"}
       value={draft}
       list={props.list}
       disabled={props.disabled}
@@ -103,7 +103,7 @@ function NumberField(props: PlainProps): JSX.Element {
     ? (spec.name === "rpy" ? ["roll", "pitch", "yaw"] : ["x", "y", "z"])
     : spec.kind === "range" ? ["least", "largest"] : [];
   return (
-    <span class="cg-field-numbers">
+    <span class="cg-prop-numbers">
       {boxes.map((box, i) => (
         <input
           key={i}
@@ -153,7 +153,7 @@ function NumberField(props: PlainProps): JSX.Element {
           {shown.units.map((u) => <option key={u} value={u}>{u}</option>)}
         </select>
       )}
-      {shown.units.length === 1 && <span class="cg-field-unit">{shown.units[0]}</span>}
+      {shown.units.length === 1 && <span class="cg-prop-unit">{shown.units[0]}</span>}
     </span>
   );
 }
@@ -161,7 +161,7 @@ function NumberField(props: PlainProps): JSX.Element {
 function ColorField(props: PlainProps): JSX.Element {
   const hex = hex_color(props.text);
   return (
-    <span class="cg-field-color">
+    <span class="cg-prop-color">
       <input
         type="color"
         aria-label={`${props.spec.name}: choose`}
@@ -233,16 +233,16 @@ export function Field(props: FieldProps): JSX.Element {
     );
   }
   return (
-    <div class={`cg-field${problem ? " is-wrong" : ""}${text !== "" ? " is-set" : ""}`} data-attribute={spec.name}>
+    <div class={`cg-prop${problem ? " is-wrong" : ""}${text !== "" ? " is-set" : ""}`} data-attribute={spec.name}>
       <label for={id} title={help_text(spec)}>
         {spec.name}
-        {spec.required && <span class="cg-field-must" title="required"> *</span>}
+        {spec.required && <span class="cg-prop-must" title="required"> *</span>}
       </label>
-      <span class="cg-field-body">{body}</span>
-      {text !== "" && !spec.required && !props.disabled ? (
+      <span class="cg-prop-body">{body}</span>
+      {text !== "" && !spec.required && spec.kind !== "name" && !props.disabled ? (
         <button
           type="button"
-          class="cg-field-reset"
+          class="cg-prop-reset"
           title={spec.default === "" ? `Leave ${spec.name} out` : `Back to ${spec.default}`}
           aria-label={`reset ${spec.name}`}
           onClick={() => commit(null)}
@@ -253,7 +253,7 @@ export function Field(props: FieldProps): JSX.Element {
         <span />
       )}
       <span id={describe} class="cg-unseen">{help_text(spec)}</span>
-      {problem && <p class="cg-field-problem" role="alert">{problem}</p>}
+      {problem && <p class="cg-prop-problem" role="alert">{problem}</p>}
     </div>
   );
 }

@@ -104,7 +104,7 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
         />
       )}
       {problems?.others.map((p, i) => (
-        <p key={i} class="cg-field-problem" role="alert">{p.message}{p.help && ` (${p.help})`}</p>
+        <p key={i} class="cg-prop-problem" role="alert">{p.message}{p.help && ` (${p.help})`}</p>
       ))}
       {form_groups(schema, chosen).map((group) => {
         const fields = group.fields.map((f) => {
