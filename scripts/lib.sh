@@ -13,7 +13,8 @@ packages=(
   libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev
   libpng-dev libjpeg-dev libembree-dev libqhull-dev libosmesa6-dev libcairo2-dev ffmpeg libjs-dygraphs gnuplot-nox
   libompl-dev libzstd-dev zlib1g-dev libsqlite3-dev libopenmpi-dev openmpi-bin protobuf-compiler libprotobuf-dev libprotozero-dev
-  catch2 libxml2-utils
+  libcurl4-openssl-dev libarchive-dev libssl-dev
+  catch2 libxml2-utils lighttpd lighttpd-mod-webdav openssl
 )
 # Judge recordings from outside; some nodejs packages bring npm themselves.
 command -v npm >/dev/null || packages+=(nodejs npm)
