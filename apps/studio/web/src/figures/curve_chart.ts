@@ -156,7 +156,8 @@ export class CurveChart {
         stroke,
         width: 1.5,
         dash: s.dashed ? [6, 4] : undefined,
-        points: { show: false },
+        // one sample is no line yet
+        points: { show: (plot) => plot.data[0].length < 2, size: 6 },
         spanGaps: false,
         // smooth curves, not ones in steps of pixels
         pxAlign: false,

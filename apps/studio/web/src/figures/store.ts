@@ -65,7 +65,10 @@ export class FiguresStore {
     effect(() => {
       const open = studio.state.open.value;
       const scene = studio.state.scene.value?.scene;
-      if (this.seen.value && open && scene !== undefined) void this.list(`${scene}`);
+      if (!this.seen.value || !open || scene === undefined) return;
+      // while somebody types there is a new scene with every letter
+      const soon = setTimeout(() => void this.list(`${scene}`), this.listed === "" ? 0 : 500);
+      return () => clearTimeout(soon);
     });
   }
 
