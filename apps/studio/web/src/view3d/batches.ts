@@ -38,6 +38,8 @@ export interface BatchOptions {
   changed: () => void;
   /** the other run of a comparison: all see-through, in this colour (sRGB), nothing that cannot move */
   ghost?: Color;
+  /** fewer corners */
+  slow: boolean;
 }
 
 const GHOST_OPACITY = 0.4;
@@ -73,7 +75,8 @@ export class Batches {
       return body.shapes.filter((s) => s.visual).map((shape) => ({ body: b, shape }));
     });
     const curved = new Set(["sphere", "cylinder", "capsule"]);
-    this.segments = visible.filter((v) => curved.has(v.shape.type)).length > MANY_ROUND ? 20 : 48;
+    const many = visible.filter((v) => curved.has(v.shape.type)).length > MANY_ROUND;
+    this.segments = (many ? 20 : 48) - (options.slow ? 8 : 0);
 
     const groups = new Map<string, { body: number; shape: SceneShape }[]>();
     for (const one of visible) {

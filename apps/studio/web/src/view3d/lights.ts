@@ -42,7 +42,8 @@ export class Lights {
   private readonly shining: { light: Light; direction: Vec3 }[] = [];
   private fitted: { middle: Vec3; radius: number } | null = null;
 
-  constructor(scene: Scene) {
+  /** `slow`: smaller shadow maps. */
+  constructor(scene: Scene, slow: boolean) {
     // The library divides what matt matter throws back by pi.
     const sky = new HemisphereLight(0xffffff, 0xffffff, Math.PI);
     sky.color.setScalar(AMBIENT_MIDDLE + AMBIENT_UP);
@@ -60,7 +61,7 @@ export class Lights {
       if (casts && shadows < MOST_SHADOWS) {
         shadows++;
         light.castShadow = true;
-        const size = light instanceof DirectionalLight ? 2048 : 1024;
+        const size = light instanceof DirectionalLight && !slow ? 2048 : 1024;
         light.shadow.mapSize.set(size, size);
       }
       this.root.add(light);

@@ -8,6 +8,8 @@ import { horizontal_fov } from "./views";
 export interface Painter {
   /** What is put into the panel. */
   readonly element: HTMLElement;
+  /** No graphics card behind it: fewer corners, smaller shadow maps. */
+  readonly slow: boolean;
   set_size(width: number, height: number): void;
   draw(stage: Scene, eye: Eye, highlight: Highlight, shadows: boolean): void;
   dispose(): void;
@@ -17,10 +19,18 @@ export interface Painter {
 export function gl_painter(document: Document, lost: () => void, restored: () => void): Painter | null {
   const canvas = document.createElement("canvas");
   let renderer: WebGLRenderer;
+  let slow = false;
   try {
-    const context = canvas.getContext("webgl2", { antialias: true, alpha: false, powerPreference: "high-performance" });
+    const wishes = { alpha: false, powerPreference: "high-performance" } as const;
+    const fast = { ...wishes, antialias: true, failIfMajorPerformanceCaveat: true };
+    let context = canvas.getContext("webgl2", fast) as WebGL2RenderingContext | null;
+    if (!context) {
+      // a processor that plays graphics card has no time for smooth edges
+      slow = true;
+      context = canvas.getContext("webgl2", { ...wishes, antialias: false }) as WebGL2RenderingContext | null;
+    }
     if (!context) return null;
-    renderer = new WebGLRenderer({ canvas, context, antialias: true });
+    renderer = new WebGLRenderer({ canvas, context });
   } catch {
     return null;
   }
@@ -40,8 +50,9 @@ export function gl_painter(document: Document, lost: () => void, restored: () =>
   });
   return {
     element: canvas,
+    slow,
     set_size(width, height) {
-      renderer.setPixelRatio(canvas.ownerDocument.defaultView?.devicePixelRatio ?? 1);
+      renderer.setPixelRatio(slow ? 1 : (canvas.ownerDocument.defaultView?.devicePixelRatio ?? 1));
       renderer.setSize(width, height, false);
     },
     draw(stage, eye, highlight, shadows) {
@@ -89,6 +100,7 @@ export function server_painter(studio: Studio, document: Document, failed: (text
   };
   return {
     element: image,
+    slow: true,
     set_size(w, h) {
       // the server's processor draws them: no more pixels than can be seen
       const scale = Math.min(1, 1280 / w);

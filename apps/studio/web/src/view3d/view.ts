@@ -198,8 +198,9 @@ export class View3d {
     this.batches = new Batches(scene, {
       asset: (path) => this.studio.link.asset(path),
       changed: () => this.draw_soon(),
+      slow: this.painter.slow,
     });
-    this.lights = new Lights(scene);
+    this.lights = new Lights(scene, this.painter.slow);
     this.stage.add(this.batches.root, this.lights.root);
     this.overlay.adopt(scene);
     this.labels.adopt(scene);
@@ -226,7 +227,12 @@ export class View3d {
 
     if (frame && frame.ghost.length > 0) {
       if (!this.ghosts) {
-        this.ghosts = new Batches(scene, { asset: () => "", changed: () => {}, ghost: new Color(this.ghost_color) });
+        this.ghosts = new Batches(scene, {
+          asset: () => "",
+          changed: () => {},
+          ghost: new Color(this.ghost_color),
+          slow: this.painter.slow,
+        });
         this.stage.add(this.ghosts.root);
       }
       this.ghosts.place(frame.ghost);
