@@ -56,6 +56,7 @@ export class Docking {
   });
   /** also those that are closed: what they show is still there when they are opened again */
   private readonly made = new Map<string, Widget>();
+  private last = "";
   private file = "";
   private arranging = false;
   private save_timer: ReturnType<typeof setTimeout> | undefined;
@@ -81,6 +82,13 @@ export class Docking {
       },
       true,
     );
+    const worked_with = (event: Event) => {
+      const at = event.target as Node;
+      for (const [name, widget] of this.made) if (widget.node.contains(at)) this.last = name;
+      const bar = [...this.dock.tabBars()].find((b) => b.node.contains(at));
+      if (bar?.currentTitle) this.last = bar.currentTitle.owner.id;
+    };
+    for (const what of ["focusin", "pointerup"]) this.dock.node.addEventListener(what, worked_with);
     this.dock.addClass("cg-dock");
     this.dock.id = "dock";
     this.dock.layoutModified.connect(() => this.modified());
@@ -130,14 +138,9 @@ export class Docking {
     this.widget(name)?.close();
   }
 
-  /** Name of the panel that has the focus, or whose tab has it. */
+  /** Name of the panel that was worked with last, and is open. */
   focused(): string | undefined {
-    const at = document.activeElement;
-    for (const [name, widget] of this.made) if (at && widget.node.contains(at)) return name;
-    for (const bar of this.dock.tabBars()) {
-      if (at && bar.node.contains(at)) return bar.currentTitle?.owner.id;
-    }
-    return undefined;
+    return this.is_open(this.last) ? this.last : undefined;
   }
 
   /** An open panel that goes well with it: what a preset puts into the same area. */

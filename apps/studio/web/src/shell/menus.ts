@@ -3,13 +3,26 @@ import type { CommandRegistry } from "@lumino/commands";
 import { Menu, MenuBar } from "@lumino/widgets";
 import { items_of, kInner, kMenus } from "./menu_items";
 
+/** Says of items that lead to further menus that they are items, which the library leaves out. */
+class Renderer extends Menu.Renderer {
+  override createItemARIA(data: Menu.IRenderData) {
+    const aria = super.createItemARIA(data);
+    return data.item.type === "submenu" ? { ...aria, role: "menuitem" as const } : aria;
+  }
+}
+
+function make_menu(commands: CommandRegistry, title: string): Menu {
+  const menu = new Menu({ commands, renderer: new Renderer() });
+  menu.title.label = title;
+  menu.addClass("cg-menu");
+  return menu;
+}
+
 export function make_menus(commands: CommandRegistry): MenuBar {
   const bar = new MenuBar();
   bar.addClass("cg-menu-bar");
   const menus = kMenus.map(([title, kind, first]) => {
-    const menu = new Menu({ commands });
-    menu.title.label = title;
-    menu.addClass("cg-menu");
+    const menu = make_menu(commands, title);
     bar.addMenu(menu);
     return { menu, kind, first };
   });
@@ -31,9 +44,7 @@ export function make_menus(commands: CommandRegistry): MenuBar {
         }
         let submenu = inner.get(of);
         if (!submenu) {
-          submenu = new Menu({ commands });
-          submenu.addClass("cg-menu");
-          submenu.title.label = kInner[of].title;
+          submenu = make_menu(commands, kInner[of].title);
           inner.set(of, submenu);
           menu.addItem({ type: "submenu", submenu });
         }
