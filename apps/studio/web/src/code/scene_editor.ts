@@ -10,7 +10,7 @@ import {
   Decoration, drawSelection, EditorView, highlightActiveLineGutter, hoverTooltip, keymap, lineNumbers,
   type DecorationSet, type Tooltip, type ViewUpdate,
 } from "@codemirror/view";
-import { effect } from "@preact/signals-core";
+import { effect, signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
 import { help_text } from "../forms/help";
@@ -64,6 +64,8 @@ export class SceneEditor {
   /** line end of the file; the editor itself knows "\n" only */
   private line_end = "\n";
   private readonly stops: (() => void)[] = [];
+  /** goes up whenever the server knows all that was typed: marks of before may be set */
+  private readonly calm = signal(0);
   /** set while this editor tells the page what its cursor is in */
   private telling = false;
 
@@ -78,6 +80,7 @@ export class SceneEditor {
         const timer = setTimeout(what, ms);
         return () => clearTimeout(timer);
       },
+      settled: () => (this.calm.value += 1),
       refused: (message) => studio.notify(`the text was not taken: ${message}`, "error"),
     });
     this.view = new EditorView({ state: this.first_state() });
@@ -213,6 +216,7 @@ export class SceneEditor {
       });
     });
     on(() => {
+      void this.calm.value;
       const problems = state.problems.value;
       const document_ = state.document.value;
       // What was typed since will be compiled as well; until then marks move with the text.
@@ -229,6 +233,7 @@ export class SceneEditor {
       this.view.dispatch(setDiagnostics(this.view.state, diagnostics));
     });
     on(() => {
+      void this.calm.value;
       const tree = state.tree.value;
       const selection = state.selection.value;
       if (tree.version !== this.sync.version || !this.sync.settled) return;

@@ -9,6 +9,7 @@ class Bench {
   history: { text: string; group: string }[] = [];
   editor = "";
   refusals: string[] = [];
+  calm = 0;
   private timers: { what: () => void; gone: boolean }[] = [];
   private requests: (() => void)[] = [];
   broken = false;
@@ -22,6 +23,7 @@ class Bench {
       return () => (timer.gone = true);
     },
     refused: (message) => this.refusals.push(message),
+    settled: () => (this.calm += this.sync.settled ? 1 : NaN),
   });
 
   constructor() {
@@ -71,8 +73,10 @@ test("typing is sent once when it rests, and its own echo changes nothing", asyn
   assert.equal(bench.pending, 0);
   bench.rest();
   assert.equal(bench.pending, 1);
+  assert.equal(bench.calm, 0);
   await bench.answer();
   bench.tell();
+  assert.equal(bench.calm, 1);
   assert.deepEqual(bench.history, [{ text: "one!!\ntwo\nthree\n", group: "g1" }]);
   assert.equal(bench.editor, "one!!\ntwo\nthree\n");
   assert.ok(bench.sync.settled);

@@ -20,6 +20,8 @@ export interface SyncEnds {
   later(ms: number, what: () => void): () => void;
   /** The server refused for another reason than a stale version. */
   refused(message: string): void;
+  /** The server knows all that was typed, again. */
+  settled(): void;
 }
 
 /** Typing is sent when it rests for so long [ms]. */
@@ -107,6 +109,7 @@ export class TextSync {
     const next = this.waiting_.shift();
     if (!next) {
       this.tell_idle_();
+      if (this.settled) this.ends_.settled();
       return;
     }
     this.sending_ = true;
