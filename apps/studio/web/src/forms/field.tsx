@@ -19,6 +19,8 @@ export interface FieldProps {
   choices?: string[];
   /** null: the attribute goes. What comes of it comes back as `text`; a promise tells why it was refused, or "". */
   commit(text: string | null): void | Promise<string>;
+  /** Of several elements with different lists: what was typed into the boxes, "" where nothing was. */
+  commit_entries?(boxes: string[], unit: string | null): Promise<string>;
 }
 
 const kNumeric = ["number", "numbers", "integer", "range"];
@@ -89,6 +91,13 @@ function NumberField(props: PlainProps): JSX.Element {
   const boxes = drafts ?? shown.boxes;
   const commit = () => {
     if (!drafts) return;
+    if (mixed && props.commit_entries) {
+      if (drafts.some((d) => d.trim() !== "")) void props.commit_entries(drafts, now_unit).then((e) => {
+        props.report(e);
+        if (e === "") set_drafts(null);
+      });
+      return;
+    }
     const made = text_from(spec, drafts, now_unit);
     if ("error" in made) {
       props.report(shown.boxes.length > 1 ? `entry ${made.box + 1}: ${made.error}` : made.error);
@@ -113,7 +122,8 @@ function NumberField(props: PlainProps): JSX.Element {
           disabled={props.disabled}
           spellcheck={false}
           autocomplete="off"
-          placeholder={mixed ? "several" : shown.placeholders[i]}
+          placeholder={mixed ? "…" : shown.placeholders[i]}
+          title={mixed ? "different values" : undefined}
           aria-label={boxes.length > 1 ? `${spec.name} ${names[i] ?? i + 1}` : undefined}
           aria-describedby={props.describe}
           aria-invalid={props.problem ? true : undefined}

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Problem, TreeElement } from "../core/protocol";
-import { form_groups, parameter_ops, plugin_form, problems_of, set_ops } from "./form_model";
+import { form_groups, parameter_ops, plugin_form, problems_of, set_entries, set_ops } from "./form_model";
 import { reference_choices, relative_name, Schema } from "./schema";
 import { dedent, element_end, print_element, split_elements, start_tag } from "./xml_text";
 
@@ -43,6 +43,16 @@ test("several elements: what differs is marked, one edit sets them all", () => {
   assert.equal(set_ops(boxes, "color", "blue").length, 2);
   assert.deepEqual(set_ops(boxes, "size", "1 1 1").map((op) => op.op === "set" && op.element), [1]);
   assert.deepEqual(form_groups(schema, [boxes[0]!, element(-1, "controller")]), []);
+});
+
+test("several elements with different lists: only what was typed changes, in each one's own unit", () => {
+  next = 0;
+  const size = schema.attribute("box", "size")!;
+  const spec = { ...size, units: ["m"] };
+  const boxes = [element(-1, "box", { size: "10 20 30 cm" }), element(-1, "box", { size: "1 2 3" }), element(-1, "box", { size: "1 2 ${h}" })];
+  const ops = set_entries(boxes.slice(0, 2), spec, ["", "50", ""], "cm");
+  assert.deepEqual(Array.isArray(ops) && ops.map((op) => op.op === "set" && op.value), ["10 50 30 cm", "1 0.5 3"]);
+  assert.ok("error" in set_entries(boxes, spec, ["1", "", ""], "m"));
 });
 
 test("a tag with two meanings is told by its attributes", () => {

@@ -1,6 +1,7 @@
 // Which fields the form of some elements has, what stands in them, and the edits that come out of them.
 import type { Op, Problem, TreeElement } from "../core/protocol";
 import { line_span, offset_at, utf16_offset } from "../code/columns";
+import { boxes_of, text_from } from "./number_model";
 import type { AttributeSchema, PluginSchema, PluginUse, Schema } from "./schema";
 import { escape_attribute, start_tag } from "./xml_text";
 
@@ -62,6 +63,28 @@ export function set_ops(elements: readonly TreeElement[], attribute: string, val
   return elements
     .filter((e) => (e.attributes[attribute] ?? null) !== value)
     .map((e) => ({ op: "set", element: e.id, attribute, value }));
+}
+
+/** One step for elements whose lists differ: only the boxes that were typed into change, in each of them. */
+export function set_entries(
+  elements: readonly TreeElement[], spec: AttributeSchema, typed: readonly string[], unit: string | null,
+): Op[] | { error: string } {
+  const ops: Op[] = [];
+  for (const element of elements) {
+    const old = element.attributes[spec.name] ?? "";
+    const shown = boxes_of(spec, old);
+    if (!shown) return { error: `${element.name || element.tag} has an expression here: edit it alone` };
+    const boxes = shown.boxes.map((box, i) => {
+      const entry = (typed[i] ?? "").trim();
+      if (entry === "") return box;
+      // typed in the unit that the form shows, which may be another than this element's
+      return unit && /^[-+.\d]/.test(entry) && !/[a-z]\S*$/i.test(entry.replace(/e[-+]?\d+$/i, "")) ? `${entry} ${unit}` : entry;
+    });
+    const made = text_from(spec, boxes, shown.unit);
+    if ("error" in made) return { error: made.error };
+    if ((made.text ?? "") !== old) ops.push({ op: "set", element: element.id, attribute: spec.name, value: made.text });
+  }
+  return ops;
 }
 
 export interface PluginForm {

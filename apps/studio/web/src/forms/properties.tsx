@@ -10,7 +10,7 @@ import { label_of } from "../tree/model";
 import { kSignalType, signal_label, tree_state } from "../tree/tree_state";
 import { apply_ops } from "./apply";
 import { Field } from "./field";
-import { form_groups, parameter_ops, plugin_form, problems_of, set_ops } from "./form_model";
+import { form_groups, parameter_ops, plugin_form, problems_of, set_entries, set_ops } from "./form_model";
 import { LiveValues } from "./live";
 import type { AttributeSchema, Schema } from "./schema";
 
@@ -119,6 +119,10 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
               problem={problem && (problem.help ? `${problem.message} (${problem.help})` : problem.message)}
               choices={name_choices(schema, elements, first.parent, first.tag, f.spec)}
               commit={(value) => set(f.spec.name, value)}
+              commit_entries={async (boxes, unit) => {
+                const ops = set_entries(chosen, f.spec, boxes, unit);
+                return "error" in ops ? ops.error : apply(`set ${f.spec.name} of ${what}`, ops);
+              }}
             />
           );
         });
