@@ -266,7 +266,7 @@ function Worst({ store, data }: { store: CompareStore; data: Divergence }): JSX.
           <th scope="col">Body</th>
           <th scope="col">At {short_number(data.time[at])} s</th>
           <th scope="col">Most so far</th>
-          <th scope="col">Apart since</th>
+          <th scope="col">Over 1 cm since</th>
         </tr>
       </thead>
       <tbody>

@@ -168,7 +168,8 @@ export class FiguresStore {
     const { link } = this.studio;
     try {
       this.signals.value = (await link.request<{ signals: SignalInfo[] }>("signals")).signals;
-      this.plots.value = (await link.request<{ plots: PlotInfo[] }>("plots")).plots;
+      const { plots } = await link.request<{ plots: PlotInfo[] }>("plots");
+      this.plots.value = plots.map((p) => ({ ...p, kind: p.kind in kKindNames ? p.kind : "curve" }));
     } catch {
       // no list of signals, but figures say what is wrong themselves; asked again when the panel is opened
       this.listed = "";
