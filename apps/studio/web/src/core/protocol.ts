@@ -151,6 +151,8 @@ export interface SceneSensor extends FromFile {
   type: string;
   body: number;
   pose: Pose;
+  /** asked to be seen: where any ranging sensor is, rays of the others are not drawn */
+  show?: boolean;
   /** origin, direction, range of each, in the sensor's frame */
   rays: number[][];
 }

@@ -49,3 +49,8 @@ test("what measures no distance, and what is not there, has no rays", () => {
   assert.deepEqual(ray_ends(scene, frame([{ sensor: 1, values: [1] }, { sensor: 9, values: [1] }, { sensor: 0, values: [] }])), []);
   assert.deepEqual(ray_ends(scene, { poses: new Float32Array(), tail: {} } as unknown as Frame), []);
 });
+
+test("where any ranging sensor asks to be seen, the others are not", () => {
+  const some = { ...scene, sensors: scene.sensors.map((s, i) => ({ ...s, show: i === 2 })) } as Scene;
+  assert.equal(ray_ends(some, frame([{ sensor: 0, values: [1, 1] }, { sensor: 2, values: [0.5] }])).length, 1);
+});

@@ -13,13 +13,15 @@ const RANGING = new Set(["infrared", "lidar"]);
 
 /**
  * Of all infrared sensors and lidars that have a reading. A reading of null is no number: beyond the range nothing was
- * seen, and the ray is drawn in full as a miss.
+ * seen, and the ray is drawn in full as a miss. Where any of them says `show`, only those that do.
  */
 export function ray_ends(scene: Scene, frame: Frame): Ray[] {
   const rays: Ray[] = [];
+  const some_shown = scene.sensors.some((s) => s.show && RANGING.has(s.type));
   for (const reading of frame.tail.readings ?? []) {
     const sensor = scene.sensors[reading.sensor];
-    if (!sensor || !RANGING.has(sensor.type) || reading.values.length === 0) continue;
+    if (!sensor || (some_shown && !sensor.show)) continue;
+    if (!RANGING.has(sensor.type) || reading.values.length === 0) continue;
     if (sensor.body >= 0 && 7 * sensor.body + 6 >= frame.poses.length) continue;
     const place = sensor.body < 0 ? sensor.pose : compose(pose_at(frame.poses, sensor.body), sensor.pose);
     if (!is_finite(place)) continue;
