@@ -64,6 +64,11 @@ export class CameraStore {
       if (file !== undefined) this.load(`cogrsim.cameras.${file}`);
     });
     effect(() => {
+      // a new way knows of no wishes yet
+      if (!this.studio.state.open.value) this.asked = "[]";
+    });
+    effect(() => {
+      void this.studio.state.open.value;
       const wanted = this.seen.value ? this.wanted() : [];
       // moving a panel in the dock closes and opens it within one turn
       if (this.waiting || JSON.stringify(wanted) === this.asked) return;
@@ -124,6 +129,8 @@ export class CameraStore {
       (error: unknown) => {
         // the link asks again when the way is mended
         const closed = error instanceof RequestError && error.failure.code === "closed";
+        // to be tried again with the next scene
+        this.asked = "";
         this.refusal.value = closed || show.length === 0 ? "" : error instanceof Error ? error.message : String(error);
       },
     );

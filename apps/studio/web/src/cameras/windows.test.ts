@@ -47,6 +47,7 @@ test("only what is shown and seen is asked for; the same is not asked for twice"
     state: {
       scene: signal({ sensors: [camera("eye"), { ...camera("ir"), type: "infrared" }, camera("back")], views: [] }),
       hello: signal(null),
+      open: signal(true),
     },
   } as unknown as Studio;
   const store = new CameraStore(studio);
@@ -76,6 +77,11 @@ test("only what is shown and seen is asked for; the same is not asked for twice"
   store.seen.value = true;
   await rest();
   assert.deepEqual(asked, []);
+  // another way: all is said again
+  studio.state.open.value = false;
+  studio.state.open.value = true;
+  await rest();
+  assert.deepEqual(asked.pop(), ["cameras", { show: [one("back", "depth")] }]);
   store.seen.value = false;
   await rest();
   assert.deepEqual(asked, [["cameras", { show: [] }]]);

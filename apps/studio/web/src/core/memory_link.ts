@@ -258,15 +258,13 @@ export class MemoryLink implements Link {
     const end = to < run.time_of(0) ? 0 : index_at(run.count, (i) => run.time_of(i), to) + 1;
     let time: number[] = [];
     const all = this.signals();
-    const series = names.flatMap((name) => {
+    const series = names.map((name) => {
       const signal = all.find((s) => s.name === name);
       if (!signal) throw refused(`no signal '${name}'`);
-      const { picks, low, high } = low_high(signal.values, begin, end, points);
+      const values = fields.run === "ghost" ? (signal.ghost ?? new Float64Array(run.count).fill(NaN)) : signal.values;
+      const { picks, low, high } = low_high(values, begin, end, points);
       time = picks.map((i) => run.time_of(i));
-      const solid = { signal: name, unit: signal.unit, low, high };
-      if (!signal.ghost) return [solid];
-      const second = low_high(signal.ghost, begin, end, points);
-      return [solid, { ...solid, low: second.low, high: second.high, run: "ghost" }];
+      return { signal: name, unit: signal.unit, low, high };
     });
     return { time, series };
   }

@@ -7,7 +7,7 @@ export interface SeriesPart {
   unit: string;
   low: Sample[];
   high: Sample[];
-  /** "ghost": of the second run of a comparison */
+  /** "ghost": of the second run of a comparison, which is asked for by itself */
   run?: string;
 }
 

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
-import { Feed, from_plot, over_time } from "./feed";
+import { Feed, from_plot, over_time, with_ghost } from "./feed";
 import { found } from "./signal_list";
 import { FiguresStore, with_signal, type FigureSpec } from "./store";
 
@@ -170,6 +170,40 @@ test("searching signals: all words, beginnings first", () => {
   assert.deepEqual(names("X ball"), ["front.ball.x", "ball.x"]);
   assert.deepEqual(names(""), signals.map((s) => s.name));
   assert.deepEqual(names("zz"), []);
+});
+
+test("the second run is asked for by itself, up to the same time, and drawn dashed", async () => {
+  const { asked, run, studio } = run_of(4);
+  const status = studio.state.status as unknown as { value: object };
+  status.value = { ...status.value, compare: { labels: ["bullet", "simbody"], first_over: null } };
+  const feed = new Feed(studio, () => spec({}));
+  // frames that came since are for the next time
+  run.frames = 9;
+  await feed.tick(0);
+  assert.deepEqual(
+    asked.map((a) => [a.to, (a as { run?: string }).run]),
+    [
+      [0.3, undefined],
+      [0.3, "ghost"],
+    ],
+  );
+  assert.deepEqual(
+    feed.data.value!.series.map((s) => [s.label, s.dashed, s.y]),
+    [
+      ["a.x (bullet)", false, [0, 1, 2, 3]],
+      ["a.x (simbody)", true, [0, 1, 2, 3]],
+    ],
+  );
+  const part = (time: number[]) => ({ time, series: [{ signal: "a", unit: "m", low: time, high: time }] });
+  const both = with_ghost(part([0, 1, 2, 4]), part([0, 1, 3]));
+  assert.deepEqual(both.time, [0, 1]);
+  assert.deepEqual(
+    both.series.map((s) => s.low),
+    [
+      [0, 1],
+      [0, 1],
+    ],
+  );
 });
 
 test("a scene's plots: over time or not", () => {

@@ -3,15 +3,15 @@ import { signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Status } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { Curves, is_thinned, type SeriesAnswer } from "./curves";
+import { Curves, is_thinned, type SeriesAnswer, type SeriesPart } from "./curves";
 import { axis_label, color_of, share_axes, type Axis, type FigureData, type FigureKind, type FigureSeries } from "./figure";
 import type { FigureSpec } from "./store";
 import type { Sample } from "./statistics";
 
 /** Points of a curve: more than there are pixels side by side. */
 const kPoints = 2000;
-/** Samples of box plots and the like, which must not be thinned. */
-const kSamples = 200_000;
+/** Samples of box plots and the like, which must not be thinned: as many as the server gives. */
+const kSamples = 100_000;
 /** [ms] between two looks at the run, of curves and of what is costly to draw. */
 const kCurvePause = 180;
 const kOtherPause = 1000;
@@ -108,14 +108,14 @@ export class Feed {
       return empty_figure(spec);
     }
     if (spec.kind !== "curve") return this.samples(spec, names, status);
+    const ghost = status.compare !== null;
     const grows = !anew && !range && this.curves.time.length > 0;
     const from = grows ? this.curves.last : (range?.[0] ?? null);
-    const answer = await this.series(names, from, range?.[1] ?? null, kPoints);
-    if (!grows || !this.curves.append(answer)) {
-      this.curves.replace(
-        grows ? await this.series(names, null, null, kPoints) : answer,
-      );
-    }
+    // two runs are asked for one after the other: up to one time, though frames come in between
+    const to = ghost ? Math.min(range?.[1] ?? Infinity, status.last) : (range?.[1] ?? null);
+    const answer = await this.series(names, from, to, kPoints, ghost);
+    if (!grows || !this.curves.append(answer))
+      this.curves.replace(grows ? await this.series(names, null, to, kPoints, ghost) : answer);
     this.note.value = this.curves.series.some(is_thinned)
       ? "More steps than points: the band is from the lowest to the highest value of each interval. Drag over a part to see all of it."
       : "";
@@ -124,7 +124,7 @@ export class Feed {
 
   private async samples(spec: FigureSpec, names: string[], status: Status): Promise<FigureData> {
     const answer = await this.series(names, null, null, Math.min(Math.max(status.frames, kPoints), kSamples));
-    const parts = answer.series.filter((s) => s.run !== "ghost");
+    const parts = answer.series;
     this.note.value = parts.some(is_thinned) ? "Made of every few samples only: the run is long." : "";
     const part = (name: string | undefined) => parts.find((p) => p.signal === name);
     const data = empty_figure(spec);
@@ -165,9 +165,14 @@ export class Feed {
     from: number | null,
     to: number | null,
     points: number,
+    ghost = false,
   ): Promise<SeriesAnswer> {
-    const ask = (signals: string[], p: number): Promise<SeriesAnswer> =>
-      this.studio.link.request<SeriesAnswer>("series", { signals, from, to, points: p });
+    const one = (signals: string[], p: number, run?: "ghost"): Promise<SeriesAnswer> =>
+      this.studio.link.request<SeriesAnswer>("series", { signals, from, to, points: p, ...(run ? { run } : {}) });
+    const ask = async (signals: string[], p: number): Promise<SeriesAnswer> => {
+      const solid = await one(signals, p);
+      return ghost ? with_ghost(solid, await one(signals, p, "ghost")) : solid;
+    };
     let good = names.filter((n) => !this.bad.has(n));
     if (good.length === 0) return { time: [], series: [] };
     try {
@@ -190,6 +195,17 @@ export class Feed {
 
 const message_of = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 const is_closed = (error: unknown): boolean => error instanceof RequestError && error.failure.code === "closed";
+
+/** Both runs in one answer; times that only one of them has are left out. */
+export function with_ghost(solid: SeriesAnswer, ghost: SeriesAnswer): SeriesAnswer {
+  let count = 0;
+  while (count < solid.time.length && solid.time[count] === ghost.time[count]) count += 1;
+  const cut = (s: SeriesPart): SeriesPart => ({ ...s, low: s.low.slice(0, count), high: s.high.slice(0, count) });
+  return {
+    time: solid.time.slice(0, count),
+    series: [...solid.series.map(cut), ...ghost.series.map((s) => ({ ...cut(s), run: "ghost" }))],
+  };
+}
 
 function series_of(fields: Partial<FigureSeries>): FigureSeries {
   return { label: "", unit: "", color: color_of(0), dashed: false, axis: 0, x: [], y: [], z: [], ...fields };
