@@ -99,7 +99,7 @@ export class SocketLink implements Link {
     return this.opens.add(listener);
   }
   asset(path: string): string {
-    return path;
+    return `/asset/${path}`;
   }
 
   private open(): void {
