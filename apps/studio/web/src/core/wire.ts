@@ -49,7 +49,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
     batch(() => {
       state.status.value = status;
       // Back at the start: what was said of the run before is no longer so.
-      if (before && status.last < before.last && status.frames < before.frames && status.state === "stopped") {
+      if (before && status.last < before.last && status.frames < before.frames) {
         state.events.value = [];
         state.live.value = true;
       }

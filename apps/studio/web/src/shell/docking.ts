@@ -3,7 +3,7 @@ import type { Message } from "@lumino/messaging";
 import { DockLayout, DockPanel, TabBar, Widget } from "@lumino/widgets";
 import { h } from "@lumino/virtualdom";
 import type { Studio } from "../core/studio";
-import { panels_in, presets, read_area, type Area } from "./layouts";
+import { panels_in, presets, read_area, same_order, without, type Area } from "./layouts";
 import { panel_named } from "./panels";
 import { recall, remember } from "./memory";
 
@@ -57,6 +57,9 @@ export class Docking {
   /** also those that are closed: what they show is still there when they are opened again */
   private readonly made = new Map<string, Widget>();
   private last = "";
+  private present: Area | null = null;
+  /** how all was arranged when a panel was closed, by its name */
+  private readonly closed = new Map<string, Area>();
   private file = "";
   private arranging = false;
   private save_timer: ReturnType<typeof setTimeout> | undefined;
@@ -129,6 +132,13 @@ export class Docking {
     }
     const widget = this.make(name);
     if (!widget) return;
+    // back to where it was, if the rest is where it was
+    const before = this.closed.get(name) ?? null;
+    if (before && same_order(without(before, name), plain(this.dock.saveLayout().main))) {
+      this.arrange(before);
+      this.dock.activateWidget(widget);
+      return;
+    }
     const beside = this.neighbour(name);
     this.dock.addWidget(widget, beside ? { mode: "tab-after", ref: beside } : { mode: "split-right" });
     this.dock.activateWidget(widget);
@@ -187,13 +197,15 @@ export class Docking {
   }
 
   private modified(): void {
+    if (this.arranging) return;
+    const before = this.present;
+    const area = plain(this.dock.saveLayout().main);
+    this.present = area;
+    for (const name of panels_in(before)) if (!panels_in(area).includes(name)) this.closed.set(name, before!);
     this.changed();
-    if (this.arranging || !this.file) return;
+    if (!this.file || !area) return;
     clearTimeout(this.save_timer);
-    this.save_timer = setTimeout(() => {
-      const area = plain(this.dock.saveLayout().main);
-      if (area) remember(this.key(), JSON.stringify(area));
-    }, 200);
+    this.save_timer = setTimeout(() => remember(this.key(), JSON.stringify(area)), 200);
   }
 }
 

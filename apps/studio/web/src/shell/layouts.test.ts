@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { panels_in, presets, read_area } from "./layouts";
+import { panels_in, presets, read_area, same_order, without } from "./layouts";
 
 const known = (p: string) => ["view3d", "map", "tree", "properties", "code", "cameras", "figures", "compare", "console"].includes(p);
 
@@ -48,4 +48,17 @@ test("a split with one area left is that area; endless nesting is cut", () => {
   let deep: unknown = inner;
   for (let i = 0; i < 100; ++i) deep = { type: "split", children: [deep] };
   assert.equal(read_area(JSON.stringify(deep), known), null);
+});
+
+test("an arrangement without a panel is what is left when it is closed", () => {
+  const edit = presets.Edit!;
+  const left = without(edit, "code")!;
+  assert.deepEqual(panels_in(left), panels_in(edit).filter((p) => p !== "code"));
+  assert.ok(same_order(left, without(edit, "code")));
+  assert.ok(!same_order(left, edit));
+  assert.ok(!same_order(left, without(edit, "map")));
+  const wider = JSON.parse(JSON.stringify(left)) as typeof left;
+  if (wider.type === "split") wider.sizes[0] = 9;
+  assert.ok(same_order(left, wider));
+  assert.equal(without({ type: "tabs", panels: ["map"], current: 0 }, "map"), null);
 });

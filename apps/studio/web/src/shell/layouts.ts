@@ -64,3 +64,16 @@ export function panels_in(area: Area | null): string[] {
   if (!area) return [];
   return area.type === "tabs" ? area.panels : area.children.flatMap(panels_in);
 }
+
+/** The arrangement that is left when a panel is closed. */
+export function without(area: Area | null, panel: string): Area | null {
+  return area && check(area, (p) => p !== panel, new Set(), 0);
+}
+
+/** Whether the same panels lie side by side in the same order, whatever their sizes and whichever is in front. */
+export function same_order(a: Area | null, b: Area | null): boolean {
+  if (!a || !b) return a === b;
+  if (a.type === "tabs") return b.type === "tabs" && a.panels.join() === b.panels.join();
+  if (b.type === "tabs" || a.orientation !== b.orientation || a.children.length !== b.children.length) return false;
+  return a.children.every((child, i) => same_order(child, b.children[i]!));
+}

@@ -1,11 +1,18 @@
 // Panels in windows of their own: each is a page with its own connection (`?panel=NAME`). Over messages between the windows they
 // keep what is selected, followed and looked at the same.
-import { effect } from "@preact/signals-core";
+import { batch, effect } from "@preact/signals-core";
 import type { State } from "../core/state";
 
-/** What one window tells the others. */
+interface Shared {
+  selection: number[];
+  hovered: number;
+  followed: string;
+  theme: "light" | "dark";
+}
+
+/** What one window tells the others: of what is shared only what changed, as two may change different things at once. */
 type Word =
-  | { cogrsim: "state"; selection: number[]; hovered: number; followed: string; theme: "light" | "dark" }
+  | { cogrsim: "state"; changed: Partial<Shared> }
   | { cogrsim: "cursor"; live: boolean; time: number }
   | { cogrsim: "call"; name: "open_panel" | "go_to" | "draw_signal" | "notify"; values: (string | number)[] }
   | { cogrsim: "hello" };
@@ -18,7 +25,9 @@ export interface Others {
 
 export class Windows implements Others {
   private readonly popped = new Map<string, Window>();
-  private last = "";
+  /** What the others know. */
+  private known: Partial<Shared> = {};
+  private greeted = false;
 
   /** `main`: null in the main window. */
   constructor(
@@ -39,22 +48,14 @@ export class Windows implements Others {
     });
     if (main) this.post(main, { cogrsim: "hello" });
     effect(() => {
-      const word: Word = {
-        cogrsim: "state",
-        selection: state.selection.value,
-        hovered: state.hovered.value,
-        followed: state.followed.value,
-        theme: state.theme.value,
-      };
-      const text = JSON.stringify(word);
-      const heard = text === this.last;
-      this.last = text;
+      const now = this.shared();
+      const changed = difference(this.known, now);
+      this.known = now;
       // a new window is told by the main one, and does not tell it first
-      if (!heard && (this.main === null || this.greeted)) this.tell(word);
+      if (Object.keys(changed).length > 0 && (this.main === null || this.greeted)) this.tell({ cogrsim: "state", changed });
     });
     if (!main) setInterval(() => this.look_after(), 500);
   }
-  private greeted = false;
 
   /** Whether the browser let the window open. */
   pop_out(panel: string): boolean {
@@ -78,6 +79,10 @@ export class Windows implements Others {
     this.tell({ cogrsim: "cursor", live, time });
   }
 
+  private shared(): Shared {
+    const { selection, hovered, followed, theme } = this.state;
+    return { selection: selection.value, hovered: hovered.value, followed: followed.value, theme: theme.value };
+  }
   private tell(word: Word, except?: Window): void {
     for (const other of this.main ? [this.main] : this.popped.values()) {
       if (other !== except && !other.closed) this.post(other, word);
@@ -93,18 +98,21 @@ export class Windows implements Others {
     const { state } = this;
     switch (word.cogrsim) {
       case "hello":
-        this.post(from, JSON.parse(this.last) as Word);
+        this.post(from, { cogrsim: "state", changed: this.shared() });
         if (!state.live.value && state.frame.value) {
           this.post(from, { cogrsim: "cursor", live: false, time: state.frame.value.time });
         }
         break;
       case "state":
         this.greeted = true;
-        this.last = JSON.stringify(word);
-        state.selection.value = word.selection;
-        state.hovered.value = word.hovered;
-        state.followed.value = word.followed;
-        state.theme.value = word.theme;
+        this.known = { ...this.known, ...word.changed };
+        batch(() => {
+          const { selection, hovered, followed, theme } = word.changed;
+          if (selection !== undefined) state.selection.value = selection;
+          if (hovered !== undefined) state.hovered.value = hovered;
+          if (followed !== undefined) state.followed.value = followed;
+          if (theme !== undefined) state.theme.value = theme;
+        });
         this.tell(word, from);
         break;
       case "cursor":
@@ -125,4 +133,11 @@ export class Windows implements Others {
       this.done.returned(panel);
     }
   }
+}
+
+/** What of `now` is not as in `before`. */
+function difference(before: Partial<Shared>, now: Shared): Partial<Shared> {
+  return Object.fromEntries(
+    Object.entries(now).filter(([key, value]) => JSON.stringify(before[key as keyof Shared]) !== JSON.stringify(value)),
+  );
 }
