@@ -108,7 +108,7 @@ export class Feed {
       return empty_figure(spec);
     }
     if (spec.kind !== "curve") return this.samples(spec, names, status);
-    const ghost = status.compare !== null;
+    const ghost = Boolean(status.compare);
     const grows = !anew && !range && this.curves.time.length > 0;
     const from = grows ? this.curves.last : (range?.[0] ?? null);
     // two runs are asked for one after the other: up to one time, though frames come in between
