@@ -97,7 +97,7 @@ class Engine {
   void measure();
 
   RunOptions options_;
-  const std::vector<std::string> plugin_folders_;
+  std::vector<std::string> plugin_folders_;
   History& history_;
   Scenes& scenes_;
   Board& board_;

@@ -198,6 +198,7 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
 
 tl::expected<std::vector<std::string>, Refusal> Engine::show(Scene scene) {
   settle();
+  if (!scene.plugin_folders.empty()) plugin_folders_ = scene.plugin_folders;
   const bool playing = state_ == State::playing;
   const bool begun = simulation_ && simulation_->step_count() > 0;
   if (begun && !ghost_ && state_ != State::ended) {

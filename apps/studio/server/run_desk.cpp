@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "cogrsim/plugin/descriptor.h"
 #include "run_fields.h"
 #include "run_wire.h"
 
@@ -11,50 +10,39 @@ namespace cogrsim::studio {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> kAnswers = {"hello", "seek",      "step-back",
-                                                      "live",  "subscribe", "events"};
+// At once, and in a thread of its own.
+constexpr std::array<std::string_view, 7> kAtOnce = {"seek",   "step-back", "live", "subscribe",
+                                                     "events", "cameras",   "view"};
+constexpr std::array<std::string_view, 5> kComputed = {"signals", "series", "divergence", "plots",
+                                                       "figure"};
+
+template <class List>
+bool among(const List& list, std::string_view what) {
+  return std::find(list.begin(), list.end(), what) != list.end();
+}
 
 }  // namespace
 
 Desk::Desk(Frames& frames, Scenes& scenes, Board& board, Outbox& outbox,
-           std::vector<std::string> plugin_folders, std::string kind, std::string file)
-    : frames_(frames),
-      scenes_(scenes),
-      board_(board),
-      plugin_folders_(std::move(plugin_folders)),
-      kind_(std::move(kind)),
-      file_(std::move(file)),
-      viewers_(board, frames, scenes, outbox) {}
+           const std::vector<std::string>& plugin_folders)
+    : board_(board),
+      series_(frames, scenes),
+      viewers_(board, frames, scenes, outbox),
+      cameras_(viewers_, scenes, outbox, plugin_folders) {}
 
 Desk::~Desk() { stop(); }
 
 void Desk::stop() {
   worker_.stop();
+  cameras_.stop();
   viewers_.stop();
 }
 
-bool Desk::answers(std::string_view what) {
-  return std::find(kAnswers.begin(), kAnswers.end(), what) != kAnswers.end();
-}
+bool Desk::answers(std::string_view what) { return among(kAtOnce, what) || among(kComputed, what); }
 
-void Desk::hello(const Request& request, const Reply& reply) {
-  worker_.post([this, client = request.client, role = request.role, reply] {
-    if (backends_.empty()) {
-      PluginLoader loader(plugin_folders_);
-      for (const PluginPtr& plugin : loader.all()) {
-        if (plugin->descriptor().kind == PluginKind::backend) {
-          backends_.push_back(plugin->descriptor().name);
-        }
-      }
-    }
-    reply(Json{{"role", role == Role::operator_ ? "operator" : "viewer"},
-               {"client", client},
-               {"version", COGRSIM_VERSION},
-               {"kind", kind_},
-               {"file", file_},
-               {"backends", backends_}});
-    viewers_.greet(client);
-  });
+void Desk::left(ClientId client) {
+  cameras_.left(client);
+  viewers_.left(client);
 }
 
 Answer Desk::look(const Request& request) {
@@ -87,6 +75,8 @@ Answer Desk::look(const Request& request) {
     viewers_.subscribe(request.client, wanted[0], wanted[1]);
     return Json::object();
   }
+  if (request.what == "cameras") return cameras_.show(request.client, f);
+  if (request.what == "view") return cameras_.view(request.client, f);
   const auto from = fields::whole(f, "from", 0, 0, std::int64_t{1} << 53);
   if (!from) return tl::unexpected(from.error());
   Json list = Json::array();
@@ -96,9 +86,25 @@ Answer Desk::look(const Request& request) {
   return Json{{"events", std::move(list)}};
 }
 
+Answer Desk::compute(const std::string& what, const Json& f) {
+  if (what == "signals") return series_.signals();
+  if (what == "series") return series_.series(f);
+  if (what == "plots") return series_.plots();
+  if (what == "figure") return series_.figure(f);
+  const Situation now = board_.situation();
+  if (!now.compare) return fail("nothing is compared");
+  Json first;
+  for (const IndexedEvent& event : board_.events_from(0)) {
+    if (event.event.kind != "parted") continue;
+    first = {{"time", event.event.time}, {"name", event.event.source}};
+    break;
+  }
+  return series_.divergence(now.compare->labels, first);
+}
+
 void Desk::handle(const Request& request, const Reply& reply) {
-  if (request.what == "hello") return hello(request, reply);
-  reply(look(request));
+  if (among(kAtOnce, request.what)) return reply(look(request));
+  worker_.post([this, what = request.what, f = request.fields, reply] { reply(compute(what, f)); });
 }
 
 }  // namespace cogrsim::studio

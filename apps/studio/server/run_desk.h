@@ -6,18 +6,20 @@
 #include <string>
 #include <vector>
 
+#include "cameras.h"
 #include "run.h"
 #include "run_board.h"
 #include "run_scenes.h"
 #include "run_viewers.h"
 #include "run_worker.h"
+#include "series.h"
 
 namespace cogrsim::studio {
 
 class Desk {
  public:
   Desk(Frames& frames, Scenes& scenes, Board& board, Outbox& outbox,
-       std::vector<std::string> plugin_folders, std::string kind, std::string file);
+       const std::vector<std::string>& plugin_folders);
   ~Desk();
   /// Nothing is answered any more; to be called before what it looks at goes.
   void stop();
@@ -25,18 +27,18 @@ class Desk {
   static bool answers(std::string_view what);
   void handle(const Request& request, const Reply& reply);
   Viewers& viewers() { return viewers_; }
+  void left(ClientId client);
+  /// To be done by and by, away from everybody who waits.
+  void post(std::function<void()> job) { worker_.post(std::move(job)); }
 
  private:
-  void hello(const Request& request, const Reply& reply);
   Answer look(const Request& request);
+  Answer compute(const std::string& what, const Json& fields);
 
-  Frames& frames_;
-  Scenes& scenes_;
   Board& board_;
-  const std::vector<std::string> plugin_folders_;
-  const std::string kind_, file_;
-  std::vector<std::string> backends_;  ///< the worker's
+  SeriesDesk series_;  ///< the worker's
   Viewers viewers_;
+  Cameras cameras_;
   Worker worker_;
 };
 

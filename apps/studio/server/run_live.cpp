@@ -21,7 +21,7 @@ class LiveRun final : public Run {
  public:
   LiveRun(RunOptions options, const PluginLoader& loader, Outbox& outbox)
       : history_(options.history_bytes),
-        desk_(history_, scenes_, board_, outbox, loader.folders(), "scene", ""),
+        desk_(history_, scenes_, board_, outbox, loader.folders()),
         engine_(std::move(options), loader.folders(), history_, scenes_, board_,
                 [this] { desk_.viewers().follow_all(); }) {}
 
@@ -39,8 +39,8 @@ class LiveRun final : public Run {
     if (auto done = steer(request, reply); !done) reply(tl::unexpected(done.error()));
   }
 
-  void joined(ClientId client, Role role) override { desk_.viewers().joined(client, role); }
-  void left(ClientId client) override { desk_.viewers().left(client); }
+  void joined(ClientId client, Role) override { desk_.viewers().joined(client); }
+  void left(ClientId client) override { desk_.left(client); }
 
   void show(Scene scene,
             std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>

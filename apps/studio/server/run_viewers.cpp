@@ -40,23 +40,15 @@ void Viewers::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void Viewers::joined(ClientId client, Role role) {
+void Viewers::joined(ClientId client) {
   std::lock_guard lock(mutex_);
-  clients_[client].role = role;
+  clients_[client] = Client();
   board_.poke();
 }
 
 void Viewers::left(ClientId client) {
   std::lock_guard lock(mutex_);
   clients_.erase(client);
-  board_.poke();
-}
-
-void Viewers::greet(ClientId client) {
-  std::lock_guard lock(mutex_);
-  const auto found = clients_.find(client);
-  if (found == clients_.end()) return;
-  found->second.new_here = true;
   board_.poke();
 }
 
@@ -130,9 +122,6 @@ void Viewers::tell_everything() {
     for (auto& [id, client] : clients_) {
       if (!client.new_here) continue;
       client.new_here = false;
-      client.greeted = true;
-      client.scene_sent = 0;
-      client.frame_sent.reset();
       fresh.push_back(id);
     }
   }
@@ -161,7 +150,7 @@ void Viewers::send_frames() {
     std::lock_guard lock(mutex_);
     for (auto& [id, client] : clients_) {
       const Moment& moment = client.live ? newest : client.sought;
-      if (!client.greeted || !moment) continue;
+      if (client.new_here || !moment) continue;
       const Tail& was = client.sent_tail;
       if (client.frame_sent == moment.frame && client.sent_live == client.live &&
           client.scene_sent == moment.scene && was.contacts == client.tail.contacts &&

@@ -21,10 +21,9 @@ class Viewers {
   void stop();
 
   // From any thread.
-  void joined(ClientId client, Role role);
+  /// From now on it is told everything.
+  void joined(ClientId client);
   void left(ClientId client);
-  /// From now on it is told everything; it has asked for it.
-  void greet(ClientId client);
   /// Errors: there are no frames.
   Result<Moment> seek(ClientId client, double time);
   Result<Moment> step_back(ClientId client);
@@ -38,9 +37,7 @@ class Viewers {
 
  private:
   struct Client {
-    Role role = Role::viewer;
-    bool greeted = false;   ///< may be told things
-    bool new_here = false;  ///< is to be told everything once
+    bool new_here = true;  ///< is to be told everything once
     bool live = true;
     Moment sought;
     Tail tail;

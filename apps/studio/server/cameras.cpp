@@ -1,0 +1,275 @@
+#include "cameras.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cogrsim/rendering/standard_view.h"
+#include "cogrsim/sensing/instruments.h"
+#include "picture_file.h"
+#include "run_fields.h"
+#include "run_wire.h"
+
+namespace cogrsim::studio {
+
+namespace {
+
+constexpr std::int64_t kLeastSize = 16, kMostSize = 2048;  // [pixel]
+constexpr std::size_t kMostCameras = 32;                   // of one client
+constexpr int kJpegQuality = 80;
+/// Whether a client sees something new or takes another picture is looked at so often, and only
+/// while pictures are wished for.
+constexpr auto kLookTime = std::chrono::milliseconds(15);
+
+const char* const kKinds[] = {"color", "depth", "segmentation"};
+
+/// Near is bright; what is not there is black. From the nearest to the farthest in the picture.
+Result<std::string> depth_picture(const Picture& picture) {
+  float least = std::numeric_limits<float>::infinity(), most = 0.0F;
+  for (const float d : picture.depth) {
+    if (!std::isfinite(d)) continue;
+    least = std::min(least, d);
+    most = std::max(most, d);
+  }
+  Image image;
+  image.width = picture.width;
+  image.height = picture.height;
+  image.channels = 1;
+  image.data.assign(picture.depth.size(), 0);
+  const float range = std::max(most - least, 1e-6F);
+  for (std::size_t i = 0; i < picture.depth.size(); ++i) {
+    const float d = picture.depth[i];
+    if (!std::isfinite(d)) continue;
+    image.data[i] = static_cast<std::uint8_t>(std::lround(255.0F - 215.0F * (d - least) / range));
+  }
+  return encode_png(image);
+}
+
+void scale(Camera& camera, int width) {
+  const double factor = static_cast<double>(width) / camera.width;
+  camera.width = width;
+  camera.height = std::max(1, static_cast<int>(std::lround(camera.height * factor)));
+  for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *value *= factor;
+}
+
+}  // namespace
+
+Cameras::Cameras(Viewers& viewers, Scenes& scenes, Outbox& outbox,
+                 std::vector<std::string> plugin_folders)
+    : viewers_(viewers),
+      scenes_(scenes),
+      outbox_(outbox),
+      plugin_folders_(std::move(plugin_folders)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+void Cameras::stop() {
+  {
+    std::lock_guard lock(mutex_);
+    over_ = true;
+    waiting_.notify_one();
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+Answer Cameras::show(ClientId client, const Json& f) {
+  const Json* list = fields::find(f, "show");
+  if (!list || !list->is_array() || list->size() > kMostCameras) {
+    return fields::wrong("show", "a list of at most 32 cameras");
+  }
+  const SceneRecordPtr record = scenes_.newest();
+  std::vector<Wish> wishes;
+  for (const Json& one : *list) {
+    if (!one.is_object()) return fields::wrong("show", "a list of objects");
+    const auto name = fields::text(one, "name");
+    const auto kind = fields::maybe_text(one, "kind");
+    const auto width = fields::whole(one, "width", 320, kLeastSize, kMostSize);
+    if (!name) return tl::unexpected(name.error());
+    if (!kind) return tl::unexpected(kind.error());
+    if (!width) return tl::unexpected(width.error());
+    Wish wish;
+    wish.name = *name;
+    wish.width = static_cast<int>(*width);
+    const auto found = std::find(std::begin(kKinds), std::end(kKinds), kind->value_or("color"));
+    if (found == std::end(kKinds)) {
+      return fields::wrong("kind", "\"color\", \"depth\" or \"segmentation\"");
+    }
+    wish.kind = static_cast<Kind>(found - std::begin(kKinds));
+    const auto named = [&](const auto& element) { return element.name == *name; };
+    if (!record ||
+        (std::none_of(record->model->sensors.begin(), record->model->sensors.end(),
+                      [&](const SensorModel& s) { return named(s) && s.type == "camera"; }) &&
+         std::none_of(record->model->views.begin(), record->model->views.end(), named))) {
+      return fail("there is no camera and no view '" + *name + "'");
+    }
+    wishes.push_back(std::move(wish));
+  }
+  std::lock_guard lock(mutex_);
+  if (wishes.empty()) {
+    wishes_.erase(client);
+  } else {
+    wishes_[client] = std::move(wishes);
+  }
+  waiting_.notify_one();
+  return Json::object();
+}
+
+Answer Cameras::view(ClientId client, const Json& f) {
+  const auto width = fields::whole(f, "width", 640, kLeastSize, kMostSize);
+  const auto height = fields::whole(f, "height", 480, kLeastSize, kMostSize);
+  const auto fov = fields::maybe_number(f, "fov");
+  if (!width) return tl::unexpected(width.error());
+  if (!height) return tl::unexpected(height.error());
+  if (!fov) return tl::unexpected(fov.error());
+  Wish wish;
+  wish.once = true;
+  wish.width = static_cast<int>(*width);
+  wish.height = static_cast<int>(*height);
+  wish.fov = fov->value_or(0.8);
+  if (!(wish.fov > 0.01 && wish.fov < 3.0)) return fields::wrong("fov", "from 0.01 to 3 rad");
+  if (const Json* pose = fields::find(f, "pose")) {
+    const bool good = pose->is_array() && pose->size() == 7 &&
+                      std::all_of(pose->begin(), pose->end(), [](const Json& v) {
+                        return v.is_number() && std::fabs(v.get<double>()) < 1e9;
+                      });
+    if (!good) return fields::wrong("pose", "seven numbers: x y z, quaternion w x y z");
+    const auto v = pose->get<std::vector<double>>();
+    Quat q(v[3], v[4], v[5], v[6]);
+    if (q.norm() < 1e-6) return fields::wrong("pose", "seven numbers with a quaternion");
+    wish.pose = Pose({v[0], v[1], v[2]}, q.normalized());
+  }
+  if (!viewers_.seen(client)) return fail("there is nothing to look at yet");
+  std::lock_guard lock(mutex_);
+  std::vector<Wish>& wishes = wishes_[client];
+  // The one asked for last is the one that is wanted.
+  wishes.erase(std::remove_if(wishes.begin(), wishes.end(), [](const Wish& w) { return w.once; }),
+               wishes.end());
+  wishes.push_back(std::move(wish));
+  waiting_.notify_one();
+  return Json::object();
+}
+
+void Cameras::left(ClientId client) {
+  std::lock_guard lock(mutex_);
+  wishes_.erase(client);
+  turns_.erase(client);
+}
+
+std::optional<Cameras::Job> Cameras::next_job() {
+  std::vector<ClientId> clients;
+  {
+    std::lock_guard lock(mutex_);
+    for (const auto& [client, wishes] : wishes_) {
+      if (!wishes.empty()) clients.push_back(client);
+    }
+  }
+  // One picture of a client, then the next client's: nobody waits for another's many cameras.
+  std::stable_sort(clients.begin(), clients.end(),
+                   [this](ClientId a, ClientId b) { return turns_[a] < turns_[b]; });
+  for (const ClientId client : clients) {
+    if (!outbox_.wants_picture(client)) continue;
+    const Moment moment = viewers_.seen(client);
+    if (!moment) continue;
+    std::lock_guard lock(mutex_);
+    const auto found = wishes_.find(client);
+    if (found == wishes_.end()) continue;
+    std::vector<Wish>& wishes = found->second;
+    for (std::size_t k = 0; k < wishes.size(); ++k) {
+      const std::size_t i = (turns_[client] + k) % wishes.size();
+      if (!wishes[i].once && wishes[i].drawn == moment.frame) continue;
+      Job job{client, i, wishes[i], moment};
+      wishes[i].drawn = moment.frame;
+      ++turns_[client];
+      if (job.what.once) wishes.erase(wishes.begin() + static_cast<std::ptrdiff_t>(i));
+      return job;
+    }
+  }
+  return std::nullopt;
+}
+
+Result<RenderRequest> Cameras::request_of(const Wish& wish, const Frame& frame) const {
+  RenderRequest request;
+  const SceneModel& model = *frame.model;
+  if (wish.name.empty()) {
+    request.camera = wish.pose ? make_camera(*wish.pose, wish.width, wish.height, wish.fov)
+                               : standard_camera(StandardView::iso, visible_bounds(frame),
+                                                 wish.width, wish.height, wish.fov);
+    return request;
+  }
+  for (const SensorModel& sensor : model.sensors) {
+    if (sensor.name != wish.name || sensor.type != "camera" || sensor.removed) continue;
+    auto made = camera_request(model, sensor, frame.state);
+    if (!made) return made;
+    scale(made->camera, wish.width);
+    return made;
+  }
+  for (const ViewModel& view : model.views) {
+    if (view.name != wish.name) continue;
+    request.camera = make_camera(view.X_WV, wish.width, std::max(1, wish.width * 3 / 4), view.fov);
+    return request;
+  }
+  return fail("there is no camera '" + wish.name + "' at this time");
+}
+
+Result<Bytes> Cameras::draw(const Job& job) {
+  const Frame& frame = *job.moment.frame;
+  auto request = request_of(job.what, frame);
+  if (!request) return tl::unexpected(request.error());
+  request->color = job.what.kind == Kind::color;
+  request->depth = job.what.kind == Kind::depth;
+  request->segmentation = job.what.kind == Kind::segmentation;
+  if (!renderer_ && problem_.empty()) {
+    PluginLoader loader(plugin_folders_);
+    auto loaded = load_renderer(loader);
+    if (loaded) {
+      renderer_ = std::move(*loaded);
+    } else {
+      problem_ = loaded.error().text();
+    }
+  }
+  if (!renderer_) return fail("no pictures can be made: " + problem_);
+  auto pictures = renderer_->render(frame, {*request});
+  if (!pictures) return tl::unexpected(pictures.error());
+  ++rendered_;
+  const Picture& picture = pictures->front();
+  const Result<std::string> file = job.what.kind == Kind::color
+                                       ? encode_jpeg(picture.color, kJpegQuality)
+                                   : job.what.kind == Kind::depth ? depth_picture(picture)
+                                                                  : cli::segmentation_png(picture);
+  if (!file) return tl::unexpected(file.error());
+  return std::make_shared<const std::string>(encode_picture(static_cast<int>(job.what.kind),
+                                                            job.what.name, picture.width,
+                                                            picture.height, frame.time, *file));
+}
+
+void Cameras::run() {
+  std::string told;
+  for (;;) {
+    {
+      std::unique_lock lock(mutex_);
+      waiting_.wait(lock, [this] { return over_ || !wishes_.empty(); });
+      if (over_) return;
+    }
+    const auto job = next_job();
+    if (!job) {
+      std::unique_lock lock(mutex_);
+      for (auto entry = wishes_.begin(); entry != wishes_.end();) {
+        entry = entry->second.empty() ? wishes_.erase(entry) : std::next(entry);
+      }
+      if (!wishes_.empty()) waiting_.wait_for(lock, kLookTime, [this] { return over_; });
+      continue;
+    }
+    const auto drawn = draw(*job);
+    if (drawn) {
+      outbox_.offer_picture(
+          job->client, std::string(kKinds[static_cast<int>(job->what.kind)]) + " " + job->what.name,
+          *drawn);
+    } else if (drawn.error().message != told) {
+      told = drawn.error().message;
+      const RunMessage message{job->moment.time(), Severity::error, job->what.name, told};
+      outbox_.send(job->client, Json{{"tell", "messages"}, {"messages", {to_json(message)}}}.dump(
+                                    -1, ' ', false, Json::error_handler_t::replace));
+    }
+  }
+}
+
+}  // namespace cogrsim::studio
