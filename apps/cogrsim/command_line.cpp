@@ -460,7 +460,7 @@ std::string unknown_subcommand(const CLI::App& app, const std::string& word) {
 
 }  // namespace
 
-int run_command_line(int argc, char** argv) {
+int run_command_line(int argc, char** argv, const std::vector<AddWords>& more) {
   CLI::App app("Robot simulation on several physics engines: one scene, every engine.", "cogrsim");
   Words words;
   int status = kGood;
@@ -477,6 +477,7 @@ int run_command_line(int argc, char** argv) {
   add_test(app, status);
   add_map(app, status);
   add_render(app, status);
+  for (const AddWords add : more) add(app, status);
   add_small_ones(app, words, status);
   app.footer(
       "Examples:\n"

@@ -43,6 +43,19 @@ TEST_CASE("the printed address sets a cookie and leads to the page", "[studio][s
             .status == 200);
 }
 
+TEST_CASE("the address for the browser is good for one visit", "[studio][server]") {
+  Served served;
+  const std::string address = served.server().launch_address();
+  const std::string target = address.substr(address.find("/?token="));
+  const std::string line = " HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n";
+  CHECK(served.raw("HEAD " + target + line).status == 403);
+  const HttpReply reply = served.raw("GET " + target + line);
+  CHECK(reply.status == 303);
+  CHECK_THAT(reply.header("set-cookie"), Contains("=" + served.operator_token + ";"));
+  CHECK(served.raw("GET " + target + line).status == 403);
+  CHECK(served.raw("GET /?token= HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n").status == 403);
+}
+
 TEST_CASE("without the right token everything is refused with what to do", "[studio][server]") {
   Served served;
   const std::string host = "Host: " + served.host + "\r\n";

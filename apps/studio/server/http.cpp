@@ -209,13 +209,17 @@ std::optional<Role> Gate::role_of(const std::vector<std::string_view>& cookies) 
   return role;
 }
 
-HttpAnswer Gate::take_token(std::string_view query) const {
+HttpAnswer Gate::take_token(std::string_view query, bool head) {
   std::string_view token;
   any_part(query, '&', [&](std::string_view part) {
     if (part.substr(0, 6) != "token=") return false;
     token = part.substr(6);
     return true;
   });
+  if (!head && same_token(token, secrets_.launch_token)) {
+    token = secrets_.operator_token;
+    secrets_.launch_token.clear();
+  }
   if (!role_of(token)) {
     return refusal(403,
                    "This is not the address that was printed. Open the one that `cogrsim studio` "
@@ -273,7 +277,7 @@ HttpAnswer Gate::asset(std::string_view number, const HttpRequest& request) cons
   return answer;
 }
 
-Gate::Decision Gate::decide(const HttpRequest& request) const {
+Gate::Decision Gate::decide(const HttpRequest& request) {
   const auto with = [&](HttpAnswer answer) {
     answer.with_body = request.method != "HEAD";
     return Decision{std::move(answer), std::nullopt};
@@ -304,7 +308,9 @@ Gate::Decision Gate::decide(const HttpRequest& request) const {
   const std::string_view query =
       question == std::string_view::npos ? std::string_view() : request.target.substr(question + 1);
   const auto has_token = [](std::string_view part) { return part.substr(0, 6) == "token="; };
-  if (path == "/" && any_part(query, '&', has_token)) return with(take_token(query));
+  if (path == "/" && any_part(query, '&', has_token)) {
+    return with(take_token(query, request.method == "HEAD"));
+  }
 
   const std::optional<Role> role = role_of(request.cookies);
   if (!role) {

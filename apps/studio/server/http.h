@@ -39,6 +39,7 @@ class Gate {
  public:
   struct Secrets {
     std::string operator_token, viewer_token;
+    std::string launch_token;  ///< the operator's for one visit; empty: none
   };
   /// `asset`: the file behind a number, see Inbox.
   Gate(Secrets secrets, unsigned short port, std::function<std::string(std::size_t)> asset);
@@ -48,7 +49,7 @@ class Gate {
     HttpAnswer answer;
     std::optional<Role> upgrade;
   };
-  Decision decide(const HttpRequest& request) const;
+  Decision decide(const HttpRequest& request);
 
   /// "cogrsim_studio_40213": cookies do not tell ports apart.
   const std::string& cookie_name() const { return cookie_name_; }
@@ -57,7 +58,7 @@ class Gate {
   bool known_host(std::string_view host, std::string_view local_address) const;
   std::optional<Role> role_of(std::string_view token) const;
   std::optional<Role> role_of(const std::vector<std::string_view>& cookies) const;
-  HttpAnswer take_token(std::string_view query) const;
+  HttpAnswer take_token(std::string_view query, bool head);
   HttpAnswer page(std::string_view path, const HttpRequest& request) const;
   HttpAnswer asset(std::string_view number, const HttpRequest& request) const;
 

@@ -87,6 +87,7 @@ struct Server::Impl {
     return found == boxes.end() ? nullptr : found->second;
   }
   void wake(ClientId client);
+  std::string address(const std::string& token) const;
 };
 
 // One WebSocket, from its opening to its end.
@@ -425,7 +426,8 @@ Result<std::unique_ptr<Server>> Server::listen(const ServerOptions& options) {
     return fail(fmt::format("'{}' is no address to listen at", options.host), "",
                 "write 127.0.0.1 for this machine alone, or an address it has in its network");
   }
-  for (std::string* token : {&impl->secrets.operator_token, &impl->secrets.viewer_token}) {
+  for (std::string* token :
+       {&impl->secrets.operator_token, &impl->secrets.viewer_token, &impl->secrets.launch_token}) {
     auto made = new_token();
     if (!made) return tl::unexpected<Error>(made.error());
     *token = std::move(*made);
@@ -458,14 +460,19 @@ Server::Server(std::unique_ptr<Impl> impl)
 Server::~Server() = default;
 
 std::string Server::address(Role role) const {
-  asio::ip::address host = impl_->endpoint.address();
+  return impl_->address(role == Role::operator_ ? impl_->secrets.operator_token
+                                                : impl_->secrets.viewer_token);
+}
+
+std::string Server::launch_address() const { return impl_->address(impl_->secrets.launch_token); }
+
+std::string Server::Impl::address(const std::string& token) const {
+  asio::ip::address host = endpoint.address();
   if (host.is_unspecified()) {
     host = host.is_v6() ? asio::ip::address(asio::ip::address_v6::loopback())
                         : asio::ip::address(asio::ip::address_v4::loopback());
   }
-  return fmt::format(
-      "http://{}:{}/?token={}", literal(host), impl_->endpoint.port(),
-      role == Role::operator_ ? impl_->secrets.operator_token : impl_->secrets.viewer_token);
+  return fmt::format("http://{}:{}/?token={}", literal(host), endpoint.port(), token);
 }
 
 std::size_t Server::client_count() const {

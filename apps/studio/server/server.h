@@ -32,6 +32,8 @@ class Server final : public Outbox {
 
   /// "http://127.0.0.1:40213/?token=…", for those who may do all, or only look on.
   std::string address(Role role) const;
+  /// The operator's, but good for one visit: for a browser whose command line other users may read.
+  std::string launch_address() const;
   std::size_t client_count() const;
 
   /// Serves until stop(), on the calling thread; once. What is sent afterwards goes nowhere.

@@ -1,0 +1,142 @@
+#include "studio_command.h"
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "browser.h"
+#include "cogrsim/plugin/loader.h"
+#include "document.h"
+#include "options.h"
+#include "run.h"
+#include "server.h"
+#include "studio.h"
+#include "terminal.h"
+
+namespace cogrsim::studio {
+namespace {
+
+// Reached by the signal handler, which knows nothing but statics.
+std::atomic<Server*> g_server{nullptr};
+
+void on_signal(int) {
+  if (Server* server = g_server.load()) server->stop();
+}
+
+// While it lives, SIGINT and SIGTERM stop the server; the second time they end the process.
+class SignalsStop {
+ public:
+  explicit SignalsStop(Server& server) {
+    g_server.store(&server);
+    struct sigaction action {};
+    action.sa_handler = on_signal;
+    sigemptyset(&action.sa_mask);
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+    sigaction(SIGINT, &action, &interrupt_);
+    sigaction(SIGTERM, &action, &terminate_);
+  }
+  ~SignalsStop() {
+    sigaction(SIGINT, &interrupt_, nullptr);
+    sigaction(SIGTERM, &terminate_, nullptr);
+    g_server.store(nullptr);
+  }
+  SignalsStop(const SignalsStop&) = delete;
+  SignalsStop& operator=(const SignalsStop&) = delete;
+
+ private:
+  struct sigaction interrupt_ {
+  }, terminate_{};
+};
+
+int failed(const Error& error) {
+  cli::print_error(error.text());
+  return cli::kFailed;
+}
+
+bool is_loopback(const std::string& host) {
+  return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
+}
+
+}  // namespace
+
+bool is_recording(const std::string& file) {
+  return std::filesystem::path(file).extension() == ".mcap";
+}
+
+int studio_command(const StudioOptions& options) {
+  const bool recording = is_recording(options.file);
+  // Of each thread its own: a loader is for one at a time.
+  const auto run_loader = std::make_shared<PluginLoader>(options.plugin_paths);
+  const auto document_loader = std::make_shared<PluginLoader>(options.plugin_paths);
+
+  StudioInfo info;
+  info.version = COGRSIM_VERSION;
+  info.kind = recording ? "recording" : "scene";
+  info.file = std::filesystem::path(options.file).filename().string();
+  info.allow_build = options.allow_build;
+  if (!recording) {
+    for (const PluginPtr& plugin : PluginLoader(options.plugin_paths).all()) {
+      if (plugin->descriptor().kind == PluginKind::backend) {
+        info.backends.push_back(plugin->descriptor().name);
+      }
+    }
+  }
+
+  // Each refers to those above it, and goes before them.
+  ServerOptions network;
+  network.host = options.host;
+  network.port = options.port;
+  network.goodbye = R"({"tell":"goodbye","reason":"the studio was ended"})";
+  auto server = Server::listen(network);
+  if (!server) return failed(server.error());
+  const SignalsStop stopping(**server);
+
+  std::unique_ptr<Run> run;
+  std::unique_ptr<Document> document;
+  if (recording) {
+    auto opened = Run::of_recording(options.file, run_loader, **server);
+    if (!opened) return failed(opened.error());
+    run = std::move(*opened);
+  } else {
+    RunOptions about_run;
+    about_run.backend = options.backend;
+    about_run.step = options.step;
+    about_run.seed = options.seed;
+    about_run.parameters = options.parameters;
+    const auto folder = std::filesystem::path(options.file).parent_path();
+    about_run.folder = folder.empty() ? "." : folder.string();
+    run = Run::of_scene(std::move(about_run), run_loader, **server);
+    DocumentOptions about_document;
+    about_document.path = options.file;
+    about_document.parameters = options.parameters;
+    about_document.seed = options.seed;
+    about_document.allow_build = options.allow_build;
+    auto opened = Document::open(std::move(about_document), document_loader, *run, **server);
+    if (!opened) return failed(opened.error());
+    document = std::move(*opened);
+  }
+  std::vector<Part*> parts = {run.get()};
+  if (document) parts.push_back(document.get());
+  Studio studio(
+      std::move(info), std::move(parts), [&run](std::size_t number) { return run->asset(number); },
+      **server);
+
+  fmt::print("{}\n", (*server)->address(Role::operator_));
+  std::fflush(stdout);
+  fmt::print(stderr, "for those who only look on: {}\n", (*server)->address(Role::viewer));
+  if (!is_loopback(options.host)) {
+    cli::print_warning(
+        "others in the network reach this studio; whoever has the address with its token may do "
+        "all "
+        "that you may, and nothing is encrypted\nhelp: leave --host out and come by `ssh -L`");
+  }
+  if (options.open) open_browser((*server)->launch_address());
+  (*server)->run(studio);
+  fmt::print(stderr, "the studio has ended\n");
+  return cli::kGood;
+}
+
+}  // namespace cogrsim::studio

@@ -1,0 +1,31 @@
+// `cogrsim studio`: puts network, run and document together.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cogrsim::studio {
+
+struct StudioOptions {
+  std::string file;  ///< scene or recording
+  std::string host = "127.0.0.1";
+  unsigned short port = 0;  ///< 0: any that is free
+  bool open = true;         ///< a browser
+  std::string backend;      ///< empty: the scene's
+  double step = 0.0;        ///< [s]; 0: the scene's
+  std::optional<std::uint64_t> seed;
+  std::map<std::string, std::string> parameters;
+  bool allow_build = false;
+  std::vector<std::string> plugin_paths;
+};
+
+/// By its name: "….mcap".
+bool is_recording(const std::string& file);
+
+/// Serves until SIGINT or SIGTERM. Returns a cli::ExitStatus.
+int studio_command(const StudioOptions& options);
+
+}  // namespace cogrsim::studio
