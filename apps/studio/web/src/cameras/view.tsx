@@ -1,5 +1,5 @@
 // The list of cameras, and the windows that float over the page.
-import { useSignal, useSignalEffect } from "@preact/signals";
+import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
 import { kPictureKinds, type Camera, type CameraStore, type PictureKind } from "./store";
@@ -141,10 +141,7 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
     };
   }, [name]);
   // another kind: what is there is no longer what the window says
-  useSignalEffect(() => {
-    void store.states.value[name]?.kind;
-    time.value = null;
-  });
+  useEffect(() => void (time.value = null), [kind]);
 
   if (!place) return <></>;
   const drag = (event: PointerEvent, change: (from: Place, dx: number, dy: number) => Place): void => {
