@@ -1,4 +1,5 @@
 // Keeps the state up to what the link says.
+import { follow_elements } from "./follow";
 import { batch } from "@preact/signals-core";
 import type { Link } from "./link";
 import type { Hello, RunEvent, RunMessage } from "./protocol";
@@ -59,9 +60,10 @@ export function wire(link: Link, state: State, failed: (message: string) => void
   link.on("document", (document) => (state.document.value = document));
   link.on("tree", (tree) => {
     batch(() => {
+      const selection = state.selection.value;
+      const there = follow_elements(selection, state.tree.value.elements, tree.elements);
       state.tree.value = tree;
-      const there = state.selection.value.filter((id) => id < tree.elements.length);
-      if (there.length !== state.selection.value.length) state.selection.value = there;
+      if (there.join() !== selection.join()) state.selection.value = there;
     });
   });
   link.on("problems", ({ problems }) => (state.problems.value = problems));

@@ -15,16 +15,16 @@ const schema = new Schema({
       name: "box",
       attributes: [
         { name: "name", kind: "name" },
-        { name: "size", kind: "numbers", required: true, count: [3, 3] },
-        { name: "xyz", kind: "numbers", count: [3, 3], default: "0 0 0" },
+        { name: "size", kind: "numbers", required: true, min_count: 3, max_count: 3 },
+        { name: "xyz", kind: "numbers", min_count: 3, max_count: 3, default: "0 0 0" },
         { name: "color", kind: "color" },
       ],
     },
     { name: "controller", children: ["set"], attributes: [{ name: "plugin", kind: "text", required: true }] },
     { name: "contact", attributes: [{ name: "between", kind: "references" }] },
-    { name: "contact", with: "on", attributes: [{ name: "on", kind: "reference" }] },
+    { name: "contact", when: "on", attributes: [{ name: "on", kind: "reference" }] },
   ],
-  plugins: { controller: [{ name: "drive", parameters: [{ name: "speed", type: "number", default: 1 }, { name: "gain", type: "number", default: 2 }] }] },
+  plugins: { controllers: [{ name: "drive", parameters: [{ name: "speed", kind: "number", default: "1" }, { name: "gain", kind: "number", default: "2" }] }] },
 });
 
 test("what must be there comes first, what the vocabulary does not know is shown too", () => {

@@ -56,87 +56,42 @@ const text_of = (value: unknown): string => (typeof value === "string" ? value :
 const list_of = <T>(value: unknown): T[] => (Array.isArray(value) ? (value as T[]) : []);
 const number_of = (value: unknown): number | null => (typeof value === "number" && isFinite(value) ? value : null);
 
-/** Units by name of the dimension, the usual one first. */
-type UnitTable = Record<string, string[]>;
-
-/** SI unit of a dimension; what has no name is told by its unit. */
-function si_unit(dimension: string, units: UnitTable): string {
-  if (dimension === "none" || dimension === "1") return "";
-  return dimension === "angle" ? "rad" : (units[dimension]?.[0] ?? dimension);
-}
-
-function read_attribute(raw: Loose, units: UnitTable): AttributeSchema {
-  const [least, most] = list_of<number>(raw.count);
+export function read_attribute(raw: Loose): AttributeSchema {
   return {
     name: text_of(raw.name),
     kind: (text_of(raw.kind) || "text") as AttributeKind,
     doc: text_of(raw.doc),
     default: text_of(raw.default),
     required: raw.required === true,
-    units: list_of<string>(raw.dimensions).map((d) => si_unit(d, units)),
+    units: list_of<string>(raw.units),
     per_entry: raw.per_entry === true,
-    min: number_of(raw.minimum),
-    max: number_of(raw.maximum),
-    above_min: raw.above_minimum === true,
+    min: number_of(raw.min),
+    max: number_of(raw.max),
+    above_min: raw.above_min === true,
     none_allowed: raw.none_allowed === true,
     choices: list_of<string>(raw.choices),
-    min_count: least ?? 1,
-    max_count: most ?? 1,
+    min_count: number_of(raw.min_count) ?? 1,
+    max_count: number_of(raw.max_count) ?? 1,
     wants: text_of(raw.wants),
   };
 }
 
-function read_element(raw: Loose, units: UnitTable): ElementSchema {
+function read_element(raw: Loose): ElementSchema {
   return {
     name: text_of(raw.name),
     group: text_of(raw.group),
     doc: text_of(raw.doc),
     example: text_of(raw.example),
     children: list_of<string>(raw.children),
-    attributes: list_of<Loose>(raw.attributes).map((a) => read_attribute(a, units)),
+    attributes: list_of<Loose>(raw.attributes).map(read_attribute),
     flow: raw.flow === true,
-    open: raw.open === true,
-    when: text_of(raw.with),
-  };
-}
-
-const kParameterKinds: Record<string, AttributeKind> = {
-  boolean: "boolean", bool: "boolean", integer: "integer", int: "integer", number: "number", real: "number", text: "text",
-};
-
-/** A parameter of a plugin as an attribute of <set>. */
-export function read_parameter(raw: Loose): AttributeSchema {
-  const choices = list_of<string>(raw.choices);
-  const value = raw.default;
-  const list = Array.isArray(value) ? value.length : 0;
-  const unit = text_of(raw.unit);
-  const type = text_of(raw.type);
-  const kind = choices.length > 0 ? "choice" : (kParameterKinds[type] ?? (list > 0 || type.includes("list") ? "numbers" : "text"));
-  const plain = Array.isArray(value) ? value.join(" ") : value === null || value === undefined ? "" : String(value);
-  // Defaults are SI; an angle says so.
-  const numeric = kind === "number" || kind === "numbers" || kind === "integer";
-  return {
-    name: text_of(raw.name),
-    kind,
-    doc: text_of(raw.doc),
-    default: raw.required === true ? "" : numeric && unit !== "" && plain !== "" ? `${plain} ${unit}` : plain,
-    required: raw.required === true,
-    units: unit === "" || unit === "1" ? [] : [unit],
-    per_entry: false,
-    min: number_of(raw.minimum),
-    max: number_of(raw.maximum),
-    above_min: false,
-    none_allowed: false,
-    choices,
-    min_count: 1,
-    // as long as one likes
-    max_count: kind === "numbers" ? 1000 : 1,
-    wants: "",
+    open: raw.open_attributes === true,
+    when: text_of(raw.when),
   };
 }
 
 function read_plugin(raw: Loose): PluginSchema {
-  return { name: text_of(raw.name), doc: text_of(raw.doc), parameters: list_of<Loose>(raw.parameters).map(read_parameter) };
+  return { name: text_of(raw.name), doc: text_of(raw.doc), parameters: list_of<Loose>(raw.parameters).map(read_attribute) };
 }
 
 export class Schema {
@@ -146,8 +101,7 @@ export class Schema {
 
   constructor(answer: Loose) {
     const raw = (answer.schema ?? answer) as Loose;
-    const units = (raw.units ?? {}) as UnitTable;
-    this.elements = list_of<Loose>(raw.elements).map((e) => read_element(e, units));
+    this.elements = list_of<Loose>(raw.elements).map(read_element);
     for (const element of this.elements) {
       const same = this.by_name_.get(element.name);
       if (same) same.push(element);
@@ -155,7 +109,7 @@ export class Schema {
     }
     const plugins = (raw.plugins ?? {}) as Loose;
     const of = (use: string) => list_of<Loose>(plugins[use]).map(read_plugin);
-    this.plugins_ = { controller: of("controller"), supervisor: of("supervisor"), sensor: of("sensor") };
+    this.plugins_ = { controller: of("controllers"), supervisor: of("supervisors"), sensor: of("sensors") };
   }
 
   /** What a tag means; with attributes, which of two meanings. */

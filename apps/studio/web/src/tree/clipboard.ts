@@ -2,7 +2,8 @@
 import type { TreeElement } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { offset_at } from "../code/columns";
-import { dedent, element_end, split_elements } from "../forms/xml_text";
+import { factor_of, parse_numbers, print_numbers, short_number } from "../forms/values";
+import { dedent, element_end, split_elements, start_tag } from "../forms/xml_text";
 import { top_most } from "./model";
 import { tree_state } from "./tree_state";
 
@@ -11,6 +12,18 @@ export function element_xml(text: string, element: TreeElement): string | null {
   const from = offset_at(text, element.line, element.column);
   const to = element_end(text, from);
   return to === null ? null : dedent(text.slice(from, to).replace(/\r\n/g, "\n"));
+}
+
+/** The element `shift` [m] further along x; as it is if it has no place written in plain numbers. */
+export function shifted_xml(xml: string, shift: number): string {
+  const tag = start_tag(xml, 0);
+  const span = tag?.attributes.find((a) => a.name === "xyz");
+  const parts = span ? parse_numbers(xml.slice(span.value_from, span.value_to)) : null;
+  const x = parts?.entries[0];
+  const factor = x ? factor_of("m", x.unit) : undefined;
+  if (!span || !parts || !x || factor === undefined || parts.entries.length !== 3) return xml;
+  x.text = short_number(Number(x.text) + shift / factor);
+  return xml.slice(0, span.value_from) + print_numbers(parts.entries) + xml.slice(span.value_to);
 }
 
 // What was copied elsewhere since is newer than what was copied here; the window cannot have lost the focus unseen.
@@ -27,6 +40,7 @@ export function copy_elements(studio: Studio, ids: readonly number[]): boolean {
   const copied = top_most(elements, ids).flatMap((id) => element_xml(text, elements[id]!) ?? []);
   if (copied.length === 0) return false;
   tree_state(studio).copied.value = copied;
+  tree_state(studio).copied_from.value = elements[elements[ids[0] ?? 0]?.parent ?? 0]?.path ?? null;
   left_window = false;
   // Not allowed everywhere; inside this page copying works without.
   void navigator.clipboard?.writeText(copied.join("\n")).catch(() => undefined);

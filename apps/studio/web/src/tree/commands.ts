@@ -5,7 +5,7 @@ import { settle_typing } from "../code/pending";
 import { kBodies, kMovable } from "../forms/schema";
 import { duplicate_offset } from "../add/place";
 import { start_tag } from "../forms/xml_text";
-import { copied_elements, copy_elements } from "./clipboard";
+import { copied_elements, copy_elements, shifted_xml } from "./clipboard";
 import { mass_element } from "./mass_view";
 import { label_of, top_most } from "./model";
 import { start_renaming, tree_state } from "./tree_state";
@@ -54,6 +54,8 @@ async function paste(studio: Studio): Promise<void> {
   const schema = tree_state(studio).schema.value;
   const main = studio.state.selection.value[studio.state.selection.value.length - 1] ?? 0;
   const ops: Op[] = [];
+  const { copied_from } = tree_state(studio);
+  const shift = duplicate_offset(studio.state, chosen(studio))[0];
   for (const xml of copied) {
     const tag = start_tag(xml, 0)?.tag ?? "";
     // Into what is selected if that is a group, else beside it; at the end of the first around it that may hold it.
@@ -62,7 +64,9 @@ async function paste(studio: Studio): Promise<void> {
     const takes = (id: number) => !schema || schema.may_hold(elements, id, tag);
     if (!groups.includes(elements[parent]?.tag ?? "") || !takes(parent)) parent = elements[parent]?.parent ?? 0;
     while (parent > 0 && !takes(parent)) parent = elements[parent]!.parent;
-    ops.push({ op: "insert", parent: Math.max(0, parent), xml, before: null });
+    parent = Math.max(0, parent);
+    const beside = [...kBodies, "assembly", "instance"].includes(tag) && elements[parent]?.path === copied_from.value;
+    ops.push({ op: "insert", parent, xml: beside ? shifted_xml(xml, shift) : xml, before: null });
   }
   const made = await studio.edit(copied.length === 1 ? "paste" : `paste ${copied.length} elements`, ops);
   if (made) studio.select(made);

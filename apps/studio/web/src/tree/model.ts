@@ -1,6 +1,8 @@
 // The rows of the scene tree: which elements are shown, in which order, how deep.
 import type { TreeElement } from "../core/protocol";
 
+export { element_keys } from "../core/follow";
+
 export interface SignalInfo {
   name: string;
   unit: string;
@@ -28,20 +30,6 @@ export function children_lists(elements: readonly TreeElement[]): number[][] {
   const out: number[][] = elements.map(() => []);
   for (const element of elements) if (element.parent >= 0) out[element.parent]?.push(element.id);
   return out;
-}
-
-/** What names an element across versions of the text: its dotted name, or its place among its like. */
-export function element_keys(elements: readonly TreeElement[]): string[] {
-  const seen = new Map<string, number>();
-  const keys: string[] = [];
-  for (const element of elements) {
-    const around = element.parent >= 0 ? (keys[element.parent] ?? "") : "";
-    const stem = element.name === "" ? `${around}/${element.tag}` : `${around}/${element.tag}=${element.name}`;
-    const count = seen.get(stem) ?? 0;
-    seen.set(stem, count + 1);
-    keys.push(count === 0 && element.name !== "" ? stem : `${stem}#${count}`);
-  }
-  return keys;
 }
 
 export function label_of(element: TreeElement): string {

@@ -12,6 +12,8 @@ export interface TreeState {
   signals: Signal<Map<string, SignalInfo[]>>;
   /** Elements copied in this page, as XML. */
   copied: Signal<string[]>;
+  /** dotted name of what held them: pasted there they would be inside each other */
+  copied_from: Signal<string | null>;
 }
 
 const states = new WeakMap<Studio, TreeState>();
@@ -20,7 +22,7 @@ const states = new WeakMap<Studio, TreeState>();
 export function tree_state(studio: Studio): TreeState {
   let state = states.get(studio);
   if (state) return state;
-  state = { renaming: signal(-1), schema: signal(null), signals: signal(new Map()), copied: signal([]) };
+  state = { renaming: signal(-1), schema: signal(null), signals: signal(new Map()), copied: signal([]), copied_from: signal(null) };
   states.set(studio, state);
   const { schema, signals } = state;
   studio.state.hello.subscribe((hello) => {
