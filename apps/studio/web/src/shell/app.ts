@@ -2,7 +2,7 @@
 import { CommandRegistry } from "@lumino/commands";
 import { MessageLoop } from "@lumino/messaging";
 import { ContextMenu, Widget } from "@lumino/widgets";
-import { effect } from "@preact/signals-core";
+import { effect, signal } from "@preact/signals-core";
 import { show_bar } from "../control/bar";
 import { Control } from "../control/commands";
 import { count_wrong } from "../console/lines";
@@ -198,12 +198,15 @@ export class App implements Studio {
     bar.dataset.testid = "connection";
     let ended = "";
     this.link.on("goodbye", ({ reason }) => (ended = reason));
+    // a page that has just been opened is given a moment
+    const opened = signal(false);
+    setTimeout(() => (opened.value = true), 2_000);
     effect(() => {
-      const lost = !this.state.open.value && this.state.hello.value !== null;
+      const lost = !this.state.open.value && (this.state.hello.value !== null || opened.value);
       if (this.state.open.value) ended = "";
       bar.hidden = !lost;
       bar.textContent = lost
-        ? `Connection lost${ended ? ` (${ended})` : ""}, trying again. If the studio was started anew, open the address it printed.`
+        ? `${this.state.hello.value ? "Connection lost" : "No connection to the studio"}${ended ? ` (${ended})` : ""}, trying again. If the studio was started anew, open the address it printed.`
         : "";
     });
     return bar;
