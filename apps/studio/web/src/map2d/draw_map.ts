@@ -3,7 +3,7 @@ import type { Frame, Scene } from "../core/protocol";
 import { compose, is_finite, pose_at, IDENTITY } from "../view3d/pose";
 import { ray_ends } from "../view3d/rays";
 import { count_until, top_assembly, type Trails } from "../view3d/trails";
-import { shape_bounds, radius_of } from "../view3d/bounds";
+import { shape_bounds } from "../view3d/bounds";
 import type { Item } from "./items";
 import { length_text, round_length, type Sheet } from "./sheet";
 
@@ -306,7 +306,7 @@ function draw_names(picture: MapPicture): void {
     const body = scene.bodies[item.body]!;
     const top = top_assembly(scene, body.assembly);
     const key = top >= 0 ? `a${top}` : `b${item.body}`;
-    const radius = radius_of(shape_bounds(scene, item.shape));
+    const [wide, deep] = item.half;
     const name = names.get(key) ?? {
       text: top >= 0 ? scene.assemblies[top]!.name : body.name,
       moves: false,
@@ -316,10 +316,10 @@ function draw_names(picture: MapPicture): void {
       right: -Infinity,
     };
     name.moves ||= !item.fixed;
-    name.low = Math.min(name.low, item.y - radius);
-    name.high = Math.max(name.high, item.y + radius);
-    name.left = Math.min(name.left, item.x - radius);
-    name.right = Math.max(name.right, item.x + radius);
+    name.low = Math.min(name.low, item.y - deep);
+    name.high = Math.max(name.high, item.y + deep);
+    name.left = Math.min(name.left, item.x - wide);
+    name.right = Math.max(name.right, item.x + wide);
     names.set(key, name);
   }
   context.font = "12px system-ui, sans-serif";

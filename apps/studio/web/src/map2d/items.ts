@@ -16,6 +16,8 @@ export interface Item {
   top: number;
   /** in metres, around the origin, before the turn */
   path: Path2D;
+  /** half of what the outline spans along x and y of the world [m] */
+  half: [number, number];
   /** unit normal of a plane, world */
   normal: Vec3;
 }
@@ -24,6 +26,8 @@ interface Kept extends Item {
   up: Vec3;
   tilt: Rotation;
   reach: number;
+  /** half of what the outline spans before the turn */
+  span: [number, number];
 }
 
 /** So little tilt [rad] changes an outline by less than a pixel on any screen. */
@@ -36,6 +40,17 @@ export function path_of(polygons: [number, number][][]): Path2D {
     path.closePath();
   }
   return path;
+}
+
+function span_of(outline: [number, number][][]): [number, number] {
+  const span: [number, number] = [0, 0];
+  for (const polygon of outline) {
+    for (const [x, y] of polygon) {
+      span[0] = Math.max(span[0], Math.abs(x));
+      span[1] = Math.max(span[1], Math.abs(y));
+    }
+  }
+  return span;
 }
 
 export class Items {
@@ -55,7 +70,9 @@ export class Items {
           turn: 0,
           top: 0,
           path: new Path2D(),
+          half: [0, 0],
           normal: [0, 0, 1],
+          span: [0, 0],
           up: [NaN, NaN, NaN],
           tilt: [1, 0, 0, 0, 1, 0, 0, 0, 1],
           reach: 0,
@@ -77,11 +94,15 @@ export class Items {
       if (!(change <= SAME_TILT)) {
         item.up = up;
         item.tilt = level(up);
-        item.path = path_of(plan_outline(this.scene, item.shape, item.tilt));
+        const outline = plan_outline(this.scene, item.shape, item.tilt);
+        item.path = path_of(outline);
+        item.span = span_of(outline);
         item.reach = reach_up(this.scene, item.shape, up);
       }
       item.turn = turn_of(pose, item.tilt);
       item.top = pose[2] + item.reach;
+      const [c, n] = [Math.abs(Math.cos(item.turn)), Math.abs(Math.sin(item.turn))];
+      item.half = [c * item.span[0] + n * item.span[1], n * item.span[0] + c * item.span[1]];
       if (item.shape.type === "plane") item.normal = plane_normal(item.up, item.turn, item.tilt);
     }
     return this.all.filter((item) => !Number.isNaN(item.x)).sort((a, b) => a.top - b.top);
