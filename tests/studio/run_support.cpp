@@ -68,6 +68,14 @@ Bytes FakeOutbox::last_picture() const {
   return pictures_.empty() ? nullptr : pictures_.back();
 }
 
+Json FakeOutbox::told(const std::string& tell) const {
+  std::lock_guard lock(mutex_);
+  for (auto text = to_all_.rbegin(); text != to_all_.rend(); ++text) {
+    if (text->at("tell") == tell) return *text;
+  }
+  return {};
+}
+
 std::vector<Json> FakeOutbox::all(ClientId client, const std::string& tell) const {
   std::lock_guard lock(mutex_);
   std::vector<Json> out;

@@ -31,6 +31,8 @@ class FakeOutbox final : public Outbox {
   Bytes last_picture() const;
   /// The last tell of that name that the client was sent, null: none.
   Json last(ClientId client, const std::string& tell) const;
+  /// The last one that all were sent.
+  Json told(const std::string& tell) const;
   std::vector<Json> all(ClientId client, const std::string& tell) const;
 
   /// Until it holds, at most half a minute; false: it did not.
