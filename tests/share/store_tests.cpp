@@ -252,6 +252,47 @@ TEST_CASE("a store that dies during a push has no half package", "[share][faults
   CHECK(list(direct).size() == 1);
 }
 
+TEST_CASE("a large package goes there and back, or not at all", "[share][faults][s3][webdav]") {
+  Folder home;
+  const std::string scene = write_scene(home / "arm");
+  // Noise, so that it stays large: a linear congruential generator (Knuth, MMIX).
+  std::string noise(3u << 20, '\0');
+  std::uint64_t state = 1;
+  for (char& c : noise) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    c = static_cast<char>(state >> 56);
+  }
+  write_to(home / "arm/noise.stl", noise);
+  const std::vector<std::string> include = {"--include", home / "arm/noise.stl"};
+  const WebdavServer webdav;
+  const S3Server s3;
+  for (const StoreWords& store : {in(webdav, "/dav"), in(s3)}) {
+    CAPTURE(store.address);
+    StoreWords stranger = store;
+    stranger.environment["COGRSIM_STORE_PASSWORD"] = "wrong";
+    stranger.environment["AWS_SECRET_ACCESS_KEY"] = "wrong";
+    const Outcome refused = push(stranger, scene, include);
+    CAPTURE(refused.err);
+    CHECK(refused.status == 1);
+    CHECK((refused.err.find("wants a user") != std::string::npos ||
+           refused.err.find("SignatureDoesNotMatch") != std::string::npos));
+    CHECK(list(store).empty());
+    const Outcome pushed = push(store, scene, include);
+    CAPTURE(pushed.err);
+    REQUIRE(pushed.status == 0);
+    Folder into;
+    REQUIRE(pull(store, "arm", into.path()).status == 0);
+    CHECK((content_of(into / "arm-1.0.0/noise.stl") == noise));
+  }
+  const FaultyProxy dying(webdav, "die:1000000");
+  CHECK(push({"http://127.0.0.1:" + std::to_string(dying.port()) + "/open", {}}, scene, include)
+            .status == 1);
+  CHECK(list({webdav.url("/open"), {}}).empty());
+  const FaultyProxy busy(webdav, "busy:2");
+  CHECK(push({"http://127.0.0.1:" + std::to_string(busy.port()) + "/open", {}}, scene, include)
+            .status == 0);
+}
+
 TEST_CASE("a push whose answers got lost is a push", "[share][faults]") {
   const WebdavServer server;
   Folder home;
