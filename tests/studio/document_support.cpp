@@ -1,0 +1,140 @@
+#include "document_support.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <future>
+#include <sstream>
+
+namespace cogrsim::studio::testing {
+
+namespace fs = std::filesystem;
+
+void Listener::send(ClientId, std::string text) { send_all(std::move(text)); }
+
+void Listener::send_all(std::string text) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    told_.push_back(Json::parse(text));
+  }
+  changed_.notify_all();
+}
+
+Json Listener::wait(const std::string& tell, std::uint64_t version) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  Json found;
+  const bool came = changed_.wait_for(lock, std::chrono::seconds(30), [&] {
+    for (auto it = told_.rbegin(); it != told_.rend(); ++it)
+      if ((*it)["tell"] == tell && (*it)["version"].get<std::uint64_t>() >= version &&
+          !(it->contains("compiling") && (*it)["compiling"] == true)) {
+        found = *it;
+        return true;
+      }
+    return false;
+  });
+  INFO(tell << " of version " << version);
+  REQUIRE(came);
+  return found;
+}
+
+std::size_t Listener::count(const std::string& tell) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::size_t out = 0;
+  for (const Json& one : told_) out += one["tell"] == tell ? 1 : 0;
+  return out;
+}
+
+void ShownRun::show(
+    Scene scene,
+    std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)> done) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    shown_.push_back(std::move(scene));
+  }
+  if (refuse_) {
+    Diagnostic fault;
+    fault.code = "CG0801";
+    fault.message = "the engine refuses it";
+    done(tl::unexpected(std::vector<Diagnostic>{fault}));
+  } else {
+    done(std::vector<std::string>{});
+  }
+}
+
+std::vector<Scene> ShownRun::shown() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return shown_;
+}
+
+Folder::Folder() {
+  std::string pattern = (fs::temp_directory_path() / "cogrsim-document-XXXXXX").string();
+  REQUIRE(::mkdtemp(pattern.data()) != nullptr);
+  folder_ = pattern;
+}
+
+Folder::~Folder() {
+  std::error_code error;
+  fs::remove_all(folder_, error);
+}
+
+void Folder::write(const std::string& name, const std::string& text) const {
+  fs::create_directories((folder_ / name).parent_path());
+  std::ofstream(folder_ / name, std::ios::binary) << text;
+}
+
+std::string Folder::read_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+Desk::Desk(const std::string& path, bool allow_build) {
+  DocumentOptions options;
+  options.path = path;
+  options.allow_build = allow_build;
+  auto opened = Document::open(options, std::make_shared<PluginLoader>(), run, page);
+  INFO((opened ? std::string() : opened.error().text()));
+  REQUIRE(opened);
+  document = std::move(*opened);
+  page.wait("problems", 1);
+}
+
+Answer Desk::ask(const std::string& what, Json fields, ClientId client) {
+  auto promise = std::make_shared<std::promise<Answer>>();
+  auto answer = promise->get_future();
+  document->handle({client, Role::operator_, what, std::move(fields)},
+                   [promise](Answer given) { promise->set_value(std::move(given)); });
+  REQUIRE(answer.wait_for(std::chrono::seconds(120)) == std::future_status::ready);
+  Answer out = answer.get();
+  if (out && out->contains("version") && (*out)["version"].is_number())
+    version = (*out)["version"].get<std::uint64_t>();
+  return out;
+}
+
+Json Desk::get(const std::string& what, Json fields) {
+  Answer answer = ask(what, std::move(fields));
+  INFO(what << ": " << (answer ? std::string() : answer.error().text()));
+  REQUIRE(answer);
+  return *answer;
+}
+
+Json Desk::edit(Json op, const std::string& label) {
+  return get("edit",
+             {{"version", version}, {"ops", Json::array({std::move(op)})}, {"label", label}});
+}
+
+std::string Desk::text() { return page.wait("document", version)["text"].get<std::string>(); }
+
+Json Desk::tree() { return page.wait("tree", version)["elements"]; }
+
+int Desk::id(const std::string& tag, const std::string& name) {
+  for (const Json& e : tree())
+    if (e["tag"] == tag && e["name"] == name) return e["id"].get<int>();
+  FAIL("no " << tag << " " << name);
+  return -1;
+}
+
+}  // namespace cogrsim::studio::testing

@@ -1,0 +1,317 @@
+// The document as a page sees it.
+#include <catch2/catch.hpp>
+
+#include "document_support.h"
+
+using namespace cogrsim;
+using namespace cogrsim::studio;
+using namespace cogrsim::studio::testing;
+
+namespace {
+
+const char* const kScene =
+    "<scene name=\"two\">\n"
+    "  <!-- the ground -->\n"
+    "  <plane name=\"floor\"/>\n"
+    "  <box name=\"a\" size=\"1 1 1\" mass=\"2 kg\" xyz=\"0 0 1\"/>\n"
+    "  <box name=\"b\" size=\"1 1 1\" mass=\"6 kg\" xyz=\"4 0 1\"/>\n"
+    "</scene>\n";
+
+std::string message(const Answer& answer) {
+  REQUIRE_FALSE(answer);
+  return answer.error().text();
+}
+
+}  // namespace
+
+TEST_CASE("a page is told text tree and problems", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  const Json document = desk.page.wait("document", 1);
+  CHECK(document["text"] == kScene);
+  CHECK(document["file"] == "t.scene.xml");
+  CHECK(document["dirty"] == false);
+  CHECK(document["good"] == true);
+  CHECK(document["undo"].is_null());
+  const Json tree = desk.tree();
+  REQUIRE(tree.size() == 4);
+  CHECK(tree[2]["path"] == "a");
+  CHECK(tree[2]["line"] == 4);
+  CHECK(tree[2]["attributes"]["mass"] == "2 kg");
+  desk.get("sources");  // comes after the run was told
+  const auto shown = desk.run.shown();
+  REQUIRE(shown.size() == 1);
+  CHECK(shown[0].model->bodies.size() == 3);
+  CHECK(shown[0].origins.bodies[1].element == 2);
+  CHECK(shown[0].origins.bodies[1].own);
+  // A second page gets the same.
+  const std::size_t before = desk.page.count("document");
+  desk.document->joined(2, Role::viewer);
+  desk.get("sources");  // comes after it
+  CHECK(desk.page.count("document") == before + 1);
+}
+
+TEST_CASE("a file that is not there yet starts with a scene that runs", "[document]") {
+  Folder folder;
+  Desk desk(folder.path("new_one.scene.xml"));
+  const Json document = desk.page.wait("document", 1);
+  CHECK(document["good"] == true);
+  CHECK(document["dirty"] == true);
+  CHECK(desk.page.wait("problems", 1)["problems"].empty());
+  CHECK_FALSE(folder.has("new_one.scene.xml"));
+  desk.get("save");
+  CHECK(folder.read("new_one.scene.xml") == document["text"].get<std::string>());
+}
+
+TEST_CASE("typing makes steps of the history by its groups", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  const std::string one = std::string(kScene) + "<!-- 1 -->", two = one + "<!-- 2 -->",
+                    three = two + "<!-- 3 -->";
+  desk.get("set-text", {{"version", 1}, {"text", one}, {"group", "g"}});
+  desk.get("set-text", {{"version", 2}, {"text", two}, {"group", "g"}});
+  desk.get("set-text", {{"version", 3}, {"text", three}, {"group", "h"}});
+  CHECK(desk.text() == three);
+  CHECK(desk.get("undo")["label"] == "typing");
+  CHECK(desk.text() == two);
+  desk.get("undo");
+  CHECK(desk.text() == kScene);
+  CHECK(message(desk.ask("undo")).find("nothing to undo") != std::string::npos);
+  desk.get("redo");
+  CHECK(desk.text() == two);
+  // A new change forgets what was undone.
+  desk.get("set-text", {{"version", desk.version}, {"text", one}});
+  CHECK(message(desk.ask("redo")).find("nothing to redo") != std::string::npos);
+  // The same group after an undo is another step.
+  desk.get("set-text", {{"version", desk.version}, {"text", two}, {"group", "g"}});
+  desk.get("undo");
+  CHECK(desk.text() == one);
+}
+
+TEST_CASE("old versions are refused", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  desk.get("set-text", {{"version", 1}, {"text", std::string(kScene) + "\n"}});
+  const Answer late = desk.ask("set-text", {{"version", 1}, {"text", "x"}});
+  REQUIRE_FALSE(late);
+  CHECK(late.error().code == "stale");
+  const Answer edit = desk.ask(
+      "edit", {{"version", 1}, {"ops", {{{"op", "remove"}, {"elements", {2}}}}}, {"label", ""}});
+  REQUIRE_FALSE(edit);
+  CHECK(edit.error().code == "stale");
+}
+
+TEST_CASE("structured edits and typing share one history", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  desk.edit({{"op", "set"}, {"element", 2}, {"attribute", "mass"}, {"value", "3 kg"}}, "mass of a");
+  desk.get("set-text", {{"version", desk.version}, {"text", desk.text() + "<!-- end -->"}});
+  const Json made = desk.edit(
+      {{"op", "insert"}, {"parent", 0}, {"xml", "<sphere name=\"a\" radius=\"1\" xyz=\"9 0 2\"/>"}},
+      "add a sphere");
+  CHECK(made["created"] == Json::array({4}));
+  CHECK(desk.tree()[4]["name"] == "a_2");
+  CHECK(desk.page.wait("document", desk.version)["undo"] == "add a sphere");
+  desk.edit({{"op", "place"}, {"element", 4}, {"pose", {9, 1, 2, 1, 0, 0, 0}}});
+  CHECK(desk.text().find("xyz=\"9 1 2\"") != std::string::npos);
+  desk.edit({{"op", "remove"}, {"elements", {4}}});
+  for (int i = 0; i < 5; ++i) desk.get("undo");
+  CHECK(desk.text() == kScene);
+  for (int i = 0; i < 5; ++i) desk.get("redo");
+  CHECK(desk.text().find("mass=\"3 kg\"") != std::string::npos);
+  desk.get("sources");
+  CHECK(desk.run.shown().back().origins.version == desk.page.wait("tree", desk.version)["version"]);
+}
+
+TEST_CASE("a broken text keeps the last good scene and says where it is broken", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  std::string broken = kScene;
+  broken.replace(broken.find("<box name=\"b\""), 4, "<bo");
+  desk.get("set-text", {{"version", 1}, {"text", broken}});
+  Json problems = desk.page.wait("problems", desk.version);
+  CHECK(problems["good"] == false);
+  REQUIRE_FALSE(problems["problems"].empty());
+  CHECK(problems["problems"][0]["line"] == 5);
+  CHECK(problems["problems"][0]["file"] == "t.scene.xml");
+  CHECK(desk.run.shown().size() == 1);
+  CHECK(desk.page.wait("document", desk.version)["good"] == false);
+  // It is well-formed, so its tree is there, and can be mended in it.
+  CHECK(desk.tree().size() == 4);
+
+  std::string open = kScene;
+  open.replace(open.find("</scene>"), 8, "");
+  desk.get("set-text", {{"version", desk.version}, {"text", open}});
+  CHECK(desk.page.wait("problems", desk.version)["good"] == false);
+  CHECK(desk.page.wait("tree", desk.version)["elements"].empty());
+  const Answer edit = desk.ask("edit", {{"version", desk.version},
+                                        {"ops", {{{"op", "remove"}, {"elements", {2}}}}},
+                                        {"label", "x"}});
+  CHECK(message(edit).find("mend the text first: line 1") != std::string::npos);
+
+  desk.get("set-text", {{"version", desk.version}, {"text", kScene}});
+  problems = desk.page.wait("problems", desk.version);
+  CHECK(problems["good"] == true);
+  CHECK(problems["problems"].empty());
+  desk.get("sources");
+  CHECK(desk.run.shown().size() == 2);
+}
+
+TEST_CASE("what the engine refuses is a problem too", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  desk.run.refuse(true);
+  const std::size_t before = desk.page.count("problems");
+  desk.edit({{"op", "set"}, {"element", 2}, {"attribute", "mass"}, {"value", "3 kg"}});
+  for (int i = 0; i < 1000 && desk.page.count("problems") < before + 2; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const Json problems = desk.page.wait("problems", desk.version)["problems"];
+  REQUIRE(problems.size() == 1);
+  CHECK(problems[0]["message"] == "the engine refuses it");
+}
+
+TEST_CASE("of many changes in a row the newest is compiled", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  // They are all in the queue before the first is looked at, but for one or two.
+  std::vector<std::future<bool>> answers;
+  for (int i = 0; i < 50; ++i) {
+    auto promise = std::make_shared<std::promise<bool>>();
+    answers.push_back(promise->get_future());
+    desk.document->handle(
+        {1,
+         Role::operator_,
+         "set-text",
+         {{"version", i + 1}, {"text", std::string(kScene) + std::string(i + 1, '\n')}}},
+        [promise](Answer answer) { promise->set_value(answer.has_value()); });
+  }
+  for (auto& answer : answers) CHECK(answer.get());
+  desk.page.wait("tree", 51);
+  desk.get("sources");
+  CHECK(desk.run.shown().size() < 40);
+  CHECK(desk.run.shown().back().origins.version == 51);
+}
+
+TEST_CASE("line ends of the file outlive an editor that knows one kind", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", "<scene>\r\n  <plane/>\r\n</scene>\r\n");
+  Desk desk(folder.path("t.scene.xml"));
+  desk.get("set-text", {{"version", 1}, {"text", "<scene>\n  <plane/>\n\n</scene>\n"}});
+  CHECK(desk.text() == "<scene>\r\n  <plane/>\r\n\r\n</scene>\r\n");
+}
+
+TEST_CASE("masses of several elements are summed", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  const Json sum = desk.get("mass", {{"elements", {2, 3}}});
+  CHECK(sum["mass"].get<double>() == Approx(8.0));
+  CHECK(sum["com"][0].get<double>() == Approx(3.0));
+  CHECK(sum["bodies"] == Json::array({"a", "b"}));
+  // Cubes of 2 kg and 6 kg: m/6 each, and the distances 3 and 1 m from the common centre.
+  CHECK(sum["inertia"][0].get<double>() == Approx(8.0 / 6));
+  CHECK(sum["inertia"][1].get<double>() == Approx(8.0 / 6 + 2 * 9 + 6 * 1));
+  CHECK(message(desk.ask("mass", {{"elements", {77}}})).find("no element") != std::string::npos);
+  CHECK(message(desk.ask("mass", {{"elements", {0}}})).find("no body") != std::string::npos);
+}
+
+TEST_CASE("what can be written is offered where it can be written", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", std::string(kScene).replace(std::string(kScene).find("</scene>"), 8,
+                                                          "  <material name=\"oak\"/>\n</scene>"));
+  Desk desk(folder.path("t.scene.xml"));
+  const auto offered = [&](const std::string& text) {
+    const std::size_t at = text.find('|');
+    std::string without = text;
+    without.erase(at, 1);
+    const Json answer = desk.get("complete", {{"text", without}, {"offset", at}});
+    std::vector<std::string> out;
+    for (const Json& item : answer["items"]) out.push_back(item["label"]);
+    return out;
+  };
+  const auto has = [&](const std::string& text, const std::string& label) {
+    const auto all = offered(text);
+    return std::find(all.begin(), all.end(), label) != all.end();
+  };
+  CHECK(has("<scene><bo|", "box"));
+  CHECK_FALSE(has("<scene><bo|", "sphere"));
+  CHECK(has("<scene><body name=\"x\"><|", "sphere"));
+  CHECK_FALSE(has("<scene><body name=\"x\"><|", "hinge"));
+  CHECK(has("<scene><repeat count=\"3\"><|", "hinge"));
+  CHECK(has("<scene><box |", "size"));
+  CHECK_FALSE(has("<scene><box size=\"1 1 1\" |", "size"));
+  CHECK(has("<scene><box material=\"|", "oak"));
+  CHECK_FALSE(has("<scene><box material=\"|", "a"));
+  CHECK(has("<scene><hinge child=\"|", "a"));
+  CHECK(has("<scene><box static=\"|", "true"));
+  CHECK(has("<scene><light type=\"s|", "spot"));
+  CHECK(has("<scene><box mass=\"3 |", "kg"));
+  CHECK(has("<scene><assembly><controller plugin=\"|", "diff_drive"));
+  CHECK(has("<scene><box/></sc|", "scene"));
+  CHECK(offered("<scene><!-- <bo|").empty());
+  CHECK(has("|", "</scene>") == false);
+  CHECK_FALSE(desk.ask("complete", {{"text", "<scene>"}, {"offset", 99}}));
+  CHECK_FALSE(desk.ask("complete", {{"text", "<scene>"}, {"offset", -1}}));
+  // Columns are code points: an umlaut is one.
+  const Json answer =
+      desk.get("complete", {{"text", "<scene name=\"\xC3\xA4\"><bo"}, {"offset", 18}});
+  CHECK(answer["from"] == 17);
+}
+
+TEST_CASE("the schema comes with plugins and engines", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  const Json schema = desk.get("schema")["schema"];
+  CHECK(schema["elements"].size() > 50);
+  bool drive = false;
+  for (const Json& plugin : schema["plugins"]["controllers"])
+    drive = drive || plugin["name"] == "diff_drive";
+  CHECK(drive);
+  CHECK_FALSE(schema["backends"].empty());
+}
+
+TEST_CASE("ill-typed requests are refused by what they lack", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  CHECK(message(desk.ask("set-text", {{"text", "x"}})).find("'version'") != std::string::npos);
+  CHECK(message(desk.ask("set-text", {{"version", 1}})).find("'text'") != std::string::npos);
+  CHECK(message(desk.ask("set-text", {{"version", "1"}, {"text", "x"}})).find("'version'") !=
+        std::string::npos);
+  for (const Json& ops :
+       {Json(), Json::array(), Json::object(), Json::array({1}), Json::array({{{"op", "fly"}}}),
+        Json::array({{{"op", "set"}}}), Json::array({{{"op", "remove"}, {"elements", {-1}}}}),
+        Json::array({{{"op", "remove"}, {"elements", {1e300}}}}),
+        Json::array({{{"op", "place"}, {"element", 2}, {"pose", {1, 2, 3}}}}),
+        Json::array({{{"op", "insert"}, {"parent", 0}, {"xml", 7}}})}) {
+    INFO(ops);
+    CHECK_FALSE(desk.ask("edit", {{"version", 1}, {"ops", ops}, {"label", "x"}}));
+  }
+  CHECK(desk.text() == kScene);
+  CHECK(message(desk.ask("build")).find("--allow-build") != std::string::npos);
+}
+
+TEST_CASE("hostile texts are problems and no more", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  std::string deep;
+  for (int i = 0; i < 200000; ++i) deep += "<a>";
+  for (const std::string& text : {std::string(), std::string("\0<scene/>", 9), deep,
+                                  std::string("<!DOCTYPE x><scene/>"), std::string(4 << 20, '<')}) {
+    desk.get("set-text", {{"version", desk.version}, {"text", text}});
+    CHECK(desk.page.wait("problems", desk.version)["good"] == false);
+  }
+  CHECK_FALSE(
+      desk.ask("set-text", {{"version", desk.version}, {"text", std::string(17 << 20, ' ')}}));
+  for (int i = 0; i < 5; ++i) desk.get("undo");
+  CHECK(desk.text() == kScene);
+}
