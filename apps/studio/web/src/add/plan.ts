@@ -90,7 +90,8 @@ export function insert_plan(state: State, schema: Schema, tag: string): InsertPl
   } else if (schema.attribute(tag, "on", { on: "" })) {
     const body = body_of(elements, main);
     if (body && elements[main]?.tag !== "assembly" && schema.may_hold(elements, body.parent, tag)) parent = body.parent;
-    attributes.on = name_of(body);
+    // Beside a sensor: on what that one sits.
+    attributes.on = name_of(body) || (elements[main]?.attributes.on ?? "");
   } else if (schema.attribute(tag, "plugin")) {
     const plugins = schema.plugins(tag as "controller");
     if (plugins.length === 1) attributes.plugin = plugins[0]!.name;

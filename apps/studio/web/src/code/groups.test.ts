@@ -12,6 +12,19 @@ test("one burst of typing is one group", () => {
   assert.equal(found.size, 1);
 });
 
+test("a quote that the editor closes by itself belongs to the burst around it", () => {
+  const groups = new TypingGroups("g");
+  const seen = [
+    ...type(groups, "a=", 0, 0),
+    groups.next([{ time: 100, from: 2, to: 2, insert: '""' }]),
+    ...type(groups, "12", 3, 150),
+    // typing over the closing quote replaces it
+    groups.next([{ time: 300, from: 5, to: 6, insert: '"' }]),
+    ...type(groups, " b", 6, 350),
+  ];
+  assert.equal(new Set(seen).size, 1);
+});
+
 test("a pause ends a burst", () => {
   const groups = new TypingGroups("g");
   const a = type(groups, "ab", 0, 0)[1];

@@ -14,7 +14,8 @@ export const kBurstPause = 1500;
 
 export class TypingGroups {
   private number_ = 0;
-  private last_: { time: number; end: number; deletes: boolean } | null = null;
+  /** `begin` to `end`: what the burst has written so far */
+  private last_: { time: number; begin: number; end: number; deletes: boolean } | null = null;
 
   /** `seed` tells this page's groups from other pages'. */
   constructor(private readonly seed_: string) {}
@@ -26,13 +27,19 @@ export class TypingGroups {
     if (!edit) return this.name_();
     const deletes = edit.insert === "";
     const last = this.last_;
-    const touches = last !== null && (deletes ? edit.to === last.end || edit.from === last.end : edit.from === last.end);
+    // Inside what was just written counts: editors close quotes and tags behind the cursor.
+    const touches =
+      last !== null &&
+      (deletes ? edit.to === last.end || edit.from === last.end : edit.from >= last.begin && edit.from <= last.end);
     const typing = edits.length === 1 && edit.insert.length <= 2 && edit.to - edit.from <= 2;
     const goes_on =
       last !== null && typing && touches && deletes === last.deletes && edit.time - last.time <= kBurstPause;
     if (!goes_on) ++this.number_;
     const ends = !typing || edit.insert.includes("\n");
-    this.last_ = ends ? null : { time: edit.time, end: edit.from + edit.insert.length, deletes };
+    const grown = edit.insert.length - (edit.to - edit.from);
+    const begin = goes_on && !deletes ? last!.begin : edit.from;
+    const end = goes_on && !deletes ? last!.end + grown : edit.from + edit.insert.length;
+    this.last_ = ends ? null : { time: edit.time, begin, end, deletes };
     return this.name_();
   }
 

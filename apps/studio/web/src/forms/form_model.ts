@@ -1,6 +1,7 @@
 // Which fields the form of some elements has, what stands in them, and the edits that come out of them.
 import type { Op, Problem, TreeElement } from "../core/protocol";
 import { line_span, offset_at, utf16_offset } from "../code/columns";
+import { same_file } from "../code/places";
 import { boxes_of, text_from } from "./number_model";
 import type { AttributeSchema, PluginSchema, PluginUse, Schema } from "./schema";
 import { escape_attribute, start_tag } from "./xml_text";
@@ -139,7 +140,7 @@ export function problems_of(text: string, element: TreeElement, file: string, pr
   const tag = start_tag(text, offset_at(text, element.line, element.column));
   if (!tag) return out;
   for (const problem of problems) {
-    if (problem.file !== file || problem.line < element.line) continue;
+    if (!same_file(problem.file, file) || problem.line < element.line) continue;
     const line = line_span(text, problem.line);
     const at = line.from + utf16_offset(text.slice(line.from, line.to), problem.column - 1);
     if (at < tag.from || at >= tag.to) continue;
