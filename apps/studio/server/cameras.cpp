@@ -161,10 +161,10 @@ std::optional<Cameras::Job> Cameras::next_job() {
     for (const auto& [client, wishes] : wishes_) {
       if (!wishes.empty()) clients.push_back(client);
     }
+    // One picture of a client, then the next client's: nobody waits for another's many cameras.
+    std::stable_sort(clients.begin(), clients.end(),
+                     [this](ClientId a, ClientId b) { return turns_[a] < turns_[b]; });
   }
-  // One picture of a client, then the next client's: nobody waits for another's many cameras.
-  std::stable_sort(clients.begin(), clients.end(),
-                   [this](ClientId a, ClientId b) { return turns_[a] < turns_[b]; });
   for (const ClientId client : clients) {
     if (!outbox_.wants_picture(client)) continue;
     const Moment moment = viewers_.seen(client);
