@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/dsl/schema.h"
 #include "cogrsim/physics/backend.h"
 #include "options.h"
 #include "output_file.h"
@@ -127,9 +128,10 @@ int explain_command(const std::string& code) {
   return print_or_fail(text, kGood);
 }
 
-int schema_command(bool reference, const std::vector<std::string>& plugin_paths) {
+int schema_command(bool reference, bool json, const std::vector<std::string>& plugin_paths) {
   if (reference) return print_or_fail(dsl::write_reference_markdown(), kGood);
   LoaderCatalog catalog(std::make_shared<PluginLoader>(plugin_paths));
+  if (json) return print_or_fail(dsl::write_schema_json(&catalog) + "\n", kGood);
   return print_or_fail(dsl::write_xsd(&catalog), kGood);
 }
 

@@ -421,12 +421,16 @@ void add_small_ones(CLI::App& app, Words& words, int& status) {
 
   CLI::App& schema = *app.add_subcommand("schema", "Print the scene language for an editor (XSD)");
   schema.add_flag("--reference", words.reference, "Print the reference page (Markdown) instead");
+  schema.add_flag("--json", words.json_flag, "Print it as JSON instead, with the plugins' parameters");
   add_plugin_path(schema, words.plugin_paths);
   schema.footer(
       "Examples:\n"
       "  cogrsim schema > scene.xsd      gives completion in an editor\n"
-      "  cogrsim schema --reference > scene-reference.md");
-  schema.callback([&] { status = schema_command(words.reference, plugin_paths_from(words)); });
+      "  cogrsim schema --reference > scene-reference.md\n"
+      "  cogrsim schema --json | jq -r '.elements[].name'");
+  schema.callback([&] {
+    status = schema_command(words.reference, words.json_flag, plugin_paths_from(words));
+  });
 
   CLI::App& plugins =
       *app.add_subcommand("plugins", "List backends, controllers, supervisors, sensors");

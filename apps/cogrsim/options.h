@@ -128,7 +128,7 @@ int plot_command(const PlotCommandOptions& options);
 int plot_table(const PlotCommandOptions& options);  ///< its part for the tables of studies
 int check_command(const CheckOptions& options);
 int explain_command(const std::string& code);
-int schema_command(bool reference, const std::vector<std::string>& plugin_paths);
+int schema_command(bool reference, bool json, const std::vector<std::string>& plugin_paths);
 int plugins_command(const PluginsOptions& options);
 
 }  // namespace cogrsim::cli
