@@ -68,11 +68,13 @@ export function gl_painter(document: Document, lost: () => void, restored: () =>
   };
 }
 
-/** Pictures of the server, asked for one after the other. */
+/** Pictures of the server, asked for one after the other. `failed`: told why there is none, "" when there is. */
 export function server_painter(studio: Studio, document: Document, failed: (text: string) => void): Painter {
   const image = document.createElement("img");
   image.alt = "The scene, drawn by the server";
   image.draggable = false;
+  // one clear pixel, until the first picture comes
+  image.src = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7";
   let width = 640;
   let height = 480;
   let waiting = false;
@@ -92,6 +94,7 @@ export function server_painter(studio: Studio, document: Document, failed: (text
     try {
       const fov = horizontal_fov(width / height);
       await studio.link.request("view", { width, height, pose: eye.pose(), fov });
+      failed("");
     } catch (error) {
       failed(String(error instanceof Error ? error.message : error));
     }

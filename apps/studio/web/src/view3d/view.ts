@@ -23,7 +23,7 @@ import type { ViewName } from "./views";
 export interface Stand {
   host: HTMLElement;
   /** One text for each matter; "": nothing to be said about it. */
-  note: (matter: "pictures" | "clicked" | "handles", text: string) => void;
+  note: (matter: "pictures" | "server" | "clicked" | "handles", text: string) => void;
   context_menu: (event: MouseEvent, body: number) => void;
 }
 
@@ -97,7 +97,7 @@ export class View3d {
   private server_pictures(): Painter {
     this.stand.host.dataset.pictures = "server";
     this.stand.note("pictures", "There is no WebGL here: the server draws these pictures. Overlays and handles are not in them.");
-    return server_painter(this.studio, this.stand.host.ownerDocument, (text) => this.stand.note("pictures", text));
+    return server_painter(this.studio, this.stand.host.ownerDocument, (text) => this.stand.note("server", text));
   }
 
   private fall_back(): void {
