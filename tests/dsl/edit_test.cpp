@@ -101,7 +101,8 @@ TEST_CASE("an outline tells every element with its lines", "[edit]") {
 
 TEST_CASE("what a repeat makes is not the element's own", "[edit]") {
   const std::string text =
-      "<scene><repeat count=\"2\"><sphere name=\"s_${i}\" radius=\"1\" xyz=\"${3 m * i} 0 0\"/>"
+      "<scene><repeat count=\"2\" var=\"i\"><sphere name=\"s_${i}\" radius=\"1\" xyz=\"${3 m * i} "
+      "0 0\"/>"
       "</repeat></scene>";
   const OutlinedScene scene = compile_outlined(text, "t.scene.xml");
   INFO(to_text(scene.result.diagnostics));
