@@ -23,7 +23,7 @@ std::string empty_scene(const std::string& file) {
     if (c == '_' || c == '&' || c == '<' || c == '"') c = ' ';
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<scene name=\"" + title +
          "\" version=\"1\">\n"
-         "  <physics backend=\"bullet\" step=\"1 ms\" gravity=\"0 0 -9.81\"/>\n"
+         "  <physics step=\"1 ms\" gravity=\"0 0 -9.81\"/>\n"
          "  <light name=\"sun\" type=\"directional\" direction=\"0.3 0.2 -1\"/>\n"
          "  <plane name=\"floor\"/>\n</scene>\n";
 }
