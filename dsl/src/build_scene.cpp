@@ -55,6 +55,7 @@ SceneModelPtr Builder::build() {
   check_overlaps();
   check_mass_ratios();
   check_params();
+  place_assemblies();
   if (context_.outline != nullptr) note_outline();
   finish_model(model_);
   return std::make_shared<const SceneModel>(std::move(model_));
@@ -176,6 +177,22 @@ void Builder::view(const Element& element) {
   view.fov = *reader(element).number("fov");
   view.origin = element.span();
   model_.views.push_back(std::move(view));
+}
+
+void Builder::place_assemblies() {
+  for_each(scene_, [&](const Element& element) {
+    if (element.tag() != "assembly" && element.tag() != "instance") return;
+    const int index = note(element).assembly;
+    if (index < 0) return;
+    AssemblyInfo& info = model_.assemblies[static_cast<std::size_t>(index)];
+    if (info.name != element.path) return;  // of a template: not in this scene yet
+    info.X_WA = note(element).X_W;
+    // As far as its first body was moved by the joints' initial positions, so far was the whole.
+    const int body = carrier(element);
+    if (body == kWorld) return;
+    const auto b = static_cast<std::size_t>(body);
+    info.X_WA = model_.bodies[b].X_WB * note(*body_elements_[b]).X_W.inverse() * info.X_WA;
+  });
 }
 
 void Builder::note_outline() {

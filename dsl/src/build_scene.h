@@ -116,6 +116,7 @@ class Builder {
   void light(const Element& element);
   void view(const Element& element);
   void frame(const Element& element);
+  void place_assemblies();
   void note_outline();
 
   // build_tree.cpp

@@ -73,6 +73,19 @@ TEST_CASE("a rigid assembly is one body with the mass of its parts", "[dsl][buil
   CHECK(model->frames[0].body == 0);
 }
 
+TEST_CASE("assemblies stand where their elements do", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <assembly name="a" xyz="1 2 0" rpy="0 0 90 deg">
+      <box name="b" size="1 1 1" mass="1 kg" xyz="0 0 3"/>
+      <assembly name="c" rigid="true" xyz="2 0 0"><box name="d" size="1 1 1" mass="1 kg"/></assembly>
+    </assembly>)");
+  REQUIRE(model->assemblies.size() == 2);
+  // sums of a few products of numbers below 4, in double
+  CHECK(near(model->assemblies[0].X_WA.p, {1, 2, 0}, 1e-14));
+  CHECK(near(model->assemblies[0].X_WA * Vec3(1, 0, 0), {1, 3, 0}, 1e-14));
+  CHECK(near(model->assemblies[1].X_WA.p, {1, 4, 0}, 1e-14));
+}
+
 TEST_CASE("mass and material of a rigid assembly hold for the whole", "[dsl][build]") {
   const auto model = compile_scene(R"(
     <material name="steel" density="7800 kg/m^3" friction="0.4"/>
