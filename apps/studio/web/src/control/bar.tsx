@@ -53,7 +53,7 @@ function SpeedChoice({ control }: { control: Control }) {
       disabled={reason !== null}
       data-testid="speed"
       value={String(speed)}
-      onChange={(event) => control.set_speed(event.currentTarget.value === "null" ? null : Number(event.currentTarget.value))}
+      onChange={({ currentTarget: { value } }) => control.set_speed(value === "null" ? null : Number(value))}
     >
       {all.map((s) => (
         <option key={String(s)} value={String(s)}>
@@ -213,19 +213,68 @@ function Bar({ control }: { control: Control }) {
   return (
     <>
       <span class="cg-group">
-        <Tool label="Play" icon="play" keys="Space" reason={control.why_not("play")} pressed={control.moving()} testid="play" on_click={() => control.play()} />
-        <Tool label="Pause" icon="pause" keys="Space" reason={control.why_not("pause")} testid="pause" on_click={() => control.pause()} />
+        <Tool
+          label="Play"
+          icon="play"
+          keys="Space"
+          reason={control.why_not("play")}
+          pressed={control.moving()}
+          testid="play"
+          on_click={() => control.play()}
+        />
+        <Tool
+          label="Pause"
+          icon="pause"
+          keys="Space"
+          reason={control.why_not("pause")}
+          testid="pause"
+          on_click={() => control.pause()}
+        />
         <Tool label="Stop" icon="stop" reason={control.why_not("stop")} testid="stop" on_click={() => control.stop()} />
-        <Tool label="Restart" icon="restart" reason={control.why_not("restart")} testid="restart" on_click={() => control.restart()} />
+        <Tool
+          label="Restart"
+          icon="restart"
+          reason={control.why_not("restart")}
+          testid="restart"
+          on_click={() => control.restart()}
+        />
       </span>
       <span class="cg-group">
-        <Tool label="Step back" icon="back" keys="←" reason={control.why_not("step-back")} testid="step-back" on_click={() => void playback.step_back()} />
-        <Tool label="Step forward" icon="step" keys="→" reason={control.why_not("step")} testid="step" on_click={() => control.step()} />
+        <Tool
+          label="Step back"
+          icon="back"
+          keys="←"
+          reason={control.why_not("step-back")}
+          testid="step-back"
+          on_click={() => void playback.step_back()}
+        />
+        <Tool
+          label="Step forward"
+          icon="step"
+          keys="→"
+          reason={control.why_not("step")}
+          testid="step"
+          on_click={() => control.step()}
+        />
       </span>
       <span class="cg-group">
-        <Tool label="Slower" icon="slower" keys="−" reason={control.why_not("speed")} testid="slower" on_click={() => control.change_speed(-1)} />
+        <Tool
+          label="Slower"
+          icon="slower"
+          keys="−"
+          reason={control.why_not("speed")}
+          testid="slower"
+          on_click={() => control.change_speed(-1)}
+        />
         <SpeedChoice control={control} />
-        <Tool label="Faster" icon="faster" keys="=" reason={control.why_not("speed")} testid="faster" on_click={() => control.change_speed(1)} />
+        <Tool
+          label="Faster"
+          icon="faster"
+          keys="="
+          reason={control.why_not("speed")}
+          testid="faster"
+          on_click={() => control.change_speed(1)}
+        />
       </span>
       {!past && <Figures control={control} />}
       <span class="cg-group">

@@ -6,12 +6,29 @@ export type Area =
   | { type: "split"; orientation: "horizontal" | "vertical"; children: Area[]; sizes: number[] };
 
 const tabs = (...panels: string[]): Area => ({ type: "tabs", panels, current: 0 });
-const row = (sizes: number[], ...children: Area[]): Area => ({ type: "split", orientation: "horizontal", children, sizes });
-const column = (sizes: number[], ...children: Area[]): Area => ({ type: "split", orientation: "vertical", children, sizes });
+const split = (orientation: "horizontal" | "vertical", sizes: number[], children: Area[]): Area => ({
+  type: "split",
+  orientation,
+  children,
+  sizes,
+});
+const row = (sizes: number[], ...children: Area[]): Area => split("horizontal", sizes, children);
+const column = (sizes: number[], ...children: Area[]): Area => split("vertical", sizes, children);
+
+const kPictures = row([2.2, 1], tabs("view3d"), tabs("map", "cameras"));
 
 export const presets: Record<string, Area> = {
-  Run: row([1, 4.2], column([3, 2], tabs("tree"), tabs("properties")), column([3.6, 1], row([2.2, 1], tabs("view3d"), tabs("map", "cameras")), tabs("console", "figures"))),
-  Edit: row([1, 2.4, 1.6], column([3, 2.6], tabs("tree"), tabs("properties")), column([3, 1], tabs("view3d", "map"), tabs("console")), tabs("code")),
+  Run: row(
+    [1, 4.2],
+    column([3, 2], tabs("tree"), tabs("properties")),
+    column([3.6, 1], kPictures, tabs("console", "figures")),
+  ),
+  Edit: row(
+    [1, 2.4, 1.6],
+    column([3, 2.6], tabs("tree"), tabs("properties")),
+    column([3, 1], tabs("view3d", "map"), tabs("console")),
+    tabs("code"),
+  ),
   Analyse: row([1, 1.1], column([1.3, 1], tabs("view3d", "map", "cameras"), tabs("tree", "console")), tabs("figures")),
   Compare: row([1.2, 1], tabs("view3d", "map"), column([2, 1], tabs("compare"), tabs("console", "tree"))),
 };
