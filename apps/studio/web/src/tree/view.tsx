@@ -273,7 +273,13 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
     return { zone, place };
   };
 
-  const { first, last } = visible_rows(rows.length, kRowHeight, scrolled, height);
+  const { first, last } = visible_rows(
+    rows.length,
+    kRowHeight,
+    // A search makes the list shorter before the browser says that it has scrolled.
+    Math.max(0, Math.min(scrolled, rows.length * kRowHeight - height)),
+    height,
+  );
   const drawn = rows.slice(first, last).map((row, i) => ({ row, index: first + i }));
   const keyboard_row = rows[active];
   if (keyboard_row && (active < first || active >= last)) drawn.push({ row: keyboard_row, index: active });
