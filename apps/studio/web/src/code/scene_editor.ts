@@ -212,7 +212,7 @@ export class SceneEditor {
     on(() => {
       const readonly = !state.may_edit.value;
       this.view.dispatch({
-        effects: this.editable.reconfigure([EditorState.readOnly.of(readonly), EditorView.contentAttributes.of({ "aria-readonly": String(readonly) })]),
+        effects: this.editable.reconfigure([EditorState.readOnly.of(readonly), EditorView.contentAttributes.of({ "aria-readonly": String(readonly), tabindex: "0" })]),
       });
     });
     on(() => {

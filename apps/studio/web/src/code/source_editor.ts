@@ -50,7 +50,7 @@ export class SourceEditor {
           lintGutter(),
           editor_look,
           EditorState.readOnly.of(!may_edit || !file.writable),
-          EditorView.contentAttributes.of({ "aria-label": file.name }),
+          EditorView.contentAttributes.of({ "aria-label": file.name, tabindex: "0" }),
           keymap.of([
             ...closeBracketsKeymap, ...searchKeymap, ...historyKeymap, ...foldKeymap, ...lintKeymap, ...defaultKeymap,
             indentWithTab,

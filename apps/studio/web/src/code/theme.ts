@@ -16,7 +16,7 @@ const look = EditorView.theme({
   ".cm-gutters": { backgroundColor: "var(--cg-raised)", color: "var(--cg-muted)", borderRight: "1px solid var(--cg-border)" },
   ".cm-activeLine": { backgroundColor: "transparent" },
   ".cm-activeLineGutter": { backgroundColor: "var(--cg-hover)", color: "var(--cg-text)" },
-  ".cm-line.cg-code-selected": { boxShadow: "inset 3px 0 0 var(--cg-highlight)", backgroundColor: "var(--cg-hover)" },
+  ".cm-line.cg-code-selected": { boxShadow: "inset 3px 0 0 var(--cg-highlight)" },
   ".cm-tooltip": {
     backgroundColor: "var(--cg-panel)",
     color: "var(--cg-text)",

@@ -322,7 +322,7 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
               aria-setsize={row.siblings}
               aria-selected={is_selected}
               aria-expanded={row.expanded === null ? undefined : row.expanded}
-              aria-label={row.signal ? `signal ${label}` : `${element.tag} ${label}`.trim()}
+              aria-label={row.signal ? `${label} signal` : `${label} ${element.tag}`.trim()}
               data-element={row.signal ? undefined : row.id}
               data-path={row.signal ? row.signal.name : element.path}
               style={{ top: `${index * kRowHeight}px`, paddingLeft: `${4 + row.depth * 14}px` }}
@@ -380,7 +380,7 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
                 <NameField studio={studio} id={row.id} name={element.name} />
               ) : (
                 <span class="cg-tree-label">
-                  {label !== "" && <span class="cg-tree-name">{label}</span>}
+                  {label !== "" && <span class="cg-tree-name">{label}</span>}{" "}
                   {!row.signal && <span class="cg-tree-tag">{element.tag}</span>}
                 </span>
               )}
