@@ -21,7 +21,8 @@ export class StudioServer {
   ) {}
 
   async start(port = 0): Promise<void> {
-    const child = spawn(program, ["studio", this.file, "--no-open", "--port", String(port), ...this.words], {
+    const at = port > 0 ? ["--port", String(port)] : [];
+    const child = spawn(program, ["studio", this.file, "--no-open", ...at, ...this.words], {
       stdio: ["ignore", "pipe", "pipe"],
     });
     this.process = child;
@@ -55,7 +56,7 @@ export class StudioServer {
 }
 
 export interface Fixtures {
-  /** Starts a server on a copy of a scene: a path in the repository, or the text of a scene. */
+  /** Starts a server on a copy of a scene: a path in the repository, the text of a scene, or "new": a file that is not there. */
   studio: (scene: string, ...words: string[]) => Promise<StudioServer>;
   /** Opens the page and waits until it shows a scene. */
   open: (server: StudioServer, page?: Page) => Promise<Page>;
@@ -71,6 +72,8 @@ export const test = base.extend<Fixtures>({
       let file = join(folder, "test.scene.xml");
       if (scene.trimStart().startsWith("<")) {
         writeFileSync(file, scene);
+      } else if (scene === "new") {
+        file = join(folder, "new.scene.xml");
       } else {
         cpSync(dirname(join(repository, scene)), folder, { recursive: true });
         file = join(folder, basename(scene));
