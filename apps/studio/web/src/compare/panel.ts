@@ -1,50 +1,19 @@
-import type { Message } from "@lumino/messaging";
-import { Widget } from "@lumino/widgets";
-import { h, render } from "preact";
+import type { Widget } from "@lumino/widgets";
+import { h } from "preact";
 import "uplot/dist/uPlot.min.css";
+import { SeenWidget } from "../core/seen_widget";
 import type { PanelType, Studio } from "../core/studio";
 import "../figures/figures.css";
 import "./compare.css";
-import { compare_of, type CompareStore } from "./store";
+import { compare_of } from "./store";
 import { CompareView } from "./view";
-
-class CompareWidget extends Widget {
-  private readonly see = (): void => {
-    this.store.seen.value = this.isVisible && !this.node.ownerDocument.hidden;
-  };
-
-  constructor(private readonly store: CompareStore) {
-    super();
-    this.addClass("cg-compare");
-    render(h(CompareView, { store }), this.node);
-  }
-  override dispose(): void {
-    if (this.isDisposed) return;
-    this.store.seen.value = false;
-    super.dispose();
-    render(null, this.node);
-  }
-  protected override onAfterAttach(_message: Message): void {
-    this.node.ownerDocument.addEventListener("visibilitychange", this.see);
-    this.see();
-  }
-  protected override onBeforeDetach(_message: Message): void {
-    this.node.ownerDocument.removeEventListener("visibilitychange", this.see);
-    this.store.seen.value = false;
-  }
-  protected override onAfterShow(_message: Message): void {
-    this.see();
-  }
-  protected override onAfterHide(_message: Message): void {
-    this.see();
-  }
-}
 
 export const panel: PanelType = {
   name: "compare",
   title: "Compare",
   create(studio: Studio): Widget {
-    return new CompareWidget(compare_of(studio));
+    const store = compare_of(studio);
+    return new SeenWidget("cg-compare", h(CompareView, { store }), store.seen);
   },
 };
 

@@ -1,7 +1,7 @@
-import type { Message } from "@lumino/messaging";
-import { Widget } from "@lumino/widgets";
-import { h, render } from "preact";
+import type { Widget } from "@lumino/widgets";
+import { h } from "preact";
 import "uplot/dist/uPlot.min.css";
+import { SeenWidget } from "../core/seen_widget";
 import type { PanelType, Studio } from "../core/studio";
 import type { FigureKind } from "./figure";
 import "./figures.css";
@@ -9,43 +9,12 @@ import type { FileKind } from "./save";
 import { figures_of, type FiguresStore } from "./store";
 import { export_figure, FiguresView } from "./view";
 
-class FiguresWidget extends Widget {
-  private readonly see = (): void => {
-    this.store.seen.value = this.isVisible && !this.node.ownerDocument.hidden;
-  };
-
-  constructor(private readonly store: FiguresStore) {
-    super();
-    this.addClass("cg-figures");
-    render(h(FiguresView, { store }), this.node);
-  }
-  override dispose(): void {
-    if (this.isDisposed) return;
-    this.store.seen.value = false;
-    super.dispose();
-    render(null, this.node);
-  }
-  protected override onAfterAttach(_message: Message): void {
-    this.node.ownerDocument.addEventListener("visibilitychange", this.see);
-    this.see();
-  }
-  protected override onBeforeDetach(_message: Message): void {
-    this.node.ownerDocument.removeEventListener("visibilitychange", this.see);
-    this.store.seen.value = false;
-  }
-  protected override onAfterShow(_message: Message): void {
-    this.see();
-  }
-  protected override onAfterHide(_message: Message): void {
-    this.see();
-  }
-}
-
 export const panel: PanelType = {
   name: "figures",
   title: "Figures",
   create(studio: Studio): Widget {
-    return new FiguresWidget(figures_of(studio));
+    const store = figures_of(studio);
+    return new SeenWidget("cg-figures", h(FiguresView, { store }), store.seen);
   },
 };
 
