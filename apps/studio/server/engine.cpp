@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "terminal.h"
+
 namespace cogrsim::studio {
 
 namespace {
@@ -122,9 +124,16 @@ void Engine::run_piece() {
   bool going = true;
   while (going) {
     const bool stepping = steps_left_ > 0;
+    const bool within = within_duration();
     going = advance();
     if (going && stepping && --steps_left_ == 0) {
       state_ = State::paused;
+      going = false;
+    }
+    if (going && !stepping && within && !within_duration()) {
+      state_ = State::paused;
+      ending_ =
+          "the scene's duration, " + cli::time_text(*scene_->model->physics.duration) + ", is over";
       going = false;
     }
     if (Clock::now() - begin >= kPiece || asked_.load(std::memory_order_relaxed)) break;
@@ -143,6 +152,12 @@ void Engine::run_piece() {
   if (going && Clock::now() - told_ < kBetweenTold) return;
   told_ = Clock::now();
   publish(!going);
+}
+
+/// By the rule of runs from the command line: over at the step's end that is nearest to it.
+bool Engine::within_duration() const {
+  const std::optional<double>& duration = scene_->model->physics.duration;
+  return duration && simulation_->time() + 0.5 * simulation_->dt() < *duration;
 }
 
 bool Engine::step_main() {
@@ -208,6 +223,7 @@ Answer Engine::play() {
   settle();
   if (state_ != State::playing) anchor();
   state_ = State::playing;
+  ending_.clear();
   publish(true);
   return Json::object();
 }
@@ -239,6 +255,7 @@ void Engine::step(std::int64_t count, Reply reply) {
   if (simulation_->paused()) simulation_->send(Resume{});
   anchor();
   state_ = State::paused;
+  ending_.clear();
   steps_left_ = count;
   step_reply_ = std::move(reply);
 }

@@ -65,6 +65,7 @@ class Engine {
   void settle();
   /// One step, or what leads to the next time both runs have in common. False: the run stands.
   bool advance();
+  bool within_duration() const;
   bool step_main();
   bool step_ghost();
   void run_piece();

@@ -183,6 +183,7 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
   if (!recording_.empty()) {
     notes.push_back("the recording '" + recording_ + "' ends here: the run goes on as another one");
   }
+  if (scene_->model->physics.duration != scene.model->physics.duration) ending_.clear();
   if (!(scene_->model == scene.model)) {
     origins_ = std::make_shared<const Origins>(scene.origins);
   }
