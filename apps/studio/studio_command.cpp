@@ -10,6 +10,7 @@
 #include "browser.h"
 #include "cogrsim/plugin/loader.h"
 #include "document.h"
+#include "kept_tokens.h"
 #include "options.h"
 #include "run.h"
 #include "server.h"
@@ -56,6 +57,9 @@ int failed(const Error& error) {
   return cli::kFailed;
 }
 
+// Where a studio is looked for: a page that is still open finds the one that was started anew.
+constexpr unsigned short kFirstPort = 8642, kPreferredPorts = 10;
+
 bool is_loopback(const std::string& host) {
   return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
 }
@@ -89,6 +93,16 @@ int studio_command(const StudioOptions& options) {
   ServerOptions network;
   network.host = options.host;
   network.port = options.port;
+  for (unsigned short i = 0; i < kPreferredPorts; ++i) {
+    network.preferred.push_back(static_cast<unsigned short>(kFirstPort + i));
+  }
+  // Whoever has once seen the token of a page has it after a restart too: where that could mean running
+  // programs, or others in the network, it is for the user to say that it is worth it.
+  const bool by_itself = is_loopback(options.host) && !options.allow_build;
+  if (options.keep_token.value_or(false) || by_itself) {
+    network.tokens = kept_tokens_base();
+    network.new_tokens = options.keep_token == false;
+  }
   network.goodbye = R"({"tell":"goodbye","reason":"the studio was ended"})";
   auto server = Server::listen(network);
   if (!server) return failed(server.error());

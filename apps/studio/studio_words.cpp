@@ -18,12 +18,14 @@ struct StudioWords {
   std::string step, seed;
   std::vector<std::string> set;
   bool no_open = false;
+  std::optional<bool> keep_token;
   StudioOptions options;
 };
 
 StudioOptions options_from(const StudioWords& words) {
   StudioOptions options = words.options;
   options.open = !words.no_open;
+  options.keep_token = words.keep_token;
   options.parameters = cli::settings_from(words.set);
   if (!words.step.empty()) options.step = cli::step_from(words.step);
   if (!words.seed.empty()) options.seed = cli::seed_from(words.seed);
@@ -59,10 +61,16 @@ void add_studio(CLI::App& app, int& status) {
                   "token")
       ->type_name("ADDRESS")
       ->capture_default_str();
-  command.add_option("--port", words->options.port, "Default: any that is free")
+  command
+      .add_option("--port", words->options.port,
+                  "Default: the first free one from 8642 to 8651, else any")
       ->type_name("N")
       ->check(CLI::Range(1, 65535));
   command.add_flag("--no-open", words->no_open, "Open no browser, print the address alone");
+  command.add_flag("--keep-token,!--new-token", words->keep_token,
+                   "Whether the address is that of the last start at this port, if it ended less "
+                   "than a day ago: pages that are still open go on. Default: yes, but no with "
+                   "--allow-build or another --host");
   command
       .add_option("-b,--backend", words->options.backend, "Physics engine; default: the scene's")
       ->type_name("B");

@@ -223,7 +223,7 @@ HttpAnswer Gate::take_token(std::string_view query, bool head) {
   if (!role_of(token)) {
     return refusal(403,
                    "This is not the address that was printed. Open the one that `cogrsim studio` "
-                   "printed in the terminal; it is another one after every start.");
+                   "printed in the terminal; after a restart it may be another one.");
   }
   HttpAnswer answer;
   answer.status = 303;

@@ -23,6 +23,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "http.h"
+#include "kept_tokens.h"
 #include "mailbox.h"
 #include "token.h"
 
@@ -88,6 +89,12 @@ struct Server::Impl {
   }
   void wake(ClientId client);
   std::string address(const std::string& token) const;
+
+  Result<> make_secrets();
+  /// Under which its tokens are kept.
+  std::string place() const {
+    return fmt::format("{}_{}", endpoint.address().to_string(), endpoint.port());
+  }
 };
 
 // One WebSocket, from its opening to its end.
@@ -416,6 +423,34 @@ void Server::Impl::wake(ClientId client) {
   });
 }
 
+Result<> Server::Impl::make_secrets() {
+  std::vector<std::string*> wanted = {&secrets.launch_token};
+  Result<KeptTokens> kept = fail("not asked for");
+  if (!options.tokens.empty()) {
+    Result<> ready = options.new_tokens ? forget_tokens(options.tokens, place()) : Result<>();
+    kept = ready ? kept_tokens(options.tokens, place())
+                 : tl::unexpected<Error>(std::move(ready.error()));
+    if (!kept) {
+      fmt::print(stderr, "warning: pages will not find the studio again after a restart: {}\n",
+                 kept.error().text());
+      options.tokens.clear();
+    }
+  }
+  if (kept) {
+    secrets.operator_token = kept->operator_token;
+    secrets.viewer_token = kept->viewer_token;
+  } else {
+    wanted.push_back(&secrets.operator_token);
+    wanted.push_back(&secrets.viewer_token);
+  }
+  for (std::string* token : wanted) {
+    auto made = new_token();
+    if (!made) return tl::unexpected<Error>(made.error());
+    *token = std::move(*made);
+  }
+  return {};
+}
+
 Result<std::unique_ptr<Server>> Server::listen(const ServerOptions& options) {
   auto impl = std::make_unique<Impl>();
   impl->options = options;
@@ -426,28 +461,34 @@ Result<std::unique_ptr<Server>> Server::listen(const ServerOptions& options) {
     return fail(fmt::format("'{}' is no address to listen at", options.host), "",
                 "write 127.0.0.1 for this machine alone, or an address it has in its network");
   }
-  for (std::string* token :
-       {&impl->secrets.operator_token, &impl->secrets.viewer_token, &impl->secrets.launch_token}) {
-    auto made = new_token();
-    if (!made) return tl::unexpected<Error>(made.error());
-    *token = std::move(*made);
+  const auto try_port = [&](unsigned short port) {
+    const tcp::endpoint wanted(address, port);
+    tcp::acceptor& acceptor = impl->acceptor;
+    error = {};
+    if (acceptor.is_open()) acceptor.close(error);
+    acceptor.open(wanted.protocol(), error);
+    if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
+    if (!error && address.is_v6()) acceptor.set_option(asio::ip::v6_only(true), error);
+    if (!error) acceptor.bind(wanted, error);
+    if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+    if (!error) impl->endpoint = acceptor.local_endpoint(error);
+    return !error;
+  };
+  bool listening = false;
+  if (options.port == 0) {
+    for (const unsigned short port : options.preferred) {
+      listening = listening || try_port(port);
+    }
   }
-  tcp::endpoint wanted(address, options.port);
-  tcp::acceptor& acceptor = impl->acceptor;
-  acceptor.open(wanted.protocol(), error);
-  if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
-  if (!error && address.is_v6()) acceptor.set_option(asio::ip::v6_only(true), error);
-  if (!error) acceptor.bind(wanted, error);
-  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (!error) impl->endpoint = acceptor.local_endpoint(error);
-  if (error) {
+  if (!listening && !try_port(options.port)) {
     return fail(
         fmt::format("cannot listen at {}:{}: {}", literal(address), options.port, error.message()),
         "",
         error == asio::error::address_in_use
-            ? "choose another port, or leave --port out for any that is free"
+            ? "choose another port, or leave --port out for one that is free"
             : "");
   }
+  if (auto made = impl->make_secrets(); !made) return tl::unexpected<Error>(made.error());
   const int event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (event < 0) return fail(fmt::format("no event to be had: {}", std::strerror(errno)));
   impl->stop_event.assign(event, error);
@@ -497,6 +538,7 @@ void Server::run(Inbox& inbox) {
     }
   }
   impl_->over = true;
+  if (!impl_->options.tokens.empty()) keep_tokens(impl_->options.tokens, impl_->place());
 }
 
 void Server::stop() noexcept {

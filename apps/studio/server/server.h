@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "cogrsim/core/result.h"
 #include "talk.h"
@@ -10,9 +11,12 @@
 namespace cogrsim::studio {
 
 struct ServerOptions {
-  std::string host = "127.0.0.1";  ///< an address of this machine, or "localhost"
-  unsigned short port = 0;         ///< 0: any that is free
-  std::string goodbye;             ///< a text for all when the server ends; empty: none
+  std::string host = "127.0.0.1";         ///< an address of this machine, or "localhost"
+  unsigned short port = 0;                ///< 0: one of `preferred`, or any that is free
+  std::vector<unsigned short> preferred;  ///< the first that is free
+  std::string tokens;       ///< folder to keep tokens in, see kept_tokens(); empty: always new ones
+  bool new_tokens = false;  ///< leave those that are kept, keep new ones
+  std::string goodbye;      ///< a text for all when the server ends; empty: none
   struct Limits {
     std::size_t message_bytes = 8u << 20;   ///< of one text from a page
     std::size_t clients = 32;               ///< WebSockets at a time
