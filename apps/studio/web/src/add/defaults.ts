@@ -33,6 +33,17 @@ const kDefaults: Record<string, Record<string, string>> = {
   supervisor: { rate: "10 Hz" },
 };
 
+/** Things that are told apart at sight, and from the ground; readable on light and dark. */
+const kColors = ["#d9863b", "#4a8fc7", "#6aa84f", "#c25b56", "#8d6fb8", "#c4ad45"];
+const kColored = ["box", "sphere", "cylinder", "capsule"];
+
+/** The color of a new thing, another one than that of the last. */
+export function color_for(tag: string, elements: readonly TreeElement[]): Record<string, string> {
+  if (!kColored.includes(tag)) return {};
+  const last = elements.filter((e) => kColored.includes(e.tag)).pop()?.attributes.color ?? "";
+  return { color: kColors[(kColors.indexOf(last) + 1) % kColors.length]! };
+}
+
 /** Words that the form of a new element shows first, beside those that must be there. */
 const kFirst: Record<string, string[]> = {
   joint: ["parent", "child", "axis", "lower", "upper", "xyz"],

@@ -96,6 +96,41 @@ export function new_place(state: State, radius: number, height: number): Vec3 {
   return free_place(balls.filter((b): b is Round => b !== null), start, radius);
 }
 
+/** Extents [m] of a body's shapes in its own frame: the lowest and the highest corner; null if it has none, or no end. */
+function extents(body: SceneBody): { low: Vec3; high: Vec3 } | null {
+  const low: Vec3 = [Infinity, Infinity, Infinity];
+  const high: Vec3 = [-Infinity, -Infinity, -Infinity];
+  for (const shape of body.shapes) {
+    const [a = 0, b = 0, c = 0] = shape.size;
+    let half: Vec3;
+    if (shape.type === "box") half = [a / 2, b / 2, c / 2];
+    else if (shape.type === "sphere") half = [a, a, a];
+    else if (shape.type === "cylinder") half = [a, a, b / 2];
+    else if (shape.type === "capsule") half = [a, a, a + b / 2];
+    else return null;
+    // A turned box reaches along an axis as far as its edges do together.
+    const edges = [0, 1, 2].map((k) => rotate(shape.pose, [0, 1, 2].map((j) => (j === k ? half[k]! : 0)) as Vec3));
+    for (let i = 0; i < 3; ++i) {
+      const reach = edges.reduce((sum, edge) => sum + Math.abs(edge[i]!), 0);
+      low[i] = Math.min(low[i]!, shape.pose[i]! - reach);
+      high[i] = Math.max(high[i]!, shape.pose[i]! + reach);
+    }
+  }
+  return low[0] < Infinity ? { low, high } : null;
+}
+
+/** Where the `count`-th new sensor of a kind sits on a body, in its frame: at its front (+x), where nothing of the body is
+ *  in the way; the first in the middle, others to the left and to the right of it. `high`: at the upper edge. */
+export function front_place(body: SceneBody, count: number, high: boolean): Vec3 | null {
+  const box = extents(body);
+  if (!box) return null;
+  const middle = (i: number): number => (box.low[i]! + box.high[i]!) / 2;
+  const side = (count % 2 === 1 ? 1 : -1) * Math.ceil(count / 2);
+  const apart = (box.high[1] - box.low[1]) / 3;
+  const y = Math.min(Math.max(middle(1) + side * apart, box.low[1]), box.high[1]);
+  return [rounded(box.high[0]), rounded(count === 0 ? middle(1) : y), rounded(high ? box.high[2] : middle(2))];
+}
+
 /** How far from its original a copy stands: beside it along x. */
 export function duplicate_offset(state: State, ids: readonly number[]): Vec3 {
   const scene = state.scene.peek();

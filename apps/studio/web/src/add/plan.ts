@@ -5,8 +5,8 @@ import {
   kBodies, kJoints, reference_choices, relative_name, scope_of, type AttributeSchema, type Schema,
 } from "../forms/schema";
 import { print_element } from "../forms/xml_text";
-import { default_attributes, effort_for, joint_ends, kHeight, kRadius } from "./defaults";
-import { into_frame, new_place } from "./place";
+import { color_for, default_attributes, effort_for, joint_ends, kHeight, kRadius } from "./defaults";
+import { front_place, into_frame, new_place } from "./place";
 
 export interface InsertPlan {
   tag: string;
@@ -66,6 +66,16 @@ function place_in(state: State, parent: number, tag: string): Vec3 {
   return world;
 }
 
+/** Sensors that see nothing from within. */
+const kLooking = ["camera", "infrared", "lidar"];
+
+/** A place at the front of the body that an element makes alone; null: none is known. */
+function place_on(state: State, on: TreeElement, tag: string, name: string): Vec3 | null {
+  const body = state.scene.peek()?.bodies.find((b) => b.element === on.id && b.own);
+  const others = state.tree.peek().elements.filter((e) => e.tag === tag && e.attributes.on === name).length;
+  return body ? front_place(body, others, tag !== "infrared") : null;
+}
+
 export function insert_plan(state: State, schema: Schema, tag: string): InsertPlan {
   const { elements } = state.tree.peek();
   const selection = state.selection.peek().filter((id) => elements[id]);
@@ -92,6 +102,8 @@ export function insert_plan(state: State, schema: Schema, tag: string): InsertPl
     if (body && elements[main]?.tag !== "assembly" && schema.may_hold(elements, body.parent, tag)) parent = body.parent;
     // Beside a sensor: on what that one sits.
     attributes.on = name_of(body) || (elements[main]?.attributes.on ?? "");
+    const place = body && kLooking.includes(tag) ? place_on(state, body, tag, attributes.on) : null;
+    if (place) attributes.xyz = place.join(" ");
   } else if (schema.attribute(tag, "plugin")) {
     const plugins = schema.plugins(tag as "controller");
     if (plugins.length === 1) attributes.plugin = plugins[0]!.name;
@@ -100,7 +112,8 @@ export function insert_plan(state: State, schema: Schema, tag: string): InsertPl
     if (tag === "controller" && parent === 0 && assemblies.length === 1) parent = assemblies[0]!.id;
   }
   const needs_place = !("on" in attributes) && schema.attribute(tag, "xyz") && !kJoints.includes(tag);
-  const all = { ...default_attributes(tag, needs_place ? place_in(state, parent, tag) : null), ...attributes };
+  const place = needs_place ? place_in(state, parent, tag) : null;
+  const all = { ...default_attributes(tag, place), ...color_for(tag, elements), ...attributes };
   const known = schema.element(tag, all)?.attributes ?? [];
   for (const name of Object.keys(all)) if (!known.some((a) => a.name === name)) delete all[name];
   const missing = known.filter((a) => a.required && (all[a.name] ?? "") === "").map((a) => a.name);

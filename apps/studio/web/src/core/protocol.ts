@@ -41,6 +41,8 @@ export interface Status {
   last: number;
   frames: number;
   scene: number;
+  /** of the newest state, as `cogrsim run` prints it; "": it moves. Missing in bundles. */
+  state_hash?: string;
   compare: { labels: [string, string]; first_over: number | null } | null;
   viewers: number;
 }

@@ -78,7 +78,8 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
   const meaning = schema.element(first.tag, first.attributes);
   const name_spec = meaning?.attributes.find((a) => a.name === "name");
   const text = state.document.value;
-  const disabled = !state.may_edit.value || text?.version !== version;
+  // While a text compiles fields stay as they are: whoever types on must not lose the focus.
+  const disabled = !state.may_edit.value || !text || (text.version !== version && !text.good);
   const problems = one && text && text.version === version ? problems_of(text.text, one, text.file, state.problems.value) : null;
   const plugin = one ? plugin_form(schema, elements, one.id) : null;
   const what = one ? `${one.tag} ${label_of(one)}`.trim() : `${chosen.length} ${first.tag} elements`;

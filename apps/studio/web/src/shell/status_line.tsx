@@ -41,6 +41,14 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
         </span>
         {hello?.role === "viewer" && <span data-testid="role">You look on: only the operator can change things</span>}
         {status && status.viewers > 1 && <span>{status.viewers} pages</span>}
+        {status?.state_hash && (
+          <span
+            data-testid="state-hash"
+            title={`State hash after ${status.step_count} steps: cogrsim run prints the same for the same scene, engine and number of steps`}
+          >
+            Step {status.step_count}, state {status.state_hash}
+          </span>
+        )}
         {status && (
           <span data-testid="engine">
             {status.backend} {status.engine_version}
