@@ -63,8 +63,32 @@ const options = {
   plugins: [page],
 };
 
+// The viewer of bundles, for a page that can fetch nothing: each script whole, without modules.
+async function build_bundle() {
+  const whole = {
+    ...options,
+    entryPoints: { viewer: join(here, "src/bundle/main.ts") },
+    outdir: join(out, "bundle"),
+    entryNames: "[name]",
+    splitting: false,
+    format: "iife",
+    loader: { ...options.loader, ".woff2": "dataurl" },
+    minify: true,
+    metafile: false,
+    plugins: [],
+  };
+  await build(whole);
+  await build({ ...whole, entryPoints: { loader: join(here, "src/bundle/loader.ts") }, target: "es2015" });
+  // These stand in HTML as they are.
+  const text = readFileSync(join(out, "bundle/loader.js"), "utf8");
+  if (/<[!/]/.test(text)) throw new Error("the loader of bundles holds what would end or hide its element");
+  const style = join(out, "bundle/viewer.css");
+  writeFileSync(style, readFileSync(style, "utf8").replace(/<\//g, "<\\/"));
+}
+
 if (process.argv.includes("--watch")) {
   await (await context(options)).watch();
 } else {
   await build(options);
+  await build_bundle();
 }

@@ -55,6 +55,8 @@ export interface MemoryRun {
   divergence?: Record<string, unknown>;
   /** addresses of textures (data: or blob:), by path under /asset/ */
   assets?: Record<string, string>;
+  /** what cameras saw, by time */
+  pictures?: Picture[];
 }
 
 type Fields = Record<string, unknown>;
@@ -84,6 +86,8 @@ export class MemoryLink implements Link {
   /** index of the frame that is looked at */
   protected at = 0;
   private subscribed = { contacts: false, readings: false };
+  /** cameras whose pictures are wanted, with the one that was handed out last */
+  private cameras = new Map<string, Picture | null>();
   private told_scene = -1;
   private poses: { scene: Scene | undefined; signals: MemorySignal[] } = { scene: undefined, signals: [] };
   private waiting = false;
@@ -188,6 +192,8 @@ export class MemoryLink implements Link {
       }
       case "events":
         return { events: (run.events ?? []).filter((e) => e.index >= Number(fields.from ?? 0)) };
+      case "cameras":
+        return this.show_cameras(fields.show as { name: string; kind: string }[]);
       case "sources":
         return { files: [] };
       default:
@@ -217,6 +223,30 @@ export class MemoryLink implements Link {
     this.tell("scene", scene);
   }
 
+  /** Pictures that came with the run are all there is. */
+  private show_cameras(show: { name: string; kind: string }[]): unknown {
+    const { pictures = [] } = this.run;
+    for (const { name, kind } of show) {
+      if (pictures.some((p) => p.name === name && p.kind === kind)) continue;
+      throw refused(`no ${kind} pictures of '${name}' came with this run`, "open the scene with 'cogrsim studio'");
+    }
+    this.cameras = new Map(show.map(({ name }) => [name, null]));
+    this.show();
+    return {};
+  }
+
+  /** The newest of each camera that is no later than `time` [s]. */
+  private hand_out_pictures(time: number): void {
+    const { pictures = [] } = this.run;
+    for (const [name, last] of this.cameras) {
+      const mine = pictures.filter((p) => p.name === name);
+      const picture = mine[index_at(mine.length, (i) => mine[i]!.time, time)];
+      if (!picture || picture === last || picture.time > time + 5e-10) continue;
+      this.cameras.set(name, picture);
+      this.pictures.tell(picture);
+    }
+  }
+
   private look(index: number): { time: number } {
     this.at = Math.min(Math.max(index, 0), this.run.count - 1);
     this.show();
@@ -234,7 +264,9 @@ export class MemoryLink implements Link {
       const tail: Frame["tail"] = {};
       if (this.subscribed.contacts && frame.tail.contacts) tail.contacts = frame.tail.contacts;
       if (this.subscribed.readings && frame.tail.readings) tail.readings = frame.tail.readings;
-      this.frames.tell({ ...frame, live: this.live(), tail });
+      const { scene, time, step, poses, ghost } = frame;
+      this.frames.tell({ live: this.live(), scene, time, step, poses, ghost, tail });
+      this.hand_out_pictures(time);
     });
   }
 
