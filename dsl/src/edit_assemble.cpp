@@ -163,6 +163,42 @@ Result<> SceneEditor::run(const AssembleElements& op) {
   return check_meaning(other);
 }
 
+Result<> SceneEditor::run(const GroupElements& op) {
+  if (auto good = must_compile("group"); !good) return good;
+  std::vector<EditElement*> parts;
+  for (const int id : op.elements) {
+    auto e = element(id);
+    if (!e) return tl::unexpected(e.error());
+    if (*e == &tree_.root()) return fail("the scene itself cannot be grouped");
+    if (std::find(parts.begin(), parts.end(), *e) == parts.end()) parts.push_back(*e);
+  }
+  if (parts.empty()) return fail("there is nothing to group", "", "name at least one element");
+  std::sort(parts.begin(), parts.end(), [&](auto* a, auto* b) { return ids_.at(a) < ids_.at(b); });
+  EditElement& home = *parts.front()->parent;
+  for (EditElement* part : parts)
+    if (part->parent != &home)
+      return fail(called(*part) + " and " + called(*parts.front()) + " stand in different places",
+                  "", "move them into one assembly, or to the top, first");
+  const std::vector<Use> told = uses();
+  EditElement& scope = *scope_of(*parts.front());
+  auto made = tree_.make("assembly");
+  EditTree::set(*made, "name", fresh_name(scope, op.name.empty() ? "group" : op.name, false));
+  Pose X_WN;
+  if (scope.parent != nullptr) {
+    const auto around = poses_.find(&scope);
+    if (around == poses_.end()) return fail(called(scope) + " has no one place in the world");
+    X_WN = around->second;
+  }
+  EditElement& whole = tree_.put(std::move(made), home, parts.front());
+  poses_[&whole] = X_WN;
+  created_.push_back(&whole);
+  for (EditElement* part : parts) tree_.put(tree_.take(*part, true), whole, nullptr);
+  if (auto good = follow(told); !good) return good;
+  refresh();
+  if (auto good = must_compile("group"); !good) return good;
+  return check_meaning(told);
+}
+
 // What was said of the whole is said of its parts.
 Result<> SceneEditor::hand_out(EditElement& whole, const std::vector<EditElement*>& parts) {
   const bool rigid = whole.value("rigid") == "true";

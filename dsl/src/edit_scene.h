@@ -57,6 +57,7 @@ class SceneEditor {
   Result<> run(const PlaceElement& op);
   Result<> run(const AssembleElements& op);
   Result<> run(const DisassembleElement& op);
+  Result<> run(const GroupElements& op);
 
   // ---- edit_names.cpp
   std::vector<Use> uses() const;

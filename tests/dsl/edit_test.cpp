@@ -441,6 +441,31 @@ TEST_CASE("what cannot be one body is refused with the way out", "[edit]") {
         std::string::npos);
 }
 
+TEST_CASE("grouped elements are an assembly and stay what and where they are", "[edit]") {
+  const auto at = [](const char* tag, const char* name) { return id_of(kScene, tag, name); };
+  const std::string text = edited(
+      kScene, {GroupElements{{at("hinge", "shoulder"), at("assembly", "arm"), at("box", "crate")},
+                             "robot"}});
+  CHECK(text.find("  <assembly name=\"robot\">\n    <box   name=\"crate\"") != std::string::npos);
+  CHECK(text.find("y=\"robot.arm.lower.z - robot.crate.z\"") != std::string::npos);
+  CHECK(text.find("rigid") == std::string::npos);
+  const SceneModelPtr before = model_of(kScene), after = model_of(text);
+  REQUIRE(after->bodies.size() == before->bodies.size());
+  for (const char* name : {"arm.upper", "arm.lower", "crate"}) {
+    const Pose& was = body(*before, name).X_WB;
+    const Pose& is = body(*after, std::string("robot.") + name).X_WB;
+    CHECK(is.p == was.p);
+    CHECK(is.q.coeffs() == was.q.coeffs());
+  }
+  // A name that is taken gets a number; what stands in different places is refused.
+  CHECK(edited(kScene, {GroupElements{{at("box", "crate")}, "arm"}}).find("name=\"arm_2\"") !=
+        std::string::npos);
+  CHECK(refused(kScene, {GroupElements{{at("box", "crate"), at("box", "upper")}, "x"}})
+            .find("different places") != std::string::npos);
+  CHECK(refused(kScene, {GroupElements{{0}, "x"}}).find("scene itself") != std::string::npos);
+  CHECK(refused(kScene, {GroupElements{{}, "x"}}).find("nothing to group") != std::string::npos);
+}
+
 TEST_CASE("a mass of the whole is shared out", "[edit]") {
   const std::string text =
       "<scene>\n  <assembly name=\"a\" rigid=\"true\" mass=\"6 kg\" xyz=\"0 0 2\" rpy=\"90 0 0 "

@@ -47,6 +47,7 @@ class Walker {
         const int parent = scene.elements[static_cast<std::size_t>(parts[0])].parent;
         for (const OutlineElement& e : scene.elements)
           if (e.parent == parent && number() > 1) parts.push_back(e.id);
+        if (number() > 0) return GroupElements{parts, "robot"};
         return AssembleElements{parts, "group", ""};
       }
       case 6: {

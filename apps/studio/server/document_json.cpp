@@ -112,8 +112,13 @@ Result<dsl::EditOperation> operation_from(const Json& op) {
     COGRSIM_TAKE(element, id_field(op, "element"));
     return dsl::EditOperation(dsl::DisassembleElement{element});
   }
+  if (what == "group") {
+    COGRSIM_TAKE(elements, ids_field(op, "elements"));
+    COGRSIM_TAKE(name, text_field(op, "name"));
+    return dsl::EditOperation(dsl::GroupElements{elements, name});
+  }
   return fail("there is no operation '" + what + "'", "",
-              "set, insert, remove, move, rename, duplicate, place, assemble, disassemble");
+              "set, insert, remove, move, rename, duplicate, place, assemble, disassemble, group");
 }
 
 }  // namespace

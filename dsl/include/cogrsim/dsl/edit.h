@@ -127,15 +127,22 @@ struct AssembleElements {
   std::string material;  ///< of all parts; empty: each keeps its own
 };
 
+/// One `<assembly>` around elements of one parent, before the first of them: a scope of names, and
+/// what a controller commands. Nothing moves; names that lead into it follow.
+struct GroupElements {
+  std::vector<int> elements;
+  std::string name;  ///< gets a number if it is taken
+};
+
 /// The parts of an assembly take its place, where they are. What referred to the assembly refers to
 /// its first part. A material, mass, static, kinematic and velocity of the whole go to the parts.
 struct DisassembleElement {
   int element = 0;
 };
 
-using EditOperation =
-    std::variant<SetAttribute, InsertElement, RemoveElements, MoveElement, RenameElement,
-                 DuplicateElement, PlaceElement, AssembleElements, DisassembleElement>;
+using EditOperation = std::variant<SetAttribute, InsertElement, RemoveElements, MoveElement,
+                                   RenameElement, DuplicateElement, PlaceElement, AssembleElements,
+                                   DisassembleElement, GroupElements>;
 
 struct EditResult {
   std::string text;

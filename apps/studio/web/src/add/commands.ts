@@ -1,9 +1,10 @@
 // The commands "insert:…": one for every element that may be added.
 import type { Studio } from "../core/studio";
 import { kJoints } from "../forms/schema";
+import { group_elements } from "../tree/commands";
 import { tree_state } from "../tree/tree_state";
 import { insert_dialog } from "./dialog";
-import { insert_op, insert_plan } from "./plan";
+import { insert_op, insert_plan, loose_robot } from "./plan";
 
 /** In the order of the menu; what a newcomer needs first comes first. */
 const kOffered: [string, string][] = [
@@ -41,7 +42,16 @@ export async function insert(studio: Studio, tag: string, ask: boolean): Promise
     studio.notify("the vocabulary has not come yet: try again in a moment");
     return;
   }
-  const plan = insert_plan(studio.state, schema, tag);
+  let plan = insert_plan(studio.state, schema, tag);
+  if (tag === "controller" && plan.parent === 0) {
+    const robot = loose_robot(studio.state.tree.peek().elements);
+    if (robot.length > 0) {
+      const names = robot.map((id) => studio.state.element(id)?.name || studio.state.element(id)?.tag).join(", ");
+      const text = `A controller commands the assembly in which it stands. ${names} become one; nothing moves.`;
+      if ((await group_elements(studio, robot, "Make a robot of it", text, "robot")) === null) return;
+      plan = insert_plan(studio.state, schema, tag);
+    }
+  }
   const made =
     ask || plan.missing.length > 0
       ? await insert_dialog(studio, schema, plan)

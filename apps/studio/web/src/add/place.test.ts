@@ -1,10 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { TreeElement } from "../core/protocol";
+import type { SceneBody, TreeElement } from "../core/protocol";
 import { State } from "../core/state";
 import { Schema } from "../forms/schema";
-import { free_place, into_frame, rotate } from "./place";
-import { common_parent, insert_op, insert_plan, parent_for } from "./plan";
+import { color_for } from "./defaults";
+import { free_place, front_place, into_frame, rotate } from "./place";
+import { common_parent, insert_op, insert_plan, loose_robot, parent_for } from "./plan";
 
 const close = (a: readonly number[], b: readonly number[]) =>
   a.forEach((v, i) => assert.ok(Math.abs(v - b[i]!) < 1e-12, `${a.join(" ")} is not ${b.join(" ")}`));
@@ -77,6 +78,38 @@ test("a joint takes the two selected bodies by the names that its place understa
 test("a motor takes the only joint and stands beside it", () => {
   const motor = plan("motor", [2]);
   assert.deepEqual([motor.parent, motor.attributes.joint, motor.attributes["max-torque"]], [1, "axle", "1 N*m"]);
+});
+
+test("a robot that stands loose is found by its motors", () => {
+  const rows: [number, string, string, Record<string, string>][] = [
+    [-1, "scene", "", {}], [0, "plane", "floor", {}], [0, "box", "deck", {}], [0, "cylinder", "wheel", {}], [0, "box", "other", {}],
+    [0, "hinge", "axle", { parent: "deck", child: "wheel" }], [0, "motor", "left", { joint: "axle" }],
+    [0, "camera", "eye", { on: "deck" }], [0, "camera", "room", { on: "other" }], [0, "slider", "rail", { parent: "floor", child: "deck" }],
+  ];
+  const loose = (list: typeof rows) =>
+    loose_robot(list.map(([parent, tag, name, attributes], id) =>
+      ({ id, parent, tag, name, path: name, attributes, line: 1, column: 1, end_line: 1 })));
+  assert.deepEqual(loose(rows), [2, 3, 5, 6, 7, 9]);
+  assert.deepEqual(loose(rows.filter(([, tag]) => tag !== "motor")), []);
+});
+
+test("sensors stand at the front of their body, one beside the other", () => {
+  const deck = { pose: [0, 0, 0, 1, 0, 0, 0], shapes: [{ type: "box", pose: [0, 0, 0, 1, 0, 0, 0], size: [0.24, 0.12, 0.04] }] };
+  const place = (count: number, high: boolean) => front_place(deck as unknown as SceneBody, count, high);
+  assert.deepEqual(place(0, true), [0.12, 0, 0.02]);
+  assert.deepEqual([place(0, false), place(1, false), place(2, false)], [[0.12, 0.04, 0], [0.12, -0.04, 0], [0.12, 0, 0]]);
+  // A cylinder that lies across reaches as far to the sides as it is long.
+  const lying = { shapes: [{ type: "cylinder", pose: [0, 0, 0, Math.SQRT1_2, Math.SQRT1_2, 0, 0], size: [0.05, 0.3] }] };
+  assert.deepEqual(front_place(lying as unknown as SceneBody, 0, false), [0.05, 0.1, 0]);
+  const ground = { shapes: [{ type: "plane", pose: [0, 0, 0, 1, 0, 0, 0], size: [4, 4] }] };
+  assert.equal(front_place(ground as unknown as SceneBody, 0, false), null);
+});
+
+test("what is new has another color than what came before it", () => {
+  const first = color_for("box", elements).color;
+  const box = { ...elements[2]!, tag: "box", attributes: { color: first! } };
+  assert.notEqual(color_for("sphere", [box]).color, first);
+  assert.deepEqual(color_for("hinge", elements), {});
 });
 
 test("a sensor sits on the selected body", () => {

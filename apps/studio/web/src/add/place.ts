@@ -119,16 +119,15 @@ function extents(body: SceneBody): { low: Vec3; high: Vec3 } | null {
   return low[0] < Infinity ? { low, high } : null;
 }
 
-/** Where the `count`-th new sensor of a kind sits on a body, in its frame: at its front (+x), where nothing of the body is
- *  in the way; the first in the middle, others to the left and to the right of it. `high`: at the upper edge. */
+/** Where a new sensor sits on a body that has `count` of its kind, in the body's frame: at its front (+x), where nothing of the
+ *  body is in the way. `high`: at the upper edge, the first in the middle; else at half height, the first two as a pair. */
 export function front_place(body: SceneBody, count: number, high: boolean): Vec3 | null {
   const box = extents(body);
   if (!box) return null;
   const middle = (i: number): number => (box.low[i]! + box.high[i]!) / 2;
-  const side = (count % 2 === 1 ? 1 : -1) * Math.ceil(count / 2);
-  const apart = (box.high[1] - box.low[1]) / 3;
-  const y = Math.min(Math.max(middle(1) + side * apart, box.low[1]), box.high[1]);
-  return [rounded(box.high[0]), rounded(count === 0 ? middle(1) : y), rounded(high ? box.high[2] : middle(2))];
+  const side = (high ? [0, 1, -1] : [1, -1, 0])[count % 3]!;
+  const y = middle(1) + (side * (box.high[1] - box.low[1])) / 3;
+  return [rounded(box.high[0]), rounded(y), rounded(high ? box.high[2] : middle(2))];
 }
 
 /** How far from its original a copy stands: beside it along x. */

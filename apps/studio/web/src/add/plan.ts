@@ -66,6 +66,29 @@ function place_in(state: State, parent: number, tag: string): Vec3 {
   return world;
 }
 
+const kDrives = ["motor", "servo"];
+
+/** What stands loose in the scene and belongs together: motors, their joints, the bodies these connect, and the sensors on
+ *  all of them. Empty: no motor stands in the scene itself. */
+export function loose_robot(elements: readonly TreeElement[]): number[] {
+  const loose = elements.filter((e) => e.parent === 0);
+  const robot = new Set(loose.filter((e) => kDrives.includes(e.tag)));
+  if (robot.size === 0) return [];
+  const named = (name: string | undefined) => loose.find((e) => name !== undefined && name !== "" && e.name === name);
+  const ends = (e: TreeElement) => [named(e.attributes.parent), named(e.attributes.child)];
+  for (let size = 0; size !== robot.size; ) {
+    size = robot.size;
+    for (const e of loose) {
+      const { joint, on } = e.attributes;
+      const refers = kJoints.includes(e.tag) ? ends(e) : [named(joint), named(on)];
+      if (refers.some((r) => r && robot.has(r) && r.tag !== "plane")) robot.add(e);
+      // What a part of it is mounted on or moves is a part of it too.
+      if (robot.has(e)) for (const r of refers) if (r && r.tag !== "plane") robot.add(r);
+    }
+  }
+  return [...robot].map((e) => e.id).sort((a, b) => a - b);
+}
+
 /** Sensors that see nothing from within. */
 const kLooking = ["camera", "infrared", "lidar"];
 
@@ -107,9 +130,12 @@ export function insert_plan(state: State, schema: Schema, tag: string): InsertPl
   } else if (schema.attribute(tag, "plugin")) {
     const plugins = schema.plugins(tag as "controller");
     if (plugins.length === 1) attributes.plugin = plugins[0]!.name;
-    // A controller is the brain of an assembly; when there is but one, it is that one's.
+    // A controller is the brain of an assembly; when but one has motors, it is that one's.
     const assemblies = elements.filter((e) => e.tag === "assembly" && e.parent === 0);
-    if (tag === "controller" && parent === 0 && assemblies.length === 1) parent = assemblies[0]!.id;
+    const driven = assemblies.filter((a) => elements.some((e) => kDrives.includes(e.tag) && e.path.startsWith(`${a.path}.`)));
+    const only = driven.length > 0 ? driven : assemblies;
+    const drives = elements.some((e) => kDrives.includes(e.tag) && e.parent === 0);
+    if (tag === "controller" && parent === 0 && only.length === 1 && !(drives && driven.length === 0)) parent = only[0]!.id;
   }
   const needs_place = !("on" in attributes) && schema.attribute(tag, "xyz") && !kJoints.includes(tag);
   const place = needs_place ? place_in(state, parent, tag) : null;

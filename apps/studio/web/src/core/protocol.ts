@@ -251,4 +251,5 @@ export type Op =
   | { op: "duplicate"; element: number; offset?: Vec3 }
   | { op: "place"; element: number; pose: Pose }
   | { op: "assemble"; elements: number[]; name: string; material?: string }
+  | { op: "group"; elements: number[]; name: string }
   | { op: "disassemble"; element: number };

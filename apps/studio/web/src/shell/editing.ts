@@ -16,6 +16,7 @@ export function elements_of(ops: Op[]): number[] {
         return op.before === null ? [op.element, op.parent] : [op.element, op.parent, op.before];
       case "remove":
       case "assemble":
+      case "group":
         return op.elements;
       default:
         return [op.element];

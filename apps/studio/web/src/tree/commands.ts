@@ -104,6 +104,26 @@ async function assemble(studio: Studio): Promise<void> {
   if (made) studio.select(made.slice(0, 1));
 }
 
+async function group(studio: Studio): Promise<void> {
+  const ids = chosen(studio);
+  const text = "An assembly that is not rigid: a robot with its joints, motors, sensors and its controller. Nothing moves.";
+  await group_elements(studio, ids, "Group into an assembly", text, "group");
+}
+
+/** Asks for a name and groups; the id of the assembly, which is then selected, or null. */
+export async function group_elements(
+  studio: Studio, ids: number[], title: string, text: string, name: string,
+): Promise<number | null> {
+  const fields = [{ name: "name", label: "Name", value: name }];
+  const answer = await studio.dialog({ title, text, fields, accept: "Group" });
+  if (!answer) return null;
+  const given = (answer.name ?? "").trim() || name;
+  const made = await studio.edit(`group ${named(studio, ids)} into ${given}`, [{ op: "group", elements: ids, name: given }]);
+  if (!made || made.length === 0) return null;
+  studio.select(made.slice(0, 1));
+  return made[0]!;
+}
+
 async function disassemble(studio: Studio): Promise<void> {
   const { elements } = studio.state.tree.value;
   const ids = chosen(studio).filter((id) => ["assembly", "body"].includes(elements[id]!.tag));
@@ -146,6 +166,7 @@ export function register_edit_commands(studio: Studio): void {
   add("edit:assemble", "Assemble…", () => assemble(studio),
     () => may() && chosen(studio).filter((id) => kParts.includes(state.element(id)?.tag ?? "")).length >= 2,
     "Several bodies into one rigid body");
+  add("edit:group", "Group…", () => group(studio), some, "Into an assembly whose parts move by themselves");
   add("edit:disassemble", "Disassemble", () => disassemble(studio),
     () => may() && chosen(studio).some((id) => ["assembly", "body"].includes(state.element(id)?.tag ?? "")),
     "The parts take its place, where they are");

@@ -43,6 +43,7 @@ export function open_menu(studio: Studio, row: Row, x: number, y: number): void 
       for (const name of ["rename", "duplicate", "copy", "cut", "paste", "delete"]) menu.addItem({ command: `edit:${name}` });
       menu.addItem({ type: "separator" });
       menu.addItem({ command: "edit:assemble" });
+      menu.addItem({ command: "edit:group" });
       menu.addItem({ command: "edit:disassemble" });
       menu.addItem({ type: "separator" });
     }
