@@ -1,0 +1,106 @@
+// What is seen: tree, 3D view and map show and select the same things at the same places.
+import { expect, keep, test } from "./harness";
+import { ask, blue, green, layout, look, red, row, shared, still, until } from "./acts";
+
+// Three flat things at one height, seen from above: the outer two are known places in any picture of them.
+const kScene = `<scene name="three" version="1">
+  <physics backend="bullet" step="5 ms" gravity="0 0 0" duration="20 s"/>
+  <box name="west" size="20 20 2 cm" xyz="-1 -0.5 0" static="true" color="#00d000"/>
+  <box name="east" size="20 20 2 cm" xyz="1 0.5 0" static="true" color="#1010ff"/>
+  <box name="puck" size="20 20 2 cm" xyz="-0.6 0.3 0" mass="1 kg" linear-velocity="0.5 -0.2 0" color="#e00000"/>
+</scene>
+`;
+const its = shared(kScene);
+
+test("a click in the tree highlights in 3D and on the map, and a pixel that is clicked selects in the tree", async () => {
+  const { page } = its;
+  const view = page.getByTestId("view3d");
+  await view.click({ position: { x: 5, y: 5 } });
+  await page.keyboard.press("5");
+  await page.mouse.move(0, 0);
+  const before = await still(view);
+  await row(page, "puck box").click();
+  await expect(page.getByTestId("selected")).toContainText("puck");
+  await page.mouse.move(0, 0);
+  await expect.poll(async () => (await look(view)).differs(before)).toBeGreaterThan(0);
+  const marked = await still(view);
+  await keep(page, "tree_selects_in_3d");
+  // What changed is a rim around the puck and what is inside: nowhere else.
+  const puck = before.find(red);
+  expect(puck.count).toBeGreaterThan(50);
+  const radius = 0.75 * Math.sqrt(puck.count) + 6;
+  for (let y = 0; y < before.height; y += 1) {
+    for (let x = 0; x < before.width; x += 1) {
+      const [a, b] = [before.at(x, y), marked.at(x, y)];
+      if (a.every((v, i) => Math.abs(v - b[i]!) <= 8)) continue;
+      expect(Math.hypot(x - puck.x, y - puck.y), `a change at ${x}, ${y}`).toBeLessThan(radius);
+    }
+  }
+  await page.keyboard.press("Escape");
+
+  // The other way: the pixel in the middle of the blue box.
+  const east = before.find(blue);
+  await view.click({ position: { x: east.x, y: east.y } });
+  await expect(row(page, "east box")).toHaveAttribute("aria-selected", "true");
+  await expect(row(page, "puck box")).toHaveAttribute("aria-selected", "false");
+  await page.mouse.move(0, 0);
+  await keep(page, "pixel_selects_in_tree");
+
+  // And nothing is selected by a click on nothing.
+  await view.click({ position: { x: east.x, y: before.height - 8 } });
+  await expect(row(page, "east box")).toHaveAttribute("aria-selected", "false");
+});
+
+test("3D and map show the same place at a time that was scrubbed to", async () => {
+  const { page } = its;
+  await layout(page, "Run");
+  const view = page.getByTestId("view3d");
+  const map = page.getByTestId("map");
+  await view.click({ position: { x: 5, y: 5 } });
+  await page.keyboard.press("5");
+  // the trail has the puck's colour
+  await page.getByRole("button", { name: "What is drawn on the map" }).click();
+  await page.getByRole("menuitemcheckbox", { name: /Trajectories/ }).click();
+  await ask(page, "step", { count: 500 });
+  await until(page, "status", (s) => s.last > 2.499 && s.state === "paused", "two and a half seconds were run");
+
+  const slider = page.getByTestId("timeline");
+  const box = (await slider.boundingBox())!;
+  const frames = new Set<string>();
+  for (const part of [0.03, 0.1]) {
+    await page.mouse.click(box.x + part * box.width, box.y + box.height / 2);
+    await expect(page.getByTestId("live")).not.toHaveAttribute("aria-pressed", "true");
+    await page.mouse.move(0, 0);
+    await expect(async () => {
+      const shown = await view.getAttribute("data-time");
+      expect(shown).toBe(await map.getAttribute("data-time"));
+      expect(frames.has(shown!)).toBe(false);
+    }).toPass();
+    const time = Number(await view.getAttribute("data-time"));
+    frames.add(String(time));
+    const above = await still(view);
+    const flat = await still(map);
+    // From two known places to any other: a picture from straight above is the plane turned, scaled and shifted.
+    const place = (picture: typeof above): [number, number] => {
+      const [a, b, c] = [picture.find(green), picture.find(blue), picture.find(red)];
+      for (const found of [a, b, c]) expect(found.count).toBeGreaterThan(30);
+      const [dx, dy] = [b.x - a.x, a.y - b.y];
+      const [px, py] = [c.x - a.x, a.y - c.y];
+      // (2, 1) m in the world is (dx, dy) pixels: complex division tells scale and turn
+      const square = dx * dx + dy * dy;
+      const [u, v] = [(px * dx + py * dy) / square, (py * dx - px * dy) / square];
+      return [-1 + 2 * u - v, -0.5 + 2 * v + u];
+    };
+    const [x3, y3] = place(above);
+    const [x2, y2] = place(flat);
+    await keep(page, `scrubbed_${time.toFixed(3)}`);
+    // free of forces: the place is known. A pixel is about 4 mm here, and middles of things are found to half of one;
+    // edges blended with what is behind, and the puck's visible sides, make up for some more.
+    for (const [x, y] of [[x3, y3], [x2, y2]] as const) {
+      expect(Math.abs(x - (-0.6 + 0.5 * time))).toBeLessThan(0.012);
+      expect(Math.abs(y - (0.3 - 0.2 * time))).toBeLessThan(0.012);
+    }
+    expect(Math.hypot(x3 - x2, y3 - y2)).toBeLessThan(0.015);
+  }
+  expect(frames.size).toBe(2);
+});

@@ -1,0 +1,129 @@
+// Who may come in, on raw sockets; and text from scenes stays text wherever it is shown.
+import { connect } from "node:net";
+import { expect, keep, test, type StudioServer } from "./harness";
+import { dismiss, layout, row, serve, visit } from "./acts";
+
+let server: StudioServer;
+const kEvil = '<img src=x onerror="window.pwned=1">';
+// In XML the name's own quotes and brackets are written as what they stand for.
+const kWritten = kEvil.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;").replaceAll('"', "&quot;");
+const kPlain = `<scene name="plain" version="1"><physics backend="bullet" duration="5 s"/><plane name="floor"/></scene>`;
+// A name may not hold such signs, but everything else may: titles, messages, reasons, events, and the errors that quote names.
+const kTold = `<scene name="told" version="1">
+  <physics backend="bullet" step="5 ms" duration="5 s"/>
+  <box name="crate" size="40 40 40 cm" mass="3 kg" xyz="0 0 0.2"/>
+  <plot name="p" kind="curve" title="${kWritten}" y="crate.x"/>
+  <on time="20 ms"><tell message="${kWritten}"/><raise event="ready" message="${kWritten}"/></on>
+  <on time="100 ms"><end reason="${kWritten}"/></on>
+</scene>
+`;
+const kNamed = `<scene name="${kWritten}" version="1">
+  <physics backend="bullet" step="5 ms" duration="5 s"/>
+  <material name="${kWritten}" density="100 kg/m^3"/>
+  <box name="${kWritten}" size="40 40 40 cm" mass="3 kg" color="${kWritten}" material="${kWritten}"/>
+</scene>
+`;
+
+test.beforeAll(async () => {
+  server = await serve(kPlain);
+});
+test.afterAll(async () => dismiss(server));
+
+/** Says `text` on a connection of its own; what comes back until the other side ends it or a header and a moment have come. */
+function say(text: string): Promise<string> {
+  return new Promise((resolve, reject) => {
+    const socket = connect(server.port, "127.0.0.1", () => socket.write(text));
+    let back = "";
+    socket.on("data", (more) => {
+      back += more.toString("latin1");
+      if (back.includes("101 Switching Protocols")) socket.destroy();
+    });
+    socket.on("close", () => resolve(back));
+    socket.on("error", reject);
+    socket.setTimeout(15_000, () => socket.destroy(new Error("no end of the answer")));
+  });
+}
+const get = (path: string, ...more: string[]): Promise<string> =>
+  say([`GET ${path} HTTP/1.1`, ...(more.some((h) => h.startsWith("Host:")) ? [] : [`Host: 127.0.0.1:${server.port}`]), ...more, "Connection: close", "", ""].join("\r\n"));
+const upgrade = (...more: string[]): Promise<string> =>
+  say([
+    "GET /socket HTTP/1.1", ...(more.some((h) => h.startsWith("Host:")) ? [] : [`Host: 127.0.0.1:${server.port}`]), "Connection: Upgrade", "Upgrade: websocket",
+    "Sec-WebSocket-Version: 13", "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==", ...more, "", "",
+  ].join("\r\n"));
+
+test("wrong token, Origin, Host and paths are refused on raw sockets", async () => {
+  const token = new URL(server.address).searchParams.get("token")!;
+  expect(token).toMatch(/^[0-9a-f]{32}$/);
+  const entered = await get(`/?token=${token}`);
+  expect(entered).toMatch(/^HTTP\/1\.1 303/);
+  const cookie = /Set-Cookie: ([^;\r]+); HttpOnly; SameSite=Strict/.exec(entered)![1]!;
+  const with_cookie = `Cookie: ${cookie}`;
+  const own = `Origin: http://127.0.0.1:${server.port}`;
+
+  // what is right is let in, or refusals would prove nothing
+  expect(await get("/", with_cookie)).toMatch(/^HTTP\/1\.1 200/);
+  expect(await upgrade(with_cookie, own)).toMatch(/^HTTP\/1\.1 101/);
+
+  const wrong = token.replace(/.$/, (last) => (last === "0" ? "1" : "0"));
+  expect(await get(`/?token=${wrong}`)).toMatch(/^HTTP\/1\.1 403/);
+  expect(await get("/")).toMatch(/^HTTP\/1\.1 403/);
+  expect(await get("/", `Cookie: ${cookie.replace(/=.*/, `=${wrong}`)}`)).toMatch(/^HTTP\/1\.1 403/);
+  expect(await upgrade(own)).toMatch(/^HTTP\/1\.1 403/);
+
+  for (const origin of ["http://evil.example", "null", `http://localhost.evil.example:${server.port}`, `https://127.0.0.1:${server.port}`]) {
+    expect(await upgrade(with_cookie, `Origin: ${origin}`), origin).toMatch(/^HTTP\/1\.1 403/);
+    expect(await get("/", with_cookie, `Origin: ${origin}`), origin).toMatch(/^HTTP\/1\.1 403/);
+  }
+  expect(await upgrade(with_cookie)).toMatch(/^HTTP\/1\.1 403/);
+  for (const host of ["evil.example", `evil.example:${server.port}`, "127.0.0.1:1", `127.0.0.1.evil.example:${server.port}`]) {
+    expect(await get("/", with_cookie, `Host: ${host}`), host).toMatch(/^HTTP\/1\.1 403/);
+    expect(await upgrade(with_cookie, `Host: ${host}`, `Origin: http://${host}`), host).toMatch(/^HTTP\/1\.1 403/);
+  }
+  for (const path of ["/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/asset/../../../etc/passwd", "/asset//etc/passwd", "//etc/passwd",
+    "/asset/0/../../../../etc/passwd", "/..%5c..%5cetc%5cpasswd", `/${server.file}`]) {
+    const answer = await get(path, with_cookie);
+    expect(answer, path).toMatch(/^HTTP\/1\.1 40[0-9]/);
+    expect(answer).not.toContain("root:");
+    expect(answer).not.toContain("<scene");
+  }
+});
+
+for (const [what, scene] of [["messages, titles and reasons", kTold], ["names that the compiler complains of", kNamed]] as const) {
+  test(`hostile ${what} are text`, async ({ page }) => {
+    const hostile = await serve(kPlain);
+    try {
+      const asked: string[] = [];
+      page.on("request", (request) => asked.push(request.url()));
+      page.on("dialog", () => asked.push("a dialog"));
+      await visit(page, hostile);
+      await layout(page, "Edit");
+      await page.locator(".cm-content").click();
+      await page.keyboard.press("Control+a");
+      await page.keyboard.insertText(scene);
+      if (scene === kTold) {
+        await expect(row(page, "crate box")).toBeVisible();
+        await page.getByTestId("view3d").click({ position: { x: 5, y: 5 } });
+        await page.getByTestId("play").click();
+        await expect(page.getByTestId("console-lines")).toContainText(kEvil);
+        await expect(page.getByTestId("run-state")).toContainText(kEvil);
+        await layout(page, "Analyse");
+        await page.getByRole("combobox", { name: "Figures of the scene" }).selectOption("p");
+        await expect(page.getByTestId("figure-1")).toBeVisible();
+        await expect(page.getByRole("textbox", { name: "Title of figure 1" })).toHaveValue(/onerror|^p$/);
+      } else {
+        await expect(page.getByTestId("problem-count")).toBeVisible();
+        await page.getByTestId("problem-count").click();
+        await expect(page.getByTestId("console-lines")).toContainText("<img");
+        await page.locator(".cm-lintRange-error").first().hover();
+        await expect(page.locator(".cm-tooltip .cm-diagnostic").first()).toBeVisible();
+      }
+      await keep(page, scene === kTold ? "hostile_messages" : "hostile_names");
+      // No element was made of it, nothing ran, nothing was asked for.
+      expect(await page.locator('img[src="x"], img[onerror]').count()).toBe(0);
+      expect(await page.evaluate(() => (window as unknown as { pwned?: number }).pwned)).toBeUndefined();
+      expect(asked.filter((url) => /\/x$|dialog/.test(url))).toEqual([]);
+    } finally {
+      await dismiss(hostile);
+    }
+  });
+}
