@@ -8,6 +8,12 @@ export interface Tool {
   text: string;
 }
 
+/** Who says what is written on a button must be understood: the name holds it. Signs are not said. */
+function name_of(text: string, label: string): string {
+  const said = !/\p{L}/u.test(text) || label.toLowerCase().includes(text.toLowerCase());
+  return said ? label : `${text}: ${label}`;
+}
+
 /** Buttons that follow their commands: enabled, pressed. Returns what ends that. */
 export function fill_tools(studio: Studio, row: HTMLElement, groups: Tool[][]): () => void {
   const { commands } = studio;
@@ -27,7 +33,7 @@ export function fill_tools(studio: Studio, row: HTMLElement, groups: Tool[][]): 
         if (!commands.hasCommand(command)) return;
         const keys = commands.keyBindings.find((k) => k.command === command)?.keys.join(" ");
         const label = commands.label(command);
-        button.setAttribute("aria-label", label);
+        button.setAttribute("aria-label", name_of(text, label));
         button.title = [label, commands.caption(command), keys && `Key: ${keys}`].filter(Boolean).join("\n");
         button.disabled = !commands.isEnabled(command);
         if (commands.isToggleable(command)) button.setAttribute("aria-pressed", String(commands.isToggled(command)));
@@ -48,7 +54,7 @@ export function menu_button(studio: Studio, row: HTMLElement, text: string, labe
   const button = document.createElement("button");
   button.type = "button";
   button.textContent = `${text} \u25be`;
-  button.setAttribute("aria-label", label);
+  button.setAttribute("aria-label", name_of(text, label));
   button.setAttribute("aria-haspopup", "menu");
   button.addEventListener("click", () => {
     const menu = new Menu({ commands: studio.commands });
