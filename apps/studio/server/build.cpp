@@ -35,16 +35,22 @@ std::string cache_folder() {
   return {};
 }
 
-/// Where this program was installed, if its CMake package lies there too.
-std::string own_prefix() {
+/// The CMake package that lies with this program, installed or in its build tree; empty: none does.
+std::string own_package() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   const fs::path prefix = program.parent_path().parent_path();
+  const auto package_in = [&](const fs::path& folder) {
+    std::error_code none;
+    const fs::path package = folder / "cmake" / "CogRSim";
+    return fs::is_regular_file(package / "CogRSimConfig.cmake", none) ? package.string() : "";
+  };
   for (const char* lib : {"lib", "lib64"}) {
-    if (fs::is_directory(prefix / lib / "cmake" / "CogRSim", error)) return prefix.string();
+    if (std::string found = package_in(prefix / lib); !found.empty()) return found;
     for (fs::directory_iterator it(prefix / lib, error), end; !error && it != end;
-         it.increment(error))
-      if (fs::is_directory(it->path() / "cmake" / "CogRSim", error)) return prefix.string();
+         it.increment(error)) {
+      if (std::string found = package_in(it->path()); !found.empty()) return found;
+    }
   }
   return {};
 }
@@ -211,8 +217,8 @@ Result<Builder::Built> Builder::build() {
       (place / "tree").string(),
       "-DCMAKE_BUILD_TYPE=Release",
       "-DCOGRSIM_PLUGIN_OUTPUT_DIRECTORY=" + (place / "libraries").string()};
-  if (const std::string prefix = own_prefix(); !prefix.empty())
-    configure.push_back("-DCMAKE_PREFIX_PATH=" + prefix);
+  if (const std::string package = own_package(); !package.empty())
+    configure.push_back("-DCogRSim_DIR=" + package);
   for (const std::vector<std::string>& words :
        {configure, std::vector<std::string>{"cmake", "--build", (place / "tree").string(),
                                             "--parallel", "2"}}) {

@@ -77,8 +77,10 @@ class Engine {
   Made make(const SceneModelPtr& model, const SimulationOptions& options) const;
   tl::expected<void, Refusal> begin_anew(const Scene& scene, const std::string& backend,
                                          std::optional<double> dt, std::optional<CompareWish> wish);
+  /// `new_plugins`: the run goes on with them even where nothing else has changed.
   tl::expected<std::vector<std::string>, Refusal> carry_over(const Scene& scene,
-                                                             const std::string& backend);
+                                                             const std::string& backend,
+                                                             bool new_plugins = false);
   void adopt(std::unique_ptr<Simulation> simulation);
   void forget_past();
 

@@ -149,7 +149,8 @@ tl::expected<void, Refusal> Engine::begin_anew(const Scene& scene, const std::st
 }
 
 tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& scene,
-                                                                   const std::string& backend) {
+                                                                   const std::string& backend,
+                                                                   bool new_plugins) {
   auto snapshot = snapshot_of(*simulation_);
   if (!snapshot) return tl::unexpected(refusal(snapshot.error()));
   const SceneModelPtr model = renamed(scene.model, snapshot->info().scene);
@@ -165,7 +166,7 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
     same_scene =
         as_then && as_then->same_scene && scene.model->physics.step == scene_->model->physics.step;
   }
-  if (same_scene) {
+  if (same_scene && !new_plugins) {
     // Comments, places in the file: nothing the run could notice, so it does not.
     origins_ = std::make_shared<const Origins>(scene.origins);
     scene_ = scene;
@@ -199,11 +200,12 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
 
 tl::expected<std::vector<std::string>, Refusal> Engine::show(Scene scene) {
   settle();
-  if (!scene.plugin_folders.empty()) plugin_folders_ = scene.plugin_folders;
+  const bool new_plugins = !scene.plugin_folders.empty() && scene.plugin_folders != plugin_folders_;
+  if (new_plugins) plugin_folders_ = scene.plugin_folders;
   const bool playing = state_ == State::playing;
   const bool begun = simulation_ && simulation_->step_count() > 0;
   if (begun && !ghost_ && state_ != State::ended) {
-    return carry_over(scene, backend_.empty() ? std::string() : backend_);
+    return carry_over(scene, backend_.empty() ? std::string() : backend_, new_plugins);
   }
   std::vector<std::string> notes;
   if (begun) {
