@@ -18,14 +18,14 @@ struct StudioWords {
   std::string step, seed;
   std::vector<std::string> set;
   bool no_open = false;
-  std::optional<bool> keep_token;
+  bool keep_token = false, new_token = false;
   StudioOptions options;
 };
 
 StudioOptions options_from(const StudioWords& words) {
   StudioOptions options = words.options;
   options.open = !words.no_open;
-  options.keep_token = words.keep_token;
+  if (words.keep_token || words.new_token) options.keep_token = words.keep_token;
   options.parameters = cli::settings_from(words.set);
   if (!words.step.empty()) options.step = cli::step_from(words.step);
   if (!words.seed.empty()) options.seed = cli::seed_from(words.seed);
@@ -67,10 +67,14 @@ void add_studio(CLI::App& app, int& status) {
       ->type_name("N")
       ->check(CLI::Range(1, 65535));
   command.add_flag("--no-open", words->no_open, "Open no browser, print the address alone");
-  command.add_flag("--keep-token,!--new-token", words->keep_token,
-                   "Whether the address is that of the last start at this port, if it ended less "
-                   "than a day ago: pages that are still open go on. Default: yes, but no with "
-                   "--allow-build or another --host");
+  CLI::Option* keep = command.add_flag(
+      "--keep-token", words->keep_token,
+      "Have the address of the last start at this port, if it ended less than a day ago, so that "
+      "pages that are still open go on; so it is without --allow-build and --host");
+  command
+      .add_flag("--new-token", words->new_token,
+                "Have another address than after the last start, which holds no longer")
+      ->excludes(keep);
   command
       .add_option("-b,--backend", words->options.backend, "Physics engine; default: the scene's")
       ->type_name("B");
