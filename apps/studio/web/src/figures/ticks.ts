@@ -56,7 +56,9 @@ export function tick_labels(marks: readonly number[]): string[] {
 export function short_number(value: number | null | undefined, digits = 5): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
-  if (size !== 0 && (size >= 1e6 || size < 1e-4)) return value.toExponential(Math.max(digits - 2, 0)).replace("e+", "e");
+  if (size !== 0 && (size >= 1e6 || size < 1e-4)) {
+    return value.toExponential(Math.max(digits - 2, 0)).replace(/\.?0*e\+?/, "e");
+  }
   return String(Number(value.toPrecision(digits)));
 }
 

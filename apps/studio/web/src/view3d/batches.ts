@@ -154,6 +154,10 @@ export class Batches {
       made.color = ghost;
       made.transparent = true;
       made.opacity = GHOST_OPACITY;
+      // Where both runs agree the solid one is seen, not a pattern of both.
+      made.polygonOffset = true;
+      made.polygonOffsetFactor = 1;
+      made.polygonOffsetUnits = 4;
       made.depthWrite = false;
     } else if (alone) {
       made.color.setRGB(shape.color[0], shape.color[1], shape.color[2], SRGBColorSpace);
