@@ -114,7 +114,9 @@ std::string ending_of(RunStatus status, const std::vector<RunMessage>& said) {
   const auto error = std::find_if(said.rbegin(), said.rend(), [](const RunMessage& m) {
     return m.severity == Severity::error;
   });
-  return error == said.rend() ? text : text + ": " + error->message;
+  if (error == said.rend()) return text;
+  const bool says_so = error->message.compare(0, text.size(), text) == 0;
+  return says_so ? error->message : text + ": " + error->message;
 }
 
 Gathered run_scene(const BundleOptions& options) {
@@ -189,9 +191,10 @@ Gathered run_scene(const BundleOptions& options) {
   about.text = BundleText{fs::path(source.scene).filename().string(), std::move(*text),
                           std::move(scene.elements), std::move(scene.result.diagnostics)};
   const bool good = status == RunStatus::completed || status == RunStatus::stopped;
-  if (!good)
-    cli::print_error(
-        fmt::format("the run ended at {}: {}", cli::time_text(simulation.time()), about.ending));
+  if (!good) {
+    cli::print_error(fmt::format("the run ended at {} ({}): the bundle holds it as far as it came",
+                                 cli::time_text(simulation.time()), to_string(status)));
+  }
   out.status = good ? cli::kGood : cli::kFailed;
   return out;
 }

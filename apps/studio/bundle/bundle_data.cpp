@@ -34,6 +34,7 @@ class BundleWriter {
                  {"backend", about_.backend},
                  {"engine_version", about_.engine_version},
                  {"ending", about_.ending},
+                 {"state_hash", fmt::format("{:016x}", state_hash(samples_.last()->state))},
                  {"dt", about_.step}};
     put_frames(head);
     put_words(head);

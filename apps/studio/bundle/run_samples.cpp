@@ -30,9 +30,8 @@ class NoFrames final : public Frames {
 };
 
 /// The page has these from the frames.
-bool seen_in_poses(const SceneModel& model, const std::string& name, const std::string& owner,
+bool seen_in_poses(const std::string& name, const std::string& owner,
                    const std::set<std::string>& moving) {
-  static_cast<void>(model);
   if (name == "time") return true;
   if (moving.count(owner) == 0 || name.size() <= owner.size() + 1) return false;
   const std::string quantity = name.substr(owner.size() + 1);
@@ -81,7 +80,7 @@ void RunSamples::enter(const SceneModelPtr& model) {
   std::map<std::string, int> by_name;
   for (const Json& one : (*all)["signals"]) {
     const std::string name = one["name"], owner = one["owner"];
-    if (seen_in_poses(*model, name, owner, moving)) continue;
+    if (seen_in_poses(name, owner, moving)) continue;
     if (here.curves.size() >= kMostCurves) {
       ++curves_left_out_;
       continue;

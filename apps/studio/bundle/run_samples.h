@@ -76,6 +76,8 @@ class RunSamples {
   const std::vector<Figure>& figures() const { return figures_; }
   Scenes& scenes() { return scenes_; }
   double every() const { return every_; }
+  /// The frame taken last; nullptr: none was.
+  const FramePtr& last() const { return last_; }
   /// What was left out, a sentence each.
   std::vector<std::string> left_out() const;
 

@@ -34,6 +34,7 @@ interface Head {
   backend: string;
   engine_version: string;
   ending: string;
+  state_hash: string;
   dt: number;
   time: Block;
   step: Block;
@@ -199,6 +200,7 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
     backend: head.backend,
     engine_version: head.engine_version,
     ending: head.ending,
+    state_hash: head.state_hash,
     dt: head.dt,
     document: head.document && {
       version: 1,

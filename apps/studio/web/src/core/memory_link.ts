@@ -38,6 +38,8 @@ export interface MemoryRun {
   backend: string;
   engine_version: string;
   ending: string;
+  /** of the last frame, as the command line prints it; "" is not known */
+  state_hash?: string;
   /** [s] */
   dt: number;
   document?: DocumentState;
@@ -135,6 +137,7 @@ export class MemoryLink implements Link {
     return {
       state: "recording",
       ending: run.ending,
+      state_hash: run.state_hash ?? "",
       time: last,
       step_count: run.frame(run.count - 1).step,
       dt: run.dt,

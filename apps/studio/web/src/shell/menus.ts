@@ -21,7 +21,9 @@ function make_menu(commands: CommandRegistry, title: string): Menu {
 export function make_menus(commands: CommandRegistry): MenuBar {
   const bar = new MenuBar();
   bar.addClass("cg-menu-bar");
-  const menus = kMenus.map(([title, kind, first]) => {
+  // what came with its page is only looked at
+  const looked_at = document.documentElement.dataset.kind === "bundle";
+  const menus = kMenus.filter(([, kind]) => !looked_at || kind !== "insert").map(([title, kind, first]) => {
     const menu = make_menu(commands, title);
     bar.addMenu(menu);
     return { menu, kind, first };

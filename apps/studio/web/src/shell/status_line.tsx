@@ -26,7 +26,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
       <>
         <span data-testid="run-state">
           {run}
-          {status?.state === "ended" && status.ending ? `: ${status.ending}` : ""}
+          {status?.ending && (status.state === "ended" || status.state === "recording") ? `: ${status.ending}` : ""}
         </span>
         {wrong > 0 && (
           <button class="cg-status-wrong" data-testid="problem-count" onClick={() => studio.open_panel("console")}>
@@ -39,7 +39,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
           {state.selection.value.length > 1 ? ` and ${state.selection.value.length - 1} more` : ""}
           {body ? `  ·  ${body.name}` : ""}
         </span>
-        {hello?.role === "viewer" && <span data-testid="role">You look on: only the operator can change things</span>}
+        {hello?.role === "viewer" && hello.kind !== "bundle" && <span data-testid="role">You look on: only the operator can change things</span>}
         {status && status.viewers > 1 && <span>{status.viewers} pages</span>}
         {status?.state_hash && (
           <span
