@@ -15,6 +15,7 @@ packages=(
   libompl-dev libzstd-dev zlib1g-dev libsqlite3-dev libopenmpi-dev openmpi-bin protobuf-compiler libprotobuf-dev libprotozero-dev
   libcurl4-openssl-dev libarchive-dev libssl-dev
   catch2 libxml2-utils lighttpd lighttpd-mod-webdav openssl
+  chromium fonts-dejavu-core
 )
 # Judge recordings from outside; some nodejs packages bring npm themselves.
 command -v npm >/dev/null || packages+=(nodejs npm)
