@@ -62,9 +62,10 @@ class BundleWriter {
     }
     head["time"] = payload_.add(times);
     head["step"] = payload_.add(steps);
-    head["contacts"] = {{"counts", payload_.add(contact_counts)},
-                        {"bodies", payload_.add(contact_bodies)},
-                        {"numbers", payload_.add(contact_numbers)}};
+    head["contacts"] = {
+        {"counts", payload_.add(contact_counts)},
+        {"bodies", payload_.add(contact_bodies)},
+        {"numbers", payload_.add_columns(contact_numbers, contact_numbers.empty() ? 0 : 8)}};
     Json& scenes = head["scenes"] = Json::array();
     Json& parts = head["parts"] = Json::array();
     for (std::size_t from = 0; from < all.size();) {

@@ -42,7 +42,6 @@ Json Payload::add_numbers(const std::vector<Number>& numbers) {
 }
 
 Json Payload::add(const std::vector<double>& numbers) { return add_numbers(numbers); }
-Json Payload::add(const std::vector<float>& numbers) { return add_numbers(numbers); }
 Json Payload::add(const std::vector<std::int32_t>& numbers) { return add_numbers(numbers); }
 
 Json Payload::add_columns(const std::vector<float>& numbers, std::size_t columns) {

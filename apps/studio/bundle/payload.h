@@ -18,7 +18,6 @@ class Payload {
   /// {"at": byte from the first block on, "bytes"}: for the JSON.
   Json add(std::string_view bytes);
   Json add(const std::vector<double>& numbers);
-  Json add(const std::vector<float>& numbers);
   Json add(const std::vector<std::int32_t>& numbers);
   /// `rows` of `columns` numbers each that change little from row to row: see packed_columns().
   Json add_columns(const std::vector<float>& numbers, std::size_t columns);

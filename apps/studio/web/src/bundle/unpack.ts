@@ -161,14 +161,14 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
   const bytes = (block: Block) => new Uint8Array(data, first + block.at, block.bytes);
   const doubles = (block: Block) => new Float64Array(data, first + block.at, block.bytes / 8);
   const whole = (block: Block) => new Int32Array(data, first + block.at, block.bytes / 4);
-  const singles = (block: Block) => new Float32Array(data, first + block.at, block.bytes / 4);
 
   const time = doubles(head.time);
   const step = doubles(head.step);
+  const rows = head.contacts.bodies.bytes / 8;
   const contacts = new Contacts(
     whole(head.contacts.counts),
     whole(head.contacts.bodies),
-    singles(head.contacts.numbers),
+    by_rows(packed_matrix(bytes(head.contacts.numbers), rows), rows),
   );
   const parts: OpenPart[] = [];
   let at = 0;

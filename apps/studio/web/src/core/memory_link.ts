@@ -229,11 +229,12 @@ export class MemoryLink implements Link {
   /** Pictures that came with the run are all there is. */
   private show_cameras(show: { name: string; kind: string }[]): unknown {
     const { pictures = [] } = this.run;
-    for (const { name, kind } of show) {
-      if (pictures.some((p) => p.name === name && p.kind === kind)) continue;
-      throw refused(`no ${kind} pictures of '${name}' came with this run`, "open the scene with 'cogrsim studio'");
+    const there = show.filter(({ name, kind }) => pictures.some((p) => p.name === name && p.kind === kind));
+    if (show.length > 0 && there.length === 0) {
+      const what = show.map(({ name, kind }) => `'${name}' (${kind})`).join(", ");
+      throw refused(`no pictures of ${what} came with this run`, "open the scene with 'cogrsim studio'");
     }
-    this.cameras = new Map(show.map(({ name }) => [name, null]));
+    this.cameras = new Map(there.map(({ name }) => [name, null]));
     this.show();
     return {};
   }
