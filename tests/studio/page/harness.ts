@@ -97,9 +97,9 @@ export const test = base.extend<Fixtures>({
 });
 
 /** Keeps a picture for people to look at. */
-export async function keep(page: Page, name: string): Promise<void> {
+export async function keep(page: Page, name: string): Promise<Buffer> {
   mkdirSync(join(out, "pictures"), { recursive: true });
-  await page.screenshot({ path: join(out, "pictures", `${name}.png`) });
+  return page.screenshot({ path: join(out, "pictures", `${name}.png`) });
 }
 
 export { expect };
