@@ -44,8 +44,9 @@ mkdirSync(join(out, 'gz'), { recursive: true });
 
 // By bytes, as the program looks them up.
 const paths = filesIn(folder).sort((a, b) => Buffer.compare(Buffer.from(a), Buffer.from(b)));
-if (!paths.includes('/index.html')) {
-  console.error(`${folder} has no index.html`);
+for (const part of ['/index.html', '/bundle/loader.js', '/bundle/viewer.css', '/bundle/viewer.js']) {
+  if (paths.includes(part)) continue;
+  console.error(`${folder} has no ${part.slice(1)}: is it a page that build.mjs of this version made?`);
   process.exit(1);
 }
 let source = '    .section .rodata\n';
