@@ -28,6 +28,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
           {run}
           {status?.ending && (status.state === "ended" || status.state === "recording") ? `: ${status.ending}` : ""}
         </span>
+        {status?.state === "paused" && status.ending && <span data-testid="ending">{status.ending}</span>}
         {wrong > 0 && (
           <button class="cg-status-wrong" data-testid="problem-count" onClick={() => studio.open_panel("console")}>
             {wrong === 1 ? "1 problem" : `${wrong} problems`}
