@@ -52,6 +52,14 @@ const playwright = join(modules, "@playwright/test/cli.js");
 const run = spawnSync(process.execPath, [playwright, "test", "--config", join(tests, "playwright.config.mjs"), ...words], {
   stdio: "inherit",
   cwd: tests,
-  env: { ...process.env, COGRSIM_PROGRAM: cogrsim, COGRSIM_SCENES: resolve(here, "../../.."), STUDIO_OUT: out, CHROMIUM: chromium },
+  env: {
+    ...process.env,
+    COGRSIM_PROGRAM: cogrsim,
+    COGRSIM_SCENES: resolve(here, "../../.."),
+    STUDIO_OUT: out,
+    // where pictures for the documentation go; nowhere without it
+    STUDIO_PICTURES: process.env.STUDIO_PICTURES ? resolve(process.env.STUDIO_PICTURES) : "",
+    CHROMIUM: chromium,
+  },
 });
 process.exit(run.status ?? 1);
