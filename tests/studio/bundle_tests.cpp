@@ -323,6 +323,9 @@ TEST_CASE("only bundles are replaced without being told to", "[studio][bundle]")
   CHECK(read(letter) == "<p>dear all</p>");
   CHECK(bundle({scene, "-d", "0.1", "-o", letter, "--force"}).status == 0);
   CHECK(is_bundle(letter));
+  const Ran nothing = bundle({folder / "nothing.scene.xml", "-o", letter});
+  CHECK(nothing.status == 1);
+  CHECK_THAT(nothing.output, Contains("there is no file"));
   const Ran again = bundle({scene, "-d", "0.2", "-o", letter});
   CHECK(again.status == 0);
   CHECK_THAT(again.output, Contains("to 0.2 s"));

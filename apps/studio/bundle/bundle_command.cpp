@@ -122,6 +122,12 @@ std::string ending_of(RunStatus status, const std::vector<RunMessage>& said) {
 Gathered run_scene(const BundleOptions& options) {
   Gathered out;
   const cli::SceneOptions& source = options.source.source;
+  std::error_code missing;
+  if (!fs::exists(source.scene, missing)) {
+    refuse(Error(fmt::format("there is no file '{}'", source.scene), "",
+                 "name a scene, NAME.scene.xml, or a recording, NAME.mcap"));
+    return out;
+  }
   auto text = read_text_file(source.scene, kMostText);
   if (!text) {
     refuse(text.error());

@@ -182,6 +182,8 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
   };
   const raise = (): void => store.raise(name);
   const when = time.value === null ? "" : `${time.value.toFixed(3)} s`;
+  const bundle = store.studio.state.hello.value?.kind === "bundle";
+  const none_yet = bundle ? "no such picture came with this run up to here" : "waiting for a picture";
   return (
     <section
       class="cg-camera"
@@ -220,7 +222,7 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
           aria-label={`${kind_label} picture of camera ${name}${when ? ` at ${when}` : ", none yet"}`}
           hidden={time.value === null}
         />
-        {time.value === null && <span class="cg-muted">{store.refusal.value || "waiting for a picture"}</span>}
+        {time.value === null && <span class="cg-muted">{store.refusal.value || none_yet}</span>}
       </div>
       <div class="cg-camera-foot">
         <span>{when}</span>
