@@ -3,6 +3,7 @@ import { deflateSync } from "node:zlib";
 import type { Picture } from "./acts";
 
 const kColors = 256;
+const kUsual = 160;
 
 /** Colours that many pixels have are kept as they are; others become the nearest of these. */
 export function small_png(picture: Picture): Buffer {
@@ -22,7 +23,16 @@ export function small_png(picture: Picture): Buffer {
     const best = near.get(cell);
     near.set(cell, best && best[1] >= n ? [best[0], best[1] + n] : [rgb, n + (best?.[1] ?? 0)]);
   }
-  const palette = [...near.values()].sort((a, b) => b[1] - a[1]).slice(0, kColors).map(([rgb]) => rgb);
+  const shades = [...near.values()].sort((a, b) => b[1] - a[1]);
+  const palette = shades.slice(0, kUsual).map(([rgb]) => rgb);
+  // Small things keep their hue: the rest are those that would be missed most.
+  const missed = shades.map(([rgb, n]) => n * Math.min(...palette.map((other) => distance(rgb, other))));
+  while (palette.length < Math.min(kColors, shades.length)) {
+    const most = missed.indexOf(Math.max(...missed));
+    const [rgb] = shades[most]!;
+    palette.push(rgb);
+    shades.forEach(([other, n], i) => (missed[i] = Math.min(missed[i]!, n * distance(rgb, other))));
+  }
   const index = new Map<number, number>();
   const rows = Buffer.alloc((width + 1) * height);
   for (let i = 0; i < color.length; ++i) {
@@ -45,12 +55,17 @@ export function small_png(picture: Picture): Buffer {
   ]);
 }
 
+/** Squared, in the cube of colours. */
+function distance(a: number, b: number): number {
+  const [red, green, blue] = [(a >> 16) - (b >> 16), ((a >> 8) & 255) - ((b >> 8) & 255), (a & 255) - (b & 255)];
+  return red * red + green * green + blue * blue;
+}
+
 function nearest(palette: readonly number[], rgb: number): number {
   let best = 0;
   let least = Infinity;
   palette.forEach((other, i) => {
-    const [r, g, b] = [(rgb >> 16) - (other >> 16), ((rgb >> 8) & 255) - ((other >> 8) & 255), (rgb & 255) - (other & 255)];
-    const far = r * r + g * g + b * b;
+    const far = distance(rgb, other);
     if (far < least) [best, least] = [i, far];
   });
   return best;
