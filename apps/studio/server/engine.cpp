@@ -284,6 +284,8 @@ Answer Engine::set_step(std::optional<double> dt) {
       return tl::unexpected(to_error(done.error()));
     }
     dt_ = dt;
+    // What was told in between still had the step of before.
+    publish(true);
     return playing ? play() : Answer(Json::object());
   }
   dt_ = dt;
