@@ -195,12 +195,9 @@ export class SceneEditor {
   private follow(): void {
     const { state } = this.studio;
     const on = (what: () => void) => this.stops.push(effect(what));
-    let client: number | undefined;
     on(() => {
-      const now = state.hello.value?.client;
-      // Another server counts its versions anew.
-      if (client !== undefined && now !== client) this.sync.reset();
-      client = now;
+      // Another server counts its versions anew, and its clients, too: whatever comes after a way was lost is the newest.
+      if (!state.open.value) this.sync.reset();
     });
     on(() => {
       const document_ = state.document.value;
