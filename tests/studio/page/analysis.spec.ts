@@ -55,6 +55,7 @@ test("a signal dropped from the tree is drawn; a click on the curve goes to that
   await run();
   await page.getByRole("tab", { name: "Figures", exact: true }).click();
   const ball = row(page, "ball sphere");
+  await ball.hover();
   await ball.locator(".cg-tree-signals").click();
   const signal = page.getByRole("treeitem", { name: /^z( \[m\])? signal$/ }).first();
   await signal.scrollIntoViewIfNeeded();
@@ -64,7 +65,7 @@ test("a signal dropped from the tree is drawn; a click on the curve goes to that
   await expect(figure).toBeVisible();
   const canvas = figure.locator("canvas").first();
   await expect(canvas).toBeVisible();
-  await expect(figure.getByRole("group", { name: /Curves/ })).toHaveAttribute("aria-label", /ball\.z ends at 12\.8/);
+  await expect(figure.getByRole("group", { name: /Curves/ })).toHaveAttribute("aria-label", /ball\.z ends at 12\.77/);
   await figure.scrollIntoViewIfNeeded();
 
   const over = figure.locator(".u-over");

@@ -167,10 +167,13 @@ test("the server started anew on the same port: the page is there again", async 
   await server.stop("SIGKILL");
   await expect(page.getByTestId("connection")).toBeVisible();
   await keep(page, "connection_lost");
-  writeFileSync(server.file, kScene.replace('name="ball"', 'name="pearl"'));
+  writeFileSync(server.file, kScene.replaceAll('"ball"', '"pearl"'));
   await server.start(port);
   await expect(page.getByTestId("connection")).toBeHidden({ timeout: 60_000 });
   await expect(page.getByRole("treeitem", { name: "pearl sphere" })).toBeVisible();
+  // The editor shows what is there now, not what was: saving would write it.
+  await layout(page, "Edit");
+  await expect(page.locator(".cm-content")).toContainText("pearl");
   await page.getByTestId("step").click();
   await until(page, "status", (s) => s.step_count === 1, "the page has a say again");
   await keep(page, "connected_again");
