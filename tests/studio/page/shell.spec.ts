@@ -54,13 +54,13 @@ test("panels are closed, reopened, dragged and resized without deforming the res
   await tidy();
   expect(await place("properties")).toEqual(before);
 
-  // the tab of the map to the right edge of the code
+  // the tab of the map into the lower part of the code; at the very edge it would go below everything
   const tab = (await page.getByRole("tab", { name: "Map", exact: true }).boundingBox())!;
   const code = await place("code");
   await page.mouse.move(tab.x + 15, tab.y + 8);
   await page.mouse.down();
   await page.mouse.move(tab.x + 60, tab.y + 80, { steps: 4 });
-  await page.mouse.move(code.x + code.width / 2, code.y + code.height - 20, { steps: 6 });
+  await page.mouse.move(code.x + code.width / 2, code.y + 0.8 * code.height, { steps: 6 });
   await page.mouse.up();
   await expect(page.getByTestId("panel-map")).toBeVisible();
   await expect(page.getByTestId("panel-view3d")).toBeVisible();
@@ -165,6 +165,8 @@ test("speed, step, backend and recording from the control bar", async () => {
   await step.fill("2");
   await step.press("Enter");
   await until(page, "status", (s) => s.dt === 0.002, "another step");
+  // the hint is there while one is about it
+  await step.focus();
   await expect(page.getByRole("note")).toContainText(/accura|exact|error/i);
   await step.fill("-3");
   await step.press("Enter");
