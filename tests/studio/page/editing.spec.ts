@@ -179,7 +179,7 @@ test("forms come from the schema, and say what is out of range", async () => {
 });
 
 test("200 edits of all kinds, all undone with Ctrl+Z: the text is byte-equal", async () => {
-  test.setTimeout(240_000);
+  test.setTimeout(600_000);
   const { page } = its;
   // the map is quicker than the 3D view where a processor plays graphics card, and is as good for this
   await page.getByRole("tab", { name: "Map", exact: true }).click();
