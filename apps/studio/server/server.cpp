@@ -400,7 +400,7 @@ void Server::Impl::shut() {
   stopping = true;
   error_code ignored;
   acceptor.close(ignored);
-  stop_event.close(ignored);
+  // The stop event stays open: a second stop() must not write into what has its number then.
   accept_again.cancel();
   for (Connection* connection : std::set<Connection*>(connections)) connection->drop();
   goodbye.expires_after(kGoodbye);
