@@ -16,7 +16,7 @@ test.beforeEach(async () => {
   const { page } = its;
   await layout(page, "Edit");
   if ((await text_of(page)) !== kScene) await write(page, kScene);
-  await expect(page.locator(".cm-content")).toContainText("the end");
+  await expect(page.getByTestId("code-banner")).toBeHidden();
 });
 
 /** Puts the cursor behind a word in the editor, as one would with the mouse and the keys. */
@@ -110,7 +110,7 @@ test("completion and help come from the schema", async () => {
   await keep(page, "completion");
   await page.keyboard.press("Escape");
   for (let i = 0; i < 5; ++i) await page.keyboard.press("Backspace");
-  await expect(page.locator(".cm-content")).toContainText("the end");
+  await expect(page.getByTestId("code-banner")).toBeHidden();
   await page.locator(".cm-content").getByText("physics", { exact: true }).first().hover();
   await expect(page.locator(".cg-code-hover")).toContainText("<physics>");
 });

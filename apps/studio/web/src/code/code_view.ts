@@ -50,7 +50,8 @@ export class CodeView {
     this.save_button.type = this.build_button.type = "button";
     this.save_button.addEventListener("click", () => void this.save());
     this.build_button.addEventListener("click", () => void this.build());
-    node.append(this.tabs, this.banner, this.editors, this.list, this.log);
+    // below the text, which must not move while somebody types
+    node.append(this.tabs, this.editors, this.banner, this.list, this.log);
 
     this.scene = new SceneEditor(studio);
     this.scene.view.dom.classList.add("cg-code-editor");
@@ -183,7 +184,8 @@ export class CodeView {
     on(() => {
       const document_ = state.document.value;
       const broken = document_ !== null && !document_.good;
-      this.banner.textContent = broken ? "The text has errors: the last good scene goes on running." : "";
+      const rest = state.scene.value ? "the last good scene goes on running" : "there is nothing to run yet";
+      this.banner.textContent = broken ? `The text has errors: ${rest}.` : "";
       this.banner.hidden = !broken;
       this.show_tabs();
     });
