@@ -41,8 +41,11 @@ function frame(time: number): ArrayBuffer {
 
 const links: FakeSocket[] = [];
 afterEach(() => {
-  // no timer of a link stays behind
-  for (const socket of links.splice(0)) socket.onclose = null;
+  // no timer of a link stays behind: open questions are answered, and nothing is tried again
+  for (const socket of links.splice(0)) {
+    for (const { id } of socket.asked()) socket.say({ id, ok: true });
+    socket.onclose = null;
+  }
 });
 
 function stage() {
