@@ -1,8 +1,8 @@
 // Runs the unit tests beside the sources (src/**/*.test.ts) with Node's own test runner:
 //   node test.mjs [--modules DIR/node_modules] [WORD]      only files whose path has WORD in it
-import { build } from "esbuild";
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
+import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join, relative, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -10,6 +10,8 @@ import { fileURLToPath } from "node:url";
 const here = dirname(fileURLToPath(import.meta.url));
 const at = process.argv.indexOf("--modules");
 const modules = at < 0 ? join(here, "node_modules") : resolve(process.argv[at + 1]);
+// The packages need not lie above this file.
+const { build } = createRequire(join(modules, "esbuild/package.json"))("esbuild");
 const words = process.argv.slice(2).filter((w, i, all) => w !== "--modules" && all[i - 1] !== "--modules");
 
 const found = [];
