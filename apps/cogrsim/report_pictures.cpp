@@ -87,7 +87,7 @@ ReportPictures report_pictures(const LockstepResult& result, PluginLoader& loade
   return out;
 }
 
-std::string base64(const std::string& bytes) {
+std::string base64(std::string_view bytes) {
   static constexpr char kDigits[] =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string out;

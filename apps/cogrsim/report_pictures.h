@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,6 @@ struct ReportPictures {
 ReportPictures report_pictures(const LockstepResult& result, PluginLoader& loader);
 
 /// RFC 4648, with padding.
-std::string base64(const std::string& bytes);
+std::string base64(std::string_view bytes);
 
 }  // namespace cogrsim::cli

@@ -10,6 +10,7 @@
 #include "browser.h"
 #include "cogrsim/plugin/loader.h"
 #include "document.h"
+#include "frames.h"
 #include "kept_tokens.h"
 #include "options.h"
 #include "run.h"
@@ -66,12 +67,8 @@ bool is_loopback(const std::string& host) {
 
 }  // namespace
 
-bool is_recording(const std::string& file) {
-  return std::filesystem::path(file).extension() == ".mcap";
-}
-
 int studio_command(const StudioOptions& options) {
-  const bool recording = is_recording(options.file);
+  const bool recording = cli::is_recording(options.file);
   // Of each thread its own: a loader is for one at a time.
   const auto run_loader = std::make_shared<PluginLoader>(options.plugin_paths);
   const auto document_loader = std::make_shared<PluginLoader>(options.plugin_paths);

@@ -25,9 +25,6 @@ struct StudioOptions {
   std::vector<std::string> plugin_paths;
 };
 
-/// By its name: "….mcap".
-bool is_recording(const std::string& file);
-
 /// Serves until SIGINT or SIGTERM. Returns a cli::ExitStatus.
 int studio_command(const StudioOptions& options);
 

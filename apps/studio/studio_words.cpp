@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "frames.h"
 #include "studio_command.h"
 #include "words.h"
 
@@ -29,7 +30,7 @@ StudioOptions options_from(const StudioWords& words) {
   options.parameters = cli::settings_from(words.set);
   if (!words.step.empty()) options.step = cli::step_from(words.step);
   if (!words.seed.empty()) options.seed = cli::seed_from(words.seed);
-  if (is_recording(options.file)) {
+  if (cli::is_recording(options.file)) {
     const char* word = !options.backend.empty() ? "--backend"
                        : options.step > 0.0     ? "--step"
                        : options.seed           ? "--seed"

@@ -78,6 +78,15 @@ Result<EditElement*> SceneEditor::element(int id) const {
   return e;
 }
 
+Result<EditElement*> SceneEditor::sibling(const std::optional<int>& before,
+                                          const EditElement& parent) const {
+  if (!before) return nullptr;
+  auto found = element(*before);
+  if (found && (*found)->parent != &parent)
+    return fail(called(**found) + " does not stand in " + called(parent));
+  return found;
+}
+
 const Analysis::Item& SceneEditor::item(const EditElement& element) const {
   static const Analysis::Item kNone;
   const auto found = ids_.find(&element);
@@ -174,14 +183,8 @@ Result<> SceneEditor::run(const SetAttribute& op) {
 Result<> SceneEditor::run(const InsertElement& op) {
   auto parent = element(op.parent);
   if (!parent) return tl::unexpected(parent.error());
-  EditElement* before = nullptr;
-  if (op.before) {
-    auto found = element(*op.before);
-    if (!found) return tl::unexpected(found.error());
-    before = *found;
-    if (before->parent != *parent)
-      return fail(called(*before) + " does not stand in " + called(**parent));
-  }
+  auto before = sibling(op.before, **parent);
+  if (!before) return tl::unexpected(before.error());
   std::string problem;
   auto made = tree_.fragment(op.xml, problem);
   if (made == nullptr) return fail("the new element: " + problem);
@@ -191,7 +194,7 @@ Result<> SceneEditor::run(const InsertElement& op) {
     while (is_flow(*scope) && scope->parent != nullptr) scope = scope->parent;
     EditTree::set(*made, "name", fresh_name(*scope, name->value(), made->tag == "material"));
   }
-  created_.push_back(&tree_.put(std::move(made), **parent, before));
+  created_.push_back(&tree_.put(std::move(made), **parent, *before));
   return {};
 }
 
@@ -254,18 +257,12 @@ Result<> SceneEditor::run(const MoveElement& op) {
   auto parent = element(op.parent);
   if (!e) return tl::unexpected(e.error());
   if (!parent) return tl::unexpected(parent.error());
-  EditElement* before = nullptr;
-  if (op.before) {
-    auto found = element(*op.before);
-    if (!found) return tl::unexpected(found.error());
-    before = *found;
-    if (before->parent != *parent)
-      return fail(called(*before) + " does not stand in " + called(**parent));
-  }
+  auto before = sibling(op.before, **parent);
+  if (!before) return tl::unexpected(before.error());
   if (auto good = must_compile("move"); !good) return good;
   if ((*e)->parent == nullptr) return fail("the scene itself cannot be moved");
   if ((*parent)->is_inside(**e)) return fail(called(**e) + " cannot be moved into itself");
-  if (before == *e) return {};
+  if (*before == *e) return {};
   EditElement& moved = **e;
   const bool same_scope = moved.parent == *parent;
   const std::vector<Use> told = uses();
@@ -288,7 +285,7 @@ Result<> SceneEditor::run(const MoveElement& op) {
       name != nullptr && !same_scope && is_name(name->value()) && moved.tag != "test")
     EditTree::set(moved, "name",
                   fresh_name(*scope, name->value(), moved.tag == "material", &moved));
-  EditElement& there = tree_.put(tree_.take(moved, true), **parent, before);
+  EditElement& there = tree_.put(tree_.take(moved, true), **parent, *before);
   if (keep)
     if (auto good = write_place(there, X_W, kKeepTolerance); !good) return good;
   if (auto good = follow(told); !good) return good;

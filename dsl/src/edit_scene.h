@@ -41,6 +41,8 @@ class SceneEditor {
 
   // ---- edit_scene.cpp
   Result<EditElement*> element(int id) const;
+  /// What something new in `parent` is to stand before; nullptr: nothing, it comes last.
+  Result<EditElement*> sibling(const std::optional<int>& before, const EditElement& parent) const;
   const Analysis::Item& item(const EditElement& element) const;
   int line_of(const EditElement& element) const;
   std::string called(const EditElement& element) const;  ///< "box 'leg'", for messages

@@ -18,6 +18,7 @@
 
 #include "bundle_html.h"
 #include "payload.h"
+#include "report_pictures.h"
 
 namespace {
 
@@ -256,7 +257,7 @@ TEST_CASE("a bundle's page runs its own scripts and asks nobody", "[studio][bund
     for (std::size_t i = 0; i < 64; i += 2) {
       bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
     }
-    return "'sha256-" + base64(bytes) + "'";
+    return "'sha256-" + cogrsim::cli::base64(bytes) + "'";
   };
   CHECK_THAT(scripts, Contains(hash_of(between(page, "<script>", "</script>"))));
   const std::string viewer = gunzip(from_base64(between(page, "id=\"cg-viewer\">", "</script>")));
@@ -389,8 +390,8 @@ TEST_CASE("numbers in columns come back bit for bit", "[studio][bundle]") {
     }
   }
   CHECK(packed_columns({}, 0).empty());
-  CHECK(base64("") == "");
-  CHECK(base64("f") == "Zg==");
-  CHECK(base64("fo") == "Zm8=");
-  CHECK(base64("foo") == "Zm9v");
+  CHECK(cogrsim::cli::base64("") == "");
+  CHECK(cogrsim::cli::base64("f") == "Zg==");
+  CHECK(cogrsim::cli::base64("fo") == "Zm8=");
+  CHECK(cogrsim::cli::base64("foo") == "Zm9v");
 }

@@ -7,7 +7,8 @@
 
 #include "hash.h"
 #include "page.h"
-#include "payload.h"
+#include "report_pictures.h"
+#include "zoom_chart.h"
 
 namespace cogrsim::studio {
 
@@ -31,7 +32,7 @@ std::string hash_source(const std::string& script) {
   for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
     bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
   }
-  return "'sha256-" + base64(bytes) + "'";
+  return "'sha256-" + cli::base64(bytes) + "'";
 }
 
 }  // namespace
@@ -51,15 +52,15 @@ std::string bundle_html(const std::string& title, std::string_view data) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"referrer\" content=\"no-referrer\">\n"
       "<link rel=\"icon\" href=\"data:,\">\n";
-  out +=
-      "<title>" + html_escaped(title) + "</title>\n<style>" + style + "</style>\n</head>\n<body>\n";
+  out += "<title>" + cli::html_escaped(title) + "</title>\n<style>" + style +
+         "</style>\n</head>\n<body>\n";
   out +=
       "<noscript>This run is shown by a script that came with it; this browser runs none."
       "</noscript>\n<p id=\"cg-unpacking\" role=\"status\">Unpacking the run\u2026</p>\n";
   // Of a type that no browser runs, and in letters that end no element.
   constexpr const char* kData = "<script type=\"application/octet-stream\" id=\"{}\">";
-  out += fmt::format(kData, "cg-data") + base64(data) + "</script>\n";
-  out += fmt::format(kData, "cg-viewer") + base64(viewer.gzip) + "</script>\n";
+  out += fmt::format(kData, "cg-data") + cli::base64(data) + "</script>\n";
+  out += fmt::format(kData, "cg-viewer") + cli::base64(viewer.gzip) + "</script>\n";
   out += "<script>" + loader + "</script>\n</body>\n</html>\n";
   return out;
 }
@@ -69,32 +70,6 @@ bool is_bundle(const std::string& path) {
   std::string beginning(kBeginning.size(), '\0');
   in.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
   return in && beginning == kBeginning;
-}
-
-std::string html_escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
 }
 
 }  // namespace cogrsim::studio

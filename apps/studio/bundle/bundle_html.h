@@ -13,7 +13,4 @@ std::string bundle_html(const std::string& title, std::string_view data);
 /// Whether a file begins as those of bundle_html() do. False also if it cannot be read.
 bool is_bundle(const std::string& path);
 
-/// For text and quoted attributes of HTML.
-std::string html_escaped(std::string_view text);
-
 }  // namespace cogrsim::studio

@@ -39,6 +39,4 @@ class Payload {
 std::string packed_columns(const std::vector<float>& numbers, std::size_t columns);
 
 std::string gzip(std::string_view bytes);
-std::string base64(std::string_view bytes);
-
 }  // namespace cogrsim::studio

@@ -15,6 +15,9 @@ constexpr std::array<std::string_view, 7> kAtOnce = {"seek",   "step-back", "liv
                                                      "events", "cameras",   "view"};
 constexpr std::array<std::string_view, 5> kComputed = {"signals", "series", "divergence", "plots",
                                                        "figure"};
+constexpr std::array<std::string_view, 11> kSteering = {
+    "play", "pause",   "stop",   "restart", "step",       "speed",
+    "dt",   "backend", "record", "compare", "compare-off"};
 
 template <class List>
 bool among(const List& list, std::string_view what) {
@@ -39,6 +42,11 @@ void Desk::stop() {
 }
 
 bool Desk::answers(std::string_view what) { return among(kAtOnce, what) || among(kComputed, what); }
+
+Part::Access Desk::access(std::string_view what) {
+  if (answers(what)) return Part::Access::viewer;
+  return among(kSteering, what) ? Part::Access::operator_ : Part::Access::none;
+}
 
 void Desk::left(ClientId client) {
   cameras_.left(client);

@@ -24,6 +24,8 @@ class Desk {
   /// Nothing is answered any more; to be called before what it looks at goes.
   void stop();
 
+  /// Who may ask what of a run; a recording, too, knows what steers a run, and says why it does not.
+  static Part::Access access(std::string_view what);
   static bool answers(std::string_view what);
   void handle(const Request& request, const Reply& reply);
   Viewers& viewers() { return viewers_; }

@@ -1,6 +1,5 @@
 // A run that goes on.
 #include <algorithm>
-#include <array>
 
 #include "engine.h"
 #include "run_desk.h"
@@ -9,10 +8,6 @@
 namespace cogrsim::studio {
 
 namespace {
-
-constexpr std::array<std::string_view, 11> kSteering = {
-    "play", "pause",   "stop",   "restart", "step",       "speed",
-    "dt",   "backend", "record", "compare", "compare-off"};
 
 constexpr double kSlowest = 0.01, kFastest = 1000.0;
 constexpr std::int64_t kMostSteps = 10'000;
@@ -27,12 +22,7 @@ class LiveRun final : public Run {
 
   ~LiveRun() override { desk_.stop(); }
 
-  Access access(std::string_view what) const override {
-    if (Desk::answers(what)) return Access::viewer;
-    return std::find(kSteering.begin(), kSteering.end(), what) != kSteering.end()
-               ? Access::operator_
-               : Access::none;
-  }
+  Access access(std::string_view what) const override { return Desk::access(what); }
 
   void handle(Request request, Reply reply) override {
     if (Desk::answers(request.what)) return desk_.handle(request, reply);

@@ -1,6 +1,5 @@
 // A recording, to be looked at: no simulation.
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <deque>
 
@@ -93,10 +92,6 @@ class RecordedFrames final : public Frames {
   std::vector<std::pair<SceneModelPtr, std::uint32_t>> models_;
 };
 
-constexpr std::array<std::string_view, 11> kSteering = {
-    "play", "pause",   "stop",   "restart", "step",       "speed",
-    "dt",   "backend", "record", "compare", "compare-off"};
-
 class RecordedRun final : public Run {
  public:
   RecordedRun(std::unique_ptr<Recording> recording, const PluginLoader& loader, Outbox& outbox)
@@ -126,12 +121,7 @@ class RecordedRun final : public Run {
     desk_.stop();
   }
 
-  Access access(std::string_view what) const override {
-    if (Desk::answers(what)) return Access::viewer;
-    return std::find(kSteering.begin(), kSteering.end(), what) != kSteering.end()
-               ? Access::operator_
-               : Access::none;
-  }
+  Access access(std::string_view what) const override { return Desk::access(what); }
 
   void handle(Request request, Reply reply) override {
     if (Desk::answers(request.what)) return desk_.handle(request, reply);
