@@ -1,6 +1,7 @@
 // Each backend against a program on its bare engine: interleaved rounds, medians, ratios.
 //
 //     cogrsim_bench [--rounds 9] [--json]
+//     cogrsim_bench --allocations      who allocates memory in a step, after warm-up
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,9 +10,11 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "allocations.h"
 #include "bench.h"
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/plugin/loader.h"
+#include "cogrsim/simulation/simulation.h"
 
 namespace {
 
@@ -43,6 +46,11 @@ class BackendRunner final : public Runner {
       std::exit(1);
     }
   }
+  void step_and_look(std::vector<Contact>& contacts) {
+    step();
+    world_->get_state(state_);
+    world_->get_contacts(contacts);
+  }
   double last_height() override {
     world_->get_state(state_);
     return state_.poses.back().p.z();
@@ -70,6 +78,60 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+void print_allocations(const std::string& engine, Scene scene, const char* layer,
+                       const AllocationReport& report, int steps) {
+  fmt::print("{:<9} {:<22} {:<11} {:>10.2f} {:>10.2f}\n", engine, title(scene), layer,
+             static_cast<double>(report.ours) / steps, static_cast<double>(report.engine) / steps);
+  int shown = 0;
+  for (const AllocationSite& site : report.sites) {
+    if (!site.ours || shown++ == 5) continue;
+    fmt::print("    {:.2f}/step, {:.0f} B each:\n", static_cast<double>(site.count) / steps,
+               static_cast<double>(site.bytes) / static_cast<double>(site.count));
+    for (std::size_t i = 0; i < std::min<std::size_t>(site.frames.size(), 8); ++i) {
+      fmt::print("        {}\n", site.frames[i]);
+    }
+  }
+}
+
+int allocations() {
+  constexpr int kWarmUp = 500, kSteps = 200;
+  auto loader = std::make_shared<PluginLoader>();
+  fmt::print("{:<9} {:<22} {:<11} {:>10} {:>10}   allocations per step\n", "engine", "scene",
+             "layer", "ours", "engine");
+  for (const char* engine : {"bullet", "simbody"}) {
+    const auto backend = loader->backend(engine);
+    if (!backend) {
+      fmt::print(stderr, "{}\n", backend.error().text());
+      return 1;
+    }
+    for (const Scene scene : kScenes) {
+      {
+        BackendRunner runner(*backend, scene);
+        std::vector<Contact> contacts;
+        for (int i = 0; i < kWarmUp; ++i) runner.step_and_look(contacts);
+        start_counting_allocations();
+        for (int i = 0; i < kSteps; ++i) runner.step_and_look(contacts);
+        print_allocations(engine, scene, "world", stop_counting_allocations(), kSteps);
+      }
+      SimulationOptions options;
+      options.backend = engine;
+      auto simulation = Simulation::create(model(scene), options, loader);
+      if (!simulation) {
+        fmt::print(stderr, "{}\n", simulation.error().front().message);
+        return 1;
+      }
+      FrameContents contents;
+      contents.contacts = true;
+      (*simulation)->observe(contents, [](const FramePtr&) {});
+      for (int i = 0; i < kWarmUp; ++i) (*simulation)->step();
+      start_counting_allocations();
+      for (int i = 0; i < kSteps; ++i) (*simulation)->step();
+      print_allocations(engine, scene, "simulation", stop_counting_allocations(), kSteps);
+    }
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -81,8 +143,10 @@ int main(int argc, char** argv) {
     } else if (std::strcmp(argv[i], "--rounds") == 0 && i + 1 < argc &&
                std::atoi(argv[i + 1]) > 0) {
       rounds = std::atoi(argv[++i]);
+    } else if (std::strcmp(argv[i], "--allocations") == 0) {
+      return allocations();
     } else {
-      fmt::print(stderr, "usage: {} [--rounds N] [--json]\n", argv[0]);
+      fmt::print(stderr, "usage: {} [--rounds N] [--json] | --allocations\n", argv[0]);
       return 2;
     }
   }
