@@ -9,14 +9,18 @@ build_dir=$repo/build
 
 packages=(
   cmake ninja-build g++ ccache pkg-config
-  libsimbody-dev libbullet-dev libeigen3-dev libtinyxml2-dev libboost-dev
+  libeigen3-dev libtinyxml2-dev libboost-dev
   libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev
-  libpng-dev libjpeg-dev libembree-dev libqhull-dev libosmesa6-dev libcairo2-dev ffmpeg libjs-dygraphs gnuplot-nox
+  libpng-dev libjpeg-dev libembree-dev libqhull-dev libcairo2-dev ffmpeg libjs-dygraphs gnuplot-nox
   libompl-dev libzstd-dev zlib1g-dev libsqlite3-dev libopenmpi-dev openmpi-bin protobuf-compiler libprotobuf-dev libprotozero-dev
   libcurl4-openssl-dev libarchive-dev libssl-dev
   catch2 libxml2-utils lighttpd lighttpd-mod-webdav openssl
   chromium fonts-dejavu-core
 )
+# What each backend is built on.
+for list in "$repo"/backends/*/packages.txt; do
+  mapfile -t -O ${#packages[@]} packages <"$list"
+done
 # Judge recordings from outside; some nodejs packages bring npm themselves.
 command -v npm >/dev/null || packages+=(nodejs npm)
 

@@ -11,8 +11,11 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "cogrsim/plugin/loader.h"
 #include "expectations.h"
@@ -27,6 +30,7 @@ using namespace conformance;
 
 struct Options {
   std::string backend;
+  std::vector<std::string> plugin_paths;
   std::string against;
   std::string expectations;
   std::string mutate;
@@ -170,7 +174,7 @@ std::string value_of(const std::string& option) { return option.substr(option.fi
 
 // The backends named on the command line, the fault built in.
 bool load_backends(const Options& options) {
-  static cogrsim::PluginLoader loader;  // keeps the libraries until the end
+  static cogrsim::PluginLoader loader(options.plugin_paths);  // keeps the libraries until the end
   std::shared_ptr<const cogrsim::Backend> loaded[2];
   const std::string names[2] = {options.backend, options.against};
   for (int i = 0; i < 2; ++i) {
@@ -200,6 +204,15 @@ bool load_backends(const Options& options) {
   }
   set_backends(loaded[0], loaded[1]);
   return true;
+}
+
+// The table as it is laid out beside the program, in a build tree and installed.
+std::string usual_table(const Options& options) {
+  const std::filesystem::path program = std::filesystem::canonical("/proc/self/exe");
+  return (program.parent_path().parent_path() / "share/cogrsim/expectations" /
+          (options.backend + (options.against.empty() ? "" : "-" + options.against) +
+           (options.option.empty() ? "" : "-" + value_of(options.option)) + ".json"))
+      .string();
 }
 
 int report(Run& run, const std::set<std::string>& names) {
@@ -242,6 +255,7 @@ int main(int argc, char** argv) {
       session.cli() | Opt(options.backend, "name")["--backend"]("the backend under test") |
       Opt(options.against, "name")["--against"]("a second one to compare it with") |
       Opt(options.expectations, "file")["--expectations"]("table to compare with") |
+      Opt(options.plugin_paths, "dir")["--plugin-path"]("folder to look for the backend in first") |
       Opt(options.figures)["--figures"]("show every figure measured") |
       Opt(options.update)["--update"]("rewrite the table of the tests that run") |
       Opt(options.option, "name=value")["--option"]("set an option of its world everywhere") |
@@ -259,11 +273,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "name the backend under test: --backend NAME\n");
     return 2;
   }
-  if (options.expectations.empty()) {
-    options.expectations = std::string(CONFORMANCE_TABLES) + "/" + options.backend +
-                           (options.against.empty() ? "" : "-" + options.against) +
-                           (options.option.empty() ? "" : "-" + value_of(options.option)) + ".json";
-  }
+  if (options.expectations.empty()) options.expectations = usual_table(options);
   if (!load_backends(options)) return 2;
   try {
     run.table = ExpectationTable::load(options.expectations);

@@ -1,3 +1,4 @@
+include("${CMAKE_CURRENT_LIST_DIR}/engines.cmake")
 # The compile commands are the truth about include paths, transitive ones too.
 file(STRINGS "${BINARY_DIR}/compile_commands.json" lines REGEX "\"command\":|\"file\":")
 set(outside 0)
@@ -16,7 +17,7 @@ foreach(line IN LISTS lines)
     # A checkout may lie in a folder of any name.
     string(REPLACE "${BINARY_DIR}" "" command "${command}")
     string(REPLACE "${SOURCE_DIR}" "" command "${command}")
-    if(command MATCHES "-(I|isystem) ?[^ ]*(simbody|bullet|simtk|Simbody|Bullet)[^ ]*")
+    if(command MATCHES "-(I|isystem) ?[^ ]*(${engine_folders})[^ ]*")
       message(SEND_ERROR "${file} is compiled with an engine's headers in reach: ${CMAKE_MATCH_0}")
     endif()
   endif()

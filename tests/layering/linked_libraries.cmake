@@ -1,15 +1,16 @@
-# No library or program but the backends (and the benchmark, which measures bare engines) is linked to
-# an engine.
+# No library or program but the backends (and benchmarks, which measure bare engines) is linked to an
+# engine.
+include("${CMAKE_CURRENT_LIST_DIR}/engines.cmake")
 file(GLOB files "${BINARY_DIR}/lib/*.so" "${BINARY_DIR}/lib/cogrsim/plugins/*.so" "${BINARY_DIR}/bin/*")
 if(NOT files)
   message(FATAL_ERROR "nothing built in ${BINARY_DIR}")
 endif()
 foreach(file ${files})
-  if(IS_DIRECTORY ${file} OR file MATCHES "/cogrsim_bench$|/cogrsim_raw_[^/]*$")
+  if(IS_DIRECTORY ${file} OR file MATCHES "/cogrsim_[^/]*bench[^/]*$|/cogrsim_raw_[^/]*$")
     continue()
   endif()
   execute_process(COMMAND ${READELF} -d ${file} OUTPUT_VARIABLE dynamic ERROR_QUIET)
-  if(dynamic MATCHES "NEEDED[^\n]*(SimTK|Bullet|LinearMath)[^\n]*")
+  if(dynamic MATCHES "NEEDED[^\n]*(${engine_libraries})[^\n]*")
     message(SEND_ERROR "${file} is linked to an engine: ${CMAKE_MATCH_0}")
   endif()
 endforeach()

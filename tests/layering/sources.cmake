@@ -1,5 +1,5 @@
 # Looks for engines' headers and names in the sources of everything that must not know engines.
-set(failed FALSE)
+include("${CMAKE_CURRENT_LIST_DIR}/engines.cmake")
 
 function(refuse file pattern what)
   file(STRINGS "${file}" lines REGEX "${pattern}")
@@ -22,11 +22,11 @@ if(count LESS 10)
 endif()
 
 foreach(file ${sources})
-  refuse("${file}" "#[ ]*include[ ]*[<\"](bt[A-Z]|[Bb]ullet[^/\"]*[/.]|LinearMath/|SimTK|[Ss]imbody|simmath)"
+  refuse("${file}" "#[ ]*include[ ]*[<\"](${engine_headers})"
     "includes an engine's header")
-  refuse("${file}" "(^|[^A-Za-z_])(SimTK::|bt(Vector3|Quaternion|Transform|Scalar|RigidBody|MultiBody|Collision|Discrete))"
+  refuse("${file}" "(^|[^A-Za-z_])(${engine_types})"
     "names an engine's types")
 endforeach()
 foreach(file ${cmake_files})
-  refuse("${file}" "([Ss]imbody|SIMBODY|[Bb]ullet|BULLET)" "names an engine")
+  refuse("${file}" "(${engine_words})" "names an engine")
 endforeach()

@@ -1,5 +1,6 @@
 # Compiles one file for each engine header with the include paths given: each must fail. The control
 # must succeed, or the failures would prove nothing.
+include("${CMAKE_CURRENT_LIST_DIR}/engines.cmake")
 set(flags "")
 list(REMOVE_DUPLICATES INCLUDES)
 foreach(path ${INCLUDES})
@@ -21,9 +22,7 @@ compiles("cogrsim/core/parameter.h" status)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "the control does not compile: ${errors}")
 endif()
-foreach(header Simbody.h SimTKsimbody.h SimTKcommon.h btBulletDynamicsCommon.h
-        btBulletCollisionCommon.h LinearMath/btVector3.h
-        BulletDynamics/Featherstone/btMultiBody.h)
+foreach(header IN LISTS engine_probes)
   compiles("${header}" status)
   if(status EQUAL 0)
     message(SEND_ERROR "<${header}> can be included")

@@ -1,0 +1,86 @@
+# cogrsim_add_conformance_tests(BACKEND EXPECTATIONS table.json [GROUPS g…] [MUTATIONS m…]
+#                               [VARIANT name OPTION option=value])
+#
+# Makes CTest cases of the conformance suite for a backend: conformance.BACKEND.GROUP for each theme,
+# compared with the table of what the backend is known to do, and conformance.BACKEND.mutation.FAULT for each fault that
+# the suite must notice when it is planted in the backend's answers. A relative path starts at the
+# current source folder. Without GROUPS: all themes. MUTATIONS: none unless named; `all` is all.
+# A VARIANT is the backend with an option of its world set in every scene; its cases are
+# conformance.BACKEND-VARIANT.GROUP.
+set(COGRSIM_CONFORMANCE_GROUPS contract free pendulum loop friction bounce stack heap pairs terrain
+  joints limits motors robot momentum determinism runtime kinematic metamorphic reports faults)
+# With the tests that have to notice, the cheap ones of their theme.
+set(COGRSIM_CONFORMANCE_MUTATIONS gravity=1.01 damping=0.04 swap-axes=1 friction=0.97
+  restitution=0.9 inertia=1.02 effort=0.98 contact-force=1.02 limits=1.05 reaction=1.01 forget=1)
+set(COGRSIM_CONFORMANCE_MUTATION_TESTS "[free]" "projectile*,rod pendulum*" "[free]" "[friction]"
+  "bounce of a sphere on a plane" "rod pendulum*" "motor on hinge*" "[reports]" "[limits]"
+  "[reports]" "a run goes on*")
+
+function(cogrsim_add_conformance_tests backend)
+  cmake_parse_arguments(arg "" "EXPECTATIONS;VARIANT;OPTION" "GROUPS;MUTATIONS" ${ARGN})
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR
+      "cogrsim_add_conformance_tests(${backend}): unknown words: ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  if(NOT arg_EXPECTATIONS)
+    message(FATAL_ERROR "cogrsim_add_conformance_tests(${backend}): no EXPECTATIONS given")
+  endif()
+  if(NOT arg_GROUPS)
+    set(arg_GROUPS ${COGRSIM_CONFORMANCE_GROUPS})
+  endif()
+  foreach(group IN LISTS arg_GROUPS)
+    if(NOT group IN_LIST COGRSIM_CONFORMANCE_GROUPS)
+      list(JOIN COGRSIM_CONFORMANCE_GROUPS ", " known)
+      message(FATAL_ERROR
+        "cogrsim_add_conformance_tests(${backend}): there is no group '${group}': ${known}")
+    endif()
+  endforeach()
+  get_filename_component(table "${arg_EXPECTATIONS}" ABSOLUTE)
+  set(name ${backend})
+  set(words --backend ${backend} --expectations "${table}")
+  if(arg_VARIANT)
+    string(APPEND name "-${arg_VARIANT}")
+    list(APPEND words --option ${arg_OPTION})
+  endif()
+  if(CogRSim_SOURCE_DIR)
+    # Where the program looks when nobody names a table.
+    set(shared "${CogRSim_BINARY_DIR}/share/cogrsim/expectations")
+    file(MAKE_DIRECTORY "${shared}")
+    file(CREATE_LINK "${table}" "${shared}/${name}.json" COPY_ON_ERROR SYMBOLIC)
+    install(FILES "${table}" DESTINATION ${CMAKE_INSTALL_DATADIR}/cogrsim/expectations
+      RENAME ${name}.json)
+    if(NOT COGRSIM_BUILD_TESTS OR NOT "conformance" IN_LIST COGRSIM_TEST_SUITES)
+      return()
+    endif()
+    set(program $<TARGET_FILE:cogrsim_conformance>)
+  else()
+    set(program "${CogRSim_CONFORMANCE}")
+    list(APPEND words --plugin-path "${CMAKE_BINARY_DIR}/cogrsim_plugins")
+    if(COGRSIM_PLUGIN_OUTPUT_DIRECTORY)
+      list(APPEND words --plugin-path "${COGRSIM_PLUGIN_OUTPUT_DIRECTORY}")
+    endif()
+  endif()
+  foreach(group IN LISTS arg_GROUPS)
+    add_test(NAME conformance.${name}.${group} COMMAND ${program} ${words} "[${group}]")
+    set_tests_properties(conformance.${name}.${group} PROPERTIES
+      LABELS "conformance;${backend}" TIMEOUT 600)
+  endforeach()
+  if(arg_MUTATIONS STREQUAL "all")
+    set(arg_MUTATIONS ${COGRSIM_CONFORMANCE_MUTATIONS})
+    list(TRANSFORM arg_MUTATIONS REPLACE "=.*" "")
+  endif()
+  foreach(mutation tests IN ZIP_LISTS COGRSIM_CONFORMANCE_MUTATIONS COGRSIM_CONFORMANCE_MUTATION_TESTS)
+    string(REGEX REPLACE "=.*" "" fault ${mutation})
+    if(fault IN_LIST arg_MUTATIONS)
+      list(REMOVE_ITEM arg_MUTATIONS ${fault})
+      add_test(NAME conformance.${name}.mutation.${mutation}
+        COMMAND ${program} ${words} --mutate ${mutation} "${tests}")
+      set_tests_properties(conformance.${name}.mutation.${mutation} PROPERTIES
+        LABELS "conformance;${backend};mutation" TIMEOUT 600)
+    endif()
+  endforeach()
+  if(arg_MUTATIONS)
+    message(FATAL_ERROR
+      "cogrsim_add_conformance_tests(${backend}): there is no mutation '${arg_MUTATIONS}': ${COGRSIM_CONFORMANCE_MUTATIONS}")
+  endif()
+endfunction()
