@@ -1,13 +1,13 @@
 # awk -f compare.awk EXPECTED OUTPUT: is the output what a page says?
 # Blanks count as one; "…" on a line of its own stands for any number of lines, at the end of a line for the rest
-# of it, in place of a word for any word. Numbers may differ by 5 %, or by one in the last digit shown: processors
-# and libraries round differently. A page that shows nothing expects nothing in particular.
+# of it, in place of a word for any word. Numbers may differ by 5 %, or by one in the last digit after the point:
+# processors and libraries round differently. A page that shows nothing expects nothing in particular.
 function number(word) { return word ~ /^[-+(]?[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?[%x°,;):]*$/ }
 function bare(word) { gsub(/[(%x°,;):]/, "", word); return word + 0 }
 function last_digit(word,  digits) {
   digits = word
   if (word ~ /e/) return 0
-  if (!sub(/^[^.]*\./, "", digits)) return 1
+  if (!sub(/^[^.]*\./, "", digits)) return 0  # a whole number may be a count
   gsub(/[^0-9]/, "", digits)
   return 10 ^ -length(digits)
 }
