@@ -197,6 +197,7 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
                 "COGRSIM_PLUGIN_PATH",
                 "CG0901");
   }
+  std::lock_guard lock(mutex_);
   std::string tried;
   PluginPtr wrong_kind;
   for (const std::string& folder : folders_) {
@@ -224,7 +225,7 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
                 wrong_kind->path(), "", "CG0903");
   }
   std::vector<std::string> names;
-  for (const PluginPtr& plugin : all()) {
+  for (const PluginPtr& plugin : list(nullptr)) {
     if (plugin->descriptor().kind == kind) names.push_back(plugin->descriptor().name);
   }
   std::string hint = names.empty() ? fmt::format("no {} was found at all", to_string(kind))
@@ -271,7 +272,12 @@ Result<std::shared_ptr<Renderer>> load_renderer(PluginLoader& loader, const std:
       refused((*plugin)->path(), fmt::format("renderer '{}' did not start: {}", wanted, problem)));
 }
 
-std::vector<PluginPtr> PluginLoader::all(std::vector<RefusedPlugin>* refused_ones) {
+std::vector<PluginPtr> PluginLoader::all(std::vector<RefusedPlugin>* refused) {
+  std::lock_guard lock(mutex_);
+  return list(refused);
+}
+
+std::vector<PluginPtr> PluginLoader::list(std::vector<RefusedPlugin>* refused_ones) {
   std::vector<PluginPtr> out;
   const auto refuse = [&](const std::string& path, std::string reason) {
     if (refused_ones != nullptr) refused_ones->push_back({path, std::move(reason)});

@@ -82,7 +82,7 @@ void Simulation::Impl::apply(Command& command) {
                    dt = c.dt;
                    return {};
                  },
-                 [&](Restart&) { return restart(); },
+                 [&](Restart& c) { return restart(c.seed); },
                  [&](AddAssembly& c) { return add_assembly(c); },
                  [&](Remove& c) { return remove_named(c.name); },
                  [&](Spawn& c) { return spawn(c); },
@@ -220,7 +220,7 @@ Result<> Simulation::Impl::remove_named(const std::string& name) {
   return {};
 }
 
-Result<> Simulation::Impl::restart() {
+Result<> Simulation::Impl::restart(std::optional<std::uint64_t> seed) {
   if (restart_anew) {
     auto fresh = backend->create_world(original);
     if (!fresh) return tl::unexpected(fresh.error());
@@ -228,6 +228,11 @@ Result<> Simulation::Impl::restart() {
     restart_anew = false;
   } else if (auto done = world->reset(); !done) {
     return done;
+  }
+  if (seed && *seed != original->physics.seed) {
+    auto reseeded = std::make_shared<SceneModel>(*original);
+    reseeded->physics.seed = *seed;
+    original = std::move(reseeded);
   }
   model = original;
   base_time = 0.0;

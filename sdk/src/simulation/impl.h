@@ -194,7 +194,7 @@ struct Simulation::Impl {
   Result<> add_assembly(const AddAssembly& command, const std::string& subject = {});
   Result<> remove_named(const std::string& name);
   Result<> set_motor(const std::string& name, double target);
-  Result<> restart();
+  Result<> restart(std::optional<std::uint64_t> seed);
 
   // actions.cpp
   Result<> spawn(const Spawn& action);

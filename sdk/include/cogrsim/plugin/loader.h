@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ struct RefusedPlugin {
 /// Looks plugins up by name: NAME.so in, in this order, the folders given, those of the
 /// environment variable COGRSIM_PLUGIN_PATH (separated by ':'), and the ones beside libcogrsim
 /// (…/lib/cogrsim/backends, …/lib/cogrsim/plugins; the same in a build tree and in an installed
-/// one). Loads each at most once. Not thread-safe.
+/// one). Loads each at most once. May be used by several threads at once.
 class COGRSIM_API PluginLoader {
  public:
   explicit PluginLoader(std::vector<std::string> extra_folders = {});
@@ -54,8 +55,10 @@ class COGRSIM_API PluginLoader {
 
  private:
   Result<PluginPtr> load_file(const std::string& path);
+  std::vector<PluginPtr> list(std::vector<RefusedPlugin>* refused);
 
   std::vector<std::string> folders_;
+  std::mutex mutex_;  ///< guards what follows
   std::vector<PluginPtr> loaded_;
 };
 

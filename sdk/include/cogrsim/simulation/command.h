@@ -2,6 +2,8 @@
 // scenes can name too are in cogrsim/model/action.h.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -25,7 +27,9 @@ struct SetStep {
   double dt = 1e-3;
 };
 /// Back to time 0, everything as at the start, controllers anew.
-struct Restart {};
+struct Restart {
+  std::optional<std::uint64_t> seed = {};  ///< of the run from now on; empty: the same again
+};
 /// Adds the elements of `fragment` under the name `name`, its world frame placed at `pose`: a scene
 /// model whose bodies, joints, motors and sensors form one assembly.
 struct AddAssembly {
