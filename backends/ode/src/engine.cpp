@@ -1,0 +1,67 @@
+#include "engine.h"
+
+#include <cstdarg>
+#include <cstdio>
+#include <mutex>
+
+namespace cogrsim::ode {
+
+namespace {
+
+void throw_error(int number, const char* format, va_list arguments) {
+  char text[400];
+  std::vsnprintf(text, sizeof text, format, arguments);
+  throw EngineError("ODE error " + std::to_string(number) + ": " + text);
+}
+
+// The LCP solver reports singular systems so, and goes on with what it has; whether the result is
+// any good is seen by the step itself.
+void ignore_message(int, const char*, va_list) {}
+
+// ODE keeps caches of its mesh collision per thread and wants to be told when a thread ends.
+struct ThreadData {
+  ThreadData() { ready = dAllocateODEDataForThread(dAllocateMaskAll) != 0; }
+  ~ThreadData() {
+    if (ready) dCleanupODEAllDataForThread();
+  }
+  bool ready = false;
+};
+
+}  // namespace
+
+void prepare_thread() {
+  static const bool started = [] {
+    const bool fine = dInitODE2(dInitFlagManualThreadCleanup) != 0;
+    dSetErrorHandler(&throw_error);
+    dSetDebugHandler(&throw_error);
+    dSetMessageHandler(&ignore_message);
+    return fine;
+  }();
+  if (!started) throw EngineError("ODE cannot be initialised");
+  thread_local const ThreadData data;
+  if (!data.ready) throw EngineError("ODE has no memory for another thread");
+}
+
+Engine::Engine() {
+  prepare_thread();
+  world_ = dWorldCreate();
+  rows_ = dJointGroupCreate(0);
+  threading_ = dThreadingAllocateSelfThreadedImplementation();
+  dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_),
+                                       threading_);
+  dWorldSetGravity(world_, 0, 0, 0);
+  dWorldSetAutoDisableFlag(world_, 0);
+  dWorldSetLinearDamping(world_, 0);
+  dWorldSetAngularDamping(world_, 0);
+  dWorldSetERP(world_, 1.0);  // only point rows use it, see rows.cpp
+  dWorldSetCFM(world_, 1e-12);
+  dWorldSetContactSurfaceLayer(world_, 0);
+}
+
+Engine::~Engine() {
+  dJointGroupDestroy(rows_);
+  dWorldDestroy(world_);
+  dThreadingFreeImplementation(threading_);
+}
+
+}  // namespace cogrsim::ode
