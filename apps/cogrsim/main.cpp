@@ -1,14 +1,62 @@
+#include <unistd.h>
+
+#include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
+#include <system_error>
 
 #include "command_line.h"
 
-int main(int argc, char** argv) {
-  // Nothing here throws on purpose; memory may still run out on a scene that is too large.
+namespace {
+
+constexpr const char* kNoMemory =
+    "error: the memory ran out\n"
+    "help: a smaller scene or a larger limit (ulimit -v) is needed\n";
+constexpr const char* kNoThread =
+    "error: the system gives no more threads or memory\n"
+    "help: see the limits of this shell: ulimit -u, ulimit -v\n";
+
+int tell(const char* text) {
+  std::fputs(text, stderr);
+  return 1;
+}
+
+/// What the exception that is under way means to the user.
+int tell_exception() {
   try {
-    return cogrsim::cli::run_command_line(argc, argv, cogrsim::cli::more_words());
+    throw;
+  } catch (const std::bad_alloc&) {
+    return tell(kNoMemory);
+  } catch (const std::system_error& e) {
+    if (e.code() == std::errc::resource_unavailable_try_again) return tell(kNoThread);
+    std::fprintf(stderr, "error: %s\n", e.what());
   } catch (const std::exception& e) {
     std::fprintf(stderr, "error: %s\n", e.what());
-    return 1;
+  } catch (...) {
+    return tell("error: something was thrown that is not a std::exception\n");
+  }
+  return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // A file beyond `ulimit -f` is then an error of the write, told with its name, and no silent end.
+  std::signal(SIGXFSZ, SIG_IGN);
+  // Nothing here throws on purpose; memory may still run out on a scene that is too large. When it
+  // does in a thread of the program's own, or while something is being cleaned up, no catch hears
+  // of it, and without words the process would be aborted.
+  static const std::terminate_handler usual = std::get_terminate();
+  std::set_terminate([] {
+    if (!std::current_exception()) usual();
+    const int status = tell_exception();
+    std::fflush(nullptr);
+    _exit(status);
+  });
+  try {
+    return cogrsim::cli::run_command_line(argc, argv, cogrsim::cli::more_words());
+  } catch (...) {
+    return tell_exception();
   }
 }

@@ -1,4 +1,8 @@
 // The plugin: a stateless factory of Bullet worlds.
+#include <LinearMath/btAlignedAllocator.h>
+
+#include <new>
+
 #include "bullet_world.h"
 #include "capabilities.h"
 
@@ -8,6 +12,12 @@ namespace cogrsim::bullet {
 
 class BulletBackend final : public Backend {
  public:
+  BulletBackend() {
+    // Bullet does not look whether malloc gave it memory, and would write through a null pointer. It
+    // keeps these for the whole process, so they must be functions that are never unloaded.
+    btAlignedAllocSetCustom(static_cast<void* (*)(std::size_t)>(::operator new),
+                            static_cast<void (*)(void*)>(::operator delete));
+  }
   const char* name() const override { return "bullet"; }
   const char* engine_version() const override { return "3.24"; }
   const Capabilities& capabilities() const override { return capabilities_; }

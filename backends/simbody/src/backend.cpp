@@ -1,6 +1,9 @@
 // The backend as plugin: what it can do, its options, and its worlds.
+#include <LinearMath/btAlignedAllocator.h>
+
 #include <exception>
 #include <memory>
+#include <new>
 #include <string>
 
 #include "cogrsim/model/mass_properties.h"
@@ -91,6 +94,13 @@ Result<StepperOptions> read_options(const SceneModel& model, const ParameterTabl
 
 class SimbodyBackend final : public Backend {
  public:
+  SimbodyBackend() {
+    // Bullet's collision detection does not look whether malloc gave it memory, and would write
+    // through a null pointer. It keeps these for the whole process, so they must be functions that
+    // are never unloaded.
+    btAlignedAllocSetCustom(static_cast<void* (*)(std::size_t)>(::operator new),
+                            static_cast<void (*)(void*)>(::operator delete));
+  }
   const char* name() const override { return "simbody"; }
   const char* engine_version() const override {
     static const std::string version = [] {
@@ -111,6 +121,9 @@ class SimbodyBackend final : public Backend {
     if (!options) return tl::unexpected<Error>(options.error());
     try {
       return std::make_unique<SimbodyWorld>(model, *options);
+    } catch (const std::bad_alloc&) {
+      return fail("Simbody: the memory does not suffice for this scene",
+                  place_of(*model, model->physics.origin));
     } catch (const std::exception& e) {
       return fail(std::string("Simbody: ") + e.what(), place_of(*model, model->physics.origin));
     }

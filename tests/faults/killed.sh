@@ -1,0 +1,114 @@
+# SIGKILL at any moment: what was written before is whole, or it is not there.
+#
+# Each command is first run to its end, then again and again and killed at moments that are spread over
+# the time that took. ROUNDS (default 10) says how often.
+source "$(dirname "$0")/lib.sh"
+scene=$here/room.scene.xml
+rounds=${ROUNDS:-10}
+RANDOM=20
+
+now() { date +%s%N; }
+
+# Runs a command and kills it $1 nanoseconds later, unless it has ended; its children end with it or by
+# themselves.
+kill_after() {
+  local delay=$1
+  shift
+  "$@" >out 2>err </dev/null &
+  local child=$!
+  sleep "$((delay / 1000000000)).$(printf %09d $((delay % 1000000000)))"
+  kill -KILL $child 2>/dev/null && killed=$((killed + 1))
+  wait $child 2>/dev/null
+  return 0
+}
+
+# The k-th of the moments in a span, and a little random.
+moment() { echo $(((($1 * 32768 + RANDOM) * $2) / (rounds * 32768))); }
+
+# ---- a recording can be read up to the kill
+killed=0
+start=$(now)
+"$program" run "$scene" --duration 20s --record whole.mcap >/dev/null 2>&1 || wrong "the whole run"
+span=$(($(now) - start))
+read_back=0
+for ((k = 0; k < rounds; k++)); do
+  rm -f run.mcap
+  kill_after "$(moment $k $span)" "$program" run "$scene" --duration 20s --record run.mcap
+  [ -e run.mcap ] || continue # killed before it began
+  try "$program" info run.mcap
+  if [ "$status" -eq 0 ]; then
+    read_back=$((read_back + 1))
+    try "$program" plot run.mcap --y ball.z -o run.json
+    [ "$status" -eq 0 ] || wrong "a recording that was cut off cannot be plotted"
+  elif [ "$(stat -c %s run.mcap)" -gt 3000000 ] || [ "$status" -ge 124 ]; then
+    # Up to the first chunk there is nothing to show, and that is said.
+    wrong "a recording that was cut off at $(stat -c %s run.mcap) bytes: exit status $status"
+  fi
+done
+echo "recordings: $killed of $rounds killed, $read_back read back"
+[ "$killed" -gt 0 ] || wrong "no run was killed while it recorded"
+[ "$read_back" -gt 0 ] || wrong "no recording of a killed run could be read"
+
+# ---- files that are written at once: the old one or the new one
+killed=0
+"$program" run "$scene" --duration 0.2s --save-at 0.1s old.snap >/dev/null 2>&1
+start=$(now)
+"$program" run "$scene" --duration 0.3s --save-at 0.2s new.snap >/dev/null 2>&1 || wrong "a snapshot"
+span=$(($(now) - start))
+for ((k = 0; k < rounds; k++)); do
+  cp old.snap kept.snap
+  kill_after "$(moment $k $span)" "$program" run "$scene" --duration 0.3s --save-at 0.2s kept.snap
+  cmp -s kept.snap old.snap || cmp -s kept.snap new.snap || wrong "a snapshot is neither old nor new"
+done
+echo "snapshots: $killed of $rounds killed"
+
+# ---- a sweep goes on where it was killed, and ends as if it had not been
+killed=0
+sweep=("$program" sweep "$scene" --vary speed=1,2,3 --seeds 1..3 --until 0.3s)
+start=$(now)
+"${sweep[@]}" -o whole >/dev/null 2>err || wrong "the whole sweep"
+span=$(($(now) - start))
+for ((k = 0; k < rounds; k++)); do
+  kill_after "$(moment $((k % 3)) $span)" "${sweep[@]}" -o study
+done
+try "${sweep[@]}" -o study
+[ "$status" -eq 0 ] || wrong "a sweep that was killed does not go on: exit status $status"
+# All but the last column, the wall times.
+cmp -s <(sed 's/,[^,]*$//' whole/results.csv) <(sed 's/,[^,]*$//' study/results.csv) ||
+  wrong "a sweep that was killed $killed times has another table than one that was not"
+[ "$(wc -l <whole/results.csv)" -eq 10 ] || wrong "the table has not 9 rows"
+echo "sweeps: killed $killed times"
+
+# ---- a package, made and unpacked: whole or not there
+killed=0
+mkdir packages
+start=$(now)
+"$program" push "$scene" --name room --include whole.mcap -o whole.cogrsim.zip >/dev/null 2>err ||
+  wrong "the whole package"
+span=$(($(now) - start))
+for ((k = 0; k < rounds; k++)); do
+  rm -rf packages/*
+  kill_after "$(moment $k $span)" "$program" push "$scene" --name room --include whole.mcap \
+    -o packages/room.cogrsim.zip
+  [ -e packages/room.cogrsim.zip ] || continue
+  try "$program" pull packages/room.cogrsim.zip --dry-run
+  [ "$status" -eq 0 ] || wrong "a package is there and not whole"
+done
+start=$(now)
+"$program" pull whole.cogrsim.zip --into packages >/dev/null 2>err || wrong "the whole pull"
+span=$(($(now) - start))
+unpacked=$(cd packages && ls -d room-*)
+cp -r "packages/$unpacked" pulled
+for ((k = 0; k < rounds; k++)); do
+  rm -rf packages
+  mkdir packages
+  kill_after "$(moment $k $span)" "$program" pull whole.cogrsim.zip --into packages
+  [ -e "packages/$unpacked" ] || continue
+  diff -r "packages/$unpacked" pulled >/dev/null || wrong "a package was unpacked in part"
+  # What was left behind does not hinder the next one.
+  rm -rf "packages/$unpacked"
+  try "$program" pull whole.cogrsim.zip --into packages
+  [ "$status" -eq 0 ] || wrong "a pull after one that was killed"
+done
+echo "packages: killed $killed times"
+finish
