@@ -41,6 +41,9 @@ class AxisLaw {
 
   /// Solves for u and returns the sum of the impulses there.
   double solve(double v, double a);
+  const AxisElement& element(std::size_t i) const { return elements_[i]; }
+  /// The solution where it was found elsewhere, of a law of one element.
+  void set_only_impulse(double impulse) { impulses_[0] = impulse; }
   /// Impulse of element `i` in the last solution.
   double impulse(std::size_t i) const { return impulses_[i]; }
 

@@ -16,12 +16,11 @@ constexpr double kDependent = 1e-9;
 constexpr double kGapAtOnce = 1e-3;
 constexpr double kGapRate = 0.2;
 
-using Vec6 = Eigen::Matrix<double, 6, 1>;
-
-Vec6 stacked(const btVector3& a, const btVector3& b) {
-  Vec6 out;
-  out << a.x(), a.y(), a.z(), b.x(), b.y(), b.z();
-  return out;
+bool same(const Six& x, const Six& y) {
+  for (int i = 0; i < 3; ++i) {
+    if (x.p[i][0] != y.p[i][0] || x.p[i][1] != y.p[i][1]) return false;
+  }
+  return true;
 }
 
 double recovered(double gap) {
@@ -85,46 +84,35 @@ ConstraintGroup::ConstraintGroup(const SceneModel& model, const std::vector<int>
     for (int r = 0; r < slot.rows; ++r)
       first_[static_cast<std::size_t>(slot.first_row + r)] = slot.first_open;
   }
-  factor_.setZero(row, row);
+  if (!small()) factor_.setZero(row, row);
   inverse_diagonal_.setZero(row);
   target_.setZero(row);
   impulses_.setZero(row);
   work_.setZero(row);
 }
 
-ConstraintGroup::Row ConstraintGroup::make_row(const JointSlot& slot, const btTransform& X_WM,
-                                               const Direction& direction) const {
-  Row row;
+void ConstraintGroup::fill_row(const JointSlot& slot, const btTransform& X_WM,
+                               const Direction& direction, Row& row) const {
   row.a = slot.a;
   row.b = slot.b;
-  const auto fill = [&](int m, double sign, Vec6& J, Vec6& K) {
+  const auto fill = [&](int m, const btVector3& lin, const btVector3& turn, Six& J, Six& K) {
     if (m < 0) return;
     const Member& member = members_[static_cast<std::size_t>(m)];
     const btRigidBody& object = member.body->object();
     const btVector3 arm = X_WM.getOrigin() - object.getWorldTransform().getOrigin();
-    const btVector3 lin = direction.lin * sign;
-    const btVector3 ang = direction.ang * sign + arm.cross(lin);
-    J = stacked(lin, ang);
-    if (member.moves) {
-      K = stacked(lin * object.getInvMass(), object.getInvInertiaTensorWorld() * ang);
-    }
+    const btVector3 ang = turn + arm.cross(lin);
+    J = Six(lin, ang);
+    K = member.moves ? Six(lin * object.getInvMass(), object.getInvInertiaTensorWorld() * ang)
+                     : Six();
   };
-  fill(row.a, 1.0, row.Ja, row.Ka);
-  fill(row.b, -1.0, row.Jb, row.Kb);
-  return row;
-}
-
-double ConstraintGroup::along(const Row& row) const {
-  double sum = 0.0;
-  if (row.a >= 0) sum += row.Ja.dot(members_[static_cast<std::size_t>(row.a)].v);
-  if (row.b >= 0) sum += row.Jb.dot(members_[static_cast<std::size_t>(row.b)].v);
-  return sum;
+  fill(row.a, direction.lin, direction.ang, row.Ja, row.Ka);
+  fill(row.b, -direction.lin, -direction.ang, row.Jb, row.Kb);
 }
 
 void ConstraintGroup::join(const SceneModel& model, const std::vector<char>& sudden) {
   for (Member& member : members_) {
     const PrincipalState state = member.body->principal();
-    member.v = stacked(state.v, state.w);
+    member.v = Six(state.v, state.w);
   }
   std::array<Direction, 6> directions;
   const auto now = [&](int m) {
@@ -137,7 +125,7 @@ void ConstraintGroup::join(const SceneModel& model, const std::vector<char>& sud
     const int n = locked_directions(joint, X_WF, X_WM, directions);
     for (int k = 0; k < n; ++k) {
       const auto r = static_cast<std::size_t>(slot.first_row + k);
-      rows_[r] = make_row(slot, X_WM, directions[static_cast<std::size_t>(k)]);
+      fill_row(slot, X_WM, directions[static_cast<std::size_t>(k)], rows_[r]);
       // The others go on as they did: their velocities belong to the middle of a step, where these
       // rows are a little different.
       const double speed = along(rows_[r]);
@@ -147,17 +135,13 @@ void ConstraintGroup::join(const SceneModel& model, const std::vector<char>& sud
   factorise();
   solve(work_);
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const double impulse = work_[static_cast<Eigen::Index>(r)];
-    const Row& row = rows_[r];
-    if (row.a >= 0) members_[static_cast<std::size_t>(row.a)].v += row.Ka * impulse;
-    if (row.b >= 0) members_[static_cast<std::size_t>(row.b)].v += row.Kb * impulse;
+    push(rows_[r], work_[static_cast<Eigen::Index>(r)]);
   }
   for (const Member& member : members_) {
     if (!member.moves) continue;
     PrincipalState state = member.body->principal();
-    const Vec6& v = member.v;
-    state.v.setValue(v[0], v[1], v[2]);
-    state.w.setValue(v[3], v[4], v[5]);
+    state.v = member.v.lin();
+    state.w = member.v.ang();
     member.body->set_principal(state);
   }
 }
@@ -166,7 +150,7 @@ void ConstraintGroup::prepare(const SceneModel& model, double dt, const std::vec
                               const std::vector<double>& q) {
   for (Member& member : members_) {
     const PrincipalState state = member.body->principal();
-    member.v = stacked(state.v, state.w);
+    member.v = Six(state.v, state.w);
     member.then = member.body->predicted(dt).X_WP;
   }
   axis_count_ = 0;
@@ -187,14 +171,16 @@ void ConstraintGroup::prepare(const SceneModel& model, double dt, const std::vec
     for (int k = 0; k < n; ++k) {
       const auto r = static_cast<std::size_t>(slot.first_row + k);
       directions_[r] = directions[static_cast<std::size_t>(k)];
-      rows_[r] = make_row(slot, X_WM, directions_[r]);
+      fill_row(slot, X_WM, directions_[r], rows_[r]);
     }
     if (n > 0) {
       // A screw's error is asked at the angle it will have.
       double q_then[7] = {};
       if (joint.type == JointType::screw) {
         const Direction turn{{0, 0, 0}, X_WF.getBasis().getColumn(2)};
-        q_then[0] = q_joint[0] + dt * along(make_row(slot, X_WM, turn));
+        Row row;
+        fill_row(slot, X_WM, turn, row);
+        q_then[0] = q_joint[0] + dt * along(row);
       }
       locked_errors(joint, then(slot.b) * slot.X_PF, then(slot.a) * slot.X_CM, q_then, errors);
     }
@@ -215,31 +201,23 @@ void ConstraintGroup::prepare(const SceneModel& model, double dt, const std::vec
 }
 
 void ConstraintGroup::factorise() {
+  if (small()) {
+    invert();
+    return;
+  }
   const int n = static_cast<int>(rows_.size());
-  const auto coupling = [&](int i, int j) {
-    const Row& r = rows_[static_cast<std::size_t>(i)];
-    const Row& s = rows_[static_cast<std::size_t>(j)];
-    double sum = 0.0;
-    if (r.a >= 0) {
-      if (r.a == s.a) sum += r.Ja.dot(s.Ka);
-      if (r.a == s.b) sum += r.Ja.dot(s.Kb);
-    }
-    if (r.b >= 0) {
-      if (r.b == s.a) sum += r.Jb.dot(s.Ka);
-      if (r.b == s.b) sum += r.Jb.dot(s.Kb);
-    }
-    return sum;
-  };
   for (const JointSlot& slot : slots_) {
     for (int i = slot.first_row; i < slot.first_row + slot.rows; ++i) {
       auto row = factor_.row(i);
+      const Row& own = rows_[static_cast<std::size_t>(i)];
       for (int j = slot.first_open; j < slot.first_row; ++j) row[j] = 0.0;
       for (const int s : slot.neighbours) {
         const JointSlot& other = slots_[static_cast<std::size_t>(s)];
         for (int j = other.first_row; j < other.first_row + other.rows; ++j)
-          row[j] = coupling(i, j);
+          row[j] = coupling(own, rows_[static_cast<std::size_t>(j)]);
       }
-      for (int j = slot.first_row; j <= i; ++j) row[j] = coupling(i, j);
+      for (int j = slot.first_row; j <= i; ++j)
+        row[j] = coupling(own, rows_[static_cast<std::size_t>(j)]);
     }
   }
   // L D L^T within the envelope; row i of the lower triangle is worked on in place.
@@ -264,11 +242,37 @@ void ConstraintGroup::factorise() {
   }
 }
 
+bool ConstraintGroup::small() const {
+  return rows_.size() <= static_cast<std::size_t>(SmallMatrix::kMost);
+}
+
+void ConstraintGroup::invert() {
+  inverse_.resize(static_cast<int>(rows_.size()));
+  const auto couple = [&](int i, int j) {
+    inverse_.at(i, j) = inverse_.at(j, i) =
+        coupling(rows_[static_cast<std::size_t>(i)], rows_[static_cast<std::size_t>(j)]);
+  };
+  for (const JointSlot& slot : slots_) {
+    for (int i = slot.first_row; i < slot.first_row + slot.rows; ++i) {
+      for (const int s : slot.neighbours) {
+        const JointSlot& other = slots_[static_cast<std::size_t>(s)];
+        for (int j = other.first_row; j < other.first_row + other.rows; ++j) couple(i, j);
+      }
+      for (int j = slot.first_row; j <= i; ++j) couple(i, j);
+    }
+  }
+  inverse_.invert(kDependent);
+}
+
 void ConstraintGroup::solve(Eigen::VectorXd& vector) const {
+  double* const x = vector.data();
+  if (small()) {
+    inverse_.multiply(x);
+    return;
+  }
   const int n = static_cast<int>(rows_.size());
   const int* first = first_.data();
   const double* inverse = inverse_diagonal_.data();
-  double* x = vector.data();
   const double* row = factor_.data();
   for (int i = 0; i < n; ++i, row += n) {
     double s = x[i];
@@ -288,39 +292,36 @@ void ConstraintGroup::bind(const StepBodies& bodies) {
   for (Member& member : members_) {
     member.index = StepBodies::index_of(member.body->object());
     const StepBodies::Entry& entry = bodies.entry(member.index);
-    member.start = stacked(entry.lin, entry.ang);
+    member.start = Six(entry.lin, entry.ang);
   }
 }
 
 void ConstraintGroup::iterate(StepBodies& bodies) {
   // Nothing to do where no contact has touched the group since.
-  bool same = solved_;
+  bool unchanged = solved_;
   for (Member& member : members_) {
     const DeltaVelocity& now = bodies.delta(member.index);
-    Vec6 delta;
-    for (int i = 0; i < 6; ++i) delta[i] = now.p[i / 2][i % 2];
-    same = same && delta == member.delta;
-    member.delta = delta;
-    member.v = member.start + delta;
+    unchanged = unchanged && same(now, member.delta);
+    member.delta = now;
+    member.v = member.start + now;
   }
-  if (same) return;
+  if (unchanged) return;
   solved_ = true;
-  const auto n = static_cast<Eigen::Index>(rows_.size());
-  for (Eigen::Index i = 0; i < n; ++i)
-    work_[i] = target_[i] - along(rows_[static_cast<std::size_t>(i)]);
+  const std::size_t n = rows_.size();
+  double* const work = work_.data();
+  const double* const target = target_.data();
+  for (std::size_t i = 0; i < n; ++i) work[i] = target[i] - along(rows_[i]);
   solve(work_);
-  impulses_ += work_;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Row& r = rows_[static_cast<std::size_t>(i)];
-    if (r.a >= 0) members_[static_cast<std::size_t>(r.a)].v += r.Ka * work_[i];
-    if (r.b >= 0) members_[static_cast<std::size_t>(r.b)].v += r.Kb * work_[i];
+  double* const impulses = impulses_.data();
+  for (std::size_t i = 0; i < n; ++i) {
+    impulses[i] += work[i];
+    push(rows_[i], work[i]);
   }
   if (axis_count_ > 0) solve_axes();
   for (Member& member : members_) {
     if (!member.moves) continue;
     member.delta = member.v - member.start;
-    DeltaVelocity& now = bodies.delta(member.index);
-    for (int i = 0; i < 6; ++i) now.p[i / 2][i % 2] = member.delta[i];
+    static_cast<Six&>(bodies.delta(member.index)) = member.delta;
   }
 }
 

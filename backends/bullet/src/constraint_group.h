@@ -17,6 +17,7 @@
 
 #include "joint_group.h"
 #include "joint_rows.h"
+#include "small_matrix.h"
 
 namespace cogrsim::bullet {
 
@@ -40,14 +41,12 @@ class ConstraintGroup final : public JointGroup {
   void report(const SceneModel& model, double dt, JointReport& out) override;
 
  private:
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-
   struct Member {
     RigidBody* body = nullptr;
-    int index = -1;             ///< in the StepBodies
-    Vec6 start = Vec6::Zero();  ///< velocity with this step's outer forces, without impulses
-    Vec6 delta = Vec6::Zero();  ///< what impulses have changed
-    Vec6 v = Vec6::Zero();      ///< velocity now
+    int index = -1;  ///< in the StepBodies
+    Six start;       ///< velocity with this step's outer forces, without impulses
+    Six delta;       ///< what impulses have changed
+    Six v;           ///< velocity now
     btTransform then =
         btTransform::getIdentity();  ///< where free motion leads at the end of the step
     bool moves = false;              ///< dynamic
@@ -55,8 +54,8 @@ class ConstraintGroup final : public JointGroup {
   /// One row: on the child's (a) and the parent's (b) velocity; -1: the world.
   struct Row {
     int a = -1, b = -1;
-    Vec6 Ja = Vec6::Zero(), Jb = Vec6::Zero();
-    Vec6 Ka = Vec6::Zero(), Kb = Vec6::Zero();  ///< M^-1 J^T
+    Six Ja, Jb;
+    Six Ka, Kb;  ///< M^-1 J^T
   };
   struct JointSlot {
     int joint = -1;
@@ -81,14 +80,41 @@ class ConstraintGroup final : public JointGroup {
     std::vector<int> motors;  ///< of the law's first elements
     double inverse_inertia = 0.0;
     double impulse = 0.0;
-    Eigen::VectorXd reaction;    ///< of the locked rows, per unit of impulse
-    std::vector<Vec6> response;  ///< of the members' velocities, per unit of impulse
+    Eigen::VectorXd reaction;   ///< of the locked rows, per unit of impulse
+    std::vector<Six> response;  ///< of the members' velocities, per unit of impulse
   };
 
-  Row make_row(const JointSlot& slot, const btTransform& X_WM, const Direction& direction) const;
+  void fill_row(const JointSlot& slot, const btTransform& X_WM, const Direction& direction,
+                Row& row) const;
   void factorise();
+  /// Small groups have the inverse of J M^-1 J^T at hand: one step asks for about ten solutions.
+  bool small() const;
+  void invert();
+  /// x := (J M^-1 J^T)^-1 x.
   void solve(Eigen::VectorXd& x) const;
-  double along(const Row& row) const;
+  double along(const Row& row) const {
+    Pair out = {};
+    if (row.a >= 0) out += product(row.Ja, members_[static_cast<std::size_t>(row.a)].v);
+    if (row.b >= 0) out += product(row.Jb, members_[static_cast<std::size_t>(row.b)].v);
+    return sum(out);
+  }
+  /// J of one row times K of another.
+  static double coupling(const Row& row, const Row& other) {
+    Pair out = {};
+    if (row.a >= 0) {
+      if (row.a == other.a) out += product(row.Ja, other.Ka);
+      if (row.a == other.b) out += product(row.Ja, other.Kb);
+    }
+    if (row.b >= 0) {
+      if (row.b == other.a) out += product(row.Jb, other.Ka);
+      if (row.b == other.b) out += product(row.Jb, other.Kb);
+    }
+    return sum(out);
+  }
+  void push(const Row& row, double impulse) {
+    if (row.a >= 0) add_scaled(members_[static_cast<std::size_t>(row.a)].v, row.Ka, impulse);
+    if (row.b >= 0) add_scaled(members_[static_cast<std::size_t>(row.b)].v, row.Kb, impulse);
+  }
   void gather_axes(const Joint& joint, const JointSlot& slot, const btTransform& X_WF,
                    const btTransform& X_WM, const std::vector<Drive>& drives, const double* q);
   void gather_ball(const Joint& joint, const JointSlot& slot, const btTransform& X_WF,
@@ -99,6 +125,8 @@ class ConstraintGroup final : public JointGroup {
   void couple_axes();
   /// Brings all axes to their laws and takes what they gave through the group.
   void solve_axes();
+  /// The impulses of two axes without bounds in play, at once; false: bounds or several elements are.
+  bool solve_two_axes();
 
   std::vector<Member> members_;
   std::vector<JointSlot> slots_;
@@ -108,6 +136,7 @@ class ConstraintGroup final : public JointGroup {
   /// Unit lower triangle, below the diagonal.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> factor_;
   Eigen::VectorXd inverse_diagonal_;
+  SmallMatrix inverse_;     ///< of J M^-1 J^T, where the group is small
   Eigen::VectorXd target_;  ///< of J v at the end of the step
   Eigen::VectorXd impulses_, work_;
   std::vector<Axis> axes_;

@@ -47,12 +47,6 @@ void fill_side(const Side& side, const btVector3 (&directions)[3], double sign, 
   }
 }
 
-/// Sum of products, not yet of the two lanes.
-inline Pair product(const Six& x, const Six& y) {
-  return x.p[0] * y.p[0] + (x.p[1] * y.p[1] + x.p[2] * y.p[2]);
-}
-inline double sum(const Pair& x) { return x[0] + x[1]; }
-
 /// Adds what the three rows' impulses do. (Written out: at -O2 a loop stays a loop.)
 inline void apply(const Six (&K)[3], double d0, double d1, double d2, Six& v) {
   v.p[0] += K[0].p[0] * d0 + (K[1].p[0] * d1 + K[2].p[0] * d2);

@@ -22,6 +22,26 @@ struct Six {
   btVector3 ang() const { return {p[1][1], p[2][0], p[2][1]}; }
 };
 
+inline Six& operator+=(Six& x, const Six& y) {
+  for (int i = 0; i < 3; ++i) x.p[i] += y.p[i];
+  return x;
+}
+inline Six operator+(Six x, const Six& y) { return x += y; }
+inline Six operator-(Six x, const Six& y) {
+  for (int i = 0; i < 3; ++i) x.p[i] -= y.p[i];
+  return x;
+}
+/// x += y factor.
+inline void add_scaled(Six& x, const Six& y, double factor) {
+  for (int i = 0; i < 3; ++i) x.p[i] += y.p[i] * factor;
+}
+
+/// Sum of products, not yet of the two lanes.
+inline Pair product(const Six& x, const Six& y) {
+  return x.p[0] * y.p[0] + (x.p[1] * y.p[1] + x.p[2] * y.p[2]);
+}
+inline double sum(const Pair& x) { return x[0] + x[1]; }
+
 /// Change of a body's velocity by impulses; a cache line of its own.
 struct alignas(64) DeltaVelocity : Six {
   using Six::Six;
