@@ -60,8 +60,9 @@ Engine::Engine() {
 
 Engine::~Engine() {
   dJointGroupDestroy(rows_);
+  dWorldSetStepThreadingImplementation(world_, nullptr, nullptr);
   dWorldDestroy(world_);
-  dThreadingFreeImplementation(threading_);
+  if (!abandoned_) dThreadingFreeImplementation(threading_);
 }
 
 }  // namespace cogrsim::ode

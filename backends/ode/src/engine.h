@@ -25,6 +25,10 @@ class Engine {
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
+  /// After an EngineError out of a step: the job queue is left behind, as ODE would complain again of
+  /// what is still in it.
+  void abandon() { abandoned_ = true; }
+
   dWorldID world() const { return world_; }
   dJointGroupID rows() const { return rows_; }
 
@@ -32,6 +36,7 @@ class Engine {
   dWorldID world_ = nullptr;
   dJointGroupID rows_ = nullptr;
   dThreadingImplementationID threading_ = nullptr;
+  bool abandoned_ = false;
 };
 
 }  // namespace cogrsim::ode

@@ -44,8 +44,11 @@ int Rows::point(const RowBody& a, const RowBody& b, const Vec3& at_a, const Vec3
   const dJointID joint = dJointCreateBall(engine_.world(), engine_.rows());
   const int handle = attach(joint, first, second, swapped, 3);
   dJointSetBallAnchor(joint, p1.x(), p1.y(), p1.z());
+  // Contrary to the first, the second anchor is taken in its body's own axes.
   const Vec3 p2 = p1 + h_ * c;
-  dJointSetBallAnchor2(joint, p2.x(), p2.y(), p2.z());
+  dVector3 own = {p2.x(), p2.y(), p2.z()};
+  if (second.id) dBodyGetPosRelPoint(second.id, p2.x(), p2.y(), p2.z(), own);
+  dJointSetBallAnchor2(joint, own[0], own[1], own[2]);
   return handle;
 }
 

@@ -14,6 +14,7 @@ namespace {
 // Beyond these a world has exploded, whatever the numbers say.
 constexpr double kFarthest = 1e6;  // [m]
 constexpr double kFastest = 1e5;   // [m/s]
+constexpr double kFastestSpin = 1e9;  // [rad/s]
 // A contact yields by this part of the speed that its load gives in one step: enough to decide how
 // points share what rigid bodies leave open, 1e-4 g h^2 in depth.
 constexpr double kYield = 1e-4;
@@ -152,12 +153,17 @@ StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
     prepare_thread();
     begin_joints(dt, drives);
     predict(dt);
-    find_touches(dt);
-    solve(dt);
-    move(dt);
-    lost = find_diverged();
+    // What is not a number or nearly so is not for ODE, which would end in an assertion.
+    lost = find_wild();
+    if (lost < 0) {
+      find_touches(dt);
+      solve(dt);
+      move(dt);
+      lost = find_diverged();
+    }
   } catch (const EngineError& error) {
     what = error.what();
+    engine_->abandon();
     for (std::size_t b = 0; b < bodies_.size() && lost < 0; ++b) {
       if (bodies_[b].dynamic()) lost = static_cast<int>(b);
     }
@@ -384,6 +390,15 @@ void OdeWorld::move(double h) {
     body.now.v = v;
     body.now.w = body.inverse_inertia_at(body.now.q) * L;
   }
+}
+
+int OdeWorld::find_wild() const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!ids_[b]) continue;
+    const double fast = row_bodies_[b].v.norm(), spin = row_bodies_[b].w.norm();
+    if (!(fast <= kFastest) || !(spin <= kFastestSpin)) return static_cast<int>(b);
+  }
+  return -1;
 }
 
 int OdeWorld::find_diverged() const {

@@ -68,6 +68,7 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
   void put_bodies(double h);
   void ask_rows(double h);
   void move(double h);
+  int find_wild() const;
   int find_diverged() const;
   void report(double h);
 
