@@ -1,4 +1,5 @@
-// The benchmark scenes as programs on bare Bullet, double precision.
+// The benchmark scenes on bare Bullet in double precision, the way its manual does it: rigid bodies
+// with constraints, and reduced coordinates where links form a long chain.
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
@@ -6,184 +7,230 @@
 
 #include <cmath>
 
-#include "bench.h"
-
-namespace cogrsim::bench {
+#include "engine_program.h"
 
 namespace {
 
-btVector3 half(double x, double y, double z) { return {x / 2, y / 2, z / 2}; }
+using namespace cogrsim::bench;
 
-/// What every Bullet program starts with.
-class BulletRunner : public Runner {
+btVector3 vector(const Triple& v) { return {v[0], v[1], v[2]}; }
+btQuaternion quaternion(const Turn& q) { return {q[1], q[2], q[3], q[0]}; }
+Triple triple(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+Turn turn(const btQuaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+
+/// Things of one family are kept from each other through the constraints between them.
+class Rigid : public Runner {
  public:
-  explicit BulletRunner(bool multibody) {
+  explicit Rigid(const Scene& scene) : scene_(scene) {
     // Several points per convex-plane pair in one pass: wheels need them.
     configuration_.setPlaneConvexMultipointIterations(4, 4);
-    if (multibody) {
-      solver_ = std::make_unique<btMultiBodyConstraintSolver>();
-      world_ = std::make_unique<btMultiBodyDynamicsWorld>(
-          &dispatcher_, &broadphase_, static_cast<btMultiBodyConstraintSolver*>(solver_.get()),
-          &configuration_);
-    } else {
-      solver_ = std::make_unique<btSequentialImpulseConstraintSolver>();
-      world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broadphase_, solver_.get(),
-                                                         &configuration_);
+    world_.setGravity(vector(scene.gravity));
+    for (const Thing& thing : scene_.things) add(thing);
+    for (const Hinge& hinge : scene_.hinges) add(hinge);
+  }
+  ~Rigid() override {
+    for (auto& constraint : constraints_) world_.removeConstraint(constraint.get());
+    for (auto& body : bodies_) world_.removeRigidBody(body.get());
+  }
+  void step(double dt) override {
+    if (!scene_.eyes.empty() && steps_ % scene_.eye_period == 0) look();
+    world_.stepSimulation(dt, 0);
+    ++steps_;
+  }
+  void get_states(std::vector<ThingState>& states) override {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const btRigidBody& body = *bodies_[i];
+      states[i] = {triple(body.getWorldTransform().getOrigin()),
+                   turn(body.getWorldTransform().getRotation())};
     }
-    world_->setGravity(btVector3(0, 0, -9.81));
   }
-  ~BulletRunner() override {
-    for (auto& c : constraints_) world_->removeConstraint(c.get());
-    for (auto& b : bodies_) world_->removeRigidBody(b.get());
-  }
-  void step() override { world_->stepSimulation(kStep, 0); }
-  double last_height() override { return bodies_.back()->getWorldTransform().getOrigin().z(); }
+  double seen() override { return seen_; }
 
- protected:
-  template <class Shape, class... Args>
-  Shape* shape(Args&&... args) {
-    auto made = std::make_unique<Shape>(std::forward<Args>(args)...);
-    Shape* raw = made.get();
-    raw->setMargin(1e-3);
+ private:
+  /// The nearest hit that is not on the body the eye is mounted on.
+  struct NotItself final : btCollisionWorld::ClosestRayResultCallback {
+    NotItself(const btVector3& from, const btVector3& to, const btCollisionObject* own)
+        : ClosestRayResultCallback(from, to), self(own) {}
+    bool needsCollision(btBroadphaseProxy* proxy) const override {
+      return proxy->m_clientObject != self && ClosestRayResultCallback::needsCollision(proxy);
+    }
+    const btCollisionObject* self;
+  };
+
+  void look() {
+    seen_ = 0;
+    for (const Eye& eye : scene_.eyes) {
+      const btRigidBody& body = *bodies_[static_cast<std::size_t>(eye.thing)];
+      const btTransform& X = body.getWorldTransform();
+      const btVector3 from = X * vector(eye.at);
+      const btVector3 to = from + X.getBasis() * vector(eye.along) * scene_.eye_range;
+      NotItself result(from, to, &body);
+      world_.rayTest(from, to, result);
+      seen_ += scene_.eye_range * (result.hasHit() ? result.m_closestHitFraction : 1.0);
+    }
+  }
+
+  btCollisionShape* shape(const Part& part) {
+    std::unique_ptr<btCollisionShape> made;
+    switch (part.form) {
+      case Form::box:
+        made = std::make_unique<btBoxShape>(vector(part.size) / 2);
+        break;
+      case Form::sphere:
+        made = std::make_unique<btSphereShape>(part.size[0]);
+        break;
+      case Form::cylinder:
+        made = std::make_unique<btCylinderShapeZ>(
+            btVector3(part.size[0], part.size[0], part.size[1] / 2));
+        break;
+      case Form::plane:
+        made = std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0);
+        break;
+    }
+    if (part.form != Form::sphere) made->setMargin(1e-3);
     shapes_.push_back(std::move(made));
-    return raw;
-  }
-  btRigidBody* body(btCollisionShape* form, double mass, const btTransform& pose, double friction,
-                    const btVector3& inertia) {
-    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, form, inertia);
-    info.m_startWorldTransform = pose;
-    info.m_friction = friction;
-    auto made = std::make_unique<btRigidBody>(info);
-    made->setActivationState(DISABLE_DEACTIVATION);
-    world_->addRigidBody(made.get());
-    bodies_.push_back(std::move(made));
-    return bodies_.back().get();
-  }
-  btRigidBody* body(btCollisionShape* form, double mass, const btTransform& pose, double friction) {
-    btVector3 inertia(0, 0, 0);
-    if (mass > 0) form->calculateLocalInertia(mass, inertia);
-    return body(form, mass, pose, friction, inertia);
+    return shapes_.back().get();
   }
 
+  btCollisionShape* shape(const Thing& thing) {
+    // One shape for all things that look alike.
+    for (std::size_t i = 0; i < made_.size(); ++i) {
+      if (made_[i].first->parts.size() == thing.parts.size() &&
+          std::equal(thing.parts.begin(), thing.parts.end(), made_[i].first->parts.begin(),
+                     [](const Part& a, const Part& b) {
+                       return a.form == b.form && a.size == b.size && a.at == b.at;
+                     })) {
+        return made_[i].second;
+      }
+    }
+    btCollisionShape* form = nullptr;
+    if (thing.parts.size() == 1) {
+      form = shape(thing.parts.front());
+    } else {
+      auto compound = std::make_unique<btCompoundShape>();
+      for (const Part& part : thing.parts) {
+        compound->addChildShape(btTransform(btQuaternion::getIdentity(), vector(part.at)),
+                                shape(part));
+      }
+      form = compound.get();
+      shapes_.push_back(std::move(compound));
+    }
+    made_.emplace_back(&thing, form);
+    return form;
+  }
+
+  void add(const Thing& thing) {
+    btRigidBody::btRigidBodyConstructionInfo info(thing.mass, nullptr, shape(thing),
+                                                  vector(thing.moments));
+    info.m_startWorldTransform = btTransform(quaternion(thing.turn), vector(thing.place));
+    info.m_friction = std::sqrt(thing.friction);  // of a pair: the product
+    auto body = std::make_unique<btRigidBody>(info);
+    body->setActivationState(DISABLE_DEACTIVATION);
+    body->setAngularVelocity(vector(thing.spin));
+    if (scene_.contact) {
+      world_.addRigidBody(body.get());
+    } else {
+      world_.addRigidBody(body.get(), 0, 0);
+    }
+    bodies_.push_back(std::move(body));
+  }
+
+  void add(const Hinge& hinge) {
+    btRigidBody& parent = *bodies_[static_cast<std::size_t>(hinge.parent)];
+    btRigidBody& child = *bodies_[static_cast<std::size_t>(hinge.child)];
+    const btTransform to_parent = parent.getWorldTransform().inverse();
+    const btTransform to_child = child.getWorldTransform().inverse();
+    const btVector3 anchor = vector(hinge.anchor), axis = vector(hinge.axis);
+    auto made = std::make_unique<btHingeConstraint>(parent, child, to_parent * anchor,
+                                                    to_child * anchor, to_parent.getBasis() * axis,
+                                                    to_child.getBasis() * axis, true);
+    if (hinge.driven) {
+      // Its sense is that of the parent against the child; the bound is an impulse.
+      made->enableAngularMotor(true, -hinge.speed, hinge.max_torque * scene_.step);
+    }
+    world_.addConstraint(made.get(), true);
+    constraints_.push_back(std::move(made));
+  }
+
+  const Scene scene_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
-  std::unique_ptr<btSequentialImpulseConstraintSolver> solver_;
-  std::unique_ptr<btDiscreteDynamicsWorld> world_;
+  btSequentialImpulseConstraintSolver solver_;
+  btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  std::vector<std::pair<const Thing*, btCollisionShape*>> made_;
   std::vector<std::unique_ptr<btTypedConstraint>> constraints_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
+  double seen_ = 0;
+  int steps_ = 0;
 };
 
-class Boxes final : public BulletRunner {
+/// A chain of hinges from the world, in reduced coordinates.
+class Chain final : public Runner {
  public:
-  Boxes() : BulletRunner(false) {
-    using namespace boxes;
-    auto* form = shape<btBoxShape>(half(kSize, 2 * kSize, 3 * kSize));
-    for (int i = 0; i < kCount; ++i) {
-      const btVector3 place((i % kPerRow) * kPitch, (i / kPerRow) * kPitch, 1000);
-      body(form, kMass, btTransform(btQuaternion::getIdentity(), place), 0.5)
-          ->setAngularVelocity(btVector3(0.1, kSpin, 0.1));
+  explicit Chain(const Scene& scene)
+      : count_(static_cast<int>(scene.things.size())),
+        body_(count_, 0, btVector3(0, 0, 0), true, false) {
+    world_.setGravity(vector(scene.gravity));
+    body_.setBaseWorldTransform(btTransform::getIdentity());
+    btTransform above = btTransform::getIdentity();
+    for (int i = 0; i < count_; ++i) {
+      const Thing& thing = scene.things[static_cast<std::size_t>(i)];
+      const Hinge& hinge = scene.hinges[static_cast<std::size_t>(i)];
+      const btTransform here(quaternion(thing.turn), vector(thing.place));
+      const btTransform relative = above.inverse() * here;
+      body_.setupRevolute(
+          i, thing.mass, vector(thing.moments), i - 1, relative.getRotation().inverse(),
+          here.getBasis().transpose() * vector(hinge.axis), above.inverse() * vector(hinge.anchor),
+          here.getBasis().transpose() * (vector(thing.place) - vector(hinge.anchor)), true);
+      above = here;
     }
+    body_.finalizeMultiDof();
+    body_.setLinearDamping(0);
+    body_.setAngularDamping(0);
+    body_.setCanSleep(false);
+    world_.addMultiBody(&body_);
   }
-};
-
-class Pyramid final : public BulletRunner {
- public:
-  Pyramid() : BulletRunner(false) {
-    using namespace pyramid;
-    body(shape<btBoxShape>(half(100, 100, 2)), 0,
-         btTransform(btQuaternion::getIdentity(), btVector3(0, 0, -1)), std::sqrt(kFriction));
-    auto* form = shape<btBoxShape>(half(kSize, kSize, kSize));
-    for (const Vec3& c : centres()) {
-      body(form, kMass, btTransform(btQuaternion::getIdentity(), btVector3(c.x(), c.y(), c.z())),
-           std::sqrt(kFriction));
+  ~Chain() override { world_.removeMultiBody(&body_); }
+  void step(double dt) override { world_.stepSimulation(dt, 0); }
+  void get_states(std::vector<ThingState>& states) override {
+    for (int i = 0; i < count_; ++i) {
+      states[static_cast<std::size_t>(i)].place =
+          triple(body_.localPosToWorld(i, btVector3(0, 0, 0)));
     }
-  }
-};
-
-class Robots final : public BulletRunner {
- public:
-  Robots() : BulletRunner(false) {
-    using namespace robots;
-    body(shape<btStaticPlaneShape>(btVector3(0, 0, 1), 0), 0, btTransform::getIdentity(), 1);
-    auto* chassis_form = shape<btCompoundShape>();
-    auto* deck = shape<btBoxShape>(half(kChassisX, kChassisY, kChassisZ));
-    const btTransform identity = btTransform::getIdentity();
-    chassis_form->addChildShape(identity, deck);
-    chassis_form->addChildShape(
-        btTransform(btQuaternion::getIdentity(), btVector3(kCasterX, 0, kCasterRadius - kHeight)),
-        shape<btSphereShape>(kCasterRadius));
-    btVector3 inertia;
-    deck->calculateLocalInertia(kChassisMass, inertia);
-    auto* wheel_form =
-        shape<btCylinderShapeZ>(btVector3(kWheelRadius, kWheelRadius, kWheelWidth / 2));
-    const btQuaternion along_y(btVector3(1, 0, 0), -SIMD_HALF_PI);
-    for (int i = 0; i < kPerSide * kPerSide; ++i) {
-      const btVector3 place((i / kPerSide) * kSpacing, (i % kPerSide) * kSpacing, kHeight);
-      btRigidBody* chassis = body(chassis_form, kChassisMass,
-                                  btTransform(btQuaternion::getIdentity(), place), 0, inertia);
-      for (const int side : {1, -1}) {
-        const btVector3 offset(kAxleX, side * kHalfTrack, kWheelRadius - kHeight);
-        btRigidBody* wheel =
-            body(wheel_form, kWheelMass, btTransform(along_y, place + offset), kFriction);
-        auto hinge = std::make_unique<btHingeConstraint>(
-            *chassis, *wheel, btTransform(along_y, offset), identity, true);
-        hinge->enableAngularMotor(true, side > 0 ? -kLeftSpeed : -kRightSpeed, kMaxTorque * kStep);
-        world_->addConstraint(hinge.get(), true);
-        constraints_.push_back(std::move(hinge));
-      }
-    }
-  }
-};
-
-class Chain final : public BulletRunner {
- public:
-  Chain() : BulletRunner(true) {
-    using namespace chain;
-    const double i_long = kMass * (kWidth * kWidth + kLength * kLength) / 12;
-    const double i_axis = kMass * kWidth * kWidth / 6;
-    chain_ = std::make_unique<btMultiBody>(kLinks, 0, btVector3(0, 0, 0), true, false);
-    chain_->setBaseWorldTransform(btTransform::getIdentity());
-    const btVector3 down(0, 0, -kLength / 2);
-    for (int i = 0; i < kLinks; ++i) {
-      chain_->setupRevolute(i, kMass, btVector3(i_long, i_long, i_axis), i - 1,
-                            btQuaternion::getIdentity(), btVector3(0, 1, 0),
-                            i == 0 ? btVector3(0, 0, 0) : down, down, true);
-    }
-    chain_->finalizeMultiDof();
-    chain_->setLinearDamping(0);
-    chain_->setAngularDamping(0);
-    chain_->setJointPos(0, kTilt);
-    chain_->setCanSleep(false);
-    multibody_world()->addMultiBody(chain_.get());
-  }
-  ~Chain() override { multibody_world()->removeMultiBody(chain_.get()); }
-  double last_height() override {
-    return chain_->localPosToWorld(chain::kLinks - 1, btVector3(0, 0, 0)).z();
   }
 
  private:
-  btMultiBodyDynamicsWorld* multibody_world() {
-    return static_cast<btMultiBodyDynamicsWorld*>(world_.get());
+  int count_;
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broadphase_;
+  btMultiBodyConstraintSolver solver_;
+  btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+  btMultiBody body_;
+};
+
+class Bullet final : public EngineProgram {
+ public:
+  std::string name() const override { return "raw-bullet"; }
+  std::string version() const override {
+    const int version = btGetVersion();
+    return std::to_string(version / 100) + "." + std::to_string(version % 100);
   }
-  std::unique_ptr<btMultiBody> chain_;
+  std::string settings() const override {
+    return "double precision; sequential impulses, 10 iterations; hinges are constraints, a chain "
+           "from the world is one btMultiBody";
+  }
+  std::unique_ptr<Runner> make(const Scene& scene) override {
+    if (scene.name == "chain") return std::make_unique<Chain>(scene);
+    return std::make_unique<Rigid>(scene);
+  }
 };
 
 }  // namespace
 
-std::unique_ptr<Runner> make_raw_bullet(Scene scene) {
-  switch (scene) {
-    case Scene::free_boxes:
-      return std::make_unique<Boxes>();
-    case Scene::pyramid:
-      return std::make_unique<Pyramid>();
-    case Scene::robots:
-      return std::make_unique<Robots>();
-    case Scene::chain:
-      return std::make_unique<Chain>();
-  }
-  return nullptr;
+int main(int argc, char** argv) {
+  Bullet bullet;
+  return engine_main(argc, argv, bullet);
 }
-
-}  // namespace cogrsim::bench

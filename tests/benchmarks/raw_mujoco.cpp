@@ -1,135 +1,240 @@
-// The camera benchmark's scene as a program on bare MuJoCo: its own renderer on OSMesa.
-#include <GL/osmesa.h>
+// The benchmark scenes on bare MuJoCo: a model in its own language, its defaults.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <array>
-#include <cstdio>
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
-#include <string>
+#include <functional>
 
-#include "camera_bench.h"
-
-namespace cogrsim::bench {
+#include "engine_program.h"
 
 namespace {
 
-std::string describe(const CameraScene& scene) {
-  std::string out = fmt::format(
-      R"(<mujoco><visual><global offwidth="{}" offheight="{}" fovy="{}"/>
-<quality shadowsize="{}" offsamples="{}"/><headlight active="0"/><map znear="0.001" zfar="10"/></visual>
-<worldbody><light directional="true" castshadow="true" dir="0.45 0.3 -1" pos="0 0 20"
- ambient="0.2 0.2 0.2" diffuse="0.8 0.8 0.8" specular="0 0 0"/>
-<geom type="plane" size="0 0 1" rgba="0.6 0.6 0.6 1"/>)",
-      scene.width, scene.height, kVerticalField * 180.0 / 3.14159265358979323846, kShadowMapSize,
-      scene.samples > 1 ? scene.samples : 0);
-  const char* const kinds[] = {R"(type="box" size="0.2 0.15 0.15")", R"(type="sphere" size="0.2")",
-                               R"(type="cylinder" size="0.15 0.2")",
-                               R"(type="capsule" size="0.12 0.15")"};
-  for (int i = 0; i < scene.shapes; ++i) {
-    const Vec3 p = place_of(i, scene.shapes);
-    out += fmt::format("<geom {} pos=\"{} {} {}\" rgba=\"{} 0.5 {} 1\"/>\n", kinds[i % 4], p.x(),
-                       p.y(), p.z(), 0.2 + 0.15 * (i % 5), 0.8 - 0.1 * (i % 7));
-  }
-  return out + "</worldbody></mujoco>\n";
+using namespace cogrsim::bench;
+
+/// Newton's method factors a matrix of as many rows as there are degrees of freedom.
+constexpr int kMostForNewton = 600;  // bodies
+
+/// X_AB of two poses, as MuJoCo wants those of nested bodies.
+ThingState relative(const ThingState& a, const ThingState& b) {
+  ThingState out;
+  mjtNum inverse[4],
+      difference[3] = {b.place[0] - a.place[0], b.place[1] - a.place[1], b.place[2] - a.place[2]};
+  mju_negQuat(inverse, a.turn.data());
+  mju_rotVecQuat(out.place.data(), difference, inverse);
+  mju_mulQuat(out.turn.data(), inverse, b.turn.data());
+  return out;
 }
 
-class MujocoCamera final : public CameraRunner {
+/// Room for the contacts, four rows each; what the scenes have at most.
+long rows_of(const Scene& scene) {
+  const long points = scene.name == "spheres"         ? 8
+                      : scene.name == "robots"        ? 5
+                      : scene.name == "pyramid"       ? 10
+                      : scene.name == "falling-boxes" ? 14
+                                                      : 8;
+  return 400 + 4 * points * static_cast<long>(scene.things.size());
+}
+
+std::string numbers(const Triple& v) { return fmt::format("{} {} {}", v[0], v[1], v[2]); }
+std::string numbers(const Turn& q) { return fmt::format("{} {} {} {}", q[0], q[1], q[2], q[3]); }
+
+std::string geoms(const Scene& scene, const Thing& thing) {
+  // Of a pair the larger friction holds, unless one has priority: that of what moves.
+  const bool moves = thing.mass > 0;
+  const double friction =
+      moves ? std::sqrt(thing.friction * (scene.contact ? scene.things.front().friction : 0.0))
+            : thing.friction;
+  std::string out;
+  for (const Part& part : thing.parts) {
+    const Triple& s = part.size;
+    std::string form;
+    switch (part.form) {
+      case Form::box:
+        form = fmt::format("type=\"box\" size=\"{} {} {}\"", s[0] / 2, s[1] / 2, s[2] / 2);
+        break;
+      case Form::sphere:
+        form = fmt::format("type=\"sphere\" size=\"{}\"", s[0]);
+        break;
+      case Form::cylinder:
+        form = fmt::format("type=\"cylinder\" size=\"{} {}\"", s[0], s[1] / 2);
+        break;
+      case Form::plane:
+        form = "type=\"plane\" size=\"0 0 1\"";
+        break;
+    }
+    const Triple at = moves ? part.at : thing.place;
+    out += fmt::format("<geom {} pos=\"{}\" friction=\"{} 0.005 0.0001\" priority=\"{}\" {}/>\n",
+                       form, numbers(at), friction, moves ? 1 : 0,
+                       scene.contact ? "" : "contype=\"0\" conaffinity=\"0\"");
+  }
+  return out;
+}
+
+std::string describe(const Scene& scene) {
+  const std::size_t count = scene.things.size();
+  std::vector<std::vector<std::size_t>> children(count);
+  std::vector<const Hinge*> joint(count, nullptr);
+  std::vector<std::size_t> roots;
+  for (const Hinge& hinge : scene.hinges) joint[static_cast<std::size_t>(hinge.child)] = &hinge;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (joint[i] && joint[i]->parent >= 0) {
+      children[static_cast<std::size_t>(joint[i]->parent)].push_back(i);
+    } else if (scene.things[i].mass > 0) {
+      roots.push_back(i);
+    }
+  }
+  std::string motors;
+  const std::function<std::string(std::size_t, const ThingState&)> body =
+      [&](std::size_t i, const ThingState& above) {
+        const Thing& thing = scene.things[i];
+        const ThingState here{thing.place, thing.turn}, X = relative(above, here);
+        std::string out = fmt::format("<body name=\"t{}\" pos=\"{}\" quat=\"{}\">\n", i,
+                                      numbers(X.place), numbers(X.turn));
+        if (joint[i]) {
+          const Hinge& hinge = *joint[i];
+          const ThingState anchor = relative(here, {hinge.anchor, {1, 0, 0, 0}});
+          Triple axis;
+          mjtNum inverse[4];
+          mju_negQuat(inverse, thing.turn.data());
+          mju_rotVecQuat(axis.data(), hinge.axis.data(), inverse);
+          out += fmt::format("<joint name=\"j{}\" type=\"hinge\" pos=\"{}\" axis=\"{}\"/>\n", i,
+                             numbers(anchor.place), numbers(axis));
+          if (hinge.driven) {
+            motors += fmt::format(
+                "<velocity joint=\"j{}\" kv=\"0.1\" forcelimited=\"true\" forcerange=\"{} {}\"/>\n",
+                i, -hinge.max_torque, hinge.max_torque);
+          }
+        } else {
+          out += "<freejoint/>\n";
+        }
+        out += fmt::format("<inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"{}\"/>\n", thing.mass,
+                           numbers(thing.moments));
+        out += geoms(scene, thing);
+        for (const std::size_t child : children[i]) out += body(child, here);
+        return out + "</body>\n";
+      };
+  const long rows = rows_of(scene);
+  std::string out = fmt::format(
+      "<mujoco><compiler angle=\"radian\"/><size nconmax=\"{0}\" njmax=\"{1}\"/>\n"
+      "<option timestep=\"{2}\" gravity=\"{3}\" solver=\"{4}\"/><worldbody>\n",
+      rows / 4, rows, scene.step, numbers(scene.gravity), count > kMostForNewton ? "CG" : "Newton");
+  for (const Thing& thing : scene.things) {
+    if (thing.mass == 0) out += geoms(scene, thing);
+  }
+  for (const std::size_t root : roots) out += body(root, ThingState{});
+  return out + "</worldbody><actuator>" + motors + "</actuator></mujoco>\n";
+}
+
+class MujocoRunner final : public Runner {
  public:
-  explicit MujocoCamera(const CameraScene& scene) : scene_(scene) {
+  explicit MujocoRunner(const Scene& scene) : scene_(scene) {
     const std::string text = describe(scene);
-    mjVFS* files = static_cast<mjVFS*>(std::malloc(sizeof(mjVFS)));
+    auto* files = static_cast<mjVFS*>(std::malloc(sizeof(mjVFS)));
     mj_defaultVFS(files);
     mj_makeEmptyFileVFS(files, "scene.xml", static_cast<int>(text.size()));
     std::copy(text.begin(), text.end(), static_cast<char*>(files->filedata[0]));
     char problem[1000] = "";
     model_ = mj_loadXML("scene.xml", files, problem, sizeof problem);
+    mj_deleteFileVFS(files, "scene.xml");
     std::free(files);
-    if (model_ == nullptr) fail(problem);
+    if (!model_) throw std::runtime_error(problem);
     data_ = mj_makeData(model_);
-    mj_forward(model_, data_);
-    context_ = OSMesaCreateContextExt(GL_RGBA, 24, 8, 8, nullptr);
-    use();
-    mjv_defaultOption(&options_);
-    mjv_defaultScene(&drawn_);
-    mjr_defaultContext(&graphics_);
-    mjv_makeScene(model_, &drawn_, scene.shapes + 10);
-    mjr_makeContext(model_, &graphics_, mjFONTSCALE_100);
-    mjr_setBuffer(mjFB_OFFSCREEN, &graphics_);
-    if (graphics_.currentBuffer != mjFB_OFFSCREEN) fail("MuJoCo has no offscreen buffer");
-    if (graphics_.offSamples != (scene.samples > 1 ? scene.samples : 0)) {
-      fail("MuJoCo did not get the samples asked for");
+    if (!data_) throw std::runtime_error("MuJoCo has no memory for its data");
+    for (std::size_t i = 0; i < scene_.things.size(); ++i) {
+      const int body = mj_name2id(model_, mjOBJ_BODY, fmt::format("t{}", i).c_str());
+      bodies_.push_back(body);
+      if (body < 0) continue;
+      const int joint = model_->body_jntadr[body];
+      if (joint < 0 || model_->jnt_type[joint] != mjJNT_FREE) continue;
+      // Free joints turn in the body's frame; the scenes' boxes that spin start unturned.
+      for (int k = 0; k < 3; ++k) {
+        data_->qvel[model_->jnt_dofadr[joint] + 3 + k] =
+            scene_.things[i].spin[static_cast<std::size_t>(k)];
+      }
     }
-    // The free camera: at a distance from the point it looks at.
-    const Pose X_WC = viewpoint();
-    const Vec3 ahead = X_WC.q * Vec3::UnitX();
-    mjv_defaultFreeCamera(model_, &camera_);
-    camera_.type = mjCAMERA_FREE;
-    camera_.distance = 1.0;
-    for (int i = 0; i < 3; ++i) camera_.lookat[i] = X_WC.p[i] + ahead[i];
-    camera_.azimuth = std::atan2(ahead.y(), ahead.x()) * 180.0 / mjPI;
-    camera_.elevation = std::asin(ahead.z()) * 180.0 / mjPI;
-    picture_.resize(3 * static_cast<std::size_t>(scene.width * scene.height));
+    int motor = 0;
+    for (const Hinge& hinge : scene_.hinges) {
+      if (hinge.driven) data_->ctrl[motor++] = hinge.speed;
+    }
+    mj_forward(model_, data_);
   }
-  ~MujocoCamera() override {
-    use();
-    mjr_freeContext(&graphics_);
-    mjv_freeScene(&drawn_);
+  ~MujocoRunner() override {
     mj_deleteData(data_);
     mj_deleteModel(model_);
-    OSMesaDestroyContext(context_);
   }
-
-  void take(int frame) override {
-    use();
-    for (int i = 0; i < scene_.shapes; ++i) {
-      data_->geom_xpos[3 * (i + 1) + 2] = place_of(i, scene_.shapes).z() + height_at(i, frame);
+  void step(double dt) override {
+    model_->opt.timestep = dt;
+    if (!scene_.eyes.empty() && steps_++ % scene_.eye_period == 0) look();
+    mj_step(model_, data_);
+    if (data_->warning[mjWARN_BADQACC].number > 0 ||
+        data_->warning[mjWARN_CONTACTFULL].number > 0 ||
+        data_->warning[mjWARN_CNSTRFULL].number > 0) {
+      throw std::runtime_error("MuJoCo diverged, or its room for contacts was too small");
     }
-    mjv_updateScene(model_, data_, &options_, nullptr, &camera_, mjCAT_ALL, &drawn_);
-    for (int i = 0; i < mjNRNDFLAG; ++i) drawn_.flags[i] = 0;
-    drawn_.flags[mjRND_CULL_FACE] = 1;
-    drawn_.flags[mjRND_SHADOW] = scene_.shadows ? 1 : 0;
-    const mjrRect all = {0, 0, scene_.width, scene_.height};
-    mjr_render(all, &drawn_, &graphics_);
-    mjr_readPixels(picture_.data(), nullptr, all, &graphics_);
   }
-  std::vector<std::uint8_t> picture() const override {
-    // Its rows come from the bottom up.
-    std::vector<std::uint8_t> out;
-    const auto row = static_cast<std::ptrdiff_t>(3 * scene_.width);
-    for (auto end = picture_.end(); end != picture_.begin(); end -= row) {
-      out.insert(out.end(), end - row, end);
+  void get_states(std::vector<ThingState>& states) override {
+    mj_kinematics(model_, data_);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (bodies_[i] < 0) {
+        states[i] = {scene_.things[i].place, scene_.things[i].turn};
+        continue;
+      }
+      std::copy_n(data_->xpos + 3 * bodies_[i], 3, states[i].place.begin());
+      std::copy_n(data_->xquat + 4 * bodies_[i], 4, states[i].turn.begin());
     }
-    return out;
   }
+  double seen() override { return seen_; }
 
  private:
-  [[noreturn]] static void fail(const char* what) {
-    fmt::print(stderr, "MuJoCo: {}\n", what);
-    std::exit(1);
-  }
-  void use() {
-    if (OSMesaMakeCurrent(context_, window_.data(), GL_UNSIGNED_BYTE, 8, 8) != GL_TRUE) {
-      fail("OSMesa does not make its context current");
+  void look() {
+    seen_ = 0;
+    for (const Eye& eye : scene_.eyes) {
+      const int body = bodies_[static_cast<std::size_t>(eye.thing)];
+      mjtNum from[3], along[3];
+      mju_rotVecMat(from, eye.at.data(), data_->xmat + 9 * body);
+      mju_addTo3(from, data_->xpos + 3 * body);
+      mju_rotVecMat(along, eye.along.data(), data_->xmat + 9 * body);
+      int geom = -1;
+      const mjtNum distance = mj_ray(model_, data_, from, along, nullptr, 1, body, &geom);
+      seen_ += distance < 0 ? scene_.eye_range : std::min(distance, scene_.eye_range);
     }
   }
 
-  CameraScene scene_;
+  const Scene scene_;
   mjModel* model_ = nullptr;
   mjData* data_ = nullptr;
-  OSMesaContext context_ = nullptr;
-  std::array<unsigned char, 8 * 8 * 4> window_{};
-  mjvScene drawn_;
-  mjvOption options_;
-  mjvCamera camera_;
-  mjrContext graphics_;
-  std::vector<std::uint8_t> picture_;
+  std::vector<int> bodies_;
+  double seen_ = 0;
+  int steps_ = 0;
+};
+
+class Mujoco final : public EngineProgram {
+ public:
+  std::string name() const override { return "mujoco"; }
+  std::string version() const override { return mj_versionString(); }
+  std::string settings() const override {
+    return fmt::format(
+        "semi-implicit Euler, pyramidal cones, Newton's method (100 iterations at most, tolerance "
+        "1e-8), conjugate gradients above {} bodies; contacts as soft as it has them by default",
+        kMostForNewton);
+  }
+  std::unique_ptr<Runner> make(const Scene& scene) override {
+    // This version has room for the Jacobian, its transpose and the rows' inverse inertia at once.
+    const double rows = static_cast<double>(rows_of(scene)),
+                 speeds = 6.0 * static_cast<double>(scene.things.size());
+    const double bytes = 8 * (rows * rows + 2 * rows * speeds);
+    if (bytes > 4e9) {
+      throw Unsupported(fmt::format("its dense matrices would take {:.0f} GB", bytes / 1e9));
+    }
+    return std::make_unique<MujocoRunner>(scene);
+  }
 };
 
 }  // namespace
 
-std::unique_ptr<CameraRunner> make_mujoco_camera(const CameraScene& scene) {
-  return std::make_unique<MujocoCamera>(scene);
+int main(int argc, char** argv) {
+  Mujoco mujoco;
+  return engine_main(argc, argv, mujoco);
 }
-
-}  // namespace cogrsim::bench

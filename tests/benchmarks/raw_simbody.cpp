@@ -7,11 +7,11 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "bench.h"
-
-namespace cogrsim::bench {
+#include "engine_program.h"
 
 namespace {
+
+using namespace cogrsim::bench;
 
 using SimTK::MobilizedBody;
 using SimTK::Real;
@@ -47,6 +47,21 @@ class SpringContact final : public SimTK::Force::Custom::Implementation {
                        std::move(object)});
   }
   btCollisionObject& last_object() { return *bodies_.back().object; }
+
+  /// Distance to the nearest object but that of index `self` along a ray [m], at most `range`.
+  /// Uses the places of the last detection.
+  Real look(std::size_t self, const btVector3& from, const btVector3& along, Real range) {
+    struct NotItself final : btCollisionWorld::ClosestRayResultCallback {
+      using ClosestRayResultCallback::ClosestRayResultCallback;
+      bool needsCollision(btBroadphaseProxy* proxy) const override {
+        return proxy->m_clientObject != self && ClosestRayResultCallback::needsCollision(proxy);
+      }
+      const void* self = nullptr;
+    } result(from, from + along * range);
+    result.self = bodies_[self].object.get();
+    world_.rayTest(from, from + along * range, result);
+    return range * (result.hasHit() ? result.m_closestHitFraction : 1.0);
+  }
 
   void detect(const State& state) {
     for (Body& b : bodies_) {
@@ -109,8 +124,9 @@ class SpringContact final : public SimTK::Force::Custom::Implementation {
   };
   struct Families : btOverlapFilterCallback {
     bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
-      return static_cast<btCollisionObject*>(a->m_clientObject)->getUserIndex2() !=
-             static_cast<btCollisionObject*>(b->m_clientObject)->getUserIndex2();
+      const int first = static_cast<btCollisionObject*>(a->m_clientObject)->getUserIndex2();
+      const int second = static_cast<btCollisionObject*>(b->m_clientObject)->getUserIndex2();
+      return first < 0 || first != second;
     }
   };
 
@@ -172,74 +188,71 @@ class SpringContact final : public SimTK::Force::Custom::Implementation {
 /// Velocity motor with a torque limit on a pin joint.
 class SpeedMotor final : public SimTK::Force::Custom::Implementation {
  public:
-  SpeedMotor(const MobilizedBody& body, Real target) : body_(body), target_(target) {}
+  SpeedMotor(const MobilizedBody& body, const Hinge& hinge)
+      : body_(body), target_(hinge.speed), bound_(hinge.max_torque) {}
   void calcForce(const State& state, SimTK::Vector_<SimTK::SpatialVec>&, SimTK::Vector_<STVec3>&,
                  SimTK::Vector& mobility) const override {
     constexpr Real kGain = 0.1;  // [N m s/rad], as stiff as the substep allows
-    const Real torque = SimTK::clamp(
-        -robots::kMaxTorque, kGain * (target_ - body_.getOneU(state, 0)), robots::kMaxTorque);
+    const Real torque = SimTK::clamp(-bound_, kGain * (target_ - body_.getOneU(state, 0)), bound_);
     body_.applyOneMobilityForce(state, 0, torque, mobility);
   }
   Real calcPotentialEnergy(const State&) const override { return 0; }
 
  private:
   MobilizedBody body_;
-  Real target_;
+  Real target_, bound_;
 };
 
-SimTK::Body::Rigid rigid(Real mass, const STVec3& moments) {
-  return SimTK::Body::Rigid(SimTK::MassProperties(mass, STVec3(0), SimTK::Inertia(moments)));
-}
+STVec3 vector(const Triple& v) { return {v[0], v[1], v[2]}; }
+btVector3 bullet(const Triple& v) { return {v[0], v[1], v[2]}; }
+Triple triple(const STVec3& v) { return {v[0], v[1], v[2]}; }
+Rotation rotation(const Turn& q) { return Rotation(SimTK::Quaternion(q[0], q[1], q[2], q[3])); }
 
-STVec3 box_moments(Real mass, Real x, Real y, Real z) {
-  return mass / 12 * STVec3(y * y + z * z, x * x + z * z, x * x + y * y);
+/// What the contact law needs: the whole stack's frequency times the step stays well below 1.
+int substeps_of(const Scene& scene) {
+  return scene.name == "spheres" || scene.name == "robots" || scene.name == "robots-infrared" ? 1
+                                                                                              : 2;
 }
-
-const Rotation kZToY(-SimTK::Pi / 2, SimTK::XAxis);
 
 class SimbodyRunner final : public Runner {
  public:
-  explicit SimbodyRunner(Scene scene) : gravity_(forces_, matter_, STVec3(0, 0, -9.81)) {
+  explicit SimbodyRunner(const Scene& scene)
+      : scene_(scene), gravity_(forces_, matter_, vector(scene.gravity)) {
     forces_.setNumberOfThreads(1);
-    switch (scene) {
-      case Scene::free_boxes:
-        add_boxes();
-        break;
-      case Scene::pyramid:
-        add_pyramid();
-        break;
-      case Scene::robots:
-        add_robots();
-        break;
-      case Scene::chain:
-        add_chain();
-        break;
+    if (scene.contact) {
+      substeps_ = substeps_of(scene);
+      contact_ = new SpringContact(ContactLaw{}, scene.step / substeps_);
+      SimTK::Force::Custom(forces_, contact_);  // which takes it over
     }
+    for (std::size_t i = 0; i < scene_.things.size(); ++i) add(static_cast<int>(i));
     state_ = system_.realizeTopology();
     system_.realizeModel(state_);
-    for (std::size_t i = 0; i < starts_.size(); ++i) {
-      last_[i].setQToFitTransform(state_, starts_[i]);
-      if (scene == Scene::free_boxes) {
-        last_[i].setUToFitAngularVelocity(state_, STVec3(0.1, boxes::kSpin, 0.1));
-      }
+    for (std::size_t i = 0; i < scene_.things.size(); ++i) {
+      const Thing& thing = scene_.things[i];
+      if (thing.mass == 0 || hinged_[i]) continue;
+      bodies_[i].setQToFitTransform(state_, Transform(rotation(thing.turn), vector(thing.place)));
+      bodies_[i].setUToFitAngularVelocity(state_, vector(thing.spin));
     }
-    if (scene == Scene::chain) last_.front().setOneQ(state_, 0, chain::kTilt);
     if (contact_) return;
     integrator_ = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(system_);
     integrator_->setAccuracy(1e-6);
-    integrator_->setMaximumStepSize(kStep);
-    integrator_->initialize(state_);
   }
 
-  void step() override {
-    time_ += kStep;
+  void step(double dt) override {
+    time_ += dt;
     if (integrator_) {
+      if (!started_) {
+        integrator_->setMaximumStepSize(dt);
+        integrator_->initialize(state_);
+        started_ = true;
+      }
       while (integrator_->getTime() < time_ - 1e-12) integrator_->stepTo(time_);
       return;
     }
-    const Real h = kStep / substeps_;
+    const Real h = dt / substeps_;
     system_.realize(state_, SimTK::Stage::Velocity);
     contact_->detect(state_);
+    if (!scene_.eyes.empty() && steps_++ % scene_.eye_period == 0) look();
     for (int i = 0; i < substeps_; ++i) {
       system_.realize(state_, SimTK::Stage::Acceleration);
       const SimTK::Vector acceleration = state_.getUDot();
@@ -253,118 +266,137 @@ class SimbodyRunner final : public Runner {
     }
   }
 
-  double last_height() override {
-    const State& state = integrator_ ? integrator_->getState() : state_;
+  void get_states(std::vector<ThingState>& states) override {
+    const State& state = integrator_ && started_ ? integrator_->getState() : state_;
     system_.realize(state, SimTK::Stage::Position);
-    return (tail_.isEmptyHandle() ? last_.back() : tail_).getBodyOriginLocation(state)[2];
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const MobilizedBody& body = bodies_[i];
+      if (scene_.things[i].mass == 0) {
+        states[i].place = scene_.things[i].place;
+        continue;
+      }
+      const SimTK::Quaternion q = body.getBodyRotation(state).convertRotationToQuaternion();
+      states[i] = {triple(body.getBodyOriginLocation(state)), {q[0], q[1], q[2], q[3]}};
+    }
   }
+  double seen() override { return seen_; }
 
  private:
-  void use_contact(int substeps) {
-    substeps_ = substeps;
-    contact_ = new SpringContact(ContactLaw{}, kStep / substeps);
-    SimTK::Force::Custom(forces_, contact_);  // which takes it over
-  }
-  template <class Shape, class... Args>
-  Shape* shape(Args&&... args) {
-    auto made = std::make_unique<Shape>(std::forward<Args>(args)...);
-    Shape* raw = made.get();
-    shapes_.push_back(std::move(made));
-    return raw;
-  }
-  MobilizedBody free_body(const SimTK::Body& body, const STVec3& place) {
-    MobilizedBody made = MobilizedBody::Free(matter_.Ground(), Transform(), body, Transform());
-    last_.push_back(made);
-    starts_.push_back(Transform(place));
-    return made;
-  }
-
-  void add_boxes() {
-    using namespace boxes;
-    const auto body = rigid(kMass, box_moments(kMass, kSize, 2 * kSize, 3 * kSize));
-    for (int i = 0; i < kCount; ++i) {
-      free_body(body, STVec3((i % kPerRow) * kPitch, (i / kPerRow) * kPitch, 1000));
+  void look() {
+    seen_ = 0;
+    for (const Eye& eye : scene_.eyes) {
+      const MobilizedBody& body = bodies_[static_cast<std::size_t>(eye.thing)];
+      const STVec3 from = body.findStationLocationInGround(state_, vector(eye.at));
+      const STVec3 along = body.getBodyRotation(state_) * vector(eye.along);
+      seen_ +=
+          contact_->look(static_cast<std::size_t>(eye.thing), btVector3(from[0], from[1], from[2]),
+                         btVector3(along[0], along[1], along[2]), scene_.eye_range);
     }
   }
 
-  void add_pyramid() {
-    using namespace pyramid;
-    use_contact(2);
-    const Real friction = std::sqrt(kFriction);
-    contact_->add(matter_.Ground(), shape<btBoxShape>(btVector3(50, 50, 1)), friction, -1);
-    contact_->last_object().setWorldTransform(
-        btTransform(btQuaternion::getIdentity(), btVector3(0, 0, -1)));
-    auto* form = shape<btBoxShape>(btVector3(kSize / 2, kSize / 2, kSize / 2));
-    int family = 0;
-    for (const Vec3& c : centres()) {
-      const auto body = rigid(kMass, box_moments(kMass, kSize, kSize, kSize));
-      contact_->add(free_body(body, STVec3(c.x(), c.y(), c.z())), form, friction, family++);
+  btCollisionShape* keep(std::unique_ptr<btCollisionShape> shape) {
+    shapes_.push_back(std::move(shape));
+    return shapes_.back().get();
+  }
+  btCollisionShape* shape(const Part& part) {
+    switch (part.form) {
+      case Form::box:
+        return keep(std::make_unique<btBoxShape>(bullet(part.size) / 2));
+      case Form::sphere:
+        return keep(std::make_unique<btSphereShape>(part.size[0]));
+      case Form::cylinder:
+        return keep(std::make_unique<btCylinderShapeZ>(
+            btVector3(part.size[0], part.size[0], part.size[1] / 2)));
+      case Form::plane:
+        return keep(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0));
     }
+    return nullptr;
+  }
+  btCollisionShape* shape(const Thing& thing) {
+    if (thing.parts.size() == 1) return shape(thing.parts.front());
+    auto compound = std::make_unique<btCompoundShape>();
+    for (const Part& part : thing.parts) {
+      compound->addChildShape(btTransform(btQuaternion::getIdentity(), bullet(part.at)),
+                              shape(part));
+    }
+    return keep(std::move(compound));
   }
 
-  void add_robots() {
-    using namespace robots;
-    use_contact(1);
-    contact_->add(matter_.Ground(), shape<btStaticPlaneShape>(btVector3(0, 0, 1), 0), 1, -1);
-    auto* form = shape<btCompoundShape>();
-    const btQuaternion straight = btQuaternion::getIdentity();
-    form->addChildShape(btTransform(straight),
-                        shape<btBoxShape>(btVector3(kChassisX / 2, kChassisY / 2, kChassisZ / 2)));
-    form->addChildShape(btTransform(straight, btVector3(kCasterX, 0, kCasterRadius - kHeight)),
-                        shape<btSphereShape>(kCasterRadius));
-    auto* wheel_form =
-        shape<btCylinderShapeZ>(btVector3(kWheelRadius, kWheelRadius, kWheelWidth / 2));
-    const Real across =
-        kWheelMass * (3 * kWheelRadius * kWheelRadius + kWheelWidth * kWheelWidth) / 12;
-    const auto wheel_body =
-        rigid(kWheelMass, STVec3(across, across, kWheelMass * kWheelRadius * kWheelRadius / 2));
-    const auto chassis_body =
-        rigid(kChassisMass, box_moments(kChassisMass, kChassisX, kChassisY, kChassisZ));
-    for (int i = 0; i < kPerSide * kPerSide; ++i) {
-      const STVec3 place((i / kPerSide) * kSpacing, (i % kPerSide) * kSpacing, kHeight);
-      MobilizedBody chassis = free_body(chassis_body, place);
-      contact_->add(chassis, form, 0, i);
-      for (const int side : {1, -1}) {
-        const STVec3 offset(kAxleX, side * kHalfTrack, kWheelRadius - kHeight);
-        MobilizedBody wheel =
-            MobilizedBody::Pin(chassis, Transform(kZToY, offset), wheel_body, Transform());
-        tail_ = wheel;
-        contact_->add(wheel, wheel_form, kFriction, i);
-        SimTK::Force::Custom(forces_, new SpeedMotor(wheel, side > 0 ? kLeftSpeed : kRightSpeed));
+  /// A hinge is a pin mobilizer: the tree has no constraints.
+  void add(int index) {
+    const Thing& thing = scene_.things[static_cast<std::size_t>(index)];
+    const Transform here(rotation(thing.turn), vector(thing.place));
+    MobilizedBody made = matter_.Ground();
+    bool hinged = false;
+    if (thing.mass > 0) {
+      const SimTK::Body::Rigid body(
+          SimTK::MassProperties(thing.mass, STVec3(0), SimTK::Inertia(vector(thing.moments))));
+      for (const Hinge& hinge : scene_.hinges) {
+        if (hinge.child != index) continue;
+        hinged = true;
+        const Transform frame(Rotation(SimTK::UnitVec3(vector(hinge.axis)), SimTK::ZAxis),
+                              vector(hinge.anchor));
+        MobilizedBody parent = matter_.Ground();
+        Transform above;
+        if (hinge.parent >= 0) {
+          const Thing& of = scene_.things[static_cast<std::size_t>(hinge.parent)];
+          parent = bodies_[static_cast<std::size_t>(hinge.parent)];
+          above = Transform(rotation(of.turn), vector(of.place));
+        }
+        made = MobilizedBody::Pin(parent, ~above * frame, body, ~here * frame);
+        if (hinge.driven) SimTK::Force::Custom(forces_, new SpeedMotor(made, hinge));
       }
+      if (!hinged) made = MobilizedBody::Free(matter_.Ground(), Transform(), body, Transform());
     }
+    bodies_.push_back(made);
+    hinged_.push_back(hinged);
+    if (!contact_) return;
+    contact_->add(made, shape(thing), std::sqrt(thing.friction), thing.family);
+    if (thing.mass > 0) return;
+    const Turn& q = thing.turn;
+    contact_->last_object().setWorldTransform(
+        btTransform(btQuaternion(q[1], q[2], q[3], q[0]), bullet(thing.place)));
   }
 
-  void add_chain() {
-    using namespace chain;
-    const auto body = rigid(kMass, box_moments(kMass, kWidth, kWidth, kLength));
-    for (int i = 0; i < kLinks; ++i) {
-      MobilizedBody parent = i == 0 ? MobilizedBody(matter_.Ground()) : last_.back();
-      last_.push_back(MobilizedBody::Pin(parent,
-                                         Transform(kZToY, STVec3(0, 0, i == 0 ? 0 : -kLength / 2)),
-                                         body, Transform(kZToY, STVec3(0, 0, kLength / 2))));
-    }
-  }
-
+  const Scene scene_;
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_{system_};
   SimTK::GeneralForceSubsystem forces_{system_};
   SimTK::Force::UniformGravity gravity_;
   SpringContact* contact_ = nullptr;  // owned by the force subsystem
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
-  std::vector<MobilizedBody> last_;
-  MobilizedBody tail_;  // the last one where it is not among those
-  std::vector<Transform> starts_;
+  std::vector<MobilizedBody> bodies_;
+  std::vector<bool> hinged_;
   std::unique_ptr<SimTK::Integrator> integrator_;
   State state_;
   Real time_ = 0;
-  int substeps_ = 1;
+  double seen_ = 0;
+  int substeps_ = 1, steps_ = 0;
+  bool started_ = false;
+};
+
+class Simbody final : public EngineProgram {
+ public:
+  std::string name() const override { return "raw-simbody"; }
+  std::string version() const override {
+    int major = 0, minor = 0, build = 0;
+    SimTK_version_simbody(&major, &minor, &build);
+    return std::to_string(major) + "." + std::to_string(minor);
+  }
+  std::string settings() const override {
+    return "trees of mobilizers; without contact Runge-Kutta-Merson, accuracy 1e-6, steps no "
+           "longer "
+           "than asked for; with contact springs of 1e5 N/m at points from Bullet's narrowphase, "
+           "symplectic Euler, 1 substep for wheels and spheres, 2 for boxes";
+  }
+  std::unique_ptr<Runner> make(const Scene& scene) override {
+    return std::make_unique<SimbodyRunner>(scene);
+  }
 };
 
 }  // namespace
 
-std::unique_ptr<Runner> make_raw_simbody(Scene scene) {
-  return std::make_unique<SimbodyRunner>(scene);
+int main(int argc, char** argv) {
+  Simbody simbody;
+  return engine_main(argc, argv, simbody);
 }
-
-}  // namespace cogrsim::bench

@@ -1,10 +1,12 @@
-// 1000 rays at 1000 mixed bodies: cogrsim_ray_benchmark [ROUNDS]
+// 1000 rays at 1000 mixed bodies: cogrsim_ray_benchmark [ROUNDS] [--json]
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "../sdk/rays_reference.h"
 #include "rays.h"
@@ -48,7 +50,8 @@ Wrong compare(const std::vector<double>& found, const std::vector<double>& exact
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 21;
+  const bool json = argc > 1 && std::strcmp(argv[argc - 1], "--json") == 0;
+  const int rounds = argc - json > 1 ? std::max(1, std::atoi(argv[1])) : 21;
   const SceneModelPtr model = reference::mixed_bodies(kBodies, kExtent, Vec3::Zero(), 17, false);
   std::vector<Pose> poses = reference::poses_of(*model);
   // From outside of all bodies, as both casters count what is met from within differently.
@@ -96,6 +99,21 @@ int main(int argc, char** argv) {
     moved_time.push_back(seconds() - start);
   }
 
+  if (json) {
+    const auto row = [&](const char* name, double time, const Wrong& wrong) {
+      return nlohmann::json{{"engine", name},
+                            {"rays_per_s", kRays / time},
+                            {"wrong_by_1_um", wrong.by_micrometre},
+                            {"wrong_by_1_mm", wrong.by_millimetre},
+                            {"largest_error_m", wrong.worst}};
+    };
+    nlohmann::json rows = {row("cogrsim", median(ours_time), wrong_ours),
+                           row("raw-bullet", median(bullet_time), wrong_bullet)};
+    rows[0]["ratio_to_raw_bullet"] = median(ratio);
+    rows[0]["moving_all_us"] = median(moved_time) * 1e6;
+    fmt::print("{}\n", rows.dump(2));
+    return 0;
+  }
   fmt::print("{} rays at {} bodies, {} of them hit something; {} rounds\n", kRays, kBodies, met,
              rounds);
   fmt::print("| caster | rays/s | wrong by 1 um | by 1 mm | largest error [m] |\n");

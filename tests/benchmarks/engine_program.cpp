@@ -1,0 +1,158 @@
+#include "engine_program.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace cogrsim::bench {
+
+namespace {
+
+using Json = nlohmann::json;
+
+struct Options {
+  std::string scene;
+  int count = 0;
+  double dt = 0.0;
+  int steps = 0;
+};
+
+int usage(const char* program, const std::string& wrong) {
+  std::fprintf(stderr,
+               "%s\nusage: %s --scene NAME [--count N] [--dt SECONDS] [--steps N]\nscenes:\n",
+               wrong.c_str(), program);
+  for (const SceneInfo& info : scene_list()) {
+    std::fprintf(stderr, "  %-16s %s\n", info.name, info.what);
+  }
+  return 2;
+}
+
+/// Resident memory [byte].
+double resident() {
+  std::FILE* file = std::fopen("/proc/self/statm", "r");
+  if (!file) return 0;
+  long total = 0, pages = 0;
+  const int read = std::fscanf(file, "%ld %ld", &total, &pages);
+  std::fclose(file);
+  return read == 2 ? static_cast<double>(pages) * static_cast<double>(sysconf(_SC_PAGESIZE)) : 0;
+}
+
+double microseconds(Runner& runner, int steps, double dt) {
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < steps; ++i) runner.step(dt);
+  const std::chrono::duration<double, std::micro> passed = std::chrono::steady_clock::now() - start;
+  return passed.count();
+}
+
+/// Standard output of our own; whatever else writes there goes to standard error.
+class Voice {
+ public:
+  Voice() {
+    std::fflush(stdout);
+    file_ = fdopen(dup(1), "w");
+    dup2(2, 1);
+  }
+  void say(const Json& json) {
+    std::fprintf(file_, "%s\n", json.dump().c_str());
+    std::fflush(file_);
+  }
+
+ private:
+  std::FILE* file_;
+};
+
+Json state_of(const Scene& scene, Runner& runner) {
+  std::vector<ThingState> states(scene.things.size());
+  runner.get_states(states);
+  return {
+      {"check", check_value(scene, states)}, {"seen", runner.seen()}, {"turn", states.back().turn}};
+}
+
+void serve(const Scene& scene, Runner& runner, double dt, double memory_before, Voice& voice) {
+  std::string line;
+  while (std::getline(std::cin, line)) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    if (word == "quit") return;
+    if (word == "step") {
+      int steps = 0;
+      words >> steps;
+      voice.say({{"us", microseconds(runner, steps, dt)}});
+    } else if (word == "state") {
+      Json state = state_of(scene, runner);
+      state["memory"] = resident() - memory_before;
+      voice.say(state);
+    } else {
+      voice.say({{"failed", "no such command: " + word}});
+    }
+  }
+}
+
+int run(const Options& options, EngineProgram& program, Voice& voice) {
+  const Scene scene = make_scene(options.scene, options.count);
+  const double dt = options.dt > 0 ? options.dt : scene.step;
+  const double before = resident();
+  const auto start = std::chrono::steady_clock::now();
+  std::unique_ptr<Runner> runner = program.make(scene);
+  const std::chrono::duration<double, std::micro> built = std::chrono::steady_clock::now() - start;
+  int moving = 0;
+  for (const Thing& thing : scene.things) moving += thing.mass > 0;
+  if (options.steps > 0) {
+    const double us = microseconds(*runner, options.steps, dt);
+    Json state = state_of(scene, *runner);
+    state["us_per_step"] = us / options.steps;
+    voice.say(state);
+    return 0;
+  }
+  voice.say({{"engine", program.name()},
+             {"version", program.version()},
+             {"settings", program.settings()},
+             {"scene", scene.name},
+             {"bodies", moving},
+             {"build_us", built.count()}});
+  serve(scene, *runner, dt, before, voice);
+  return 0;
+}
+
+}  // namespace
+
+int engine_main(int argc, char** argv, EngineProgram& program) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (i + 1 >= argc) return usage(argv[0], "'" + word + "' lacks a value");
+    const char* value = argv[++i];
+    if (word == "--scene") {
+      options.scene = value;
+    } else if (word == "--count") {
+      options.count = std::atoi(value);
+    } else if (word == "--dt") {
+      options.dt = std::atof(value);
+    } else if (word == "--steps") {
+      options.steps = std::atoi(value);
+    } else {
+      return usage(argv[0], "there is no option '" + word + "'");
+    }
+  }
+  if (make_scene(options.scene, 1).name.empty()) {
+    return usage(argv[0], "there is no scene '" + options.scene + "'");
+  }
+  Voice voice;
+  try {
+    return run(options, program, voice);
+  } catch (const Unsupported& reason) {
+    voice.say({{"unsupported", reason.what()}});
+  } catch (const std::exception& error) {
+    voice.say({{"failed", error.what()}});
+  }
+  return 1;
+}
+
+}  // namespace cogrsim::bench

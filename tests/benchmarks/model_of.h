@@ -1,0 +1,17 @@
+// The benchmark scenes for CogRSim's own side.
+#pragma once
+
+#include <string>
+
+#include "cogrsim/model/scene_model.h"
+#include "scene.h"
+
+namespace cogrsim::bench {
+
+/// The scene as a model; bodies in the order of Scene::things.
+SceneModelPtr model_of(const Scene& scene);
+
+/// A scene file of `count` boxes, some of them in pairs on hinges.
+std::string scene_text(int count);
+
+}  // namespace cogrsim::bench
