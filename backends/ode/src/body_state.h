@@ -7,10 +7,10 @@ namespace cogrsim::ode {
 
 /// Motion of the centre of mass, world axes.
 struct Motion {
-  Vec3 c = Vec3::Zero();   ///< where it is [m]
+  Vec3 c = Vec3::Zero();      ///< where it is [m]
   Quat q = Quat(1, 0, 0, 0);  ///< orientation of the body's axes
-  Vec3 v = Vec3::Zero();   ///< [m/s]
-  Vec3 w = Vec3::Zero();   ///< [rad/s]
+  Vec3 v = Vec3::Zero();      ///< [m/s]
+  Vec3 w = Vec3::Zero();      ///< [rad/s]
 };
 
 /// A body about its centre of mass. Immovable ones (static, kinematic) have no mass here.

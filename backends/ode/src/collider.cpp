@@ -14,7 +14,6 @@ namespace cogrsim::ode {
 namespace {
 
 constexpr int kMostPoints = 32;
-constexpr int kPrismSides = 32;
 constexpr std::size_t kMostCorners = 32;
 
 // Thick enough that resting contact is found whatever the last digits say, thin against the shape.
@@ -51,38 +50,14 @@ Convex convex_from(const HullFaces& hull, const Vec3& origin, double skin) {
       // The corner of the moved faces, in the sense of least squares where more than three meet.
       Eigen::MatrixX3d N(rows, 3);
       for (Eigen::Index k = 0; k < rows; ++k) {
-        N.row(k) = hull.normals[static_cast<std::size_t>(
-            at_corner[v][static_cast<std::size_t>(k)])].transpose();
+        N.row(k) = hull.normals[static_cast<std::size_t>(at_corner[v][static_cast<std::size_t>(k)])]
+                       .transpose();
       }
       p += N.completeOrthogonalDecomposition().solve(Eigen::VectorXd::Constant(rows, skin));
     }
     for (int i = 0; i < 3; ++i) out.points.push_back(p[i]);
   }
   return out;
-}
-
-HullFaces prism_faces(double radius, double length) {
-  HullFaces hull;
-  for (int side : {-1, 1}) {
-    for (int k = 0; k < kPrismSides; ++k) {
-      const double a = 2.0 * M_PI * k / kPrismSides;
-      hull.vertices.emplace_back(radius * std::cos(a), radius * std::sin(a), 0.5 * side * length);
-    }
-  }
-  std::vector<int> low, high;
-  for (int k = 0; k < kPrismSides; ++k) {
-    low.push_back(kPrismSides - 1 - k);
-    high.push_back(kPrismSides + k);
-  }
-  hull.normals = {-Vec3::UnitZ(), Vec3::UnitZ()};
-  hull.corners = {low, high};
-  for (int k = 0; k < kPrismSides; ++k) {
-    const int next = (k + 1) % kPrismSides;
-    const double a = 2.0 * M_PI * (k + 0.5) / kPrismSides;
-    hull.normals.emplace_back(std::cos(a), std::sin(a), 0.0);
-    hull.corners.push_back({k, next, kPrismSides + next, kPrismSides + k});
-  }
-  return hull;
 }
 
 void mesh_arrays(const SceneModel& model, const Shape& shape, std::vector<double>& vertices,
@@ -114,18 +89,11 @@ void mesh_arrays(const SceneModel& model, const Shape& shape, std::vector<double
   }
 }
 
-bool needs_prism(ShapeType cylinder, ShapeType other) {
-  return cylinder == ShapeType::cylinder &&
-         (other == ShapeType::cylinder || other == ShapeType::capsule ||
-          other == ShapeType::convex_mesh);
-}
-
 }  // namespace
 
 Collider::~Collider() {
   for (const auto& item : items_) {
     if (item->geom) dGeomDestroy(item->geom);
-    if (item->prism) dGeomDestroy(item->prism);
     if (item->mesh) dGeomTriMeshDataDestroy(item->mesh);
   }
   if (space_) dSpaceDestroy(space_);
@@ -148,15 +116,6 @@ Result<> Collider::make(const SceneModel& model, const Shape& shape, Item& item)
     case ShapeType::cylinder: {
       item.skin = skin_of(std::min(shape.radius, 0.5 * shape.length));
       item.geom = dCreateCylinder(space_, shape.radius + item.skin, shape.length + 2.0 * item.skin);
-      Convex prism = convex_from(prism_faces(shape.radius, shape.length), Vec3::Zero(), item.skin);
-      item.prism_planes = std::move(prism.planes);
-      item.prism_points = std::move(prism.points);
-      item.prism_polygons = std::move(prism.polygons);
-      item.prism = dCreateConvex(nullptr, item.prism_planes.data(),
-                                 static_cast<unsigned>(item.prism_planes.size() / 4),
-                                 item.prism_points.data(),
-                                 static_cast<unsigned>(item.prism_points.size() / 3),
-                                 item.prism_polygons.data());
       return {};
     }
     case ShapeType::capsule:
@@ -193,9 +152,10 @@ Result<> Collider::make(const SceneModel& model, const Shape& shape, Item& item)
       mesh_arrays(model, shape, item.vertices, item.triangles);
       item.mesh = dGeomTriMeshDataCreate();
       dGeomTriMeshDataBuildDouble(item.mesh, item.vertices.data(), 3 * sizeof(double),
-                                  static_cast<int>(item.vertices.size() / 3),
-                                  item.triangles.data(), static_cast<int>(item.triangles.size()),
-                                  3 * sizeof(dTriIndex));
+                                  static_cast<int>(item.vertices.size() / 3), item.triangles.data(),
+                                  static_cast<int>(item.triangles.size()), 3 * sizeof(dTriIndex));
+      // Convex meshes are tested against triangles only with the angles between them.
+      dGeomTriMeshDataPreprocess2(item.mesh, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, nullptr);
       item.geom = dCreateTriMesh(space_, item.mesh, nullptr, nullptr, nullptr);
       return {};
     }
@@ -224,7 +184,6 @@ Result<> Collider::add(const SceneModel& model) {
         while (items_.size() > items) {
           Item& last = *items_.back();
           dGeomDestroy(last.geom);
-          if (last.prism) dGeomDestroy(last.prism);
           if (last.mesh) dGeomTriMeshDataDestroy(last.mesh);
           items_.pop_back();
         }
@@ -244,9 +203,8 @@ void Collider::remove(int body) {
   for (const int i : of_body_[static_cast<std::size_t>(body)]) {
     Item& item = *items_[static_cast<std::size_t>(i)];
     dGeomDestroy(item.geom);
-    if (item.prism) dGeomDestroy(item.prism);
     if (item.mesh) dGeomTriMeshDataDestroy(item.mesh);
-    item.geom = item.prism = nullptr;
+    item.geom = nullptr;
     item.mesh = nullptr;
   }
   of_body_[static_cast<std::size_t>(body)].clear();
@@ -262,11 +220,8 @@ void Collider::place(int body, const Pose& X_WB) {
       continue;
     }
     const dQuaternion q = {X.q.w(), X.q.x(), X.q.y(), X.q.z()};
-    for (const dGeomID geom : {item.geom, item.prism}) {
-      if (!geom) continue;
-      dGeomSetPosition(geom, X.p.x(), X.p.y(), X.p.z());
-      dGeomSetQuaternion(geom, q);
-    }
+    dGeomSetPosition(item.geom, X.p.x(), X.p.y(), X.p.z());
+    dGeomSetQuaternion(item.geom, q);
   }
 }
 
@@ -296,12 +251,10 @@ void Collider::find(const SceneModel&, std::vector<TouchPoint>& out) {
   }
 }
 
-void Collider::collide(Item& a, Item& b, std::vector<TouchPoint>& out) {
-  dGeomID first = a.geom, second = b.geom;
-  if (needs_prism(a.type, b.type)) first = a.prism;
-  if (needs_prism(b.type, a.type)) second = b.prism;
+void Collider::collide(const Item& a, const Item& b, std::vector<TouchPoint>& out) {
   found_.resize(kMostPoints);
-  const int count = dCollide(first, second, kMostPoints, found_.data(), sizeof(dContactGeom));
+  const int count = dCollide(a.geom, b.geom, kMostPoints, found_.data(), sizeof(dContactGeom));
+  const std::size_t first = out.size();
   for (int k = 0; k < count; ++k) {
     const dContactGeom& c = found_[static_cast<std::size_t>(k)];
     TouchPoint point;
@@ -313,6 +266,27 @@ void Collider::collide(Item& a, Item& b, std::vector<TouchPoint>& out) {
     point.normal = -to_vec(c.normal);
     point.gap = a.skin + b.skin - c.depth;
     out.push_back(point);
+  }
+  if (count != 2) return;
+  // A cylinder or capsule on its side. With friction at both ends of the line alone, a wheel that
+  // drives an arc would roll on one of its rims; what is borne in the middle rolls on the mean.
+  for (const Item* item : {&a, &b}) {
+    if (item->type != ShapeType::cylinder && item->type != ShapeType::capsule) continue;
+    const dReal* R = dGeomGetRotation(item->geom);
+    const Vec3 axis(R[2], R[6], R[10]);
+    TouchPoint &one = out[first], &two = out[first + 1];
+    const Vec3 way = two.point - one.point;
+    if (std::abs(axis.dot(one.normal)) > 0.1 || one.normal.dot(two.normal) < 0.9999 ||
+        std::abs(way.dot(axis)) < 0.99 * way.norm()) {
+      continue;
+    }
+    TouchPoint middle = one;
+    middle.point = 0.5 * (one.point + two.point);
+    middle.normal = (one.normal + two.normal).normalized();
+    middle.gap = 0.5 * (one.gap + two.gap);
+    one.line_end = two.line_end = true;
+    out.push_back(middle);
+    return;
   }
 }
 

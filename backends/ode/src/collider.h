@@ -6,7 +6,6 @@
 #include <memory>
 #include <vector>
 
-
 #include "cogrsim/core/result.h"
 #include "cogrsim/model/scene_model.h"
 
@@ -18,6 +17,7 @@ struct TouchPoint {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< from a to b
   double gap = 0.0;             ///< distance of the true shapes; negative: overlap [m]
+  bool line_end = false;        ///< one of the ends of a line of contact, whose middle is there too
 };
 
 /// All colliding shapes of a scene. Every shape is a little larger here than it is (its skin), so
@@ -45,19 +45,16 @@ class Collider {
     int body = -1, shape = -1;
     ShapeType type = ShapeType::box;
     double skin = 0.0;
-    Pose X_BG;                  ///< the geom's own frame
+    Pose X_BG;  ///< the geom's own frame
     dGeomID geom = nullptr;
-    dGeomID prism = nullptr;  ///< of a cylinder: for pairs that ODE has no collider for
     dTriMeshDataID mesh = nullptr;
     std::vector<double> planes, points;  ///< ODE keeps pointers into these
     std::vector<unsigned> polygons;
-    std::vector<double> prism_planes, prism_points;
-    std::vector<unsigned> prism_polygons;
     std::vector<double> vertices;
     std::vector<dTriIndex> triangles;
   };
   Result<> make(const SceneModel& model, const Shape& shape, Item& item);
-  void collide(Item& a, Item& b, std::vector<TouchPoint>& out);
+  void collide(const Item& a, const Item& b, std::vector<TouchPoint>& out);
   static void near(void* self, dGeomID a, dGeomID b);
 
   dSpaceID space_ = nullptr;

@@ -54,7 +54,7 @@ Engine::Engine() {
   dWorldSetLinearDamping(world_, 0);
   dWorldSetAngularDamping(world_, 0);
   dWorldSetERP(world_, 1.0);  // only point rows use it, see rows.cpp
-  dWorldSetCFM(world_, 1e-12);
+  dWorldSetCFM(world_, 0.0);  // rows bring their own
   dWorldSetContactSurfaceLayer(world_, 0);
 }
 

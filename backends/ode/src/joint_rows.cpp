@@ -64,7 +64,8 @@ int turned(const Joint& joint, const Pose& F, const Pose& M, Vec3* d, double* er
       error[0] = -R_F.col(0).dot(R_M.col(1));
       return 1;
     case JointType::ball:
-    case JointType::free: return 0;
+    case JointType::free:
+      return 0;
   }
   return 0;
 }
@@ -73,10 +74,14 @@ int turned(const Joint& joint, const Pose& F, const Pose& M, Vec3* d, double* er
 
 bool JointStep::angular(int axis) const {
   switch (joint_->type) {
-    case JointType::slider: return false;
-    case JointType::cylindrical: return axis == 0;
-    case JointType::planar: return axis == 2;
-    default: return true;
+    case JointType::slider:
+      return false;
+    case JointType::cylindrical:
+      return axis == 0;
+    case JointType::planar:
+      return axis == 2;
+    default:
+      return true;
   }
 }
 
@@ -85,9 +90,12 @@ Vec3 JointStep::direction(int axis) const {
   switch (joint_->type) {
     case JointType::universal:
       return axis == 0 ? Vec3(R_F.col(0)) : Vec3(X_WM_.q * Vec3::UnitY());
-    case JointType::planar: return R_F.col(axis);
-    case JointType::ball: return ball_[axis];
-    default: return R_F.col(2);
+    case JointType::planar:
+      return R_F.col(axis);
+    case JointType::ball:
+      return ball_[axis];
+    default:
+      return R_F.col(2);
   }
 }
 
@@ -133,14 +141,14 @@ void JointStep::form_laws(const SceneModel& model, const std::vector<int>& motor
         row.one_sided = true;
         row.d = d;
         row.sign = -1.0;
-        row.target =
-            left >= 0.0 ? -left / h : std::min(-left * kLimitRecovery / h, kLimitSpeed);
+        row.target = left >= 0.0 ? -left / h : std::min(-left * kLimitRecovery / h, kLimitSpeed);
         laws_.push_back(row);
       }
     }
   }
   for (int axis = 0; axis < speeds; ++axis) {
-    const JointAxis& law = joint_->axes[type == JointType::ball ? 0 : static_cast<std::size_t>(axis)];
+    const JointAxis& law =
+        joint_->axes[type == JointType::ball ? 0 : static_cast<std::size_t>(axis)];
     const Vec3 d = direction(axis);
     double inverse = 0.0;  // of the inertia felt along the axis, other joints left out: too large
     for (const RowBody* body : {&parent, &child}) {
@@ -235,7 +243,7 @@ Wrench JointStep::known() const {
 }
 
 void JointStep::ask(Rows& rows, const RowBody& parent, const RowBody& child, Closing closing,
-                    const Pose& end_P, const Pose& end_C, double h) {
+                    const Pose& end_P, const Pose& end_C, double h, double softness) {
   // Of the speed of now, and of the gap to be closed.
   const double speed = closing == Closing::stop ? 0.0 : 1.0;
   const double close = closing == Closing::position ? 1.0 / h : 0.0;
@@ -250,6 +258,7 @@ void JointStep::ask(Rows& rows, const RowBody& parent, const RowBody& child, Clo
   // The row asks that the end of the step be where the joint wants it; it is known for the speeds
   // the bodies start from, and changes by h times what they change.
   const auto held = [&](int axis) { return speed * R_F.col(axis).dot(rate) - close * aside[axis]; };
+  const double soft = softness * h * (parent.inverse_mass + child.inverse_mass);
   Vec3 d[3];
   double target[3];
   switch (joint_->type) {
@@ -257,9 +266,9 @@ void JointStep::ask(Rows& rows, const RowBody& parent, const RowBody& child, Clo
     case JointType::hinge:
     case JointType::universal:
     case JointType::ball:
-      holds_.push_back(rows.point(
-          parent, child, F.p, at,
-          speed * (child.at(at) - parent.at(F.p)) - close * closable(gap1, gap, h)));
+      rows.point(parent, child, F.p, at,
+                 speed * (child.at(at) - parent.at(F.p)) - close * closable(gap1, gap, h), softness,
+                 holds_);
       break;
     case JointType::slider:
     case JointType::cylindrical:
@@ -268,24 +277,27 @@ void JointStep::ask(Rows& rows, const RowBody& parent, const RowBody& child, Clo
         d[i] = R_F.col(i);
         target[i] = held(i);
       }
-      holds_.push_back(rows.along(parent, child, at, 2, d, target));
+      holds_.push_back(rows.along(parent, child, at, 2, d, target, kNoBound, soft));
       break;
     case JointType::planar:
       d[0] = R_F.col(2);
       target[0] = held(2);
-      holds_.push_back(rows.along(parent, child, at, 1, d, target));
+      holds_.push_back(rows.along(parent, child, at, 1, d, target, kNoBound, soft));
       break;
-    case JointType::free: return;
+    case JointType::free:
+      return;
   }
   double error[3] = {}, error1[3] = {};
   Vec3 unused[3];
   const int turns = turned(*joint_, F, M, d, error);
   if (turns > 0) {
     turned(*joint_, F1, M1, unused, error1);
-    const Vec3 left = closable(Vec3(error1[0], error1[1], error1[2]),
-                               Vec3(error[0], error[1], error[2]), h);
+    const Vec3 left =
+        closable(Vec3(error1[0], error1[1], error1[2]), Vec3(error[0], error[1], error[2]), h);
     for (int i = 0; i < turns; ++i) target[i] = speed * d[i].dot(w) - close * left[i];
-    holds_.push_back(rows.turn(parent, child, turns, d, target));
+    const double soft_turn =
+        softness * h * (parent.inverse_inertia + child.inverse_inertia).trace() / 3.0;
+    holds_.push_back(rows.turn(parent, child, turns, d, target, kNoBound, soft_turn));
   }
   if (joint_->type == JointType::screw) {
     // Travel less pitch per radian times angle stays zero: the speed along z - k y, seen at the
@@ -299,11 +311,11 @@ void JointStep::ask(Rows& rows, const RowBody& parent, const RowBody& child, Clo
     const double* before = q_;
     joint_position(*joint_, F1.inverse() * M1, before, q1);
     const double travel1 = R_F1.col(2).dot(gap1), travel = R_F.col(2).dot(gap);
-    const double miss = closable(Vec3(travel1 - lead * q1[0], 0, 0),
-                                 Vec3(travel - lead * q_[0], 0, 0), h).x();
+    const double miss =
+        closable(Vec3(travel1 - lead * q1[0], 0, 0), Vec3(travel - lead * q_[0], 0, 0), h).x();
     const double now = d_s.dot(child.at(beside) - parent.at(beside));
     const double wanted = speed * now - close * miss / length;
-    holds_.push_back(rows.along(parent, child, beside, 1, &d_s, &wanted));
+    holds_.push_back(rows.along(parent, child, beside, 1, &d_s, &wanted, kNoBound, soft));
   }
   for (LawRow& law : laws_) {
     const Vec3 signed_d = law.sign * law.d;

@@ -51,7 +51,7 @@ class JointStep {
   /// Asks for the rows. `end_P`, `end_C` are the poses that the bodies would have at the end of the
   /// step with the speeds the RowBodies have.
   void ask(Rows& rows, const RowBody& parent, const RowBody& child, Closing closing,
-           const Pose& end_P, const Pose& end_C, double h);
+           const Pose& end_P, const Pose& end_C, double h, double softness);
   bool has_rows() const { return joint_->type != JointType::free; }
   /// After the step: efforts along the speeds, of the motors, and the whole wrench on the child.
   void report(const Rows& rows, const RowBody& parent, const RowBody& child,

@@ -32,24 +32,30 @@ int Rows::attach(dJointID joint, const RowBody& first, const RowBody& second, bo
   return static_cast<int>(used_++);
 }
 
-int Rows::point(const RowBody& a, const RowBody& b, const Vec3& at_a, const Vec3& at_b,
-                const Vec3& target) {
+void Rows::point(const RowBody& a, const RowBody& b, const Vec3& at_a, const Vec3& at_b,
+                 const Vec3& target, double softness, std::vector<int>& handles) {
+  const double cfm = softness * h_ * (a.inverse_mass + b.inverse_mass);
+  if (a.id && b.id) {
+    // ODE's ball joint acts at its two anchors, and those lie apart by h times the speed it makes:
+    // a couple that would eat angular momentum. So three rows at one point.
+    const Vec3 d[3] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+    const Vec3 shift = target + a.at(at_a) - a.at(at_b);
+    handles.push_back(along(a, b, at_b, 2, d, shift.data(), kNoBound, cfm));
+    handles.push_back(along(a, b, at_b, 1, d + 2, shift.data() + 2, kNoBound, cfm));
+    return;
+  }
   // ODE's row: v_1 - v_2 = (p_2 - p_1) / h, on bodies 1 and 2; 1 must be movable.
   const bool swapped = b.id == nullptr;
   const RowBody& first = swapped ? a : b;
   const RowBody& second = swapped ? b : a;
   const Vec3 p1 = swapped ? at_a : at_b;
-  Vec3 c = swapped ? Vec3(-target) : target;
-  if (second.id == nullptr) c += second.at(swapped ? at_b : at_a);
-  const dJointID joint = dJointCreateBall(engine_.world(), engine_.rows());
-  const int handle = attach(joint, first, second, swapped, 3);
-  dJointSetBallAnchor(joint, p1.x(), p1.y(), p1.z());
-  // Contrary to the first, the second anchor is taken in its body's own axes.
+  const Vec3 c = (swapped ? Vec3(-target) : target) + second.at(swapped ? at_b : at_a);
   const Vec3 p2 = p1 + h_ * c;
-  dVector3 own = {p2.x(), p2.y(), p2.z()};
-  if (second.id) dBodyGetPosRelPoint(second.id, p2.x(), p2.y(), p2.z(), own);
-  dJointSetBallAnchor2(joint, own[0], own[1], own[2]);
-  return handle;
+  const dJointID joint = dJointCreateBall(engine_.world(), engine_.rows());
+  handles.push_back(attach(joint, first, second, swapped, 3));
+  dJointSetBallAnchor(joint, p1.x(), p1.y(), p1.z());
+  dJointSetBallAnchor2(joint, p2.x(), p2.y(), p2.z());
+  dJointSetBallParam(joint, dParamCFM, cfm);
 }
 
 int Rows::contact(const RowBody& a, const RowBody& b, dContact& c, int rows) {

@@ -19,8 +19,8 @@ constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// A body as rows see it: with a dBodyID when forces move it, else a given motion.
 struct RowBody {
-  dBodyID id = nullptr;  ///< null: immovable
-  Vec3 c = Vec3::Zero();  ///< point that `v` belongs to [m]
+  dBodyID id = nullptr;                     ///< null: immovable
+  Vec3 c = Vec3::Zero();                    ///< point that `v` belongs to [m]
   Vec3 v = Vec3::Zero(), w = Vec3::Zero();  ///< what ODE starts from; of immovable ones: for good
   double inverse_mass = 0.0;
   Mat3 inverse_inertia = Mat3::Zero();  ///< world
@@ -43,9 +43,10 @@ class Rows {
 
   // All speeds are of b relative to a; each returns a handle for wrench().
 
-  /// v_b(at_b) - v_a(at_a) = target, three rows.
-  int point(const RowBody& a, const RowBody& b, const Vec3& at_a, const Vec3& at_b,
-            const Vec3& target);
+  /// v_b(at_b) - v_a(at_a) = target, three rows; adds its handles to `handles`. `softness` is the part
+  /// of the speed that a force gives in one step by which the rows yield to it.
+  void point(const RowBody& a, const RowBody& b, const Vec3& at_a, const Vec3& at_b,
+             const Vec3& target, double softness, std::vector<int>& handles);
   /// d_i . (v_b - v_a)(at) = target_i for one or two perpendicular directions, with force bounds and
   /// softness [m/s per N].
   int along(const RowBody& a, const RowBody& b, const Vec3& at, int directions, const Vec3* d,

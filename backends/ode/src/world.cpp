@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <numeric>
 
 #include "convert.h"
 
@@ -12,13 +14,20 @@ namespace cogrsim::ode {
 namespace {
 
 // Beyond these a world has exploded, whatever the numbers say.
-constexpr double kFarthest = 1e6;  // [m]
-constexpr double kFastest = 1e5;   // [m/s]
+constexpr double kFarthest = 1e6;     // [m]
+constexpr double kFastest = 1e5;      // [m/s]
 constexpr double kFastestSpin = 1e9;  // [rad/s]
 // A contact yields by this part of the speed that its load gives in one step: enough to decide how
 // points share what rigid bodies leave open, 1e-4 g h^2 in depth.
 constexpr double kYield = 1e-4;
 constexpr double kSlip = 1e-7;
+// The ends of a line of contact yield that much more than its middle.
+constexpr double kLineEnds = 1e3;
+// Joints of a loop may forbid the same thing twice; so much softness (see Rows::point) decides how
+// they share it, and changes speeds by that part of what a step changes them.
+constexpr double kLoopSoftness = 1e-9;
+// Islands with more rows than this go to the quick solver: the exact one costs their cube.
+constexpr int kMostExactRows = 300;
 // Bodies that overlap are driven apart by this part of the way per step, at this speed at most.
 constexpr double kRecovery = 0.2;
 constexpr double kRecoverySpeed = 1.0;
@@ -32,9 +41,10 @@ Parameters options_of(const SceneModel& model) {
 
 const ParameterTable& world_option_table() {
   static const ParameterTable table = {
-      parameter("solver", "auto",
-                "step: exact (Dantzig's method), costs the cube of what touches; quick: sweeps; auto: "
-                "exact for islands of bodies up to some 300 conditions")
+      parameter(
+          "solver", "auto",
+          "step: exact (Dantzig's method), costs the cube of what touches; quick: sweeps; auto: "
+          "exact for islands of bodies up to some 300 conditions")
           .one_of({"auto", "step", "quick"}),
       parameter("iterations", 100, "sweeps of the quick solver per step").range(1, 10000),
   };
@@ -143,6 +153,7 @@ void OdeWorld::make_bodies() {
     dBodySetMaxAngularSpeed(id, dInfinity);
     ids_[b] = id;
   }
+  find_loops();
 }
 
 StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
@@ -299,14 +310,22 @@ void OdeWorld::find_touches(double h) {
       }
       return sum;
     };
-    row.cfm = kYield * h * felt(row.n);
+    row.cfm = kYield * h * felt(row.n) * (touch.line_end ? kLineEnds : 1.0);
     row.slip = kSlip * h * felt(row.s);
     row.target = vn - touch.gap / h;
     if (gap < 0.0) row.target += gap / h + std::min(-kRecovery * gap / h, kRecoverySpeed);
     if (surface.stiffness && touch.gap < 0.0) {
       const double k = *surface.stiffness;
-      row.cfm = 1.0 / (h * k);
-      row.target = -gap / h;
+      // A spring with the damping that gives the pair's restitution (critical for none), both at
+      // the end of the step: force = -k (gap + h v) - c v.
+      const double e = std::clamp(surface.restitution, 1e-3, 1.0), log_e = std::log(e);
+      const double ratio = -log_e / std::sqrt(M_PI * M_PI + log_e * log_e);
+      const double c = 2.0 * ratio * std::sqrt(k / felt(row.n));
+      row.cfm = 1.0 / (c + h * k);
+      row.target = -gap * k / (c + h * k);
+      points_.push_back(point);
+      mark_solved(touch);
+      continue;
     }
     // Restitution: the speed after which the flight reaches e^2 times the height that was fallen,
     // wherever in the step the impact is. Energies per mass over the touching point, with the
@@ -320,10 +339,47 @@ void OdeWorld::find_touches(double h) {
       const double root = g * g * h * h + e * e * w2 - 2.0 * g * gap;
       if (root > 0.0) row.target = std::max(row.target, -g * h + std::sqrt(root));
     }
-    for (const int body : {touch.body_a, touch.body_b}) {
-      if (ids_[static_cast<std::size_t>(body)]) solved_[static_cast<std::size_t>(body)] = 1;
-    }
     points_.push_back(point);
+    mark_solved(touch);
+  }
+}
+
+void OdeWorld::mark_solved(const TouchPoint& touch) {
+  for (const int body : {touch.body_a, touch.body_b}) {
+    if (ids_[static_cast<std::size_t>(body)]) solved_[static_cast<std::size_t>(body)] = 1;
+  }
+}
+
+double OdeWorld::softness_of(const Joint& joint) const {
+  const auto in_loop = [&](int b) {
+    return b != kWorld && in_loop_[static_cast<std::size_t>(b)] != 0;
+  };
+  return in_loop(joint.parent) || in_loop(joint.child) ? kLoopSoftness : 0.0;
+}
+
+void OdeWorld::find_loops() {
+  // Every movable body that hangs together by joints with a loop.
+  const SceneModel& model = *model_;
+  in_loop_.assign(bodies_.size(), 0);
+  const auto mark = [&](const Joint& joint) {
+    bool changed = false;
+    for (const int b : {joint.parent, joint.child}) {
+      if (b == kWorld || !ids_[static_cast<std::size_t>(b)]) continue;
+      changed = changed || !in_loop_[static_cast<std::size_t>(b)];
+      in_loop_[static_cast<std::size_t>(b)] = 1;
+    }
+    return changed;
+  };
+  bool changed = false;
+  for (const Joint& joint : model.joints) {
+    if (!joint.removed && joint.closes_loop) changed = mark(joint) || changed;
+  }
+  while (changed) {
+    changed = false;
+    for (const Joint& joint : model.joints) {
+      if (joint.removed || softness_of(joint) == 0.0) continue;
+      changed = mark(joint) || changed;
+    }
   }
 }
 
@@ -333,14 +389,10 @@ void OdeWorld::put_bodies(double h) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const dBodyID id = ids_[b];
     if (!id) continue;
-    if (!solved_[b]) {
-      dBodyDisable(id);
-      continue;
-    }
+    if (!solved_[b]) continue;
     const RowBody& row = row_bodies_[b];
     const Quat& q = bodies_[b].now.q;
     const dQuaternion dq = {q.w(), q.x(), q.y(), q.z()};
-    dBodyEnable(id);
     dBodySetPosition(id, row.c.x(), row.c.y(), row.c.z());
     dBodySetQuaternion(id, dq);
     dBodySetLinearVel(id, row.v.x(), row.v.y(), row.v.z());
@@ -356,7 +408,8 @@ void OdeWorld::ask_rows(double h) {
     if (joint.removed || !joints_[j].has_rows()) continue;
     const RowBody &parent = row_body(joint.parent), &child = row_body(joint.child);
     if (!parent.id && !child.id) continue;
-    joints_[j].ask(*rows_, parent, child, Closing::position, end_of(joint.parent), end_of(joint.child), h);
+    joints_[j].ask(*rows_, parent, child, Closing::position, end_of(joint.parent),
+                   end_of(joint.child), h, softness_of(joint));
   }
   for (Point& point : points_) {
     const RowBody &a = row_body(point.touch.body_a), &b = row_body(point.touch.body_b);
@@ -364,10 +417,68 @@ void OdeWorld::ask_rows(double h) {
   }
 }
 
+void OdeWorld::find_islands() {
+  // 1: solved exactly, 2: by sweeps.
+  const std::size_t n = bodies_.size();
+  std::vector<int> root(n), size(n, 0);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int b) {
+    while (root[static_cast<std::size_t>(b)] != b) {
+      int& up = root[static_cast<std::size_t>(b)];
+      b = up = root[static_cast<std::size_t>(up)];
+    }
+    return b;
+  };
+  const auto movable = [&](int b) { return b != kWorld && ids_[static_cast<std::size_t>(b)]; };
+  const auto tie = [&](int a, int b, bool count, int rows) {
+    if (!movable(a)) std::swap(a, b);
+    if (!movable(a)) return;
+    if (!count && movable(b)) root[static_cast<std::size_t>(find(b))] = find(a);
+    if (count) size[static_cast<std::size_t>(find(a))] += rows;
+  };
+  for (const bool count : {false, true}) {
+    for (const Joint& joint : model_->joints) {
+      if (joint.removed || joint.type == JointType::free) continue;
+      tie(joint.parent, joint.child, count, 6 - position_count(joint.type) / 2);
+    }
+    for (const Point& point : points_) tie(point.touch.body_a, point.touch.body_b, count, 3);
+  }
+  for (std::size_t b = 0; b < n; ++b) {
+    if (!solved_[b]) continue;
+    const int rows = size[static_cast<std::size_t>(find(static_cast<int>(b)))];
+    const bool quick = solver_ == "quick" || (solver_ == "auto" && rows > kMostExactRows);
+    solved_[b] = static_cast<char>(quick ? 2 : 1);
+  }
+}
+
 void OdeWorld::solve(double h) {
   if (std::find(solved_.begin(), solved_.end(), 1) == solved_.end()) return;
+  find_islands();
   ask_rows(h);
-  dWorldStep(engine_->world(), h);
+  for (const int kind : {1, 2}) {
+    bool any = false;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      if (!ids_[b]) continue;
+      if (solved_[b] == kind) {
+        dBodyEnable(ids_[b]);
+        any = true;
+      } else {
+        dBodyDisable(ids_[b]);
+      }
+    }
+    if (!any) continue;
+    if (kind == 1) {
+      dWorldStep(engine_->world(), h);
+    } else {
+      // Its sweeps go through the rows in an order of chance, from a source that the whole process
+      // shares.
+      static std::mutex chance;
+      const std::lock_guard<std::mutex> lock(chance);
+      dRandSetSeed(1);
+      dWorldSetQuickStepNumIterations(engine_->world(), iterations_);
+      dWorldQuickStep(engine_->world(), h);
+    }
+  }
 }
 
 void OdeWorld::move(double h) {

@@ -64,6 +64,10 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
   void begin_joints(double h, const std::vector<Drive>& drives);
   void predict(double h);
   void find_touches(double h);
+  void mark_solved(const TouchPoint& touch);
+  void find_loops();
+  void find_islands();
+  double softness_of(const Joint& joint) const;
   void solve(double h);
   void put_bodies(double h);
   void ask_rows(double h);
@@ -108,7 +112,8 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
   std::vector<RowBody> row_bodies_;  ///< with the speeds of free motion
   std::vector<Vec3> momentum_;       ///< angular, before the rows
   std::vector<Pose> ends_;           ///< where free motion would lead
-  std::vector<char> solved_;         ///< ODE moves it; else it flies
+  std::vector<char> solved_;         ///< 0: it flies; 1, 2: ODE moves it, exactly or by sweeps
+  std::vector<char> in_loop_;        ///< by body
   std::vector<JointStep> joints_;
   std::vector<std::vector<int>> motors_of_;  ///< by joint
   std::vector<TouchPoint> touches_;

@@ -224,9 +224,10 @@ Result<> OdeWorld::remove(const SceneModelPtr& next) {
     collider_->remove(b);
   }
   const auto gone = [&](int body) { return next->bodies[static_cast<std::size_t>(body)].removed; };
-  contacts_.erase(std::remove_if(contacts_.begin(), contacts_.end(),
-                                 [&](const Contact& c) { return gone(c.body_a) || gone(c.body_b); }),
-                  contacts_.end());
+  contacts_.erase(
+      std::remove_if(contacts_.begin(), contacts_.end(),
+                     [&](const Contact& c) { return gone(c.body_a) || gone(c.body_b); }),
+      contacts_.end());
   for (const int j : change->removed_joints) {
     const Joint& joint = next->joints[static_cast<std::size_t>(j)];
     reactions_[static_cast<std::size_t>(j)] = {};
@@ -276,12 +277,15 @@ void OdeWorld::join(const std::vector<int>& sudden) {
     row.c = body.now.c;
     row.v = body.removed ? Vec3::Zero() : body.now.v;
     row.w = body.removed ? Vec3::Zero() : body.now.w;
+    row.inverse_mass = body.inverse_mass();
+    row.inverse_inertia = body.inverse_inertia_at(body.now.q);
     solved_[b] = 0;
   }
   for (const Joint& joint : model.joints) {
     if (joint.removed || joint.type == JointType::free) continue;
     for (const int b : {joint.parent, joint.child}) {
-      if (b != kWorld && ids_[static_cast<std::size_t>(b)]) solved_[static_cast<std::size_t>(b)] = 1;
+      if (b != kWorld && ids_[static_cast<std::size_t>(b)])
+        solved_[static_cast<std::size_t>(b)] = 1;
     }
   }
   points_.clear();
@@ -294,11 +298,15 @@ void OdeWorld::join(const std::vector<int>& sudden) {
                      twist_of(joint.parent), twist_of(joint.child),
                      q_.data() + joint.position_offset);
     joints_[j].ask(*rows_, parent, child, marked[j] ? Closing::stop : Closing::keep,
-                   pose_of(joint.parent), pose_of(joint.child), h);
+                   pose_of(joint.parent), pose_of(joint.child), h, softness_of(joint));
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (ids_[b]) solved_[b] ? dBodyEnable(ids_[b]) : dBodyDisable(ids_[b]);
   }
   try {
     dWorldStep(engine_->world(), h);
   } catch (const EngineError&) {
+    engine_->abandon();
     make_bodies();  // the next step will do it
     return;
   }
