@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <set>
 
 #include "cogrsim/dsl/study.h"
@@ -191,7 +193,7 @@ Result<std::vector<std::uint64_t>> parse_seeds(std::string_view text) {
     return seed;
   };
   std::vector<std::uint64_t> out;
-  std::set<std::uint64_t> known;
+  std::map<std::uint64_t, std::uint64_t> known;  // ranges so far, from first to last
   for (const std::string_view entry : entries_of(text)) {
     const auto dots = entry.find("..");
     const auto first = one(trimmed(entry.substr(0, dots)));
@@ -204,9 +206,13 @@ Result<std::vector<std::uint64_t>> parse_seeds(std::string_view text) {
                   "write the smaller one first");
     if (*last - *first >= kMostSeeds || out.size() + (*last - *first) >= kMostSeeds)
       return fail("there are more than " + std::to_string(kMostSeeds) + " seeds");
+    const auto next = known.upper_bound(*first);
+    const bool begun = next != known.begin() && std::prev(next)->second >= *first;
+    if (begun || (next != known.end() && next->first <= *last)) {
+      return fail("the seed " + std::to_string(begun ? *first : next->first) + " is given twice");
+    }
+    known.emplace(*first, *last);
     for (std::uint64_t seed = *first;; ++seed) {
-      if (!known.insert(seed).second)
-        return fail("the seed " + std::to_string(seed) + " is given twice");
       out.push_back(seed);
       if (seed == *last) break;
     }
