@@ -17,8 +17,10 @@ class Parker final : public cogrsim::Controller {
 
   void update(const cogrsim::Tick& tick) override {
     if (!eye_.valid()) return;
+    // Nothing in sight is +infinity, too near is -infinity: either would stay in a mean for ever.
+    const double now = std::clamp(eye_.distance(), 0.0, 3.0);
     // A mean that forgets: each reading counts less the older it is.
-    seen_ = seen_ < 0.0 ? eye_.distance() : seen_ + smooth_ * (eye_.distance() - seen_);
+    seen_ = seen_ < 0.0 ? now : seen_ + smooth_ * (now - seen_);
     // In proportion to what is left, up to the speed wanted; and gently at the start.
     const double left = seen_ - stop_;
     const double speed = std::clamp(2.0 * left, -speed_, std::min(speed_, tick.time * 1.0));
