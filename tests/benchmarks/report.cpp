@@ -98,6 +98,8 @@ Claim worst_ratio(const std::string& what, const std::vector<Row>& rows, const s
   std::string where;
   for (const Row& row : rows) {
     if (row.engine != engine || !row.ratio || !counts(row)) continue;
+    const Row* bare = find(rows, row.raw, row.scene);
+    if (!bare || !bare->agrees) continue;
     if (std::isfinite(worst) && row.ratio->median <= worst) continue;
     worst = row.ratio->median;
     where = row.title;
@@ -172,8 +174,8 @@ std::vector<Claim> claims_of(const Results& results) {
   std::string where;
   for (const Row& row : results.table) {
     const Row* peer = find(results.table, "ignition-bullet", row.scene);
-    if (row.engine != "cogrsim-bullet" || !row.missing.empty() || !peer || row.bodies < 10)
-      continue;
+    if (row.engine != "cogrsim-bullet" || !row.missing.empty() || row.bodies < 10) continue;
+    if (!peer || !peer->agrees) continue;  // a time for something else is no time to compare with
     const double ratio = row.time.median / peer->time.median;
     if (std::isfinite(worst) && ratio <= worst) continue;
     worst = ratio;

@@ -119,7 +119,7 @@ void add_falling_boxes(Scene& scene, int count) {
     thing.turn = turn_about(2, 0.3 * noise.next());
     scene.things.push_back(thing);
   }
-  scene.warm_up = 400;
+  scene.warm_up = 300;
   scene.round = 20;
   scene.check_text = "mean height of the boxes [m]";
   scene.expected = kNan;
