@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cogrsim/core/parameter.h"
+#include "new_command.h"
 #include "options.h"
 #include "picture_words.h"
 #include "quantities.h"
@@ -17,6 +18,7 @@
 #include "sweep_command.h"
 #include "terminal.h"
 #include "test_command.h"
+#include "watch_command.h"
 #include "words.h"
 
 namespace cogrsim::cli {
@@ -35,7 +37,7 @@ struct Words {
   std::string snapshot, plots_folder, kind, title, every, from, to, output = "plots",
                                                                     picture = "png";
   int rows = 10;
-  bool json_flag = false, reference = false, events = false;
+  bool json_flag = false, reference = false, events = false, watch = false;
 };
 
 double duration_from(const std::string& word) {
@@ -120,6 +122,10 @@ RunOptions run_from(const Words& words) {
   options.from = words.snapshot;
   options.saves = saves_from(words.save_at);
   options.events = words.events;
+  if (words.watch && options.json == "-") {
+    throw UsageError("--watch", Problem("--json - is for one result, and here come several", "",
+                                        "name a file, which has the latest: --json result.json"));
+  }
   if (!options.record.empty() && options.record == options.json) {
     throw UsageError("--record", Problem("--record and --json name the same file"));
   }
@@ -275,6 +281,9 @@ void add_run(CLI::App& app, Words& words, int& status) {
       ->type_name("FILE.snap");
   command.add_flag("--events", words.events,
                    "Print every event as it happens: time, kind, source, subject, message");
+  command.add_flag("--watch", words.watch,
+                   "Start anew whenever the scene changes, a file or plugin that it uses, or one that "
+                   "it misses; Ctrl-C ends");
   command.footer(
       "Examples:\n"
       "  cogrsim run robot.scene.xml\n"
@@ -286,8 +295,12 @@ void add_run(CLI::App& app, Words& words, int& status) {
       "  cogrsim run robot.scene.xml --save-at 2s two.snap      then: what if the floor were icy?\n"
       "  cogrsim run robot.scene.xml --from two.snap --set friction=0.05\n"
       "  cogrsim run robot.scene.xml --events      who entered where, which door opened, and when\n"
+      "  cogrsim run robot.scene.xml --watch --plots plots      while you work on it\n"
       "Ctrl-C ends the run and prints what there is; exit status 0 good, 1 failed, 2 wrong usage.");
-  command.callback([&] { status = run_command(run_from(words)); });
+  command.callback([&] {
+    const RunOptions options = run_from(words);
+    status = words.watch ? watch_command(options) : run_command(options);
+  });
 }
 
 void add_plot(CLI::App& app, Words& words, int& status) {
@@ -482,6 +495,7 @@ int run_command_line(int argc, char** argv, const std::vector<AddWords>& more) {
   add_map(app, status);
   add_render(app, status);
   for (const AddWords add : more) add(app, status);
+  add_new(app, status);
   add_small_ones(app, words, status);
   app.footer(
       "Examples:\n"

@@ -19,6 +19,8 @@
 #include "run_result.h"
 #include "scene_loading.h"
 #include "terminal.h"
+#include "watch_link.h"
+#include "watch_uses.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -133,7 +135,9 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> make_simulati
 
 }  // namespace
 
-int run_command(const RunOptions& given) {
+int run_command(const RunOptions& options) { return run_command(options, nullptr); }
+
+int run_command(const RunOptions& given, WatchLink* watcher) {
   RunOptions options = given;
   if (!options.json.empty()) {
     if (const auto writable = check_writable(options.json); !writable) {
@@ -158,6 +162,7 @@ int run_command(const RunOptions& given) {
     take_over(snapshot->info(), options);
   }
   LoadedScene scene = load_scene(options.scene);
+  if (watcher) watcher->rests_on(used_files(scene, options), scene.model != nullptr);
   result.diagnostics = scene.diagnostics;
   print_diagnostics(result.diagnostics);
   if (!scene.model) return deliver(options, result, kFailed);
@@ -200,6 +205,7 @@ int run_command(const RunOptions& given) {
   }
   Simulation& simulation = **created;
   result.backend = simulation.backend().name();
+  if (watcher) watcher->rests_on(plugin_files(*scene.loader, result.backend), false);
   result.engine_version = simulation.backend().engine_version();
 
   std::unique_ptr<Recorder> recorder;
@@ -277,7 +283,9 @@ int run_command(const RunOptions& given) {
   result.time = simulation.time();
   result.frame = simulation.frame();
   int exit_status = good(status) && saved_all ? kGood : kFailed;
-  if (plots) {
+  // Nobody waits for the result of a run that is about to start anew.
+  const bool superseded = watcher != nullptr && watcher->superseded();
+  if (plots && !superseded) {
     if (const auto drawn = plots->draw(options.plots); !drawn) {
       print_error(drawn.error().text());
       result.diagnostics.push_back(to_diagnostic(drawn.error()));
@@ -291,7 +299,7 @@ int run_command(const RunOptions& given) {
       exit_status = kFailed;
     }
   }
-  return deliver(options, result, exit_status);
+  return superseded ? exit_status : deliver(options, result, exit_status);
 }
 
 }  // namespace cogrsim::cli

@@ -1,0 +1,17 @@
+// The templates of `cogrsim new`, as they lie in the folder templates.
+#pragma once
+
+#include <vector>
+
+namespace cogrsim::cli {
+
+struct TemplateFile {
+  const char* kind;  ///< folder: "controller", …, or "common", which goes into every project
+  const char* name;  ///< within it, with the words that are replaced
+  const char* text;
+};
+
+/// All of them, sorted by kind and name.
+const std::vector<TemplateFile>& template_files();
+
+}  // namespace cogrsim::cli

@@ -1,0 +1,99 @@
+// The backend @NAME@ as CogRSim knows it: what it can do, its options, and its worlds.
+#include <memory>
+#include <string>
+#include <variant>
+
+#include <cogrsim/physics/backend_plugin.h>
+
+#include "world.h"
+
+namespace {
+
+using cogrsim::Capabilities;
+using cogrsim::JointType;
+using cogrsim::ShapeType;
+using cogrsim::Support;
+
+constexpr ShapeType kShapes[] = {ShapeType::box,     ShapeType::sphere,   ShapeType::cylinder,
+                                 ShapeType::capsule, ShapeType::plane,    ShapeType::convex_mesh,
+                                 ShapeType::mesh,    ShapeType::heightmap};
+constexpr JointType kJoints[] = {JointType::fixed,  JointType::hinge,       JointType::slider,
+                                 JointType::screw,  JointType::cylindrical, JointType::universal,
+                                 JointType::planar, JointType::ball,        JointType::free};
+
+// Every feature that cogrsim/physics/capabilities.h names: exact, approximate (say how), or
+// unsupported (say why). Scenes are refused by this table before create_world() is called, with the
+// reason given here, so it must be honest.
+Capabilities make_capabilities() {
+  Capabilities c;
+  const auto cannot = [&c](const std::string& feature, const char* reason) {
+    c.set(feature, Support::unsupported, reason);
+  };
+  for (const ShapeType a : kShapes) {
+    // A shape alone does nothing but be seen; what touches is a pair.
+    c.set(std::string("shape.") + to_string(a), Support::exact);
+    for (const ShapeType b : kShapes) {
+      cannot(pair_feature(a, b), "collisions are not computed");
+    }
+  }
+  for (const JointType type : kJoints) {
+    const std::string name = to_string(type);
+    cannot("joint." + name, "bodies fly freely, there are no joints");
+    cannot("loop." + name, "there are no joints");
+    for (const char* what : {"limit", "damping", "friction", "stiffness"}) {
+      cannot(std::string("joint.") + what + "." + name, "there are no joints");
+    }
+  }
+  for (const char* mode : {"velocity", "torque", "position", "servo", "dc"}) {
+    cannot(std::string("motor.") + mode, "there are no joints to drive");
+  }
+  cannot("contact.stiffness", "collisions are not computed");
+  cannot("runtime.attach", "there are no joints");
+  cannot("runtime.joint_axes", "there are no joints");
+  cannot("report.contact_force", "collisions are not computed");
+  cannot("report.joint_reaction", "there are no joints");
+  cannot("report.joint_effort", "there are no joints");
+  for (const char* feature : {"body.static", "body.kinematic", "runtime.add", "runtime.remove",
+                              "runtime.save", "runtime.set_state", "runtime.body_kind"}) {
+    c.set(feature, Support::exact);
+  }
+  return c;
+}
+
+class @CLASS@Backend final : public cogrsim::Backend {
+ public:
+  const char* name() const override { return "@NAME@"; }
+  const char* engine_version() const override { return "0.1"; }
+  const Capabilities& capabilities() const override { return capabilities_; }
+  const cogrsim::ParameterTable& world_options() const override { return options_; }
+  const cogrsim::ParameterTable& assembly_options() const override { return assembly_options_; }
+
+  cogrsim::Result<std::unique_ptr<cogrsim::World>> create_world(
+      const cogrsim::SceneModelPtr& model) const override {
+    if (!model) return cogrsim::fail("no scene given");
+    if (auto possible = adapter::check_scene(*model); !possible) {
+      return tl::unexpected(possible.error());
+    }
+    // What the scene has in its block <@NAME@ …/>; a scene made by a program may have none.
+    cogrsim::Parameters given;
+    if (const auto block = model->physics.engine_options.find("@NAME@");
+        block != model->physics.engine_options.end()) {
+      given = block->second;
+    }
+    const auto options = cogrsim::complete_parameters(options_, given);
+    if (!options) return tl::unexpected(options.error());
+    const auto substeps = static_cast<int>(std::get<std::int64_t>(options->at("substeps")));
+    return std::make_unique<adapter::FlightWorld>(model, substeps);
+  }
+
+ private:
+  Capabilities capabilities_ = make_capabilities();
+  cogrsim::ParameterTable options_ = {
+      cogrsim::parameter("substeps", 1, "equal parts that each step is made in").range(1, 1000)};
+  cogrsim::ParameterTable assembly_options_;
+};
+
+}  // namespace
+
+COGRSIM_BACKEND(@CLASS@Backend, "@NAME@", version("0.1.0"), author("you"),
+                summary("rigid bodies in free flight"))

@@ -1,0 +1,28 @@
+// A controller that does what it is told, to see what becomes of those around it.
+#include <cstdlib>
+
+#include "cogrsim/control/controller.h"
+
+namespace {
+
+class Rascal final : public cogrsim::Controller {
+ public:
+  void configure(cogrsim::Assembly& robot) override {
+    does_ = robot.parameter<std::string>("does");
+  }
+  void update(const cogrsim::Tick&) override {
+    if (does_ == "crash") std::abort();
+    volatile bool for_ever = does_ == "hang";
+    while (for_ever) {
+    }
+  }
+
+ private:
+  std::string does_;
+};
+
+}  // namespace
+
+COGRSIM_CONTROLLER(
+    Rascal, "rascal", version("1.0.0"), summary("misbehaves"),
+    parameter("does", "nothing", "what it does").one_of({"nothing", "crash", "hang"}))
