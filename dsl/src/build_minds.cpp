@@ -119,6 +119,15 @@ void Builder::mind(const Element& element) {
   mind.plugin = *plugin;
   const bool is_supervisor = element.tag() == "supervisor";
   if (!is_supervisor) {
+    mind.isolation = *r.text("isolation") == "process" ? Isolation::process : Isolation::none;
+    mind.deadline = *r.number("deadline");
+    mind.memory = *r.number("memory");
+    for (const char* bound : {"deadline", "memory"}) {
+      if (mind.isolation == Isolation::process || !r.has(bound)) continue;
+      fault("CG0608", element, bound,
+            "\"" + std::string(bound) + "\" is for controllers in a process of their own")
+          .help("add isolation=\"process\", or leave it out");
+    }
     mind.assembly = note(element).assembly;
     if (mind.assembly < 0)
       fault("CG0202", element, "a controller must stand inside the assembly it commands")

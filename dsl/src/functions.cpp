@@ -57,6 +57,7 @@ std::optional<Dimension> scaled_sum(const Dimension& a, int na, const Dimension&
   add(a.s, b.s, out.s);
   add(a.ampere, b.ampere, out.ampere);
   add(a.angle, b.angle, out.angle);
+  add(a.byte, b.byte, out.byte);
   if (!fits_in) return std::nullopt;
   return out;
 }
@@ -303,12 +304,12 @@ Outcome call(std::string_view name, const ValueList& arguments, RandomStream* ra
   if (name == "sqrt") {
     if (a.value < 0.0) return problem("the root of a negative number", {}, "CG0514");
     const Dimension& d = a.dimension;
-    if (d.m % 2 || d.kg % 2 || d.s % 2 || d.ampere % 2 || d.angle % 2) {
+    if (d.m % 2 || d.kg % 2 || d.s % 2 || d.ampere % 2 || d.angle % 2 || d.byte % 2) {
       return problem("sqrt of " + describe(d) + " has no dimension");
     }
     const auto half = [](std::int8_t x) { return static_cast<std::int8_t>(x / 2); };
     return number(std::sqrt(a.value),
-                  {half(d.m), half(d.kg), half(d.s), half(d.ampere), half(d.angle)});
+                  {half(d.m), half(d.kg), half(d.s), half(d.ampere), half(d.angle), half(d.byte)});
   }
   // floor, ceil, round: of what unit's whole number would be anyone's guess.
   if (!a.dimension.none()) {

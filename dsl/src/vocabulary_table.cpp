@@ -88,6 +88,28 @@ Attributes mind() {
              "What happens when it throws or sends nonsense.", "stop-controller")};
 }
 
+/// Least memory that is worth a process [B]: its library alone takes some of it.
+constexpr double kLeastMemory = 1e6;
+
+Attributes contained() {
+  return Attributes{
+      choice(
+          "isolation", {"none", "process"},
+          "Where it lives: in the simulation's process, or in one of its own, whose crash does not "
+          "reach the simulation. Results are the same.",
+          "none"),
+      above_zero(
+          or_none(number("deadline", kTime,
+                         "With a process of its own: longest time of an update by the clock on "
+                         "the wall; one that takes longer is killed.",
+                         "10 s"))),
+      at_least(or_none(number("memory", kMemory,
+                              "With a process of its own: memory that it may take beside what it "
+                              "starts with.",
+                              "1 GB")),
+               kLeastMemory)};
+}
+
 // ---- what may stand where
 
 const Words kShapes = {"box", "sphere", "cylinder", "capsule", "plane", "mesh", "heightmap"};
@@ -373,7 +395,7 @@ void add_motion(std::vector<ElementSpec>& out) {
 void add_minds(std::vector<ElementSpec>& out) {
   const auto group = "Minds";
   out.push_back(element(group, "controller", "The brain of the assembly it stands in: a plugin.",
-                        mind(), {"set"},
+                        mind() + contained(), {"set"},
                         "<controller plugin=\"diff_drive\" rate=\"50 Hz\"> <set speed=\"0.3 "
                         "m/s\"/> </controller>"));
   out.push_back(element(group, "supervisor", "A plugin that watches and changes the whole scene.",

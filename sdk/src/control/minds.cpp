@@ -45,52 +45,70 @@ std::string assembly_name(const SceneModel& model, int assembly) {
 
 // What configure() did wrong, thrown or noted.
 void note_mistakes(const Simulation::Impl& simulation, const ControllerModel& description,
-                   const std::string& who, const std::optional<std::string>& thrown,
-                   const std::vector<std::string>& mistakes, std::vector<Diagnostic>& found) {
-  for (const std::string& mistake : mistakes) {
+                   const std::string& who, const StartOutcome& outcome,
+                   std::vector<Diagnostic>& found) {
+  for (const std::string& mistake : outcome.mistakes) {
     found.push_back(simulation.problem(who + ": " + mistake, description.origin, "CG0907"));
   }
-  if (thrown) {
-    found.push_back(simulation.problem(who + " threw while being configured: " + *thrown,
-                                       description.origin, "CG0908"));
+  if (outcome.failure) {
+    found.push_back(simulation.problem(who + " " + *outcome.failure, description.origin, "CG0908"));
   }
 }
 
 }  // namespace
 
-std::vector<Diagnostic> Simulation::Impl::build_controller(const ControllerModel& description) {
+std::shared_ptr<AssemblyAccess> make_access(Simulation::Impl& simulation,
+                                            const ControllerModel& description,
+                                            const PluginPtr& plugin, Parameters parameters) {
+  auto access = std::make_shared<AssemblyAccess>();
+  access->simulation = &simulation;
+  access->assembly = description.assembly;
+  access->name = assembly_name(*simulation.model, description.assembly);
+  access->mind = description.name;
+  access->plugin = description.plugin;
+  access->table = &plugin->descriptor().parameters;
+  access->parameters = std::move(parameters);
+  access->declared = &plugin->descriptor().outputs;
+  access->outputs.assign(access->declared->size(), std::numeric_limits<double>::quiet_NaN());
+  access->random.emplace(simulation.original->physics.seed, description.name);
+  return access;
+}
+
+StartOutcome Simulation::Impl::start_controller(ControllerSlot& slot, std::size_t index) {
+  StartOutcome outcome;
+  if (model->controllers[index].isolation == Isolation::process) {
+    auto apart = host_apart(slot.plugin, slot.access, index);
+    if (!apart) {
+      outcome.failure = apart.error().text();
+      return outcome;
+    }
+    slot.controller = std::move(*apart);
+  } else {
+    slot.controller = host_here(slot.plugin, slot.access);
+  }
+  if (const auto failure = slot.controller->configure()) {
+    outcome.failure = phrase(*failure, "while being configured");
+  }
+  outcome.mistakes = std::exchange(slot.access->mistakes, {});
+  if (slot.access->fault) outcome.mistakes.push_back(*slot.access->fault);
+  slot.access->fault.reset();
+  return outcome;
+}
+
+std::vector<Diagnostic> Simulation::Impl::build_controller(std::size_t index) {
   std::vector<Diagnostic> found;
+  const ControllerModel& description = model->controllers[index];
   ControllerSlot slot;
   slot.clock.timer = RateTimer(description.rate);
   if (description.removed) {
     slot.clock.stopped = true;
   } else if (auto loaded = load_mind(*this, PluginKind::controller, description, found)) {
     slot.plugin = loaded->plugin;
-    slot.entry = static_cast<const ControllerEntry*>(slot.plugin->descriptor().factory);
-    slot.access = std::make_shared<AssemblyAccess>();
-    slot.access->simulation = this;
-    slot.access->assembly = description.assembly;
-    slot.access->name = assembly_name(*model, description.assembly);
-    slot.access->mind = description.name;
-    slot.access->plugin = description.plugin;
-    slot.access->table = &slot.plugin->descriptor().parameters;
-    slot.access->parameters = std::move(loaded->parameters);
-    slot.access->declared = &slot.plugin->descriptor().outputs;
-    slot.access->outputs.assign(slot.access->declared->size(),
-                                std::numeric_limits<double>::quiet_NaN());
-    slot.access->random.emplace(original->physics.seed, description.name);
-    const std::string who =
-        "controller '" + description.plugin + "' of '" + slot.access->name + "'";
-    Controller* made = nullptr;
-    auto thrown = slot.entry->create(made);
-    slot.controller = {made, slot.entry->destroy};
-    if (made) {
-      slot.robot = std::make_unique<Assembly>(slot.access);
-      thrown = slot.entry->configure(*made, *slot.robot);
-    }
-    if (slot.access->fault) slot.access->mistakes.push_back(*slot.access->fault);
-    slot.access->fault.reset();
-    note_mistakes(*this, description, who, thrown, slot.access->mistakes, found);
+    slot.access = make_access(*this, description, slot.plugin, std::move(loaded->parameters));
+    const StartOutcome outcome = start_controller(slot, index);
+    note_mistakes(*this, description,
+                  "controller '" + description.plugin + "' of '" + slot.access->name + "'", outcome,
+                  found);
   }
   controllers.push_back(std::move(slot));
   return found;
@@ -114,10 +132,10 @@ std::vector<Diagnostic> Simulation::Impl::build_supervisor(const ControllerModel
       slot.stage->show(frame_with(slot.needs));
       thrown = slot.entry->configure(*made, *slot.stage);
     }
-    std::vector<std::string> mistakes;
-    if (auto mistake = slot.stage->take_fault()) mistakes.push_back(std::move(*mistake));
-    note_mistakes(*this, description, "supervisor '" + description.plugin + "'", thrown, mistakes,
-                  found);
+    StartOutcome outcome;
+    if (thrown) outcome.failure = "threw while being configured: " + *thrown;
+    if (auto mistake = slot.stage->take_fault()) outcome.mistakes.push_back(std::move(*mistake));
+    note_mistakes(*this, description, "supervisor '" + description.plugin + "'", outcome, found);
   }
   supervisors.push_back(std::move(slot));
   return found;
@@ -138,10 +156,10 @@ void Simulation::Impl::run_minds() {
   for (std::size_t i = 0; i < controllers.size() && status == RunStatus::running; ++i) {
     ControllerSlot& slot = controllers[i];
     if (slot.clock.stopped || !slot.clock.timer.due(now, dt)) continue;
-    auto thrown = slot.entry->update(*slot.controller, tick_of(slot.clock));
+    const auto failure = slot.controller->update(tick_of(slot.clock));
     const ControllerModel& description = model->controllers[i];
-    if (thrown) {
-      fault(description, slot.clock, "threw in update: " + *thrown);
+    if (failure) {
+      fault(description, slot.clock, phrase(*failure, "in update"));
     } else if (slot.access->fault) {
       fault(description, slot.clock, *slot.access->fault);
     }

@@ -69,6 +69,13 @@ constexpr NamedUnit kUnits[] = {
     {"ohm", 1, 1, kResistance},
     {"mohm", 1, 1e3, kResistance},
     {"kohm", 1e3, 1, kResistance},
+    {"B", 1, 1, kMemory},
+    {"kB", 1e3, 1, kMemory},
+    {"MB", 1e6, 1, kMemory},
+    {"GB", 1e9, 1, kMemory},
+    {"KiB", 1024, 1, kMemory},
+    {"MiB", 1048576, 1, kMemory},
+    {"GiB", 1073741824, 1, kMemory},
 };
 
 const NamedUnit* find_unit(std::string_view name) {
@@ -107,6 +114,7 @@ bool read_factor(std::string_view text, std::size_t& at, Unit& out, bool divide)
   add(out.dimension.s, unit->dimension.s);
   add(out.dimension.ampere, unit->dimension.ampere);
   add(out.dimension.angle, unit->dimension.angle);
+  add(out.dimension.byte, unit->dimension.byte);
   for (int i = std::abs(power); i > 0; --i) {
     out.above *= power > 0 ? unit->above : unit->below;
     out.below *= power > 0 ? unit->below : unit->above;
@@ -150,6 +158,7 @@ constexpr NamedDimension kNames[] = {
     {Dimension{3, 0, 0, 0, 0}, "a volume", "m^3"},
     {Dimension{-1, 1, -2, 0, 0}, "a pressure", "Pa"},
     {Dimension{2, 1, -3, 0, 0}, "a power", "W"},
+    {kMemory, "an amount of memory", "B"},
 };
 
 /// Any dimension in base units: "kg*m/s^3".
@@ -168,6 +177,7 @@ std::string composed(const Dimension& d) {
   add("m", d.m);
   add("rad", d.angle);
   add("A", d.ampere);
+  add("B", d.byte);
   add("s", d.s);
   if (below.empty()) return above;
   if (factors_below > 1) below = '(' + below + ')';

@@ -1,6 +1,9 @@
 #include "cogrsim/plugin/loader.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -153,22 +156,20 @@ PluginLoader::PluginLoader(std::vector<std::string> extra_folders)
   }
 }
 
-Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
-  std::error_code error;
-  const fs::path real = fs::canonical(path, error);
-  if (error) return tl::unexpected<Error>(refused(path, error.message()));
-  for (const PluginPtr& plugin : loaded_) {
-    if (plugin->path() == real) return plugin;
-  }
-  if (Result<> checked = check_file(path); !checked) {
-    return tl::unexpected<Error>(checked.error());
+namespace {
+
+/// Loads and checks the library of `path`, out of `file`: itself or a copy.
+Result<PluginPtr> open_library(const std::string& path, const fs::path& file) {
+  if (Result<> checked = check_file(file.string()); !checked) {
+    return tl::unexpected<Error>(refused(path, checked.error().message, checked.error().hint));
   }
   auto impl = std::make_unique<Plugin::Impl>();
-  impl->path = real.string();
+  std::error_code error;
+  impl->path = fs::canonical(path, error).string();
   try {
     using boost::dll::load_mode::type;
     // The throwing overload carries the system's own text, the other one only an error number.
-    impl->library.load(real, type::rtld_now | type::rtld_local);
+    impl->library.load(file, type::rtld_now | type::rtld_local);
     impl->descriptor = impl->library.get<const PluginDescriptor*()>(kDescriptorSymbol)();
   } catch (const std::exception& e) {
     return tl::unexpected<Error>(
@@ -186,8 +187,58 @@ Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
         refused(path, fmt::format("the plugin inside calls itself '{}'", impl->descriptor->name),
                 fmt::format("name the file {}.so", impl->descriptor->name)));
   }
-  loaded_.push_back(std::make_shared<const Plugin>(std::move(impl)));
-  return loaded_.back();
+  return std::make_shared<const Plugin>(std::move(impl));
+}
+
+/// A copy under a name that was never loaded: the system gives a library that it knows by name or
+/// by file back as it was. Beside the original if that can be, so that it finds what it lies beside.
+Result<fs::path> private_copy(const fs::path& original) {
+  static std::atomic<int> count{0};
+  const std::string name =
+      fmt::format(".{}.{}-{}", original.filename().string(), ::getpid(), ++count);
+  std::error_code error;
+  for (const fs::path& folder : {original.parent_path(), fs::temp_directory_path(error)}) {
+    const fs::path copy = folder / name;
+    fs::remove(copy, error);  // of a process that was killed and had the same number
+    if (fs::copy_file(original, copy, error)) return copy;
+  }
+  return fail(fmt::format("cannot be copied: {}", error.message()), original.string(), "",
+              "CG0902");
+}
+
+}  // namespace
+
+Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
+  std::error_code error;
+  const fs::path real = fs::canonical(path, error);
+  if (error) return tl::unexpected<Error>(refused(path, error.message()));
+  for (const PluginPtr& plugin : loaded_) {
+    if (plugin->path() == real) return plugin;
+  }
+  auto opened = open_library(path, real);
+  if (opened) loaded_.push_back(*opened);
+  return opened;
+}
+
+Result<PluginPtr> PluginLoader::load_anew(const Plugin& plugin) {
+  const auto copy = private_copy(plugin.path());
+  if (!copy) return tl::unexpected<Error>(copy.error());
+  auto opened = open_library(plugin.path(), *copy);
+  std::error_code error;
+  fs::remove(*copy, error);  // mapped, it stays as long as it is needed
+  return opened;
+}
+
+Result<PluginPtr> PluginLoader::load_from(const std::string& path) {
+  std::lock_guard lock(mutex_);
+  return load_file(path);
+}
+
+void PluginLoader::replace(PluginPtr fresh) {
+  std::lock_guard lock(mutex_);
+  for (PluginPtr& plugin : loaded_) {
+    if (plugin->path() == fresh->path()) plugin = fresh;
+  }
 }
 
 Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {

@@ -105,10 +105,11 @@ void fields(Io& io, OutputModel& x) {
 
 template <class Io>
 void fields(Io& io, ControllerModel& x) {
-  auto& [name, plugin, rate, parameters, on_fault, outputs, assembly, removed, origin] = x;
+  auto& [name, plugin, rate, parameters, on_fault, isolation, deadline, memory, outputs, assembly,
+         removed, origin] = x;
   io("name", name)("plugin", plugin)("rate", rate)("parameters", parameters);
-  io("on_fault", on_fault)("outputs", outputs)("assembly", assembly)("removed", removed)("origin",
-                                                                                         origin);
+  io("on_fault", on_fault)("isolation", isolation)("deadline", deadline)("memory", memory);
+  io("outputs", outputs)("assembly", assembly)("removed", removed)("origin", origin);
 }
 
 template <class Io>
@@ -227,6 +228,7 @@ constexpr int last_of() {
     return static_cast<int>(NoiseTerm::Kind::bias_walk);
   }
   if constexpr (std::is_same_v<Enum, FaultPolicy>) return static_cast<int>(FaultPolicy::end_run);
+  if constexpr (std::is_same_v<Enum, Isolation>) return static_cast<int>(Isolation::process);
   if constexpr (std::is_same_v<Enum, LightModel::Type>) {
     return static_cast<int>(LightModel::Type::spot);
   }

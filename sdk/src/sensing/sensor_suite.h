@@ -38,6 +38,9 @@ class SensorSuite {
   /// what the instrument refuses, or a code of its own.
   std::vector<Diagnostic> build(const SceneModelPtr& model, std::uint64_t seed,
                                 PluginLoader& loader, std::size_t first = 0);
+  /// `count` sensors that only have readings, given by upd_reading(): in a controller's process.
+  void imitate(std::size_t count);
+  Reading& upd_reading(std::size_t sensor) { return slots_[sensor].memory.reading; }
   /// Throws away the sensors from `count` on.
   void cut(std::size_t count);
   void clear() { cut(0); }

@@ -91,9 +91,9 @@ struct Binary final : Signal::Node {
     const auto sum = [power](int x, int y) {
       return static_cast<std::int8_t>(std::clamp(x + power * y, -100, 100));
     };
-    return units::Dimension{sum(left->m, right->m), sum(left->kg, right->kg),
-                            sum(left->s, right->s), sum(left->ampere, right->ampere),
-                            sum(left->angle, right->angle)};
+    return units::Dimension{sum(left->m, right->m),         sum(left->kg, right->kg),
+                            sum(left->s, right->s),         sum(left->ampere, right->ampere),
+                            sum(left->angle, right->angle), sum(left->byte, right->byte)};
   }
   bool constant() const override { return a->constant() && b->constant(); }
   bool bare() const override { return a->bare() && b->bare(); }

@@ -168,7 +168,7 @@ std::vector<Diagnostic> Simulation::Impl::build_minds(std::size_t first_controll
   controllers.erase(controllers.begin() + static_cast<std::ptrdiff_t>(first_controller),
                     controllers.end());
   for (std::size_t i = first_controller; i < model->controllers.size(); ++i) {
-    collect(build_controller(model->controllers[i]));
+    collect(build_controller(i));
   }
   if (!with_supervisors) return found;
   supervisors.clear();

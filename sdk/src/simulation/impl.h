@@ -12,6 +12,7 @@
 #include "cogrsim/core/random.h"
 #include "cogrsim/sensing/sensor.h"
 #include "cogrsim/simulation/simulation.h"
+#include "control/hosted_controller.h"
 #include "sensing/frame_sensing.h"
 #include "sensing/sensor_suite.h"
 #include "simulation/frame_pool.h"
@@ -51,13 +52,30 @@ struct MindClock {
   std::uint64_t count = 0;
 };
 
+/// What the handles of a new controller reach through; `parameters` are complete.
+std::shared_ptr<AssemblyAccess> make_access(Simulation::Impl& simulation,
+                                            const ControllerModel& description,
+                                            const PluginPtr& plugin, Parameters parameters);
+
 struct ControllerSlot {
   PluginPtr plugin;
-  const ControllerEntry* entry = nullptr;
   std::shared_ptr<AssemblyAccess> access;
-  std::unique_ptr<Assembly> robot;
-  std::unique_ptr<Controller, void (*)(Controller*)> controller{nullptr, nullptr};
+  std::unique_ptr<HostedController> controller;
   MindClock clock;
+};
+
+/// What was wrong when a mind was configured.
+struct StartOutcome {
+  std::vector<std::string> mistakes;   ///< it noted, or was found to have made
+  std::optional<std::string> failure;  ///< "threw while being configured: …"
+};
+
+/// The scene as controllers in processes of their own see it, as text: without shapes, meshes, rules
+/// and what else does not concern them. Made once for each model.
+struct SceneForMinds {
+  SceneModelPtr model, original;
+  std::string text;
+  const std::string& of(const SceneModelPtr& now, const SceneModelPtr& at_start);
 };
 
 class SupervisorStage;
@@ -126,6 +144,7 @@ struct Simulation::Impl {
   FrameSensing sensing;
   std::vector<ControllerSlot> controllers;
   std::vector<SupervisorSlot> supervisors;
+  SceneForMinds scene_for_minds;
   std::vector<RunMessage> messages;
   std::vector<Event> events;         ///< since the last frame
   std::vector<Causes> event_causes;  ///< of each of them
@@ -167,11 +186,18 @@ struct Simulation::Impl {
   // minds.cpp
   Diagnostic problem(const std::string& message, const SourceSpan& origin, const std::string& code,
                      const std::string& help = {}) const;
-  std::vector<Diagnostic> build_controller(const ControllerModel& description);
+  std::vector<Diagnostic> build_controller(std::size_t index);
+  /// Makes and configures the controller of a slot that has its plugin and its access.
+  StartOutcome start_controller(ControllerSlot& slot, std::size_t index);
   std::vector<Diagnostic> build_supervisor(const ControllerModel& description);
   void run_minds();
   void fault(const ControllerModel& description, MindClock& clock, const std::string& message);
   void let_go(const AssemblyAccess& access);
+
+  // reload.cpp
+  Result<Reloaded> reload(const std::string& name);
+  std::optional<std::string> take_over(const ControllerSlot& old, ControllerSlot& fresh,
+                                       std::size_t index, Reloaded& done);
 
   // step.cpp
   void read_sensors();

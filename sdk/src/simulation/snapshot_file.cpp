@@ -42,7 +42,11 @@ Result<Json> memory_json(const Slot& slot, const std::string& name, const Json& 
   std::optional<std::string> memory;
   std::optional<std::string> thrown;
   if constexpr (std::is_same_v<Slot, ControllerSlot>) {
-    if (slot.controller) thrown = slot.entry->save(*slot.controller, memory);
+    if (slot.controller) {
+      if (const auto failure = slot.controller->save(memory)) {
+        return fail("'" + name + "' " + phrase(*failure, "while its memory was saved"));
+      }
+    }
   } else {
     if (slot.supervisor) thrown = slot.entry->save(*slot.supervisor, memory);
   }

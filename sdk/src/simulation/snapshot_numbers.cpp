@@ -86,6 +86,17 @@ std::string scene_signature(const SceneModel& model) {
     for (const char* key : {"backend", "engine_options", "step", "seed"})
       json["physics"].erase(key);
   }
+  // Nor does it matter where controllers live: results are the same.
+  if (json.contains("controllers")) {
+    for (Json& mind : json["controllers"]) {
+      for (const char* key : {"isolation", "deadline", "memory"}) mind.erase(key);
+    }
+  }
+  if (json.contains("supervisors")) {
+    for (Json& mind : json["supervisors"]) {
+      for (const char* key : {"isolation", "deadline", "memory"}) mind.erase(key);
+    }
+  }
   if (json.contains("assemblies")) {
     for (Json& assembly : json["assemblies"]) assembly.erase("engine_options");
   }

@@ -253,7 +253,10 @@ class Resumption {
       const auto memory = saved.at("memory").get<std::string>();
       std::optional<std::string> thrown;
       if (controllers && to_.controllers[i].controller) {
-        thrown = to_.controllers[i].entry->restore(*to_.controllers[i].controller, memory);
+        if (const auto failure = to_.controllers[i].controller->restore(memory)) {
+          thrown = failure->kind == HostFailure::Kind::thrown ? failure->what
+                                                              : phrase(*failure, "while taking it");
+        }
       } else if (!controllers && to_.supervisors[i].supervisor) {
         thrown = to_.supervisors[i].entry->restore(*to_.supervisors[i].supervisor, memory);
       }

@@ -13,10 +13,11 @@ namespace cogrsim::units {
 /// Exponents of the base units; the angle is one of its own, so that degrees, radians and plain
 /// numbers cannot be mixed up.
 struct Dimension {
-  std::int8_t m = 0, kg = 0, s = 0, ampere = 0, angle = 0;
+  std::int8_t m = 0, kg = 0, s = 0, ampere = 0, angle = 0, byte = 0;
 
   bool operator==(const Dimension& o) const {
-    return m == o.m && kg == o.kg && s == o.s && ampere == o.ampere && angle == o.angle;
+    return m == o.m && kg == o.kg && s == o.s && ampere == o.ampere && angle == o.angle &&
+           byte == o.byte;
   }
   bool operator!=(const Dimension& o) const { return !(*this == o); }
   bool none() const { return *this == Dimension{}; }
@@ -48,6 +49,7 @@ inline constexpr Dimension kResistance{2, 1, -3, -2, 0};
 inline constexpr Dimension kTorqueConstant{2, 1, -2, -1, 0};  // N*m/A
 inline constexpr Dimension kBackEmf{2, 1, -2, -1, -1};        // V*s/rad
 inline constexpr Dimension kForceConstant{1, 1, -2, -1, 0};   // N/A, V*s/m
+inline constexpr Dimension kMemory{0, 0, 0, 0, 0, 1};
 }  // namespace dim
 
 /// "an angle", "a length", "a plain number", "a quantity in kg*m/s".

@@ -177,6 +177,8 @@ struct SensorModel {
 };
 
 enum class FaultPolicy { stop_controller, end_run };
+/// Where a controller lives: in the simulation's process, or in one of its own.
+enum class Isolation { none, process };
 
 /// A number that a controller or supervisor publishes, as its plugin declares it.
 struct OutputModel {
@@ -191,6 +193,10 @@ struct ControllerModel {
   double rate = 0.0;  ///< [Hz]; 0: every step
   Parameters parameters;
   FaultPolicy on_fault = FaultPolicy::stop_controller;
+  Isolation isolation = Isolation::none;  ///< of controllers only
+  /// With a process of its own: longest time of an update by the clock on the wall [s], and what
+  /// it may take of memory [byte]; infinite: no bound.
+  double deadline = 10.0, memory = 1e9;
   std::vector<OutputModel> outputs;  ///< filled in when the plugin is known
   int assembly = -1;
   bool removed = false;

@@ -45,6 +45,15 @@ class COGRSIM_API PluginLoader {
   /// failed, and, for an unknown name, what exists.
   Result<PluginPtr> load(PluginKind kind, const std::string& name);
 
+  /// The plugin in this very file. Errors: CG0902.
+  Result<PluginPtr> load_from(const std::string& path);
+
+  /// The library of a plugin as it lies on disk now, loaded a second time beside the first.
+  /// load() does not know of it until replace() is called. Errors: CG0902.
+  Result<PluginPtr> load_anew(const Plugin& plugin);
+  /// From now on load() gives `fresh` where it gave the library that was at the same path.
+  void replace(PluginPtr fresh);
+
   /// Loads a backend and returns its factory; keeps the library loaded with the returned pointer.
   Result<std::shared_ptr<const Backend>> backend(const std::string& name);
 

@@ -53,6 +53,15 @@ struct RunMessage {
 struct SimulationSnapshot;
 using SimulationSnapshotPtr = std::shared_ptr<const SimulationSnapshot>;
 
+/// What Simulation::reload_controller() did.
+struct Reloaded {
+  std::string controller;    ///< dotted name
+  std::string plugin;
+  std::string version;       ///< of the library that runs now
+  bool memory_kept = false;  ///< it goes on with the memory of the one before; else it began anew
+  std::string note;          ///< why it began anew; empty when the memory was kept
+};
+
 class COGRSIM_API Simulation {
  public:
   /// Loads backend and plugins, checks capabilities, builds the world, configures controllers.
@@ -95,6 +104,16 @@ class COGRSIM_API Simulation {
   /// Errors: a snapshot of another scene or backend. Controllers are configured anew when
   /// `restart_controllers`, else they go on with the memory they have.
   Result<> restore(const SimulationSnapshotPtr& snapshot, bool restart_controllers = false);
+
+  /// Puts the library of a controller, as it lies on disk now, in the place of the one that runs;
+  /// to be called between steps, by the thread that steps. `name`: the controller's, or that of an
+  /// assembly with one controller. The new controller is configured and given what save() of the old
+  /// one tells; targets of motors then stay as they are. If save() tells nothing it begins anew. One
+  /// that was stopped by a fault runs again. Restarts use the new library too, as do controllers
+  /// that come later. Errors, after which all is as it was: no such controller; the run has ended;
+  /// the library cannot be loaded; its parameters do not take the scene's, or it publishes something
+  /// else than before; configure() fails; the memory does not fit.
+  Result<Reloaded> reload_controller(const std::string& name);
 
   /// The sensor objects' channels, by sensor index.
   const std::vector<Channel>& channels(int sensor) const;

@@ -1,0 +1,150 @@
+#include "control/child_process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <thread>
+
+#define BOOST_DLL_USE_STD_FS
+#include <boost/dll/runtime_symbol_info.hpp>
+
+#include "control/guard.h"
+
+extern char** environ;
+
+namespace cogrsim {
+
+namespace {
+
+/// How long the guard may take to clear away what the controller has started.
+constexpr auto kClearing = std::chrono::seconds(10);
+
+/// A copy of a descriptor above those that the program gets, closed in every other program.
+int moved_up(int file) {
+  const int copy = ::fcntl(file, F_DUPFD_CLOEXEC, guard::kFirstFree);
+  const int why = errno;
+  ::close(file);
+  errno = why;
+  return copy;
+}
+
+struct SpawnSettings {
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  SpawnSettings(int memory, int link) {
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, memory, guard::kMemory);
+    posix_spawn_file_actions_adddup2(&actions, link, guard::kLink);
+    posix_spawnattr_init(&attributes);
+    // A group of its own: Ctrl-C in a terminal is the simulation's affair.
+    posix_spawnattr_setpgroup(&attributes, 0);
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    posix_spawnattr_setflags(
+        &attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  }
+  ~SpawnSettings() {
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+  }
+};
+
+}  // namespace
+
+std::string controller_host_path() {
+  std::error_code error;
+  const std::filesystem::path own =
+      std::filesystem::canonical(boost::dll::this_line_location(), error);
+  if (error) return "cogrsim_controller_host";
+  return (own.parent_path() / "cogrsim" / "cogrsim_controller_host").string();
+}
+
+Result<std::unique_ptr<ChildProcess>> ChildProcess::start() {
+  std::unique_ptr<ChildProcess> child(new ChildProcess);
+  if (auto made = child->channel_.create(); !made) return tl::unexpected(made.error());
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+    return fail(std::string("cannot make a socket: ") + std::strerror(errno));
+  }
+  child->link_ = ends[0];
+  const int link = moved_up(ends[1]);
+  const int memory = ::fcntl(child->channel_.file(), F_DUPFD_CLOEXEC, guard::kFirstFree);
+  std::string path = controller_host_path();
+  char* arguments[] = {path.data(), nullptr};
+  int problem = link < 0 || memory < 0 ? EMFILE : 0;
+  if (problem == 0) {
+    SpawnSettings settings(memory, link);
+    problem = ::posix_spawn(&child->guard_, path.c_str(), &settings.actions, &settings.attributes,
+                            arguments, environ);
+    if (problem != 0) child->guard_ = -1;
+  }
+  if (link >= 0) ::close(link);
+  if (memory >= 0) ::close(memory);
+  if (problem != 0) {
+    return fail("cannot start '" + path +
+                    "', the program that controllers live in: " + std::strerror(problem),
+                "", problem == ENOENT ? "it belongs beside the plugins; install CogRSim anew" : "");
+  }
+  return child;
+}
+
+ChildProcess::~ChildProcess() { kill(); }
+
+bool ChildProcess::guard_gone() {
+  if (guard_ <= 0) return true;
+  int status = 0;
+  const pid_t gone = ::waitpid(guard_, &status, WNOHANG);
+  // Somebody else may have waited for it, or nobody may: ECHILD.
+  if (gone == guard_ || (gone < 0 && errno == ECHILD)) guard_ = -1;
+  return guard_ <= 0;
+}
+
+Result<CallChannel::Answer> ChildProcess::call(const std::vector<char>& request,
+                                               std::vector<char>& reply,
+                                               std::chrono::duration<double> patience) {
+  if (!alive()) return CallChannel::Answer::ended;
+  if (auto asked = channel_.ask(request); !asked) return tl::unexpected(asked.error());
+  auto deadline = CallChannel::Clock::time_point::max();
+  if (patience < std::chrono::hours(24 * 365)) {
+    deadline = CallChannel::Clock::now() +
+               std::chrono::duration_cast<CallChannel::Clock::duration>(patience);
+  }
+  return channel_.await(reply, deadline, [this] { return guard_gone(); });
+}
+
+ProcessEnd ChildProcess::end() {
+  const ChannelHeader& header = channel_.header();
+  return {header.ended.load() != 0, header.end_status.load(), header.most_bytes.load()};
+}
+
+void ChildProcess::kill() {
+  if (link_ >= 0) ::close(link_);
+  link_ = -1;
+  const auto last = CallChannel::Clock::now() + kClearing;
+  auto nap = std::chrono::microseconds(50);
+  while (!guard_gone() && CallChannel::Clock::now() < last) {
+    std::this_thread::sleep_for(nap);
+    nap = std::min(2 * nap, std::chrono::microseconds(5000));
+  }
+  if (guard_ <= 0) return;
+  ::kill(guard_, SIGKILL);
+  int status = 0;
+  while (::waitpid(guard_, &status, 0) < 0 && errno == EINTR) {
+  }
+  guard_ = -1;
+}
+
+}  // namespace cogrsim

@@ -1,0 +1,64 @@
+#include "control/hosted_controller.h"
+
+#include "cogrsim/plugin/loader.h"
+#include "simulation/impl.h"
+
+namespace cogrsim {
+
+std::string phrase(const HostFailure& failure, const std::string& doing) {
+  std::string out = failure.what;
+  if (failure.kind == HostFailure::Kind::thrown) out = "threw " + doing + ": " + failure.what;
+  if (failure.kind == HostFailure::Kind::process) out += " " + doing;
+  if (!failure.more.empty()) out += "; " + failure.more;
+  return out;
+}
+
+namespace {
+
+std::optional<HostFailure> failure_of(std::optional<std::string> thrown) {
+  if (!thrown) return std::nullopt;
+  return HostFailure{HostFailure::Kind::thrown, std::move(*thrown)};
+}
+
+class ControllerHere final : public HostedController {
+ public:
+  ControllerHere(PluginPtr plugin, std::shared_ptr<AssemblyAccess> access)
+      : plugin_(std::move(plugin)),
+        entry_(*static_cast<const ControllerEntry*>(plugin_->descriptor().factory)),
+        robot_(std::move(access)),
+        controller_(nullptr, entry_.destroy) {}
+
+  std::optional<HostFailure> configure() override {
+    Controller* made = nullptr;
+    auto thrown = entry_.create(made);
+    controller_.reset(made);
+    if (made) thrown = entry_.configure(*made, robot_);
+    return failure_of(std::move(thrown));
+  }
+  std::optional<HostFailure> update(const Tick& tick) override {
+    return failure_of(entry_.update(*controller_, tick));
+  }
+  std::optional<HostFailure> save(std::optional<std::string>& memory) override {
+    if (!controller_) return std::nullopt;
+    return failure_of(entry_.save(*controller_, memory));
+  }
+  std::optional<HostFailure> restore(const std::string& memory) override {
+    if (!controller_) return std::nullopt;
+    return failure_of(entry_.restore(*controller_, memory));
+  }
+
+ private:
+  PluginPtr plugin_;
+  const ControllerEntry& entry_;
+  Assembly robot_;  // outlives the controller
+  std::unique_ptr<Controller, void (*)(Controller*)> controller_;
+};
+
+}  // namespace
+
+std::unique_ptr<HostedController> host_here(PluginPtr plugin,
+                                            std::shared_ptr<AssemblyAccess> access) {
+  return std::make_unique<ControllerHere>(std::move(plugin), std::move(access));
+}
+
+}  // namespace cogrsim

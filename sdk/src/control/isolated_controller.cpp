@@ -1,0 +1,221 @@
+// A controller in a process of its own, as the simulation sees it.
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "cogrsim/core/units.h"
+#include "cogrsim/plugin/loader.h"
+#include "control/child_process.h"
+#include "control/hosted_controller.h"
+#include "control/mirror.h"
+#include "control/shape_of_plugin.h"
+
+namespace cogrsim {
+
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+/// For all that is not an update: starting, configuring, saving, ending [s].
+constexpr double kPatience = 10.0;
+
+/// Share of the memory allowed from which on it is worth mentioning.
+constexpr double kNearlyAll = 0.5;
+
+std::string signal_name(int number) {
+  const char* name = ::sigabbrev_np(number);
+  return name ? std::string("SIG") + name : "signal " + std::to_string(number);
+}
+
+std::string megabytes(double bytes) { return fmt::format("{:.4g} MB", bytes * 1e-6); }
+
+/// Set by someone who steps through a controller with a debugger.
+bool debugging() {
+  const char* value = std::getenv("COGRSIM_DEBUG_CONTROLLERS");
+  return value && *value != '\0' && std::strcmp(value, "0") != 0;
+}
+
+class ControllerApart final : public HostedController {
+ public:
+  ControllerApart(PluginPtr plugin, std::shared_ptr<AssemblyAccess> access, std::size_t controller,
+                  std::unique_ptr<ChildProcess> process)
+      : plugin_(std::move(plugin)),
+        access_(std::move(access)),
+        mirror_(*access_),
+        controller_(controller),
+        who_("controller '" + access_->plugin + "' of '" + access_->name + "'"),
+        process_(std::move(process)) {
+    const ControllerModel& model = access_->simulation->model->controllers[controller];
+    deadline_ = debugging() ? std::numeric_limits<double>::infinity() : model.deadline;
+    memory_ = model.memory;
+  }
+
+  ~ControllerApart() override {
+    if (!process_->alive()) return;
+    WireWriter out(request_);
+    out.put(HostCall::end);
+    // There is nobody left to be told but the one who looks at the terminal.
+    if (auto failure = exchange(patience())) {
+      std::fprintf(stderr, "%s %s while it was taken down\n", who_.c_str(), failure->what.c_str());
+    }
+  }
+
+  std::optional<HostFailure> configure() override {
+    WireWriter out(request_);
+    out.put(HostCall::configure);
+    out.put(access_->simulation->loader->folders());
+    out.put(plugin_->path());
+    out.put(static_cast<std::uint64_t>(controller_));
+    out.put(memory_);
+    out.put(shape_of(plugin_->descriptor()));
+    mirror_.put_scene(out);
+    mirror_.put_state(out);
+    if (auto failure = exchange(patience())) return failure;
+    WireReader in(reply_);
+    const auto pid = in.take<std::int64_t>();
+    std::optional<std::string> refused, thrown;
+    in.get(refused);
+    in.get(thrown);
+    if (refused) return HostFailure{HostFailure::Kind::refused, *refused};
+    if (!mirror_.take_deeds(in)) return damaged();
+    if (debugging()) {
+      std::fprintf(stderr, "%s runs in process %lld\n", who_.c_str(), static_cast<long long>(pid));
+    }
+    return failure_of(std::move(thrown));
+  }
+
+  std::optional<HostFailure> update(const Tick& tick) override {
+    WireWriter out(request_);
+    begin(out, HostCall::update);
+    out.put(tick.time);
+    out.put(tick.period);
+    out.put(tick.count);
+    if (auto failure = exchange(deadline_)) return failure;
+    WireReader in(reply_);
+    return finish(in);
+  }
+
+  std::optional<HostFailure> save(std::optional<std::string>& memory) override {
+    if (!process_->alive()) return std::nullopt;  // it took its memory with it
+    WireWriter out(request_);
+    begin(out, HostCall::save);
+    if (auto failure = exchange(patience())) return failure;
+    WireReader in(reply_);
+    in.get(memory);
+    return finish(in);
+  }
+
+  std::optional<HostFailure> restore(const std::string& memory) override {
+    if (!process_->alive()) return std::nullopt;
+    WireWriter out(request_);
+    begin(out, HostCall::restore);
+    out.put(memory);
+    if (auto failure = exchange(patience())) return failure;
+    WireReader in(reply_);
+    return finish(in);
+  }
+
+ private:
+  double patience() const { return std::max(deadline_, kPatience); }
+
+  void begin(WireWriter& out, HostCall call) {
+    out.put(call);
+    mirror_.put_scene(out);
+    mirror_.put_state(out);
+  }
+
+  std::optional<HostFailure> finish(WireReader& in) {
+    std::optional<std::string> thrown;
+    in.get(thrown);
+    if (!mirror_.take_deeds(in)) return damaged();
+    return failure_of(std::move(thrown));
+  }
+
+  std::optional<HostFailure> failure_of(std::optional<std::string> thrown) const {
+    if (!thrown) return std::nullopt;
+    HostFailure failure{HostFailure::Kind::thrown, std::move(*thrown)};
+    if (failure.what == "std::bad_alloc" && std::isfinite(memory_)) failure.more = allowed();
+    return failure;
+  }
+
+  std::string allowed() const { return "it may take " + megabytes(memory_) + " of memory"; }
+
+  std::optional<HostFailure> damaged() {
+    process_->kill();
+    return HostFailure{HostFailure::Kind::process, "sent something that does not fit together",
+                       "it may have written to memory that is not its own; its process was killed"};
+  }
+
+  /// Sends request_, waits for reply_; what becomes of the process otherwise.
+  std::optional<HostFailure> exchange(double patience) {
+    const auto answer = process_->call(request_, reply_, Seconds(patience));
+    if (!answer) {
+      process_->kill();
+      return HostFailure{HostFailure::Kind::process, "could not be reached",
+                         answer.error().message};
+    }
+    switch (*answer) {
+      case CallChannel::Answer::reply:
+        return std::nullopt;
+      case CallChannel::Answer::late:
+        process_->kill();
+        return HostFailure{HostFailure::Kind::process, "hung",
+                           "it did not come to its end within " + units::number_text(patience) +
+                               " s, and its process was killed"};
+      case CallChannel::Answer::broken:
+        process_->kill();
+        return damaged();
+      case CallChannel::Answer::ended:
+        break;
+    }
+    const ProcessEnd end = process_->end();
+    process_->kill();
+    HostFailure failure{HostFailure::Kind::process, ""};
+    if (request_.front() == static_cast<char>(HostCall::end) && WIFEXITED(end.status) &&
+        WEXITSTATUS(end.status) == 0) {
+      return std::nullopt;
+    }
+    if (!end.told) {
+      failure.what = "lost its process";
+    } else if (WIFSIGNALED(end.status)) {
+      failure.what = "crashed (" + signal_name(WTERMSIG(end.status)) + ")";
+    } else {
+      failure.what =
+          "ended its process (exit code " + std::to_string(WEXITSTATUS(end.status)) + ")";
+    }
+    const auto most = static_cast<double>(end.most_bytes);
+    if (std::isfinite(memory_) && most > kNearlyAll * memory_) {
+      failure.more = "it had taken up to " + megabytes(most) + ", and " + allowed();
+    }
+    return failure;
+  }
+
+  PluginPtr plugin_;
+  std::shared_ptr<AssemblyAccess> access_;
+  MirrorWriter mirror_;
+  std::size_t controller_;
+  std::string who_;
+  double deadline_ = 0.0, memory_ = 0.0;  // [s], [byte]
+  std::unique_ptr<ChildProcess> process_;
+  std::vector<char> request_, reply_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<HostedController>> host_apart(PluginPtr plugin,
+                                                     std::shared_ptr<AssemblyAccess> access,
+                                                     std::size_t controller) {
+  auto process = ChildProcess::start();
+  if (!process) return tl::unexpected(process.error());
+  return std::make_unique<ControllerApart>(std::move(plugin), std::move(access), controller,
+                                           std::move(*process));
+}
+
+}  // namespace cogrsim

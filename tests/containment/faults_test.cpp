@@ -1,0 +1,224 @@
+// Whatever a controller does in its own process, the simulation says so and goes on or ends as told;
+// and nothing is left of the process.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "support.h"
+
+using namespace cogrsim;
+using namespace cogrsim::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;  // they catch signals and take memory themselves
+#else
+constexpr bool kSanitized = false;
+#endif
+
+struct Case {
+  const char* what;
+  const char* said;
+};
+
+std::size_t open_files() {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    count += entry.path().empty() ? 0 : 1;
+  }
+  return count;
+}
+
+/// True as soon as `condition` holds, within 10 s: the machine may be busy.
+template <class Condition>
+bool soon(Condition&& condition) {
+  const auto last = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (std::chrono::steady_clock::now() < last) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return condition();
+}
+
+}  // namespace
+
+TEST_CASE("what ends a controller's process is told and does not end the run", "[containment]") {
+  if (kSanitized) return;
+  const auto c = GENERATE(values<Case>({{"segv", "crashed (SIGSEGV) in update"},
+                                        {"overflow", "crashed (SIGSEGV) in update"},
+                                        {"abort", "crashed (SIGABRT) in update"},
+                                        {"throw-in-thread", "crashed (SIGABRT) in update"},
+                                        {"kill", "crashed (SIGKILL) in update"},
+                                        {"exit", "ended its process (exit code 3) in update"},
+                                        {"exit-quietly", "ended its process (exit code 0)"}}));
+  const std::string backend = GENERATE("bullet", "simbody");
+  const auto policy = GENERATE(FaultPolicy::stop_controller, FaultPolicy::end_run);
+  ControllerModel mind = trouble(c.what);
+  mind.on_fault = policy;
+  auto simulation = simulate(flywheel(mind), backend);
+  const RunStatus end = simulation->run_until(0.2);
+  INFO(messages_of(*simulation));
+  CHECK_THAT(messages_of(*simulation),
+             Contains("controller 'trouble' of 'bot': " + std::string(c.said)));
+  REQUIRE(simulation->messages().size() == 1);
+  CHECK(simulation->messages()[0].time == Approx(0.03));
+  if (policy == FaultPolicy::end_run) {
+    CHECK(end == RunStatus::fault);
+    CHECK(simulation->time() == Approx(0.03));
+  } else {
+    CHECK(end == RunStatus::completed);
+    // Without its controller the wheel is brought to rest.
+    CHECK(simulation->frame()->state.joint_velocities[0] == Approx(0.0).margin(1e-9));
+  }
+  CHECK(descendants(::getpid()).empty());
+}
+
+TEST_CASE("one that does not come back is killed at its deadline", "[containment]") {
+  const std::string what = GENERATE("hang", "spin", "stop");
+  ControllerModel mind = trouble(what);
+  mind.deadline = 0.3;
+  auto simulation = simulate(flywheel(mind), "bullet");
+  const auto begin = std::chrono::steady_clock::now();
+  CHECK(simulation->run_until(0.2) == RunStatus::completed);
+  CHECK(std::chrono::steady_clock::now() - begin >= std::chrono::milliseconds(300));
+  INFO(messages_of(*simulation));
+  CHECK_THAT(messages_of(*simulation),
+             Contains("hung in update") && Contains("within 0.3 s") && Contains("was killed"));
+  CHECK(descendants(::getpid()).empty());
+}
+
+TEST_CASE("memory beyond what is allowed is not to be had", "[containment]") {
+  if (kSanitized) return;
+  const std::string what = GENERATE("memory", "malloc");
+  ControllerModel mind = trouble(what);
+  mind.memory = 100e6;
+  auto simulation = simulate(flywheel(mind), "bullet");
+  CHECK(simulation->run_until(0.2) == RunStatus::completed);
+  INFO(messages_of(*simulation));
+  CHECK_THAT(messages_of(*simulation), Contains("it may take 100 MB of memory"));
+  CHECK_THAT(messages_of(*simulation),
+             Contains(what == "memory" ? "threw in update: std::bad_alloc" : "crashed (SIGSEGV)"));
+}
+
+TEST_CASE("faults that need no process are told as without one", "[containment]") {
+  const std::string what = GENERATE("throw", "nan", "nothing", "chatter");
+  std::string told[2];
+  for (const bool own : {false, true}) {
+    ControllerModel mind = trouble(what);
+    mind.isolation = own ? Isolation::process : Isolation::none;
+    auto simulation = simulate(flywheel(mind), "bullet");
+    simulation->run_until(0.1);
+    told[own] = messages_of(*simulation) + std::to_string(state_hash(simulation->frame()->state));
+  }
+  CHECK(told[0] == told[1]);
+  CHECK(told[0].empty() == false);
+}
+
+TEST_CASE("mistakes and crashes in configure are errors of the load", "[containment]") {
+  CHECK_THAT(refusal(flywheel(trouble("mistake"))),
+             Contains("CG0907") && Contains("there is no motor 'lfet', did you mean 'left'?"));
+  CHECK_THAT(refusal(flywheel(trouble("throw-in-configure"))),
+             Contains("CG0908 ") && Contains("threw while being configured: no calibration file"));
+  if (!kSanitized) {
+    CHECK_THAT(refusal(flywheel(trouble("crash-in-configure"))),
+               Contains("crashed (SIGSEGV) while being configured"));
+  }
+  CHECK(descendants(::getpid()).empty());
+}
+
+TEST_CASE("a controller may have threads and print", "[containment]") {
+  const std::string what = GENERATE("thread", "print", "fork-and-return");
+  auto simulation = simulate(flywheel(trouble(what)), "bullet");
+  CHECK(simulation->run_until(0.2) == RunStatus::completed);
+  CHECK(messages_of(*simulation).empty());
+  CHECK(simulation->frame()->controller_outputs[0][0] == 20.0);
+}
+
+TEST_CASE("nothing is left of a controller's process", "[containment]") {
+  const std::size_t files = open_files();
+  const std::string what = GENERATE("nothing", "children", "thread", "crash-in-destructor");
+  if (kSanitized && what == "crash-in-destructor") return;
+  {
+    auto simulation = simulate(flywheel(trouble(what)), "bullet");
+    CHECK(simulation->run_until(0.2) == RunStatus::completed);
+    CHECK(descendants(::getpid()).size() >= 2);
+  }
+  CHECK(descendants(::getpid()).empty());
+  CHECK(open_files() == files);
+  // Not even something to be waited for.
+  CHECK(::waitpid(-1, nullptr, WNOHANG) == -1);
+}
+
+TEST_CASE("when the simulation is killed its controllers die", "[containment]") {
+  const std::string what = GENERATE("nothing", "children", "hang", "thread");
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  const pid_t run = ::fork();
+  REQUIRE(run >= 0);
+  if (run == 0) {
+    ::dup2(ends[1], STDOUT_FILENO);
+    ::close(ends[0]);
+    ::execl(COGRSIM_ENDLESS_RUN, "endless", COGRSIM_TEST_MINDS, what.c_str(), nullptr);
+    ::_exit(127);
+  }
+  ::close(ends[1]);
+  if (what != "hang") {
+    char word[8] = {};
+    REQUIRE(::read(ends[0], word, sizeof word) == 8);  // "running\n"
+  }
+  const std::size_t least = what == "children" ? 4 : 2;  // guard, controller, its children
+  REQUIRE(soon([&] { return descendants(run).size() >= least; }));
+  const std::vector<pid_t> processes = descendants(run);
+  ::kill(run, SIGKILL);
+  ::waitpid(run, nullptr, 0);
+  for (const pid_t process : processes) {
+    INFO(process);
+    CHECK(soon([&] { return !alive(process); }));
+  }
+  ::close(ends[0]);
+}
+
+TEST_CASE("a controller's process has a number of its own", "[containment]") {
+  auto simulation = simulate(flywheel(trouble("tell")), "bullet");
+  simulation->step();
+  const double pid = simulation->frame()->controller_outputs[0][1];
+  CHECK(pid != static_cast<double>(::getpid()));
+  const auto all = descendants(::getpid());
+  CHECK(std::find(all.begin(), all.end(), static_cast<pid_t>(pid)) != all.end());
+  // It is killed from outside, as by a system that is out of memory.
+  ::kill(static_cast<pid_t>(pid), SIGKILL);
+  simulation->run_until(0.1);
+  CHECK_THAT(messages_of(*simulation), Contains("crashed (SIGKILL)"));
+}
+
+TEST_CASE("a guard that is killed takes its controller along and is missed", "[containment]") {
+  ControllerModel mind = trouble("tell");
+  auto simulation = simulate(flywheel(mind), "bullet");
+  simulation->run_until(0.05);
+  const auto controller = static_cast<pid_t>(simulation->frame()->controller_outputs[0][1]);
+  for (const pid_t process : descendants(::getpid())) {
+    if (process != controller) ::kill(process, SIGKILL);
+  }
+  CHECK(soon([&] { return !alive(controller); }));
+  CHECK(simulation->run_until(0.2) == RunStatus::completed);
+  CHECK_THAT(messages_of(*simulation), Contains("lost its process in update"));
+}
+
+TEST_CASE("a restart begins with a new process and the same run", "[containment]") {
+  auto simulation = simulate(flywheel(trouble(kSanitized ? "throw" : "segv")), "bullet");
+  simulation->run_until(0.1);
+  const std::string once = messages_of(*simulation);
+  simulation->send(Restart{});
+  simulation->step();
+  simulation->run_until(0.1);
+  CHECK(messages_of(*simulation) == once + once);
+}
