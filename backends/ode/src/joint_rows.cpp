@@ -245,6 +245,7 @@ Wrench JointStep::known() const {
 void JointStep::ask(Rows& rows, const RowBody& parent, const RowBody& child, Closing closing,
                     const Pose& end_P, const Pose& end_C, double h, double softness) {
   // Of the speed of now, and of the gap to be closed.
+  holds_.clear();
   const double speed = closing == Closing::stop ? 0.0 : 1.0;
   const double close = closing == Closing::position ? 1.0 / h : 0.0;
   const Pose F1 = end_P * joint_->X_PF, M1 = end_C * joint_->X_CM;

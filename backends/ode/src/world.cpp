@@ -26,6 +26,11 @@ constexpr double kLineEnds = 1e3;
 // Joints of a loop may forbid the same thing twice; so much softness (see Rows::point) decides how
 // they share it, and changes speeds by that part of what a step changes them.
 constexpr double kLoopSoftness = 1e-9;
+// How far friction may be from Coulomb's law before the step is solved again, and how often it is.
+constexpr double kFrictionError = 1e-4;
+constexpr double kSliding = 1e-6;    // [m/s]
+constexpr double kSlightest = 1e-5;  // [N]
+constexpr int kMostPasses = 5;
 // Islands with more rows than this go to the quick solver: the exact one costs their cube.
 constexpr int kMostExactRows = 300;
 // Bodies that overlap are driven apart by this part of the way per step, at this speed at most.
@@ -451,34 +456,86 @@ void OdeWorld::find_islands() {
   }
 }
 
+bool OdeWorld::enable(int kind) {
+  bool any = false;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!ids_[b]) continue;
+    if (solved_[b] == kind) {
+      dBodyEnable(ids_[b]);
+      any = true;
+    } else {
+      dBodyDisable(ids_[b]);
+    }
+  }
+  return any;
+}
+
 void OdeWorld::solve(double h) {
   if (std::find(solved_.begin(), solved_.end(), 1) == solved_.end()) return;
   find_islands();
   ask_rows(h);
-  for (const int kind : {1, 2}) {
-    bool any = false;
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      if (!ids_[b]) continue;
-      if (solved_[b] == kind) {
-        dBodyEnable(ids_[b]);
-        any = true;
-      } else {
-        dBodyDisable(ids_[b]);
-      }
-    }
-    if (!any) continue;
-    if (kind == 1) {
+  if (enable(1)) {
+    dWorldStep(engine_->world(), h);
+    for (int pass = 1; pass < kMostPasses && bound_friction(); ++pass) {
+      ask_rows(h);
+      enable(1);
       dWorldStep(engine_->world(), h);
-    } else {
-      // Its sweeps go through the rows in an order of chance, from a source that the whole process
-      // shares.
-      static std::mutex chance;
-      const std::lock_guard<std::mutex> lock(chance);
-      dRandSetSeed(1);
-      dWorldSetQuickStepNumIterations(engine_->world(), iterations_);
-      dWorldQuickStep(engine_->world(), h);
     }
   }
+  if (enable(2)) {
+    // Its sweeps go through the rows in an order of chance, from a source that the whole process
+    // shares.
+    static std::mutex chance;
+    const std::lock_guard<std::mutex> lock(chance);
+    dRandSetSeed(1);
+    dWorldSetQuickStepNumIterations(engine_->world(), iterations_);
+    dWorldQuickStep(engine_->world(), h);
+  }
+}
+
+bool OdeWorld::bound_friction() {
+  // ODE bounds friction by the loads that the contacts would have without any, in a square. Where
+  // that differs from Coulomb's law for the loads found, the step is solved again with bounds from
+  // those, the square turned so that one of its directions is that of the sliding found, or of the force
+  // where it sticks.
+  const auto movable = [&](int b) { return ids_[static_cast<std::size_t>(b)] != nullptr; };
+  const auto exact = [&](int b) { return movable(b) && solved_[static_cast<std::size_t>(b)] == 1; };
+  const auto speed = [&](int b, const Vec3& at) {
+    const RowBody& row = row_body(b);
+    if (!row.id) return row.at(at);
+    const Vec3 v = to_vec(dBodyGetLinearVel(row.id)), w = to_vec(dBodyGetAngularVel(row.id));
+    return Vec3(v + w.cross(at - row.c));
+  };
+  bool again = false;
+  for (Point& point : points_) {
+    const TouchPoint& touch = point.touch;
+    if (point.friction <= 0.0 || !(exact(touch.body_a) || exact(touch.body_b))) continue;
+    Rows::Touch& row = point.row;
+    const Vec3 f =
+        rows_->wrench(point.handle, row_body(touch.body_a), row_body(touch.body_b), row.at).force;
+    const double load = std::max(f.dot(row.n), 0.0), bound = point.friction * load;
+    const Vec3 across = f - f.dot(row.n) * row.n;
+    const double force = across.norm();
+    const Vec3 v = speed(touch.body_b, row.at) - speed(touch.body_a, row.at);
+    const Vec3 slide = v - v.dot(row.n) * row.n;
+    const double sliding = slide.norm();
+    const double tolerance = kFrictionError * bound + kFrictionError * kSlightest;
+    point.cap = bound;
+    point.along = Vec3::Zero();
+    if (force > bound + tolerance) point.along = across / force;
+    if (sliding > kSliding) point.along = slide / sliding;
+    // The ends of a line bear next to nothing, and slide whenever it turns.
+    if (touch.line_end) continue;
+    again = again || force > bound + tolerance || (sliding > kSliding && force < bound - tolerance);
+  }
+  if (!again) return false;
+  for (Point& point : points_) {
+    if (point.cap < 0.0) continue;
+    point.row.fixed_cap = true;
+    point.row.cap = point.row.cap_t = point.cap;
+    if (point.along != Vec3::Zero()) point.row.s = point.along;
+  }
+  return true;
 }
 
 void OdeWorld::move(double h) {

@@ -46,7 +46,9 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
     TouchPoint touch;
     Rows::Touch row;
     int handle = -1;
-    double friction = 0.0;
+    double friction = 0.0;      ///< coefficient
+    double cap = -1.0;          ///< bound by the load found last [N]
+    Vec3 along = Vec3::Zero();  ///< direction of the friction found last
   };
 
   OdeWorld() = default;
@@ -68,7 +70,9 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
   void find_loops();
   void find_islands();
   double softness_of(const Joint& joint) const;
+  bool enable(int kind);
   void solve(double h);
+  bool bound_friction();
   void put_bodies(double h);
   void ask_rows(double h);
   void move(double h);
