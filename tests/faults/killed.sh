@@ -111,4 +111,51 @@ for ((k = 0; k < rounds; k++)); do
   [ "$status" -eq 0 ] || wrong "a pull after one that was killed"
 done
 echo "packages: killed $killed times"
+
+# ---- a package on its way to a store: whoever pulls gets it whole, or hears that it is not there
+server=$(command -v lighttpd || echo /usr/sbin/lighttpd)
+if [ -x "$server" ]; then
+  killed=0
+  mkdir -p store/open uploads
+  for port in $((20000 + RANDOM % 10000)) $((30000 + RANDOM % 10000)); do
+    cat >lighttpd.conf <<CONF
+server.modules = ("mod_webdav")
+server.document-root = "$PWD/store"
+server.bind = "127.0.0.1"
+server.port = $port
+server.upload-dirs = ("$PWD/uploads")
+server.stat-cache-engine = "disable"
+webdav.activate = "enable"
+webdav.is-readonly = "disable"
+CONF
+    "$server" -D -f lighttpd.conf >server.log 2>&1 &
+    lighttpd=$!
+    sleep 1
+    kill -0 $lighttpd 2>/dev/null && break
+  done
+  trap 'kill $lighttpd 2>/dev/null' EXIT
+  store=http://127.0.0.1:$port/open
+  push=("$program" push "$scene" --name room --include whole.mcap --to "$store" --force)
+  start=$(now)
+  "${push[@]}" >out 2>err || wrong "a push to the store"
+  span=$(($(now) - start))
+  whole_pulls=0
+  for ((k = 0; k < rounds; k++)); do
+    rm -rf store/open/* taken
+    kill_after "$(moment $k $span)" "${push[@]}"
+    try "$program" pull room --from "$store" --into taken
+    if [ "$status" -eq 0 ]; then
+      whole_pulls=$((whole_pulls + 1))
+      diff -r taken/* pulled >/dev/null || wrong "a package came out of the store in part"
+    elif [ "$status" -ne 1 ] || grep -qiE 'damaged|checksum|changed' err; then
+      wrong "a push that was killed left something bad in the store"
+    fi
+    # And pushing again mends it.
+    try "${push[@]}"
+    [ "$status" -eq 0 ] || wrong "a push after one that was killed"
+  done
+  echo "pushes: killed $killed times, $whole_pulls were through"
+else
+  echo "pushes: left out, there is no lighttpd"
+fi
 finish
