@@ -76,7 +76,8 @@ class @CLASS@ final : public cogrsim::Supervisor {
     ++spawned_;
   }
 
-  // Numbers of a run that can be plotted, tested and tabulated: @NAME@.caught in the scene.
+  // Numbers of a run that can be plotted, tested and tabulated; after the supervisor's name in the
+  // scene they are called counter.spawned and counter.caught.
   void publish(cogrsim::Stage& stage) const {
     stage.publish("spawned", static_cast<double>(spawned_));
     stage.publish("caught", static_cast<double>(caught_));
