@@ -1,5 +1,6 @@
 #include "components.h"
 
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -47,6 +48,25 @@ void factorize(std::vector<double>& a, int n) {
       const double* const aj = &a[std::size_t(j * n)];
       const double rest = ai[j] - product(ai, aj, j);
       ai[j] = i == j ? 1.0 / std::sqrt(std::max(rest, 1e-300)) : rest * aj[j];
+    }
+  }
+}
+
+// (L L^T)^-1 = X^T X with X = L^-1, row by row, zeros left out. `factor` as factorize() leaves it.
+void form_inverse(const std::vector<double>& factor, int n, std::vector<double>& inverse) {
+  assert(n <= kLargestInverse);
+  std::array<double, std::size_t(kLargestInverse * kLargestInverse)> rows{};
+  inverse.assign(std::size_t(n * n), 0.0);
+  for (int i = 0; i < n; ++i) {
+    const double* const li = &factor[std::size_t(i * n)];
+    double* const xi = &rows[std::size_t(i * n)];
+    for (int k = 0; k < i; ++k) {
+      if (li[k] != 0.0) add_scaled(-li[k], &rows[std::size_t(k * n)], k + 1, xi);
+    }
+    xi[i] = 1.0;
+    for (int k = 0; k <= i; ++k) xi[k] *= li[i];
+    for (int k = 0; k <= i; ++k) {
+      if (xi[k] != 0.0) add_scaled(xi[k], xi, i + 1, &inverse[std::size_t(k * n)]);
     }
   }
 }
@@ -179,11 +199,7 @@ void solve_mass_often(Component& c, const double* j, double* w) {
   }
   if (!c.has_inverse) {
     c.has_inverse = true;
-    c.inverse.assign(std::size_t(n * n), 0.0);
-    for (int i = 0; i < n; ++i) {
-      c.inverse[std::size_t(i * n + i)] = 1.0;
-      solve_mass(c, &c.inverse[std::size_t(i * n)]);
-    }
+    form_inverse(c.factor, n, c.inverse);
   }
   std::fill(w, w + n, 0.0);
   for (int i = 0; i < n; ++i) {

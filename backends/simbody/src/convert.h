@@ -3,6 +3,8 @@
 
 #include <Simbody.h>
 
+#include <algorithm>
+
 #include "placement.h"
 
 namespace cogrsim::simbody {
@@ -28,6 +30,25 @@ inline Mat3 matrix_of(const SimTK::Rotation& R) {
 
 inline Placement placement_of(const SimTK::Transform& X) {
   return {matrix_of(X.R()), from_simtk(X.p())};
+}
+
+// Simbody's vector arithmetic goes entry by entry through a call, and makes temporaries on the heap:
+// what a step does often is done on the numbers themselves, which lie one after the other.
+inline const double* numbers(const SimTK::Vector& v) { return v.size() > 0 ? &v[0] : nullptr; }
+inline double* numbers(SimTK::Vector& v) { return v.size() > 0 ? &v[0] : nullptr; }
+
+/// to := from; `to` keeps its memory where it has the size already.
+inline void copy(const SimTK::Vector& from, SimTK::Vector& to) {
+  if (to.size() != from.size()) to.resize(from.size());
+  std::copy_n(numbers(from), from.size(), numbers(to));
+}
+/// out := a + factor b, all of one size; `out` may be one of them.
+inline void add(const SimTK::Vector& a, double factor, const SimTK::Vector& b, SimTK::Vector& out) {
+  if (out.size() != a.size()) out.resize(a.size());
+  const double* const x = numbers(a);
+  const double* const y = numbers(b);
+  double* const sum = numbers(out);
+  for (int i = 0; i < a.size(); ++i) sum[i] = x[i] + factor * y[i];
 }
 
 }  // namespace cogrsim::simbody

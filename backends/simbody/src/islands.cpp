@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "products.h"
 
@@ -23,46 +24,64 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Read6 = Eigen::Map<const Vec6>;
 using Write6 = Eigen::Map<Vec6>;
 
-// J v.
-inline double along(const Line& line, const double* v) {
-  const double* const j = line.numbers;
-  if (line.lone) {
-    double sum = Read6(j).dot(Read6(v + line.at[0]));
-    if (line.size[1] > 0) sum += Read6(j + 12).dot(Read6(v + line.at[1]));
+// What a row does to the speeds. Any rows:
+struct AnyRows {
+  // J v.
+  static double along(const Line& line, const double* v) {
+    const double* const j = line.numbers;
+    if (line.lone) {
+      double sum = Read6(j).dot(Read6(v + line.at[0]));
+      if (line.size[1] > 0) sum += Read6(j + 12).dot(Read6(v + line.at[1]));
+      return sum;
+    }
+    double sum = product(j, v + line.at[0], line.size[0]);
+    if (line.size[1] > 0) sum += product(j + 2 * line.size[0], v + line.at[1], line.size[1]);
     return sum;
   }
-  double sum = product(j, v + line.at[0], line.size[0]);
-  if (line.size[1] > 0) sum += product(j + 2 * line.size[0], v + line.at[1], line.size[1]);
-  return sum;
-}
-
-// v += W impulse.
-inline void apply(const Line& line, double impulse, double* v) {
-  const double* const w = line.numbers + line.size[0];
-  if (line.lone) {
-    Write6(v + line.at[0]) += impulse * Read6(w);
-    if (line.size[1] > 0) Write6(v + line.at[1]) += impulse * Read6(w + 12);
-    return;
+  // v += W impulse.
+  static void apply(const Line& line, double impulse, double* v) {
+    const double* const w = line.numbers + line.size[0];
+    if (line.lone) {
+      Write6(v + line.at[0]) += impulse * Read6(w);
+      if (line.size[1] > 0) Write6(v + line.at[1]) += impulse * Read6(w + 12);
+      return;
+    }
+    add_scaled(impulse, w, line.size[0], v + line.at[0]);
+    if (line.size[1] == 0) return;
+    add_scaled(impulse, w + line.size[0] + line.size[1], line.size[1], v + line.at[1]);
   }
-  add_scaled(impulse, w, line.size[0], v + line.at[0]);
-  if (line.size[1] == 0) return;
-  add_scaled(impulse, w + line.size[0] + line.size[1], line.size[1], v + line.at[1]);
-}
-
-// v += W1 impulse1 + W2 impulse2, of two rows with the same sides.
-inline void apply_both(const Line& one, double impulse1, const Line& two, double impulse2,
-                       double* v) {
-  if (!one.lone) {
-    apply(one, impulse1, v);
-    apply(two, impulse2, v);
-    return;
+  // v += W1 impulse1 + W2 impulse2, of two rows with the same sides.
+  static void apply_both(const Line& one, double impulse1, const Line& two, double impulse2,
+                         double* v) {
+    if (!one.lone) {
+      apply(one, impulse1, v);
+      apply(two, impulse2, v);
+      return;
+    }
+    const double* const w1 = one.numbers + 6;
+    const double* const w2 = two.numbers + 6;
+    Write6(v + one.at[0]) += impulse1 * Read6(w1) + impulse2 * Read6(w2);
+    if (one.size[1] == 0) return;
+    Write6(v + one.at[1]) += impulse1 * Read6(w1 + 12) + impulse2 * Read6(w2 + 12);
   }
-  const double* const w1 = one.numbers + 6;
-  const double* const w2 = two.numbers + 6;
-  Write6(v + one.at[0]) += impulse1 * Read6(w1) + impulse2 * Read6(w2);
-  if (one.size[1] == 0) return;
-  Write6(v + one.at[1]) += impulse1 * Read6(w1 + 12) + impulse2 * Read6(w2 + 12);
-}
+};
+
+// Rows of an island that is one mechanism of kSize degrees of freedom on the ground, as a robot with
+// some wheels is: lengths known to the compiler, and nothing to ask.
+template <int kSize>
+struct RowsOf {
+  static double along(const Line& line, const double* v) { return product(line.numbers, v, kSize); }
+  static void apply(const Line& line, double impulse, double* v) {
+    add_scaled(impulse, line.numbers + kSize, kSize, v);
+  }
+  static void apply_both(const Line& one, double impulse1, const Line& two, double impulse2,
+                         double* v) {
+    add_two_scaled(impulse1, one.numbers + kSize, impulse2, two.numbers + kSize, kSize, v);
+  }
+};
+
+double along(const Line& line, const double* v) { return AnyRows::along(line, v); }
+void apply(const Line& line, double impulse, double* v) { AnyRows::apply(line, impulse, v); }
 
 // J of one row times W of another with the same sides.
 double across(const Line& one, const Line& other) {
@@ -73,13 +92,14 @@ double across(const Line& one, const Line& other) {
 }
 
 // Towards the row's goal; returns the change of its velocity.
+template <class Rows>
 inline double relax(Line& line, double least, double most, double* v) {
-  const double residual = line.bias + along(line, v) + line.gamma * line.lambda;
+  const double residual = line.bias + Rows::along(line, v) + line.gamma * line.lambda;
   const double before = line.lambda;
   line.lambda = std::clamp(before - residual * line.inverse, least, most);
   const double change = line.lambda - before;
   if (change == 0.0) return 0.0;
-  apply(line, change, v);
+  Rows::apply(line, change, v);
   return std::abs(change) * line.diagonal;
 }
 
@@ -94,14 +114,15 @@ void Island::clear() {
   bearings_.clear();
 }
 
+template <class Rows>
 double Island::relax_contact(const Block& block) {
   Line* const line = &lines[std::size_t(block.line)];
   double* const x = v.data();
   double change = 0.0;
   if (block.bearing >= 0)
-    change = relax_bearing(bearings_[std::size_t(block.bearing)]);
+    change = relax_bearing<Rows>(bearings_[std::size_t(block.bearing)]);
   else if (!block.borne)
-    change = relax(line[0], 0.0, line[0].high, x);
+    change = relax<Rows>(line[0], 0.0, line[0].high, x);
   if (block.friction <= 0.0) return change;
   double load = line[0].lambda;
   if (block.friction_kind != FrictionKind::point) load += lines[std::size_t(block.partner)].lambda;
@@ -109,11 +130,11 @@ double Island::relax_contact(const Block& block) {
   Line &t1 = line[1], &t2 = line[2];
   if (block.friction_kind == FrictionKind::twist) {
     const double most = block.lever * bound;
-    return std::max(change, relax(t1, -most, most, x));
+    return std::max(change, relax<Rows>(t1, -most, most, x));
   }
   if (bound <= 0.0 && t1.lambda == 0.0 && t2.lambda == 0.0) return change;
-  double l1 = t1.lambda - (t1.bias + along(t1, x)) * t1.inverse;
-  double l2 = t2.lambda - (t2.bias + along(t2, x)) * t2.inverse;
+  double l1 = t1.lambda - (t1.bias + Rows::along(t1, x)) * t1.inverse;
+  double l2 = t2.lambda - (t2.bias + Rows::along(t2, x)) * t2.inverse;
   const double square = l1 * l1 + l2 * l2;
   if (square > bound * bound) {
     const double scale = bound / std::sqrt(square);
@@ -124,33 +145,35 @@ double Island::relax_contact(const Block& block) {
   t1.lambda = l1;
   t2.lambda = l2;
   if (d1 == 0.0 && d2 == 0.0) return change;
-  apply_both(t1, d1, t2, d2, x);
+  Rows::apply_both(t1, d1, t2, d2, x);
   return std::max({change, std::abs(d1) * t1.diagonal, std::abs(d2) * t2.diagonal});
 }
 
+template <class Rows>
 double Island::relax_ball(const Block& block) {
   Line* const line = &lines[std::size_t(block.line)];
   Vec3 wanted;
   for (int k = 0; k < 3; ++k)
-    wanted[k] = line[k].lambda - (line[k].bias + along(line[k], v.data())) * line[k].inverse;
+    wanted[k] = line[k].lambda - (line[k].bias + Rows::along(line[k], v.data())) * line[k].inverse;
   const double length = wanted.norm();
   if (length > block.friction) wanted *= block.friction / length;
   double change = 0.0;
   for (int k = 0; k < 3; ++k) {
     const double d = wanted[k] - line[k].lambda;
     line[k].lambda = wanted[k];
-    apply(line[k], d, v.data());
+    Rows::apply(line[k], d, v.data());
     change = std::max(change, std::abs(d) * line[k].diagonal);
   }
   return change;
 }
 
 // v += W change, all points at once.
+template <class Rows>
 void Island::apply_bearing(const Bearing& bearing, const Eigen::Vector4d& change) {
   const Line& leader = lines[std::size_t(bearing.line[0])];
-  if (!leader.lone) {
+  if (!leader.lone || !std::is_same_v<Rows, AnyRows>) {
     for (int i = 0; i < bearing.count; ++i)
-      if (change[i] != 0.0) apply(lines[std::size_t(bearing.line[i])], change[i], v.data());
+      if (change[i] != 0.0) Rows::apply(lines[std::size_t(bearing.line[i])], change[i], v.data());
     return;
   }
   for (int side = 0; side < 2 && leader.size[side] > 0; ++side) {
@@ -161,12 +184,14 @@ void Island::apply_bearing(const Bearing& bearing, const Eigen::Vector4d& change
   }
 }
 
+template <class Rows>
 double Island::relax_bearing(const Bearing& bearing) {
+  if (bearing.count == 2) return relax_two<Rows>(bearing);
   Eigen::Vector4d residual = Eigen::Vector4d::Zero(), before = Eigen::Vector4d::Zero();
   for (int i = 0; i < bearing.count; ++i) {
     const Line& line = lines[std::size_t(bearing.line[i])];
     before[i] = line.lambda;
-    residual[i] = line.bias + along(line, v.data()) + line.gamma * line.lambda;
+    residual[i] = line.bias + Rows::along(line, v.data()) + line.gamma * line.lambda;
   }
   Eigen::Vector4d wanted = before - bearing.inverse * residual;
   if (wanted.minCoeff() < 0.0) {
@@ -181,11 +206,40 @@ double Island::relax_bearing(const Bearing& bearing) {
   }
   const Eigen::Vector4d change = wanted - before;
   for (int i = 0; i < bearing.count; ++i) lines[std::size_t(bearing.line[i])].lambda = wanted[i];
-  apply_bearing(bearing, change);
+  apply_bearing<Rows>(bearing, change);
   double most = 0.0;
   for (int i = 0; i < bearing.count; ++i)
     most = std::max(most, std::abs(bearing.response.row(i).dot(change)));
   return most;
+}
+
+// The same where there are two points, as under wheels: the most frequent case, and a quarter of the
+// work.
+template <class Rows>
+double Island::relax_two(const Bearing& bearing) {
+  Line& one = lines[std::size_t(bearing.line[0])];
+  Line& two = lines[std::size_t(bearing.line[1])];
+  const double a = bearing.response(0, 0), b = bearing.response(0, 1), d = bearing.response(1, 1);
+  const double before1 = one.lambda, before2 = two.lambda;
+  const double r1 = one.bias + Rows::along(one, v.data()) + one.gamma * before1;
+  const double r2 = two.bias + Rows::along(two, v.data()) + two.gamma * before2;
+  double l1 = before1 - (bearing.inverse(0, 0) * r1 + bearing.inverse(0, 1) * r2);
+  double l2 = before2 - (bearing.inverse(0, 1) * r1 + bearing.inverse(1, 1) * r2);
+  if (l1 < 0.0 || l2 < 0.0) {
+    constexpr int kPasses = 6;
+    const double free1 = r1 - (a * before1 + b * before2), free2 = r2 - (b * before1 + d * before2);
+    l1 = std::max(l1, 0.0);
+    l2 = std::max(l2, 0.0);
+    for (int pass = 0; pass < kPasses; ++pass) {
+      l1 = std::max(l1 - (free1 + a * l1 + b * l2) / a, 0.0);
+      l2 = std::max(l2 - (free2 + b * l1 + d * l2) / d, 0.0);
+    }
+  }
+  const double change1 = l1 - before1, change2 = l2 - before2;
+  one.lambda = l1;
+  two.lambda = l2;
+  Rows::apply_both(one, change1, two, change2, v.data());
+  return std::max(std::abs(a * change1 + b * change2), std::abs(b * change1 + d * change2));
 }
 
 void Island::find_bearings() {
@@ -215,22 +269,44 @@ void Island::find_bearings() {
   }
 }
 
+template <class Rows>
 double Island::sweep(bool backwards) {
   double change = 0.0;
   for (std::size_t i = 0; i < contacts; ++i) {
     const Block& block = blocks[i];
     Line& line = lines[std::size_t(block.line)];
     change = std::max(change, block.kind == Block::Kind::ball
-                                  ? relax_ball(block)
-                                  : relax(line, line.low, line.high, v.data()));
+                                  ? relax_ball<Rows>(block)
+                                  : relax<Rows>(line, line.low, line.high, v.data()));
   }
   for (std::size_t i = contacts; i < blocks.size(); ++i)
-    change =
-        std::max(change, relax_contact(blocks[backwards ? contacts + blocks.size() - 1 - i : i]));
+    change = std::max(
+        change, relax_contact<Rows>(blocks[backwards ? contacts + blocks.size() - 1 - i : i]));
   return change;
 }
 
 int Island::solve_velocities(const SolverOptions& options) {
+  const bool alone = std::all_of(lines.begin(), lines.end(), [this](const Line& line) {
+    return line.size[1] == 0 && line.at[0] == 0 && std::size_t(line.size[0]) == v.size();
+  });
+  switch (alone ? v.size() : 0) {
+    case 6:
+      return solve_velocities_of<RowsOf<6>>(options);
+    case 7:
+      return solve_velocities_of<RowsOf<7>>(options);
+    case 8:
+      return solve_velocities_of<RowsOf<8>>(options);
+    case 9:
+      return solve_velocities_of<RowsOf<9>>(options);
+    case 10:
+      return solve_velocities_of<RowsOf<10>>(options);
+    default:
+      return solve_velocities_of<AnyRows>(options);
+  }
+}
+
+template <class Rows>
+int Island::solve_velocities_of(const SolverOptions& options) {
   for (const Line& line : lines)
     if (line.lambda != 0.0) apply(line, line.lambda, v.data());
   const std::size_t rows = lines.size();
@@ -247,7 +323,7 @@ int Island::solve_velocities(const SolverOptions& options) {
       for (std::size_t i = 0; i < rows; ++i) last_lambda_[i] = lines[i].lambda;
       last_v_ = v;
     }
-    const double change = sweep(backwards);
+    const double change = sweep<Rows>(backwards);
     if (change < options.tolerance) return count;
     if (count % kPatience == 0) {
       if (change < idle && change > slow * before) return count;

@@ -76,10 +76,20 @@ class Island {
     double error = 0.0, push = 0.0;
   };
 
+  // `Rows`: AnyRows or RowsOf, see islands.cpp.
+  template <class Rows>
+  int solve_velocities_of(const SolverOptions& options);
+  template <class Rows>
   double relax_contact(const Block& block);
+  template <class Rows>
   double relax_ball(const Block& block);
+  template <class Rows>
   double relax_bearing(const Bearing& bearing);
+  template <class Rows>
+  double relax_two(const Bearing& bearing);
+  template <class Rows>
   void apply_bearing(const Bearing& bearing, const Eigen::Vector4d& change);
+  template <class Rows>
   double sweep(bool backwards);
   double go_on(double last_size);
   bool measure_gaps(double h, std::vector<Row>& rows);

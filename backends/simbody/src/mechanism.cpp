@@ -205,10 +205,13 @@ int Mechanism::axis_position(int joint, int axis) const {
 const std::vector<LinkMotion>& Mechanism::motions() const {
   const SimTK::ValueVersion q = state.getQValueVersion(), u = state.getUValueVersion();
   if (q == q_version_ && u == u_version_) return motions_;
+  system.realize(state, SimTK::Stage::Position);
   motions_.resize(links_.size());
+  matter.multiplyBySystemJacobian(state, state.getU(), velocities_);
+  const SimTK::SpatialVec* const velocities = &velocities_[0];
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const SimTK::MobilizedBody& body = links_[i].mobod;
-    const SimTK::SpatialVec& V = body.getBodyVelocity(state);
+    const SimTK::SpatialVec& V = velocities[int(body.getMobilizedBodyIndex())];
     if (q != q_version_) motions_[i].X = placement_of(body.getBodyTransform(state));
     motions_[i].angular = from_simtk(V[0]);
     motions_[i].linear = from_simtk(V[1]);

@@ -60,6 +60,11 @@ class Mechanism {
   SimTK::State state;
 
   void realize_velocity() { system.realize(state, SimTK::Stage::Velocity); }
+  /// Rates of the coordinates at the state.
+  void calc_qdot(SimTK::Vector& out) const {
+    system.realize(state, SimTK::Stage::Position);
+    matter.multiplyByN(state, false, state.getU(), out);
+  }
 
   /// Quaternions back to unit length and, with loops, coordinates and speeds back onto them.
   void project();
@@ -70,8 +75,9 @@ class Mechanism {
   void set_joint(const Link& link, const double* q, const double* u);
   void get_joint(const Link& link, double* q, double* u) const;
 
-  /// Of every link, at the state, which is realized to Velocity. Read from Simbody once for each
-  /// state: its accessors are slow.
+  /// Of every link, at the state, which is realized to Position: velocities are the system's Jacobian
+  /// times u, without the Coriolis terms that Simbody's velocity stage finds too. Read once for each
+  /// state: Simbody's accessors are slow.
   const std::vector<LinkMotion>& motions() const;
   Placement placement(const Link& link) const {
     return placement_of(link.mobod.getBodyTransform(state));
@@ -91,6 +97,7 @@ class Mechanism {
   int largest_ = 0;
   // What `motions_` holds is of these versions of q and u.
   mutable std::vector<LinkMotion> motions_;
+  mutable SimTK::Vector_<SimTK::SpatialVec> velocities_;  ///< by mobilized body
   mutable SimTK::ValueVersion q_version_ = -1, u_version_ = -1;
 };
 

@@ -144,7 +144,7 @@ void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
     side.speeds = c.offset;
     side.j = set_.pool.size();
     side.w = side.j + std::size_t(side.size);
-    set_.pool.resize(side.w + std::size_t(side.size), 0.0);
+    set_.pool.resize(side.w + std::size_t(side.size));
   }
   fill_row(c, c.find(link), wrench, sign, &set_.pool[row.side[row.sides - 1].j]);
 }
@@ -203,7 +203,7 @@ Row& RowBuilder::add_axis_row(const StepContext& context, int component, int loc
   side.speeds = c.offset;
   side.j = set_.pool.size();
   side.w = side.j + std::size_t(side.size);
-  set_.pool.resize(side.w + std::size_t(side.size), 0.0);
+  set_.pool.resize(side.w + std::size_t(side.size));
   if (local >= 0) {
     set_.pool[side.j + std::size_t(local)] = sign;
     row.effort_sign = sign;

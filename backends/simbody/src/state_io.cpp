@@ -57,7 +57,7 @@ void SimbodyWorld::get_state(WorldState& out) const {
   Mechanism& m = engine_->mechanism;
   const Stepper& stepper = engine_->stepper;
   const WorldState& gone = progress_.last_seen;
-  m.realize_velocity();
+  const std::vector<LinkMotion>& motions = m.motions();
   out.poses.resize(model.bodies.size());
   out.twists.resize(model.bodies.size());
   out.joint_positions.resize(std::size_t(model.joint_positions));
@@ -70,8 +70,8 @@ void SimbodyWorld::get_state(WorldState& out) const {
     if (link >= 0) {
       const SimTK::MobilizedBody& body = m.links()[std::size_t(link)].mobod;
       out.poses[b] = from_simtk(body.getBodyTransform(m.state));
-      const SimTK::SpatialVec& V = body.getBodyVelocity(m.state);
-      out.twists[b] = {from_simtk(V[1]), from_simtk(V[0])};
+      const LinkMotion& motion = motions[std::size_t(link)];
+      out.twists[b] = {motion.linear, motion.angular};
     } else if (model.bodies[b].removed && b < gone.poses.size()) {
       out.poses[b] = gone.poses[b];
       out.twists[b] = gone.twists[b];

@@ -55,8 +55,8 @@ Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions&
 }
 
 void Stepper::set(const SimTK::Vector& q, const SimTK::Vector& u) {
-  mechanism_.state.updQ() = q;
-  mechanism_.state.updU() = u;
+  copy(q, mechanism_.state.updQ());
+  copy(u, mechanism_.state.updU());
   for (Component& c : mechanism_.components()) c.current = false;
 }
 
@@ -77,9 +77,12 @@ void Stepper::advance(double dt, const std::vector<Drive>& drives,
   }
   if (mechanism_.state.getNU() == 0) return;
   for (int i = 0; i < options_.substeps; ++i) move(dt / options_.substeps);
-  std::stable_sort(records.begin(), records.end(), [](const auto& a, const auto& b) {
+  const auto by_pair = [](const ContactRecord& a, const ContactRecord& b) {
     return a.collider_a != b.collider_a ? a.collider_a < b.collider_a : a.collider_b < b.collider_b;
-  });
+  };
+  // They come in this order; only where a step has parts may some be out of it.
+  if (std::is_sorted(records.begin(), records.end(), by_pair)) return;
+  std::stable_sort(records.begin(), records.end(), by_pair);
 }
 
 void Stepper::sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double weight,
@@ -181,10 +184,9 @@ bool Stepper::build_rows(double h) {
 
 void Stepper::move(double h) {
   Mechanism& m = mechanism_;
-  m.realize_velocity();
-  q0_ = m.state.getQ();
-  u0_ = m.state.getU();
-  qdot0_ = m.state.getQDot();
+  copy(m.state.getQ(), q0_);
+  copy(m.state.getU(), u0_);
+  m.calc_qdot(qdot0_);
   for (Component& c : m.components()) c.current = false;
   classify_laws(m, *drives_, h, laws_);
   measure_speeds(h);
@@ -194,15 +196,13 @@ void Stepper::move(double h) {
   // the last step where contact was on then, so that steps with contact cost one evaluation.
   const bool remembered = memory.had_rows && memory.udot.size() == u0_.size();
   if (remembered) {
-    start_udot_ = memory.udot;
+    copy(memory.udot, start_udot_);
   } else {
     accelerations_.compute(laws_, start_udot_);
-    k_[0] = start_udot_;
+    copy(start_udot_, k_[0]);
   }
-  qm_ = q0_;
-  qm_ += (0.5 * h) * qdot0_;
-  um_ = u0_;
-  um_ += (0.5 * h) * start_udot_;
+  add(q0_, 0.5 * h, qdot0_, qm_);
+  add(u0_, 0.5 * h, start_udot_, um_);
   set(qm_, um_);
   accelerations_.compute(laws_, udot_);
   detect();
@@ -224,8 +224,8 @@ void Stepper::move(double h) {
   if (!apart) std::fill(untouched_.begin(), untouched_.end(), 0);
   solve_rows(h);
   if (apart) {
-    smooth_q_ = displaced_;
-    smooth_u_ = end_u_;
+    copy(displaced_, smooth_q_);
+    copy(end_u_, smooth_u_);
     runge_kutta(h, false);
     for (const Link& link : m.links()) {
       if (link.component < 0 || !untouched_[std::size_t(link.component)]) continue;
@@ -244,19 +244,17 @@ void Stepper::runge_kutta(double h, bool have_first) {
   Mechanism& m = mechanism_;
   const auto evaluate = [&](int stage) {
     accelerations_.compute(laws_, k_[stage]);
-    qk_[stage] = m.state.getQDot();
+    copy(m.state.getQDot(), qk_[stage]);
   };
   const auto go_to = [&](double step, int from) {
-    displaced_ = q0_;
-    displaced_ += step * qk_[from];
-    stage_ = u0_;
-    stage_ += step * k_[from];
+    add(q0_, step, qk_[from], displaced_);
+    add(u0_, step, k_[from], stage_);
     set(displaced_, stage_);
   };
-  qk_[0] = qdot0_;
+  copy(qdot0_, qk_[0]);
   if (have_first) {
-    k_[1] = udot_;
-    qk_[1] = m.state.getQDot();
+    copy(udot_, k_[1]);
+    copy(m.state.getQDot(), qk_[1]);
   } else {
     set(q0_, u0_);
     evaluate(0);
@@ -272,12 +270,12 @@ void Stepper::runge_kutta(double h, bool have_first) {
   evaluate(3);
   sum_efforts(m.state.getQ(), m.state.getU(), h / 6, true);
 
-  displaced_ = q0_;
-  stage_ = u0_;
+  copy(q0_, displaced_);
+  copy(u0_, stage_);
   for (int i = 0; i < 4; ++i) {
     const double weight = (i == 0 || i == 3) ? h / 6 : h / 3;
-    displaced_ += weight * qk_[i];
-    stage_ += weight * k_[i];
+    add(displaced_, weight, qk_[i], displaced_);
+    add(stage_, weight, k_[i], stage_);
   }
 }
 
@@ -287,10 +285,12 @@ void Stepper::solve_rows(double h) {
   for (const Component& c : m.components()) speeds += c.size();
   dv_.assign(std::size_t(speeds), 0.0);
   displacement_.assign(std::size_t(speeds), 0.0);
+  const double* const udot = numbers(udot_);
+  const double* const start_udot = numbers(start_udot_);
   for (const Component& c : m.components())
     for (int k = 0; k < c.size(); ++k) {
       const int u = c.speeds[std::size_t(k)];
-      dv_[std::size_t(c.offset + k)] = h * (udot_[u] - 0.5 * start_udot_[u]);
+      dv_[std::size_t(c.offset + k)] = h * (udot[u] - 0.5 * start_udot[u]);
     }
   warm_start(h);
   balance_pairs();
@@ -299,16 +299,20 @@ void Stepper::solve_rows(double h) {
   sum_efforts(m.state.getQ(), m.state.getU(), h, false);
 
   // u at the end; q over the second half with it, and the displacement of the position stage.
-  end_u_ = u0_;
-  stage_ = (0.5 * h) * u0_;
+  copy(u0_, end_u_);
+  copy(u0_, stage_);
+  const double* const middle_u = numbers(um_);
+  double* const end_u = numbers(end_u_);
+  double* const second_half = numbers(stage_);
+  for (int u = 0; u < stage_.size(); ++u) second_half[u] *= 0.5 * h;
   for (const Component& c : m.components())
     for (int k = 0; k < c.size(); ++k) {
       const int u = c.speeds[std::size_t(k)];
-      end_u_[u] = um_[u] + dv_[std::size_t(c.offset + k)];
-      stage_[u] = 0.5 * h * end_u_[u] + displacement_[std::size_t(c.offset + k)];
+      end_u[u] = middle_u[u] + dv_[std::size_t(c.offset + k)];
+      second_half[u] = 0.5 * h * end_u[u] + displacement_[std::size_t(c.offset + k)];
     }
   m.matter.multiplyByN(m.state, false, stage_, displaced_);
-  displaced_ += qm_;
+  add(displaced_, 1.0, qm_, displaced_);
   contact_impulses_.clear();
   for (const ContactRows& contact : set_.contacts) contact_impulses_.push_back(impulse_of(contact));
   remember(h);

@@ -113,8 +113,12 @@ class Stepper {
 
   RowSet set_;
   std::vector<char> untouched_;  ///< (ncomponent): no row concerns it in this step
-  std::vector<FreeMomentum> momenta_;
-  std::vector<Vec3> warm_;  ///< impulses to start from, by contact
+  struct Gain {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  };
+  std::vector<FreeMomentum> momenta_, start_momenta_;
+  std::vector<Gain> gained_;  ///< (ncomponent)
+  std::vector<Vec3> warm_;    ///< impulses to start from, by contact
   std::vector<ContactPoint> points_;
   std::vector<double> margins_;  ///< (nlink)
   SimTK::Vector q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_,

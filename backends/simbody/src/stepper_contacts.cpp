@@ -171,9 +171,9 @@ void Stepper::remember(double h) {
     w.force = contact_impulses_[std::size_t(&contact - set_.contacts.data())] / h;
     memory.contacts.push_back(w);
   }
-  memory.udot = end_u_;
-  memory.udot -= u0_;
-  memory.udot *= 1.0 / h;
+  add(end_u_, -1.0, u0_, memory.udot);
+  double* const udot = numbers(memory.udot);
+  for (int u = 0; u < memory.udot.size(); ++u) udot[u] *= 1.0 / h;
   memory.had_rows = true;
 }
 

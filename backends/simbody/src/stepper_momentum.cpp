@@ -35,14 +35,10 @@ void Stepper::measure_momenta() {
 void Stepper::conserve_momentum(double h) {
   Mechanism& m = mechanism_;
   if (momenta_.empty()) return;
-  const std::vector<FreeMomentum> start = momenta_;
-  m.realize_velocity();
+  start_momenta_ = momenta_;
   measure_momenta();
-  // Impulses of contact, by component.
-  struct Gain {
-    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
-  };
-  std::vector<Gain> gained(m.components().size());
+  // Impulses of contact.
+  gained_.assign(m.components().size(), Gain());
   for (std::size_t index = 0; index < set_.contacts.size(); ++index) {
     const ContactRows& contact = set_.contacts[index];
     const int bodies[2] = {detector_.colliders()[std::size_t(contact.point.collider_a)].body,
@@ -52,8 +48,8 @@ void Stepper::conserve_momentum(double h) {
       const int component = link < 0 ? -1 : m.links()[std::size_t(link)].component;
       if (component < 0) continue;
       const Vec3 impulse = (side == 0 ? -1.0 : 1.0) * contact_impulses_[index];
-      gained[std::size_t(component)].linear += impulse;
-      gained[std::size_t(component)].angular += contact.point.point.cross(impulse);
+      gained_[std::size_t(component)].linear += impulse;
+      gained_[std::size_t(component)].angular += contact.point.point.cross(impulse);
     }
   }
   const std::vector<LinkMotion>& motions = m.motions();
@@ -61,10 +57,11 @@ void Stepper::conserve_momentum(double h) {
     const FreeMomentum& end = momenta_[i];
     if (untouched_[std::size_t(end.component)]) continue;
     const Vec3 weight = h * end.mass * model_.physics.gravity;
-    Vec3 linear = start[i].linear + weight - end.linear;
-    Vec3 angular = start[i].angular + (0.5 * (start[i].com + end.com)).cross(weight) - end.angular;
-    linear += gained[std::size_t(end.component)].linear;
-    angular += gained[std::size_t(end.component)].angular;
+    Vec3 linear = start_momenta_[i].linear + weight - end.linear;
+    Vec3 angular = start_momenta_[i].angular +
+                   (0.5 * (start_momenta_[i].com + end.com)).cross(weight) - end.angular;
+    linear += gained_[std::size_t(end.component)].linear;
+    angular += gained_[std::size_t(end.component)].angular;
     const Vec3 omega = end.inertia.inverse() * (angular - end.com.cross(linear));
     const int first = m.components()[std::size_t(end.component)].links[0];
     const Link& base = m.links()[std::size_t(first)];

@@ -43,8 +43,8 @@ void SimbodyWorld::start(SceneModelPtr model) {
 
 StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
   Mechanism& m = engine_->mechanism;
-  progress_.start_q = m.state.getQ();
-  progress_.start_u = m.state.getU();
+  copy(m.state.getQ(), progress_.start_q);
+  copy(m.state.getU(), progress_.start_u);
   StepResult result;
   try {
     engine_->stepper.advance(dt, drives, progress_.twists);
@@ -71,10 +71,10 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
 }
 
 int SimbodyWorld::find_diverged() const {
-  Mechanism& m = engine_->mechanism;
-  m.realize_velocity();
+  const Mechanism& m = engine_->mechanism;
+  const std::vector<LinkMotion>& motions = m.motions();
   for (std::size_t i = 0; i < m.links().size(); ++i) {
-    const LinkMotion& motion = m.motions()[i];
+    const LinkMotion& motion = motions[i];
     // Written so that a NaN fails.
     const bool fine = motion.X.p.norm() < kFarthest && motion.linear.norm() < kFastest &&
                       motion.angular.norm() < kFastest * 10;
