@@ -19,6 +19,10 @@ btCollisionShape* no_shape() {
   return &shape;
 }
 
+bool is_identity(const Pose& X) {
+  return X.q.w() == 1.0 && X.p[0] == 0.0 && X.p[1] == 0.0 && X.p[2] == 0.0;
+}
+
 /// `v` turned by the rotation vector `r` (Rodrigues' formula, coefficients by series for the small
 /// angles of one step).
 btVector3 rotated(const btVector3& v, const btVector3& r) {
@@ -149,10 +153,16 @@ PrincipalState RigidBody::predicted(double dt) const {
   return state;
 }
 
-Pose RigidBody::pose() const { return from_bt(object_->getWorldTransform()) * X_BP_.inverse(); }
+Pose RigidBody::pose() const {
+  const Pose X_WP = from_bt(object_->getWorldTransform());
+  // Of most bodies both frames are one: the same figures with much less work.
+  if (is_identity(X_BP_)) return {X_WP.p, X_WP.q.normalized()};
+  return X_WP * X_BP_.inverse();
+}
 
 Twist RigidBody::twist() const {
   const Vec3 w = from_bt(object_->getAngularVelocity());
+  if (is_identity(X_BP_)) return {from_bt(object_->getLinearVelocity()), w};
   const Vec3 to_origin =
       -(from_bt(object_->getWorldTransform().getBasis()) * (X_BP_.q.conjugate() * X_BP_.p));
   return {from_bt(object_->getLinearVelocity()) + w.cross(to_origin), w};
