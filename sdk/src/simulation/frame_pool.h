@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cassert>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <vector>
 
 #include "cogrsim/physics/frame.h"
@@ -23,10 +25,61 @@ class FramePool : public std::enable_shared_from_this<FramePool> {
       }
     }
     if (!frame) frame = std::make_unique<Frame>();
-    return {frame.release(), [pool = shared_from_this()](Frame* f) { pool->give_back(f); }};
+    const std::shared_ptr<FramePool> self = shared_from_this();
+    return {frame.release(), [self](Frame* f) { self->give_back(f); }, BlockAllocator<Frame>(self)};
+  }
+
+  ~FramePool() {
+    for (void* block : blocks_) ::operator delete(block);
   }
 
  private:
+  /// Where shared pointers count their owners: blocks of one size, which are kept, too.
+  template <class T>
+  struct BlockAllocator {
+    using value_type = T;
+    explicit BlockAllocator(std::shared_ptr<FramePool> owner) : pool(std::move(owner)) {}
+    template <class Other>
+    BlockAllocator(const BlockAllocator<Other>& other) : pool(other.pool) {}
+    T* allocate(std::size_t count) {
+      assert(count == 1);
+      return static_cast<T*>(pool->take_block(count * sizeof(T)));
+    }
+    void deallocate(T* block, std::size_t) { pool->give_back_block(block); }
+    template <class Other>
+    bool operator==(const BlockAllocator<Other>& other) const {
+      return pool == other.pool;
+    }
+    template <class Other>
+    bool operator!=(const BlockAllocator<Other>& other) const {
+      return pool != other.pool;
+    }
+
+    std::shared_ptr<FramePool> pool;
+  };
+
+  void* take_block(std::size_t size) {
+    {
+      std::lock_guard lock(mutex_);
+      if (!blocks_.empty()) {
+        void* const block = blocks_.back();
+        blocks_.pop_back();
+        return block;
+      }
+    }
+    return ::operator new(size);
+  }
+  void give_back_block(void* block) {
+    {
+      std::lock_guard lock(mutex_);
+      if (blocks_.size() < kKeptFrames) {
+        blocks_.push_back(block);
+        return;
+      }
+    }
+    ::operator delete(block);
+  }
+
   // Frames that wait for the disk come back in batches; so many are kept that the next batch needs
   // no new memory, but never more than this much of it.
   static constexpr std::size_t kKeptFrames = 4096;
@@ -54,6 +107,7 @@ class FramePool : public std::enable_shared_from_this<FramePool> {
 
   std::mutex mutex_;
   std::vector<std::unique_ptr<Frame>> free_;
+  std::vector<void*> blocks_;  ///< idle, see BlockAllocator
 };
 
 }  // namespace cogrsim
