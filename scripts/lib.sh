@@ -1,11 +1,22 @@
 # Shared by the scripts beside it; source it, do not run it. Needs bash.
 #
-# COGRSIM_PRESET chooses the CMake preset (default: release).
+# COGRSIM_PRESET chooses the CMake preset (default: release), COGRSIM_BUILD_DIR another build folder.
 
 repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 preset=${COGRSIM_PRESET:-release}
 build_dir=$repo/build
 [ "$preset" = release ] || build_dir=$repo/build-$preset
+build_dir=${COGRSIM_BUILD_DIR:-$build_dir}
+
+# Under a sanitizer a program ends at the first finding. What is known of libraries that are not ours
+# stands in tests/sanitizers, with the reason.
+if [ "$preset" = asan ]; then
+  export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1:${ASAN_OPTIONS:-}
+  export LSAN_OPTIONS=suppressions=$repo/tests/sanitizers/lsan.supp:print_suppressions=0:${LSAN_OPTIONS:-}
+  export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1:${UBSAN_OPTIONS:-}
+elif [ "$preset" = tsan ]; then
+  export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=$repo/tests/sanitizers/tsan.supp:${TSAN_OPTIONS:-}
+fi
 
 packages=(
   cmake ninja-build g++ ccache pkg-config
@@ -62,7 +73,7 @@ install_missing() {
 
 configure() {
   say "configuring $build_dir (preset $preset)"
-  (cd "$repo" && cmake --preset "$preset" --log-level=WARNING)
+  (cd "$repo" && cmake --preset "$preset" -B "$build_dir" --log-level=WARNING)
 }
 
 # Builds the targets given.

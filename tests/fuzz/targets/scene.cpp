@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kPart = R"xml(<scene name="part" version="1">
   <material name="rubber" friction="0.9"/>
-  <prototype name="Wheel"><param name="r" value="3 cm"/>
+  <prototype name="Wheel"><param name="r" default="3 cm"/>
     <cylinder name="wheel" radius="${r}" length="1 cm" mass="0.1" material="rubber"/></prototype>
 </scene>)xml";
 
