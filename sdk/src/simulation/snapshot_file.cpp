@@ -230,7 +230,8 @@ Result<SnapshotFile> SnapshotFile::read(const std::string& path) {
       !file.contains("version") || !file["version"].is_number_integer()) {
     return refuse("is not a snapshot", "snapshots are made by cogrsim run --save-at");
   }
-  if (const auto version = file["version"].get<std::int64_t>(); version > kSnapshotVersion || version < 1) {
+  if (const auto version = file["version"].get<std::int64_t>();
+      version > kSnapshotVersion || version < 1) {
     return refuse("is a snapshot of version " + std::to_string(version) + ", this program reads " +
                       std::to_string(kSnapshotVersion),
                   "use the cogrsim that wrote it, or a newer one");
