@@ -25,6 +25,7 @@ class BodyState {
   Motion now;
 
   bool dynamic() const { return kind == BodyKind::dynamic && !removed; }
+  const Vec3& com() const { return com_; }
   double mass() const { return mass_; }
   const Mat3& inertia() const { return inertia_; }  ///< body axes, about the centre of mass
   Mat3 inertia_at(const Quat& q) const;             ///< world axes

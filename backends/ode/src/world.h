@@ -47,6 +47,7 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
     Rows::Touch row;
     int handle = -1;
     double friction = 0.0;      ///< coefficient
+    double vn = 0.0;            ///< speed of separation in the free motion [m/s]
     double cap = -1.0;          ///< bound by the load found last [N]
     Vec3 along = Vec3::Zero();  ///< direction of the friction found last
   };
@@ -117,6 +118,7 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
   std::vector<Vec3> momentum_;       ///< angular, before the rows
   std::vector<Pose> ends_;           ///< where free motion would lead
   std::vector<char> solved_;         ///< 0: it flies; 1, 2: ODE moves it, exactly or by sweeps
+  int largest_ = 0;                  ///< rows of the largest island that is solved exactly
   std::vector<char> in_loop_;        ///< by body
   std::vector<JointStep> joints_;
   std::vector<std::vector<int>> motors_of_;  ///< by joint
