@@ -20,9 +20,9 @@ using namespace cogrsim;
 
 namespace {
 
-constexpr int kWorlds = 64, kElite = 8, kGenerations = 10;
+constexpr int kWorlds = 64, kElite = 8, kGenerations = 6;
 constexpr int kSteps = 5;         // of 2 ms, between two pushes
-constexpr double kSeconds = 4.0;  // of an episode
+constexpr double kSeconds = 3.0;  // of an episode
 
 // force = gains * (x, v, angle, rate): [N/m], [N s/m], [N/rad], [N s/rad]
 using Gains = std::array<double, 4>;

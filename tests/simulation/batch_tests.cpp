@@ -235,8 +235,8 @@ TEST_CASE("controllers in a batch run and fault each in its own world", "[batch]
   options.backend = backend;
   options.threads = 2;
   options.observations = {"bot.axle.velocity"};
-  std::vector<SceneModelPtr> scenes;
-  for (int i = 0; i < 6; ++i) scenes.push_back((i == 3 ? bad : good).builder.build());
+  std::vector<SceneModelPtr> scenes(6, good.builder.build());
+  scenes[3] = bad.builder.build();
   const auto batch = made(Batch::create(scenes, options, loader()));
   batch->step(200);
   for (int i = 0; i < 6; ++i) {
