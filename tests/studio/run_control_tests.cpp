@@ -103,6 +103,32 @@ TEST_CASE("another step takes effect at once and changes the result", "[studio][
   CHECK(page.status().at("time").get<double>() == Approx(0.040));
 }
 
+TEST_CASE("controllers are reloaded while the run is paused", "[studio][run]") {
+  const std::string scene = R"(<scene name="wheel" version="1">
+  <assembly name="bot">
+    <cylinder name="wheel" radius="10 cm" length="2 cm" xyz="0 0 1"/>
+    <hinge name="axle" child="wheel" axis="0 0 1"/>
+    <motor name="drive" joint="axle" mode="torque" max-torque="1 N*m"/>
+    <controller name="mind" plugin="joint_pid"><set motors="drive" target="1 rad"/></controller>
+  </assembly>
+</scene>)";
+  Page page;
+  page.join(1);
+  page.show(scene);
+  CHECK(page.error("reload").find("while the run is paused") != std::string::npos);
+  page.get("step", {{"count", 20}});
+  CHECK(page.error("reload", {{"controller", "bot.mint"}}).find("bot.mint") != std::string::npos);
+  CHECK(page.error("reload", {{"controller", 7}}).find("controller") != std::string::npos);
+  const Json done = page.get("reload");
+  REQUIRE(done.at("reloaded").size() == 1);
+  CHECK(done.at("reloaded")[0].at("controller") == "bot.mind");
+  CHECK(done.at("reloaded")[0].at("memory_kept") == true);
+  CHECK(done.at("kept").empty());
+  CHECK(page.get("reload", {{"controller", "bot"}}).at("reloaded").size() == 1);
+  page.get("play");
+  CHECK(page.error("reload").find("while the run is paused") != std::string::npos);
+}
+
 TEST_CASE("requests with wrong fields are refused by name", "[studio][run]") {
   Page page;
   page.join(1);

@@ -267,6 +267,41 @@ Answer Engine::set_speed(std::optional<double> factor) {
   return Json::object();
 }
 
+Answer Engine::reload(const std::optional<std::string>& controller) {
+  if (!simulation_ || state_ != State::paused) {
+    return fail("controllers are reloaded while the run is paused", "", "pause it first");
+  }
+  if (ghost_) {
+    return fail("controllers are not reloaded while two runs are compared", "",
+                "end the comparison first");
+  }
+  std::vector<std::string> names;
+  if (controller) {
+    names.push_back(*controller);
+  } else {
+    for (const ControllerModel& mind : simulation_->model()->controllers) {
+      if (!mind.removed) names.push_back(mind.name);
+    }
+  }
+  if (names.empty()) return fail("the scene has no controllers");
+  Json reloaded = Json::array(), kept = Json::array();
+  for (const std::string& name : names) {
+    const auto done = simulation_->reload_controller(name);
+    if (!done && controller) return tl::unexpected(done.error());
+    if (!done) {
+      kept.push_back({{"controller", name}, {"message", done.error().text()}});
+      continue;
+    }
+    reloaded.push_back({{"controller", done->controller},
+                        {"version", done->version},
+                        {"memory_kept", done->memory_kept},
+                        {"note", done->note}});
+  }
+  collect_messages();
+  publish(true);
+  return Json{{"reloaded", std::move(reloaded)}, {"kept", std::move(kept)}};
+}
+
 Answer Engine::set_step(std::optional<double> dt) {
   if (!simulation_) {
     dt_ = dt;

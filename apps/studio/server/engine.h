@@ -50,6 +50,8 @@ class Engine {
   Answer set_speed(std::optional<double> factor);
   Answer set_step(std::optional<double> dt);
   Answer set_backend(const std::string& name);
+  /// The library of a controller, or of all of them, as it is on disk now: while paused.
+  Answer reload(const std::optional<std::string>& controller);
   Answer record(bool on, const std::optional<std::string>& file);
   Answer compare(CompareWish wish);
   Answer end_compare();

@@ -15,9 +15,9 @@ constexpr std::array<std::string_view, 7> kAtOnce = {"seek",   "step-back", "liv
                                                      "events", "cameras",   "view"};
 constexpr std::array<std::string_view, 5> kComputed = {"signals", "series", "divergence", "plots",
                                                        "figure"};
-constexpr std::array<std::string_view, 11> kSteering = {
-    "play", "pause",   "stop",   "restart", "step",       "speed",
-    "dt",   "backend", "record", "compare", "compare-off"};
+constexpr std::array<std::string_view, 12> kSteering = {
+    "play", "pause",   "stop",   "restart", "step",        "speed",
+    "dt",   "backend", "record", "compare", "compare-off", "reload"};
 
 template <class List>
 bool among(const List& list, std::string_view what) {

@@ -76,6 +76,10 @@ class LiveRun final : public Run {
       if (!name) return tl::unexpected(name.error());
       if (auto good = plugin_name(*name); !good) return good;
       answer([v = *name](Engine& e) { return e.set_backend(v); });
+    } else if (what == "reload") {
+      const auto controller = fields::maybe_text(f, "controller");
+      if (!controller) return tl::unexpected(controller.error());
+      answer([c = *controller](Engine& e) { return e.reload(c); });
     } else if (what == "record") {
       const auto on = fields::truth(f, "on", true);
       const auto file = fields::maybe_text(f, "file");

@@ -4,7 +4,7 @@ import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
 import type { Playback } from "../timeline/playback";
 import { neighbour } from "../timeline/scale";
-import { kSpeeds, next_speed, play_means, recorded, speed_text, why_not, type Action, type Situation } from "./rules";
+import { kSpeeds, next_speed, play_means, recorded, reload_text, speed_text, why_not, type Action, type Situation } from "./rules";
 
 export class Control {
   constructor(
@@ -96,6 +96,11 @@ export class Control {
     const notes = Array.isArray(answer?.notes) ? (answer.notes as unknown[]) : [];
     if (answer) this.studio.notify([`the run goes on with ${name}`, ...notes.map(String)].join("; "));
   }
+  /** The libraries of all controllers as they are on disk now. */
+  async reload(): Promise<void> {
+    const answer = await this.ask("reload");
+    if (answer) this.studio.notify(reload_text(answer));
+  }
   async record(file: string): Promise<void> {
     const on = !this.studio.state.status.value?.recording;
     const answer = await this.ask("record", on && file ? { on, file } : { on });
@@ -142,6 +147,7 @@ export class Control {
     add("run:live", "Follow the run (live)", "live", () => this.playback.live());
     add("run:previous-event", "Previous event", null, () => this.to_bookmark(-1));
     add("run:next-event", "Next event", null, () => this.to_bookmark(1));
+    add("run:reload", "Reload controllers", "reload", () => void this.reload());
     add("run:record", "Record, or end the recording", "record", () => void this.record(""));
     // menus and palette read what is enabled when they open; a palette that is open is told
     effect(() => {

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Hello, Status } from "../core/protocol";
-import { next_speed, play_means, read_step, step_hint, step_text, why_not, type Action, type Situation } from "./rules";
+import { next_speed, play_means, read_step, reload_text, step_hint, step_text, why_not, type Action, type Situation } from "./rules";
 
 const hello: Hello = {
   role: "operator",
@@ -43,7 +43,7 @@ test("play in the past plays what was run, at the front it runs", () => {
 
 test("a viewer may look, not steer", () => {
   const viewer = { hello: { ...hello, role: "viewer" as const } };
-  for (const action of ["play", "stop", "restart", "step", "speed", "dt", "backend", "record"] as Action[]) {
+  for (const action of ["play", "stop", "restart", "step", "speed", "dt", "backend", "record", "reload"] as Action[]) {
     assert.match(why_not(action, now(viewer)) ?? "", /operator/, action);
   }
   assert.ok(can("step-back", viewer));
@@ -52,10 +52,20 @@ test("a viewer may look, not steer", () => {
   assert.ok(can("live", { ...viewer, live: false }));
 });
 
+test("controllers are reloaded while the run is paused", () => {
+  assert.ok(can("reload", {}));
+  assert.equal(why_not("reload", now({ status: { ...status, state: "playing" } })), "pause the run first");
+  const answer = {
+    reloaded: [{ controller: "bot.mind", version: "2.0.0", memory_kept: false, note: "it began anew" }],
+    kept: [{ controller: "other.mind", message: "controller 'other.mind' was not reloaded" }],
+  };
+  assert.equal(reload_text(answer), "bot.mind reloaded (2.0.0): it began anew; controller 'other.mind' was not reloaded");
+});
+
 test("a recording is played, not changed", () => {
   const past = { hello: { ...hello, kind: "recording" as const }, live: false };
   for (const action of ["play", "step", "step-back", "speed", "stop", "restart"] as Action[]) assert.ok(can(action, past));
-  for (const action of ["dt", "backend", "record", "live", "pause"] as Action[]) assert.ok(!can(action, past), action);
+  for (const action of ["dt", "backend", "record", "live", "pause", "reload"] as Action[]) assert.ok(!can(action, past), action);
   assert.ok(can("pause", { ...past, replaying: true }));
 });
 

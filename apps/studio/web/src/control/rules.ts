@@ -29,7 +29,7 @@ export interface Situation {
   replaying: boolean;
 }
 
-export type Action = "play" | "pause" | "stop" | "restart" | "step" | "step-back" | "speed" | "dt" | "backend" | "record" | "live";
+export type Action = "play" | "pause" | "stop" | "restart" | "step" | "step-back" | "speed" | "dt" | "backend" | "record" | "live" | "reload";
 
 /** What play does: run the page's cursor through what was run, or the simulation. */
 export function play_means(now: Situation): "replay" | "run" {
@@ -73,11 +73,23 @@ export function why_not(action: Action, now: Situation): string | null {
     case "live":
       if (past) return "a recording has no present";
       return now.live ? "the page follows the run already" : null;
+    case "reload":
+      if (past) return "a recording has no controllers";
+      return viewer ?? (status.state === "paused" ? null : "pause the run first");
     case "dt":
     case "backend":
     case "record":
       return past ? "a recording stays as it was run" : viewer;
   }
+}
+
+/** What an answer to `reload` says, in a sentence for each controller. */
+export function reload_text(answer: Record<string, unknown>): string {
+  const entries = (key: string) => (Array.isArray(answer[key]) ? (answer[key] as Record<string, unknown>[]) : []);
+  const done = entries("reloaded").map(
+    (one) => `${String(one.controller)} reloaded (${String(one.version)})${one.note ? `: ${String(one.note)}` : ""}`,
+  );
+  return [...done, ...entries("kept").map((one) => String(one.message))].join("; ");
 }
 
 /** [s] from what was typed in ms; an error as text. */

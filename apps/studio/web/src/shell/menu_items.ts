@@ -29,7 +29,7 @@ export const kMenus: [title: string, kind: string, first: (string | null)[]][] =
   [
     "Run",
     "run",
-    ["run:toggle", "run:stop", "run:restart", null, "run:step-back", "run:step", null, "run:slower", "run:faster", null, "run:live"],
+    ["run:toggle", "run:stop", "run:restart", null, "run:step-back", "run:step", null, "run:slower", "run:faster", null, "run:reload", null, "run:live"],
   ],
   ["Tools", "tools", []],
   ["Help", "help", ["help:palette", "help:shortcuts"]],
