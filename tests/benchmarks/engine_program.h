@@ -47,7 +47,7 @@ class EngineProgram {
 ///
 ///     (at the start)  {"engine", "version", "settings", "scene", "bodies", "build_us"}
 ///                      or {"unsupported": "why"} or {"failed": "why"}
-///     step N          {"us": time of the N steps [us]}
+///     step N          {"us": processor time of the N steps [us]}
 ///     state           {"check", "seen", "turn": of the last body, "memory": resident, more than
 ///                      before the scene was built [byte]}
 ///     quit            (ends)

@@ -29,7 +29,7 @@ void draw_picture(figures::Figure figure, const std::string& path) {
 void draw_precision(const std::vector<PrecisionPoint>& points, const std::string& path) {
   figures::Figure figure;
   figure.title = "Tumbling box: what accuracy costs";
-  figure.x = {"time on the wall for a simulated second", "us", true};
+  figure.x = {"processor time for a simulated second", "us", true};
   figure.y = {fmt::format("error of the orientation after {:g} s", kPrecisionTime), "rad", true};
   std::map<std::string, std::pair<std::vector<double>, std::vector<double>>> lines;
   for (const PrecisionPoint& point : points) {
@@ -48,7 +48,7 @@ void draw_growth(const std::vector<Row>& rows, const std::string& title, const s
   figures::Figure figure;
   figure.title = title;
   figure.x = {what, "", true};
-  figure.y = {"time for a step", "us", true};
+  figure.y = {"processor time for a step", "us", true};
   std::map<std::string, std::pair<std::vector<double>, std::vector<double>>> lines;
   for (const Row& row : rows) {
     if (!row.missing.empty()) continue;
@@ -261,8 +261,9 @@ void write_markdown(const Results& results, const std::string& path, const std::
       "\n## How it is measured\n\n"
       "Each engine has a program that builds the same scene the way the engine's manual would and "
       "makes the same steps.\nAll programs of a scene wait in processes of their own; after a "
-      "warm-up they take rounds in turn, on one core. Given are\nmedians over the rounds and "
-      "quartiles; a ratio is that of neighbouring rounds, so that whatever else the machine does "
+      "warm-up they take rounds in turn, one at a time. Given are\nmedians over the rounds and "
+      "quartiles of the processor time of all threads; a ratio is that of neighbouring rounds, so "
+      "that whatever else the machine does "
       "hits\nboth. `cogrsim-X` is our backend X, its ratio is to `raw-X`; that of "
       "`ignition-bullet` is to `raw-bullet`, that of\n`raw-simbody-mesh` to `cogrsim-simbody`. An "
       "engine that cannot do a scene says why.\n\n"

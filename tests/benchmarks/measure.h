@@ -34,7 +34,7 @@ struct Row {
   std::string scene, title;               ///< Scene::name, Scene::title
   int bodies = 0, rounds = 0, steps = 0;  ///< steps in a round
   double dt = 0;                          ///< [s]
-  Spread time;                            ///< [us/step]
+  Spread time;                            ///< processor time [us/step]
   std::string raw;                        ///< engine the ratio is to; empty: none
   std::optional<Spread> ratio;            ///< of neighbouring rounds
   std::string check_text;
