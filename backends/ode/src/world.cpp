@@ -27,10 +27,14 @@ constexpr double kLineEnds = 1e3;
 // they share it, and changes speeds by that part of what a step changes them.
 constexpr double kLoopSoftness = 1e-9;
 // How far friction may be from Coulomb's law before the step is solved again, and how often it is.
-constexpr double kFrictionError = 3e-4;
+constexpr double kFrictionError = 2e-3;
+constexpr double kSameWay = 0.9998;  // cosine of 0.02 rad
+// What friction may do across the way of the sliding, or of the force that was too much, as part of
+// its bound: with all of it, it would hold the way as a rail does; with none, small motions chatter.
+constexpr double kSlidingAside = 0.05, kStickingAside = 0.3;
 constexpr double kSliding = 1e-6;    // [m/s]
 constexpr double kSlightest = 1e-5;  // [N]
-constexpr int kMostPasses = 4, kFewestPasses = 2;
+constexpr int kMostPasses = 5, kFewestPasses = 2;
 constexpr int kFewRows = 100;  // up to which passes cost little
 // Islands with more rows than this go to the quick solver: the exact one costs their cube.
 constexpr int kMostExactRows = 200;
@@ -524,20 +528,30 @@ bool OdeWorld::bound_friction() {
     const Vec3 v = speed(touch.body_b, row.at) - speed(touch.body_a, row.at);
     const Vec3 slide = v - v.dot(row.n) * row.n;
     const double sliding = slide.norm();
-    const double tolerance = kFrictionError * bound + kFrictionError * kSlightest;
+    const double tolerance = kFrictionError * (bound + kSlightest);
+    const bool slides = sliding > kSliding, beyond = force > bound + tolerance;
+    const bool astray = slides && row.fixed_cap && slide.dot(row.s) < kSameWay * sliding;
     point.cap = bound;
     point.along = Vec3::Zero();
-    if (force > bound + tolerance) point.along = across / force;
-    if (sliding > kSliding) point.along = slide / sliding;
+    point.aside = 1.0;
+    if (beyond) {
+      point.along = across / force;
+      point.aside = kStickingAside;
+    }
+    if (slides) {
+      point.along = slide / sliding;
+      point.aside = kSlidingAside;
+    }
     // The ends of a line bear next to nothing, and slide whenever it turns.
     if (touch.line_end) continue;
-    again = again || force > bound + tolerance || (sliding > kSliding && force < bound - tolerance);
+    again = again || beyond || astray || (slides && force < bound - tolerance);
   }
   if (!again) return false;
   for (Point& point : points_) {
     if (point.cap < 0.0) continue;
     point.row.fixed_cap = true;
-    point.row.cap = point.row.cap_t = point.cap;
+    point.row.cap = point.cap;
+    point.row.cap_t = point.aside * point.cap;
     if (point.along != Vec3::Zero()) point.row.s = point.along;
   }
   return true;

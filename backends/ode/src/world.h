@@ -49,6 +49,7 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
     double friction = 0.0;      ///< coefficient
     double vn = 0.0;            ///< speed of separation in the free motion [m/s]
     double cap = -1.0;          ///< bound by the load found last [N]
+    double aside = 1.0;         ///< part of it that holds across `along`
     Vec3 along = Vec3::Zero();  ///< direction of the friction found last
   };
 
