@@ -5,11 +5,10 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <protozero/pbf_reader.hpp>
-#include <protozero/pbf_writer.hpp>
 
 #include "cogrsim/rendering/renderer.h"
 #include "recording/model_json.h"
+#include "recording/protobuf.h"
 
 namespace cogrsim {
 

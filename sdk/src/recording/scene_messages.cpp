@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <protozero/pbf_reader.hpp>
-#include <protozero/pbf_writer.hpp>
-
 #include "cogrsim/sensing/instruments.h"
+#include "recording/protobuf.h"
 
 namespace cogrsim {
 
