@@ -29,8 +29,8 @@ struct Tick {
 class Controller {
  public:
   virtual ~Controller() = default;
-  /// Once before the run, and again after every restart, on a new object. `robot` outlives the
-  /// controller: a reference to it may be kept.
+  /// Once before the run, and again after every restart, on a new object. `robot` is gone
+  /// afterwards: keep handles, or a copy, which is cheap and refers to the same assembly.
   virtual void configure(Assembly& robot) = 0;
   /// At the controller's own rate. An exception stops this controller (or the run, as the scene's
   /// `on-fault` says) and is reported with robot, time and message.

@@ -52,9 +52,12 @@ struct ParameterSpec {
 };
 
 /// Declares a parameter; the literal decides the type (0.2 number, 3 integer, true boolean,
-/// "left" text, std::vector<double>{} number list).
+/// "left" text, std::vector<double>{} number list). A number without a unit is a plain one.
 inline ParameterSpec parameter(std::string name, double value, std::string unit, std::string text) {
   return {std::move(name), value, std::move(unit), std::move(text)};
+}
+inline ParameterSpec parameter(std::string name, double value, std::string text) {
+  return {std::move(name), value, "", std::move(text)};
 }
 inline ParameterSpec parameter(std::string name, int value, std::string text) {
   return {std::move(name), std::int64_t{value}, "", std::move(text)};
