@@ -5,32 +5,19 @@
 
 #include "terminal.h"
 #include "test_command.h"
+#include "zoom_chart.h"
 
 namespace cogrsim::cli {
 namespace {
 
-// XML 1.0 takes no control characters but tab and newline.
+// XML 1.0 takes no control characters but tab and newline, and attributes no newline as it is.
 std::string escaped(const std::string& text) {
   std::string out;
-  for (const char c : printable(text)) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\n':
-        out += "&#10;";
-        break;
-      default:
-        out += c;
+  for (const char c : html_escaped(printable(text))) {
+    if (c == '\n') {
+      out += "&#10;";
+    } else {
+      out += c;
     }
   }
   return out;

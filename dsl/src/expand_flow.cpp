@@ -39,7 +39,6 @@ void Expander::repeat(const Node& node, const Place& place, const std::string& k
         .report("CG0403", var->value_span, place.trail,
                 "'" + std::string(var->value) + "' cannot be a variable's name")
         .help("use letters, digits and _, for example var=\"i\"");
-    var = nullptr;
     place.into->incomplete = true;
     return;
   }
@@ -59,12 +58,13 @@ void Expander::repeat(const Node& node, const Place& place, const std::string& k
                                                            : describe(value)));
     return;
   }
+  const std::string name = var != nullptr ? std::string(var->value) : "i";
   const double limit = context_.options.limits.expanded_elements;
   const auto rounds = static_cast<std::size_t>(std::min(number->value, limit + 1.0));
   for (std::size_t i = 0; i < rounds; ++i) {
     if (!room(node, place)) return;
     Scope& scope = context_.scopes.emplace_back(place.scope);
-    if (var != nullptr) scope.set(std::string(var->value), Value::number(static_cast<double>(i)));
+    scope.set(name, Value::number(static_cast<double>(i)));
     Place inner = place;
     inner.scope = &scope;
     inner.trail = step(place, "in round " + std::to_string(i) + " of a repeat", node.span);

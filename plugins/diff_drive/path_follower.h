@@ -3,19 +3,13 @@
 
 #include <vector>
 
+#include "cogrsim/algorithms/steering.h"
+
 namespace diff_drive {
 
-/// Place and heading in the plane; the heading counts from +x towards +y.
-struct PlanarPose {
-  double x = 0.0, y = 0.0;  ///< [m]
-  double heading = 0.0;     ///< [rad]
-};
-
-/// Speed along the heading [m/s] and turn rate, left positive [rad/s].
-struct Velocity {
-  double forward = 0.0;
-  double turn = 0.0;
-};
+using cogrsim::PlanarPose;
+using Point = cogrsim::PlanarPoint;
+using Velocity = cogrsim::PlanarVelocity;
 
 /// Speeds of the two wheels [rad/s].
 struct WheelSpeeds {
@@ -36,10 +30,6 @@ PlanarPose rolled(const PlanarPose& pose, double left, double right, double trac
 
 /// The same angle within (-pi, pi].
 double wrapped(double angle);
-
-struct Point {
-  double x = 0.0, y = 0.0;  ///< [m]
-};
 
 struct FollowerSettings {
   double speed = 0.2;         ///< cruising [m/s], > 0

@@ -43,6 +43,13 @@ const char* const kRobot = R"xml(
 
 }  // namespace
 
+TEST_CASE("a repeat counts in i when nobody names the number", "[dsl][expand]") {
+  const auto model = compile_scene(R"(
+    <repeat count="3"><sphere name="s_${i}" radius="${(i+1) * 1 cm}" xyz="${i * 1 m} 0 1"/></repeat>)");
+  REQUIRE(model->bodies.size() == 3);
+  CHECK(near(body(*model, "s_2").X_WB.p, {2, 0, 1}));
+}
+
 TEST_CASE("a robot from a prototype", "[dsl][expand]") {
   const auto model = compile_scene(kRobot);
   REQUIRE(model->bodies.size() == 4);
