@@ -3,6 +3,8 @@
 foreach(variable LD_LIBRARY_PATH COGRSIM_PLUGIN_PATH CMAKE_PREFIX_PATH CogRSim_DIR)
   unset(ENV{${variable}})
 endforeach()
+# By the environment, because it is a list.
+set(ENV{CMAKE_CXX_COMPILER_LAUNCHER} "${LAUNCHER}")
 file(REMOVE_RECURSE "${WORK_DIR}")
 file(MAKE_DIRECTORY "${WORK_DIR}")
 
@@ -27,7 +29,7 @@ if(SANITIZE)
 endif()
 run("configure" ${CMAKE_COMMAND} -S ${name} -B ${name}/build -G "${GENERATOR}"
   -DCMAKE_MAKE_PROGRAM=${MAKE_PROGRAM} -DCMAKE_CXX_COMPILER=${COMPILER}
-  "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DCMAKE_CXX_FLAGS=${flags}"
+  "-DCMAKE_CXX_FLAGS=${flags}"
   -DCMAKE_PREFIX_PATH=${PREFIX})
 run("build" ${CMAKE_COMMAND} --build ${name}/build)
 find_program(CTEST ctest REQUIRED)
