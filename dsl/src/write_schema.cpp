@@ -76,7 +76,8 @@ const std::vector<WrittenUnits>& written_units() {
                                                   {dim::kResistance, {"ohm"}},
                                                   {dim::kTorqueConstant, {"N*m/A"}},
                                                   {dim::kBackEmf, {"V*s/rad"}},
-                                                  {dim::kForceConstant, {"N/A", "V*s/m"}}};
+                                                  {dim::kForceConstant, {"N/A", "V*s/m"}},
+                                                  {dim::kMemory, {"MB", "GB", "MiB", "kB", "B"}}};
   return table;
 }
 

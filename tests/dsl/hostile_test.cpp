@@ -1,4 +1,6 @@
 // Hostile files end in a coded error, within bounded memory and time.
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 
 #include <cstdio>
@@ -21,8 +23,12 @@ std::string codes(const CompileResult& result) {
 
 /// A folder of its own that goes away.
 struct Folder {
-  fs::path path = fs::temp_directory_path() / ("cogrsim-hostile-" + std::to_string(std::rand()));
-  Folder() { fs::create_directories(path); }
+  // Cases run side by side, in processes of their own.
+  fs::path path = fs::temp_directory_path() / ("cogrsim-hostile-" + std::to_string(::getpid()));
+  Folder() {
+    fs::remove_all(path);
+    fs::create_directories(path);
+  }
   ~Folder() { fs::remove_all(path); }
   std::string write(const std::string& name, const std::string& text) const {
     const fs::path file = path / name;

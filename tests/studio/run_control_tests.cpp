@@ -109,7 +109,10 @@ TEST_CASE("controllers are reloaded while the run is paused", "[studio][run]") {
     <cylinder name="wheel" radius="10 cm" length="2 cm" xyz="0 0 1"/>
     <hinge name="axle" child="wheel" axis="0 0 1"/>
     <motor name="drive" joint="axle" mode="torque" max-torque="1 N*m"/>
-    <controller name="mind" plugin="joint_pid"><set motors="drive" target="1 rad"/></controller>
+    <sphere name="bob" radius="10 cm" xyz="1 0 1"/>
+    <hinge name="arm" child="bob" axis="0 0 1"/>
+    <motor name="turn" joint="arm" mode="torque" max-torque="1 N*m"/>
+    <controller name="mind" plugin="joint_pid"><set motors="drive turn" target="1 0.5 rad"/></controller>
   </assembly>
 </scene>)";
   Page page;

@@ -92,7 +92,10 @@ TEST_CASE("an edit of comments is not felt by the run", "[studio][run]") {
     page.get("step", {{"count", 100}});
     const std::string hash = page.hash_after(400);
     if (edited)
-      CHECK(page.outbox().wait([&] { return page.outbox().last(1, "scene").at("version") == 2; }));
+      CHECK(page.outbox().wait([&] {
+        const Json scene = page.outbox().last(1, "scene");
+        return !scene.is_null() && scene.at("version") == 2;
+      }));
     return hash;
   };
   CHECK(run(true) == run(false));
