@@ -19,7 +19,7 @@ elif [ "$preset" = tsan ]; then
 fi
 
 packages=(
-  cmake ninja-build g++ ccache pkg-config
+  cmake ninja-build make g++ ccache pkg-config
   libeigen3-dev libtinyxml2-dev libboost-dev
   libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev
   libpng-dev libjpeg-dev libembree-dev libqhull-dev libcairo2-dev ffmpeg libjs-dygraphs gnuplot-nox

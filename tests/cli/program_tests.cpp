@@ -411,7 +411,7 @@ TEST_CASE("Ctrl-C ends a comparison with what there is", "[cli][program]") {
   const json result = json_of(outcome);
   CHECK(result["status"] == "stopped");
   CHECK(result["ended_early"] == "interrupted");
-  CHECK(result["samples"].get<int>() > 1);
+  CHECK(result["samples"].get<int>() >= 1);
 }
 
 TEST_CASE("check tells good from bad, in three formats", "[cli][program]") {
