@@ -241,7 +241,7 @@ class Ignition final : public EngineProgram {
   }
   std::unique_ptr<Runner> make(const Scene& scene) override {
     const std::string plugin =
-        COGRSIM_IGNITION_PLUGINS "/libignition-physics5-" + engine_ + "-plugin.so";
+        IGNITION_PHYSICS_ENGINE_INSTALL_DIR "/libignition-physics5-" + engine_ + "-plugin.so";
     if (!scene.eyes.empty()) throw Unsupported("version 5 has no ray test");
     if (scene.name == "tumbling") return std::make_unique<IgnitionRunner<Spun>>(scene, plugin);
     if (!scene.hinges.empty() && scene.hinges.front().driven) {
