@@ -8,6 +8,7 @@
 #include "reduced_group.h"
 
 #include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
 
 namespace cogrsim::bullet {
 
@@ -52,21 +53,6 @@ const ParameterTable& assembly_option_table() {
           .one_of({"auto", "reduced", "constraints"}),
   };
   return table;
-}
-
-Result<> check_motors(const SceneModel& model) {
-  for (const Motor& motor : model.motors) {
-    const JointType type = model.joints[static_cast<std::size_t>(motor.joint)].type;
-    if (motor.removed ||
-        (type != JointType::ball && type != JointType::free && type != JointType::fixed)) {
-      continue;
-    }
-    return fail("motor '" + motor.name + "': a " + std::string(to_string(type)) +
-                    " joint has no axis to drive",
-                place_of(model, motor.origin),
-                "use a hinge, slider, universal or another joint with axes");
-  }
-  return {};
 }
 
 Result<std::unique_ptr<World>> BulletWorld::create(const SceneModelPtr& model) {
@@ -274,16 +260,7 @@ void BulletWorld::get_joint_reactions(std::vector<Wrench>& out) const {
 }
 
 Result<> BulletWorld::set_kinematic_twist(int body, const Twist& twist) {
-  if (body < 0 || body >= static_cast<int>(bodies_.size())) {
-    return fail("there is no body " + std::to_string(body));
-  }
-  const Body& model = model_->bodies[static_cast<std::size_t>(body)];
-  if (model.kind != BodyKind::kinematic || model.removed) {
-    return fail("body '" + model.name + "' is not kinematic", place_of(*model_, model.origin));
-  }
-  if (!twist.linear.allFinite() || !twist.angular.allFinite()) {
-    return fail("body '" + model.name + "': its twist is not finite");
-  }
+  if (auto fine = check_kinematic_twist(*model_, body, twist); !fine) return fine;
   RigidBody& moved = bodies_[static_cast<std::size_t>(body)];
   moved.set(moved.pose(), twist);
   return {};

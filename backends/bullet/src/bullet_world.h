@@ -20,9 +20,6 @@ namespace cogrsim::bullet {
 const ParameterTable& world_option_table();
 const ParameterTable& assembly_option_table();
 
-/// Errors: motors on joints that have no axis to drive.
-Result<> check_motors(const SceneModel& model);
-
 /// One articulated group and how it is to be solved.
 struct GroupPlan {
   JointChain chain;

@@ -6,6 +6,7 @@
 #include "convert.h"
 
 #include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/scene_change.h"
 
 namespace cogrsim::bullet {

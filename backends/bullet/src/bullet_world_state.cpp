@@ -6,6 +6,7 @@
 #include "convert.h"
 
 #include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/scene_change.h"
 
 namespace cogrsim::bullet {
@@ -45,21 +46,10 @@ bool same_elements(const SceneModel& a, const SceneModel& b) {
   return true;
 }
 
-bool same_names(const SceneModel& a, const SceneModel& b) {
-  if (&a == &b) return true;
-  const auto same = [](const auto& one, const auto& other) { return one.name == other.name; };
-  return std::equal(a.bodies.begin(), a.bodies.end(), b.bodies.begin(), b.bodies.end(), same) &&
-         std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(), same);
-}
-
 bool same_places(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Pose& x, const Pose& y) {
     return x.p == y.p && x.q.coeffs() == y.q.coeffs();
   });
-}
-
-bool finite(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
 /// Twist of the child when the joint moves as `rel` says (in F's axes, at M's origin).
@@ -105,27 +95,7 @@ void BulletWorld::get_state(WorldState& out) const {
 }
 
 Result<> BulletWorld::set_state(const WorldState& state) {
-  const SceneModel& model = *model_;
-  if (state.poses.size() != bodies_.size() || state.twists.size() != bodies_.size() ||
-      state.joint_positions.size() != q_.size() ||
-      state.joint_velocities.size() != static_cast<std::size_t>(model.joint_speeds)) {
-    return fail("the state is of another scene: it has " + std::to_string(state.poses.size()) +
-                " bodies and " + std::to_string(state.joint_positions.size()) +
-                " joint coordinates, this scene " + std::to_string(bodies_.size()) + " and " +
-                std::to_string(q_.size()));
-  }
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Pose& X = state.poses[b];
-    const Twist& V = state.twists[b];
-    if (!X.p.allFinite() || !X.q.coeffs().allFinite() || std::abs(X.q.norm() - 1.0) > 1e-6 ||
-        !V.linear.allFinite() || !V.angular.allFinite()) {
-      return fail("body '" + model.bodies[b].name + "': its pose or twist is not finite, or its " +
-                  "orientation not of unit length");
-    }
-  }
-  if (!finite(state.joint_positions) || !finite(state.joint_velocities)) {
-    return fail("a joint's position or velocity is not finite");
-  }
+  if (auto fine = check_state(*model_, state); !fine) return fine;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (bodies_[b].kind() == BodyKind::fixed) continue;
     Pose X = state.poses[b];

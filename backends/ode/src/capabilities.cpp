@@ -1,23 +1,10 @@
 #include "capabilities.h"
 
-#include <array>
+#include "cogrsim/physics/backend_checks.h"
 
 namespace cogrsim::ode {
 
 namespace {
-
-constexpr std::array kShapes = {ShapeType::box,     ShapeType::sphere,   ShapeType::cylinder,
-                                ShapeType::capsule, ShapeType::plane,    ShapeType::convex_mesh,
-                                ShapeType::mesh,    ShapeType::heightmap};
-constexpr std::array kJoints = {JointType::fixed,  JointType::hinge,       JointType::slider,
-                                JointType::screw,  JointType::cylindrical, JointType::universal,
-                                JointType::planar, JointType::ball,        JointType::free};
-constexpr std::array kModes = {MotorMode::velocity, MotorMode::torque, MotorMode::position,
-                               MotorMode::servo, MotorMode::dc};
-
-bool surface(ShapeType type) {
-  return type == ShapeType::plane || type == ShapeType::mesh || type == ShapeType::heightmap;
-}
 
 /// Why a pair is not exact; null: it is.
 const char* pair_note(ShapeType a, ShapeType b) {
@@ -52,35 +39,16 @@ const char* pair_note(ShapeType a, ShapeType b) {
 
 Capabilities make_capabilities() {
   Capabilities out;
-  for (const ShapeType a : kShapes) {
-    out.set(std::string("shape.") + to_string(a), Support::exact);
-    for (const ShapeType b : kShapes) {
-      if (surface(a) && surface(b)) {
-        out.set(pair_feature(a, b), Support::unsupported,
-                "two surfaces: neither can be moved by forces");
-      } else if (const char* note = pair_note(a, b)) {
+  set_shape_features(out);
+  for (const ShapeType a : kShapeTypes) {
+    for (const ShapeType b : kShapeTypes) {
+      if (is_surface(a) && is_surface(b)) continue;
+      if (const char* note = pair_note(a, b)) {
         out.set(pair_feature(a, b), Support::approximate, note);
-      } else {
-        out.set(pair_feature(a, b), Support::exact);
       }
     }
   }
-  for (const JointType type : kJoints) {
-    const std::string name = to_string(type);
-    out.set("joint." + name, Support::exact);
-    out.set("loop." + name, Support::exact);
-    for (const char* part : {"limit", "damping", "friction", "stiffness"}) {
-      if (type == JointType::fixed || type == JointType::free) {
-        out.set("joint." + std::string(part) + "." + name, Support::unsupported,
-                "this joint has no axes");
-      } else {
-        out.set("joint." + std::string(part) + "." + name, Support::exact);
-      }
-    }
-  }
-  for (const MotorMode mode : kModes) {
-    out.set(std::string("motor.") + to_string(mode), Support::exact);
-  }
+  set_joint_features(out);
   out.set("contact.stiffness", Support::approximate,
           "a spring per contact point; restitution becomes its damping");
   for (const char* feature :

@@ -16,7 +16,6 @@
 namespace cogrsim::ode {
 
 const ParameterTable& world_option_table();
-Result<> check_motors(const SceneModel& model);
 
 class OdeWorld final : public World, public JointReactions, public KinematicDrive {
  public:

@@ -3,6 +3,7 @@
 #include <string>
 #include <variant>
 
+#include <cogrsim/physics/backend_checks.h>
 #include <cogrsim/physics/backend_plugin.h>
 
 #include "world.h"
@@ -14,13 +15,6 @@ using cogrsim::JointType;
 using cogrsim::ShapeType;
 using cogrsim::Support;
 
-constexpr ShapeType kShapes[] = {ShapeType::box,     ShapeType::sphere,   ShapeType::cylinder,
-                                 ShapeType::capsule, ShapeType::plane,    ShapeType::convex_mesh,
-                                 ShapeType::mesh,    ShapeType::heightmap};
-constexpr JointType kJoints[] = {JointType::fixed,  JointType::hinge,       JointType::slider,
-                                 JointType::screw,  JointType::cylindrical, JointType::universal,
-                                 JointType::planar, JointType::ball,        JointType::free};
-
 // Every feature that cogrsim/physics/capabilities.h names: exact, approximate (say how), or
 // unsupported (say why). Scenes are refused by this table before create_world() is called, with the
 // reason given here, so it must be honest.
@@ -29,14 +23,14 @@ Capabilities make_capabilities() {
   const auto cannot = [&c](const std::string& feature, const char* reason) {
     c.set(feature, Support::unsupported, reason);
   };
-  for (const ShapeType a : kShapes) {
+  for (const ShapeType a : cogrsim::kShapeTypes) {
     // A shape alone does nothing but be seen; what touches is a pair.
     c.set(std::string("shape.") + to_string(a), Support::exact);
-    for (const ShapeType b : kShapes) {
+    for (const ShapeType b : cogrsim::kShapeTypes) {
       cannot(pair_feature(a, b), "collisions are not computed");
     }
   }
-  for (const JointType type : kJoints) {
+  for (const JointType type : cogrsim::kJointTypes) {
     const std::string name = to_string(type);
     cannot("joint." + name, "bodies fly freely, there are no joints");
     cannot("loop." + name, "there are no joints");
@@ -44,8 +38,8 @@ Capabilities make_capabilities() {
       cannot(std::string("joint.") + what + "." + name, "there are no joints");
     }
   }
-  for (const char* mode : {"velocity", "torque", "position", "servo", "dc"}) {
-    cannot(std::string("motor.") + mode, "there are no joints to drive");
+  for (const cogrsim::MotorMode mode : cogrsim::kMotorModes) {
+    cannot(std::string("motor.") + to_string(mode), "there are no joints to drive");
   }
   cannot("contact.stiffness", "collisions are not computed");
   cannot("runtime.attach", "there are no joints");

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <cogrsim/model/mass_properties.h>
+#include <cogrsim/physics/backend_checks.h>
 
 namespace adapter {
 namespace {
@@ -131,21 +132,8 @@ void FlightWorld::get_state(cogrsim::WorldState& out) const {
 
 Result<> FlightWorld::set_state(const cogrsim::WorldState& state) {
   const SceneModel& model = *now_.model;
-  if (state.poses.size() != model.bodies.size() || state.twists.size() != model.bodies.size()) {
-    return fail("the state has " + std::to_string(state.poses.size()) + " poses and " +
-                std::to_string(state.twists.size()) + " twists, the scene " +
-                std::to_string(model.bodies.size()) + " bodies");
-  }
   // All is looked at before anything is changed.
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    const Pose& X = state.poses[i];
-    const Twist& V = state.twists[i];
-    const bool finite = X.p.allFinite() && X.q.coeffs().allFinite() && X.q.norm() > 0.5 &&
-                        V.linear.allFinite() && V.angular.allFinite();
-    if (!finite && !model.bodies[i].removed) {
-      return fail("body '" + model.bodies[i].name + "': its pose or twist is not finite");
-    }
-  }
+  if (auto fine = check_state(model, state); !fine) return fine;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     if (model.bodies[i].removed) continue;
     cogrsim::Body moved = model.bodies[i];
@@ -208,12 +196,9 @@ cogrsim::SnapshotPtr FlightWorld::save() const {
 Result<> FlightWorld::restore(const cogrsim::SnapshotPtr& snapshot) {
   const auto* mine = dynamic_cast<const Snapshot*>(snapshot.get());
   if (mine == nullptr) return fail("the snapshot is of another backend");
-  // Worlds of one scene may have been made from copies of its model.
-  bool same = mine->first->bodies.size() == first_->bodies.size();
-  for (std::size_t i = 0; same && i < first_->bodies.size(); ++i) {
-    same = mine->first->bodies[i].name == first_->bodies[i].name;
+  if (!same_names(*mine->first, *first_)) {
+    return fail("the snapshot is of another scene than '" + first_->name + "'");
   }
-  if (!same) return fail("the snapshot is of another scene than '" + first_->name + "'");
   now_ = mine->saved;
   return {};
 }
@@ -224,17 +209,7 @@ void* FlightWorld::extension(std::string_view id) {
 }
 
 Result<> FlightWorld::set_kinematic_twist(int body, const Twist& twist) {
-  const SceneModel& model = *now_.model;
-  if (body < 0 || static_cast<std::size_t>(body) >= model.bodies.size()) {
-    return fail("there is no body " + std::to_string(body));
-  }
-  const cogrsim::Body& named = model.bodies[static_cast<std::size_t>(body)];
-  if (named.kind != cogrsim::BodyKind::kinematic || named.removed) {
-    return fail("body '" + named.name + "' is not kinematic");
-  }
-  if (!twist.linear.allFinite() || !twist.angular.allFinite()) {
-    return fail("the twist for '" + named.name + "' is not finite");
-  }
+  if (auto fine = check_kinematic_twist(*now_.model, body, twist); !fine) return fine;
   now_.bodies[static_cast<std::size_t>(body)].velocity = twist.linear;
   now_.bodies[static_cast<std::size_t>(body)].angular_velocity = twist.angular;
   return {};

@@ -1,0 +1,146 @@
+// What backends check and promise alike, whatever their engine: states and twists that are set,
+// snapshots of other scenes, motors without an axis, features by shape, joint and motor. For
+// backends; header only.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "cogrsim/core/result.h"
+#include "cogrsim/model/scene_model.h"
+#include "cogrsim/physics/capabilities.h"
+#include "cogrsim/physics/state.h"
+
+namespace cogrsim {
+
+/// All there are, in the order of their enumerations.
+inline constexpr std::array kShapeTypes = {
+    ShapeType::box,   ShapeType::sphere,      ShapeType::cylinder, ShapeType::capsule,
+    ShapeType::plane, ShapeType::convex_mesh, ShapeType::mesh,     ShapeType::heightmap};
+inline constexpr std::array kJointTypes = {
+    JointType::fixed,  JointType::hinge,       JointType::slider,
+    JointType::screw,  JointType::cylindrical, JointType::universal,
+    JointType::planar, JointType::ball,        JointType::free};
+inline constexpr std::array kMotorModes = {MotorMode::velocity, MotorMode::torque,
+                                           MotorMode::position, MotorMode::servo, MotorMode::dc};
+
+/// Plane, mesh, heightmap: a body on which such a shape collides cannot be moved by forces.
+constexpr bool is_surface(ShapeType type) {
+  return type == ShapeType::plane || type == ShapeType::mesh || type == ShapeType::heightmap;
+}
+
+/// Sets shape.* and pair.*: all exact but for pairs of two surfaces, which never meet. What an
+/// engine does otherwise it sets afterwards.
+inline void set_shape_features(Capabilities& out) {
+  for (const ShapeType a : kShapeTypes) {
+    out.set(std::string("shape.") + to_string(a), Support::exact);
+    for (const ShapeType b : kShapeTypes) {
+      if (is_surface(a) && is_surface(b)) {
+        out.set(pair_feature(a, b), Support::unsupported,
+                "two surfaces: neither can be moved by forces");
+      } else {
+        out.set(pair_feature(a, b), Support::exact);
+      }
+    }
+  }
+}
+
+/// Sets joint.*, loop.* and motor.*: all exact but for limits, damping, friction and stiffness of
+/// joints that have no axes.
+inline void set_joint_features(Capabilities& out) {
+  for (const JointType type : kJointTypes) {
+    const std::string name = to_string(type);
+    out.set("joint." + name, Support::exact);
+    out.set("loop." + name, Support::exact);
+    for (const char* part : {"limit", "damping", "friction", "stiffness"}) {
+      const std::string feature = "joint." + std::string(part) + "." + name;
+      if (type == JointType::fixed || type == JointType::free) {
+        out.set(feature, Support::unsupported, "this joint has no axes");
+      } else {
+        out.set(feature, Support::exact);
+      }
+    }
+  }
+  for (const MotorMode mode : kMotorModes) {
+    out.set(std::string("motor.") + to_string(mode), Support::exact);
+  }
+}
+
+/// For create_world and World::add. Errors: a motor on a joint that has no axis to drive, with its
+/// place; there is no capability that says so before.
+inline Result<> check_motors(const SceneModel& model) {
+  for (const Motor& motor : model.motors) {
+    const JointType type = model.joints[static_cast<std::size_t>(motor.joint)].type;
+    if (motor.removed ||
+        (type != JointType::ball && type != JointType::free && type != JointType::fixed)) {
+      continue;
+    }
+    return fail("motor '" + motor.name + "': a " + std::string(to_string(type)) +
+                    " joint has no axis to drive",
+                place_of(model, motor.origin),
+                "use a hinge, slider, universal or another joint with axes");
+  }
+  return {};
+}
+
+/// For World::set_state, before anything is changed. Errors: other numbers of bodies or joint
+/// coordinates than the model's; what is not finite, with the body; an orientation that is not of
+/// unit length to 1e-6.
+inline Result<> check_state(const SceneModel& model, const WorldState& state) {
+  const std::size_t bodies = model.bodies.size();
+  const auto positions = static_cast<std::size_t>(model.joint_positions);
+  if (state.poses.size() != bodies || state.twists.size() != bodies ||
+      state.joint_positions.size() != positions ||
+      state.joint_velocities.size() != static_cast<std::size_t>(model.joint_speeds)) {
+    return fail("the state is of another scene: it has " + std::to_string(state.poses.size()) +
+                " bodies and " + std::to_string(state.joint_positions.size()) +
+                " joint coordinates, this scene " + std::to_string(bodies) + " and " +
+                std::to_string(positions));
+  }
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const Pose& X = state.poses[b];
+    const Twist& V = state.twists[b];
+    if (!X.p.allFinite() || !X.q.coeffs().allFinite() || std::abs(X.q.norm() - 1.0) > 1e-6 ||
+        !V.linear.allFinite() || !V.angular.allFinite()) {
+      return fail("body '" + model.bodies[b].name + "': its pose or twist is not finite, or its " +
+                  "orientation not of unit length");
+    }
+  }
+  const auto finite = [](const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  };
+  if (!finite(state.joint_positions) || !finite(state.joint_velocities)) {
+    return fail("a joint's position or velocity is not finite");
+  }
+  return {};
+}
+
+/// For KinematicDrive::set_kinematic_twist. Errors: a body that is not there or not kinematic, a
+/// twist that is not finite.
+inline Result<> check_kinematic_twist(const SceneModel& model, int body, const Twist& twist) {
+  if (body < 0 || body >= static_cast<int>(model.bodies.size())) {
+    return fail("there is no body " + std::to_string(body));
+  }
+  const Body& moved = model.bodies[static_cast<std::size_t>(body)];
+  if (moved.kind != BodyKind::kinematic || moved.removed) {
+    return fail("body '" + moved.name + "' is not kinematic", place_of(model, moved.origin));
+  }
+  if (!twist.linear.allFinite() || !twist.angular.allFinite()) {
+    return fail("body '" + moved.name + "': its twist is not finite");
+  }
+  return {};
+}
+
+/// For World::restore: whether two worlds began with the same scene, by the names of bodies and
+/// joints. Worlds of one scene may have been made from copies of its model.
+inline bool same_names(const SceneModel& a, const SceneModel& b) {
+  if (&a == &b) return true;
+  const auto same = [](const auto& one, const auto& other) { return one.name == other.name; };
+  return std::equal(a.bodies.begin(), a.bodies.end(), b.bodies.begin(), b.bodies.end(), same) &&
+         std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(), same);
+}
+
+}  // namespace cogrsim
