@@ -162,8 +162,7 @@ StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
   return {};
 }
 
-void OdeWorld::begin_joints(double h, const std::vector<Drive>& drives) {
-  const SceneModel& model = *model_;
+void OdeWorld::begin_rows() {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const BodyState& body = bodies_[b];
     RowBody& row = row_bodies_[b];
@@ -173,9 +172,14 @@ void OdeWorld::begin_joints(double h, const std::vector<Drive>& drives) {
     row.w = body.removed ? Vec3::Zero() : body.now.w;
     row.inverse_mass = body.inverse_mass();
     row.inverse_inertia = body.inverse_inertia_at(body.now.q);
-    loads_[b] = {};
     solved_[b] = 0;
   }
+}
+
+void OdeWorld::begin_joints(double h, const std::vector<Drive>& drives) {
+  const SceneModel& model = *model_;
+  begin_rows();
+  std::fill(loads_.begin(), loads_.end(), Wrench{});
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& joint = model.joints[j];
     if (joint.removed) continue;

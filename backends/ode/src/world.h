@@ -63,7 +63,8 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
   /// Joints that are there all of a sudden take away at once what they forbid.
   void join(const std::vector<int>& sudden);
 
-  StepResult try_step(double h, const std::vector<Drive>& drives);
+  /// `row_bodies_` as the bodies are, none of them to be solved for.
+  void begin_rows();
   void begin_joints(double h, const std::vector<Drive>& drives);
   void predict(double h);
   void find_touches(double h);

@@ -237,17 +237,7 @@ void OdeWorld::join(const std::vector<int>& sudden) {
   std::vector<char> marked(model.joints.size());
   for (const int j : sudden) marked[static_cast<std::size_t>(j)] = 1;
   const double h = 1e-3;  // impulses do not depend on it
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const BodyState& body = bodies_[b];
-    RowBody& row = row_bodies_[b];
-    row.id = ids_[b];
-    row.c = body.now.c;
-    row.v = body.removed ? Vec3::Zero() : body.now.v;
-    row.w = body.removed ? Vec3::Zero() : body.now.w;
-    row.inverse_mass = body.inverse_mass();
-    row.inverse_inertia = body.inverse_inertia_at(body.now.q);
-    solved_[b] = 0;
-  }
+  begin_rows();
   for (const Joint& joint : model.joints) {
     if (joint.removed || joint.type == JointType::free) continue;
     for (const int b : {joint.parent, joint.child}) {
