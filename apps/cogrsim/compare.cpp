@@ -22,26 +22,19 @@ JointGap joint_gap(JointType type, const double* a, const double* b) {
   const auto turn = [](const double* p, const double* q) {
     return angle_between(Quat(p[0], p[1], p[2], p[3]), Quat(q[0], q[1], q[2], q[3]));
   };
-  switch (type) {
-    case JointType::fixed:
-      return {};
-    case JointType::hinge:
-    case JointType::screw:
-      return {-1.0, apart(0)};
-    case JointType::slider:
-      return {apart(0), -1.0};
-    case JointType::cylindrical:
-      return {apart(1), apart(0)};
-    case JointType::universal:
-      return {-1.0, std::max(apart(0), apart(1))};
-    case JointType::planar:
-      return {std::hypot(apart(0), apart(1)), apart(2)};
-    case JointType::ball:
-      return {-1.0, turn(a, b)};
-    case JointType::free:
-      return {std::hypot(apart(0), apart(1), apart(2)), turn(a + 3, b + 3)};
+  if (type == JointType::ball) return {-1.0, turn(a, b)};
+  if (type == JointType::free) {
+    return {std::hypot(apart(0), apart(1), apart(2)), turn(a + 3, b + 3)};
   }
-  return {};
+  JointGap gap;
+  for (int i = 0; i < speed_count(type); ++i) {
+    if (axis_turns(type, i)) {
+      gap.angle = std::max(apart(i), gap.angle);
+    } else {
+      gap.distance = std::hypot(std::max(gap.distance, 0.0), apart(i));
+    }
+  }
+  return gap;
 }
 
 // Name to index of what is not removed and of interest.

@@ -38,19 +38,6 @@ std::size_t axis_count(JointType type) {
 
 }  // namespace
 
-bool axis_turns(JointType type, int axis) {
-  switch (type) {
-    case JointType::slider:
-      return false;
-    case JointType::cylindrical:
-      return axis == 0;
-    case JointType::planar:
-      return axis == 2;
-    default:
-      return true;
-  }
-}
-
 void Builder::joint(const Element& element) {
   Joint joint;
   joint.name = element.path;

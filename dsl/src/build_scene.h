@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "build_start.h"
+#include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/model/mass_properties.h"
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/signals/signal.h"
@@ -27,9 +28,6 @@
 #include "vocabulary.h"
 
 namespace cogrsim::dsl {
-
-/// Whether the freedom is an angle; `axis` counts from 0.
-bool axis_turns(JointType type, int axis);
 
 /// What a name in a region, rule or action can be.
 enum class Thing { door, region, owner, place, joint, motor, sensor, mind, templates };

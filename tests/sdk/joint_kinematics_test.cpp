@@ -75,6 +75,19 @@ Vec3 turn_between(const Quat& a, const Quat& b) {
 
 }  // namespace
 
+TEST_CASE("what turns about an axis has an angular speed, and nothing else has", "[joints]") {
+  const Joint joint = make_joint(any_type());
+  RandomStream random(7, "turning");
+  const std::vector<double> q = random_position(joint.type, random, 1.0);
+  for (int i = 0; i < speed_count(joint.type); ++i) {
+    std::vector<double> u(static_cast<std::size_t>(speed_count(joint.type)), 0.0);
+    u[static_cast<std::size_t>(i)] = 1.0;
+    CAPTURE(to_string(joint.type), i);
+    const double spin = joint_twist(joint, q.data(), u.data()).angular.norm();
+    CHECK(spin == Approx(axis_turns(joint.type, i) ? 1.0 : 0.0).margin(1e-12));
+  }
+}
+
 TEST_CASE("coordinates of a joint's own pose come back, turns and all", "[joint]") {
   const Joint joint = make_joint(any_type());
   CAPTURE(to_string(joint.type));

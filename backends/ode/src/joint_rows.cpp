@@ -5,8 +5,6 @@
 
 #include "convert.h"
 
-#include "cogrsim/model/joint_kinematics.h"
-
 namespace cogrsim::ode {
 
 namespace {
@@ -71,19 +69,6 @@ int turned(const Joint& joint, const Pose& F, const Pose& M, Vec3* d, double* er
 }
 
 }  // namespace
-
-bool JointStep::angular(int axis) const {
-  switch (joint_->type) {
-    case JointType::slider:
-      return false;
-    case JointType::cylindrical:
-      return axis == 0;
-    case JointType::planar:
-      return axis == 2;
-    default:
-      return true;
-  }
-}
 
 Vec3 JointStep::direction(int axis) const {
   const Mat3 R_F = X_WF_.q.toRotationMatrix();

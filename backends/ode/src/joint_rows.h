@@ -5,6 +5,7 @@
 
 #include "rows.h"
 
+#include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/physics/drive.h"
 #include "cogrsim/physics/state.h"
@@ -62,7 +63,7 @@ class JointStep {
   const Vec3& place() const { return X_WM_.p; }
 
  private:
-  bool angular(int axis) const;
+  bool angular(int axis) const { return axis_turns(joint_->type, axis); }
   Vec3 direction(int axis) const;
 
   const Joint* joint_ = nullptr;

@@ -44,6 +44,21 @@ void put_quaternion(const Quat& value, const double* previous, double* q) {
 
 }  // namespace
 
+bool axis_turns(JointType type, int i) {
+  switch (type) {
+    case JointType::slider:
+      return false;
+    case JointType::cylindrical:
+      return i == 0;
+    case JointType::planar:
+      return i == 2;
+    case JointType::free:
+      return i >= 3;
+    default:
+      return true;
+  }
+}
+
 Pose joint_pose(const Joint& joint, const double* q) {
   Pose X_FM;
   switch (joint.type) {

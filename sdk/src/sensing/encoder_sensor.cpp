@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "cogrsim/model/joint_kinematics.h"
 #include "sensing/instrument.h"
 
 namespace cogrsim::instruments {
@@ -23,9 +24,7 @@ class Encoder final : public Sensor {
       return fail("joint '" + joint.name + "' (" + to_string(joint.type) + ") has no axis " +
                   std::to_string(axis + 1));
     }
-    const bool linear = joint.type == JointType::slider ||
-                        (joint.type == JointType::cylindrical && axis == 1) ||
-                        (joint.type == JointType::planar && axis < 2);
+    const bool linear = !axis_turns(joint.type, axis);
     resolution_ = number(parameters, "resolution");
     max_speed_ = number(parameters, "max-speed");
     if (const auto counts = integer(parameters, "counts"); counts > 0) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cogrsim/model/joint_kinematics.h"
 #include "node.h"
 #include "surface_distance.h"
 
@@ -69,29 +70,13 @@ struct PlaceTerm final : Signal::Node {
   }
 };
 
-/// Whether speed number `i` of a joint is an angular one.
-bool turns(JointType type, int i) {
-  switch (type) {
-    case JointType::slider:
-      return false;
-    case JointType::cylindrical:
-      return i == 0;
-    case JointType::planar:
-      return i == 2;
-    case JointType::free:
-      return i >= 3;
-    default:
-      return true;
-  }
-}
-
 std::string joint_unit(const Joint& joint, int quantity, int entry) {
   if (quantity == 0) {
     if (joint.type == JointType::ball || (joint.type == JointType::free && entry >= 3)) return "1";
-    return turns(joint.type, entry) ? "rad" : "m";
+    return axis_turns(joint.type, entry) ? "rad" : "m";
   }
-  if (quantity == 1) return turns(joint.type, entry) ? "rad/s" : "m/s";
-  return turns(joint.type, entry) ? "N*m" : "N";
+  if (quantity == 1) return axis_turns(joint.type, entry) ? "rad/s" : "m/s";
+  return axis_turns(joint.type, entry) ? "N*m" : "N";
 }
 
 struct JointTerm final : Signal::Node {
@@ -303,7 +288,7 @@ SignalNode motor_term(std::string text, const SceneModel& model, int index) {
   const Motor& motor = model.motors[at(index)];
   auto term = std::make_shared<MotorTerm>();
   term->text = std::move(text);
-  term->unit = turns(model.joints[at(motor.joint)].type, motor.axis) ? "N*m" : "N";
+  term->unit = axis_turns(model.joints[at(motor.joint)].type, motor.axis) ? "N*m" : "N";
   term->quantity = "effort";
   term->index = index;
   return term;

@@ -7,6 +7,11 @@
 
 namespace cogrsim {
 
+/// Whether speed `i` of a joint (0 to speed_count(type) - 1) is an angular one [rad/s], not a linear
+/// one [m/s]. So is the coordinate of the same number [rad], [m], but for ball and free joints, whose
+/// orientation is a quaternion.
+COGRSIM_API bool axis_turns(JointType type, int i);
+
 /// Pose X_FM of the child's joint frame in the parent's for the coordinates `q`
 /// (position_count(type) long).
 COGRSIM_API Pose joint_pose(const Joint& joint, const double* q);
