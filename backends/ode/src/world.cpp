@@ -128,7 +128,7 @@ void OdeWorld::make_bodies() {
 StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
   int lost = -1;
   std::string what;
-  const std::vector<BodyState> before = bodies_;
+  before_ = bodies_;
   try {
     prepare_thread();
     begin_joints(dt, drives);
@@ -149,7 +149,7 @@ StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
     }
   }
   if (lost >= 0 || !what.empty()) {
-    bodies_ = before;
+    bodies_ = before_;
     make_bodies();  // what ODE was in the middle of is dropped
     if (what.empty()) {
       what = "body '" + model_->bodies[static_cast<std::size_t>(lost)].name +

@@ -114,11 +114,14 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
   std::vector<Contact> contacts_;
 
   // Of one step.
+  std::vector<BodyState> before_;  ///< in case it fails
   RowBody ground_;
   std::vector<RowBody> row_bodies_;  ///< with the speeds of free motion
   std::vector<Vec3> momentum_;       ///< angular, before the rows
   std::vector<Pose> ends_;           ///< where free motion would lead
   std::vector<char> solved_;         ///< 0: it flies; 1, 2: ODE moves it, exactly or by sweeps
+  std::vector<int> island_;          ///< by body, another of its island or itself
+  std::vector<int> island_rows_;     ///< by body that stands for its island
   int largest_ = 0;                  ///< rows of the largest island that is solved exactly
   std::vector<char> in_loop_;        ///< by body
   std::vector<JointStep> joints_;

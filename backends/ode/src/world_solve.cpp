@@ -199,8 +199,10 @@ void OdeWorld::ask_rows(double h) {
 void OdeWorld::find_islands() {
   // 1: solved exactly, 2: by sweeps.
   const std::size_t n = bodies_.size();
-  std::vector<int> root(n), size(n, 0);
+  std::vector<int>&root = island_, &size = island_rows_;
+  root.resize(n);
   std::iota(root.begin(), root.end(), 0);
+  size.assign(n, 0);
   const auto find = [&](int b) {
     while (root[static_cast<std::size_t>(b)] != b) {
       int& up = root[static_cast<std::size_t>(b)];
