@@ -264,6 +264,20 @@ Collision::Pair* Collision::find(std::uint64_t key) {
   return it != pairs_.end() && it->key == key ? &*it : nullptr;
 }
 
+Collision::Pair Collision::make_pair_of(std::uint64_t key) const {
+  Pair pair;
+  pair.key = key;
+  pair.first = static_cast<int>(key >> 32);
+  pair.second = static_cast<int>(key & 0xffffffffu);
+  const Proxy* a = proxies_[static_cast<std::size_t>(pair.first)].get();
+  const Proxy* b = proxies_[static_cast<std::size_t>(pair.second)].get();
+  if (a->shape->type == ShapeType::plane || is_surface(a->shape->type)) {
+    std::swap(pair.first, pair.second);
+  }
+  pair.surface = surface_pair(*model_, a->shape->material, b->shape->material);
+  return pair;
+}
+
 void Collision::merge_new_pairs() {
   if (dropped_ && !added_.empty()) {
     // Proposed again within one change: nothing has happened to them.
@@ -288,23 +302,17 @@ void Collision::merge_new_pairs() {
   }
   if (added_.empty()) return;
   std::sort(added_.begin(), added_.end());
-  const std::size_t old = pairs_.size();
-  for (const std::uint64_t key : added_) {
-    Pair pair;
-    pair.key = key;
-    pair.first = static_cast<int>(key >> 32);
-    pair.second = static_cast<int>(key & 0xffffffffu);
-    const Proxy* a = proxies_[static_cast<std::size_t>(pair.first)].get();
-    const Proxy* b = proxies_[static_cast<std::size_t>(pair.second)].get();
-    if (a->shape->type == ShapeType::plane || is_surface(a->shape->type)) {
-      std::swap(pair.first, pair.second);
+  // Merged from the back, which needs no memory of its own.
+  std::size_t old = pairs_.size();
+  pairs_.resize(old + added_.size());
+  for (std::size_t to = pairs_.size(); !added_.empty();) {
+    if (old > 0 && pairs_[old - 1].key > added_.back()) {
+      pairs_[--to] = pairs_[--old];
+    } else {
+      pairs_[--to] = make_pair_of(added_.back());
+      added_.pop_back();
     }
-    pair.surface = surface_pair(*model_, a->shape->material, b->shape->material);
-    pairs_.push_back(pair);
   }
-  added_.clear();
-  std::inplace_merge(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(old),
-                     pairs_.end(), [](const Pair& a, const Pair& b) { return a.key < b.key; });
 }
 
 void Collision::propose(std::vector<RigidBody>& bodies, double dt) {
@@ -397,26 +405,19 @@ void Collision::get_contacts(double dt, std::vector<Contact>& out) const {
   out.clear();
   if (dt <= 0.0) return;
   // The order of bodies and shapes is that of the pairs: they are sorted, not their points.
-  struct Place {
-    int body_a, body_b, shape_a, shape_b;
-    std::size_t pair;
-    bool swapped;
-    bool operator<(const Place& other) const {
-      return std::tie(body_a, body_b, shape_a, shape_b, pair) <
-             std::tie(other.body_a, other.body_b, other.shape_a, other.shape_b, other.pair);
-    }
-  };
-  std::vector<Place> places;
-  places.reserve(touching_.size());
+  places_.clear();
   for (std::size_t k = 0; k < touching_.size(); ++k) {
     const Proxy* a = proxies_[static_cast<std::size_t>(touching_[k]->first)].get();
     const Proxy* b = proxies_[static_cast<std::size_t>(touching_[k]->second)].get();
     const bool swapped = a->body > b->body;
     if (swapped) std::swap(a, b);
-    places.push_back({a->body, b->body, a->index, b->index, k, swapped});
+    places_.push_back({a->body, b->body, a->index, b->index, k, swapped});
   }
-  std::sort(places.begin(), places.end());
-  for (const Place& place : places) {
+  std::sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
+    return std::tie(a.body_a, a.body_b, a.shape_a, a.shape_b, a.pair) <
+           std::tie(b.body_a, b.body_b, b.shape_a, b.shape_b, b.pair);
+  });
+  for (const Place& place : places_) {
     const btPersistentManifold& manifold = *manifolds_[place.pair];
     // A sign, not a branch: from a to b, and on b.
     const double sign = place.swapped ? 1.0 : -1.0;

@@ -94,6 +94,13 @@ class Collision {
     SurfacePair surface;
   };
 
+  /// Where a pair that touches comes among the contacts that are reported.
+  struct Place {
+    int body_a, body_b, shape_a, shape_b;
+    std::size_t pair;  ///< of touching_
+    bool swapped;
+  };
+
   class PairListener;
   class Filter;
 
@@ -103,6 +110,7 @@ class Collision {
   void take_out(std::size_t proxy);
   /// Contact points of the body's pairs, written in its new principal frame.
   void reframe(const RenewedBody& renewed, std::vector<RigidBody>& bodies);
+  Pair make_pair_of(std::uint64_t key) const;
   void merge_new_pairs();
   void open(Pair& pair, std::vector<RigidBody>& bodies);
   void close(Pair& pair);
@@ -121,6 +129,7 @@ class Collision {
   std::vector<std::uint64_t> added_;             ///< proposed since the last merge
   std::vector<btPersistentManifold*> manifolds_;
   std::vector<const Pair*> touching_;  ///< of manifolds_
+  mutable std::vector<Place> places_;  ///< of get_contacts(), kept for its memory
   ContactPatch patch_;
   std::vector<NearTriangle> scratch_;
   bool dropped_ = false;  ///< some pair is no longer proposed
