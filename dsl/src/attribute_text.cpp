@@ -155,7 +155,15 @@ Value parse_value_text(std::string_view text, std::string* problem) {
     if (fault && problem) *problem = fault->message;
     return v;
   }
-  const auto entries = parse_numbers(inside, {}, evaluator, fault);
+  // A list as a value of a study is written; not one that counts is a text.
+  if (!inside.empty() && inside.front() == '[' && inside.back() == ']') {
+    Value list = evaluator(inside, 0, fault);
+    if (!fault) return list;
+    fault.reset();
+  }
+  NumberSyntax syntax;
+  syntax.glued = true;
+  const auto entries = parse_numbers(inside, syntax, evaluator, fault);
   bool words = entries.empty();
   for (const NumberEntry& e : entries) words = words || e.none;
   if (!fault && !words) return value_of(entries);

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "expand_scene.h"
+#include "number_list.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -84,6 +85,8 @@ std::optional<Value> coerce(const Value& value, const ParamType& type, std::stri
 
 std::string found(const Value& value) {
   const Quantity* number = value.as_number();
+  if (const std::string* text = value.as_text())
+    return text->empty() ? "nothing" : "the text \"" + *text + "\"";
   return number != nullptr && number->dimension.none() ? number_text(number->value)
                                                        : describe(value);
 }
@@ -234,6 +237,11 @@ void Expander::define_params(const Node& container, Scope& scope, const Place& p
             (from_set ? "--set " + name + "=" + raw : "parameter '" + name + "'") + ": expected " +
                 expected(*type) + ", found " + found(value));
         if (given != nullptr) report.note("the parameter", node->span);
+        if (const std::string* text = value.as_text(); text != nullptr) {
+          report.help(type->form == Form::quantity || type->form == Form::integer
+                          ? nearly_number_help(*text)
+                          : "");
+        }
         value = Value::poison();
       } else {
         value = *as_typed;

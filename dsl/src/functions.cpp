@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "number_list.h"
+
 namespace cogrsim::dsl {
 namespace {
 
@@ -98,7 +100,8 @@ Outcome wrong_count(std::string_view name, const char* wanted, std::size_t found
 }
 
 Outcome need_number(std::string_view name, const Value& v) {
-  return problem(std::string(name) + " takes numbers, found " + describe(v));
+  return problem(std::string(name) + " takes numbers, found " + describe(v),
+                 v.as_text() ? nearly_number_help(*v.as_text()) : "");
 }
 
 Outcome trigonometry(std::string_view name, const Quantity& q) {
@@ -185,7 +188,9 @@ Outcome arithmetic(char op, const Value& a, const Value& b) {
     return good(Value::list(std::move(both)));
   }
   if (!x || !y) {
-    return problem(std::string("'") + op + "' takes numbers, found " + describe(x ? b : a));
+    const Value& other = x ? b : a;
+    return problem(std::string("'") + op + "' takes numbers, found " + describe(other),
+                   other.as_text() ? nearly_number_help(*other.as_text()) : "");
   }
   switch (op) {
     case '+':

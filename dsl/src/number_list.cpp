@@ -47,31 +47,15 @@ std::vector<Token> split(std::string_view text, std::optional<ExpressionFault>& 
 
 /// What to say of a word that is no number.
 ExpressionFault not_a_number(std::string_view word, std::size_t begin) {
-  std::string help;
-  std::size_t digits = 0;
-  while (digits < word.size() &&
-         std::string_view("+-.0123456789").find(word[digits]) != std::string_view::npos) {
-    ++digits;
-  }
-  const std::size_t comma = word.find(',');
-  if (comma != std::string_view::npos) {
-    std::string pointed(word);
-    pointed[comma] = '.';
-    if (comma + 1 == word.size()) {
-      help = "entries are separated by blanks";
-    } else if (parse_number(pointed)) {
-      help = "did you mean \"" + pointed + "\"? numbers have a decimal point";
-    }
-  } else if (digits > 0 && word.substr(digits) == "°") {
-    help = "did you mean \"" + std::string(word.substr(0, digits)) + " deg\"?";
-  } else if (digits > 0 && word.find_first_not_of("+-.0123456789eE") == std::string_view::npos) {
+  std::string help = nearly_number_help(word);
+  const bool digit = word.find_first_of("+-.0123456789") == 0;
+  if (!help.empty()) {
+  } else if (!word.empty() && word.find(',') + 1 == word.size()) {
+    help = "entries are separated by blanks";
+  } else if (digit && word.find_first_not_of("+-.0123456789eE") == std::string_view::npos) {
     // Of a number's own characters, and yet no number.
     help = "numbers look like 12, -0.5 or 1.5e-3, up to about 1.8e308";
-  } else if (digits > 0 && digits < word.size() && parse_number(word.substr(0, digits)) &&
-             parse_unit(word.substr(digits))) {
-    help = "did you mean \"" + std::string(word.substr(0, digits)) + " " +
-           std::string(word.substr(digits)) + "\"?";
-  } else if (digits == 0 && !word.empty()) {
+  } else if (!digit && !word.empty()) {
     const char c = word[0];
     if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '(') {
       help = "parameters and expressions stand in ${…}";
@@ -147,6 +131,12 @@ class ListParser {
       e.length = e.number_length = word.size();
       entries_.push_back(e);
       unit_possible_ = false;
+      return;
+    }
+    if (const std::size_t digits = syntax_.glued ? number_length(word) : 0;
+        digits > 0 && parse_unit(word.substr(digits))) {
+      take({t.begin, digits, false});
+      take_unit({t.begin + digits, word.size() - digits, false}, word.substr(digits));
       return;
     }
     if (unit_possible_) {
@@ -237,7 +227,8 @@ class ListParser {
       unit_possible_ = !v.as_list()->empty();
       return;
     } else if (!fault_) {
-      fault_ = make_fault("CG0502", t.begin, t.length, "expected a number, found " + describe(v));
+      fault_ = make_fault("CG0502", t.begin, t.length, "expected a number, found " + describe(v),
+                          v.as_text() ? nearly_number_help(*v.as_text()) : "");
     }
     unit_possible_ = true;
   }
@@ -295,6 +286,42 @@ std::string everyday_unit(const Dimension& d) {
 }
 
 }  // namespace
+
+std::size_t number_length(std::string_view text) {
+  constexpr std::size_t kLongest = 64;  // each length is tried, and hostile files are long
+  if (parse_number(text)) return text.size();
+  std::size_t length = std::min(text.find_first_not_of("+-.0123456789eE"), text.size());
+  if (length > kLongest) return 0;
+  while (length > 0 && !parse_number(text.substr(0, length))) --length;
+  return length;
+}
+
+std::string nearly_number_help(std::string_view text) {
+  const auto suggest = [](const std::string& better) { return "did you mean \"" + better + "\"?"; };
+  if (const std::size_t comma = text.find(','); comma != std::string_view::npos) {
+    std::string pointed(text);
+    pointed[comma] = '.';
+    const std::size_t digits = number_length(pointed);
+    if (comma + 1 >= digits) return {};
+    std::string_view unit = std::string_view(pointed).substr(digits);
+    while (!unit.empty() && is_blank(unit.front())) unit.remove_prefix(1);
+    if (!unit.empty() && !parse_unit(unit)) return {};
+    return suggest(pointed.substr(0, digits) + (unit.empty() ? "" : " " + std::string(unit))) +
+           " numbers have a decimal point";
+  }
+  const std::size_t digits = number_length(text);
+  if (digits == 0 || digits == text.size()) return {};
+  const std::string number(text.substr(0, digits));
+  std::string_view unit = text.substr(digits);
+  while (!unit.empty() && is_blank(unit.front())) unit.remove_prefix(1);
+  // "1e400" begins with a number too, "1..2" as well.
+  if (unit.empty() || std::string_view("+-.0123456789").find(unit[0]) != std::string_view::npos)
+    return {};
+  if (unit == "°") return suggest(number + " deg");
+  if (parse_unit(unit)) return suggest(number + " " + std::string(unit));
+  const std::string near = nearest_unit(unit);
+  return near.empty() ? "" : suggest(number + " " + near);
+}
 
 std::size_t expression_end(std::string_view text, std::size_t begin) {
   char quote = '\0';

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -31,7 +32,15 @@ struct NumberSyntax {
   bool dots = false;      ///< exactly two entries with ".." between them
   bool commas = false;    ///< entries may be followed by a comma or semicolon
   bool list_unit = true;  ///< one unit at the end goes for all
+  bool glued = false;     ///< "3cm" is "3 cm", as on command lines
 };
+
+/// Bytes of the longest beginning that is a number, 0 for none: of "2e3" all, of "2eV" one.
+std::size_t number_length(std::string_view text);
+
+/// What to say of a text where a number is wanted that is nearly one: "2m", "5 metres", "1,5"; ""
+/// for all others.
+std::string nearly_number_help(std::string_view text);
 
 /// Takes a text apart. On a fault the entries are useless.
 std::vector<NumberEntry> parse_numbers(std::string_view text, const NumberSyntax& syntax,

@@ -92,8 +92,8 @@ class Reader {
   const Element& element_;
 };
 
-/// The same values from text that stands in no element: `--set name=value`. Faults come back as a
-/// message, not in the sink.
+/// The same values from text that stands in no element, `--set name=value`: here "3cm" is "3 cm",
+/// and [1, 2] a list. Faults come back as a message, not in the sink.
 Value parse_value_text(std::string_view text, std::string* problem);
 
 /// Splices ${…} into text outside of an element's attribute reader, for names during expansion.

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "cogrsim/dsl/study.h"
+#include "number_list.h"
 #include "value.h"
 
 namespace cogrsim::dsl {
@@ -47,22 +48,18 @@ struct Number {
 
 /// "3cm", "3 cm", "-2e-3"; nullopt: no number with a known unit.
 std::optional<Number> number_of(std::string_view text) {
-  // The longest beginning that is a number: "2e3" is one, "2eV" is not.
-  for (std::size_t length = text.size(); length > 0; --length) {
-    const auto value = parse_number(text.substr(0, length));
-    if (!value) continue;
-    Number number;
-    number.value = *value;
-    number.whole = text.substr(0, length).find_first_of(".eE") == std::string_view::npos;
-    number.unit = trimmed(text.substr(length));
-    if (!number.unit.empty()) {
-      const auto unit = parse_unit(number.unit);
-      if (!unit) return std::nullopt;
-      number.to_si = *unit;
-    }
-    return number;
+  const std::size_t length = number_length(text);
+  if (length == 0) return std::nullopt;
+  Number number;
+  number.value = *parse_number(text.substr(0, length));
+  number.whole = text.substr(0, length).find_first_of(".eE") == std::string_view::npos;
+  number.unit = trimmed(text.substr(length));
+  if (!number.unit.empty()) {
+    const auto unit = parse_unit(number.unit);
+    if (!unit) return std::nullopt;
+    number.to_si = *unit;
   }
-  return std::nullopt;
+  return number;
 }
 
 StudyValue value_of(std::string_view text) {
@@ -72,7 +69,7 @@ StudyValue value_of(std::string_view text) {
   if (const auto number = number_of(text)) {
     out.number = number->to_si.to_si(number->value);
     out.unit = unit_of(number->to_si.dimension);
-    // As scenes write it: "3cm" is text there.
+    // As scenes write it, so that tables show one spelling.
     if (!number->unit.empty()) {
       const auto digits = static_cast<std::size_t>(number->unit.data() - text.data());
       out.text = std::string(trimmed(text.substr(0, digits))) + " " + std::string(number->unit);

@@ -92,6 +92,63 @@ TEST_CASE("a value set from outside replaces a parameter's default and is checke
   CHECK(result.diagnostics[0].help.find("wheel_r") != std::string::npos);
 }
 
+TEST_CASE("a value set from outside needs no blank before its unit", "[dsl][expand]") {
+  // What the scene makes of --set p=WORD, as text; "CODE: message (help)" where it is refused.
+  const auto made = [](const std::string& param, const std::string& word) {
+    dsl::CompileOptions options;
+    options.set_parameters["p"] = word;
+    const auto result = dsl::compile_text("<scene version=\"1\"><param name=\"p\" " + param +
+                                              "/><box name=\"b\" size=\"1 1 1\"/><plot name=\"t\" "
+                                              "y=\"b.x\" title=\"${p}\"/></scene>",
+                                          "t", options);
+    if (result.ok()) return result.model->plots.at(0).title;
+    const Diagnostic& first = result.diagnostics.at(0);
+    return first.code + ": " + first.message + (first.help.empty() ? "" : " (" + first.help + ")");
+  };
+  CHECK(made("default=\"1 m\"", "1cm") == "0.01 m");
+  CHECK(made("default=\"1 m\"", "1 cm") == "0.01 m");
+  CHECK(made("type=\"length\"", "-2.5e-1m") == "-0.25 m");
+  CHECK(made("type=\"int\"", "2e3") == "2000");
+  CHECK(made("type=\"bool\"", "true") == "true");
+  CHECK(made("type=\"text\"", "2m") == "2m");
+  CHECK(made("default=\"blue\"", "red") == "red");
+  CHECK(made("default=\"0\"", "1 2 3 m") == "[1 m, 2 m, 3 m]");
+  CHECK(made("default=\"0\"", "1cm 2cm 3m") == "[0.01 m, 0.02 m, 3 m]");
+  CHECK(made("type=\"list\"", "[1, 2 m]") == "[1, 2 m]");
+  CHECK(made("default=\"a\"", "[x") == "[x");
+  CHECK(made("default=\"a\"", "2nd") == "2nd");
+  CHECK(made("type=\"length\"", "2 kg") == "CG0310: --set p=2 kg: expected a length, found a mass");
+  CHECK(made("type=\"length\"", "2metres") ==
+        "CG0310: --set p=2metres: expected a length, found the text \"2metres\" "
+        "(did you mean \"2 m\"?)");
+  CHECK(made("type=\"length\"", "1,5") ==
+        "CG0310: --set p=1,5: expected a length, found the text \"1,5\" "
+        "(did you mean \"1.5\"? numbers have a decimal point)");
+  CHECK(made("type=\"length\"", "") == "CG0310: --set p=: expected a length, found nothing");
+  CHECK(made("type=\"int\"", "two") ==
+        "CG0310: --set p=two: expected a whole number, found the text \"two\"");
+  // A long word is looked at once, not once for each of its letters.
+  CHECK(made("default=\"a\"", std::string(60000, '1') + "x").size() == 60001);
+}
+
+TEST_CASE("a number glued to its unit is told where a number is wanted", "[dsl][expand]") {
+  const auto help_of = [](const std::string& inside) {
+    const auto result = dsl::compile_text("<scene version=\"1\">" + inside + "</scene>", "t");
+    REQUIRE_FALSE(result.diagnostics.empty());
+    return result.diagnostics[0].help;
+  };
+  const std::string use = "<sphere name=\"s\" radius=\"";
+  CHECK(help_of(use + "2m\"/>") == "did you mean \"2 m\"?");
+  CHECK(help_of("<param name=\"r\" default=\"2m\"/>" + use + "${r}\"/>") ==
+        "did you mean \"2 m\"?");
+  CHECK(help_of("<param name=\"r\" default=\"2m\"/>" + use + "${r * 2}\"/>") ==
+        "did you mean \"2 m\"?");
+  CHECK(help_of("<param name=\"r\" default=\"2m\" type=\"length\"/>" + use + "${r}\"/>") ==
+        "did you mean \"2 m\"?");
+  CHECK(help_of("<param name=\"r\" default=\"2 m\"/>" + use + "${r + 2m}\"/>").find("2 m") !=
+        std::string::npos);
+}
+
 TEST_CASE("names are looked for outwards, and instances have scopes of their own",
           "[dsl][expand]") {
   const auto model = compile_scene(R"(
