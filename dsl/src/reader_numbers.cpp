@@ -18,6 +18,13 @@ std::string bound_text(double value, const Dimension& dimension) {
   return number_text(value) + (unit.empty() || value == 0.0 ? "" : " " + unit);
 }
 
+/// An entry as it was written; of an expression, what it comes to.
+std::string found_text(const NumberEntry& entry, const Dimension& wanted,
+                       const AttributeText& source) {
+  return entry.expression ? bound_text(entry.value, wanted)
+                          : std::string(source.text().substr(entry.begin, entry.length));
+}
+
 /// What a bound forbids, or "".
 std::string beyond(double value, const AttributeSpec& spec, const Dimension& dimension) {
   if (spec.above_minimum ? value <= spec.minimum : value < spec.minimum) {
@@ -70,10 +77,9 @@ bool check_entries(AttributeText& source, const AttributeSpec& spec,
     }
     const std::string problem = beyond(e.value, spec, wanted);
     if (!problem.empty()) {
-      const std::string found = e.expression ? bound_text(e.value, wanted)
-                                             : std::string(source.text().substr(e.begin, e.length));
       source.report("CG0507", e.begin, e.length,
-                    "\"" + std::string(spec.name) + "\" " + problem + ", found " + found);
+                    "\"" + std::string(spec.name) + "\" " + problem + ", found " +
+                        found_text(e, wanted, source));
       return false;
     }
   }
@@ -327,8 +333,7 @@ Read<ParameterValue> Reader::parameter(const Attribute& attribute, const Paramet
         }
         const std::string problem = forbidden(e.value, spec, dimension);
         if (!problem.empty()) {
-          return refuse(problem + ", found " +
-                        std::string(source.text().substr(e.begin, e.length)));
+          return refuse(problem + ", found " + found_text(e, dimension, source));
         }
         values.push_back(e.value);
       }
