@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "xml_scan.h"
+
 namespace cogrsim::dsl {
 namespace {
 
@@ -43,7 +45,7 @@ class DrawingReader {
       fault("CG0320", {}, "the maze has no drawing", "draw its walls with the characters + - |");
       return std::move(out_);
     }
-    if (!tabs() || !first_line() || !outline()) return std::move(out_);
+    if (!tabs() || !plain() || !first_line() || !outline()) return std::move(out_);
     const auto n = static_cast<std::size_t>(out_.rows), m = static_cast<std::size_t>(out_.columns);
     out_.vertical.assign(n * (m + 1), MazeDrawing::kOpen);
     out_.horizontal.assign((n + 1) * m, MazeDrawing::kOpen);
@@ -72,6 +74,26 @@ class DrawingReader {
       if (tab == std::string_view::npos) continue;
       fault("CG0322", {i, static_cast<int>(tab), 1}, "a tab in the drawing of a maze",
             "indent and draw with blanks: nobody can tell how wide a tab is meant");
+      return false;
+    }
+    return true;
+  }
+
+  // Columns are counted in bytes from here on.
+  bool plain() {
+    for (int i = 0; i < static_cast<int>(lines_.size()); ++i) {
+      const auto foreign = std::find_if(line(i).begin(), line(i).end(), [](char c) {
+        return static_cast<unsigned char>(c) >= 0x80;
+      });
+      if (foreign == line(i).end()) continue;
+      const auto at = static_cast<std::size_t>(foreign - line(i).begin());
+      const auto bytes = static_cast<std::size_t>(std::max(1, decode_utf8(line(i), at).length));
+      const std::string_view character = line(i).substr(at, bytes);
+      fault("CG0322", {i, static_cast<int>(at), 1},
+            (character == "\u00A0" ? "a no-break space" : "'" + std::string(character) + "'") +
+                " in the drawing of a maze",
+            "walls are drawn with + - |, openings are blanks, and names are of the letters a to z "
+            "and A to Z, digits and _");
       return false;
     }
     return true;
