@@ -263,7 +263,8 @@ std::optional<std::string> Builder::present_name(const Element& from, const Word
                                 : "CG1302",
       word.span, from.trail,
       found.element != nullptr
-          ? "'" + word.text + "' is " + kind_of(*found.element) + ", expected a " + describe(thing)
+          ? "'" + word.text + "' is " + kind_of(*found.element) + ", expected " +
+                (thing == Thing::owner ? "an " : "a ") + describe(thing)
           : "there is no " + std::string(describe(thing)) + " '" + word.text +
                 (thing == Thing::templates ? "'" : "' here, and no action brings one"));
   const std::vector<std::string> known = names_of(model_, thing);

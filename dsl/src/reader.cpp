@@ -188,6 +188,8 @@ Read<Word> Reader::word(std::string_view attribute) {
       help = "";
     } else if (!dotted && text->find('.') != std::string::npos) {
       help = "dots only separate scopes, in references; did you mean \"" + repaired(*text) + "\"?";
+    } else if (repaired(*text).find_first_not_of('_') == std::string::npos) {
+      help = "names are made of the letters a to z and A to Z, digits, _ and -";
     } else if (!dotted) {
       help = "did you mean \"" + repaired(*text) + "\"?";
     }
