@@ -14,12 +14,12 @@ SupervisorSlot::~SupervisorSlot() {
 
 namespace {
 
-/// Loads the plugin of a mind and completes its parameters; `found` gets what is wrong.
 struct LoadedMind {
   PluginPtr plugin;
   Parameters parameters;
 };
 
+/// Loads the plugin of a mind and completes its parameters; `found` gets what is wrong.
 std::optional<LoadedMind> load_mind(const Simulation::Impl& simulation, PluginKind kind,
                                     const ControllerModel& description,
                                     std::vector<Diagnostic>& found) {

@@ -62,8 +62,7 @@ std::optional<std::string> Simulation::Impl::take_over(const ControllerSlot& old
                                                        ControllerSlot& fresh, std::size_t index,
                                                        Reloaded& done) {
   std::optional<std::string> memory;
-  const bool gone = !old.controller;
-  if (!gone) {
+  if (old.controller) {
     if (const auto failure = old.controller->save(memory)) {
       return "the old one " + phrase(*failure, "while its memory was saved");
     }
@@ -85,7 +84,7 @@ std::optional<std::string> Simulation::Impl::take_over(const ControllerSlot& old
     return wrong;
   }
   if (!memory) {
-    done.note = "it began anew, because the old one offers no memory (save())";
+    done.note = "it began anew, because the old one left no memory (save())";
     return std::nullopt;
   }
   if (const auto failure = fresh.controller->restore(*memory)) {

@@ -112,6 +112,8 @@ tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> Batch::create(
       }
     } catch (const std::exception& e) {
       made[i] = refuse(std::string("it threw while being built: ") + e.what());
+    } catch (...) {
+      made[i] = refuse("it threw something that is not a std::exception while being built");
     }
   });
   for (std::size_t i = 0; i < count; ++i) {

@@ -220,6 +220,9 @@ Result<> BatchWorld::reset(std::optional<std::uint64_t> seed) {
   } catch (const std::exception& e) {
     broken_ = true;
     return failed(std::string("threw: ") + e.what());
+  } catch (...) {
+    broken_ = true;
+    return failed("threw something that is not a std::exception");
   }
   return {};
 }
