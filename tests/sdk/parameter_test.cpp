@@ -1,5 +1,8 @@
 #include "cogrsim/core/parameter.h"
 
+#include <cmath>
+#include <limits>
+
 #include <catch2/catch.hpp>
 
 using namespace cogrsim;
@@ -23,13 +26,41 @@ TEST_CASE("defaults fill what is not given", "[parameter]") {
   CHECK(got->size() == 4);
 }
 
-TEST_CASE("an integer may stand for a number, not the reverse", "[parameter]") {
-  const auto whole = complete_parameters(speed_and_side(), {{"speed", std::int64_t{1}}});
+TEST_CASE("an integer may stand for a number and a whole number for an integer", "[parameter]") {
+  const auto whole =
+      complete_parameters(speed_and_side(), {{"speed", std::int64_t{1}}, {"laps", -4.0}});
   REQUIRE(whole);
   CHECK(std::get<double>(whole->at("speed")) == 1.0);
-  const auto broken = complete_parameters(speed_and_side(), {{"laps", 1.5}});
-  REQUIRE_FALSE(broken);
-  CHECK(broken.error().message == "parameter 'laps' must be of type integer, not number");
+  CHECK(std::get<std::int64_t>(whole->at("laps")) == -4);
+  const auto message = [](double laps) {
+    const auto got = complete_parameters(speed_and_side(), {{"laps", laps}});
+    REQUIRE_FALSE(got);
+    return got.error().message;
+  };
+  CHECK(message(1.5) == "parameter 'laps' must be a whole number, not 1.5");
+  // No integer holds these, or not for certain the one that was written.
+  CHECK(message(1e300) == "parameter 'laps' must be a whole number, not 1e+300");
+  CHECK(message(std::numeric_limits<double>::infinity()) ==
+        "parameter 'laps' must be a whole number, not inf");
+  CHECK(message(std::nan("")) == "parameter 'laps' must be a whole number, not nan");
+  CHECK(message(9007199254740994.0) ==
+        "parameter 'laps' must be a whole number, not 9007199254740994");
+}
+
+TEST_CASE("a number may stand for a list of one", "[parameter]") {
+  for (const ParameterValue& given : {ParameterValue(2.0), ParameterValue(std::int64_t{2})}) {
+    const auto got = complete_parameters(speed_and_side(), {{"waypoints", given}});
+    REQUIRE(got);
+    CHECK(std::get<std::vector<double>>(got->at("waypoints")) == std::vector<double>{2.0});
+  }
+  // The bounds of the elements hold for it too; nothing but numbers becomes a list.
+  const ParameterTable table = {
+      parameter("gains", std::vector<double>{}, "1", "one per wheel").range(0.0, 5.0)};
+  const auto big = complete_parameters(table, {{"gains", 6.0}});
+  REQUIRE_FALSE(big);
+  CHECK(big.error().message == "parameter 'gains' is 6, but must be 0 to 5");
+  CHECK_FALSE(complete_parameters(table, {{"gains", true}}));
+  CHECK_FALSE(complete_parameters(table, {{"gains", std::string("6")}}));
 }
 
 TEST_CASE("bad values name the parameter and what is allowed", "[parameter]") {

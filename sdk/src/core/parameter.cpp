@@ -58,10 +58,32 @@ std::string check_text(const ParameterSpec& spec, const std::string& text) {
   return near.empty() ? out : out + fmt::format(" (did you mean '{}'?)", near);
 }
 
-/// Checks one value and, where an integer stands for a number, converts it. Empty: all well.
+/// A number where another of the numeric types is declared, as that type; what does not fit stays.
+/// A scene compiled without a catalog of plugins cannot know the types: "3" is a number there,
+/// whether an integer, a number or a list of one is wanted.
+void convert(ParameterType wanted, ParameterValue& value) {
+  // Beyond 2^53 neighbouring whole numbers are the same double: who wrote one may mean another.
+  constexpr double kLargestWhole = 9007199254740992.0;
+  if (wanted == ParameterType::number || wanted == ParameterType::number_list) {
+    if (const auto* whole = std::get_if<std::int64_t>(&value)) value = static_cast<double>(*whole);
+  }
+  const auto* number = std::get_if<double>(&value);
+  if (number == nullptr) return;
+  if (wanted == ParameterType::number_list) {
+    value = std::vector<double>{*number};
+  } else if (wanted == ParameterType::integer && *number == std::floor(*number) &&
+             std::abs(*number) <= kLargestWhole) {
+    value = static_cast<std::int64_t>(*number);
+  }
+}
+
+/// Checks one value and, where a number stands for another numeric type, converts it. Empty: all
+/// well.
 std::string check_value(const ParameterSpec& spec, ParameterValue& value) {
-  if (spec.type() == ParameterType::number && std::holds_alternative<std::int64_t>(value)) {
-    value = static_cast<double>(std::get<std::int64_t>(value));
+  convert(spec.type(), value);
+  if (spec.type() == ParameterType::integer && std::holds_alternative<double>(value)) {
+    return fmt::format("parameter '{}' must be a whole number, not {}", spec.name,
+                       std::get<double>(value));
   }
   if (value.index() != spec.default_value.index()) {
     return fmt::format("parameter '{}' must be of type {}, not {}", spec.name,

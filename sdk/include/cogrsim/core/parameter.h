@@ -78,9 +78,9 @@ using ParameterTable = std::vector<ParameterSpec>;
 /// Values by name, in SI units.
 using Parameters = std::map<std::string, ParameterValue>;
 
-/// Checks `given` against `table` and fills in defaults. Integers are accepted for numbers.
-/// Errors name the parameter, the expected type, range or choices, and, for an unknown name,
-/// what there is. All problems are reported, joined by newlines.
+/// Checks `given` against `table` and fills in defaults; a whole number does for an integer, an
+/// integer for a number, either for a list of one. Errors name the parameter, the expected type,
+/// range or choices, and for an unknown name what there is; all of them, joined by newlines.
 COGRSIM_API Result<Parameters> complete_parameters(const ParameterTable& table,
                                                    const Parameters& given);
 
