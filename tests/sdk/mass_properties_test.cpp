@@ -168,6 +168,9 @@ TEST_CASE("shapes without volume have no mass", "[mass]") {
   for (auto& t : inside_out.triangles) std::swap(t[0], t[1]);
   CHECK_THAT(message(make_shape(ShapeType::mesh), {inside_out}), Contains("inside out"));
   const TriangleMesh sheet = box_mesh(Vec3(1, 1, 0), Vec3::Zero());
+  Shape huge = make_shape(ShapeType::box);
+  huge.size = Vec3(1e300, 1, 1);  // its inertia, 1e900 kg m^2, is no double
+  CHECK(message(huge, {}) == "shape 'part': it is too large to compute its mass");
   CHECK_THAT(message(make_shape(ShapeType::mesh), {sheet}), Contains("no volume"));
   CHECK_THAT(message(make_shape(ShapeType::mesh), {TriangleMesh{}}), Contains("no volume"));
 }

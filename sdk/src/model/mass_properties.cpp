@@ -118,7 +118,11 @@ Result<MassProperties> shape_mass(const Shape& shape, const std::vector<Triangle
                             shape.name, m.volume),
                 "", "its triangles must run counter-clockwise seen from outside");
   }
-  if (!(m.volume > 0.0) || !std::isfinite(m.volume) || !m.inertia.allFinite()) {
+  if (!std::isfinite(m.volume) || !m.inertia.allFinite()) {
+    return fail(fmt::format("shape '{}': it is too large to compute its mass", shape.name), "",
+                "check the units of its size");
+  }
+  if (!(m.volume > 0.0)) {
     return fail(fmt::format("shape '{}': encloses no volume, so it can have no mass", shape.name),
                 "", "give the body a mass and an inertia of its own");
   }
