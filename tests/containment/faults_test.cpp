@@ -69,16 +69,7 @@ TEST_CASE("what ends a controller's process is told and does not end the run", "
   INFO(messages_of(*simulation));
   CHECK_THAT(messages_of(*simulation),
              Contains("controller 'trouble' of 'bot': " + std::string(c.said)));
-  REQUIRE(simulation->messages().size() == 1);
-  CHECK(simulation->messages()[0].time == Approx(0.03));
-  if (policy == FaultPolicy::end_run) {
-    CHECK(end == RunStatus::fault);
-    CHECK(simulation->time() == Approx(0.03));
-  } else {
-    CHECK(end == RunStatus::completed);
-    // Without its controller the wheel is brought to rest.
-    CHECK(simulation->frame()->state.joint_velocities[0] == Approx(0.0).margin(1e-9));
-  }
+  check_fault(*simulation, end, policy, 0.03);
   CHECK(descendants(::getpid()).empty());
 }
 

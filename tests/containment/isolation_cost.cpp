@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "cogrsim/model/builder.h"
+#include "../support/flywheel.h"
 #include "cogrsim/simulation/simulation.h"
 
 using namespace cogrsim;
@@ -14,29 +14,19 @@ namespace {
 
 /// A wheel with a controller that hardly does anything, and `beams` distances to look at.
 SceneModelPtr scene(Isolation isolation, int beams) {
-  ModelBuilder builder("cost");
-  builder.model.physics.gravity = Vec3::Zero();
-  const int wheel = builder.body("bot.wheel", 1.0, Mat3::Identity(), Pose{});
-  const int joint = builder.joint("bot.axle", JointType::hinge, kWorld, wheel, Pose{});
-  const int bot = builder.assembly("bot", {wheel}, {joint});
-  builder.motor("bot.left", joint, MotorMode::velocity);
-  builder.model.motors[0].assembly = bot;
+  test::BareFlywheel robot;
   if (beams > 0) {
     SensorModel lidar;
-    lidar.name = "bot.scan";
     lidar.type = "lidar";
-    lidar.body = wheel;
-    lidar.assembly = bot;
+    lidar.body = robot.wheel;
     lidar.parameters["rays"] = std::int64_t{beams};
-    builder.model.sensors.push_back(lidar);
+    robot.add_sensor("bot.scan", lidar);
   }
   ControllerModel mind;
-  mind.name = "bot.mind";
   mind.plugin = "trouble";
-  mind.assembly = bot;
   mind.isolation = isolation;
-  builder.model.controllers.push_back(mind);
-  return builder.build();
+  robot.add_mind(mind);
+  return robot.builder.build();
 }
 
 double median(std::vector<double> values) {

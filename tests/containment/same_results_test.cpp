@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "cogrsim/dsl/compiler.h"
+#include "../support/catalog.h"
 #include "cogrsim/simulation/snapshot_file.h"
 #include "support.h"
 
@@ -11,27 +11,10 @@ using namespace cogrsim::test;
 
 namespace {
 
-/// Answers the compiler from the loader.
-class Catalog final : public dsl::PluginCatalog {
- public:
-  explicit Catalog(PluginLoader& loader) : loader_(loader) {}
-  Result<ParameterTable> parameters(PluginKind kind, const std::string& name) override {
-    const auto plugin = loader_.load(kind, name);
-    if (!plugin) return tl::unexpected(plugin.error());
-    return (*plugin)->descriptor().parameters;
-  }
-  std::vector<std::string> names(PluginKind) override { return {}; }
-  Result<ParameterTable> world_options(const std::string&) override { return ParameterTable{}; }
-  Result<ParameterTable> assembly_options(const std::string&) override { return ParameterTable{}; }
-
- private:
-  PluginLoader& loader_;
-};
-
 /// Compiled from a file; the test fails with what the compiler says.
 SceneModelPtr scene_of(const std::string& path) {
   const auto plugins = loader();
-  Catalog catalog(*plugins);
+  LoadingCatalog catalog(*plugins);
   dsl::CompileOptions options;
   options.plugins = &catalog;
   const auto compiled = dsl::compile_file(path, options);

@@ -37,17 +37,9 @@ std::shared_ptr<PluginLoader> loader(const std::string& more) {
 }
 
 SceneModelPtr flywheel(const ControllerModel& mind) {
-  ModelBuilder builder("flywheel");
-  builder.model.physics.gravity = Vec3::Zero();
-  const int wheel = builder.body("bot.wheel", 1.0, Vec3(0.02, 0.02, 0.02).asDiagonal(), Pose{});
-  const int joint = builder.joint("bot.axle", JointType::hinge, kWorld, wheel, Pose{});
-  const int bot = builder.assembly("bot", {wheel}, {joint});
-  builder.motor("bot.left", joint, MotorMode::velocity);
-  builder.model.motors[0].assembly = bot;
-  builder.model.controllers.push_back(mind);
-  builder.model.controllers[0].name = "bot.mind";
-  builder.model.controllers[0].assembly = bot;
-  return builder.build();
+  BareFlywheel robot;
+  robot.add_mind(mind);
+  return robot.builder.build();
 }
 
 ControllerModel trouble(const std::string& what) {
@@ -63,31 +55,10 @@ std::unique_ptr<Simulation> simulate(const SceneModelPtr& scene, const std::stri
                                      std::shared_ptr<PluginLoader> plugins) {
   SimulationOptions options;
   options.backend = backend;
-  auto simulation = Simulation::create(scene, options, std::move(plugins));
-  if (!simulation) {
-    for (const Diagnostic& d : simulation.error()) UNSCOPED_INFO(d.code << " " << d.message);
-  }
-  REQUIRE(simulation);
-  return std::move(*simulation);
+  return simulate(scene, options, std::move(plugins));
 }
 
-std::string refusal(const SceneModelPtr& scene) {
-  SimulationOptions options;
-  options.backend = "bullet";
-  auto simulation = Simulation::create(scene, options, loader());
-  REQUIRE_FALSE(simulation);
-  std::string out;
-  for (const Diagnostic& d : simulation.error()) out += d.code + " " + d.message + "\n";
-  return out;
-}
-
-std::string messages_of(const Simulation& simulation) {
-  std::string out;
-  for (const RunMessage& m : simulation.messages()) {
-    out += std::to_string(m.time) + " " + m.source + ": " + m.message + "\n";
-  }
-  return out;
-}
+std::string refusal(const SceneModelPtr& scene) { return refusal(scene, "bullet", loader()); }
 
 std::vector<pid_t> descendants(pid_t parent) {
   std::vector<pid_t> out;

@@ -2,32 +2,16 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "cogrsim/dsl/compiler.h"
+#include "../support/catalog.h"
 #include "cogrsim/model/surface.h"
 #include "cogrsim/rays/ray_caster.h"
 #include "cogrsim/rendering/renderer.h"
 #include "cogrsim/simulation/simulation.h"
 
 using namespace cogrsim;
+using cogrsim::test::LoadingCatalog;
 
 namespace {
-
-/// Answers the compiler from the loader.
-class Catalog final : public dsl::PluginCatalog {
- public:
-  explicit Catalog(PluginLoader& loader) : loader_(loader) {}
-  Result<ParameterTable> parameters(PluginKind kind, const std::string& name) override {
-    const auto plugin = loader_.load(kind, name);
-    if (!plugin) return tl::unexpected(plugin.error());
-    return (*plugin)->descriptor().parameters;
-  }
-  std::vector<std::string> names(PluginKind) override { return {}; }
-  Result<ParameterTable> world_options(const std::string&) override { return ParameterTable{}; }
-  Result<ParameterTable> assembly_options(const std::string&) override { return ParameterTable{}; }
-
- private:
-  PluginLoader& loader_;
-};
 
 /// What a sensor needs, at poses of our own.
 class Bench final : public Sensing {
@@ -71,7 +55,7 @@ struct Loaded {
   std::shared_ptr<PluginLoader> loader = std::make_shared<PluginLoader>();
   SceneModelPtr model;
   Loaded() {
-    Catalog catalog(*loader);
+    LoadingCatalog catalog(*loader);
     dsl::CompileOptions options;
     options.plugins = &catalog;
     const auto result = dsl::compile_file(COGRSIM_PLUGIN_TEST_SCENES "/line.scene.xml", options);

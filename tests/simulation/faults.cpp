@@ -35,16 +35,7 @@ TEST_CASE("an exception in update stops that controller or the run", "[faults]")
   const std::string said = messages_of(*simulation);
   CHECK(said.find("'probe_mind' of 'bot'") != std::string::npos);
   CHECK(said.find("cell 9 of 8") != std::string::npos);
-  REQUIRE(simulation->messages().size() == 1);
-  CHECK(simulation->messages()[0].time == Approx(0.03));
-  if (policy == FaultPolicy::end_run) {
-    CHECK(end == RunStatus::fault);
-    CHECK(simulation->time() == Approx(0.03));
-  } else {
-    CHECK(end == RunStatus::completed);
-    // Without its controller the wheel is brought to rest.
-    CHECK(simulation->frame()->state.joint_velocities[0] == Approx(0.0).margin(1e-9));
-  }
+  check_fault(*simulation, end, policy, 0.03);
 }
 
 TEST_CASE("not-a-number sent to a motor is a fault and never reaches the physics", "[faults]") {

@@ -11,55 +11,27 @@ std::shared_ptr<PluginLoader> loader() {
 std::unique_ptr<Simulation> simulate(const SceneModelPtr& scene, const std::string& backend,
                                      SimulationOptions options) {
   options.backend = backend;
-  auto simulation = Simulation::create(scene, options, loader());
-  if (!simulation) {
-    for (const Diagnostic& d : simulation.error()) UNSCOPED_INFO(d.code << " " << d.message);
-  }
-  REQUIRE(simulation);
-  return std::move(*simulation);
+  return simulate(scene, options, loader());
 }
 
 std::string refusal(const SceneModelPtr& scene, const std::string& backend) {
-  SimulationOptions options;
-  options.backend = backend;
-  auto simulation = Simulation::create(scene, options, loader());
-  REQUIRE_FALSE(simulation);
-  std::string out;
-  for (const Diagnostic& d : simulation.error())
-    out += d.code + " " + d.message + "\n" + d.help + "\n";
-  return out;
+  return refusal(scene, backend, loader());
 }
 
-Flywheel::Flywheel(MotorMode mode) {
-  builder.model.physics.gravity = Vec3::Zero();
-  wheel = builder.body("bot.wheel", 1.0, Vec3(kInertia, kInertia, kInertia).asDiagonal(), Pose{});
-  joint = builder.joint("bot.axle", JointType::hinge, kWorld, wheel, Pose{});
-  assembly = builder.assembly("bot", {wheel}, {joint});
-  motor = builder.motor("bot.left", joint, mode);
-  builder.model.motors[0].assembly = assembly;
+Flywheel::Flywheel(MotorMode mode) : BareFlywheel(mode) {
   SensorModel encoder;
-  encoder.name = "bot.encoder";
   encoder.type = "encoder";
   encoder.joint = joint;
-  encoder.assembly = assembly;
-  builder.model.sensors.push_back(encoder);
+  add_sensor("bot.encoder", encoder);
 }
 
 void Flywheel::add_mind(const std::string& mode, double rate, FaultPolicy policy) {
   ControllerModel mind;
-  mind.name = "bot.mind";
   mind.plugin = "probe_mind";
   mind.rate = rate;
   mind.on_fault = policy;
-  mind.assembly = assembly;
   mind.parameters["mode"] = mode;
-  builder.model.controllers.push_back(mind);
-}
-
-std::string messages_of(const Simulation& simulation) {
-  std::string out;
-  for (const RunMessage& m : simulation.messages()) out += m.source + ": " + m.message + "\n";
-  return out;
+  BareFlywheel::add_mind(mind);
 }
 
 ModelBuilder falling_ball() {
