@@ -1,31 +1,14 @@
 # Makes a project with `cogrsim new KIND` and does with it what its README says, against the build
 # tree: configure, build, ctest.
-foreach(variable LD_LIBRARY_PATH COGRSIM_PLUGIN_PATH CMAKE_PREFIX_PATH CogRSim_DIR)
-  unset(ENV{${variable}})
-endforeach()
+include(${CMAKE_CURRENT_LIST_DIR}/bare_folder.cmake)
 # By the environment, because it is a list.
 set(ENV{CMAKE_CXX_COMPILER_LAUNCHER} "${LAUNCHER}")
-file(REMOVE_RECURSE "${WORK_DIR}")
-file(MAKE_DIRECTORY "${WORK_DIR}")
-
-function(run what)
-  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY "${WORK_DIR}" RESULT_VARIABLE status
-    OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "${what}: exit status ${status}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
 
 set(name "trial_${KIND}")
 run("new" "${PREFIX}/bin/cogrsim" new ${KIND} ${name})
 string(FIND "${output}" "-DCMAKE_PREFIX_PATH=${PREFIX}\n" found)
 if(found EQUAL -1)
   message(SEND_ERROR "cogrsim new does not say where it is installed:\n${output}")
-endif()
-set(flags "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror")
-if(SANITIZE)
-  string(APPEND flags " -fsanitize=${SANITIZE}")
 endif()
 run("configure" ${CMAKE_COMMAND} -S ${name} -B ${name}/build -G "${GENERATOR}"
   -DCMAKE_MAKE_PROGRAM=${MAKE_PROGRAM} -DCMAKE_CXX_COMPILER=${COMPILER}

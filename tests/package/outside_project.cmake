@@ -1,19 +1,6 @@
 # Installs CogRSim, moves the installed tree away, builds the copied example project against it and
 # runs its plugin on every backend: with no variable set, from an unrelated folder.
-function(run what)
-  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY "${WORK_DIR}" RESULT_VARIABLE status
-    OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "${what}: exit status ${status}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
-
-foreach(variable LD_LIBRARY_PATH COGRSIM_PLUGIN_PATH CMAKE_PREFIX_PATH CogRSim_DIR DESTDIR)
-  unset(ENV{${variable}})
-endforeach()
-file(REMOVE_RECURSE "${WORK_DIR}")
-file(MAKE_DIRECTORY "${WORK_DIR}")
+include(${CMAKE_CURRENT_LIST_DIR}/bare_folder.cmake)
 set(prefix "${WORK_DIR}/moved/prefix")
 
 run("install" ${CMAKE_COMMAND} --install "${BINARY_DIR}" --prefix "${WORK_DIR}/prefix")
@@ -31,10 +18,6 @@ foreach(binary ${binaries})
 endforeach()
 
 file(COPY "${SOURCE_DIR}/examples/020_stand_alone_plugin/" DESTINATION "${WORK_DIR}/project")
-set(flags "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror")
-if(SANITIZE)
-  string(APPEND flags " -fsanitize=${SANITIZE}")
-endif()
 run("configure" ${CMAKE_COMMAND} -S "${WORK_DIR}/project" -B "${WORK_DIR}/project/build"
   -G "${GENERATOR}" -DCMAKE_MAKE_PROGRAM=${MAKE_PROGRAM} -DCMAKE_CXX_COMPILER=${COMPILER}
   "-DCMAKE_CXX_FLAGS=${flags}" -DCMAKE_PREFIX_PATH=${prefix})
