@@ -13,23 +13,6 @@ namespace {
 // Up to so many degrees of freedom M^-1 is formed where several rows need it.
 constexpr int kLargestInverse = 12;
 
-// Mass, first and second moment of a body about the component's origin, world axes.
-struct Inertia {
-  double mass = 0.0;
-  Vec3 moment = Vec3::Zero();
-  Mat3 second = Mat3::Zero();
-
-  void operator+=(const Inertia& o) {
-    mass += o.mass;
-    moment += o.moment;
-    second += o.second;
-  }
-  /// Momentum of the body moving with `v`.
-  Spatial operator*(const Spatial& v) const {
-    return {second * v.angular + moment.cross(v.linear), mass * v.linear + v.angular.cross(moment)};
-  }
-};
-
 Inertia world_inertia(const Link& link, const Placement& X, const Vec3& origin) {
   Inertia out;
   const Vec3 c = X * link.com - origin;
@@ -69,6 +52,39 @@ void form_inverse(const std::vector<double>& factor, int n, std::vector<double>&
       if (xi[k] != 0.0) add_scaled(xi[k], xi, i + 1, &inverse[std::size_t(k * n)]);
     }
   }
+}
+
+// Motion columns of one link: velocity, at the origin, per unit of each of its speeds.
+void find_columns(const Mechanism& mechanism, const Link& link, const Placement& X,
+                  const Vec3& origin, Spatial* column) {
+  const Mounting& mounting = link.mounting;
+  if (!mechanism.closed_form()) {
+    for (int k = 0; k < link.nu; ++k) {
+      const SimTK::SpatialVec h = link.mobod.getHCol(mechanism.state, SimTK::MobilizerUIndex(k));
+      column[k].angular = from_simtk(h[0]);
+      column[k].linear = from_simtk(h[1]) + column[k].angular.cross(origin - X.p);
+    }
+    return;
+  }
+  if (mounting.kind == Mounting::Kind::base) {
+    const Vec3 arm = origin - X * mounting.centre;
+    for (int k = 0; k < 3; ++k) {
+      column[k] = {Vec3::Unit(k), Vec3::Unit(k).cross(arm)};
+      column[3 + k] = {Vec3::Zero(), Vec3::Unit(k)};
+    }
+    return;
+  }
+  if (link.nu == 0) return;
+  // The axis is a line of the body inboard.
+  Vec3 axis = mounting.X_PI.R.col(2), at = mounting.X_PI.p;
+  if (link.plan.parent >= 0) {
+    const Placement& X_WP = mechanism.motions()[std::size_t(link.plan.parent)].X;
+    axis = X_WP.R * axis;
+    at = X_WP * at;
+  }
+  axis *= mounting.sign;
+  if (mounting.turns) column[0] = {axis, axis.cross(origin - at) + mounting.lead * axis};
+  if (mounting.slide >= 0) column[mounting.slide] = {Vec3::Zero(), axis};
 }
 
 void update_loops(const Mechanism& mechanism, Component& c) {
@@ -117,7 +133,6 @@ void update_component(const Mechanism& mechanism, Component& c) {
   c.current = true;
   c.has_inverse = false;
   const int n = c.size();
-  const SimTK::State& state = mechanism.state;
   const auto link_of = [&](std::size_t i) -> const Link& {
     return mechanism.links()[std::size_t(c.links[i])];
   };
@@ -136,20 +151,16 @@ void update_component(const Mechanism& mechanism, Component& c) {
     return;
   }
 
+  if (!mechanism.closed_form()) mechanism.system.realize(mechanism.state, SimTK::Stage::Position);
   static thread_local std::vector<Inertia> composite;
   composite.resize(c.links.size());
+  c.inertias.resize(c.links.size());
   c.origin = motions[std::size_t(c.links[0])].X.p;
   for (std::size_t i = 0; i < c.links.size(); ++i) {
     const Link& link = link_of(i);
     const Placement& X = motions[std::size_t(c.links[i])].X;
-    composite[i] = world_inertia(link, X, c.origin);
-    const Vec3 to_origin = c.origin - X.p;
-    for (int k = 0; k < link.nu; ++k) {
-      const SimTK::SpatialVec h = link.mobod.getHCol(state, SimTK::MobilizerUIndex(k));
-      Spatial& s = c.motion[std::size_t(c.first[i] + k)];
-      s.angular = from_simtk(h[0]);
-      s.linear = from_simtk(h[1]) + s.angular.cross(to_origin);
-    }
+    composite[i] = c.inertias[i] = world_inertia(link, X, c.origin);
+    find_columns(mechanism, link, X, c.origin, c.motion.data() + c.first[i]);
   }
   for (std::size_t i = c.links.size(); i-- > 0;)
     if (c.inboard[i] >= 0) composite[std::size_t(c.inboard[i])] += composite[i];
@@ -171,6 +182,70 @@ void update_component(const Mechanism& mechanism, Component& c) {
   }
   factorize(c.factor, n);
   if (!c.welds.empty()) update_loops(mechanism, c);
+}
+
+void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>& forces,
+               double* x) {
+  const std::vector<LinkMotion>& motions = mechanism.motions();
+  if (c.lone) {
+    const std::size_t index = std::size_t(c.links[0]);
+    const Link& link = mechanism.links()[index];
+    const LinkMotion& motion = motions[index];
+    const Vec3 momentum = motion.X.R * (link.inertia * (motion.X.R.transpose() * motion.angular));
+    Eigen::Map<Vec3>{x} = motion.angular.cross(momentum);
+    Eigen::Map<Vec3>{x + 3} = -forces[index];
+    return;
+  }
+  update_component(mechanism, c);
+  const auto velocity_of = [&](const LinkMotion& motion) -> Spatial {
+    return {motion.angular, motion.velocity_at(c.origin)};
+  };
+  static thread_local std::vector<Spatial> velocity, acceleration, force;
+  const std::size_t count = c.links.size();
+  velocity.resize(count);
+  acceleration.resize(count);
+  force.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t index = std::size_t(c.links[i]);
+    const Link& link = mechanism.links()[index];
+    const LinkMotion& motion = motions[index];
+    const Spatial v = velocity[i] = velocity_of(motion);
+    Spatial& a = acceleration[i];
+    a = Spatial();
+    if (link.mounting.kind == Mounting::Kind::base) {
+      // Its centre and its spin have none; the point of it at the origin has.
+      a.linear = -v.angular.cross(motion.velocity_at(motion.X * link.mounting.centre));
+    } else if (link.plan.parent >= 0) {
+      // The joint's axes are those of the body inboard, so they change by its velocity.
+      Spatial inboard;
+      if (c.inboard[i] >= 0) {
+        inboard = velocity[std::size_t(c.inboard[i])];
+        a = acceleration[std::size_t(c.inboard[i])];
+      } else {
+        const LinkMotion& carrier = motions[std::size_t(link.plan.parent)];
+        inboard = velocity_of(carrier);
+        a.linear = -carrier.angular.cross(carrier.linear);
+      }
+      a.linear += inboard.angular.cross(v.linear) + inboard.linear.cross(v.angular);
+      a.angular += inboard.angular.cross(v.angular);
+    }
+    const Inertia& inertia = c.inertias[i];
+    const Spatial momentum = inertia * v;
+    force[i] = inertia * a;
+    force[i].angular += v.angular.cross(momentum.angular) + v.linear.cross(momentum.linear);
+    force[i].linear += v.angular.cross(momentum.linear);
+    const Vec3 arm = motion.X * link.com - c.origin;
+    force[i].angular -= arm.cross(forces[index]);
+    force[i].linear -= forces[index];
+  }
+  for (std::size_t i = count; i-- > 0;) {
+    const int end = i + 1 < count ? c.first[i + 1] : c.size();
+    for (int k = c.first[i]; k < end; ++k) x[k] = dot(c.motion[std::size_t(k)], force[i]);
+    if (c.inboard[i] < 0) continue;
+    Spatial& inboard = force[std::size_t(c.inboard[i])];
+    inboard.angular += force[i].angular;
+    inboard.linear += force[i].linear;
+  }
 }
 
 void solve_mass(const Component& c, double* x) {

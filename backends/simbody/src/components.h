@@ -22,6 +22,23 @@ inline double dot(const Spatial& a, const Spatial& b) {
   return a.angular.dot(b.angular) + a.linear.dot(b.linear);
 }
 
+/// Mass, first and second moment of a body about a component's origin, world axes.
+struct Inertia {
+  double mass = 0.0;
+  Vec3 moment = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+
+  void operator+=(const Inertia& o) {
+    mass += o.mass;
+    moment += o.moment;
+    second += o.second;
+  }
+  /// Momentum of the body moving with `v`; or the force that accelerates it so from rest.
+  Spatial operator*(const Spatial& v) const {
+    return {second * v.angular + moment.cross(v.linear), mass * v.linear + v.angular.cross(moment)};
+  }
+};
+
 /// A ghost link and the link it is welded to.
 struct Weld {
   int ghost = -1;
@@ -42,6 +59,7 @@ struct Component {
   // At one configuration; valid when `current`.
   bool current = false;
   Vec3 origin = Vec3::Zero();           ///< what `motion` refers to [m]
+  std::vector<Inertia> inertias;        ///< of each of `links`; not of a lone body
   std::vector<Spatial> motion;          ///< velocity of the outboard bodies per unit speed (size)
   double inverse_mass = 0.0;            ///< lone only
   Mat3 inverse_inertia = Mat3::Zero();  ///< lone only, world axes
@@ -57,10 +75,17 @@ struct Component {
   int find(int link) const;
 };
 
-/// Motion columns, composite inertias, mass matrix and its factor at the state's configuration
-/// (realized to Position). Composite-rigid-body method (Featherstone 2008, section 6.2) over
-/// Simbody's hinge matrices and body transforms.
+/// Motion columns, composite inertias, mass matrix and its factor at the state's configuration.
+/// Composite-rigid-body method (Featherstone 2008, section 6.2), over Simbody's hinge matrices where
+/// the mechanism has joints without a closed form (Mechanism::closed_form).
 void update_component(const Mechanism& mechanism, Component& component);
+
+/// x := the generalized forces that give `component` no acceleration of its coordinates, less those
+/// of `forces`, through each link's centre of mass (nlink) [N]: recursive Newton-Euler method
+/// (Featherstone 2008, section 5.3) with all quantities about the component's origin. At the state,
+/// with Mechanism::closed_form only.
+void find_bias(const Mechanism& mechanism, Component& component, const std::vector<Vec3>& forces,
+               double* x);
 
 /// x := M^-1 x, the loops ignored.
 void solve_mass(const Component& component, double* x);

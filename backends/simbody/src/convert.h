@@ -12,6 +12,13 @@ namespace cogrsim::simbody {
 inline SimTK::Vec3 to_simtk(const Vec3& v) { return {v[0], v[1], v[2]}; }
 inline Vec3 from_simtk(const SimTK::Vec3& v) { return {v[0], v[1], v[2]}; }
 
+inline Mat3 from_simtk(const SimTK::SymMat33& m) {
+  Mat3 out;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) out(r, c) = r >= c ? m(r, c) : m(c, r);
+  return out;
+}
+
 inline SimTK::Rotation to_simtk(const Quat& q) {
   return SimTK::Rotation(SimTK::Quaternion(SimTK::Vec4(q.w(), q.x(), q.y(), q.z())));
 }
@@ -20,16 +27,12 @@ inline Quat from_simtk(const SimTK::Rotation& R) {
   const SimTK::Quaternion q = R.convertRotationToQuaternion();
   return {q[0], q[1], q[2], q[3]};
 }
-inline Pose from_simtk(const SimTK::Transform& X) { return {from_simtk(X.p()), from_simtk(X.R())}; }
-inline Mat3 matrix_of(const SimTK::Rotation& R) {
-  Mat3 out;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) out(r, c) = R.asMat33()(r, c);
-  return out;
-}
-
-inline Placement placement_of(const SimTK::Transform& X) {
-  return {matrix_of(X.R()), from_simtk(X.p())};
+inline Pose pose_of(const Placement& X) {
+  const Mat3& R = X.R;
+  const SimTK::Rotation rotation(
+      SimTK::Mat33(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)),
+      true);
+  return {X.p, from_simtk(rotation)};
 }
 
 // Simbody's vector arithmetic goes entry by entry through a call, and makes temporaries on the heap:

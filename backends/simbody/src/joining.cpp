@@ -39,7 +39,7 @@ std::vector<Condition> conditions_of(const Mechanism& mechanism, const SceneMode
     const int link = mechanism.body_link(body);
     // The mechanism's own model: what is static there may have been moved since the scene's start.
     if (link < 0) return mechanism.model().bodies[std::size_t(body)].X_WB;
-    return from_simtk(mechanism.links()[std::size_t(link)].mobod.getBodyTransform(mechanism.state));
+    return pose_of(mechanism.motions()[std::size_t(link)].X);
   };
   std::vector<Condition> out;
   for (const int j : joints) {

@@ -1,5 +1,6 @@
 #include "mechanism.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -68,14 +69,23 @@ void Mechanism::add_link(const PlannedLink& plan) {
   const Body& body = model_->bodies[std::size_t(plan.body)];
   Link link;
   link.plan = plan;
+  link.mounting = mount(*model_, plan);
   link.kinematic = body.kind == BodyKind::kinematic;
   link.mass = plan.share * body.mass;
   link.com = body.com;
   link.inertia = plan.share * body.inertia;
-  link.inverse_inertia = link.inertia.inverse();
   std::iota(link.q_map.begin(), link.q_map.end(), 0);
   std::iota(link.u_map.begin(), link.u_map.end(), 0);
   const SimTK::Body::Rigid rigid = rigid_body(body, plan);
+  if (!link.kinematic) {
+    // As Simbody has them: both ways to accelerations speak of the same body.
+    const SimTK::MassProperties& properties = rigid.getDefaultRigidBodyMassProperties();
+    const SimTK::Inertia central = properties.calcCentralInertia();
+    link.mass = properties.getMass();
+    link.com = from_simtk(properties.getMassCenter());
+    link.inertia = from_simtk(central.asSymMat33());
+  }
+  link.inverse_inertia = link.inertia.inverse();
 
   if (plan.joint < 0) {
     const SimTK::Vec3 at = link.kinematic ? SimTK::Vec3(0) : to_simtk(body.com);
@@ -186,6 +196,10 @@ void Mechanism::make_components() {
     c.motion.resize(std::size_t(c.size()));
     largest_ = std::max(largest_, c.size());
   }
+  closed_form_ = !has_loops_ && largest_ <= kLargestDense &&
+                 std::none_of(links_.begin(), links_.end(), [](const Link& link) {
+                   return link.mounting.kind == Mounting::Kind::other;
+                 });
 }
 
 int Mechanism::axis_speed(int joint, int axis) const {
@@ -205,20 +219,15 @@ int Mechanism::axis_position(int joint, int axis) const {
 const std::vector<LinkMotion>& Mechanism::motions() const {
   const SimTK::ValueVersion q = state.getQValueVersion(), u = state.getUValueVersion();
   if (q == q_version_ && u == u_version_) return motions_;
-  system.realize(state, SimTK::Stage::Position);
-  motions_.resize(links_.size());
-  matter.multiplyBySystemJacobian(state, state.getU(), velocities_);
-  const SimTK::SpatialVec* const velocities = &velocities_[0];
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    const SimTK::MobilizedBody& body = links_[i].mobod;
-    const SimTK::SpatialVec& V = velocities[int(body.getMobilizedBodyIndex())];
-    if (q != q_version_) motions_[i].X = placement_of(body.getBodyTransform(state));
-    motions_[i].angular = from_simtk(V[0]);
-    motions_[i].linear = from_simtk(V[1]);
-  }
+  find_motions(*model_, links_, numbers(state.getQ()), numbers(state.getU()), motions_);
   q_version_ = q;
   u_version_ = u;
   return motions_;
+}
+
+void Mechanism::multiply_by_n(const SimTK::Vector& u, SimTK::Vector& out) const {
+  if (out.size() != state.getNQ()) out.resize(state.getNQ());
+  find_rates(links_, numbers(state.getQ()), numbers(u), numbers(out));
 }
 
 void Mechanism::normalize_quaternions() {

@@ -8,6 +8,7 @@
 
 #include "components.h"
 #include "convert.h"
+#include "kinematics.h"
 #include "tree_plan.h"
 
 namespace cogrsim::simbody {
@@ -17,6 +18,7 @@ namespace cogrsim::simbody {
 /// velocity of that point, in world axes.
 struct Link {
   PlannedLink plan;
+  Mounting mounting;
   bool kinematic = false;
   SimTK::MobilizedBody mobod;
   int first_q = 0, nq = 0, first_u = 0, nu = 0;
@@ -27,14 +29,6 @@ struct Link {
   Mat3 inertia = Mat3::Identity();  ///< its share, about com, body axes
   Mat3 inverse_inertia = Mat3::Identity();
   int component = -1;  ///< -1: kinematic
-};
-
-/// Where a link is and how its origin moves, world.
-struct LinkMotion {
-  Placement X;
-  Vec3 angular = Vec3::Zero();  ///< [rad/s]
-  Vec3 linear = Vec3::Zero();   ///< [m/s]
-  Vec3 velocity_at(const Vec3& point) const { return linear + angular.cross(point - X.p); }
 };
 
 class Mechanism {
@@ -50,6 +44,11 @@ class Mechanism {
   std::vector<Component>& components() { return components_; }
   bool has_loops() const { return has_loops_; }
   int largest_component() const { return largest_; }
+  /// Beyond this many degrees of freedom in one tree the recursion beats the dense block.
+  static constexpr int kLargestDense = 48;
+  /// Small trees of joints with fixed axes, no loops: mass matrix and bias forces are found without
+  /// Simbody, whose stages cost several times as much.
+  bool closed_form() const { return closed_form_; }
 
   /// u index of an axis of a joint; -1: the joint moves nothing. Not for ball and free joints.
   int axis_speed(int joint, int axis) const;
@@ -61,10 +60,9 @@ class Mechanism {
 
   void realize_velocity() { system.realize(state, SimTK::Stage::Velocity); }
   /// Rates of the coordinates at the state.
-  void calc_qdot(SimTK::Vector& out) const {
-    system.realize(state, SimTK::Stage::Position);
-    matter.multiplyByN(state, false, state.getU(), out);
-  }
+  void calc_qdot(SimTK::Vector& out) const { multiply_by_n(state.getU(), out); }
+  /// out := N(q) u.
+  void multiply_by_n(const SimTK::Vector& u, SimTK::Vector& out) const;
 
   /// Quaternions back to unit length and, with loops, coordinates and speeds back onto them.
   void project();
@@ -75,12 +73,10 @@ class Mechanism {
   void set_joint(const Link& link, const double* q, const double* u);
   void get_joint(const Link& link, double* q, double* u) const;
 
-  /// Of every link, at the state, which is realized to Position: velocities are the system's Jacobian
-  /// times u, without the Coriolis terms that Simbody's velocity stage finds too. Read once for each
-  /// state: Simbody's accessors are slow.
+  /// Of every link, at the state, which need not be realized. Found once for each state.
   const std::vector<LinkMotion>& motions() const;
   Placement placement(const Link& link) const {
-    return placement_of(link.mobod.getBodyTransform(state));
+    return motions()[std::size_t(&link - links_.data())].X;
   }
 
  private:
@@ -93,11 +89,10 @@ class Mechanism {
   std::vector<Link> links_;
   std::vector<Component> components_;
   std::vector<int> quaternions_;  ///< first q of each
-  bool has_loops_ = false;
+  bool has_loops_ = false, closed_form_ = false;
   int largest_ = 0;
   // What `motions_` holds is of these versions of q and u.
   mutable std::vector<LinkMotion> motions_;
-  mutable SimTK::Vector_<SimTK::SpatialVec> velocities_;  ///< by mobilized body
   mutable SimTK::ValueVersion q_version_ = -1, u_version_ = -1;
 };
 

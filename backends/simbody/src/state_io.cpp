@@ -68,9 +68,8 @@ void SimbodyWorld::get_state(WorldState& out) const {
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const int link = m.body_link(int(b));
     if (link >= 0) {
-      const SimTK::MobilizedBody& body = m.links()[std::size_t(link)].mobod;
-      out.poses[b] = from_simtk(body.getBodyTransform(m.state));
       const LinkMotion& motion = motions[std::size_t(link)];
+      out.poses[b] = pose_of(motion.X);
       out.twists[b] = {motion.linear, motion.angular};
     } else if (model.bodies[b].removed && b < gone.poses.size()) {
       out.poses[b] = gone.poses[b];

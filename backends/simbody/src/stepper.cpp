@@ -244,7 +244,7 @@ void Stepper::runge_kutta(double h, bool have_first) {
   Mechanism& m = mechanism_;
   const auto evaluate = [&](int stage) {
     accelerations_.compute(laws_, k_[stage]);
-    copy(m.state.getQDot(), qk_[stage]);
+    m.calc_qdot(qk_[stage]);
   };
   const auto go_to = [&](double step, int from) {
     add(q0_, step, qk_[from], displaced_);
@@ -254,7 +254,7 @@ void Stepper::runge_kutta(double h, bool have_first) {
   copy(qdot0_, qk_[0]);
   if (have_first) {
     copy(udot_, k_[1]);
-    copy(m.state.getQDot(), qk_[1]);
+    m.calc_qdot(qk_[1]);
   } else {
     set(q0_, u0_);
     evaluate(0);
@@ -311,7 +311,7 @@ void Stepper::solve_rows(double h) {
       end_u[u] = middle_u[u] + dv_[std::size_t(c.offset + k)];
       second_half[u] = 0.5 * h * end_u[u] + displacement_[std::size_t(c.offset + k)];
     }
-  m.matter.multiplyByN(m.state, false, stage_, displaced_);
+  m.multiply_by_n(stage_, displaced_);
   add(displaced_, 1.0, qm_, displaced_);
   contact_impulses_.clear();
   for (const ContactRows& contact : set_.contacts) contact_impulses_.push_back(impulse_of(contact));

@@ -1,0 +1,183 @@
+#include "kinematics.h"
+
+#include <array>
+#include <cmath>
+
+#include "cogrsim/model/joint_kinematics.h"
+#include "mechanism.h"
+
+namespace cogrsim::simbody {
+namespace {
+
+// Rotation of a quaternion of any length, scalar first.
+Mat3 rotation_of(const double* q) {
+  const double w = q[0], x = q[1], y = q[2], z = q[3];
+  const double s = 2.0 / (w * w + x * x + y * y + z * z);
+  Mat3 R;
+  R << 1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),  //
+      s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x),   //
+      s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y);
+  return R;
+}
+
+Vec3 entries(const double* x) { return {x[0], x[1], x[2]}; }
+
+// Where O is in the world and how it moves, from I in the world and how a body moves that I is
+// fixed to: `out` holds that motion at first.
+void move_along_axis(const Mounting& mounting, const Placement& X_WI, const double* q,
+                     const double* u, LinkMotion& out) {
+  const Vec3 axis = X_WI.R.col(2);
+  double angle = 0.0, spin = 0.0, height = 0.0, speed = 0.0;
+  if (mounting.turns) {
+    angle = mounting.sign * q[0];
+    spin = mounting.sign * u[0];
+    height = mounting.lead * angle;
+    speed = mounting.lead * spin;
+  }
+  if (mounting.slide >= 0) {
+    height += mounting.sign * q[mounting.slide];
+    speed += mounting.sign * u[mounting.slide];
+  }
+  Placement X_WO = X_WI;
+  if (mounting.turns) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    X_WO.R.col(0) = c * X_WI.R.col(0) + s * X_WI.R.col(1);
+    X_WO.R.col(1) = c * X_WI.R.col(1) - s * X_WI.R.col(0);
+  }
+  X_WO.p += height * axis;
+  out.linear = out.velocity_at(X_WO.p) + speed * axis;
+  out.angular += spin * axis;
+  out.X = X_WO;
+}
+
+// The same for any joint of the model.
+void move_along(const SceneModel& model, const Link& link, const Placement& X_WI, const double* q,
+                const double* u, LinkMotion& out) {
+  const Joint& joint = model.joints[std::size_t(link.plan.joint)];
+  std::array<double, 7> model_q{};
+  std::array<double, 6> model_u{};
+  for (int k = 0; k < link.nq; ++k) model_q[std::size_t(k)] = q[link.q_map[std::size_t(k)]];
+  for (int k = 0; k < link.nu; ++k) model_u[std::size_t(k)] = u[link.u_map[std::size_t(k)]];
+  Placement X_IO(joint_pose(joint, model_q.data()));
+  Twist V_IO = joint_twist(joint, model_q.data(), model_u.data());
+  if (link.plan.reversed) {
+    const Mat3 R = X_IO.R.transpose();
+    X_IO = {R, -(R * X_IO.p)};
+    V_IO.angular = -(R * V_IO.angular);
+    V_IO.linear = V_IO.angular.cross(X_IO.p) - R * V_IO.linear;
+  }
+  const Placement X_WO = X_WI * X_IO;
+  out.linear = out.velocity_at(X_WO.p) + X_WI.R * V_IO.linear;
+  out.angular += X_WI.R * V_IO.angular;
+  out.X = X_WO;
+}
+
+}  // namespace
+
+Mounting mount(const SceneModel& model, const PlannedLink& plan) {
+  Mounting out;
+  const Body& body = model.bodies[std::size_t(plan.body)];
+  if (plan.joint < 0) {
+    if (body.kind != BodyKind::kinematic) out.centre = body.com;
+    out.has_quaternion = true;
+    return out;
+  }
+  const Joint& joint = model.joints[std::size_t(plan.joint)];
+  const Placement X_PF(joint.X_PF), X_CM(joint.X_CM);
+  const auto inverse = [](const Placement& X) {
+    return Placement(X.R.transpose(), -(X.R.transpose() * X.p));
+  };
+  out.X_PI = plan.reversed ? X_CM : X_PF;
+  out.X_OB = inverse(plan.reversed ? X_PF : X_CM);
+  if (plan.parent < 0 && plan.anchor >= 0)
+    out.X_PI = Placement(model.bodies[std::size_t(plan.anchor)].X_WB) * out.X_PI;
+  out.kind = Mounting::Kind::axis;
+  out.sign = plan.reversed ? -1.0 : 1.0;
+  switch (joint.type) {
+    case JointType::fixed:
+      out.kind = Mounting::Kind::fixed;
+      break;
+    case JointType::hinge:
+      out.turns = true;
+      break;
+    case JointType::slider:
+      out.slide = 0;
+      break;
+    case JointType::screw:
+      out.turns = true;
+      out.lead = joint.pitch / (2 * kPi);
+      break;
+    case JointType::cylindrical:
+      out.turns = true;
+      out.slide = 1;
+      break;
+    case JointType::universal:
+    case JointType::planar:
+      out.kind = Mounting::Kind::other;
+      break;
+    case JointType::ball:
+    case JointType::free:
+      out.kind = Mounting::Kind::other;
+      out.has_quaternion = true;
+      break;
+  }
+  return out;
+}
+
+void find_motions(const SceneModel& model, const std::vector<Link>& links, const double* q,
+                  const double* u, std::vector<LinkMotion>& out) {
+  out.resize(links.size());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const Link& link = links[i];
+    const Mounting& mounting = link.mounting;
+    const double* const own_q = q + link.first_q;
+    const double* const own_u = u + link.first_u;
+    LinkMotion& motion = out[i];
+    if (mounting.kind == Mounting::Kind::base) {
+      motion.X.R = rotation_of(own_q);
+      const Vec3 arm = motion.X.R * mounting.centre;
+      motion.X.p = entries(own_q + 4) - arm;
+      motion.angular = entries(own_u);
+      motion.linear = entries(own_u + 3) - motion.angular.cross(arm);
+      continue;
+    }
+    Placement X_WI = mounting.X_PI;
+    motion = LinkMotion();
+    if (link.plan.parent >= 0) {
+      motion = out[std::size_t(link.plan.parent)];
+      X_WI = motion.X * mounting.X_PI;
+    }
+    if (mounting.kind == Mounting::Kind::axis) {
+      move_along_axis(mounting, X_WI, own_q, own_u, motion);
+    } else if (mounting.kind == Mounting::Kind::other) {
+      move_along(model, link, X_WI, own_q, own_u, motion);
+    } else {
+      motion.linear = motion.velocity_at(X_WI.p);
+      motion.X = X_WI;
+    }
+    const Vec3 at = motion.X.p;
+    motion.X = motion.X * mounting.X_OB;
+    motion.linear += motion.angular.cross(motion.X.p - at);
+  }
+}
+
+void find_rates(const std::vector<Link>& links, const double* q, const double* u, double* qdot) {
+  for (const Link& link : links) {
+    const double* const own_u = u + link.first_u;
+    double* const rate = qdot + link.first_q;
+    if (!link.mounting.has_quaternion) {
+      std::copy(own_u, own_u + link.nu, rate);
+      continue;
+    }
+    // The spin is in I's axes: qdot = (0, w) q / 2.
+    const double* const e = q + link.first_q;
+    const double x = 0.5 * own_u[0], y = 0.5 * own_u[1], z = 0.5 * own_u[2];
+    rate[0] = -(x * e[1] + y * e[2] + z * e[3]);
+    rate[1] = x * e[0] + y * e[3] - z * e[2];
+    rate[2] = y * e[0] + z * e[1] - x * e[3];
+    rate[3] = z * e[0] + x * e[2] - y * e[1];
+    std::copy(own_u + 3, own_u + link.nu, rate + 4);
+  }
+}
+
+}  // namespace cogrsim::simbody
