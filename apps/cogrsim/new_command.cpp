@@ -78,15 +78,17 @@ struct ProjectFile {
 };
 
 std::vector<ProjectFile> project_files(const std::string& kind, const Words& words) {
-  std::vector<ProjectFile> files;
-  for (const TemplateFile& file : template_files()) {
-    if (file.kind != kind && std::string(file.kind) != "common") continue;
-    std::string name = filled_in(file.name, words);
-    if (name == "gitignore") name = ".gitignore";
-    files.push_back({std::move(name), filled_in(file.text, words)});
+  std::map<std::string, std::string> texts;
+  for (const std::string& folder : {kind, std::string("common")}) {
+    for (const TemplateFile& file : template_files()) {
+      if (file.kind != folder) continue;
+      std::string name = filled_in(file.name, words);
+      if (name == "gitignore") name = ".gitignore";
+      texts.emplace(std::move(name), filled_in(file.text, words));
+    }
   }
-  std::sort(files.begin(), files.end(),
-            [](const ProjectFile& a, const ProjectFile& b) { return a.name < b.name; });
+  std::vector<ProjectFile> files;
+  for (auto& [name, text] : texts) files.push_back({name, std::move(text)});
   return files;
 }
 
@@ -215,6 +217,7 @@ int new_command(const NewOptions& options) {
   }
   const std::string prefix = own_prefix();
   const Words words = {{"@NAME@", options.name},
+                       {"@KIND@", options.kind},
                        {"@CLASS@", class_name(options.name)},
                        {"@PREFIX@", shell_word(prefix)}};
   const std::vector<ProjectFile> files = project_files(options.kind, words);

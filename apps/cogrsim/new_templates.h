@@ -6,7 +6,8 @@
 namespace cogrsim::cli {
 
 struct TemplateFile {
-  const char* kind;  ///< folder: "controller", …, or "common", which goes into every project
+  const char* kind;  ///< folder: "controller", …, or "common": into every project whose kind has no
+                     ///< file of this name
   const char* name;  ///< within it, with the words that are replaced
   const char* text;
 };
