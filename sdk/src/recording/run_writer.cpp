@@ -143,7 +143,10 @@ void RunWriter::sensor_topics(std::size_t index, const SensorModel& sensor,
                               const std::vector<Channel>& channels) {
   SensorTopics& topics = sensors_[index];
   std::string json = channels_json(channels);
-  if (topics.reading != 0 && topics.name == sensor.name && topics.channels == json) return;
+  // Of what was removed the channels are not known any more.
+  if (topics.reading != 0 && topics.name == sensor.name &&
+      (sensor.removed || topics.channels == json))
+    return;
   // Sensors of one type with the same values share a schema.
   const auto [known, is_new] = reading_schemas_.try_emplace(sensor.type + json);
   if (is_new) {

@@ -1,6 +1,7 @@
 #include "sensing/sensor_suite.h"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "model/diagnose.h"
 
@@ -111,13 +112,33 @@ std::vector<SensorFault> SensorSuite::read(Sensing& sensing) {
 
 void SensorSuite::copy_readings(std::vector<Reading>& out) const {
   out.resize(slots_.size());
-  for (std::size_t i = 0; i < slots_.size(); ++i) out[i] = slots_[i].memory.reading;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const Reading& reading = slots_[i].memory.reading;
+    // Assigning would keep the memory of the values that were there before the sensor was retired.
+    if (reading.values.empty())
+      out[i] = Reading(reading);
+    else
+      out[i] = reading;
+  }
 }
 
 void SensorSuite::enable(std::size_t sensor, bool on) {
   SensorMemory& memory = slots_[sensor].memory;
   memory.enabled = memory.reading.enabled = on;
   if (!on) memory.reading.valid = false;
+}
+
+void SensorSuite::retire(std::size_t sensor) {
+  enable(sensor, false);
+  Slot& slot = slots_[sensor];
+  slot.sensor.reset();
+  const auto free = [](auto& elements) { std::decay_t<decltype(elements)>().swap(elements); };
+  free(slot.channels);
+  free(slot.noise);
+  free(slot.memory.walk);
+  free(slot.memory.reading.values);
+  free(slot.memory.reading.contacts);
+  slot.memory.reading.picture.reset();
 }
 
 FrameContents SensorSuite::needs() const {

@@ -60,6 +60,9 @@ class SensorSuite {
   void copy_readings(std::vector<Reading>& out) const;
 
   void enable(std::size_t sensor, bool on);
+  /// Switches off the sensor of what was removed, for good, and frees what it holds, its channels
+  /// and values too; its place stays.
+  void retire(std::size_t sensor);
   bool enabled(std::size_t sensor) const { return slots_[sensor].memory.enabled; }
   /// What the sensors that are on need of the frames they read.
   FrameContents needs() const;

@@ -200,9 +200,10 @@ Result<> Simulation::Impl::remove_named(const std::string& name) {
     if (!model->controllers[i].removed) continue;
     controllers[i].clock.stopped = true;
     controllers[i].controller.reset();
+    if (controllers[i].access) controllers[i].access->parameters.clear();
   }
   for (std::size_t i = 0; i < sensors.size(); ++i) {
-    if (model->sensors[i].removed) sensors.enable(i, false);
+    if (model->sensors[i].removed) sensors.retire(i);
   }
   // What held it to others has let go; its own joints are gone with it.
   for (std::size_t i = 0; i < model->joints.size(); ++i) {

@@ -234,6 +234,19 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
   return near.empty() ? "" : "did you mean '" + near + "'?";
 }
 
+/// Frees what nobody asks of an element that is gone: it keeps its place for the whole run. Shapes stay,
+/// as backends number them.
+void strip_removed(SceneModel& model) {
+  for (SensorModel& sensor : model.sensors) {
+    if (!sensor.removed) continue;
+    sensor.parameters.clear();
+    sensor.noise.clear();
+  }
+  for (ControllerModel& mind : model.controllers) {
+    if (mind.removed) mind.parameters.clear();
+  }
+}
+
 /// Marks what hangs on elements that are gone: joints on bodies, motors on joints, and so on.
 void remove_dependents(SceneModel& model) {
   const auto body_gone = [&model](int body) {
@@ -257,6 +270,7 @@ void remove_dependents(SceneModel& model) {
     door.removed = door.removed ||
                    (door.motor >= 0 && model.motors[static_cast<std::size_t>(door.motor)].removed);
   }
+  strip_removed(model);
   mark_loops(model);
 }
 

@@ -1,5 +1,6 @@
 // What a scene does by itself: rules that fire, their actions when they are due, lifetimes.
 #include <algorithm>
+#include <cmath>
 
 #include "simulation/impl.h"
 
@@ -77,8 +78,16 @@ void Simulation::Impl::fire_rules() {
       const double period = rule.every.value_or(0.0);
       const double first = rule.time.value_or(period);
       bool due = false;
-      // Rounds that a long step jumped over are one.
-      while ((rule.every || memory.rounds == 0) &&
+      // Rounds that a long step jumped over are one. More of them than can be counted: every step.
+      const bool countless = rule.every && !(period > 1e-15 * (now - first));
+      if (countless) due = first <= now;
+      // Up to the last but one at a stroke; which is the last, rounding may not decide otherwise.
+      if (rule.every && !countless) {
+        const double over = std::floor((now - first) / period) - 1.0;
+        if (over > static_cast<double>(memory.rounds))
+          memory.rounds = static_cast<std::uint64_t>(over);
+      }
+      while (!countless && (rule.every || memory.rounds == 0) &&
              first + static_cast<double>(memory.rounds) * period <= now) {
         ++memory.rounds;
         due = true;
