@@ -425,6 +425,8 @@ TEST_CASE("run keeps snapshots and goes on from them", "[sweep][snapshot][progra
       {{"--from", folder / "a.snap", "--save-at", "0.1", folder / "x"}, 1, "began later"},
       {{"--save-at", "0.1", folder / "no/x"}, 1, "cannot write"},
       {{"--from", folder / "nowhere"}, 1, "cannot read the snapshot"},
+      {{"--from", kScenes}, 1, "it is a folder"},
+      {{"--from", "/dev/zero"}, 1, "is not a regular file"},  // it has no end
       {{"--from", kScenes + "/trial.scene.xml"}, 1, "is not a snapshot"},
   };
   for (const auto& item : wrong) {

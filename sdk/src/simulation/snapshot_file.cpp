@@ -4,8 +4,10 @@
 #include <unistd.h>
 #include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -21,6 +23,8 @@ using namespace snapshots;
 namespace {
 
 constexpr const char* kFormat = "cogrsim-snapshot";
+/// Of a file that is read. The largest world there may be, 100000 bodies, takes less than half.
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{512} << 20;
 
 std::string checksum(const Json& content) {
   const std::string text = content.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -212,14 +216,29 @@ Result<> write_snapshot(const Simulation& simulation, const std::string& path,
 const SnapshotInfo& SnapshotFile::info() const { return impl_->info; }
 
 Result<SnapshotFile> SnapshotFile::read(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in.is_open() || in.bad()) {
-    return fail("cannot read the snapshot '" + path + "': " + std::strerror(errno));
-  }
   const auto refuse = [&](const std::string& why, const std::string& hint = {}) {
     return fail("'" + path + "' " + why, "", hint);
   };
+  const auto unreadable = [&](const std::string& why) {
+    return fail("cannot read the snapshot '" + path + "': " + why);
+  };
+  // A device never ends, and a pipe waits for a writer.
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (error) return unreadable(error.message());
+  if (std::filesystem::is_directory(status)) return unreadable("it is a folder");
+  if (!std::filesystem::is_regular_file(status)) {
+    return refuse("is not a regular file", "copy what it gives into one first");
+  }
+  if (const std::uintmax_t size = std::filesystem::file_size(path, error);
+      !error && size > kMostBytes) {
+    return refuse("is too large for a snapshot: " + std::to_string(size >> 20) + " MB, at most " +
+                  std::to_string(kMostBytes >> 20) + " MB are read");
+  }
+  std::ifstream in(path, std::ios::binary);
+  if (!in.is_open()) return unreadable(std::strerror(errno));
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (in.bad()) return unreadable(std::strerror(errno));
   const Json file = Json::parse(text, nullptr, false);
   if (file.is_discarded()) {
     const bool ours = text.find(kFormat) != std::string::npos && text.find(kFormat) < 100;
