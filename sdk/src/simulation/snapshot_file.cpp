@@ -23,7 +23,7 @@ using namespace snapshots;
 namespace {
 
 constexpr const char* kFormat = "cogrsim-snapshot";
-/// Of a file that is read. The largest world there may be, 100000 bodies, takes less than half.
+/// Of a file that is read. The most bodies there may be, 100000 spawned ones, take some 200 MB.
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{512} << 20;
 
 std::string checksum(const Json& content) {
