@@ -207,9 +207,7 @@ bool CallChannel::answer(const std::vector<char>& reply) {
   return true;
 }
 
-void CallChannel::tell_end(const ProcessEnd& end) {
-  header().end_status = end.status;
-  header().most_bytes = end.most_bytes;
+void CallChannel::tell_end() {
   header().ended = 1;
   ring(header().to_parent, header().parent_sleeps);
 }

@@ -12,7 +12,7 @@
 
 namespace cogrsim {
 
-/// How a process ended, as its guard tells.
+/// How a process ended, as its guard tells: over a socket that the process itself does not have.
 struct ProcessEnd {
   bool told = false;            ///< false: its guard has gone without a word
   int status = 0;               ///< as waitpid() gives it
@@ -25,9 +25,7 @@ struct ChannelHeader {
   std::atomic<std::uint32_t> to_child, to_parent;
   std::atomic<std::uint32_t> child_sleeps, parent_sleeps;
   std::atomic<std::uint32_t> requests, replies;  ///< so far
-  std::atomic<std::uint32_t> ended;              ///< the process is gone; set by its guard
-  std::atomic<std::int32_t> end_status;
-  std::atomic<std::int64_t> most_bytes;
+  std::atomic<std::uint32_t> ended;              ///< the process is gone; its guard has said how
   std::atomic<std::uint64_t> request_size, reply_size;          ///< [byte]
   std::atomic<std::uint64_t> request_capacity, reply_capacity;  ///< [byte]; the parent's to raise
   std::atomic<std::uint32_t> does_not_fit;  ///< the reply is longer than reply_capacity
@@ -74,7 +72,7 @@ class CallChannel {
   bool answer(const std::vector<char>& reply);
 
   // ---- the guard's
-  void tell_end(const ProcessEnd& end);
+  void tell_end();
 
  private:
   std::optional<Answer> look(std::vector<char>& reply, Clock::time_point until);

@@ -37,6 +37,20 @@ int moved_up(int file) {
   return copy;
 }
 
+/// What the user can do about a limit of the system.
+std::string way_out(int problem) {
+  if (problem == EMFILE || problem == ENFILE) {
+    return "raise the number of open files with `ulimit -n`: each controller with "
+           "isolation=\"process\" needs two";
+  }
+  if (problem == EAGAIN) {
+    return "raise the number of processes with `ulimit -u`: each controller with "
+           "isolation=\"process\" needs two";
+  }
+  if (problem == ENOENT) return "it belongs beside the plugins; install CogRSim anew";
+  return "";
+}
+
 struct SpawnSettings {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
@@ -74,10 +88,13 @@ std::string controller_host_path() {
 
 Result<std::unique_ptr<ChildProcess>> ChildProcess::start() {
   std::unique_ptr<ChildProcess> child(new ChildProcess);
-  if (auto made = child->channel_.create(); !made) return tl::unexpected(made.error());
+  if (auto made = child->channel_.create(); !made) {
+    return fail(made.error().message, "", way_out(errno));
+  }
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
-    return fail(std::string("cannot make a socket: ") + std::strerror(errno));
+    const int why = errno;
+    return fail(std::string("cannot make a socket: ") + std::strerror(why), "", way_out(why));
   }
   child->link_ = ends[0];
   const int link = moved_up(ends[1]);
@@ -96,7 +113,7 @@ Result<std::unique_ptr<ChildProcess>> ChildProcess::start() {
   if (problem != 0) {
     return fail("cannot start '" + path +
                     "', the program that controllers live in: " + std::strerror(problem),
-                "", problem == ENOENT ? "it belongs beside the plugins; install CogRSim anew" : "");
+                "", way_out(problem));
   }
   return child;
 }
@@ -106,7 +123,12 @@ ChildProcess::~ChildProcess() { kill(); }
 bool ChildProcess::guard_gone() {
   if (guard_ <= 0) return true;
   int status = 0;
-  const pid_t gone = ::waitpid(guard_, &status, WNOHANG);
+  const pid_t gone = ::waitpid(guard_, &status, WNOHANG | WUNTRACED);
+  // A guard that somebody has stopped would neither tell an end nor clear away.
+  if (gone == guard_ && WIFSTOPPED(status)) {
+    ::kill(guard_, SIGCONT);
+    return false;
+  }
   // Somebody else may have waited for it, or nobody may: ECHILD.
   if (gone == guard_ || (gone < 0 && errno == ECHILD)) guard_ = -1;
   return guard_ <= 0;
@@ -122,12 +144,17 @@ Result<CallChannel::Answer> ChildProcess::call(const std::vector<char>& request,
     deadline = CallChannel::Clock::now() +
                std::chrono::duration_cast<CallChannel::Clock::duration>(patience);
   }
-  return channel_.await(reply, deadline, [this] { return guard_gone(); });
+  const auto answer = channel_.await(reply, deadline, [this] { return guard_gone(); });
+  if (answer != CallChannel::Answer::ended || hear_end() || guard_gone()) return answer;
+  return CallChannel::Answer::broken;  // the shared memory says so, and nobody else
 }
 
-ProcessEnd ChildProcess::end() {
-  const ChannelHeader& header = channel_.header();
-  return {header.ended.load() != 0, header.end_status.load(), header.most_bytes.load()};
+/// What the guard has said about the end; false: nothing.
+bool ChildProcess::hear_end() {
+  ProcessEnd end;
+  const auto got = ::recv(link_, &end, sizeof end, MSG_DONTWAIT);
+  if (got == static_cast<ssize_t>(sizeof end)) end_ = end;
+  return end_.told;
 }
 
 void ChildProcess::kill() {

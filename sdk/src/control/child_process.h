@@ -30,7 +30,7 @@ class ChildProcess {
   Result<CallChannel::Answer> call(const std::vector<char>& request, std::vector<char>& reply,
                                    std::chrono::duration<double> patience);
   /// After Answer::ended: how.
-  ProcessEnd end();
+  const ProcessEnd& end() const { return end_; }
   /// Kills it and all it has started, and waits until they are gone.
   void kill();
   bool alive() const { return guard_ > 0; }
@@ -38,10 +38,12 @@ class ChildProcess {
  private:
   ChildProcess() = default;
   bool guard_gone();
+  bool hear_end();
 
   CallChannel channel_;
   int link_ = -1;
   pid_t guard_ = -1;
+  ProcessEnd end_;
 };
 
 /// The worker's part of the program: serves requests until it is told to end. Returns the exit code.

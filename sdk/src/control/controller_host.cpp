@@ -37,7 +37,9 @@ void limit_memory(double more) {
   if (kSanitized || !std::isfinite(more)) return;
   rlimit limit{};
   ::getrlimit(RLIMIT_DATA, &limit);
-  const auto wanted = static_cast<rlim_t>(data_in_use() + more);
+  const double sum = data_in_use() + more;
+  if (sum >= 0x1p63) return;  // more than there is in any machine, and than an rlim_t holds
+  const auto wanted = static_cast<rlim_t>(sum);
   if (limit.rlim_max != RLIM_INFINITY && wanted > limit.rlim_max) return;
   limit.rlim_cur = limit.rlim_max = wanted;
   ::setrlimit(RLIMIT_DATA, &limit);

@@ -6,6 +6,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/signalfd.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -62,6 +63,13 @@ void clear_away(pid_t worker) {
   }
 }
 
+/// First on the socket, where no wild pointer of the controller reaches it.
+void tell_end(CallChannel& channel, const ProcessEnd& end) {
+  while (::send(kLink, &end, sizeof end, MSG_NOSIGNAL) < 0 && errno == EINTR) {
+  }
+  channel.tell_end();
+}
+
 /// Does not return.
 [[noreturn]] void be_worker(CallChannel& channel, pid_t guard_id) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -100,7 +108,7 @@ int run() {
   const pid_t own = ::getpid();
   const pid_t worker = ::fork();  // there is one thread only
   if (worker < 0) {
-    channel.tell_end({true, 2 << 8, 0});
+    tell_end(channel, {true, 2 << 8, 0});
     return 2;
   }
   if (worker == 0) {
@@ -117,6 +125,7 @@ int run() {
     while (::read(signals, &info, sizeof info) > 0) {
     }
     ProcessEnd end;
+    end.told = true;
     rusage used{};
     pid_t gone = 0;
     while ((gone = ::wait4(-1, &end.status, WNOHANG, &used)) > 0) {
@@ -125,7 +134,7 @@ int run() {
       over = true;
       // First the rest, so that nobody is left when the run goes on.
       clear_away(worker);
-      channel.tell_end(end);
+      tell_end(channel, end);
       break;
     }
   }

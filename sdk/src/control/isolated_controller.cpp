@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -35,6 +36,23 @@ std::string signal_name(int number) {
 }
 
 std::string megabytes(double bytes) { return fmt::format("{:.4g} MB", bytes * 1e-6); }
+
+/// When it ended, if a later call finds it gone.
+const char* during(HostCall call) {
+  switch (call) {
+    case HostCall::configure:
+      return "while being configured";
+    case HostCall::update:
+      return "in update";
+    case HostCall::save:
+      return "while its memory was saved";
+    case HostCall::restore:
+      return "while it was given a memory";
+    case HostCall::end:
+      break;
+  }
+  return "while it was taken down";
+}
 
 /// Set by someone who steps through a controller with a debugger.
 bool debugging() {
@@ -141,7 +159,12 @@ class ControllerApart final : public HostedController {
   std::optional<HostFailure> failure_of(std::optional<std::string> thrown) const {
     if (!thrown) return std::nullopt;
     HostFailure failure{HostFailure::Kind::thrown, std::move(*thrown)};
-    if (failure.what == "std::bad_alloc" && std::isfinite(memory_)) failure.more = allowed();
+    if (!std::isfinite(memory_)) return failure;
+    if (failure.what == "std::bad_alloc") failure.more = allowed();
+    // What std::thread throws when there is no room for a stack.
+    if (failure.what == std::strerror(EAGAIN)) {
+      failure.more = allowed() + ", stacks of threads included";
+    }
     return failure;
   }
 
@@ -149,12 +172,24 @@ class ControllerApart final : public HostedController {
 
   std::optional<HostFailure> damaged() {
     process_->kill();
+    lost_ = "it sent something that does not fit together";
     return HostFailure{HostFailure::Kind::process, "sent something that does not fit together",
                        "it may have written to memory that is not its own; its process was killed"};
   }
 
   /// Sends request_, waits for reply_; what becomes of the process otherwise.
   std::optional<HostFailure> exchange(double patience) {
+    if (!process_->alive()) {
+      return HostFailure{HostFailure::Kind::process, "has no process any more", lost_};
+    }
+    auto failure = attempt(patience);
+    if (failure) {
+      lost_ = "it " + failure->what + " " + during(static_cast<HostCall>(request_.front()));
+    }
+    return failure;
+  }
+
+  std::optional<HostFailure> attempt(double patience) {
     const auto answer = process_->call(request_, reply_, Seconds(patience));
     if (!answer) {
       process_->kill();
@@ -170,7 +205,6 @@ class ControllerApart final : public HostedController {
                            "it did not come to its end within " + units::number_text(patience) +
                                " s, and its process was killed"};
       case CallChannel::Answer::broken:
-        process_->kill();
         return damaged();
       case CallChannel::Answer::ended:
         break;
@@ -203,6 +237,7 @@ class ControllerApart final : public HostedController {
   std::size_t controller_;
   std::string who_;
   double deadline_ = 0.0, memory_ = 0.0;  // [s], [byte]
+  std::string lost_;                      // how its process came to its end
   std::unique_ptr<ChildProcess> process_;
   std::vector<char> request_, reply_;
 };

@@ -252,17 +252,18 @@ class Resumption {
       }
       const auto memory = saved.at("memory").get<std::string>();
       std::optional<std::string> thrown;
+      bool there = true;
       if (controllers && to_.controllers[i].controller) {
         if (const auto failure = to_.controllers[i].controller->restore(memory)) {
-          thrown = failure->kind == HostFailure::Kind::thrown ? failure->what
-                                                              : phrase(*failure, "while taking it");
+          there = failure->kind == HostFailure::Kind::thrown;
+          thrown = there ? failure->what : phrase(*failure, "while taking it");
         }
       } else if (!controllers && to_.supervisors[i].supervisor) {
         thrown = to_.supervisors[i].entry->restore(*to_.supervisors[i].supervisor, memory);
       }
       if (thrown) {
-        notes_.push_back(word + " '" + model.name +
-                         "' does not take its memory and begins anew: " + *thrown);
+        notes_.push_back(word + " '" + model.name + "' does not take its memory" +
+                         (there ? " and begins anew: " : ": it ") + *thrown);
       }
     }
     tell("begins anew, because the snapshot does not have it: " + word,

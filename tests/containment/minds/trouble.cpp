@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <stdexcept>
 #include <thread>
@@ -20,6 +21,17 @@ namespace {
   volatile char here[4096];
   here[0] = static_cast<char>(depth);
   return depth < 0 ? 0 : endless(depth + 1) + here[0];
+}
+
+/// All over the memory that is shared with the simulation, as a wild pointer could.
+void scribble() {
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find("cogrsim-controller") == std::string::npos) continue;
+    unsigned long begin = 0, end = 0;
+    if (std::sscanf(line.c_str(), "%lx-%lx", &begin, &end) != 2) continue;
+    std::memset(reinterpret_cast<void*>(begin), 0x33, end - begin);
+  }
 }
 
 void sleep_long() { std::this_thread::sleep_for(std::chrono::hours(1)); }
@@ -72,6 +84,14 @@ class Trouble final : public cogrsim::Controller {
     if (what_ == "overflow") std::printf("%d", endless(0));
     if (what_ == "kill") ::kill(0, SIGKILL);
     if (what_ == "stop") std::raise(SIGSTOP);
+    if (what_ == "scribble") scribble();
+    if (what_ == "stop-guard-and-crash") {
+      ::kill(::getppid(), SIGSTOP);
+      std::raise(SIGSEGV);
+    }
+    if (what_ == "many-threads") {
+      for (int i = 0; i < 1000; ++i) std::thread(sleep_long).detach();
+    }
     if (what_ == "throw") throw std::out_of_range("cell 9 of 8");
     if (what_ == "throw-in-thread") {
       std::thread([] { throw std::runtime_error("nobody catches this"); }).join();
