@@ -55,7 +55,22 @@ std::vector<std::string> arguments(const std::string& path, double rate) {
 
 bool is_film(const std::string& path) { return has_ending(path, {".gif", ".mp4", ".webm"}); }
 
+Result<> check_picture_count(double span, double every) {
+  constexpr double kMostPictures = 1e5;
+  const double count = span / every + 1.0;
+  if (count <= kMostPictures) return {};
+  return fail(
+      fmt::format("{:.6g} s with a picture every {:.6g} s are {:.6g} pictures, more than {:.6g}",
+                  span, every, count, kMostPictures),
+      "", "take a larger --every: 0.04 are 25 pictures in a simulated second");
+}
+
 Result<std::unique_ptr<Film>> Film::start(const std::string& path, double rate) {
+  constexpr double kMostRate = 1000.0;  // [1/s] what is beyond it no screen shows
+  if (rate > kMostRate) {
+    return fail(fmt::format("a film of {:.6g} pictures a second is more than can be shown", rate),
+                path, "take a larger --every, or a --speed below 1 for slow motion");
+  }
   if (auto writable = check_writable(path); !writable) return tl::unexpected(writable.error());
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return fail(std::string("no pipe: ") + std::strerror(errno));

@@ -13,6 +13,10 @@ namespace cogrsim::cli {
 /// Whether the name asks for a film: .gif, .mp4 or .webm.
 bool is_film(const std::string& path);
 
+/// A picture every `every` for `span`, both [s]. Errors: more than 100000 pictures, over an hour of
+/// 25 a second: a slip of the unit.
+Result<> check_picture_count(double span, double every);
+
 class Film {
  public:
   /// Pictures are shown at `rate` [1/s]. Errors: ffmpeg is not there (says how to get it), or the

@@ -68,6 +68,9 @@ int draw_film(Job& job) {
   if (!first) return refuse(first.error());
   auto trails = Trails::of(*(*first)->model, job.options.trails);
   if (!trails) return refuse(trails.error());
+  if (auto bearable = check_picture_count(end - (*first)->time, every); !bearable) {
+    return refuse(bearable.error());
+  }
   // The area must hold the whole run, so all frames are gathered before the first is drawn.
   std::vector<FramePtr> frames;
   for (double k = 0.0; k * every <= end + 1e-9; ++k) {

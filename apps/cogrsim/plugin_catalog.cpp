@@ -1,6 +1,7 @@
 #include "plugin_catalog.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/sensing/sensor.h"
@@ -26,6 +27,22 @@ std::vector<OutputModel> LoaderCatalog::outputs(PluginKind kind, const std::stri
     }
   }
   return outputs;
+}
+
+std::vector<Channel> LoaderCatalog::channels(const SceneModel& model, const SensorModel& sensor) {
+  const auto plugin = loader_->load(PluginKind::sensor, sensor.type);
+  if (!plugin) return {};
+  const auto* entry = static_cast<const SensorEntry*>((*plugin)->descriptor().factory);
+  // What it throws here it throws again when the run is set up, where it is told.
+  try {
+    const std::unique_ptr<Sensor, void (*)(Sensor*)> probe(entry->create(), entry->destroy);
+    const auto parameters =
+        complete_parameters((*plugin)->descriptor().parameters, sensor.parameters);
+    if (probe && parameters && probe->configure(model, sensor, *parameters))
+      return probe->channels();
+  } catch (...) {
+  }
+  return {};
 }
 
 std::vector<std::string> LoaderCatalog::names(PluginKind kind) {

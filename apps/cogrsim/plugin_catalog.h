@@ -16,6 +16,7 @@ class LoaderCatalog final : public dsl::PluginCatalog {
   /// The SDK's own sensors, then libraries.
   Result<ParameterTable> parameters(PluginKind kind, const std::string& name) override;
   std::vector<OutputModel> outputs(PluginKind kind, const std::string& name) override;
+  std::vector<Channel> channels(const SceneModel& model, const SensorModel& sensor) override;
   std::vector<std::string> names(PluginKind kind) override;
   Result<ParameterTable> world_options(const std::string& backend) override;
   Result<ParameterTable> assembly_options(const std::string& backend) override;

@@ -73,7 +73,7 @@ Result<RenderRequest> from_view(const Frame& frame, const Bounds& bounds,
   for (const ViewModel& view : frame.model->views) {
     names.push_back(view.name);
     if (view.name != options.view) continue;
-    request.camera = make_camera(view.X_WV, width, height, view.fov);
+    request.camera = make_camera(view_pose(frame, view), width, height, view.fov);
     return request;
   }
   const std::string wanted = options.view.empty() ? "iso" : options.view;
@@ -158,6 +158,9 @@ int film(Studio& studio) {
   Result<FramePtr> frame = studio.source.at(0.0);
   if (!frame) return refuse(frame.error());
   const double start = (*frame)->time;
+  if (auto bearable = check_picture_count(end - start, options.every); !bearable) {
+    return refuse(bearable.error());
+  }
   studio.bounds = visible_bounds(**frame);  // a view stays where it is
   auto film = Film::start(options.output, options.speed / options.every);
   if (!film) return refuse(film.error());

@@ -14,6 +14,7 @@
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/rendering/standard_view.h"
 #include "cogrsim/sensing/instruments.h"
+#include "film.h"
 #include "frame_json.h"
 #include "interrupt.h"
 #include "options.h"
@@ -200,10 +201,11 @@ Result<> camera_pictures(Gallery& gallery, std::size_t sensor) {
 // The scene from a viewpoint that was not in the run.
 Result<> view_pictures(Gallery& gallery, const std::string& name, const Frame& start) {
   std::optional<Camera> camera;
+  const ViewModel* saved = nullptr;
   for (const ViewModel& view : start.model->views) {
-    if (view.name == name) camera = make_camera(view.X_WV, kWidth, kHeight, view.fov);
+    if (view.name == name) saved = &view;
   }
-  if (!camera) {
+  if (saved == nullptr) {
     // All of the run stays in the picture.
     Bounds bounds = visible_bounds(start);
     const std::size_t last = gallery.recording.frame_count() - 1;
@@ -217,13 +219,18 @@ Result<> view_pictures(Gallery& gallery, const std::string& name, const Frame& s
   const RecordingInfo& info = gallery.recording.info();
   const double begin = gallery.options.at.value_or(info.start);
   const double end = gallery.options.at.value_or(info.end);
+  if (auto bearable = check_picture_count(end - begin, gallery.options.every); !bearable) {
+    return bearable;
+  }
   const auto count = static_cast<std::size_t>((end - begin) / gallery.options.every + 1e-6) + 1;
   for (std::size_t i = 0; i < count && !interrupted(); ++i) {
     const double time = begin + static_cast<double>(i) * gallery.options.every;
     const auto frame = gallery.recording.frame(gallery.recording.index_at(time));
     if (!frame) return tl::unexpected(frame.error());
     RenderRequest request;
-    request.camera = *camera;
+    request.camera = saved == nullptr
+                         ? *camera
+                         : make_camera(view_pose(**frame, *saved), kWidth, kHeight, saved->fov);
     const auto picture = rendered(gallery, **frame, request);
     if (!picture) return tl::unexpected(picture.error());
     if (auto done = save(gallery, *picture, name, i + 1); !done) return done;

@@ -44,6 +44,19 @@ bool has_signals(const Element& element) {
 
 }  // namespace
 
+/// Of the SDK's sensors and, where there is a catalog, of plugins'.
+ChannelLookup Builder::channels() {
+  return [this, built_in = built_in_channels(model_)](int sensor) -> const std::vector<Channel>* {
+    if (const auto* known = built_in(sensor)) return known;
+    const SensorModel& given = model_.sensors[static_cast<std::size_t>(sensor)];
+    PluginCatalog* plugins = context_.options.plugins;
+    if (plugins == nullptr || built_in_sensor(given.type) != nullptr) return nullptr;
+    const auto [entry, is_new] = plugin_channels_.try_emplace(sensor);
+    if (is_new) entry->second = plugins->channels(model_, given);
+    return entry->second.empty() ? nullptr : &entry->second;
+  };
+}
+
 /// The signal with names in full; nullopt: reported, or the fault of something that failed.
 std::optional<std::string> Builder::signal(const Element& element, std::string_view attribute,
                                            const std::string& text) {
@@ -60,7 +73,7 @@ std::optional<std::string> Builder::with_signals(
     const std::function<Result<std::string>(const SignalScope&)>& parse) {
   bool lost = false;
   const Element* without = nullptr;  // found, but there are no signals of it
-  SignalScope scope{model_, built_in_channels(model_), {}};
+  SignalScope scope{model_, channels(), {}};
   scope.resolve = [&](const std::string& name) -> std::string {
     const Names::Found found = names_.peek(element, name);
     lost = lost || found.lost;

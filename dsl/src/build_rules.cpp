@@ -183,7 +183,7 @@ std::optional<std::string> Builder::rule_condition(const Element& element,
   if (!given.given()) return std::nullopt;
   bool lost = false, coming = false, refused = false;
   std::string unknown;
-  SignalScope scope{model_, built_in_channels(model_), {}};
+  SignalScope scope{model_, channels(), {}};
   scope.resolve = [&](const std::string& name) -> std::string {
     const Names::Found found = names_.peek(element, name);
     lost = lost || found.lost;

@@ -1,5 +1,6 @@
 #include "build_scene.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "outline_notes.h"
@@ -56,6 +57,7 @@ SceneModelPtr Builder::build() {
   check_mass_ratios();
   check_params();
   place_assemblies();
+  place_views();
   if (context_.outline != nullptr) note_outline();
   finish_model(model_);
   return std::make_shared<const SceneModel>(std::move(model_));
@@ -177,6 +179,17 @@ void Builder::view(const Element& element) {
   view.fov = *reader(element).number("fov");
   view.origin = element.span();
   model_.views.push_back(std::move(view));
+  // What moves with a body is a frame on it: see view_pose().
+  if (carrier(element) != kWorld) frame(element);
+}
+
+void Builder::place_views() {
+  for (ViewModel& view : model_.views) {
+    const auto on = std::find_if(model_.frames.begin(), model_.frames.end(),
+                                 [&](const NamedFrame& frame) { return frame.name == view.name; });
+    if (on == model_.frames.end()) continue;
+    view.X_WV = model_.bodies[static_cast<std::size_t>(on->body)].X_WB * on->X_BF;
+  }
 }
 
 void Builder::place_assemblies() {

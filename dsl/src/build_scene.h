@@ -115,6 +115,7 @@ class Builder {
   void view(const Element& element);
   void frame(const Element& element);
   void place_assemblies();
+  void place_views();
   void note_outline();
 
   // build_tree.cpp
@@ -221,6 +222,7 @@ class Builder {
   // build_results.cpp
   void record(const Element& element);
   void plot(const Element& element);
+  ChannelLookup channels();
   std::optional<std::string> signal(const Element& element, std::string_view attribute,
                                     const std::string& text);
   std::optional<std::string> with_signals(
@@ -260,6 +262,7 @@ class Builder {
   std::unordered_map<const Element*, std::pair<int, int>> shape_places_;  // body, shape
   StartHints hints_;
   std::vector<Coming> coming_;
+  std::map<int, std::vector<Channel>> plugin_channels_;  // by sensor; empty: not known
 };
 
 template <class Use>

@@ -10,6 +10,8 @@ namespace cogrsim::dsl {
 PluginCatalog::~PluginCatalog() = default;
 std::vector<OutputModel> PluginCatalog::outputs(PluginKind, const std::string&) { return {}; }
 
+std::vector<Channel> PluginCatalog::channels(const SceneModel&, const SensorModel&) { return {}; }
+
 namespace {
 
 template <class Open>

@@ -204,8 +204,9 @@ int Builder::carrier(const Element& element) {
       body = n.first_body;
       break;
     }
-    at = tag == "frame" || tag == "region" || is_sensor(at->node->spec) ? reference(*at)
-                                                                        : at->parent;
+    const bool placed =
+        tag == "frame" || tag == "region" || tag == "view" || is_sensor(at->node->spec);
+    at = placed ? reference(*at) : at->parent;
   }
   for (Note* n : chain) n->carrier = body;
   return body;

@@ -176,7 +176,9 @@ void add_world(std::vector<ElementSpec>& out) {
   AttributeSpec fov = above_zero(number("fov", kAngle, "Horizontal opening angle.", "60 deg"));
   fov.maximum = 3.1;
   out.push_back(element(
-      group, "view", "A saved viewpoint; it looks along its own x axis, z being up.",
+      group, "view",
+      "A saved viewpoint; it looks along its own x axis, z being up. On a body (by its place in "
+      "the scene or by `frame`) it moves with it, and its name is that of a frame too.",
       named() +
           Attributes{numbers("look-at", kLength, 3, "Point in the middle, instead of rpy or quat."),
                      fov} +

@@ -1,5 +1,6 @@
 // The subcommands that draw, as a user meets them.
 #include <cmath>
+#include <fstream>
 
 #include <catch2/catch.hpp>
 
@@ -56,6 +57,42 @@ TEST_CASE("a picture is taken through a camera at a time", "[cli][pictures]") {
   CHECK(std::abs(*image.pixel(32, 24) - 1500.0 / 257.0) <= 1.0);
 }
 
+TEST_CASE("a view on a body goes where the body goes", "[cli][pictures]") {
+  const TemporaryFolder folder;
+  // A cart flies along x at 1 m/s to a wall. Both views look along x from the same place at the start,
+  // 3 m before the wall's near face; `front` alone is on the cart.
+  const std::string scene = folder / "cart.scene.xml";
+  std::ofstream(scene) << R"(<scene name="cart" version="1">
+    <physics gravity="0 0 0"/>
+    <box name="wall" size="0.1 4 4" xyz="3.25 0 0" static="true"/>
+    <box name="cart" size="10 10 10 cm" mass="1 kg" linear-velocity="1 0 0"/>
+    <view name="front" frame="cart" xyz="20 cm 0 0"/>
+    <view name="start" xyz="20 cm 0 0"/>
+  </scene>)";
+  const auto grey = [&](const std::string& view, const std::string& at) {
+    const std::string png = folder / (view + at + ".png");
+    const Outcome outcome = drawn({"render", scene, "--backend", "toy", "--view", view, "--at", at,
+                                   "--depth", "--size", "64x48", "-o", png});
+    INFO(outcome.err);
+    REQUIRE(outcome.status == 0);
+    return *picture(png).pixel(32, 24) * 257.0;  // [mm], read with eight bits
+  };
+  CHECK(std::abs(grey("front", "0") - 3000.0) <= 257.0);
+  CHECK(std::abs(grey("front", "2") - 1000.0) <= 257.0);
+  // The other sees the cart's back, 2 m - 5 cm - 20 cm ahead.
+  CHECK(std::abs(grey("start", "2") - 1750.0) <= 257.0);
+
+  // A recording knows it too.
+  const std::string run = folder / "cart.mcap";
+  REQUIRE(drawn({"run", scene, "--backend", "toy", "--duration", "2s", "--record", run}).status ==
+          0);
+  const std::string png = folder / "recorded.png";
+  REQUIRE(drawn({"render", run, "--view", "front", "--at", "2", "--depth", "--size", "64x48", "-o",
+                 png})
+              .status == 0);
+  CHECK(std::abs(*picture(png).pixel(32, 24) * 257.0 - 1000.0) <= 257.0);
+}
+
 TEST_CASE("maps and films of a scene", "[cli][pictures]") {
   const TemporaryFolder folder;
   const Outcome map = drawn({"map", kRoom, "--at", "0.5", "-o", folder / "map.png", "--width",
@@ -109,6 +146,10 @@ TEST_CASE("wrong wishes for pictures say the way out", "[cli][pictures]") {
       {{"render", kRoom, "-o", png, "--camera", "eyes"}, 1, "did you mean 'eye'"},
       {{"render", kRoom, "-o", png, "--view", "topp"}, 1, "did you mean 'top'"},
       {{"render", kRoom, "-o", png, "--size", "100000x100000"}, 1, "limit"},
+      {{"render", kRoom, "-o", folder / "x.gif", "--every", "1ns", "--at", "1"},
+       1,
+       "larger --every"},
+      {{"map", kRoom, "-o", folder / "x.gif", "--every", "1ns", "--at", "1"}, 1, "larger --every"},
       {{"render", folder / "none.mcap", "-o", png}, 1, "none.mcap"},
       {{"render", folder / "none.mcap", "-o", png, "--backend", "toy"}, 2, "recording"},
       {{"map", kRoom, "-o", folder / "no/where.png"}, 1, "no/where.png"},

@@ -4,6 +4,7 @@
 
 #include "build_support.h"
 #include "cogrsim/sensing/sensor.h"
+#include "fake_catalog.h"
 #include "vocabulary.h"
 
 using namespace cogrsim;
@@ -115,6 +116,26 @@ TEST_CASE("what a scene leaves out is what the SDK's sensors take by themselves"
       }
     }
   }
+}
+
+TEST_CASE("signals of a plugin's sensor have its channels and units", "[sensors]") {
+  dsl_test::FakeCatalog catalog;
+  dsl::CompileOptions options;
+  options.plugins = &catalog;
+  const auto codes = [&](const std::string& condition) {
+    return codes_of(
+        "<box name='b' size='1 1 1'/><sensor plugin='sonar' name='s' on='b'>"
+        "<set reach='2 m'/></sensor><test name='t' duration='1 s'>"
+        "<expect that='" +
+            condition + "'/></test><on when='" + condition + "'><end/></on>",
+        options);
+  };
+  CHECK(codes("s.distance lt 20 cm").empty());
+  CHECK(codes("s.distance lt 20 deg") == "CG1102 CG1308");
+  CHECK(codes("s.distnace lt 20 cm") == "CG1102 CG1308");
+  // Without a catalog they are taken on trust.
+  options.plugins = nullptr;
+  CHECK(codes("s.distnace lt 20 cm").empty());
 }
 
 TEST_CASE("a sensor of the SDK can be had as a plugin too", "[sensors]") {

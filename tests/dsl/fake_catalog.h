@@ -35,6 +35,13 @@ class FakeCatalog final : public cogrsim::dsl::PluginCatalog {
                 "there is walker, referee and sonar", "CG0901");
   }
 
+  /// A sonar reads its "distance", as far as it reaches.
+  std::vector<cogrsim::Channel> channels(const cogrsim::SceneModel&,
+                                         const cogrsim::SensorModel& sensor) override {
+    if (sensor.type != "sonar") return {};
+    return {{"distance", "m"}};
+  }
+
   std::vector<std::string> names(cogrsim::PluginKind kind) override {
     switch (kind) {
       case cogrsim::PluginKind::backend:

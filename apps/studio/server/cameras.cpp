@@ -204,7 +204,8 @@ Result<RenderRequest> Cameras::request_of(const Wish& wish, const Frame& frame) 
   }
   for (const ViewModel& view : model.views) {
     if (view.name != wish.name) continue;
-    request.camera = make_camera(view.X_WV, wish.width, std::max(1, wish.width * 3 / 4), view.fov);
+    request.camera = make_camera(view_pose(frame, view), wish.width,
+                                 std::max(1, wish.width * 3 / 4), view.fov);
     return request;
   }
   return fail("there is no camera '" + wish.name + "' at this time");

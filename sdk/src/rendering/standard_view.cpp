@@ -141,4 +141,12 @@ Camera standard_camera(StandardView view, const Bounds& bounds, int width, int h
   return camera;
 }
 
+Pose view_pose(const Frame& frame, const ViewModel& view) {
+  for (const NamedFrame& on : frame.model->frames) {
+    if (on.name != view.name || on.removed || on.body == kWorld) continue;
+    return frame.state.poses[static_cast<std::size_t>(on.body)] * on.X_BF;
+  }
+  return view.X_WV;
+}
+
 }  // namespace cogrsim

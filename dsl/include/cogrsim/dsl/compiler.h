@@ -14,6 +14,7 @@
 #include "cogrsim/core/result.h"
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/plugin/descriptor.h"
+#include "cogrsim/sensing/sensor.h"
 
 namespace cogrsim::dsl {
 
@@ -30,6 +31,11 @@ class COGRSIM_API PluginCatalog {
   /// What a controller or supervisor publishes, so that signals can name it; nothing where that is
   /// not known. Asked only about plugins of which parameters() said something.
   virtual std::vector<OutputModel> outputs(PluginKind kind, const std::string& name);
+
+  /// What a plugin's sensor reads, so that the units of its signals can be checked; nothing where
+  /// that is not known. Asked only about types of which parameters() said something; `model` has
+  /// all bodies and joints, and its parameters are complete.
+  virtual std::vector<Channel> channels(const SceneModel& model, const SensorModel& sensor);
 
   /// Every plugin of a kind that can be found; backends name the engine blocks `<NAME …/>`.
   virtual std::vector<std::string> names(PluginKind kind) = 0;

@@ -34,4 +34,8 @@ COGRSIM_API Bounds joined(const Bounds& a, const Bounds& b);
 COGRSIM_API Camera standard_camera(StandardView view, const Bounds& bounds, int width, int height,
                                    double fov = 0.8);
 
+/// Where a `<view>` is: one on a body goes where the body goes, as the named frame on that body which
+/// has the view's name; once the body is gone it is where it was at the start.
+COGRSIM_API Pose view_pose(const Frame& frame, const ViewModel& view);
+
 }  // namespace cogrsim
