@@ -281,9 +281,10 @@ void add_run(CLI::App& app, Words& words, int& status) {
       ->type_name("FILE.snap");
   command.add_flag("--events", words.events,
                    "Print every event as it happens: time, kind, source, subject, message");
-  command.add_flag("--watch", words.watch,
-                   "Start anew whenever the scene changes, a file or plugin that it uses, or one that "
-                   "it misses; Ctrl-C ends");
+  command.add_flag(
+      "--watch", words.watch,
+      "Start anew whenever the scene changes, a file or plugin that it uses, or one that "
+      "it misses; Ctrl-C ends");
   command.footer(
       "Examples:\n"
       "  cogrsim run robot.scene.xml\n"
@@ -434,16 +435,16 @@ void add_small_ones(CLI::App& app, Words& words, int& status) {
 
   CLI::App& schema = *app.add_subcommand("schema", "Print the scene language for an editor (XSD)");
   schema.add_flag("--reference", words.reference, "Print the reference page (Markdown) instead");
-  schema.add_flag("--json", words.json_flag, "Print it as JSON instead, with the plugins' parameters");
+  schema.add_flag("--json", words.json_flag,
+                  "Print it as JSON instead, with the plugins' parameters");
   add_plugin_path(schema, words.plugin_paths);
   schema.footer(
       "Examples:\n"
       "  cogrsim schema > scene.xsd      gives completion in an editor\n"
       "  cogrsim schema --reference > scene-reference.md\n"
       "  cogrsim schema --json | jq -r '.elements[].name'");
-  schema.callback([&] {
-    status = schema_command(words.reference, words.json_flag, plugin_paths_from(words));
-  });
+  schema.callback(
+      [&] { status = schema_command(words.reference, words.json_flag, plugin_paths_from(words)); });
 
   CLI::App& plugins =
       *app.add_subcommand("plugins", "List backends, controllers, supervisors, sensors");
@@ -473,6 +474,22 @@ std::string unknown_subcommand(const CLI::App& app, const std::string& word) {
   const std::string nearest = nearest_name(word, names);
   return fmt::format("there is no subcommand '{}'\nhelp: {}there are {}", word,
                      nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), list);
+}
+
+/// What a subcommand could make nothing of: the first of them, options before other words.
+std::string unexpected_word(const CLI::App& command, const std::vector<std::string>& words) {
+  const auto is_option = [](const std::string& word) { return word.size() > 1 && word[0] == '-'; };
+  const auto found = std::find_if(words.begin(), words.end(), is_option);
+  const std::string all = fmt::format("'cogrsim {} --help' tells all", command.get_name());
+  if (found == words.end())
+    return fmt::format("'{}' is a word too many\nhelp: {}", words.front(), all);
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  const std::string wrong = found->substr(0, found->find('='));
+  const std::string nearest = nearest_name(wrong, names);
+  return fmt::format("there is no option '{}'\nhelp: {}{}", wrong,
+                     nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), all);
 }
 
 }  // namespace
@@ -517,6 +534,10 @@ int run_command_line(int argc, char** argv, const std::vector<AddWords>& more) {
     const std::string command =
         chosen.empty() ? "cogrsim" : "cogrsim " + chosen.front()->get_name();
     std::string text = error.what();
+    if (!chosen.empty() && dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+      const std::vector<std::string> extra = chosen.front()->remaining();
+      if (!extra.empty()) text = unexpected_word(*chosen.front(), extra);
+    }
     if (chosen.empty() && argv[1][0] != '-') text = unknown_subcommand(app, argv[1]);
     if (text.find("\nhelp: ") == std::string::npos) text += "\nhelp: see " + command + " --help";
     print_error(text);

@@ -62,6 +62,8 @@ TEST_CASE("wrong usage exits with 2 and says the way out", "[cli][program]") {
       {{"rum", kFlight}, "did you mean 'run'"},
       {{"run"}, "scene is required"},
       {{"run", kFlight, "--frob"}, "--frob"},
+      {{"run", kFlight, "--duratoin", "1"}, "did you mean '--duration'?"},
+      {{"run", kFlight, "kFlight"}, "'kFlight' is a word too many"},
       {{"run", kFlight, "--duration", "0"}, "more than 0 s"},
       {{"run", kFlight, "--duration", "-1"}, "more than 0 s"},
       {{"run", kFlight, "--duration", "soon"}, "not a time"},
