@@ -53,6 +53,7 @@ LoadedScene load_scene(const SceneOptions& options) {
   dsl::CompileResult result = dsl::compile_file(options.scene, compile);
   scene.model = std::move(result.model);
   scene.diagnostics = std::move(result.diagnostics);
+  scene.files_read = std::move(result.files_read);
   return scene;
 }
 

@@ -18,6 +18,7 @@ struct LoadedScene {
   std::shared_ptr<PluginLoader> loader;
   SceneModelPtr model;                  ///< nullptr: there are errors
   std::vector<Diagnostic> diagnostics;  ///< errors and advice
+  std::vector<std::string> files_read;  ///< see dsl::CompileResult
 };
 
 /// Compiles the scene with the plugins found in the usual folders and those given.

@@ -67,17 +67,15 @@ void add_folders_of_variable(std::set<std::string>& out) {
 }
 
 // What the compiler reads, and where it looks in vain: were there a file, the scene would be another.
-void add_scene_files(const RunOptions& options, std::set<std::string>& out) {
-  dsl::CompileOptions compile;
-  compile.set_parameters = options.scene.set;
-  const dsl::CompileResult result = dsl::compile_file(options.scene.scene, compile);
-  out.insert(result.files_read.begin(), result.files_read.end());
-  for (const Diagnostic& missing : result.diagnostics) {
+void add_scene_files(const LoadedScene& scene, const std::string& file,
+                     std::set<std::string>& out) {
+  out.insert(scene.files_read.begin(), scene.files_read.end());
+  for (const Diagnostic& missing : scene.diagnostics) {
     // "there is no file \"meshes/hull.stl\"": beside the file that names it, or the scene.
     const std::size_t begin = missing.message.find('"'), end = missing.message.rfind('"');
     if (missing.code != "CG0301" || end == begin) continue;
     const std::string name = missing.message.substr(begin + 1, end - begin - 1);
-    for (const std::string& beside : {missing.file, options.scene.scene}) {
+    for (const std::string& beside : {missing.file, file}) {
       out.insert(full_path(fs::path(beside).parent_path() / name));
     }
   }
@@ -87,7 +85,7 @@ void add_scene_files(const RunOptions& options, std::set<std::string>& out) {
 
 std::vector<std::string> used_files(const LoadedScene& scene, const RunOptions& options) {
   std::set<std::string> out = {full_path(options.scene.scene)};
-  add_scene_files(options, out);
+  add_scene_files(scene, options.scene.scene, out);
   if (!options.from.empty()) out.insert(full_path(options.from));
   if (!scene.model) {
     // Perhaps a plugin is missing, or has other parameters than the scene thinks.
