@@ -44,6 +44,9 @@ int tell_exception() {
 int main(int argc, char** argv) {
   // A file beyond `ulimit -f` is then an error of the write, told with its name, and no silent end.
   std::signal(SIGXFSZ, SIG_IGN);
+  // Whoever started this may ignore it, and would be obeyed: runs in processes of their own would end
+  // unheard, and be waited for without end.
+  std::signal(SIGCHLD, SIG_DFL);
   // Nothing here throws on purpose; memory may still run out on a scene that is too large. When it
   // does in a thread of the program's own, or while something is being cleaned up, no catch hears
   // of it, and without words the process would be aborted.

@@ -338,6 +338,18 @@ TEST_CASE("a watch that is killed leaves no run behind", "[cli][watch]") {
   CHECK(run.end(SIGKILL) == 128 + SIGKILL);
 }
 
+TEST_CASE("the end of a run is heard of whoever started the program", "[cli][watch]") {
+  const TemporaryFolder folder;
+  const std::string scene = folder / "flight.scene.xml";
+  write(scene, flight("10"));
+  // What a program starts ignores what it ignores itself.
+  std::signal(SIGCHLD, SIG_IGN);
+  Running run(watch(scene));
+  std::signal(SIGCHLD, SIG_DFL);
+  REQUIRE(run.says(kOver));
+  CHECK(run.end() == 0);
+}
+
 TEST_CASE("files are compared by what is seen from outside", "[cli][watch]") {
   const TemporaryFolder folder;
   const std::string file = folder / "a.txt", late = folder / "late.txt", ours = folder / "ours.txt";
