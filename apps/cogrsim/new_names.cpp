@@ -79,13 +79,6 @@ bool is_element_of_scenes(const std::string& name) {
                      [&](const Json& element) { return element.at("name") == name; });
 }
 
-bool is_built_in_sensor(const std::string& name) {
-  for (const PluginDescriptor& sensor : built_in_sensors()) {
-    if (sensor.name == name) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 std::string suggested_name(const std::string& word) {
@@ -139,7 +132,7 @@ Result<> check_plugin_name(PluginKind kind, const std::string& name) {
   if (is_one_of(name, kTargetsOfCMake)) {
     return refuse("CMake has a target of its own called so", with_kind);
   }
-  if (kind == PluginKind::sensor && is_built_in_sensor(name)) {
+  if (kind == PluginKind::sensor && built_in_sensor(name) != nullptr) {
     return refuse("there is a sensor of CogRSim itself called so, which would be taken instead",
                   "my_" + name);
   }

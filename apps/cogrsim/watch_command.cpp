@@ -224,12 +224,6 @@ void say(const std::string& text) {
   std::fputs((style.bold + "watch:" + style.off + " " + text + "\n").c_str(), stderr);
 }
 
-std::string absolute(const std::string& path) {
-  std::error_code fault;
-  const fs::path full = fs::absolute(path, fault).lexically_normal();
-  return fault ? path : full.string();
-}
-
 // As a user would write it: from here where it is below here.
 std::string shown(const std::string& path) {
   std::error_code fault;
@@ -254,9 +248,9 @@ std::string list_of(const std::vector<std::string>& paths) {
 std::vector<std::string> results_of(const RunOptions& options) {
   std::vector<std::string> out;
   for (const std::string& file : {options.json, options.record}) {
-    if (!file.empty()) out.push_back(absolute(file));
+    if (!file.empty()) out.push_back(full_path(file));
   }
-  for (const RunOptions::Save& save : options.saves) out.push_back(absolute(save.file));
+  for (const RunOptions::Save& save : options.saves) out.push_back(full_path(save.file));
   return out;
 }
 
@@ -311,8 +305,8 @@ int watch_command(const RunOptions& options) {
   }
   catch_interrupts();
   WatchedFiles files(results_of(options));
-  files.add({absolute(options.scene.scene)});
-  say(fmt::format("{} and what it uses; Ctrl-C ends", shown(absolute(options.scene.scene))));
+  files.add({full_path(options.scene.scene)});
+  say(fmt::format("{} and what it uses; Ctrl-C ends", shown(full_path(options.scene.scene))));
   for (;;) {
     files.settle();
     ChildRun run(options);

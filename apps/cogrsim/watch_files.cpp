@@ -17,6 +17,12 @@ constexpr int kPatience = 8;
 
 }  // namespace
 
+std::string full_path(const std::string& path) {
+  std::error_code fault;
+  const fs::path full = fs::absolute(path, fault).lexically_normal();
+  return fault ? path : full.string();
+}
+
 bool WatchedFiles::Stamp::operator==(const Stamp& other) const {
   const auto tied = [](const Stamp& s) {
     return std::tie(s.there, s.device, s.inode, s.size, s.seconds, s.nanoseconds, s.libraries);

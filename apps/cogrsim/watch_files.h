@@ -10,6 +10,10 @@
 
 namespace cogrsim::cli {
 
+/// As files are told to WatchedFiles: absolute, without "." and ".."; `path` itself where that
+/// cannot be found out.
+std::string full_path(const std::string& path);
+
 class WatchedFiles {
  public:
   /// Files of these (absolute) paths are never watched: the run's own results.

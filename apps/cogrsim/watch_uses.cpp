@@ -7,17 +7,12 @@
 
 #include "cogrsim/sensing/sensor.h"
 #include "quantities.h"
+#include "watch_files.h"
 
 namespace cogrsim::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string full_path(const fs::path& path) {
-  std::error_code fault;
-  const fs::path full = fs::absolute(path, fault).lexically_normal();
-  return fault ? path.string() : full.string();
-}
 
 // NAME.so where it is found; empty: nowhere.
 std::string found_plugin(const PluginLoader& loader, const std::string& name) {
