@@ -17,7 +17,10 @@ constexpr std::size_t kSmall = 64;
 // no less than so much of what they were: the warm start, or the next step's gaps, carry on from
 // there.
 constexpr int kPatience = 4;
-constexpr double kIdle = 30.0, kSlow = 0.3;
+constexpr double kIdle = 10.0, kSlow = 0.3;
+// What rests finds nothing to do in the next step when it was solved well, and trembles on what was
+// left undone when it was not. What drives has something to do in every step.
+constexpr double kIdleMoving = 30.0;
 constexpr double kIdleLarge = 300.0, kSlowLarge = 0.7;
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -311,7 +314,10 @@ int Island::solve_velocities_of(const SolverOptions& options) {
     if (line.lambda != 0.0) apply(line, line.lambda, v.data());
   const std::size_t rows = lines.size();
   const bool accelerate = rows <= kSmall;
-  const double idle = (accelerate ? kIdle : kIdleLarge) * options.tolerance;
+  // More than six speeds on the ground: a mechanism, not a body that lies.
+  constexpr bool kMoving = !std::is_same_v<Rows, AnyRows> && !std::is_same_v<Rows, RowsOf<6>>;
+  const double small = kMoving ? kIdleMoving : kIdle;
+  const double idle = (accelerate ? small : kIdleLarge) * options.tolerance;
   const double slow = accelerate ? kSlow : kSlowLarge;
   along_lambda_.assign(rows, 0.0);
   along_v_.assign(v.size(), 0.0);
@@ -355,20 +361,46 @@ double Island::go_on(double last_size) {
   return size;
 }
 
+// The same between the sweeps of the position stage.
+double Island::go_on_settling(double last_size) {
+  double size = 0.0;
+  for (const Gap& gap : gaps_) {
+    const double d = gap.push - gap.last;
+    size += lines[std::size_t(gap.line)].diagonal * d * d;
+  }
+  const double beta = size < last_size ? size / last_size : 0.0;
+  for (Gap& gap : gaps_) {
+    const double step = beta * gap.along;
+    gap.along = step + gap.push - gap.last;
+    gap.push += step;
+  }
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    const double step = beta * along_v_[k];
+    along_v_[k] = step + p[k] - last_v_[k];
+    p[k] += step;
+  }
+  return size;
+}
+
 // What the velocities make of the gaps; false: nothing is to be displaced.
 bool Island::measure_gaps(double h, std::vector<Row>& rows) {
   gaps_.clear();
   bool needed = false;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     Row& row = rows[std::size_t(lines[i].row)];
+    lines[i].push = row.push;
+    row.push = 0.0;
     if (!row.has_gap) continue;
     row.gap += 0.5 * h * along(lines[i], v.data());
     Gap gap;
     gap.line = int(i);
     gap.error = row.gap_target - row.gap;
     // What bears load touches: a gap left open there would let a face tilt by and by.
-    const bool rests = row.gap_target == 0.0 && gap.error < 0.0 && gap.error > -1e-5;
+    const bool close = row.gap_target == 0.0 && std::abs(gap.error) < 1e-5;
+    const bool rests = close && gap.error < 0.0;
     gap.pull = (row.pull || rests) && lines[i].lambda > 0.0;
+    // What rests needs in this step what it needed in the last.
+    if (close) gap.push = gap.pull ? lines[i].push : std::max(lines[i].push, 0.0);
     gaps_.push_back(gap);
     needed = needed || gap.error > 0.0 || (gap.pull && gap.error != 0.0);
   }
@@ -399,6 +431,7 @@ void Island::hold_sticking(double h) {
       hold.pull = true;
       // What the last sweep left of sliding is taken back, or it would add up to a creep.
       hold.error = -h * (line[n].bias + along(line[n], v.data()));
+      hold.push = line[n].push;
       gaps_.push_back(hold);
     }
   }
@@ -415,7 +448,10 @@ void Island::solve_positions(const SolverOptions& options, double h, std::vector
   const double slow = large ? kSlowLarge : kSlow;
   const int sweeps = std::min(options.iterations, kPositionSweeps);
   p.assign(v.size(), 0.0);
-  double before = std::numeric_limits<double>::infinity();
+  for (const Gap& gap : gaps_)
+    if (gap.push != 0.0) apply(lines[std::size_t(gap.line)], gap.push, p.data());
+  along_v_.assign(v.size(), 0.0);
+  double last_size = 0.0, before = std::numeric_limits<double>::infinity();
   const auto relax_gap = [&](Gap& gap) {
     const Line& line = lines[std::size_t(gap.line)];
     double push = gap.push + (gap.error - along(line, p.data())) / line.diagonal;
@@ -427,15 +463,21 @@ void Island::solve_positions(const SolverOptions& options, double h, std::vector
     return std::abs(d) * line.diagonal;
   };
   for (int sweep = 1; sweep <= sweeps; ++sweep) {
+    const bool backwards = sweep % 2 == 0;
+    if (!large && !backwards) {
+      for (Gap& gap : gaps_) gap.last = gap.push;
+      last_v_ = p;
+    }
     double change = 0.0;
     for (std::size_t i = 0; i < gaps_.size(); ++i) {
-      change = std::max(change, relax_gap(gaps_[sweep % 2 ? i : gaps_.size() - 1 - i]));
+      change = std::max(change, relax_gap(gaps_[backwards ? gaps_.size() - 1 - i : i]));
     }
     if (change < tolerance) break;
     if (sweep % kPatience == 0) {
       if (change < idle && change > slow * before) break;
       before = change;
     }
+    if (!large && backwards && sweep < sweeps) last_size = go_on_settling(last_size);
   }
   // What the sweeps left of gaps is found again by the next step; of sliding it is not.
   const std::size_t held = gaps_.size() - normals;
@@ -447,7 +489,9 @@ void Island::solve_positions(const SolverOptions& options, double h, std::vector
   }
   for (const Gap& gap : gaps_) {
     const Line& line = lines[std::size_t(gap.line)];
-    rows[std::size_t(line.row)].settled = along(line, p.data());
+    Row& row = rows[std::size_t(line.row)];
+    row.push = gap.push;
+    row.settled = along(line, p.data());
   }
 }
 

@@ -23,6 +23,7 @@ struct Line {
   double bias = 0.0, gamma = 0.0, inverse = 0.0, diagonal = 0.0;
   double low = 0.0, high = 0.0;
   double lambda = 0.0;
+  double push = 0.0;  ///< to start from
 };
 
 /// What is solved at once.
@@ -74,6 +75,7 @@ class Island {
     int line = 0;
     bool pull = false;
     double error = 0.0, push = 0.0;
+    double last = 0.0, along = 0.0;  // push before a pair of sweeps, and the conjugate step
   };
 
   // `Rows`: AnyRows or RowsOf, see islands.cpp.
@@ -92,6 +94,7 @@ class Island {
   template <class Rows>
   double sweep(bool backwards);
   double go_on(double last_size);
+  double go_on_settling(double last_size);
   bool measure_gaps(double h, std::vector<Row>& rows);
   void hold_sticking(double h);
 

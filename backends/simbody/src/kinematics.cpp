@@ -22,54 +22,50 @@ Mat3 rotation_of(const double* q) {
 
 Vec3 entries(const double* x) { return {x[0], x[1], x[2]}; }
 
-// Where O is in the world and how it moves, from I in the world and how a body moves that I is
-// fixed to: `out` holds that motion at first.
-void move_along_axis(const Mounting& mounting, const Placement& X_WI, const double* q,
-                     const double* u, LinkMotion& out) {
-  const Vec3 axis = X_WI.R.col(2);
-  double angle = 0.0, spin = 0.0, height = 0.0, speed = 0.0;
+// Where I is: `out` has the places of links before this one.
+Placement inboard_frame(const Link& link, const std::vector<LinkMotion>& out) {
+  if (link.plan.parent < 0) return link.mounting.X_PI;
+  return out[std::size_t(link.plan.parent)].X * link.mounting.X_PI;
+}
+
+Placement moved_along_axis(const Mounting& mounting, const Placement& X_WI, const double* q) {
+  double angle = 0.0, height = 0.0;
   if (mounting.turns) {
     angle = mounting.sign * q[0];
-    spin = mounting.sign * u[0];
     height = mounting.lead * angle;
-    speed = mounting.lead * spin;
   }
-  if (mounting.slide >= 0) {
-    height += mounting.sign * q[mounting.slide];
-    speed += mounting.sign * u[mounting.slide];
-  }
+  if (mounting.slide >= 0) height += mounting.sign * q[mounting.slide];
   Placement X_WO = X_WI;
   if (mounting.turns) {
     const double c = std::cos(angle), s = std::sin(angle);
     X_WO.R.col(0) = c * X_WI.R.col(0) + s * X_WI.R.col(1);
     X_WO.R.col(1) = c * X_WI.R.col(1) - s * X_WI.R.col(0);
   }
-  X_WO.p += height * axis;
-  out.linear = out.velocity_at(X_WO.p) + speed * axis;
-  out.angular += spin * axis;
-  out.X = X_WO;
+  X_WO.p += height * X_WI.R.col(2);
+  return X_WO;
 }
 
-// The same for any joint of the model.
-void move_along(const SceneModel& model, const Link& link, const Placement& X_WI, const double* q,
-                const double* u, LinkMotion& out) {
+// X_IO and how O moves in I, of any joint of the model.
+struct JointMotion {
+  Placement X;
+  Twist V;
+};
+JointMotion joint_motion(const SceneModel& model, const Link& link, const double* q,
+                         const double* u) {
   const Joint& joint = model.joints[std::size_t(link.plan.joint)];
   std::array<double, 7> model_q{};
   std::array<double, 6> model_u{};
   for (int k = 0; k < link.nq; ++k) model_q[std::size_t(k)] = q[link.q_map[std::size_t(k)]];
-  for (int k = 0; k < link.nu; ++k) model_u[std::size_t(k)] = u[link.u_map[std::size_t(k)]];
-  Placement X_IO(joint_pose(joint, model_q.data()));
-  Twist V_IO = joint_twist(joint, model_q.data(), model_u.data());
-  if (link.plan.reversed) {
-    const Mat3 R = X_IO.R.transpose();
-    X_IO = {R, -(R * X_IO.p)};
-    V_IO.angular = -(R * V_IO.angular);
-    V_IO.linear = V_IO.angular.cross(X_IO.p) - R * V_IO.linear;
-  }
-  const Placement X_WO = X_WI * X_IO;
-  out.linear = out.velocity_at(X_WO.p) + X_WI.R * V_IO.linear;
-  out.angular += X_WI.R * V_IO.angular;
-  out.X = X_WO;
+  if (u)
+    for (int k = 0; k < link.nu; ++k) model_u[std::size_t(k)] = u[link.u_map[std::size_t(k)]];
+  JointMotion out{Placement(joint_pose(joint, model_q.data())),
+                  joint_twist(joint, model_q.data(), model_u.data())};
+  if (!link.plan.reversed) return out;
+  const Mat3 R = out.X.R.transpose();
+  out.X = {R, -(R * out.X.p)};
+  out.V.angular = -(R * out.V.angular);
+  out.V.linear = out.V.angular.cross(out.X.p) - R * out.V.linear;
+  return out;
 }
 
 }  // namespace
@@ -89,6 +85,7 @@ Mounting mount(const SceneModel& model, const PlannedLink& plan) {
   };
   out.X_PI = plan.reversed ? X_CM : X_PF;
   out.X_OB = inverse(plan.reversed ? X_PF : X_CM);
+  out.p_BO = plan.reversed ? X_PF.p : X_CM.p;
   if (plan.parent < 0 && plan.anchor >= 0)
     out.X_PI = Placement(model.bodies[std::size_t(plan.anchor)].X_WB) * out.X_PI;
   out.kind = Mounting::Kind::axis;
@@ -124,39 +121,69 @@ Mounting mount(const SceneModel& model, const PlannedLink& plan) {
   return out;
 }
 
-void find_motions(const SceneModel& model, const std::vector<Link>& links, const double* q,
-                  const double* u, std::vector<LinkMotion>& out) {
+void find_places(const SceneModel& model, const std::vector<Link>& links, const double* q,
+                 std::vector<LinkMotion>& out) {
   out.resize(links.size());
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Link& link = links[i];
     const Mounting& mounting = link.mounting;
-    const double* const own_q = q + link.first_q;
-    const double* const own_u = u + link.first_u;
+    const double* const own = q + link.first_q;
+    Placement& X = out[i].X;
+    switch (mounting.kind) {
+      case Mounting::Kind::base:
+        X.R = rotation_of(own);
+        X.p = entries(own + 4) - X.R * mounting.centre;
+        break;
+      case Mounting::Kind::fixed:
+        X = inboard_frame(link, out) * mounting.X_OB;
+        break;
+      case Mounting::Kind::axis:
+        X = moved_along_axis(mounting, inboard_frame(link, out), own) * mounting.X_OB;
+        break;
+      case Mounting::Kind::other:
+        X = inboard_frame(link, out) * joint_motion(model, link, own, nullptr).X * mounting.X_OB;
+        break;
+    }
+  }
+}
+
+void find_velocities(const SceneModel& model, const std::vector<Link>& links, const double* q,
+                     const double* u, std::vector<LinkMotion>& out) {
+  const LinkMotion still;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const Link& link = links[i];
+    const Mounting& mounting = link.mounting;
+    const double* const own = u + link.first_u;
     LinkMotion& motion = out[i];
     if (mounting.kind == Mounting::Kind::base) {
-      motion.X.R = rotation_of(own_q);
-      const Vec3 arm = motion.X.R * mounting.centre;
-      motion.X.p = entries(own_q + 4) - arm;
-      motion.angular = entries(own_u);
-      motion.linear = entries(own_u + 3) - motion.angular.cross(arm);
+      motion.angular = entries(own);
+      motion.linear = entries(own + 3) - motion.angular.cross(motion.X.R * mounting.centre);
       continue;
     }
-    Placement X_WI = mounting.X_PI;
-    motion = LinkMotion();
-    if (link.plan.parent >= 0) {
-      motion = out[std::size_t(link.plan.parent)];
-      X_WI = motion.X * mounting.X_PI;
+    const bool carried = link.plan.parent >= 0;
+    const LinkMotion& inboard = carried ? out[std::size_t(link.plan.parent)] : still;
+    motion.angular = inboard.angular;
+    if (mounting.kind == Mounting::Kind::fixed) {
+      motion.linear = inboard.velocity_at(motion.X.p);
+      continue;
     }
+    // As if fixed to the body inboard, and the joint's own motion at O.
+    const Vec3 at = motion.X * mounting.p_BO;
+    motion.linear = inboard.velocity_at(at);
     if (mounting.kind == Mounting::Kind::axis) {
-      move_along_axis(mounting, X_WI, own_q, own_u, motion);
-    } else if (mounting.kind == Mounting::Kind::other) {
-      move_along(model, link, X_WI, own_q, own_u, motion);
+      Vec3 axis = mounting.X_PI.R.col(2);
+      if (carried) axis = inboard.X.R * axis;
+      const double spin = mounting.turns ? mounting.sign * own[0] : 0.0;
+      double speed = mounting.lead * spin;
+      if (mounting.slide >= 0) speed += mounting.sign * own[mounting.slide];
+      motion.angular += spin * axis;
+      motion.linear += speed * axis;
     } else {
-      motion.linear = motion.velocity_at(X_WI.p);
-      motion.X = X_WI;
+      const Mat3 R_WI = inboard_frame(link, out).R;
+      const Twist V_IO = joint_motion(model, link, q + link.first_q, own).V;
+      motion.angular += R_WI * V_IO.angular;
+      motion.linear += R_WI * V_IO.linear;
     }
-    const Vec3 at = motion.X.p;
-    motion.X = motion.X * mounting.X_OB;
     motion.linear += motion.angular.cross(motion.X.p - at);
   }
 }

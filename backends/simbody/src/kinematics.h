@@ -31,6 +31,7 @@ struct Mounting {
   Kind kind = Kind::base;
   Placement X_PI;              ///< X_WI where nothing inboard moves
   Placement X_OB;              ///< not of a base
+  Vec3 p_BO = Vec3::Zero();    ///< likewise
   Vec3 centre = Vec3::Zero();  ///< base: the point, in B [m]
   // axis: with the outboard side the joint's parent, all goes backwards.
   double sign = 1.0;
@@ -43,11 +44,14 @@ struct Mounting {
 
 Mounting mount(const SceneModel& model, const PlannedLink& plan);
 
-/// Of all links, a parent before its children, at coordinates `q` and speeds `u`. The same as Simbody's
-/// position and velocity kinematics but for rounding, at a tenth of the cost: Simbody finds much more
-/// than places on the way.
-void find_motions(const SceneModel& model, const std::vector<Link>& links, const double* q,
-                  const double* u, std::vector<LinkMotion>& out);
+/// Places of all links, a parent before its children, at coordinates `q`. The same as Simbody's position
+/// kinematics but for rounding, at a tenth of the cost: Simbody finds much more on the way.
+void find_places(const SceneModel& model, const std::vector<Link>& links, const double* q,
+                 std::vector<LinkMotion>& out);
+
+/// How they move at speeds `u`; the places are in `out` already.
+void find_velocities(const SceneModel& model, const std::vector<Link>& links, const double* q,
+                     const double* u, std::vector<LinkMotion>& out);
 
 /// Rates of the coordinates `q` at the speeds `u`: qdot = N(q) u. `qdot` is not `u`.
 void find_rates(const std::vector<Link>& links, const double* q, const double* u, double* qdot);

@@ -219,7 +219,9 @@ int Mechanism::axis_position(int joint, int axis) const {
 const std::vector<LinkMotion>& Mechanism::motions() const {
   const SimTK::ValueVersion q = state.getQValueVersion(), u = state.getUValueVersion();
   if (q == q_version_ && u == u_version_) return motions_;
-  find_motions(*model_, links_, numbers(state.getQ()), numbers(state.getU()), motions_);
+  const double* const coordinates = numbers(state.getQ());
+  if (q != q_version_) find_places(*model_, links_, coordinates, motions_);
+  find_velocities(*model_, links_, coordinates, numbers(state.getU()), motions_);
   q_version_ = q;
   u_version_ = u;
   return motions_;

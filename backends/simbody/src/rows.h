@@ -38,7 +38,7 @@ struct Row {
   bool pull = false;  ///< brought to `gap_target` from above, too, when it pressed
   double gap = 0.0;
   double gap_target = 0.0;
-  double push = 0.0;     ///< impulse-like multiplier of the displacement
+  double push = 0.0;     ///< impulse-like multiplier of the displacement; before: to start from
   double settled = 0.0;  ///< what the displacement adds to the gap
 
   // A joint's rows: where efforts and warm starts are kept.

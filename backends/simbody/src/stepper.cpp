@@ -190,7 +190,7 @@ void Stepper::move(double h) {
   for (Component& c : m.components()) c.current = false;
   classify_laws(m, *drives_, h, laws_);
   measure_speeds(h);
-  measure_momenta();
+  measure_momenta(false);
 
   // To the middle of the step: positions by the speeds at the start; speeds by the acceleration of
   // the last step where contact was on then, so that steps with contact cost one evaluation.

@@ -37,6 +37,7 @@ struct StepMemory {
     int collider_a = -1, collider_b = -1;
     Vec3 place = Vec3::Zero();  ///< of the point, in body b's frame
     Vec3 force = Vec3::Zero();  ///< on b, world [N]
+    Vec3 push = Vec3::Zero();   ///< multipliers of the position stage, likewise [N s^2]
   };
   std::vector<WarmContact> contacts;  ///< in the order of the colliders
   std::vector<double> efforts;        ///< see RowBuilder::slot_of; empty: none
@@ -81,7 +82,8 @@ class Stepper {
   RowBuilder::Line find_line(std::size_t index) const;
   // Momentum of what floats free is kept to rounding, see README; the state is at the end.
   void conserve_momentum(double h);
-  void measure_momenta();
+  // `inertia` tells whether that is wanted, too.
+  void measure_momenta(bool inertia);
 
   void set(const SimTK::Vector& q, const SimTK::Vector& u);
   // Of the components whose mark in `untouched_` is `untouched`.
@@ -90,6 +92,8 @@ class Stepper {
   // From the order of the state to that over all components.
   void flatten(const SimTK::Vector& by_speed, std::vector<double>& out) const;
   Vec3 impulse_of(const ContactRows& contact) const;  ///< on b
+  // What the position stage found for a contact, its friction's only where that is of the point.
+  Vec3 push_of(const ContactRows& contact) const;
   void warm_start(double h);
   void share_warm_friction();
   // Shares the load of a resting pair among its points: makes each yield a little to what it bears

@@ -34,6 +34,13 @@ Vec3 Stepper::impulse_of(const ContactRows& contact) const {
   return impulse + couple / std::max(r.squaredNorm(), 1e-18) * contact.point.normal.cross(r);
 }
 
+Vec3 Stepper::push_of(const ContactRows& contact) const {
+  const Row* const rows = &set_.rows[std::size_t(contact.first)];
+  const Vec3 push = rows[0].push * contact.point.normal;
+  if (contact.friction <= 0.0 || contact.kind != FrictionKind::point) return push;
+  return push + rows[1].push * contact.tangent1 + rows[2].push * contact.tangent2;
+}
+
 void Stepper::warm_start(double h) {
   if (!memory.had_rows) return;
   if (!memory.efforts.empty()) {
@@ -68,6 +75,12 @@ void Stepper::warm_start(double h) {
     if (best == memory.contacts.size()) continue;
     taken[best] = 1;
     warm_[std::size_t(&contact - set_.contacts.data())] = h * memory.contacts[best].force;
+    const Vec3& push = memory.contacts[best].push;
+    Row* const rows = &set_.rows[std::size_t(contact.first)];
+    rows[0].push = push.dot(point.normal);
+    if (contact.friction <= 0.0 || contact.kind != FrictionKind::point) continue;
+    rows[1].push = push.dot(contact.tangent1);
+    rows[2].push = push.dot(contact.tangent2);
   }
   share_warm_friction();
   for (std::size_t i = 0; i < set_.contacts.size(); ++i) {
@@ -169,6 +182,7 @@ void Stepper::remember(double h) {
     const Placement& X_b = detector_.colliders()[std::size_t(w.collider_b)].X_WS;
     w.place = X_b.to_local(contact.point.point);
     w.force = contact_impulses_[std::size_t(&contact - set_.contacts.data())] / h;
+    w.push = push_of(contact);
     memory.contacts.push_back(w);
   }
   add(end_u_, -1.0, u0_, memory.udot);

@@ -3,7 +3,7 @@
 
 namespace cogrsim::simbody {
 
-void Stepper::measure_momenta() {
+void Stepper::measure_momenta(bool inertia) {
   const Mechanism& m = mechanism_;
   if (momenta_.empty()) return;
   const std::vector<LinkMotion>& motions = m.motions();
@@ -18,15 +18,17 @@ void Stepper::measure_momenta() {
       const Placement& X = motion.X;
       const Vec3 p = X * link.com, omega = motion.angular;
       const Vec3 momentum = link.mass * motion.velocity_at(p);
-      const Mat3 inertia = X.R * link.inertia * X.R.transpose();
+      const Mat3& R = X.R;
       f.mass += link.mass;
       f.com += link.mass * p;
       f.linear += momentum;
-      f.angular += inertia * omega + p.cross(momentum);
-      about_origin +=
-          inertia + link.mass * (p.squaredNorm() * Mat3::Identity() - p * p.transpose());
+      f.angular += R * (link.inertia * (R.transpose() * omega)) + p.cross(momentum);
+      if (inertia)
+        about_origin += R * link.inertia * R.transpose() +
+                        link.mass * (p.squaredNorm() * Mat3::Identity() - p * p.transpose());
     }
     f.com /= f.mass;
+    if (!inertia) continue;
     f.inertia = about_origin -
                 f.mass * (f.com.squaredNorm() * Mat3::Identity() - f.com * f.com.transpose());
   }
@@ -36,7 +38,7 @@ void Stepper::conserve_momentum(double h) {
   Mechanism& m = mechanism_;
   if (momenta_.empty()) return;
   start_momenta_ = momenta_;
-  measure_momenta();
+  measure_momenta(true);
   // Impulses of contact.
   gained_.assign(m.components().size(), Gain());
   for (std::size_t index = 0; index < set_.contacts.size(); ++index) {
