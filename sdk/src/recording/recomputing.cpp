@@ -81,12 +81,15 @@ class Reader {
   void copy_readings(std::vector<Reading>& out) const { suite_.copy_readings(out); }
 
  private:
-  // Sensors that were added get instruments; those of what was removed stay off.
+  // Sensors that were added get instruments; those of what was removed are retired, as in the run.
   Result<> follow(const SceneModelPtr& model) {
     if (model == model_) return {};
     const std::size_t first = std::min(suite_.size(), model->sensors.size());
     const auto found = suite_.build(model, seed_, loader_, first);
     if (!found.empty()) return fail(found.front().message, "", found.front().help);
+    for (std::size_t i = 0; i < first; ++i) {
+      if (model->sensors[i].removed) suite_.retire(i);
+    }
     timers_.resize(first);
     for (std::size_t i = first; i < model->sensors.size(); ++i) {
       timers_.emplace_back(model->sensors[i].rate);
