@@ -38,14 +38,14 @@ struct Mounting {
   double lead = 0.0;   ///< slides by this per angle [m/rad]
   bool turns = false;  ///< by its first coordinate
   int slide = -1;      ///< which coordinate it slides by; -1: none
-  bool has_quaternion =
-      false;  ///< its first four coordinates; else the coordinates' rates are speeds
+  /// Its first four coordinates are one; else the coordinates' rates are the speeds.
+  bool has_quaternion = false;
 };
 
 Mounting mount(const SceneModel& model, const PlannedLink& plan);
 
-/// Places of all links, a parent before its children, at coordinates `q`. The same as Simbody's position
-/// kinematics but for rounding, at a tenth of the cost: Simbody finds much more on the way.
+/// Places of all links, a parent before its children, at coordinates `q`. The same as Simbody's
+/// position kinematics but for rounding, at an eighth of the cost: Simbody finds much more besides.
 void find_places(const SceneModel& model, const std::vector<Link>& links, const double* q,
                  std::vector<LinkMotion>& out);
 
