@@ -11,6 +11,7 @@
 #include "frames.h"
 #include "options.h"
 #include "output_file.h"
+#include "refuse.h"
 #include "terminal.h"
 #include "trails.h"
 
@@ -25,11 +26,6 @@ struct Job {
   FrameSource& source;
   MapOptions drawing;
 };
-
-int refuse(const Error& error) {
-  print_error(error.text());
-  return kFailed;
-}
 
 std::string title_of(const FrameSource& source, double time) {
   return fmt::format("{}  {}  t = {}", source.name(), source.backend(), time_text(time));

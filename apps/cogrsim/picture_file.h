@@ -8,6 +8,9 @@
 
 namespace cogrsim::cli {
 
+/// Size of a view, unless told [pixel].
+inline constexpr int kViewWidth = 960, kViewHeight = 720;
+
 /// Sixteen-bit grey PNG of depth in millimetres, 1 to 65535 (65.535 m and beyond); 0: background.
 Result<std::string> depth_png(const Picture& picture);
 

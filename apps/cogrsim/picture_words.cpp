@@ -22,8 +22,8 @@ struct PictureWords {
   bool no_names = false, no_rays = false, depth = false, segmentation = false, no_shadows = false;
 };
 
-[[noreturn]] void refuse(const std::string& option, const std::string& what,
-                         const std::string& way_out) {
+[[noreturn]] void refuse_words(const std::string& option, const std::string& what,
+                               const std::string& way_out) {
   throw CLI::ValidationError(option, what + "\nhelp: " + way_out);
 }
 
@@ -31,8 +31,8 @@ double time_from(const std::string& option, const std::string& word, bool zero_i
   const auto time = parse_time(word);
   if (!time) throw CLI::ValidationError(option, time.error().text());
   if (*time < 0.0 || *time > kLongestDuration || (*time == 0.0 && !zero_is_fine)) {
-    refuse(option, fmt::format("'{}' is out of range", word),
-           zero_is_fine ? "a time from 0 to 1e9 s" : "a time above 0 and at most 1e9 s");
+    refuse_words(option, fmt::format("'{}' is out of range", word),
+                 zero_is_fine ? "a time from 0 to 1e9 s" : "a time above 0 and at most 1e9 s");
   }
   return *time;
 }
@@ -52,8 +52,8 @@ double speed_from(const PictureWords& words) {
   if (words.speed.empty()) return 1.0;
   const auto speed = parse_number(words.speed);
   if (!speed || !(*speed > 0.0)) {
-    refuse("--speed", fmt::format("'{}' is no speed", words.speed),
-           "write how much faster than life the film runs, such as 1, 4 or 0.25");
+    refuse_words("--speed", fmt::format("'{}' is no speed", words.speed),
+                 "write how much faster than life the film runs, such as 1, 4 or 0.25");
   }
   return *speed;
 }
@@ -66,8 +66,8 @@ MapArea area_from(const std::string& text) {
     if (value && value->dimension == Dimension::length) values.push_back(value->value);
   }
   if (parts.size() != 4 || values.size() != 4 || values[0] >= values[2] || values[1] >= values[3]) {
-    refuse("--area", fmt::format("'{}' is no area", text),
-           "write x and y of the lower left and the upper right corner: --area -2,-1,2,1");
+    refuse_words("--area", fmt::format("'{}' is no area", text),
+                 "write x and y of the lower left and the upper right corner: --area -2,-1,2,1");
   }
   return {values[0], values[1], values[2], values[3]};
 }
@@ -79,7 +79,7 @@ void size_from(const std::string& text, RenderCommandOptions& options) {
     return error == std::errc{} && rest == word.data() + word.size() && out > 0;
   };
   if (parts.size() != 2 || !read(parts[0], options.width) || !read(parts[1], options.height)) {
-    refuse("--size", fmt::format("'{}' is no size", text), "write pixels, such as 1280x720");
+    refuse_words("--size", fmt::format("'{}' is no size", text), "write pixels, such as 1280x720");
   }
 }
 

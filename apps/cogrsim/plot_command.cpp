@@ -12,6 +12,7 @@
 #include "cogrsim/recording/recording.h"
 #include "options.h"
 #include "plots.h"
+#include "refuse.h"
 #include "result_table.h"
 #include "terminal.h"
 
@@ -20,19 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int refuse(const Error& error, int status = kFailed) {
-  print_error(error.text());
-  return status;
-}
-
 bool ends_with(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() &&
          text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
-
-bool is_picture(const std::string& path) {
-  return ends_with(path, ".png") || ends_with(path, ".svg") || ends_with(path, ".pdf") ||
-         ends_with(path, ".json");
 }
 
 int redraw(const PlotCommandOptions& options) {

@@ -9,6 +9,7 @@
 #include "cogrsim/figures/figure.h"
 #include "options.h"
 #include "plots.h"
+#include "refuse.h"
 #include "result_table.h"
 #include "terminal.h"
 
@@ -232,18 +233,9 @@ class TablePlot {
   std::size_t left_out_ = 0;
 };
 
-bool is_picture(const std::string& path) {
-  const std::string ending = fs::path(path).extension().string();
-  return ending == ".png" || ending == ".svg" || ending == ".pdf" || ending == ".json";
-}
-
 }  // namespace
 
 int plot_table(const PlotCommandOptions& options) {
-  const auto refuse = [](const Error& error) {
-    print_error(error.text());
-    return kFailed;
-  };
   if (options.files.size() > 1) {
     print_error("a table is drawn alone\nhelp: give one folder, .sqlite or .csv");
     return kWrongUsage;

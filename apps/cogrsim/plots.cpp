@@ -30,6 +30,11 @@ Result<> make_folder(const std::string& folder) {
                           error ? error.message() : "a file is in the way"));
 }
 
+bool is_picture(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  return ending == ".png" || ending == ".svg" || ending == ".pdf" || ending == ".json";
+}
+
 Result<> draw_and_tell(const figures::Figure& figure, const std::string& path) {
   const auto files = figures::draw(figure, path);
   if (!files) return tl::unexpected(files.error());

@@ -27,6 +27,9 @@ class RunPlots {
   std::shared_ptr<std::vector<figures::PlotSampler>> samplers_;
 };
 
+/// Whether a figure can be written to a file of this name: .png, .svg, .pdf, .json.
+bool is_picture(const std::string& path);
+
 /// Draws a figure and says so on stderr.
 Result<> draw_and_tell(const figures::Figure& figure, const std::string& path);
 

@@ -31,6 +31,10 @@ std::string progress_line(const std::string& title, double time, double duration
   return shortened(line + tail, static_cast<std::size_t>(std::max(width - 1, 2)));
 }
 
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 Progress::Progress(std::string title, double duration)
     : title_(std::move(title)),
       duration_(duration),

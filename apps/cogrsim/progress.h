@@ -11,6 +11,9 @@ namespace cogrsim::cli {
 std::string progress_line(const std::string& title, double time, double duration, double elapsed,
                           int width);
 
+/// Wall-clock time that has passed [s].
+double seconds_since(std::chrono::steady_clock::time_point start);
+
 class Progress {
  public:
   /// `title` stands before the bar. Shows itself only if stderr is a terminal.

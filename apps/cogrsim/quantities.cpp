@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim::cli {
 namespace {
 
@@ -14,8 +16,6 @@ struct Unit {
   double factor;
   Dimension dimension;
 };
-
-constexpr double kPi = 3.14159265358979323846;
 
 constexpr std::array<Unit, 17> kUnits = {{
     {"s", 1.0, Dimension::time},

@@ -15,19 +15,14 @@
 #include "output_file.h"
 #include "overlays.h"
 #include "picture_file.h"
+#include "refuse.h"
 #include "terminal.h"
 #include "trails.h"
 
 namespace cogrsim::cli {
 namespace {
 
-constexpr int kWidth = 960, kHeight = 720;  // of a view, unless told [pixel]
-constexpr double kTrailStep = 0.02;         // between points of a trail [s]
-
-int refuse(const Error& error) {
-  print_error(error.text());
-  return kFailed;
-}
+constexpr double kTrailStep = 0.02;  // between points of a trail [s]
 
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
@@ -66,8 +61,8 @@ Result<RenderRequest> through_camera(const Frame& frame, const RenderCommandOpti
 
 Result<RenderRequest> from_view(const Frame& frame, const Bounds& bounds,
                                 const RenderCommandOptions& options) {
-  const int width = options.width > 0 ? options.width : kWidth;
-  const int height = options.height > 0 ? options.height : kHeight;
+  const int width = options.width > 0 ? options.width : kViewWidth;
+  const int height = options.height > 0 ? options.height : kViewHeight;
   RenderRequest request;
   std::vector<std::string> names;
   for (const ViewModel& view : frame.model->views) {

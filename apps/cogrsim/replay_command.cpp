@@ -27,8 +27,6 @@
 namespace cogrsim::cli {
 namespace {
 
-constexpr int kWidth = 960, kHeight = 720;  // of a view [pixel]
-
 // One JSON document to a line.
 class JsonLines {
  public:
@@ -214,7 +212,7 @@ Result<> view_pictures(Gallery& gallery, const std::string& name, const Frame& s
         bounds = joined(bounds, visible_bounds(**frame));
       }
     }
-    camera = standard_camera(*standard_view(name), bounds, kWidth, kHeight);
+    camera = standard_camera(*standard_view(name), bounds, kViewWidth, kViewHeight);
   }
   const RecordingInfo& info = gallery.recording.info();
   const double begin = gallery.options.at.value_or(info.start);
@@ -228,9 +226,9 @@ Result<> view_pictures(Gallery& gallery, const std::string& name, const Frame& s
     const auto frame = gallery.recording.frame(gallery.recording.index_at(time));
     if (!frame) return tl::unexpected(frame.error());
     RenderRequest request;
-    request.camera = saved == nullptr
-                         ? *camera
-                         : make_camera(view_pose(**frame, *saved), kWidth, kHeight, saved->fov);
+    request.camera = saved == nullptr ? *camera
+                                      : make_camera(view_pose(**frame, *saved), kViewWidth,
+                                                    kViewHeight, saved->fov);
     const auto picture = rendered(gallery, **frame, request);
     if (!picture) return tl::unexpected(picture.error());
     if (auto done = save(gallery, *picture, name, i + 1); !done) return done;

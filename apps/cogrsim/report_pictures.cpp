@@ -9,7 +9,7 @@
 namespace cogrsim::cli {
 namespace {
 
-constexpr int kWidth = 640, kHeight = 480;  // [pixel]
+constexpr int kReportWidth = 640, kReportHeight = 480;  // [pixel]
 
 Result<PictureMoment> moment(const std::string& title, const std::vector<FramePtr>& frames,
                              const std::vector<RunEnd>& runs, Renderer& renderer) {
@@ -19,7 +19,7 @@ Result<PictureMoment> moment(const std::string& title, const std::vector<FramePt
   out.title = title;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     RenderRequest request;
-    request.camera = standard_camera(StandardView::iso, bounds, kWidth, kHeight);
+    request.camera = standard_camera(StandardView::iso, bounds, kReportWidth, kReportHeight);
     auto pictures = renderer.render(*frames[i], {request});
     if (!pictures) return tl::unexpected(pictures.error());
     auto png = encode_png(pictures->front().color);

@@ -27,10 +27,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 // Runs to `duration` [s] in pieces short enough to redraw the progress line and to tell what came; a
 // run is the same however it is chopped.
 RunStatus run_with_progress(Simulation& simulation, double duration, Progress& progress,

@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <variant>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/signals/condition.h"
 #include "cogrsim/signals/signal.h"
 #include "model_names.h"
 
 namespace cogrsim::cli {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Parsed {
   Signal signal;

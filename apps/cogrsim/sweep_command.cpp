@@ -14,7 +14,9 @@
 #include "interrupt.h"
 #include "output_file.h"
 #include "plots.h"
+#include "progress.h"
 #include "rank_messages.h"
+#include "refuse.h"
 #include "sweep_case.h"
 #include "sweep_table.h"
 #include "terminal.h"
@@ -23,15 +25,6 @@ namespace cogrsim::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-int refuse(const Error& error) {
-  print_error(error.text());
-  return kFailed;
-}
 
 CasePool::Limits limits_of(const SweepOptions& options, int default_jobs) {
   CasePool::Limits limits;

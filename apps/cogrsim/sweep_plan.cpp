@@ -45,7 +45,7 @@ MeasureModel as_model(const dsl::Study::Measure& measure) {
   return out;
 }
 
-std::optional<SweepPlan> refuse(const Error& error) {
+std::optional<SweepPlan> refused(const Error& error) {
   print_error(error.text());
   return std::nullopt;
 }
@@ -160,8 +160,9 @@ std::optional<SweepPlan> make_plan(SweepOptions options) {
   SceneOptions first = options.scene;
   for (const auto& variation : options.variations) {
     if (!first.set.emplace(variation.param, variation.values.front().text).second) {
-      return refuse(Error(fmt::format("the parameter '{}' is both varied and set", variation.param),
-                          "", "leave out --vary or --set"));
+      return refused(
+          Error(fmt::format("the parameter '{}' is both varied and set", variation.param), "",
+                "leave out --vary or --set"));
     }
   }
   if (!options.seeds.empty()) first.seed = options.seeds.front();
@@ -192,7 +193,7 @@ std::optional<SweepPlan> make_plan(SweepOptions options) {
     options.backends = {std::string((*simulation)->backend().name())};
   }
   for (const std::string& name : options.backends) {
-    if (const auto found = scene.loader->backend(name); !found) return refuse(found.error());
+    if (const auto found = scene.loader->backend(name); !found) return refused(found.error());
   }
 
   std::set<std::string> names;
@@ -202,11 +203,11 @@ std::optional<SweepPlan> make_plan(SweepOptions options) {
   }
   for (const dsl::Study::Measure& measure : options.measures) {
     if (!names.insert(measure.name).second) {
-      return refuse(Error(fmt::format("the scene has a measure '{}' itself", measure.name), "",
-                          "choose another name"));
+      return refused(Error(fmt::format("the scene has a measure '{}' itself", measure.name), "",
+                           "choose another name"));
     }
     if (const auto good = check_measure(*scene.model, as_model(measure)); !good) {
-      return refuse(good.error());
+      return refused(good.error());
     }
   }
 
@@ -219,8 +220,8 @@ std::optional<SweepPlan> make_plan(SweepOptions options) {
   bool fits = grow(options.seeds.size()) && grow(options.backends.size());
   for (const auto& variation : options.variations) fits = fits && grow(variation.values.size());
   if (!fits) {
-    return refuse(Error(fmt::format("the study has more than {} runs", kMostRuns), "",
-                        "vary fewer values, or make several studies of it"));
+    return refused(Error(fmt::format("the study has more than {} runs", kMostRuns), "",
+                         "vary fewer values, or make several studies of it"));
   }
   const std::size_t runs_each = options.seeds.size() * options.backends.size();
   for (std::size_t k = 0; k < grid / runs_each; ++k) {

@@ -4,12 +4,12 @@
 #include <set>
 
 #include "build_scene.h"
+#include "cogrsim/core/constants.h"
 #include "cogrsim/model/builder.h"
 
 namespace cogrsim::dsl {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRightAngle = 1e-6;          // cosine that still counts as a right angle
 constexpr std::size_t kMaxPairs = 4'000'000;  // of bodies named by all <collide> together
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "diagnostics.h"
+#include "text.h"
 #include "xml_scan.h"
 
 namespace cogrsim::dsl {
@@ -10,7 +11,6 @@ namespace {
 
 // Elements are nested 90 deep at most (see Limits), which bounds all recursion here.
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
 bool ends_name(char c) { return is_blank(c) || c == '=' || c == '>' || c == '/'; }

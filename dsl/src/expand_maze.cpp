@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kLooks[] = {"material",  "density", "friction", "restitution",
                                        "stiffness", "color",   "texture",  "texture-size"};
 
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
+bool is_gap(char c) { return c == ' ' || c == '\t'; }
 
 /// The drawing as it stands in the file.
 struct Lines {
@@ -52,7 +52,7 @@ Lines lines_of(const Node& node, const SourceFile& file) {
   while (at < end) {
     std::size_t stop = std::min(all.find_first_of("\r\n", at), end);
     std::string_view line = all.substr(at, stop - at);
-    while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+    while (!line.empty() && is_gap(line.back())) line.remove_suffix(1);
     out.whole.push_back(line);
     out.texts.push_back(line.size() > out.left ? line.substr(out.left) : std::string_view());
     if (stop < end && all[stop] == '\r' && stop + 1 < all.size() && all[stop + 1] == '\n') ++stop;
@@ -64,8 +64,7 @@ Lines lines_of(const Node& node, const SourceFile& file) {
 // What stands left of the drawing must be the same on every line, or its columns mean nothing.
 void check_indent(const Lines& lines, std::vector<DrawingFault>& faults) {
   const std::string_view indent = lines.whole.front().substr(0, lines.left);
-  const bool starts_inside =
-      std::find_if_not(indent.begin(), indent.end(), is_blank) != indent.end();
+  const bool starts_inside = std::find_if_not(indent.begin(), indent.end(), is_gap) != indent.end();
   for (std::size_t i = starts_inside ? 0 : 1; i < lines.whole.size(); ++i) {
     const std::string_view before = lines.whole[i].substr(0, lines.left);
     const DrawnAt at{static_cast<int>(i), -static_cast<int>(lines.left), 1};
@@ -76,7 +75,7 @@ void check_indent(const Lines& lines, std::vector<DrawingFault>& faults) {
                         "begin it on a line of its own"});
       return;
     }
-    const auto drawn = std::find_if_not(before.begin(), before.end(), is_blank);
+    const auto drawn = std::find_if_not(before.begin(), before.end(), is_gap);
     if (drawn != before.end()) {
       faults.push_back({"CG0321",
                         {at.line, at.begin + static_cast<int>(drawn - before.begin()), 1},

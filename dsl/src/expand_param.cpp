@@ -91,7 +91,7 @@ std::string found(const Value& value) {
                                                        : describe(value);
 }
 
-bool is_identifier(std::string_view word) {
+bool can_be_named(std::string_view word) {
   return !word.empty() && word.find('-') == std::string_view::npos;
 }
 
@@ -160,7 +160,7 @@ void Expander::define_params(const Node& container, Scope& scope, const Place& p
     if (!word.given()) continue;
     const std::string& name = (*word).text;
     param.path = place.key + "/param:" + name;
-    if (!is_identifier(name)) {
+    if (!can_be_named(name)) {
       context_.sink
           .report("CG0403", (*word).span, place.trail,
                   "'" + name + "' cannot be used in expressions: '-' there means minus")

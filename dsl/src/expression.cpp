@@ -14,6 +14,7 @@
 
 #include "element.h"
 #include "functions.h"
+#include "text.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -22,7 +23,6 @@ constexpr int kDeepest = 100;  // nested brackets and signs
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 class Parser {
  public:

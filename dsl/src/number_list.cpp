@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "text.h"
+
 namespace cogrsim::dsl {
 namespace {
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 ExpressionFault make_fault(const char* code, std::size_t begin, std::size_t length,
                            std::string message, std::string help = {}) {

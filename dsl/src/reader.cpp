@@ -7,6 +7,7 @@
 #include "attribute_text.h"
 #include "diagnostics.h"
 #include "reader_detail.h"
+#include "text.h"
 
 namespace cogrsim::dsl {
 
@@ -19,17 +20,16 @@ const AttributeSpec& spec_of(const Element& element, std::string_view attribute)
   return *spec;
 }
 
+AttributeText text_of(CompileContext& context, const Element& element, const Attribute& a) {
+  return AttributeText(context, a, element.scope, element.trail, element.path);
+}
+
 }  // namespace detail
 
 namespace {
 
 using detail::spec_of;
-
-AttributeText text_of(CompileContext& context, const Element& element, const Attribute& a) {
-  return AttributeText(context, a, element.scope, element.trail, element.path);
-}
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+using detail::text_of;
 
 /// Letter or _, then letters, digits, _ and -; with dots only where `dotted`.
 bool well_formed(std::string_view name, bool dotted) {

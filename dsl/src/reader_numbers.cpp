@@ -11,6 +11,7 @@ namespace cogrsim::dsl {
 namespace {
 
 using detail::spec_of;
+using detail::text_of;
 
 /// Text of a bound with the unit of its dimension: "0.5 m/s".
 std::string bound_text(double value, const Dimension& dimension) {
@@ -90,10 +91,6 @@ bool check_entries(AttributeText& source, const AttributeSpec& spec,
 double unlimited(const AttributeSpec& spec) {
   const double infinity = std::numeric_limits<double>::infinity();
   return spec.name == "lower" ? -infinity : infinity;
-}
-
-AttributeText text_of(CompileContext& context, const Element& element, const Attribute& a) {
-  return AttributeText(context, a, element.scope, element.trail, element.path);
 }
 
 Read<std::vector<double>> read_list(CompileContext& context, const Element& element,

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <initializer_list>
-#include <limits>
 #include <utility>
 
+#include "cogrsim/core/constants.h"
 #include "vocabulary.h"
 
 namespace cogrsim::dsl::rows {
@@ -12,8 +12,6 @@ namespace cogrsim::dsl::rows {
 using namespace dim;
 using Attributes = std::vector<AttributeSpec>;
 using Words = std::vector<std::string_view>;
-
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // ---- makers of single columns, so that a row reads like a sentence
 

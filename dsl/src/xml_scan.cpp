@@ -4,13 +4,13 @@
 #include <array>
 #include <cstdio>
 
+#include "text.h"
+
 namespace cogrsim::dsl {
 namespace {
 
 constexpr std::size_t kMostAttributes = 500;  // of one element
 constexpr int kMostErrors = 20;               // of one file; what follows is mostly a consequence
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 /// Production [2] Char.
 bool is_char(std::uint32_t c) {

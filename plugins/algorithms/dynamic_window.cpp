@@ -1,7 +1,7 @@
 // D. Fox, W. Burgard, S. Thrun, "The dynamic window approach to collision avoidance", IEEE Robotics
 // and Automation Magazine 4 (1997), pp. 23-33.
-#include <limits>
 
+#include "cogrsim/core/constants.h"
 #include "plane.h"
 
 namespace algorithms {
@@ -13,7 +13,6 @@ using cogrsim::PlanarVelocity;
 using cogrsim::SteeringCommand;
 using cogrsim::SteeringTask;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTwoPi = 6.283185307179586;
 
 /// How far a disc of radius `radius` can move along the arc of a velocity until it touches a point,

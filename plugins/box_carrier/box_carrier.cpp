@@ -12,13 +12,13 @@
 #include "cogrsim/algorithms/grid_planner.h"
 #include "cogrsim/algorithms/steering.h"
 #include "cogrsim/control/controller.h"
+#include "cogrsim/core/constants.h"
 #include "sightings.h"
 #include "traffic.h"
 
 namespace box_carrier {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kCell = 0.1;        ///< of the grid it plans on [m]
 constexpr double kLargest = 50.0;    ///< side of an arena: it is planned on as a whole [m]
 constexpr double kPlanEvery = 0.25;  ///< [s]

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "cogrsim/core/constants.h"
+
 namespace box_carrier {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 /// Sightings so near to each other are of the same box [m].
 constexpr double kSame = 0.10;
 /// As many points are needed to tell how a box is turned.

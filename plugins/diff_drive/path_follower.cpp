@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
+
 namespace diff_drive {
 
 namespace {
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kTurnOnTheSpot = kPi / 4;  // heading error at which it stands and turns [rad]
 }  // namespace
 

@@ -12,13 +12,13 @@
 
 #include "brain.h"
 #include "cogrsim/control/controller.h"
+#include "cogrsim/core/constants.h"
 #include "obstacle_map.h"
 #include "wheel_driver.h"
 
 namespace grid_navigator {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A door gets so long to open before the way through is given up for a while [s].
 constexpr double kDoorPatience = 6.0;
 /// A way on which something jammed is left alone so long [s].

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
+
 namespace grid_navigator {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // Of a cell's length this is 2.5 cm aside; steering does the rest.
 constexpr double kAligned = 0.05;         // [rad]
 constexpr double kAlignedRate = 1.0;      // [rad/s]

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cogrsim/control/supervisor.h"
+#include "cogrsim/core/constants.h"
 #include "hindsight.h"
 
 namespace maze_referee {
@@ -22,8 +23,6 @@ using cogrsim::Stage;
 using cogrsim::Vec3;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// So many updates after it was asked for, an obstacle is there or was refused.
 constexpr int kRefused = 3;
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cogrsim/control/supervisor.h"
+#include "cogrsim/core/constants.h"
 #include "cogrsim/signals/signal.h"
 
 namespace transport_referee {
@@ -17,8 +18,6 @@ namespace {
 using cogrsim::Frame;
 using cogrsim::SceneModel;
 using cogrsim::Stage;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 template <class Type>
 Type parameter(const Stage& stage, const std::string& name) {

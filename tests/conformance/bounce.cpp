@@ -4,7 +4,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kDrop = 1.0;  // [m], gap under the body at the start
 constexpr double kRadius = 0.1;
 

@@ -4,8 +4,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 TEST_CASE("contacts of a box at rest", "[reports]") {
   need("report.contact_force");
   const bool floor_first = GENERATE(true, false);

@@ -4,8 +4,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 struct Flight {
   Vec3 position_error = Vec3::Zero();
   Vec3 velocity_error = Vec3::Zero();

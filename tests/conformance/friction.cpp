@@ -4,8 +4,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 // A plane through a point away from the origin, falling by `angle` along its own x, whose compass
 // direction is `heading`.
 Pose slope(double angle, double heading) {

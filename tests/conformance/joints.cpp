@@ -4,8 +4,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 // First-order bias of a way under constant acceleration, and rounding.
 double way_tolerance(double acceleration, double t) {
   return 0.5 * std::abs(acceleration) * kDt * t * (1.0 + 1e-3) + 1e-6;

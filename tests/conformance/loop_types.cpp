@@ -4,7 +4,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kClosure = 1e-4;  // [m], the four-bar's figure
 
 void mark_loop(ModelBuilder& builder, int joint) {

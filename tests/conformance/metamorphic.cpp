@@ -8,8 +8,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 // A scene as a list of things to add, so that their order can be changed.
 using Adder = std::function<void(ModelBuilder&, const Pose& X_WO)>;
 

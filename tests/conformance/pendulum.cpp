@@ -4,7 +4,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kLength = 1.0;
 constexpr double kMass = 1.0;
 

@@ -4,7 +4,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kTolerance = 1e-3;  // relative: a tenth of the table's for contact forces
 
 double relative(const Vec3& value, const Vec3& expected) {

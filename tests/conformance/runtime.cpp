@@ -5,8 +5,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 struct Ongoing {
   ModelBuilder builder;
   int box = -1, rod = -1, hinge = -1;

@@ -5,8 +5,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 struct Pair {
   ModelBuilder builder;
   int one = -1, two = -1;

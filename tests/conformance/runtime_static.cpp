@@ -4,8 +4,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 bool same_place(const Pose& a, const Pose& b) { return a.p == b.p && a.q.coeffs() == b.q.coeffs(); }
 
 TEST_CASE("made static in flight it stays, made dynamic it falls from rest", "[runtime]") {

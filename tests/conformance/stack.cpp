@@ -6,7 +6,6 @@
 namespace conformance {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr int kBoxes = 10;
 constexpr double kSize = 0.2;
 constexpr double kMass = 1.0;

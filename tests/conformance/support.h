@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/model/builder.h"
 #include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/physics/backend.h"
@@ -18,10 +19,9 @@ namespace conformance {
 
 using namespace cogrsim;
 
-inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kDegree = kPi / 180.0;
-inline constexpr double kDt = 1e-3;  ///< the suite's step unless a test says otherwise [s]
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double kDt = 1e-3;       ///< the suite's step unless a test says otherwise [s]
+inline constexpr double kGravity = 9.81;  ///< [m/s^2]
 
 /// The backend named by --backend, mutated by --mutate.
 const Backend& backend();

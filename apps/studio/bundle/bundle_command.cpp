@@ -19,6 +19,7 @@
 #include "output_file.h"
 #include "plugin_catalog.h"
 #include "progress.h"
+#include "refuse.h"
 #include "scene_loading.h"
 #include "terminal.h"
 
@@ -29,11 +30,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostText = 16u << 20;  // of a scene, as the compiler's limit [byte]
-
-int refuse(const Error& error) {
-  cli::print_error(error.text());
-  return cli::kFailed;
-}
 
 // "scenes/maze.scene.xml", "maze.mcap" -> "maze.html", in the folder the program was started in.
 std::string default_output(const std::string& source) {
@@ -124,13 +120,13 @@ Gathered run_scene(const BundleOptions& options) {
   const cli::SceneOptions& source = options.source.source;
   std::error_code missing;
   if (!fs::exists(source.scene, missing)) {
-    refuse(Error(fmt::format("there is no file '{}'", source.scene), "",
-                 "name a scene, NAME.scene.xml, or a recording, NAME.mcap"));
+    cli::refuse(Error(fmt::format("there is no file '{}'", source.scene), "",
+                      "name a scene, NAME.scene.xml, or a recording, NAME.mcap"));
     return out;
   }
   auto text = read_text_file(source.scene, kMostText);
   if (!text) {
-    refuse(text.error());
+    cli::refuse(text.error());
     return out;
   }
   auto loader = std::make_shared<PluginLoader>(source.plugin_paths);
@@ -221,7 +217,7 @@ Gathered read_recording(const BundleOptions& options) {
   const cli::SceneOptions& source = options.source.source;
   auto opened = Recording::open(source.scene);
   if (!opened) {
-    refuse(opened.error());
+    cli::refuse(opened.error());
     return out;
   }
   Recording& recording = **opened;
@@ -231,12 +227,12 @@ Gathered read_recording(const BundleOptions& options) {
                                    info.damage, cli::time_text(info.end)));
   }
   if (recording.frame_count() == 0) {
-    refuse(Error(fmt::format("'{}' has no frames", source.scene), "", "record the run anew"));
+    cli::refuse(Error(fmt::format("'{}' has no frames", source.scene), "", "record the run anew"));
     return out;
   }
   auto first = recording.frame(0);
   if (!first) {
-    refuse(first.error());
+    cli::refuse(first.error());
     return out;
   }
   BundleAbout& about = out.about;
@@ -257,7 +253,7 @@ Gathered read_recording(const BundleOptions& options) {
     const auto frame = recording.frame(i);
     if (!frame) {
       progress.finish();
-      refuse(frame.error());
+      cli::refuse(frame.error());
       out.samples.reset();
       return out;
     }
@@ -285,7 +281,7 @@ std::string size_text(std::size_t bytes) {
 int bundle_command(const BundleOptions& options) {
   const std::string& file = options.source.source.scene;
   const std::string output = options.output.empty() ? default_output(file) : options.output;
-  if (auto good = check_output(output, options.force); !good) return refuse(good.error());
+  if (auto good = check_output(output, options.force); !good) return cli::refuse(good.error());
   Gathered run = cli::is_recording(file) ? read_recording(options) : run_scene(options);
   if (!run.samples) return run.status;
   RunSamples& samples = *run.samples;
@@ -297,7 +293,7 @@ int bundle_command(const BundleOptions& options) {
   const std::string& name = scene->model->name;
   const std::string page =
       bundle_html(name.empty() ? fs::path(file).filename().string() : name, data);
-  if (auto written = cli::write_output(output, page); !written) return refuse(written.error());
+  if (auto written = cli::write_output(output, page); !written) return cli::refuse(written.error());
   for (const std::string& what : left_out) cli::print_warning("left out: " + what);
   const auto& all = samples.samples();
   const std::string summary =

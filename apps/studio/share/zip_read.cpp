@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct ArchiveDeleter {
+struct ReaderDeleter {
   void operator()(archive* a) const { archive_read_free(a); }
 };
 
@@ -239,7 +239,7 @@ class Reader {
 
   std::string path_, folder_;
   PackageLimits limits_;
-  std::unique_ptr<archive, ArchiveDeleter> archive_;
+  std::unique_ptr<archive, ReaderDeleter> archive_;
   archive_entry* entry_ = nullptr;
   std::uint64_t package_size_ = 0, total_ = 0;
   std::size_t count_ = 0;

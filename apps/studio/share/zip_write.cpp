@@ -14,7 +14,7 @@
 namespace cogrsim::share {
 namespace {
 
-struct ArchiveDeleter {
+struct WriterDeleter {
   void operator()(archive* a) const { archive_write_free(a); }
 };
 struct EntryDeleter {
@@ -67,7 +67,7 @@ class Writer {
   }
 
   std::string path_;
-  std::unique_ptr<archive, ArchiveDeleter> archive_;
+  std::unique_ptr<archive, WriterDeleter> archive_;
 };
 
 Result<> write_file_into(Writer& writer, const PackagedFile& file, const std::string& source) {

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim::bullet {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Stands for an unbounded impulse, so that opposing unbounded elements do not make a NaN.
 constexpr double kUnbounded = 1e12;
 // A coordinate found beyond its limit is brought back by this part of the way per step.

@@ -10,6 +10,7 @@
 #include "convert.h"
 #include "convex_contacts.h"
 
+#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/friction_share.h"
 
 namespace cogrsim::bullet {
@@ -28,8 +29,6 @@ std::uint64_t key_of(int a, int b) {
 int proxy_index(const btBroadphaseProxy* proxy) {
   return static_cast<int>(reinterpret_cast<std::intptr_t>(proxy->m_clientObject)) - 1;
 }
-
-bool is_surface(ShapeType type) { return type == ShapeType::mesh || type == ShapeType::heightmap; }
 
 btDefaultCollisionConstructionInfo configuration_info() {
   btDefaultCollisionConstructionInfo info;

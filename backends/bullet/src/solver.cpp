@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim::bullet {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // No bound on a speed [m/s].
 constexpr double kNever = 1e30;
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "convert.h"
 #include "shape_factory.h"
 
@@ -11,7 +12,6 @@ namespace cogrsim::bullet {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kCapCorners = 16;
 // A cylinder's end is what it touches with where it looks along its axis more than this (cosine).
 constexpr double kCapCosine = 0.7;

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <map>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim::osmesa {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 std::array<float, 3> to_floats(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};

@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 bool finite(const PlanarPoint& point) { return std::isfinite(point.x) && std::isfinite(point.y); }
 

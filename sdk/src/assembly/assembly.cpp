@@ -5,14 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/sensing/instruments.h"
 #include "simulation/impl.h"
 
 namespace cogrsim {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string listed(const std::vector<std::string>& names) {
   std::string out;

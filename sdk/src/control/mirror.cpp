@@ -5,13 +5,12 @@
 #include <cstring>
 
 #include "cogrsim/rendering/renderer.h"
+#include "core/index.h"
 #include "recording/model_json.h"
 
 namespace cogrsim {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 template <class Elements>
 std::vector<int> inside(const SceneModel& model, int assembly, const Elements& elements) {

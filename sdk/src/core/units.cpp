@@ -5,14 +5,13 @@
 #include <cmath>
 #include <cstring>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/core/parameter.h"
 
 namespace cogrsim::units {
 namespace {
 
 using namespace dim;
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct NamedUnit {
   const char* name;

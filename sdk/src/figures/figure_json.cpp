@@ -1,10 +1,10 @@
 // Figures on file.
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/figures/figure.h"
 
 namespace cogrsim::figures {
@@ -12,8 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr const char* kRules[] = {"automatic", "scott", "freedman-diaconis"};
 
 // ---- writing

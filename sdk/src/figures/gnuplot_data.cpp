@@ -1,14 +1,13 @@
 #include "gnuplot_data.h"
 
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim::figures {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string cell(double value) { return drawable(value) ? fmt::format("{}", value) : "NaN"; }
 

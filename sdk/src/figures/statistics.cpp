@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim::figures {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMostBins = 1000;
 
 void keep_finite(std::vector<double>& samples) {

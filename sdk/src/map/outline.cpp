@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/map/map.h"
 
 namespace cogrsim {
@@ -11,7 +12,6 @@ namespace {
 using Point = Eigen::Vector2d;
 using Polygon = std::vector<Point>;
 
-constexpr double kPi = 3.14159265358979323846;
 // A polygon of n corners on a circle misses it by 1 - cos(pi / n) of the radius: 4.8e-4 here.
 constexpr int kCorners = 102;
 

@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Quat about_x(double angle) { return {std::cos(angle / 2), std::sin(angle / 2), 0, 0}; }
 Quat about_y(double angle) { return {std::cos(angle / 2), 0, std::sin(angle / 2), 0}; }

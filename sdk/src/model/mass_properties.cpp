@@ -8,10 +8,10 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Volume, first and second moments of a homogeneous solid of density 1.
 struct Moments {

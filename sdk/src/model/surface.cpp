@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A point and the extents of a flat face along the directions of u and v.
 struct FacePlace {

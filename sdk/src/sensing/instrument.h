@@ -1,17 +1,14 @@
 // What the built-in sensors have in common.
 #pragma once
 
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/sensing/sensor.h"
 
 namespace cogrsim::instruments {
-
-inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Pose and twist of the sensor's own frame S in the world.
 struct SensorMotion {

@@ -5,10 +5,10 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/constants.h"
 #include "signals/node.h"
 
 namespace cogrsim {
@@ -52,8 +52,6 @@ struct Unary final : Signal::Node {
   SignalNode a;
   bool abs;
 };
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Binary final : Signal::Node {
   Binary(SignalNode left, char op, SignalNode right, std::string unit_text)

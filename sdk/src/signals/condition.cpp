@@ -27,7 +27,7 @@ struct Condition::Node {
 namespace {
 
 using ConditionNode = std::shared_ptr<const Condition::Node>;
-using Parsed = Result<ConditionNode>;
+using ParsedCondition = Result<ConditionNode>;
 using units::Dimension;
 
 constexpr int kDeepest = 50;
@@ -138,13 +138,6 @@ bool in_name(char c) {
          static_cast<unsigned char>(c) >= 0x80;
 }
 
-std::string trimmed(const std::string& text) {
-  std::size_t begin = 0, end = text.size();
-  while (begin < end && is_blank(text[begin])) ++begin;
-  while (end > begin && is_blank(text[end - 1])) --end;
-  return text.substr(begin, end - begin);
-}
-
 /// A word or a sign of comparison outside of all brackets.
 struct Token {
   std::size_t at = 0, length = 0;
@@ -174,21 +167,21 @@ std::vector<Token> tokens(std::string_view text) {
   return found;
 }
 
-class Parser {
+class ConditionParser {
  public:
-  explicit Parser(const SignalScope& scope) : scope_(scope) {}
+  explicit ConditionParser(const SignalScope& scope) : scope_(scope) {}
 
-  Parsed parse(const std::string& text) {
+  ParsedCondition parse(const std::string& text) {
     if (++depth_ > kDeepest)
       return fail("the condition has too many brackets inside each other", "",
                   fmt::format("{} are the limit", kDeepest));
-    Parsed made = several(trimmed(text), "or");
+    ParsedCondition made = several(trimmed(text), "or");
     --depth_;
     return made;
   }
 
  private:
-  Parsed several(const std::string& text, std::string_view word) {
+  ParsedCondition several(const std::string& text, std::string_view word) {
     std::vector<ConditionNode> parts;
     std::size_t start = 0;
     const auto add = [&](std::size_t end) -> Result<> {
@@ -196,7 +189,7 @@ class Parser {
       if (part.empty())
         return fail(fmt::format("something is missing beside '{}' in '{}'", word, text), "",
                     kUsage);
-      Parsed made = word == "or" ? several(part, "and") : negated(part);
+      ParsedCondition made = word == "or" ? several(part, "and") : negated(part);
       if (!made) return tl::unexpected(made.error());
       parts.push_back(std::move(*made));
       return {};
@@ -212,7 +205,7 @@ class Parser {
     return ConditionNode(std::make_shared<Several>(std::move(parts), word == "and"));
   }
 
-  Parsed negated(const std::string& text) {
+  ParsedCondition negated(const std::string& text) {
     std::size_t nots = 0, at = 0;
     while (text.compare(at, 3, "not") == 0 && (at + 3 == text.size() || !in_name(text[at + 3]))) {
       ++nots;
@@ -222,12 +215,12 @@ class Parser {
     if (nots == 0) return comparison(text);
     if (nots > kDeepest || at == text.size())
       return fail(fmt::format("something is missing after 'not' in '{}'", text), "", kUsage);
-    Parsed of = comparison(text.substr(at));
+    ParsedCondition of = comparison(text.substr(at));
     for (; of && nots > 0; --nots) of = ConditionNode(std::make_shared<Not>(*of));
     return of;
   }
 
-  Parsed comparison(const std::string& text) {
+  ParsedCondition comparison(const std::string& text) {
     std::optional<Token> found;
     Relation relation = Relation::lt;
     for (const Token& token : tokens(text)) {
@@ -271,7 +264,7 @@ class Parser {
     return true;
   }
 
-  Parsed alone(const std::string& text) {
+  ParsedCondition alone(const std::string& text) {
     auto a = parse_signal(scope_, text);
     if (!a) return tl::unexpected(a.error());
     const auto dimension = (*a)->dimension();
@@ -331,7 +324,7 @@ Result<Condition> Condition::parse(const SignalScope& scope, const std::string& 
         fmt::format(
             open > 0 ? "a bracket of '{}' is not closed" : "a bracket of '{}' is not opened", text),
         "", "every ( needs its )");
-  auto node = Parser(scope).parse(text);
+  auto node = ConditionParser(scope).parse(text);
   if (!node) return tl::unexpected(node.error());
   return Condition(std::move(*node));
 }

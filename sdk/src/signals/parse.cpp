@@ -16,18 +16,18 @@
 #include "terms.h"
 
 namespace cogrsim {
-namespace {
-
-constexpr std::size_t kMostListed = 16;      // names shown in a help
-constexpr std::size_t kMostCompared = 4000;  // names compared with an unknown one
-
-using Parsed = Result<SignalNode>;
 
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
 }
+namespace {
+
+constexpr std::size_t kMostListed = 16;      // names shown in a help
+constexpr std::size_t kMostCompared = 4000;  // names compared with an unknown one
+
+using Parsed = Result<SignalNode>;
 
 template <class Words>
 std::string listed(const Words& words) {

@@ -8,12 +8,12 @@
 #include <tuple>
 #include <utility>
 
+#include "cogrsim/core/constants.h"
 #include "signals/gjk.h"
 
 namespace cogrsim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeaf = 4;  // triangles in a leaf of a tree
 
 /// What is convex, without the radius that is put around it.

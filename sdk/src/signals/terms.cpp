@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/model/joint_kinematics.h"
+#include "core/index.h"
 #include "node.h"
 #include "surface_distance.h"
 
 namespace cogrsim {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 /// Whether the frame still has the element.
 template <class Element>

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cogrsim/model/builder.h"
+#include "core/index.h"
 #include "simulation/impl.h"
 #include "simulation/model_change.h"
 #include "simulation/room.h"
@@ -10,8 +11,6 @@
 namespace cogrsim {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 /// A place on a body, or in the world.
 struct Anchor {

@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "cogrsim/core/random.h"
+#include "core/index.h"
 
 namespace cogrsim {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 bool is_part(const std::string& whole, const std::string& name) {
   return name.size() > whole.size() && name[whole.size()] == '.' &&

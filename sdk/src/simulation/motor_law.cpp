@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const JointAxis* axis_of(const SceneModel& model, const Motor& motor) {
   const Joint& joint = model.joints[static_cast<std::size_t>(motor.joint)];

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
+#include "cogrsim/core/constants.h"
 #include "signals/gjk.h"
 
 namespace cogrsim {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Nearer than rounding in a scene some hundred metres wide lets one tell.
 constexpr double kTouching = 1e-9;  // [m]
 

@@ -1,0 +1,13 @@
+// Numbers that formulas everywhere need.
+#pragma once
+
+#include <limits>
+
+namespace cogrsim {
+
+inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// "Not known" where a number is expected.
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace cogrsim

@@ -1,0 +1,10 @@
+// Our indices are int, since -1 means the world or none; containers want std::size_t.
+#pragma once
+
+#include <cstddef>
+
+namespace cogrsim {
+
+inline std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+}  // namespace cogrsim
