@@ -18,7 +18,8 @@ foreach(part cogrsim_cli_lib cogrsim_share_lib cogrsim_studio_lib)
     list(APPEND objects_of ${part})
   endif()
 endforeach()
-# An archive: of these, the linker takes only what the instrumented ones do not have.
+# An archive: of these, the linker takes only what the instrumented ones do not have. A unity build's
+# objects bring some of that along; what comes first is taken then (-z muldefs).
 set(rest_objects "")
 foreach(part ${objects_of})
   list(APPEND rest_objects $<TARGET_OBJECTS:${part}>)
@@ -79,7 +80,7 @@ function(cogrsim_add_fuzzer name)
   set(program ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/fuzz/${name})
   add_custom_command(OUTPUT ${program}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/fuzz
-    COMMAND ${COGRSIM_FUZZ_CXX} -fsanitize=fuzzer,address,undefined -rdynamic ${objects}
+    COMMAND ${COGRSIM_FUZZ_CXX} -fsanitize=fuzzer,address,undefined -rdynamic -Wl,-z,muldefs ${objects}
       $<TARGET_FILE:cogrsim_fuzz_rest> ${libraries} -o ${program}
     DEPENDS ${objects} cogrsim_fuzz_rest cogrsim_fuzz_toy VERBATIM
     COMMENT "Linking the fuzzer ${name}")
