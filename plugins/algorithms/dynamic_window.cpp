@@ -7,6 +7,7 @@
 namespace algorithms {
 namespace {
 
+using cogrsim::kInfinity;
 using cogrsim::PlanarPoint;
 using cogrsim::PlanarPose;
 using cogrsim::PlanarVelocity;

@@ -19,6 +19,8 @@
 namespace box_carrier {
 namespace {
 
+using cogrsim::kPi;
+
 constexpr double kCell = 0.1;        ///< of the grid it plans on [m]
 constexpr double kLargest = 50.0;    ///< side of an arena: it is planned on as a whole [m]
 constexpr double kPlanEvery = 0.25;  ///< [s]

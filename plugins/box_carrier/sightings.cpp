@@ -10,6 +10,8 @@ namespace box_carrier {
 
 namespace {
 
+using cogrsim::kPi;
+
 /// Sightings so near to each other are of the same box [m].
 constexpr double kSame = 0.10;
 /// As many points are needed to tell how a box is turned.

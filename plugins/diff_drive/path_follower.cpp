@@ -8,6 +8,8 @@
 namespace diff_drive {
 
 namespace {
+
+using cogrsim::kPi;
 constexpr double kTurnOnTheSpot = kPi / 4;  // heading error at which it stands and turns [rad]
 }  // namespace
 

@@ -19,6 +19,8 @@
 namespace grid_navigator {
 namespace {
 
+using cogrsim::kInfinity;
+
 /// A door gets so long to open before the way through is given up for a while [s].
 constexpr double kDoorPatience = 6.0;
 /// A way on which something jammed is left alone so long [s].

@@ -9,6 +9,8 @@ namespace grid_navigator {
 
 namespace {
 
+using cogrsim::kPi;
+
 // Of a cell's length this is 2.5 cm aside; steering does the rest.
 constexpr double kAligned = 0.05;         // [rad]
 constexpr double kAlignedRate = 1.0;      // [rad/s]

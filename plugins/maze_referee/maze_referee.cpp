@@ -17,6 +17,8 @@ namespace maze_referee {
 namespace {
 
 using cogrsim::Frame;
+using cogrsim::kNaN;
+using cogrsim::kPi;
 using cogrsim::Pose;
 using cogrsim::SceneModel;
 using cogrsim::Stage;

@@ -16,6 +16,7 @@ namespace transport_referee {
 namespace {
 
 using cogrsim::Frame;
+using cogrsim::kNaN;
 using cogrsim::SceneModel;
 using cogrsim::Stage;
 
