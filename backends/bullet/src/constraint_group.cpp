@@ -287,10 +287,11 @@ void ConstraintGroup::solve(Eigen::VectorXd& vector) const {
   }
 }
 
-void ConstraintGroup::bind(const StepBodies& bodies) {
+void ConstraintGroup::bind(StepBodies& bodies) {
   solved_ = false;
   for (Member& member : members_) {
     member.index = StepBodies::index_of(member.body->object());
+    bodies.hold(member.index);
     const StepBodies::Entry& entry = bodies.entry(member.index);
     member.start = Six(entry.lin, entry.ang);
   }

@@ -35,7 +35,7 @@ class ConstraintGroup final : public JointGroup {
   /// Rows and factorisation.
   void prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,
                const std::vector<double>& q) override;
-  void bind(const StepBodies& bodies) override;
+  void bind(StepBodies& bodies) override;
   void iterate(StepBodies& bodies) override;
   /// Efforts and reactions of the step.
   void report(const SceneModel& model, double dt, JointReport& out) override;

@@ -121,8 +121,9 @@ ContactCourse make_contact_rows(btManifoldPoint& point, const btCollisionObject&
   return course;
 }
 
-void sweep_contacts(std::vector<ContactRows>& points, DeltaVelocity* deltas) {
-  for (ContactRows& p : points) {
+void sweep_contacts(ContactRows* first, ContactRows* last, DeltaVelocity* deltas) {
+  for (; first != last; ++first) {
+    ContactRows& p = *first;
     DeltaVelocity& a = deltas[p.a];
     // The speeds that impulses have changed, along all three rows at once; what the push then
     // changes of the other two comes in through their coupling.

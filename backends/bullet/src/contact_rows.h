@@ -37,8 +37,8 @@ ContactCourse make_contact_rows(btManifoldPoint& point, const btCollisionObject&
                                 const btCollisionObject& object_b, StepBodies& bodies, double dt,
                                 ContactRows& out);
 
-/// One turn over all points: each brings its own three rows to what they ask for, the push first;
-/// friction is cut back to the circle of Coulomb's law.
-void sweep_contacts(std::vector<ContactRows>& points, DeltaVelocity* deltas);
+/// One turn over the points from `first` to before `last`: each brings its own three rows to what they
+/// ask for, the push first; friction is cut back to the circle of Coulomb's law.
+void sweep_contacts(ContactRows* first, ContactRows* last, DeltaVelocity* deltas);
 
 }  // namespace cogrsim::bullet

@@ -48,7 +48,7 @@ class JointGroup {
   virtual void prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,
                        const std::vector<double>& q) = 0;
   /// Couples the group to the step's bodies.
-  virtual void bind(const StepBodies& bodies) = 0;
+  virtual void bind(StepBodies& bodies) = 0;
   /// Solves the group against the bodies' present velocity changes.
   virtual void iterate(StepBodies& bodies) = 0;
   /// Efforts of the step, and the reactions where the group finds them on the way.

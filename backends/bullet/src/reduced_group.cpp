@@ -101,10 +101,11 @@ double ReducedGroup::along(const Axis& axis, const std::vector<double>& u) const
   return sum;
 }
 
-void ReducedGroup::bind(const StepBodies& bodies) {
+void ReducedGroup::bind(StepBodies& bodies) {
   solved_ = false;
   for (Member& member : members_) {
     member.index = StepBodies::index_of(member.body->object());
+    bodies.hold(member.index);
     member.written = {};
     const StepBodies::Entry& entry = bodies.entry(member.index);
     member.start = {entry.lin, entry.ang};

@@ -29,7 +29,7 @@ class ReducedGroup final : public JointGroup {
 
   void prepare(const SceneModel& model, double dt, const std::vector<Drive>& drives,
                const std::vector<double>& q) override;
-  void bind(const StepBodies& bodies) override;
+  void bind(StepBodies& bodies) override;
   void iterate(StepBodies& bodies) override;
   void report(const SceneModel& model, double dt, JointReport& out) override;
 

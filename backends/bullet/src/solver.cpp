@@ -18,6 +18,9 @@ constexpr double kContactDamping = 1.0;
 // Bodies that overlap are driven apart no faster than this [m/s].
 constexpr double kFastestRecovery = 1.0;
 constexpr int kRelaxSweeps = 2;
+// Points that are swept to the end before the next ones are looked at: they fit a first-level cache of
+// 32 kB.
+constexpr std::size_t kRunLength = 32;
 // A contact sunk in by up to so many times what its load explains, and this much [m], is at rest.
 constexpr double kRestingShare = 3.0;
 constexpr double kNoOverlap = 1e-7;
@@ -63,10 +66,14 @@ void StepSolver::solve(const std::vector<btCollisionObject*>& moving,
   bodies_.begin(moving, dt);
   make_rows(manifolds, manifold_count, dt);
   for (auto& group : groups) group->bind(bodies_);
+  find_runs();
+  for (const Run& run : loose_) {
+    for (int i = 0; i < settings_.iterations; ++i) sweep(run);
+  }
   for (int i = 0; i < settings_.iterations; ++i) {
     // Groups are dear and warm-started contacts change little: they take every other turn.
     if (i % 2 == 0) solve_groups(groups);
-    sweep_contacts(points_, bodies_.data());
+    for (const Run& run : tied_) sweep(run);
   }
   solve_groups(groups);
   relax(groups);
@@ -103,6 +110,38 @@ void StepSolver::make_rows(btPersistentManifold** manifolds, int count, double d
     }
   }
   points_.resize(sources_.size());
+}
+
+void StepSolver::find_runs() {
+  loose_.clear();
+  tied_.clear();
+  last_.resize(bodies_.size());
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    last_[static_cast<std::size_t>(points_[i].a)] = i;
+    if (points_[i].b >= 0) last_[static_cast<std::size_t>(points_[i].b)] = i;
+  }
+  const auto add = [](std::vector<Run>& runs, const Run& run, std::size_t longest) {
+    if (!runs.empty() && runs.back().end == run.begin && run.end - runs.back().begin <= longest)
+      runs.back().end = run.end;
+    else
+      runs.push_back(run);
+  };
+  std::size_t begin = 0, end = 0;
+  bool held = false;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    for (const int body : {points_[i].a, points_[i].b}) {
+      if (body < 0) continue;
+      end = std::max(end, last_[static_cast<std::size_t>(body)]);
+      held = held || bodies_.entry(body).held;
+    }
+    if (i < end) continue;
+    if (held)
+      add(tied_, {begin, i + 1}, points_.size());
+    else
+      add(loose_, {begin, i + 1}, kRunLength);
+    begin = end = i + 1;
+    held = false;
+  }
 }
 
 void StepSolver::adjust(const btManifoldPoint& point, const ContactCourse& course,
@@ -154,8 +193,11 @@ void StepSolver::relax(std::vector<std::unique_ptr<JointGroup>>& groups) {
     point.keep = 1.0;
     point.rhs[0] = -r.speed * point.inverse[0];
   }
+  for (const Run& run : loose_) {
+    for (int k = 0; k < kRelaxSweeps; ++k) sweep(run);
+  }
   for (int k = 0; k < kRelaxSweeps; ++k) {
-    sweep_contacts(points_, bodies_.data());
+    for (const Run& run : tied_) sweep(run);
     solve_groups(groups);
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {

@@ -49,7 +49,17 @@ class StepSolver {
     double inverse_mass, speed;
   };
 
+  /// Points from begin to before end that touch no body of any other run.
+  struct Run {
+    std::size_t begin, end;
+  };
+
   void make_rows(btPersistentManifold** manifolds, int count, double dt);
+  /// Parts the points into runs, after the groups were bound.
+  void find_runs();
+  void sweep(const Run& run) {
+    sweep_contacts(points_.data() + run.begin, points_.data() + run.end, bodies_.data());
+  }
   /// Makes a rigid push the one that this contact needs: soft, a bounce, a spring.
   void adjust(const btManifoldPoint& point, const ContactCourse& course, std::size_t index,
               double dt);
@@ -65,6 +75,9 @@ class StepSolver {
   StepBodies bodies_;
   std::vector<ContactRows> points_;
   std::vector<btManifoldPoint*> sources_;  ///< of points_
+  std::vector<Run> loose_;                 ///< of bodies without joints: solved one after the other
+  std::vector<Run> tied_;                  ///< swept in turn with the groups
+  std::vector<std::size_t> last_;          ///< point that touches the body, by body
   std::vector<Recovering> recovering_;
   std::vector<Displacement> displacements_;
 };

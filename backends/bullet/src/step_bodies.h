@@ -55,6 +55,7 @@ class StepBodies {
     btVector3 start_lin, gained_lin;  ///< velocity at the start, and what outer forces add to it
     btVector3 lin, ang;               ///< velocity with outer forces, without impulses
     double inverse_mass = 0.0;
+    bool held = false;  ///< by joints
   };
 
   /// Takes over their velocities and outer forces. Tells each its index (btCollisionObject's
@@ -67,6 +68,7 @@ class StepBodies {
       e.body = static_cast<btRigidBody*>(moving[i]);
       e.body->setCompanionId(static_cast<int>(i));
       e.inverse_mass = e.body->getInvMass();
+      e.held = false;
       e.start_lin = e.body->getLinearVelocity();
       e.gained_lin = e.body->getTotalForce() * e.inverse_mass * dt;
       e.lin = e.start_lin + e.gained_lin;
@@ -82,6 +84,9 @@ class StepBodies {
       e.body->setAngularVelocity(e.ang + deltas_[i].ang());
     }
   }
+
+  /// Notes that joints act on the body.
+  void hold(int index) { entries_[static_cast<std::size_t>(index)].held = true; }
 
   /// -1: does not move.
   static int index_of(const btCollisionObject& body) { return body.getCompanionId(); }
