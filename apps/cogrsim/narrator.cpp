@@ -62,9 +62,13 @@ void Narrator::see(const FramePtr& frame) {
 void Narrator::tell_messages() {
   const std::vector<RunMessage>& all = simulation_.messages();
   for (; messages_seen_ < all.size(); ++messages_seen_) {
-    if (messages_seen_ >= kPrintedMessages) continue;
+    const RunMessage& message = all[messages_seen_];
+    // Remarks, however many, do not keep errors from being told.
+    std::size_t& printed = message.severity == Severity::error ? errors_printed_ : printed_;
+    if (printed >= kPrintedMessages) continue;
+    ++printed;
     progress_.finish();
-    print_message(all[messages_seen_]);
+    print_message(message);
   }
 }
 
@@ -77,9 +81,9 @@ void Narrator::finish() {
   } else {
     tell_messages();
   }
-  if (messages_seen_ > kPrintedMessages) {
-    std::fputs(fmt::format("and {} more messages, see --json\n", messages_seen_ - kPrintedMessages)
-                   .c_str(),
+  const std::size_t printed = printed_ + errors_printed_;
+  if (messages_seen_ > printed) {
+    std::fputs(fmt::format("and {} more messages, see --json\n", messages_seen_ - printed).c_str(),
                stderr);
   }
 }

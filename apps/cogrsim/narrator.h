@@ -38,7 +38,7 @@ class Narrator {
   Simulation& simulation_;
   Progress& progress_;
   std::FILE* printed_events_;
-  std::size_t messages_seen_ = 0;
+  std::size_t messages_seen_ = 0, printed_ = 0, errors_printed_ = 0;
   FramePtr last_;
   std::vector<Event> events_;
   std::uint64_t left_out_ = 0;

@@ -152,17 +152,15 @@ void print_message(const RunMessage& message, const std::string& run) {
 }
 
 void print_messages(const std::vector<RunMessage>& messages, const std::string& run) {
-  std::size_t printed = 0;
+  std::size_t remarks = 0, errors = 0;
   for (const RunMessage& message : messages) {
-    if (printed == kPrintedMessages) {
-      std::fputs(
-          fmt::format("and {} more messages, see --json\n", messages.size() - printed).c_str(),
-          stderr);
-      break;
-    }
+    std::size_t& printed = message.severity == Severity::error ? errors : remarks;
+    if (printed >= kPrintedMessages) continue;
     print_message(message, run);
     ++printed;
   }
+  const std::size_t left = messages.size() - remarks - errors;
+  if (left > 0) std::fputs(fmt::format("and {} more messages, see --json\n", left).c_str(), stderr);
 }
 
 }  // namespace cogrsim::cli

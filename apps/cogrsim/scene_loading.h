@@ -47,7 +47,7 @@ void print_diagnostics(const std::vector<Diagnostic>& diagnostics);
 void print_message(const RunMessage& message, const std::string& run = {});
 /// Of one run the user is shown so many messages; the others are in the JSON.
 inline constexpr std::size_t kPrintedMessages = 20;
-/// The first kPrintedMessages of them, and how many more there are.
+/// The first kPrintedMessages errors and as many others, and how many more there are.
 void print_messages(const std::vector<RunMessage>& messages, const std::string& run = {});
 
 }  // namespace cogrsim::cli

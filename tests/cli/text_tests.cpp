@@ -1,13 +1,17 @@
 // What people type, and what they are shown.
+#include <fcntl.h>
+#include <unistd.h>
 #include <cmath>
 #include <limits>
 
 #include <catch2/catch.hpp>
 
 #include "json_text.h"
+#include "process.h"
 #include "progress.h"
 #include "quantities.h"
 #include "report_pictures.h"
+#include "scene_loading.h"
 #include "terminal.h"
 #include "zoom_chart.h"
 
@@ -144,4 +148,23 @@ TEST_CASE("words of plugins cannot steer the terminal", "[cli][text]") {
                   "31mb") ==
         "a\xEF\xBF\xBD"
         "31mb");
+}
+
+TEST_CASE("remarks do not keep the errors of a run from being told", "[cli][text]") {
+  std::vector<RunMessage> messages(100);
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    messages[i] = {0.001 * static_cast<double>(i), Severity::advice, "talker", "remark"};
+  }
+  messages[90] = {0.09, Severity::error, "arm", "fell asleep"};
+  const TemporaryFolder folder;
+  const int terminal = dup(STDERR_FILENO);
+  const int file = open((folder / "err").c_str(), O_CREAT | O_WRONLY, 0600);
+  dup2(file, STDERR_FILENO);
+  print_messages(messages);
+  dup2(terminal, STDERR_FILENO);
+  close(file);
+  close(terminal);
+  const std::string told = read_file(folder / "err");
+  CHECK(told.find("fell asleep") != std::string::npos);
+  CHECK(told.find("and 79 more messages") != std::string::npos);
 }
