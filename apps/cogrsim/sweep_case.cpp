@@ -39,6 +39,13 @@ std::string cause_of(const Simulation& simulation, RunStatus status) {
   return {};
 }
 
+// Plugins' exceptions are caught and reported. A lack of memory is none of a controller's faults, unless
+// an isolated one met the bound of its own process.
+bool lacks_memory(const RunMessage& message) {
+  return message.message.find("bad_alloc") != std::string::npos &&
+         message.message.find("it may take") == std::string::npos;
+}
+
 Json run(const Json& input) {
   SceneOptions options;
   options.scene = input["scene"].get<std::string>();
@@ -84,9 +91,11 @@ Json run(const Json& input) {
     result["cause"] = cause_of(simulation, status);
   }
   result["status"] = to_string(status);
-  // Plugins' exceptions are caught and reported; a lack of memory is none of a controller's faults.
   for (const RunMessage& message : simulation.messages()) {
-    if (message.message.find("bad_alloc") == std::string::npos) continue;
+    if (message.severity == Severity::error && result["cause"] == "") {
+      result["cause"] = message.source + ": " + message.message;
+    }
+    if (!lacks_memory(message)) continue;
     result["status"] = "memory";
     result["cause"] = message.source + ": it needed more memory than there was";
     break;
