@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <set>
 #include <string>
@@ -273,7 +274,13 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "name the backend under test: --backend NAME\n");
     return 2;
   }
-  if (options.expectations.empty()) options.expectations = usual_table(options);
+  if (options.expectations.empty()) {
+    options.expectations = usual_table(options);
+  } else if (!options.update && !std::ifstream(options.expectations)) {
+    std::fprintf(stderr, "cannot read the table '%s'; with --update it is written\n",
+                 options.expectations.c_str());
+    return 2;
+  }
   if (!load_backends(options)) return 2;
   try {
     run.table = ExpectationTable::load(options.expectations);

@@ -269,6 +269,7 @@ TEST_CASE("a batch that cannot be is refused with what is there", "[batch]") {
   };
   const BatchOptions good = knocker_options("bullet", 2);
   const auto scene = knocker();
+  CHECK(said(Batch::create({scene}, good, nullptr).error()).find("loader") != std::string::npos);
   BatchOptions o = good;
   o.actions = {"arm.psuh"};
   CHECK(refused(o, {scene}).find("did you mean 'arm.push'?") != std::string::npos);

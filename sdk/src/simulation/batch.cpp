@@ -81,6 +81,7 @@ tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> Batch::create(
   if (std::any_of(scenes.begin(), scenes.end(), [](const auto& scene) { return !scene; })) {
     return refuse("a world has no scene", "see the diagnostics of its compilation");
   }
+  if (!loader) return refuse("a loader of plugins is needed", "make one with PluginLoader");
   if (!options.seeds.empty() && options.seeds.size() != count) {
     return refuse(std::to_string(options.seeds.size()) + " seeds for " + std::to_string(count) +
                   " worlds");
