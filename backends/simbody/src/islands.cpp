@@ -10,6 +10,10 @@
 namespace cogrsim::simbody {
 namespace {
 
+// Gaps that cannot all be closed, as of a body held between two that do not move, ask for ever more. What
+// was not found within the sweeps is nothing to start from; of what was left as good as done this share is,
+// so that little by little cannot grow beyond 1 / (1 - share) steps' worth.
+constexpr double kKeptIdle = 0.99;
 constexpr int kPositionSweeps = 40, kHoldSweeps = 8;
 // Islands of up to so many rows are sped up by conjugate steps.
 constexpr std::size_t kSmall = 64;
@@ -452,6 +456,7 @@ void Island::solve_positions(const SolverOptions& options, double h, std::vector
     if (gap.push != 0.0) apply(lines[std::size_t(gap.line)], gap.push, p.data());
   along_v_.assign(v.size(), 0.0);
   double last_size = 0.0, before = std::numeric_limits<double>::infinity();
+  double kept = 0.0;  // share of the pushes that the next step starts from
   const auto relax_gap = [&](Gap& gap) {
     const Line& line = lines[std::size_t(gap.line)];
     double push = gap.push + (gap.error - along(line, p.data())) / line.diagonal;
@@ -472,9 +477,15 @@ void Island::solve_positions(const SolverOptions& options, double h, std::vector
     for (std::size_t i = 0; i < gaps_.size(); ++i) {
       change = std::max(change, relax_gap(gaps_[backwards ? gaps_.size() - 1 - i : i]));
     }
-    if (change < tolerance) break;
+    if (change < tolerance) {
+      kept = 1.0;
+      break;
+    }
     if (sweep % kPatience == 0) {
-      if (change < idle && change > slow * before) break;
+      if (change < idle && change > slow * before) {
+        kept = kKeptIdle;
+        break;
+      }
       before = change;
     }
     if (!large && backwards && sweep < sweeps) last_size = go_on_settling(last_size);
@@ -490,7 +501,7 @@ void Island::solve_positions(const SolverOptions& options, double h, std::vector
   for (const Gap& gap : gaps_) {
     const Line& line = lines[std::size_t(gap.line)];
     Row& row = rows[std::size_t(line.row)];
-    row.push = gap.push;
+    row.push = kept * gap.push;
     row.settled = along(line, p.data());
   }
 }
