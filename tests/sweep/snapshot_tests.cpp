@@ -243,7 +243,9 @@ TEST_CASE("what came, went and was changed is there again", "[sweep][snapshot]")
   const std::vector<std::string> all = {COGRSIM_ENGINES};
   const Resumed elsewhere = go_on(folder / "a.snap", scene, on(all.back()));
   CHECK(find_joint(*elsewhere.simulation->model(), "hitch") >= 0);
-  CHECK(elsewhere.simulation->run_until(1.0) == RunStatus::completed);
+  const RunStatus ended = elsewhere.simulation->run_until(1.0);
+  for (const RunMessage& m : elsewhere.simulation->messages()) UNSCOPED_INFO(m.message);
+  CHECK(ended == RunStatus::completed);
 
   // From the very start again: the scene as it is written.
   second.send(Restart{});
