@@ -7,6 +7,7 @@ cp "$here/room.scene.xml" .
 ticks() { awk '{print $14 + $15}' "/proc/$1/stat"; }
 
 for files in "$(ulimit -Hn)" 64; do
+  rm -f address  # the last server's must not be taken for this one's
   (ulimit -Sn "$files" && exec "$program" studio room.scene.xml --no-open) >address 2>err </dev/null &
   server=$!
   for ((i = 0; i < 200; i++)); do
