@@ -185,6 +185,11 @@ test("speed, step, backend and recording from the control bar", async () => {
   await keep(page, "backend_switched");
   await page.getByTestId("pause").click();
   await until(page, "status", (s) => s.state === "paused", "it rests");
+  // A recording ends with the engine's run; another one is begun and ended by hand.
+  await until(page, "status", (s) => s.recording === null, "the recording ended with the first engine");
+  await page.getByRole("textbox", { name: "File to record to" }).fill("seen-too.mcap");
+  await page.getByTestId("record").click();
+  await until(page, "status", (s) => s.recording !== null, "it records again");
   await page.getByTestId("record").click();
   await until(page, "status", (s) => s.recording === null, "the recording has ended");
   await page.getByTestId("backend").selectOption("bullet");
