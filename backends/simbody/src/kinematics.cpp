@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/model/joint_kinematics.h"
 #include "mechanism.h"
 

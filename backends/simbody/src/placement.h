@@ -5,8 +5,6 @@
 
 namespace cogrsim::simbody {
 
-inline constexpr double kPi = 3.14159265358979323846;
-
 /// Axes of a frame and the place of its origin.
 struct Placement {
   Mat3 R = Mat3::Identity();

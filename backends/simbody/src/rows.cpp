@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim::simbody {
 namespace {
 

@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "cogrsim/core/constants.h"
+
 namespace cogrsim::simbody {
 namespace {
 
