@@ -270,9 +270,8 @@ Collision::Pair Collision::make_pair_of(std::uint64_t key) const {
   pair.second = static_cast<int>(key & 0xffffffffu);
   const Proxy* a = proxies_[static_cast<std::size_t>(pair.first)].get();
   const Proxy* b = proxies_[static_cast<std::size_t>(pair.second)].get();
-  if (a->shape->type == ShapeType::plane || is_surface(a->shape->type)) {
-    std::swap(pair.first, pair.second);
-  }
+  // What can be moved by forces comes first.
+  if (is_surface(a->shape->type)) std::swap(pair.first, pair.second);
   pair.surface = surface_pair(*model_, a->shape->material, b->shape->material);
   return pair;
 }

@@ -67,9 +67,7 @@ void StepSolver::solve(const std::vector<btCollisionObject*>& moving,
   make_rows(manifolds, manifold_count, dt);
   for (auto& group : groups) group->bind(bodies_);
   find_runs();
-  for (const Run& run : loose_) {
-    for (int i = 0; i < settings_.iterations; ++i) sweep(run);
-  }
+  sweep_loose(settings_.iterations);
   for (int i = 0; i < settings_.iterations; ++i) {
     // Groups are dear and warm-started contacts change little: they take every other turn.
     if (i % 2 == 0) solve_groups(groups);
@@ -110,6 +108,12 @@ void StepSolver::make_rows(btPersistentManifold** manifolds, int count, double d
     }
   }
   points_.resize(sources_.size());
+}
+
+void StepSolver::sweep_loose(int times) {
+  for (const Run& run : loose_) {
+    for (int i = 0; i < times; ++i) sweep(run);
+  }
 }
 
 void StepSolver::find_runs() {
@@ -193,9 +197,7 @@ void StepSolver::relax(std::vector<std::unique_ptr<JointGroup>>& groups) {
     point.keep = 1.0;
     point.rhs[0] = -r.speed * point.inverse[0];
   }
-  for (const Run& run : loose_) {
-    for (int k = 0; k < kRelaxSweeps; ++k) sweep(run);
-  }
+  sweep_loose(kRelaxSweeps);
   for (int k = 0; k < kRelaxSweeps; ++k) {
     for (const Run& run : tied_) sweep(run);
     solve_groups(groups);

@@ -60,6 +60,8 @@ class StepSolver {
   void sweep(const Run& run) {
     sweep_contacts(points_.data() + run.begin, points_.data() + run.end, bodies_.data());
   }
+  /// All sweeps of a run, then those of the next.
+  void sweep_loose(int times);
   /// Makes a rigid push the one that this contact needs: soft, a bounce, a spring.
   void adjust(const btManifoldPoint& point, const ContactCourse& course, std::size_t index,
               double dt);
