@@ -285,6 +285,11 @@ std::string everyday_unit(const Dimension& d) {
   return unit_of(d);
 }
 
+std::string_view after_blanks(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  return text;
+}
+
 }  // namespace
 
 std::size_t number_length(std::string_view text) {
@@ -303,8 +308,7 @@ std::string nearly_number_help(std::string_view text) {
     pointed[comma] = '.';
     const std::size_t digits = number_length(pointed);
     if (comma + 1 >= digits) return {};
-    std::string_view unit = std::string_view(pointed).substr(digits);
-    while (!unit.empty() && is_blank(unit.front())) unit.remove_prefix(1);
+    const std::string_view unit = after_blanks(std::string_view(pointed).substr(digits));
     if (!unit.empty() && !parse_unit(unit)) return {};
     return suggest(pointed.substr(0, digits) + (unit.empty() ? "" : " " + std::string(unit))) +
            " numbers have a decimal point";
@@ -312,8 +316,7 @@ std::string nearly_number_help(std::string_view text) {
   const std::size_t digits = number_length(text);
   if (digits == 0 || digits == text.size()) return {};
   const std::string number(text.substr(0, digits));
-  std::string_view unit = text.substr(digits);
-  while (!unit.empty() && is_blank(unit.front())) unit.remove_prefix(1);
+  const std::string_view unit = after_blanks(text.substr(digits));
   // "1e400" begins with a number too, "1..2" as well.
   if (unit.empty() || std::string_view("+-.0123456789").find(unit[0]) != std::string_view::npos)
     return {};
