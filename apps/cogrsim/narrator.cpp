@@ -63,10 +63,7 @@ void Narrator::tell_messages() {
   const std::vector<RunMessage>& all = simulation_.messages();
   for (; messages_seen_ < all.size(); ++messages_seen_) {
     const RunMessage& message = all[messages_seen_];
-    // Remarks, however many, do not keep errors from being told.
-    std::size_t& printed = message.severity == Severity::error ? errors_printed_ : printed_;
-    if (printed >= kPrintedMessages) continue;
-    ++printed;
+    if (!budget_.takes(message)) continue;
     progress_.finish();
     print_message(message);
   }
@@ -81,11 +78,7 @@ void Narrator::finish() {
   } else {
     tell_messages();
   }
-  const std::size_t printed = printed_ + errors_printed_;
-  if (messages_seen_ > printed) {
-    std::fputs(fmt::format("and {} more messages, see --json\n", messages_seen_ - printed).c_str(),
-               stderr);
-  }
+  budget_.tell_rest();
 }
 
 }  // namespace cogrsim::cli

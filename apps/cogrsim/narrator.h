@@ -8,6 +8,7 @@
 
 #include "cogrsim/simulation/simulation.h"
 #include "progress.h"
+#include "scene_loading.h"
 
 namespace cogrsim::cli {
 
@@ -38,7 +39,8 @@ class Narrator {
   Simulation& simulation_;
   Progress& progress_;
   std::FILE* printed_events_;
-  std::size_t messages_seen_ = 0, printed_ = 0, errors_printed_ = 0;
+  std::size_t messages_seen_ = 0;
+  MessageBudget budget_;
   FramePtr last_;
   std::vector<Event> events_;
   std::uint64_t left_out_ = 0;

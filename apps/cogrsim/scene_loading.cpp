@@ -151,16 +151,25 @@ void print_message(const RunMessage& message, const std::string& run) {
   std::fputs((text + printable(message.message) + "\n").c_str(), stderr);
 }
 
+bool MessageBudget::takes(const RunMessage& message) {
+  constexpr std::size_t kMost = 20;
+  std::size_t& printed = message.severity == Severity::error ? errors_ : others_;
+  const bool taken = printed < kMost;
+  ++(taken ? printed : left_out_);
+  return taken;
+}
+
+void MessageBudget::tell_rest() const {
+  if (left_out_ == 0) return;
+  std::fputs(fmt::format("and {} more messages, see --json\n", left_out_).c_str(), stderr);
+}
+
 void print_messages(const std::vector<RunMessage>& messages, const std::string& run) {
-  std::size_t remarks = 0, errors = 0;
+  MessageBudget budget;
   for (const RunMessage& message : messages) {
-    std::size_t& printed = message.severity == Severity::error ? errors : remarks;
-    if (printed >= kPrintedMessages) continue;
-    print_message(message, run);
-    ++printed;
+    if (budget.takes(message)) print_message(message, run);
   }
-  const std::size_t left = messages.size() - remarks - errors;
-  if (left > 0) std::fputs(fmt::format("and {} more messages, see --json\n", left).c_str(), stderr);
+  budget.tell_rest();
 }
 
 }  // namespace cogrsim::cli

@@ -45,9 +45,19 @@ std::string diagnostics_text(std::vector<Diagnostic> diagnostics, bool color);
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics);
 /// "error: at 1.2 s, bot.driver: …", to stderr. `run`: which of several.
 void print_message(const RunMessage& message, const std::string& run = {});
-/// Of one run the user is shown so many messages; the others are in the JSON.
-inline constexpr std::size_t kPrintedMessages = 20;
-/// The first kPrintedMessages errors and as many others, and how many more there are.
+/// Which messages of one run the user is shown: the first 20 errors and, so that these are told however
+/// many remarks there are, as many others. The rest are in the JSON.
+class MessageBudget {
+ public:
+  /// Whether this one, the next of the run, is to be printed.
+  bool takes(const RunMessage& message);
+  /// How many were not, if any, to stderr.
+  void tell_rest() const;
+
+ private:
+  std::size_t errors_ = 0, others_ = 0, left_out_ = 0;
+};
+/// What MessageBudget takes of them, and how many more there are.
 void print_messages(const std::vector<RunMessage>& messages, const std::string& run = {});
 
 }  // namespace cogrsim::cli
