@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "progress.h"
 #include "sweep_case.h"
 #include "terminal.h"
 
@@ -177,7 +178,7 @@ std::vector<FinishedCase> CasePool::wait(int milliseconds) {
     int status = 0;
     const pid_t gone = waitpid(child.pid, &status, WNOHANG);
     if (gone == 0) {
-      const double age = std::chrono::duration<double>(Clock::now() - child.start).count();
+      const double age = seconds_since(child.start);
       if (limits_.timeout > 0.0 && age > limits_.timeout && !child.timed_out) {
         child.timed_out = true;
         kill(child.pid, SIGKILL);

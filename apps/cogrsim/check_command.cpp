@@ -10,6 +10,7 @@
 #include "options.h"
 #include "output_file.h"
 #include "plugin_catalog.h"
+#include "refuse.h"
 #include "scene_loading.h"
 #include "terminal.h"
 
@@ -18,8 +19,7 @@ namespace {
 
 int print_or_fail(const std::string& text, int status) {
   if (const auto printed = print_output(text); !printed) {
-    print_error(printed.error().text());
-    return kFailed;
+    return refuse(printed.error());
   }
   return status;
 }

@@ -12,6 +12,7 @@
 #include "options.h"
 #include "output_file.h"
 #include "progress.h"
+#include "refuse.h"
 #include "scene_loading.h"
 
 namespace cogrsim::cli {
@@ -142,8 +143,7 @@ int compare_command(const CompareCommandOptions& options) {
   for (const std::string& path : {options.json, options.report}) {
     if (path.empty()) continue;
     if (const auto writable = check_writable(path); !writable) {
-      print_error(writable.error().text());
-      return kFailed;
+      return refuse(writable.error());
     }
   }
   if (!options.steps.empty()) {

@@ -10,6 +10,7 @@
 #include "options.h"
 #include "output_file.h"
 #include "recording_words.h"
+#include "refuse.h"
 #include "terminal.h"
 
 namespace cogrsim::cli {
@@ -123,21 +124,18 @@ Result<> extract(const RecordingInfo& info, const std::string& folder) {
 int info_command(const InfoOptions& options) {
   const auto recording = Recording::open(options.file);
   if (!recording) {
-    print_error(recording.error().text());
-    return kFailed;
+    return refuse(recording.error());
   }
   const RecordingInfo& info = (*recording)->info();
   if (!options.extract.empty()) {
     if (const auto done = extract(info, options.extract); !done) {
-      print_error(done.error().text());
-      return kFailed;
+      return refuse(done.error());
     }
   }
   const std::string text =
       options.json ? json_text(info_json(info)) : info_text(info, style_of(STDOUT_FILENO));
   if (const auto printed = print_output(text); !printed) {
-    print_error(printed.error().text());
-    return kFailed;
+    return refuse(printed.error());
   }
   return kGood;
 }

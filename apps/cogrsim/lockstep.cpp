@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "progress.h"
+
 namespace cogrsim::cli {
 namespace {
 
@@ -67,7 +69,7 @@ std::string step_all(std::vector<Lane>& lanes, std::uint64_t step) {
     Lane& lane = lanes[(i + step) % lanes.size()];
     const auto start = Clock::now();
     const RunStatus status = lane.simulation->step();
-    lane.end.wall_time += std::chrono::duration<double>(Clock::now() - start).count();
+    lane.end.wall_time += seconds_since(start);
     if (!goes_on(status)) {
       reason = fmt::format("{}: {} at {:.9g} s", lane.end.label, to_string(status),
                            lane.simulation->time());

@@ -16,6 +16,7 @@
 #include "new_templates.h"
 #include "options.h"
 #include "output_file.h"
+#include "refuse.h"
 #include "terminal.h"
 #include "words.h"
 
@@ -222,12 +223,10 @@ int new_command(const NewOptions& options) {
                        {"@PREFIX@", shell_word(prefix)}};
   const std::vector<ProjectFile> files = project_files(options.kind, words);
   if (const auto made = make_project(folder, files); !made) {
-    print_error(made.error().text());
-    return kFailed;
+    return refuse(made.error());
   }
   if (const auto told = print_output(success_text(options, folder, files, prefix)); !told) {
-    print_error(told.error().text());
-    return kFailed;
+    return refuse(told.error());
   }
   return kGood;
 }

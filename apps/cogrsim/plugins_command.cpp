@@ -12,6 +12,7 @@
 #include "json_text.h"
 #include "options.h"
 #include "output_file.h"
+#include "refuse.h"
 #include "terminal.h"
 
 namespace cogrsim::cli {
@@ -216,8 +217,7 @@ int plugins_command(const PluginsOptions& options) {
   const std::string text = options.json ? json_text(to_json(inventory))
                                         : inventory_text(inventory, style_of(STDOUT_FILENO));
   if (const auto printed = print_output(text); !printed) {
-    print_error(printed.error().text());
-    return kFailed;
+    return refuse(printed.error());
   }
   return kGood;
 }

@@ -21,6 +21,7 @@
 #include "output_file.h"
 #include "picture_file.h"
 #include "recording_words.h"
+#include "refuse.h"
 #include "replay_tables.h"
 #include "terminal.h"
 
@@ -327,8 +328,7 @@ int replay_command(const ReplayOptions& options) {
   catch_interrupts();
   const auto opened = Recording::open(options.file);
   if (!opened) {
-    print_error(opened.error().text());
-    return kFailed;
+    return refuse(opened.error());
   }
   Recording& recording = **opened;
   if (const std::string& damage = recording.info().damage; !damage.empty()) {
@@ -349,8 +349,7 @@ int replay_command(const ReplayOptions& options) {
     if (done) status = verification.tell();
   }
   if (!done) {
-    print_error(done.error().text());
-    return kFailed;
+    return refuse(done.error());
   }
   return status;
 }

@@ -15,6 +15,7 @@
 #include "plots.h"
 #include "progress.h"
 #include "recording_start.h"
+#include "refuse.h"
 #include "run_measures.h"
 #include "run_result.h"
 #include "scene_loading.h"
@@ -94,8 +95,7 @@ bool good(RunStatus status) {
 int deliver(const RunOptions& options, const RunResult& result, int status) {
   if (!options.json.empty()) {
     if (const auto written = write_output(options.json, json_text(to_json(result))); !written) {
-      print_error(written.error().text());
-      return kFailed;
+      return refuse(written.error());
     }
   }
   if (!result.frame) return status;
@@ -104,8 +104,7 @@ int deliver(const RunOptions& options, const RunResult& result, int status) {
     return status;
   }
   if (const auto printed = print_output(summary_text(result, style_of(STDOUT_FILENO))); !printed) {
-    print_error(printed.error().text());
-    return kFailed;
+    return refuse(printed.error());
   }
   return status;
 }
@@ -137,8 +136,7 @@ int run_command(const RunOptions& given, WatchLink* watcher) {
   RunOptions options = given;
   if (!options.json.empty()) {
     if (const auto writable = check_writable(options.json); !writable) {
-      print_error(writable.error().text());
-      return kFailed;
+      return refuse(writable.error());
     }
   }
   catch_interrupts();

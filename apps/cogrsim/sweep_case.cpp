@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/dsl/study.h"
+#include "progress.h"
 #include "run_measures.h"
 #include "scene_loading.h"
 #include "terminal.h"
@@ -81,8 +82,7 @@ Json run(const Json& input) {
 
   const auto start = std::chrono::steady_clock::now();
   RunStatus status = simulation.run_until(duration);
-  const double wall =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double wall = seconds_since(start);
   Json result = failed_result("", "");
   if (status == RunStatus::running) {
     status = RunStatus::stopped;  // paused, and nobody is here to resume it

@@ -13,6 +13,7 @@
 #include "options.h"
 #include "output_file.h"
 #include "quantities.h"
+#include "refuse.h"
 #include "scene_loading.h"
 #include "terminal.h"
 #include "test_case.h"
@@ -186,14 +187,12 @@ Result<std::vector<std::uint64_t>> seeds_from(const std::string& text) {
 int test_command(const TestCommandOptions& options) {
   if (!options.junit.empty()) {
     if (const auto writable = check_writable(options.junit); !writable) {
-      print_error(writable.error().text());
-      return kFailed;
+      return refuse(writable.error());
     }
   }
   const auto files = scene_files(options.scenes);
   if (!files) {
-    print_error(files.error().text());
-    return kFailed;
+    return refuse(files.error());
   }
   catch_interrupts();
   std::vector<TestCase> cases;
@@ -265,8 +264,7 @@ int test_command(const TestCommandOptions& options) {
       std::count_if(cases.begin(), cases.end(), [](const TestCase& one) { return !one.passed(); });
   if (!options.junit.empty()) {
     if (const auto written = write_output(options.junit, junit_text(cases)); !written) {
-      print_error(written.error().text());
-      return kFailed;
+      return refuse(written.error());
     }
   }
   const std::string summary =
@@ -275,8 +273,7 @@ int test_command(const TestCommandOptions& options) {
                          cases.size() - static_cast<std::size_t>(failed), failed)
            : json_text(report_json(cases, options)) + "\n";
   if (const auto printed = print_output(summary); !printed) {
-    print_error(printed.error().text());
-    return kFailed;
+    return refuse(printed.error());
   }
   return failed > 0 ? kFailed : kGood;
 }

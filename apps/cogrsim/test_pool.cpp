@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "interrupt.h"
+#include "progress.h"
 #include "test_case.h"
 #include "test_command.h"
 
@@ -157,7 +158,7 @@ Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& optio
     bool any = false;
     for (std::size_t i = 0; i < children.size();) {
       Child& child = children[i];
-      const double took = std::chrono::duration<double>(Clock::now() - child.start).count();
+      const double took = seconds_since(child.start);
       if (options.timeout > 0.0 && took > options.timeout && !child.timed_out) {
         child.timed_out = true;
         kill(child.pid, SIGKILL);

@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include "interrupt.h"
+#include "refuse.h"
 #include "terminal.h"
 #include "watch_files.h"
 #include "watch_link.h"
@@ -300,8 +301,7 @@ std::string wait_for_change(ChildRun& run, WatchedFiles& files) {
 
 int watch_command(const RunOptions& options) {
   if (const auto fit = check_scene_file(options.scene.scene); !fit) {
-    print_error(fit.error().text());
-    return kFailed;
+    return refuse(fit.error());
   }
   catch_interrupts();
   WatchedFiles files(results_of(options));
