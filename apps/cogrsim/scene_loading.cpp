@@ -139,16 +139,21 @@ void print_diagnostics(const std::vector<Diagnostic>& diagnostics) {
   std::fputs(diagnostics_text(diagnostics, color).c_str(), stderr);
 }
 
-void print_message(const RunMessage& message, const std::string& run) {
-  const Style style = style_of(STDERR_FILENO);
-  const bool error = message.severity == Severity::error;
-  std::string text = error ? style.red : style.cyan;
-  text += std::string(severity_text(message.severity)) + ":" + style.off + " ";
-  if (!run.empty()) text += run + ", ";
+std::string message_text(const RunMessage& message, const std::string& run) {
+  std::string text = run.empty() ? "" : run + ", ";
   // What was said before the start has no time worth telling.
   if (message.time > 0.0) text += "at " + time_text(message.time) + ", ";
   if (!message.source.empty()) text += message.source + ": ";
-  std::fputs((text + printable(message.message) + "\n").c_str(), stderr);
+  return text + printable(message.message);
+}
+
+void print_message(const RunMessage& message, const std::string& run) {
+  const Style style = style_of(STDERR_FILENO);
+  const bool error = message.severity == Severity::error;
+  const std::string text = (error ? style.red : style.cyan) +
+                           std::string(severity_text(message.severity)) + ":" + style.off + " " +
+                           message_text(message, run) + "\n";
+  std::fputs(text.c_str(), stderr);
 }
 
 bool MessageBudget::takes(const RunMessage& message) {

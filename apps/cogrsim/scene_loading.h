@@ -43,7 +43,9 @@ Json diagnostics_json(const std::vector<Diagnostic>& diagnostics,
 std::string diagnostics_text(std::vector<Diagnostic> diagnostics, bool color);
 /// Prints findings to stderr, compiler style, in colour on a terminal.
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics);
-/// "error: at 1.2 s, bot.driver: …", to stderr. `run`: which of several.
+/// "at 1.2 s, bot.driver: …", for a terminal. `run`: which of several.
+std::string message_text(const RunMessage& message, const std::string& run = {});
+/// That behind "error: " or "advice: ", to stderr.
 void print_message(const RunMessage& message, const std::string& run = {});
 /// Which messages of one run the user is shown: the first 20 errors and, so that these are told however
 /// many remarks there are, as many others. The rest are in the JSON.

@@ -55,6 +55,19 @@ std::string bad_end(const Simulation& run) {
   return {};
 }
 
+// What went wrong in runs that the test may have nothing to say about, a stopped controller for one.
+Json errors_of(const Runs& runs) {
+  Json errors = Json::array();
+  for (const auto& run : runs) {
+    MessageBudget budget;
+    const std::string which = runs.size() > 1 ? run->backend().name() : "";
+    for (const RunMessage& message : run->messages())
+      if (message.severity == Severity::error && budget.takes(message))
+        errors.push_back(message_text(message, which));
+  }
+  return errors;
+}
+
 // All runs step by step, together; why one of them ended badly.
 std::string run_all(const Runs& runs, double duration,
                     const std::function<bool(const std::vector<FramePtr>&)>& see) {
@@ -168,6 +181,7 @@ Json run_case(const Json& input) {
     out["verdicts"].push_back(to_json(verdict, *scene.model));
   }
   out["status"] = passed ? "passed" : "failed";
+  out["errors"] = errors_of(*runs);
   out["simulated"] = first.time();
   if (!passed) {
     std::string problem;
@@ -180,11 +194,8 @@ Json run_case(const Json& input) {
 }  // namespace
 
 Json no_result(const std::string& message) {
-  return {{"status", "error"},
-          {"message", message},
-          {"verdicts", Json::array()},
-          {"recordings", Json::array()},
-          {"simulated", 0.0}};
+  return {{"status", "error"},       {"message", message},          {"verdicts", Json::array()},
+          {"errors", Json::array()}, {"recordings", Json::array()}, {"simulated", 0.0}};
 }
 
 int test_case_command(const std::string& input, const std::string& result) {

@@ -141,7 +141,7 @@ void show(const TestCase& one, const TestCommandOptions& options, const Style& s
   std::string text = fmt::format("{}{}{}  {}: {}  {}\n", good ? style.green : style.red,
                                  good ? "ok  " : "FAIL", style.off, printable(one.scene),
                                  printable(one.title()), elapsed_text(one.wall_time));
-  text += printable(failure_text(one, options));
+  text += printable(errors_text(one) + failure_text(one, options));
   std::fputs(text.c_str(), stdout);
   std::fflush(stdout);
 }

@@ -57,6 +57,8 @@ Result<std::vector<std::uint64_t>> seeds_from(const std::string& text);
 
 // ---- test_report.cpp
 
+/// What went wrong in a case's run, a line each; also where the test has nothing to say about it.
+std::string errors_text(const TestCase& one);
 /// What failed and how to see it again; empty for a case that passed.
 std::string failure_text(const TestCase& one, const TestCommandOptions& options);
 /// JUnit's XML as CI systems read it: a suite per scene, a case per case.

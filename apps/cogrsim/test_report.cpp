@@ -77,6 +77,13 @@ std::string TestCase::title() const {
   return fmt::format("{} [{}, seed {}]", test, where, seed_used);
 }
 
+std::string errors_text(const TestCase& one) {
+  std::string out;
+  for (const Json& error : one.result["errors"])
+    out += indented("error: " + error.get<std::string>());
+  return out;
+}
+
 std::string failure_text(const TestCase& one, const TestCommandOptions& options) {
   if (one.passed()) return {};
   std::string out;
@@ -114,16 +121,20 @@ std::string junit_text(const std::vector<TestCase>& cases) {
                               escaped(one.scene), escaped(one.title()), one.wall_time, place);
     ++suite.tests;
     suite.time += one.wall_time;
+    const std::string errors = errors_text(one);
+    const std::string told =
+        errors.empty() ? "" : "      <system-err>" + escaped(errors) + "</system-err>\n";
     if (one.passed()) {
-      suite.body += "/>\n";
+      suite.body += told.empty() ? "/>\n" : ">\n" + told + "    </testcase>\n";
       continue;
     }
     const bool error = one.result["status"] == "error";
     ++(error ? suite.errors : suite.failures);
     const char* tag = error ? "error" : "failure";
-    suite.body += fmt::format(">\n      <{} message=\"{}\" type=\"{}\">{}</{}>\n    </testcase>\n",
-                              tag, escaped(headline(one)), error ? "error" : "expectation",
-                              escaped(failure_text(one, {})), tag);
+    suite.body +=
+        fmt::format(">\n      <{} message=\"{}\" type=\"{}\">{}</{}>\n{}    </testcase>\n", tag,
+                    escaped(headline(one)), error ? "error" : "expectation",
+                    escaped(failure_text(one, {})), tag, told);
   }
   std::string body;
   for (const Suite& suite : suites) {

@@ -161,6 +161,29 @@ TEST_CASE("a case that crashes or hangs fails and the others go on", "[command]"
   CHECK(has(hang.text, "was ended after 0.5 s, see --timeout"));
 }
 
+TEST_CASE("a controller that crashed is told of though the test passes", "[command]") {
+  const Folder folder;
+  folder.write("a.scene.xml",
+               scene("  <assembly name=\"bot\" xyz=\"1 0 1\">\n"
+                     "    <box name=\"hull\" size=\"10 10 10 cm\" mass=\"1 kg\"/>\n"
+                     "    <controller plugin=\"rascal\" rate=\"100 Hz\" "
+                     "isolation=\"process\"><set does=\"crash\"/></controller>\n"
+                     "  </assembly>\n"
+                     "  <test name=\"falls\"><always that=\"ball.z le 1 m\"/></test>\n"));
+  const Outcome out = folder.run("a.scene.xml --backends bullet --junit r.xml --plugin-path " +
+                                 std::string(COGRSIM_TOYS));
+  INFO(out.text);
+  CHECK(out.status == 0);
+  CHECK(has(out.text, "ok "));
+  CHECK(has(out.text, "crashed (SIGABRT) in update"));
+  tinyxml2::XMLDocument xml;
+  REQUIRE(xml.LoadFile((folder.path / "r.xml").string().c_str()) == tinyxml2::XML_SUCCESS);
+  const auto* one =
+      xml.RootElement()->FirstChildElement("testsuite")->FirstChildElement("testcase");
+  REQUIRE(one->FirstChildElement("system-err") != nullptr);
+  CHECK(has(one->FirstChildElement("system-err")->GetText(), "crashed (SIGABRT)"));
+}
+
 TEST_CASE("wrong words and scenes are told", "[command]") {
   const Folder folder;
   folder.write("a.scene.xml", scene(kGood));
