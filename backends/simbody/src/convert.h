@@ -47,11 +47,13 @@ inline void copy(const SimTK::Vector& from, SimTK::Vector& to) {
 }
 /// out := a + factor b, all of one size; `out` may be one of them.
 inline void add(const SimTK::Vector& a, double factor, const SimTK::Vector& b, SimTK::Vector& out) {
-  if (out.size() != a.size()) out.resize(a.size());
+  // Asking a vector of Simbody's for its size is a call.
+  const int size = a.size();
+  if (out.size() != size) out.resize(size);
   const double* const x = numbers(a);
   const double* const y = numbers(b);
   double* const sum = numbers(out);
-  for (int i = 0; i < a.size(); ++i) sum[i] = x[i] + factor * y[i];
+  for (int i = 0; i < size; ++i) sum[i] = x[i] + factor * y[i];
 }
 
 }  // namespace cogrsim::simbody

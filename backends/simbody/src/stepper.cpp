@@ -304,7 +304,7 @@ void Stepper::solve_rows(double h) {
   const double* const middle_u = numbers(um_);
   double* const end_u = numbers(end_u_);
   double* const second_half = numbers(stage_);
-  for (int u = 0; u < stage_.size(); ++u) second_half[u] *= 0.5 * h;
+  for (int u = 0, size = stage_.size(); u < size; ++u) second_half[u] *= 0.5 * h;
   for (const Component& c : m.components())
     for (int k = 0; k < c.size(); ++k) {
       const int u = c.speeds[std::size_t(k)];

@@ -187,7 +187,7 @@ void Stepper::remember(double h) {
   }
   add(end_u_, -1.0, u0_, memory.udot);
   double* const udot = numbers(memory.udot);
-  for (int u = 0; u < memory.udot.size(); ++u) udot[u] *= 1.0 / h;
+  for (int u = 0, size = memory.udot.size(); u < size; ++u) udot[u] *= 1.0 / h;
   memory.had_rows = true;
 }
 
