@@ -27,17 +27,25 @@ struct ThreadData {
   bool ready = false;
 };
 
-}  // namespace
-
-void prepare_thread() {
-  static const bool started = [] {
-    const bool fine = dInitODE2(dInitFlagManualThreadCleanup) != 0;
+// Of the process, until this library is unloaded: that waits for the data of all threads.
+struct Library {
+  Library() {
+    ready = dInitODE2(dInitFlagManualThreadCleanup) != 0;
     dSetErrorHandler(&throw_error);
     dSetDebugHandler(&throw_error);
     dSetMessageHandler(&ignore_message);
-    return fine;
-  }();
-  if (!started) throw EngineError("ODE cannot be initialised");
+  }
+  ~Library() {
+    if (ready) dCloseODE();
+  }
+  bool ready = false;
+};
+
+}  // namespace
+
+void prepare_thread() {
+  static const Library library;
+  if (!library.ready) throw EngineError("ODE cannot be initialised");
   thread_local const ThreadData data;
   if (!data.ready) throw EngineError("ODE has no memory for another thread");
 }
