@@ -4,21 +4,12 @@
 
 #include <limits>
 
+#include "../support/sanitizers.h"
 #include "support.h"
 
 using namespace cogrsim;
 using namespace cogrsim::test;
 using Catch::Matchers::Contains;
-
-namespace {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // they have no bound of memory, and catch signals
-#else
-constexpr bool kSanitized = false;
-#endif
-
-}  // namespace
 
 TEST_CASE("an end that only the shared memory tells of is not believed", "[containment]") {
   auto simulation = simulate(flywheel(trouble("scribble")), "bullet");

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <thread>
 
+#include "../support/sanitizers.h"
 #include "support.h"
 
 using namespace cogrsim;
@@ -18,12 +19,6 @@ using namespace cogrsim::test;
 using Catch::Matchers::Contains;
 
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // they catch signals and take memory themselves
-#else
-constexpr bool kSanitized = false;
-#endif
 
 struct Case {
   const char* what;

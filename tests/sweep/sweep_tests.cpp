@@ -13,6 +13,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "../support/sanitizers.h"
 #include "process.h"
 #include "sweep_command.h"
 
@@ -229,6 +230,7 @@ TEST_CASE("measures speak of what comes during the run", "[sweep][program]") {
 }
 
 TEST_CASE("a run that ends badly is a row with its cause", "[sweep][program]") {
+  if (cogrsim::test::kSanitized) return;
   const TemporaryFolder folder;
   const Outcome outcome =
       sweep({kTrial, "--vary", "what=nothing,crash,abort,exit,print,hang,eat,end", "--timeout",
