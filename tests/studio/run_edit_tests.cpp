@@ -27,15 +27,16 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 /// Pose of a body in the newest frame that client 1 was sent, once it is of that step.
 std::vector<float> pose_at(Page& page, double step, const std::string& body) {
+  ReadFrame frame;
+  Json scene;
   REQUIRE(page.outbox().wait([&] {
     const Bytes bytes = page.outbox().last_frame(1);
-    if (!bytes) return false;
-    const ReadFrame frame = read_frame(*bytes);
-    return frame.step == step && frame.scene == page.status().at("scene");
+    scene = page.outbox().last(1, "scene");
+    if (!bytes || scene.is_null()) return false;
+    frame = read_frame(*bytes);
+    return frame.step == step && frame.scene == page.status().at("scene") &&
+           frame.scene == scene.at("scene");
   }));
-  const ReadFrame frame = read_frame(*page.outbox().last_frame(1));
-  const Json scene = page.outbox().last(1, "scene");
-  REQUIRE(scene.at("scene") == frame.scene);
   for (std::size_t b = 0; b < scene.at("bodies").size(); ++b) {
     if (scene.at("bodies")[b].at("name") != body) continue;
     return {frame.poses.begin() + static_cast<std::ptrdiff_t>(7 * b),
