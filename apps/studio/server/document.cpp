@@ -9,6 +9,7 @@
 #include "document_impl.h"
 #include "document_json.h"
 #include "mass.h"
+#include "progress.h"
 
 namespace cogrsim::studio {
 namespace {
@@ -211,8 +212,7 @@ void DocumentDesk::changed(ClientId by) {
 void DocumentDesk::compile() {
   const auto start = std::chrono::steady_clock::now();
   take_in(dsl::compile_outlined(history_.text(), file_.path(), compile_options()));
-  compile_seconds_ =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  compile_seconds_ = cli::seconds_since(start);
   tell(document_json(false));
   tell(tree_tell());
   tell(problems_tell());
