@@ -178,6 +178,33 @@ test("forms come from the schema, and say what is out of range", async () => {
   await expect(mass.locator(".cg-prop-problem")).toHaveCount(0);
 });
 
+test("what is typed into a form at the moment it appears stays", async () => {
+  const { page } = its;
+  await row(page, "floor plane").click();
+  await expect(page.locator(".cg-prop[data-attribute='mass']")).toHaveCount(0);
+  // Faster than any hand: typed in the very turn in which the fields are made.
+  await page.evaluate(() => {
+    const watch = new MutationObserver(() => {
+      const boxes = ["mass", "material"].map((name) => document.querySelector<HTMLInputElement>(`[data-attribute='${name}'] input`));
+      if (boxes.some((box) => !box)) return;
+      watch.disconnect();
+      ["7", "pine"].forEach((typed, i) => {
+        boxes[i]!.value = typed;
+        boxes[i]!.dispatchEvent(new InputEvent("input", { bubbles: true }));
+      });
+    });
+    watch.observe(document.body, { childList: true, subtree: true });
+  });
+  await row(page, "ball sphere").click();
+  const mass = page.locator(".cg-prop[data-attribute='mass'] input").first();
+  await expect(mass).toHaveValue("7");
+  await page.waitForTimeout(300);
+  await expect(mass).toHaveValue("7");
+  await expect(page.locator(".cg-prop[data-attribute='material'] input")).toHaveValue("pine");
+  await mass.press("Enter");
+  await until(page, "document", (d) => d.text === kScene.replace("1 kg\" xyz=\"1 0", "7 kg\" xyz=\"1 0"), "the mass stands in the text");
+});
+
 test("200 edits of all kinds, all undone with Ctrl+Z: the text is byte-equal", async () => {
   test.setTimeout(600_000);
   const { page } = its;

@@ -1,6 +1,6 @@
 // The list of cameras, and the windows that float over the page.
 import { useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
 import { kPictureKinds, type Camera, type CameraStore, type PictureKind } from "./store";
 import type { Place } from "./windows";
@@ -111,7 +111,8 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
   const { kind, place } = store.state_of(name);
   const kind_label = kPictureKinds.find((k) => k.kind === kind)!.label;
 
-  useEffect(() => {
+  // at once: of a run that stands still there comes one picture only
+  useLayoutEffect(() => {
     let gone = false;
     // pictures may be decoded out of turn: an older one must not follow a newer one
     let newest = 0;
@@ -141,7 +142,7 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
     };
   }, [name]);
   // another kind: what is there is no longer what the window says
-  useEffect(() => void (time.value = null), [kind]);
+  useLayoutEffect(() => void (time.value = null), [kind]);
 
   if (!place) return <></>;
   const drag = (event: PointerEvent, change: (from: Place, dx: number, dy: number) => Place): void => {

@@ -1,6 +1,6 @@
 // A list of signals to choose from, searched while typing.
 import { useComputed, useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
 import type { SignalInfo } from "./store";
 
@@ -36,7 +36,7 @@ export function SignalList(props: {
   const typed = useComputed(() => query.value.trim());
   // an expression of signals, which no list can have
   const own = typed.value !== "" && hits.length === 0;
-  useEffect(() => field.current?.focus(), []);
+  useLayoutEffect(() => field.current?.focus(), []);
   useEffect(() => {
     list.current?.children[active]?.scrollIntoView({ block: "nearest" });
   }, [active]);

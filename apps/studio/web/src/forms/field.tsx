@@ -1,5 +1,5 @@
 // One attribute as a form field, of the kind that the schema says.
-import { useEffect, useId, useState } from "preact/hooks";
+import { useId, useLayoutEffect, useState } from "preact/hooks";
 import type { JSX } from "preact";
 import { boxes_of, text_from, with_unit } from "./number_model";
 import type { AttributeSchema } from "./schema";
@@ -45,7 +45,8 @@ function keys(commit: () => void, revert: () => void): (event: KeyboardEvent) =>
 function PlainField(props: PlainProps): JSX.Element {
   const { spec, text, mixed } = props;
   const [draft, set_draft] = useState(text);
-  useEffect(() => set_draft(text), [text]);
+  // At once, here and below: an effect that waits for the next frame would take away what was typed until then.
+  useLayoutEffect(() => set_draft(text), [text]);
   const commit = () => {
     if (draft.trim() === text || (mixed && draft === "")) return;
     void props.commit(draft.trim() === "" ? null : draft.trim());
@@ -82,7 +83,7 @@ function NumberField(props: PlainProps): JSX.Element {
   const shown = boxes_of(spec, text);
   const [drafts, set_drafts] = useState<string[] | null>(null);
   const [unit, set_unit] = useState<string | null>(null);
-  useEffect(() => {
+  useLayoutEffect(() => {
     set_drafts(null);
     props.report("");
   }, [text]);
@@ -190,7 +191,7 @@ export function Field(props: FieldProps): JSX.Element {
   const [error, report] = useState("");
   const describe = `${id}-help`;
   const problem = error || props.problem || "";
-  useEffect(() => report(""), [text]);
+  useLayoutEffect(() => report(""), [text]);
   const commit = (value: string | null) => {
     const outcome = props.commit(value);
     if (outcome) void outcome.then(report);
