@@ -1,5 +1,6 @@
 // A controller that does what it is told, to see what becomes of those around it.
 #include <cstdlib>
+#include <stdexcept>
 
 #include "cogrsim/control/controller.h"
 
@@ -12,6 +13,7 @@ class Rascal final : public cogrsim::Controller {
   }
   void update(const cogrsim::Tick&) override {
     if (does_ == "crash") std::abort();
+    if (does_ == "throw") throw std::runtime_error("told to");
     volatile bool for_ever = does_ == "hang";
     while (for_ever) {
     }
@@ -25,4 +27,4 @@ class Rascal final : public cogrsim::Controller {
 
 COGRSIM_CONTROLLER(
     Rascal, "rascal", version("1.0.0"), summary("misbehaves"),
-    parameter("does", "nothing", "what it does").one_of({"nothing", "crash", "hang"}))
+    parameter("does", "nothing", "what it does").one_of({"nothing", "crash", "hang", "throw"}))

@@ -189,6 +189,27 @@ TEST_CASE("a controller that crashed is told of though the test passes", "[comma
   CHECK(has(one->FirstChildElement("system-err")->GetText(), "crashed (SIGABRT)"));
 }
 
+TEST_CASE("of very many errors the first are told, and how many more there are", "[command]") {
+  const Folder folder;
+  std::string robots;
+  for (int i = 2; i < 25; ++i) {
+    const std::string n = std::to_string(i);
+    robots +=
+        "  <assembly name=\"bot" + n + "\" xyz=\"" + n + " 0 1\">\n" +
+        "    <box name=\"hull\" size=\"10 10 10 cm\" mass=\"1 kg\"/>\n"
+        "    <controller plugin=\"rascal\" rate=\"100 Hz\"><set does=\"throw\"/></controller>\n"
+        "  </assembly>\n";
+  }
+  folder.write("a.scene.xml",
+               scene(robots + "  <test name=\"falls\"><always that=\"ball.z le 1 m\"/></test>\n"));
+  const Outcome out =
+      folder.run("a.scene.xml --backends bullet --plugin-path " + std::string(COGRSIM_TOYS));
+  INFO(out.text);
+  CHECK(out.status == 0);
+  CHECK(has(out.text, "'rascal' of 'bot2'"));
+  CHECK(has(out.text, "error: and 3 more, see cogrsim run --json"));
+}
+
 TEST_CASE("wrong words and scenes are told", "[command]") {
   const Folder folder;
   folder.write("a.scene.xml", scene(kGood));
