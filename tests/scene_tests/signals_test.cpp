@@ -104,6 +104,47 @@ TEST_CASE("conditions compare signals with numbers that have units", "[condition
   CHECK(condition->signals()[2].text() == "time");
 }
 
+TEST_CASE("a signal's text has the brackets it needs, and no others", "[signal]") {
+  auto b = two_bodies();
+  World w(b);
+  w.frame.time = 2.0;
+  const auto text_of = [&](const std::string& text) {
+    const auto signal = Signal::parse(w.scope(), text);
+    INFO(text << ": " << (signal ? "" : signal.error().text()));
+    REQUIRE(signal);
+    // What is read of the text has the same value and the same text.
+    const auto again = Signal::parse(w.scope(), signal->text());
+    REQUIRE(again);
+    CHECK(again->text() == signal->text());
+    CHECK(again->evaluate(w.frame) == signal->evaluate(w.frame));
+    return signal->text();
+  };
+  CHECK(text_of("a.z*b.x/2") == "a.z * b.x / 2");
+  CHECK(text_of("a.z*(b.x/2)") == "a.z * (b.x / 2)");
+  CHECK(text_of("(a.z + b.x)*2") == "(a.z + b.x) * 2");
+  CHECK(text_of("a.z - (b.x - 2 m)") == "a.z - (b.x - 2 m)");
+  CHECK(text_of("((a.z) - b.x) - 2 m") == "a.z - b.x - 2 m");
+  CHECK(text_of("-(a.z*b.x)") == "-(a.z * b.x)");
+  CHECK(text_of("-a.z*-(b.x)") == "-a.z * -b.x");
+  // "2 m*s" would be a unit of its own
+  CHECK(text_of("(2 m)*(3 s)/time") == "2 m * 3 s / time");
+  CHECK(text_of("--(-a.z)") == "---a.z");
+
+  // As deep as may be written is not too deep when it is read again.
+  text_of(std::string(49, '-') + "a.z");
+  std::string chain = "a.z", right = "b.x";
+  for (int i = 0; i < 200; ++i) chain += "/2";
+  for (int i = 0; i < 49; ++i) right = "a.z - (2*" + right + ")";
+  text_of(chain);
+  text_of(right);
+  std::string nots, deep = "time lt 1 and a.x lt 1 or b.x lt 1";
+  for (int i = 0; i < 200; ++i) nots += "not ";
+  for (int i = 0; i < 49; ++i) deep = "a.z lt 1 or not (" + deep + ")";
+  CHECK(w.truth(nots + "time lt 3") == Truth::yes);
+  w.truth(nots + "(" + nots + "time lt 3)");
+  w.truth(deep);
+}
+
 TEST_CASE("what has no value is unknown and never holds", "[condition]") {
   auto b = two_bodies();
   const World w(b);

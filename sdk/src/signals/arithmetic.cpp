@@ -33,10 +33,20 @@ struct Number final : Signal::Node {
   bool without_unit;
 };
 
+enum class Operation { none, sum, product };
+
+// What a node is at its root; only a sum or a product may need brackets.
+Operation operation_of(const SignalNode& node);
+// A node's text inside another's. Brackets stand only where it would else be read otherwise: then a
+// signal's text is never nested deeper than what it was read from, and is within the limit, too.
+std::string operand(const SignalNode& node, bool bracket) {
+  return bracket ? "(" + node->text + ")" : node->text;
+}
+
 /// -a and abs(a).
 struct Unary final : Signal::Node {
   Unary(SignalNode of, bool absolute) : a(std::move(of)), abs(absolute) {
-    text = fmt::format(abs ? "abs({})" : "-({})", a->text);
+    text = abs ? "abs(" + a->text + ")" : "-" + operand(a, operation_of(a) != Operation::none);
     quantity = a->quantity;
     unit = a->unit;
     needs = a->needs;
@@ -54,13 +64,12 @@ struct Unary final : Signal::Node {
 };
 
 struct Binary final : Signal::Node {
-  Binary(SignalNode left, char op, SignalNode right, std::string unit_text)
-      : a(std::move(left)), b(std::move(right)), sign(op) {
-    // Brackets where the text would else be read as another sum.
-    const auto* sum = dynamic_cast<const Binary*>(b.get());
-    const bool bracket = sum != nullptr && !sum->product();
-    text = product() ? fmt::format("({}){}({})", a->text, sign, b->text)
-                     : fmt::format(bracket ? "{} {} ({})" : "{} {} {}", a->text, sign, b->text);
+  Binary(SignalNode first, char op, SignalNode second, std::string unit_text)
+      : a(std::move(first)), b(std::move(second)), sign(op) {
+    const Operation left = operation_of(a), right = operation_of(b);
+    // Blanks beside * and / end a number's unit.
+    text = fmt::format("{} {} {}", operand(a, product() && left == Operation::sum), sign,
+                       operand(b, product() ? right != Operation::none : right == Operation::sum));
     quantity = a->quantity == b->quantity ? a->quantity : text;
     unit = std::move(unit_text);
     needs = a->needs | b->needs;
@@ -99,6 +108,12 @@ struct Binary final : Signal::Node {
   SignalNode a, b;
   char sign;
 };
+
+Operation operation_of(const SignalNode& node) {
+  const auto* binary = dynamic_cast<const Binary*>(node.get());
+  if (binary == nullptr) return Operation::none;
+  return binary->product() ? Operation::product : Operation::sum;
+}
 
 bool is_pure(const std::string& unit) { return unit == "1"; }
 

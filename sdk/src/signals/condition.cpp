@@ -20,8 +20,8 @@ struct Condition::Node {
 
   virtual ~Node() = default;
   virtual Truth truth(const Frame& frame) const = 0;
-  /// Stands in brackets beside `and`, `or` and `not`.
-  virtual bool compound() const { return false; }
+  enum class Kind { one, all, any };
+  virtual Kind kind() const { return Kind::one; }
 };
 
 namespace {
@@ -96,7 +96,7 @@ struct NotZero final : Condition::Node {
 
 struct Not final : Condition::Node {
   explicit Not(ConditionNode of) : a(std::move(of)) {
-    text = fmt::format(a->compound() ? "not ({})" : "not {}", a->text);
+    text = fmt::format(a->kind() != Kind::one ? "not ({})" : "not {}", a->text);
     needs = a->needs;
     signals = a->signals;
   }
@@ -112,7 +112,9 @@ struct Several final : Condition::Node {
   Several(std::vector<ConditionNode> of, bool both) : parts(std::move(of)), all(both) {
     for (const ConditionNode& part : parts) {
       if (!text.empty()) text += all ? " and " : " or ";
-      text += part->compound() ? "(" + part->text + ")" : part->text;
+      // `and` binds tighter than `or`.
+      const bool bracket = part->kind() == Kind::any || (all && part->kind() == Kind::all);
+      text += bracket ? "(" + part->text + ")" : part->text;
       needs = needs | part->needs;
       for (const Signal& signal : part->signals) add_signal(signals, signal);
     }
@@ -127,7 +129,7 @@ struct Several final : Condition::Node {
     }
     return unknown ? Truth::unknown : truth_of(all);
   }
-  bool compound() const override { return true; }
+  Kind kind() const override { return all ? Kind::all : Kind::any; }
   std::vector<ConditionNode> parts;
   bool all;
 };
@@ -213,7 +215,7 @@ class ConditionParser {
       while (at < text.size() && is_blank(text[at])) ++at;
     }
     if (nots == 0) return comparison(text);
-    if (nots > kDeepest || at == text.size())
+    if (at == text.size())
       return fail(fmt::format("something is missing after 'not' in '{}'", text), "", kUsage);
     ParsedCondition of = comparison(text.substr(at));
     for (; of && nots > 0; --nots) of = ConditionNode(std::make_shared<Not>(*of));
