@@ -23,13 +23,15 @@ constexpr std::size_t kMost = 16u << 20;
 /// A scene of about 1 MB, so that writing it takes a while.
 std::string scene(char letter) { return "<scene>" + std::string(1u << 20, letter) + "</scene>\n"; }
 
-/// Saves one and the other until it is killed.
-[[noreturn]] void save_for_ever(const std::string& path, const std::string& a,
-                                const std::string& b) {
+/// Saves one and the other until it is killed; says so on `told` when it is at it.
+[[noreturn]] void save_for_ever(const std::string& path, const std::string& a, const std::string& b,
+                                int told) {
   auto file = SceneFile::open(path, kMost);
   if (!file) ::_exit(3);
   for (bool first = true;; first = !first) {
     if (!file->save(first ? a : b)) ::_exit(4);
+    if (told >= 0 && ::write(told, "", 1) != 1) ::_exit(5);
+    told = -1;
   }
 }
 
@@ -52,10 +54,19 @@ int main(int argc, char** argv) {
   std::mt19937 random(1);
   int in_the_middle = 0;
   for (int k = 0; k < rounds; ++k) {
+    int ends[2];
+    if (::pipe(ends) != 0) return 2;
     const pid_t child = ::fork();
-    if (child == 0) save_for_ever(path, a, b);
-    ::usleep(1000 + static_cast<useconds_t>(random() % 40000));
-    ::kill(child, SIGKILL);
+    if (child == 0) save_for_ever(path, a, b, ends[1]);
+    ::close(ends[1]);
+    // However slow the machine is: the kill comes when it saves, not while it starts.
+    char ignored = 0;
+    const bool saves = ::read(ends[0], &ignored, 1) == 1;
+    ::close(ends[0]);
+    if (saves) {
+      ::usleep(static_cast<useconds_t>(random() % 20000));
+      ::kill(child, SIGKILL);
+    }
     int status = 0;
     ::waitpid(child, &status, 0);
     if (!WIFSIGNALED(status)) {
