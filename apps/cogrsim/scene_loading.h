@@ -53,7 +53,9 @@ class MessageBudget {
  public:
   /// Whether this one, the next of the run, is to be printed.
   bool takes(const RunMessage& message);
-  /// How many were not, if any, to stderr.
+  /// How many were not.
+  std::size_t left_out() const { return left_out_; }
+  /// That, if any were not, to stderr.
   void tell_rest() const;
 
  private:

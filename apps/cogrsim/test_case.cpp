@@ -60,17 +60,12 @@ Json errors_of(const Runs& runs) {
   Json errors = Json::array();
   for (const auto& run : runs) {
     MessageBudget budget;
-    std::size_t left_out = 0;
     const std::string which = runs.size() > 1 ? run->backend().name() : "";
-    for (const RunMessage& message : run->messages()) {
-      if (message.severity != Severity::error) continue;
-      if (budget.takes(message))
+    for (const RunMessage& message : run->messages())
+      if (message.severity == Severity::error && budget.takes(message))
         errors.push_back(message_text(message, which));
-      else
-        ++left_out;
-    }
-    if (left_out > 0)
-      errors.push_back(fmt::format("and {} more{}, see cogrsim run --json", left_out,
+    if (budget.left_out() > 0)
+      errors.push_back(fmt::format("and {} more{}, see cogrsim run --json", budget.left_out(),
                                    which.empty() ? "" : " on " + which));
   }
   return errors;

@@ -83,10 +83,7 @@ function NumberField(props: PlainProps): JSX.Element {
   const shown = boxes_of(spec, text);
   const [drafts, set_drafts] = useState<string[] | null>(null);
   const [unit, set_unit] = useState<string | null>(null);
-  useLayoutEffect(() => {
-    set_drafts(null);
-    props.report("");
-  }, [text]);
+  useLayoutEffect(() => set_drafts(null), [text]);
   if (!shown) return <PlainField {...props} />;
   const now_unit = shown.unit === null ? null : (unit ?? shown.unit);
   const boxes = drafts ?? shown.boxes;
