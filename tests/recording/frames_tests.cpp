@@ -224,13 +224,38 @@ TEST_CASE("a scene model comes back whole") {
     wrong.joints[0].child = 99;
     const auto refused = check_model(wrong);
     REQUIRE_FALSE(refused);
-    CHECK(refused.error().message ==
-          "the recorded scene is damaged: 'robot.axle' has a wrong child");
+    CHECK(refused.error().message == "'robot.axle' has a wrong child");
     wrong = *model;
     wrong.joints[0].position_offset = -1;
     CHECK_FALSE(check_model(wrong));
     wrong = *model;
     wrong.motors[0].axis = 1;
+    CHECK_FALSE(check_model(wrong));
+    wrong = *model;
+    wrong.regions.emplace_back().body = 99;
+    CHECK_FALSE(check_model(wrong));
+    wrong = *model;
+    wrong.doors.emplace_back().motor = 99;
+    CHECK_FALSE(check_model(wrong));
+    wrong = *model;
+    wrong.supervisors.emplace_back().assembly = 99;
+    CHECK_FALSE(check_model(wrong));
+  }
+  SECTION("a maze has a side for every cell, and its doors are there") {
+    SceneModel wrong = *model;
+    MazeModel& maze = wrong.mazes.emplace_back();
+    maze.rows = maze.columns = 1;
+    maze.vertical = maze.horizontal = {MazeModel::kWall, MazeModel::kOpen};
+    CHECK(check_model(wrong));
+    maze.vertical.back() = 0;
+    CHECK_FALSE(check_model(wrong));
+    maze.vertical.pop_back();
+    CHECK_FALSE(check_model(wrong));
+    maze.vertical.push_back(MazeModel::kWall);
+    maze.places.push_back({"S", 0, 1});
+    CHECK_FALSE(check_model(wrong));
+    maze.places.clear();
+    maze.rows = maze.columns = std::numeric_limits<int>::max();
     CHECK_FALSE(check_model(wrong));
   }
   CHECK_FALSE(model_from_json("{\"bodies\": 3}"));

@@ -104,6 +104,23 @@ TEST_CASE("old versions are refused", "[document]") {
   CHECK(edit.error().code == "stale");
 }
 
+TEST_CASE("an id beyond all ids is nobody's", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  const std::int64_t wide = (std::int64_t{1} << 32) + 2;  // 2, in 32 bits
+  const Answer answer = desk.ask(
+      "edit",
+      {{"version", 1},
+       {"ops",
+        {{{"op", "insert"}, {"parent", 0}, {"xml", "<frame name=\"f\"/>"}, {"before", wide}}}},
+       {"label", ""}});
+  REQUIRE_FALSE(answer);
+  CHECK(answer.error().message.find("'before' must be the id of an element, or null") !=
+        std::string::npos);
+  CHECK(desk.text() == kScene);
+}
+
 TEST_CASE("structured edits and typing share one history", "[document]") {
   Folder folder;
   folder.write("t.scene.xml", kScene);

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "cogrsim/core/random.h"
 #include "cogrsim/simulation/snapshot_file.h"
 #include "process.h"
 #include "scene_loading.h"
@@ -388,6 +389,45 @@ TEST_CASE("files that are no snapshots are refused in words", "[sweep][snapshot]
   CHECK_FALSE(SnapshotFile::read(folder / "nowhere.snap"));
   CHECK_FALSE(write_snapshot(*simulation, folder / "no/such/folder/a.snap"));
   CHECK(folder.files().size() == 2);
+}
+
+TEST_CASE("what a checksum does not find is refused, too", "[sweep][snapshot]") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> all = {COGRSIM_ENGINES};
+  const auto scene = scene_of("heap"), part = scene_of("part");
+  auto simulation = simulate(scene, all[0]);
+  simulation->send(AddAssembly{part.model, "one", {}});
+  simulation->run_until(0.1);
+  REQUIRE(write_snapshot(*simulation, folder / "good.snap"));
+  const ordered_json good = ordered_json::parse(read_file(folder / "good.snap"));
+  // The sum that stands in the file fits its content.
+  const auto refused = [&](const char* place, const char* value) {
+    ordered_json file = good;
+    file["content"][ordered_json::json_pointer(place)] = ordered_json::parse(value);
+    const std::string content = file["content"].dump();
+    file["checksum"] = std::to_string(hash_bytes(content.data(), content.size()));
+    std::ofstream(folder / "bad.snap", std::ios::trunc) << file.dump();
+    const auto snapshot = SnapshotFile::read(folder / "bad.snap");
+    if (!snapshot) return snapshot.error().text();
+    const auto resumed = resume(*snapshot, scene.model, on(all[0]), scene.loader);
+    return resumed ? "it goes on" : resumed.error().at(0).message;
+  };
+  CHECK(refused("/seed", "1") == "it goes on");
+  CHECK_THAT(refused("/seed", "1.3e20"),
+             Contains("is damaged: 1.3e+20 stands where a whole number from 0 to "
+                      "18446744073709551615 belongs"));
+  CHECK_THAT(refused("/clock/steps", "-1"), Contains("-1 stands where"));
+  CHECK_THAT(refused("/living/random", "\"x\""), Contains("a value of type string stands where"));
+  CHECK_THAT(refused("/sent", "4294967296"), Contains("4294967296 stands where"));
+  // Lists that do not fit each other, and numbers of elements that are not there.
+  const std::string no_mesh = R"({"name": "m", "vertices": [], "triangles": [], "uv": []})";
+  CHECK_THAT(refused("/changes/meshes", ("[" + no_mesh + "]").c_str()),
+             Contains("the snapshot is damaged: shapes have no name"));
+  CHECK_THAT(refused("/changes/now/bodies", "[]"), Contains("the snapshot is damaged: '"));
+  CHECK_THAT(refused("/changes/now/assemblies/0/parent", "7"), Contains("has a wrong parent"));
+  CHECK_THAT(refused("/changes/original/assemblies",
+                     (R"([{"name": "a"}, {"name": "b"}, {"name": "c"}, {"name": "d"}])")),
+             Contains("what was there at the start is missing"));
 }
 
 TEST_CASE("run keeps snapshots and goes on from them", "[sweep][snapshot][program]") {

@@ -11,11 +11,21 @@ tl::unexpected<Error> lacks(const char* name, const char* expected) {
   return fail("the field '" + std::string(name) + "' must be " + expected);
 }
 
+Result<int> id_field(const Json& fields, const char* name) {
+  const auto found = fields.find(name);
+  if (found == fields.end() || !found->is_number_integer())
+    return lacks(name, "the id of an element");
+  const auto id = found->get<std::int64_t>();
+  if (id < 0 || id > 1000000000) return lacks(name, "the id of an element");
+  return static_cast<int>(id);
+}
+
 Result<std::optional<int>> optional_id(const Json& fields, const char* name) {
   const auto found = fields.find(name);
   if (found == fields.end() || found->is_null()) return std::optional<int>{};
-  if (!found->is_number_integer()) return lacks(name, "the id of an element, or null");
-  return std::optional<int>(found->get<int>());
+  const auto id = id_field(fields, name);
+  if (!id) return lacks(name, "the id of an element, or null");
+  return std::optional<int>(*id);
 }
 
 Result<std::vector<double>> numbers_field(const Json& fields, const char* name, std::size_t count) {
@@ -28,15 +38,6 @@ Result<std::vector<double>> numbers_field(const Json& fields, const char* name, 
     out.push_back(one.get<double>());
   }
   return out;
-}
-
-Result<int> id_field(const Json& fields, const char* name) {
-  const auto found = fields.find(name);
-  if (found == fields.end() || !found->is_number_integer())
-    return lacks(name, "the id of an element");
-  const auto id = found->get<std::int64_t>();
-  if (id < 0 || id > 1000000000) return lacks(name, "the id of an element");
-  return static_cast<int>(id);
 }
 
 #define COGRSIM_TAKE(variable, expression)                              \

@@ -420,7 +420,9 @@ Result<std::shared_ptr<const SceneModel>> take_model(std::string_view bytes) {
   if (!model) return tl::unexpected(model.error());
   model->meshes = std::move(meshes);
   model->heightmaps = std::move(heightmaps);
-  if (auto good = check_model(*model); !good) return tl::unexpected(good.error());
+  if (auto good = check_model(*model); !good) {
+    return fail("the recorded scene is damaged: " + good.error().message);
+  }
   return std::make_shared<const SceneModel>(std::move(*model));
 }
 

@@ -14,11 +14,13 @@ class Checker {
   explicit Checker(const SceneModel& model) : model_(model) {}
 
   // Empty: all is well.
-  std::string problem() {
+  std::string problem(bool with_matter) {
+    if (with_matter) matter();
     materials();
     bodies();
     joints();
     devices();
+    places();
     for (const BodyPair& pair : model_.no_collide) {
       index(pair.first, model_.bodies, 0, "no_collide", "body");
       index(pair.second, model_.bodies, 0, "no_collide", "body");
@@ -42,6 +44,9 @@ class Checker {
       index(pair.a, model_.materials, 0, "material pair", "material");
       index(pair.b, model_.materials, 0, "material pair", "material");
     }
+  }
+
+  void matter() {
     for (const TriangleMesh& mesh : model_.meshes) {
       const int count = static_cast<int>(mesh.vertices.size());
       for (const Eigen::Vector3i& t : mesh.triangles) {
@@ -118,6 +123,39 @@ class Checker {
     for (const ControllerModel& mind : model_.controllers) {
       index(mind.assembly, model_.assemblies, -1, mind.name, "assembly");
     }
+    for (const ControllerModel& mind : model_.supervisors) {
+      index(mind.assembly, model_.assemblies, -1, mind.name, "assembly");
+    }
+  }
+
+  void places() {
+    for (const RegionModel& region : model_.regions) {
+      index(region.body, model_.bodies, -1, region.name, "body");
+      index(region.assembly, model_.assemblies, -1, region.name, "assembly");
+    }
+    for (const DoorModel& door : model_.doors) {
+      index(door.motor, model_.motors, 0, door.name, "motor");
+      index(door.assembly, model_.assemblies, -1, door.name, "assembly");
+    }
+    for (const MazeModel& maze : model_.mazes) {
+      const auto rows = static_cast<std::int64_t>(maze.rows);
+      const auto columns = static_cast<std::int64_t>(maze.columns);
+      if (rows < 1 || columns < 1 ||
+          static_cast<std::int64_t>(maze.vertical.size()) != rows * (columns + 1) ||
+          static_cast<std::int64_t>(maze.horizontal.size()) != (rows + 1) * columns) {
+        note(maze.name, "size");
+      }
+      for (const std::vector<int>* sides : {&maze.vertical, &maze.horizontal}) {
+        for (const int side : *sides)
+          index(side, model_.doors, MazeModel::kWall, maze.name, "door");
+      }
+      for (const MazeModel::Place& place : maze.places) {
+        if (place.row < 0 || place.row >= maze.rows || place.column < 0 ||
+            place.column >= maze.columns) {
+          note(maze.name, "place");
+        }
+      }
+    }
   }
 
   const SceneModel& model_;
@@ -127,9 +165,13 @@ class Checker {
 }  // namespace
 
 Result<> check_model(const SceneModel& model) {
-  const std::string problem = Checker(model).problem();
-  if (!problem.empty()) return fail("the recorded scene is damaged: " + problem);
-  return {};
+  const std::string problem = Checker(model).problem(true);
+  return problem.empty() ? Result<>() : fail(problem);
+}
+
+Result<> check_references(const SceneModel& model) {
+  const std::string problem = Checker(model).problem(false);
+  return problem.empty() ? Result<>() : fail(problem);
 }
 
 }  // namespace cogrsim

@@ -261,7 +261,8 @@ TriangleMesh mesh_from(const Json& json) {
   mesh.name = json.at("name").get<std::string>();
   for (const Json& v : json.at("vertices")) mesh.vertices.push_back(vector_from(v));
   for (const Json& t : json.at("triangles")) {
-    mesh.triangles.emplace_back(t.at(0).get<int>(), t.at(1).get<int>(), t.at(2).get<int>());
+    mesh.triangles.emplace_back(whole_from<int>(t.at(0)), whole_from<int>(t.at(1)),
+                                whole_from<int>(t.at(2)));
   }
   for (const Json& c : json.at("uv")) {
     mesh.uv.emplace_back(number_from(c.at(0)), number_from(c.at(1)));
@@ -280,12 +281,30 @@ Json names_of(const std::vector<Element>& elements) {
   return out;
 }
 
-/// The scene's own by name only, as many as there were: their contents are in the scene.
+/// The scene's own by name only, as many as there were: their contents are in the scene. Behind them
+/// what came.
 template <class Element>
-void put_names(const Json& names, std::size_t own, std::vector<Element>& original,
-               std::vector<Element>& then) {
-  for (const Json& name : names) then.emplace_back().name = name.get<std::string>();
-  original.assign(then.begin(), then.begin() + static_cast<std::ptrdiff_t>(own));
+Result<> put_names(const Json& names, std::vector<Element>& came, std::vector<Element>& original,
+                   std::vector<Element>& then) {
+  if (names.size() < came.size()) return fail("it has more than it has names for");
+  const std::size_t own = names.size() - came.size();
+  for (std::size_t i = 0; i < own; ++i) {
+    original.emplace_back().name = names.at(i).get<std::string>();
+  }
+  then = original;
+  for (Element& element : came) then.push_back(std::move(element));
+  return {};
+}
+
+/// What goes keeps its place, and what comes stands behind it: no list may be shorter than it was.
+bool goes_on_from(const SceneModel& original, const SceneModel& then) {
+  const auto longer = [&](auto list) { return (then.*list).size() >= (original.*list).size(); };
+  return longer(&SceneModel::materials) && longer(&SceneModel::material_pairs) &&
+         longer(&SceneModel::assemblies) && longer(&SceneModel::bodies) &&
+         longer(&SceneModel::frames) && longer(&SceneModel::joints) &&
+         longer(&SceneModel::motors) && longer(&SceneModel::sensors) &&
+         longer(&SceneModel::controllers) && longer(&SceneModel::regions) &&
+         longer(&SceneModel::doors);
 }
 
 Json grid_json(const HeightGrid& grid) {
@@ -300,8 +319,8 @@ Json grid_json(const HeightGrid& grid) {
 HeightGrid grid_from(const Json& json) {
   HeightGrid grid;
   grid.name = json.at("name").get<std::string>();
-  grid.columns = json.at("columns").get<int>();
-  grid.rows = json.at("rows").get<int>();
+  grid.columns = whole_from<int>(json.at("columns"));
+  grid.rows = whole_from<int>(json.at("rows"));
   grid.size_x = number_from(json.at("size_x"));
   grid.size_y = number_from(json.at("size_y"));
   grid.heights = numbers_from(json.at("heights"));
@@ -331,19 +350,24 @@ Result<SceneModelPtr> with_changes(const SceneModel& scene, const Json& content,
   const Json& changes = content.at("changes");
   auto original = model_from_json(changes.at("original").dump());
   auto then = model_from_json(changes.at("now").dump());
-  if (!original || !then) return fail("the snapshot is damaged: its scene cannot be read");
+  const auto damaged = [](const std::string& what) {
+    return fail("the snapshot is damaged: " + what);
+  };
+  if (!original || !then) return damaged("its scene cannot be read");
   // The models' text is without meshes and heightmaps: what came during the run is beside it.
-  const Json &meshes = changes.at("meshes"), &grids = changes.at("heightmaps");
-  const std::size_t own_meshes = changes.at("mesh_names").size() - meshes.size();
-  const std::size_t own_grids = changes.at("heightmap_names").size() - grids.size();
-  put_names(changes.at("mesh_names"), own_meshes, original->meshes, then->meshes);
-  put_names(changes.at("heightmap_names"), own_grids, original->heightmaps, then->heightmaps);
-  for (std::size_t i = 0; i < meshes.size(); ++i) {
-    then->meshes[own_meshes + i] = mesh_from(meshes.at(i));
+  SceneModel came;
+  for (const Json& mesh : changes.at("meshes")) came.meshes.push_back(mesh_from(mesh));
+  for (const Json& grid : changes.at("heightmaps")) came.heightmaps.push_back(grid_from(grid));
+  if (auto good = check_model(came); !good) return damaged(good.error().message);
+  if (!put_names(changes.at("mesh_names"), came.meshes, original->meshes, then->meshes) ||
+      !put_names(changes.at("heightmap_names"), came.heightmaps, original->heightmaps,
+                 then->heightmaps)) {
+    return damaged("shapes have no name");
   }
-  for (std::size_t i = 0; i < grids.size(); ++i) {
-    then->heightmaps[own_grids + i] = grid_from(grids.at(i));
+  for (const SceneModel* model : {&*original, &*then}) {
+    if (auto good = check_references(*model); !good) return damaged(good.error().message);
   }
+  if (!goes_on_from(*original, *then)) return damaged("what was there at the start is missing");
   return Rebuilder(scene, *original, *then, content, notes).run();
 }
 

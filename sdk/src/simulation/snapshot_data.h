@@ -1,6 +1,8 @@
 // What the parts of a snapshot on file share.
 #pragma once
 
+#include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,30 @@ struct SnapshotAccess {
 namespace snapshots {
 
 using Json = SnapshotJson;
+
+/// What stands in a snapshot cannot stand there; its text goes on after "is damaged: ".
+struct Damaged : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+[[noreturn]] void not_whole(const Json& value, const std::string& lowest,
+                            const std::string& highest);
+
+/// A whole number as a file has it. Throws Damaged for one that an Integer cannot be, and for
+/// anything else: what a cast would make of it is not defined.
+template <class Integer>
+Integer whole_from(const Json& value) {
+  constexpr Integer lowest = std::numeric_limits<Integer>::min();
+  constexpr Integer highest = std::numeric_limits<Integer>::max();
+  if (value.is_number_unsigned()) {
+    const auto number = value.get<std::uint64_t>();
+    if (number <= static_cast<std::uint64_t>(highest)) return static_cast<Integer>(number);
+  } else if (value.is_number_integer()) {  // below zero
+    const auto number = value.get<std::int64_t>();
+    if (number >= static_cast<std::int64_t>(lowest)) return static_cast<Integer>(number);
+  }
+  not_whole(value, std::to_string(lowest), std::to_string(highest));
+}
 
 // Numbers keep their bits; what JSON has no numbers for is text.
 Json number(double value);

@@ -168,7 +168,7 @@ Result<SnapshotInfo> info_from(const Json& content) {
   info.scene = content.at("scene").get<std::string>();
   info.backend = content.at("backend").get<std::string>();
   info.engine_version = content.at("engine_version").get<std::string>();
-  info.seed = content.at("seed").get<std::uint64_t>();
+  info.seed = whole_from<std::uint64_t>(content.at("seed"));
   info.step = number_from(content.at("clock").at("dt"));
   info.time = number_from(content.at("clock").at("time"));
   for (const auto& [name, value] : content.at("parameters").items()) {
@@ -266,6 +266,8 @@ Result<SnapshotFile> SnapshotFile::read(const std::string& path) {
     if (!info) return refuse("is damaged: " + info.error().message);
     impl->info = std::move(*info);
   } catch (const Json::exception& e) {
+    return refuse(std::string("is damaged: ") + e.what());
+  } catch (const Damaged& e) {
     return refuse(std::string("is damaged: ") + e.what());
   }
   SnapshotFile snapshot;

@@ -88,8 +88,8 @@ void living_from(const Json& json, const SceneModel& model, LivingMemory& memory
     const int index = index_of(model.rules, name);
     if (index < 0 || static_cast<std::size_t>(index) >= memory.rules.size()) continue;
     RuleMemory& rule = memory.rules[static_cast<std::size_t>(index)];
-    rule.fired = value.at("fired").get<int>();
-    rule.rounds = value.at("rounds").get<std::uint64_t>();
+    rule.fired = whole_from<int>(value.at("fired"));
+    rule.rounds = whole_from<std::uint64_t>(value.at("rounds"));
     rule.held = value.at("held").get<bool>();
     rule.off = value.at("off").get<bool>();
     rule.limit_told = value.at("limit_told").get<bool>();
@@ -130,8 +130,8 @@ void living_from(const Json& json, const SceneModel& model, LivingMemory& memory
   }
   memory.numbers.clear();
   for (const auto& [name, last] : json.at("numbers").items())
-    memory.numbers[name] = last.get<int>();
-  memory.random = json.at("random").get<std::uint64_t>();
+    memory.numbers[name] = whole_from<int>(last);
+  memory.random = whole_from<std::uint64_t>(json.at("random"));
 }
 
 }  // namespace cogrsim::snapshots

@@ -8,6 +8,12 @@
 
 namespace cogrsim::snapshots {
 
+void not_whole(const Json& value, const std::string& lowest, const std::string& highest) {
+  throw Damaged(
+      (value.is_number() ? value.dump() : "a value of type " + std::string(value.type_name())) +
+      " stands where a whole number from " + lowest + " to " + highest + " belongs");
+}
+
 Json number(double value) {
   if (std::isfinite(value)) return value;
   return std::isnan(value) ? "nan" : value > 0.0 ? "inf" : "-inf";

@@ -49,7 +49,7 @@ class Resumption {
     if (!same_seed_) {
       notes_.push_back("the seed is another: random numbers begin anew");
     }
-    if (const int sent = content_.at("sent").get<int>(); sent > 0) {
+    if (const int sent = whole_from<int>(content_.at("sent")); sent > 0) {
       notes_.push_back(std::to_string(sent) +
                        " commands that supervisors had just sent are not in the snapshot");
     }
@@ -60,11 +60,11 @@ class Resumption {
   void clock() {
     const Json& clock = content_.at("clock");
     const double then = number_from(clock.at("dt"));
-    to_.steps = clock.at("steps").get<std::uint64_t>();
+    to_.steps = whole_from<std::uint64_t>(clock.at("steps"));
     to_.last_dt = number_from(clock.at("last_dt"));
     if (to_.dt == then) {
       to_.base_time = number_from(clock.at("base_time"));
-      to_.steps_since_base = clock.at("steps_since_base").get<std::uint64_t>();
+      to_.steps_since_base = whole_from<std::uint64_t>(clock.at("steps_since_base"));
     } else {
       to_.base_time = number_from(clock.at("time"));
       to_.steps_since_base = 0;
@@ -167,7 +167,7 @@ class Resumption {
   /// At the same rate the tick that was next is next; else the first one from now on.
   void set_timer(RateTimer& timer, const Json& saved, double rate) const {
     if (saved.is_object() && number_from(saved.at("rate")) == rate) {
-      timer.set_next(saved.at("ticks").get<std::uint64_t>());
+      timer.set_next(whole_from<std::uint64_t>(saved.at("ticks")));
     } else {
       timer.skip_to(to_.time(), to_.dt);
     }
@@ -192,8 +192,8 @@ class Resumption {
       const Json& saved = then.at(sensor.name);
       memory.enabled = memory.reading.enabled = saved.at("enabled").get<bool>();
       memory.complained = saved.at("complained").get<bool>();
-      if (same_seed_) memory.random = saved.at("random").get<std::uint64_t>();
-      memory.reading.sequence = saved.at("sequence").get<std::uint64_t>();
+      if (same_seed_) memory.random = whole_from<std::uint64_t>(saved.at("random"));
+      memory.reading.sequence = whole_from<std::uint64_t>(saved.at("sequence"));
       const std::vector<double> values = numbers_from(saved.at("values"));
       const std::vector<double> walk = numbers_from(saved.at("walk"));
       // With other parameters it may have another number of channels.
@@ -213,7 +213,7 @@ class Resumption {
     set_timer(clock.timer, saved, rate);
     clock.stopped = clock.stopped || saved.at("stopped").get<bool>();
     clock.last_time = number_from(saved.at("last_time"));
-    clock.count = saved.at("count").get<std::uint64_t>();
+    clock.count = whole_from<std::uint64_t>(saved.at("count"));
   }
 
   void minds(const char* key, const std::vector<ControllerModel>& models) {
@@ -243,7 +243,7 @@ class Resumption {
         random = &to_.supervisors[i].stage->random();
         outputs = &to_.supervisors[i].stage->outputs();
       }
-      if (random && same_seed_) random->set_state(saved.at("random").get<std::uint64_t>());
+      if (random && same_seed_) random->set_state(whole_from<std::uint64_t>(saved.at("random")));
       const std::vector<double> published = numbers_from(saved.at("outputs"));
       if (outputs && published.size() == outputs->size()) *outputs = published;
       if (saved.at("memory").is_null()) {
@@ -344,6 +344,8 @@ tl::expected<Resumed, std::vector<Diagnostic>> resume(const SnapshotFile& snapsh
       return refuse(good.error());
     }
   } catch (const Json::exception& e) {
+    return refuse(Error(std::string("the snapshot is damaged: ") + e.what()));
+  } catch (const Damaged& e) {
     return refuse(Error(std::string("the snapshot is damaged: ") + e.what()));
   } catch (const std::out_of_range&) {
     return refuse(Error("the snapshot is damaged: its scene does not fit together"));

@@ -1,5 +1,6 @@
 #include "cogrsim/recording/recording.h"
 
+#include "cogrsim/map/map.h"
 #include "cogrsim/plugin/loader.h"
 #include "targets.h"
 
@@ -24,6 +25,11 @@ void recording(std::string_view input) {
     require((*frame)->state.poses.size() == model.bodies.size(), "every body has a pose");
     require((*frame)->state.twists.size() == model.bodies.size(), "every body has a twist");
     energy_of(model, (*frame)->state);
+    if (i == 0) {
+      MapOptions small;
+      small.width = 64;
+      static_cast<void>(map_picture(**frame, small, ".svg"));
+    }
     for (std::size_t s = 0; s < model.sensors.size(); ++s) run.channels(static_cast<int>(s));
   }
   PluginLoader none;
