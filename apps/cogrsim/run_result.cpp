@@ -15,6 +15,8 @@ constexpr int kRows = 20;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 std::string fixed(double value, int digits) {
+  // What has exploded would fill the line, and the next.
+  if (std::abs(value) >= 1e9) return fmt::format("{:.4g}", value);
   const std::string text = fmt::format("{:.{}f}", value, digits);
   // "-0.000" says no more than "0.000".
   if (text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos) return text.substr(1);

@@ -27,6 +27,26 @@ TEST_CASE("a body with a speed beyond all bounds is named", "[faults]") {
   must_diverge(builder.build(), {}, wild);
 }
 
+TEST_CASE("a body beyond all bounds is named", "[faults]") {
+  ModelBuilder builder;
+  builder.sphere("calm", 0.1, 1.0, at(0, 0, 1));
+  const int wild = builder.sphere("wild", 0.1, 1.0, at(-1e300, 0, 1));
+  must_diverge(builder.build(), {}, wild);
+}
+
+TEST_CASE("what stands still at the end of the world ends no program", "[faults]") {
+  ModelBuilder builder;
+  const int wall = builder.box("wall", Vec3(1, 1, 1), 1.0, at(-1e300, 0, 0));
+  builder.model.bodies[static_cast<std::size_t>(wall)].kind = BodyKind::fixed;
+  builder.sphere("ball", 0.1, 1.0, at(0, 0, 1));
+  Sim sim(builder.build());
+  for (int i = 0; i < 3; ++i) {
+    const StepResult result = sim.world().step(kDt, {});
+    CHECK((result.status == StepStatus::ok || !result.message.empty()));
+  }
+  CHECK(sim.world().reset());
+}
+
 TEST_CASE("a motor that tears everything apart is named", "[faults]") {
   ModelBuilder builder;
   builder.sphere("calm", 0.1, 1.0, at(0, 0, 1));

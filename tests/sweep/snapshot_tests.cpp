@@ -424,6 +424,8 @@ TEST_CASE("what a checksum does not find is refused, too", "[sweep][snapshot]") 
   CHECK_THAT(refused("/changes/meshes", ("[" + no_mesh + "]").c_str()),
              Contains("the snapshot is damaged: shapes have no name"));
   CHECK_THAT(refused("/changes/now/bodies", "[]"), Contains("the snapshot is damaged: '"));
+  CHECK_THAT(refused("/joints/one.elbow/position", "[0, 0]"),
+             Contains("the joint 'one.elbow' has"));
   CHECK_THAT(refused("/changes/now/assemblies/0/parent", "7"), Contains("has a wrong parent"));
   CHECK_THAT(refused("/changes/original/assemblies",
                      (R"([{"name": "a"}, {"name": "b"}, {"name": "c"}, {"name": "d"}])")),

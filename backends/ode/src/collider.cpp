@@ -239,11 +239,24 @@ void Collider::near(void* self, dGeomID a, dGeomID b) {
   collider.pairs_.emplace_back(i, j);
 }
 
-void Collider::find(const SceneModel&, std::vector<TouchPoint>& out) {
+void Collider::find(const SceneModel& model, std::vector<TouchPoint>& out) {
   out.clear();
   if (!space_) return;
   pairs_.clear();
-  dSpaceCollide(space_, this, &Collider::near);
+  try {
+    dSpaceCollide(space_, this, &Collider::near);
+  } catch (const EngineError&) {
+    // The space stays locked, and ODE takes nothing out of a locked one: it is left behind as it is.
+    space_ = nullptr;
+    for (const auto& item : items_) {
+      item->geom = nullptr;
+      item->mesh = nullptr;
+    }
+    items_.clear();
+    of_body_.clear();
+    if (auto again = add(model); !again) throw EngineError(again.error().message);
+    throw;
+  }
   // The broadphase reports in an order that depends on the past.
   std::sort(pairs_.begin(), pairs_.end());
   for (const auto& [a, b] : pairs_) {

@@ -37,7 +37,8 @@ class Collider {
   void remove(int body);
   /// Places a body's shapes.
   void place(int body, const Pose& X_WB);
-  /// Points of all pairs that touch or are within their skins, ordered by bodies and shapes.
+  /// Points of all pairs that touch or are within their skins, ordered by bodies and shapes. After an
+  /// EngineError all shapes are to be placed again.
   void find(const SceneModel& model, std::vector<TouchPoint>& out);
 
  private:

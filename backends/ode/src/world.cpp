@@ -16,6 +16,12 @@ namespace {
 constexpr double kFarthest = 1e6;     // [m]
 constexpr double kFastest = 1e5;      // [m/s]
 constexpr double kFastestSpin = 1e9;  // [rad/s]
+
+// Written so that a NaN fails.
+bool is_near(const Motion& m) {
+  return m.c.squaredNorm() <= kFarthest * kFarthest && m.q.coeffs().allFinite();
+}
+
 Parameters options_of(const SceneModel& model) {
   const auto it = model.physics.engine_options.find("ode");
   return it == model.physics.engine_options.end() ? Parameters{} : it->second;
@@ -216,7 +222,7 @@ void OdeWorld::predict(double h) {
       ends_[b] = moved.pose();
       // Rows see the mean speed of its centre over the step.
       row_bodies_[b].v = (moved.now.c - body.now.c) / h;
-      collider_->place(static_cast<int>(b), ends_[b]);
+      if (is_near(moved.now)) collider_->place(static_cast<int>(b), ends_[b]);
       continue;
     }
     RowBody& row = row_bodies_[b];
@@ -227,9 +233,7 @@ void OdeWorld::predict(double h) {
     end.c = body.now.c + h * row.v;
     end.q = (rotation_by(h * row.w) * body.now.q).normalized();
     ends_[b] = body.pose(end);
-    if (end.c.allFinite() && end.q.coeffs().allFinite() && end.c.norm() < kFarthest) {
-      collider_->place(static_cast<int>(b), ends_[b]);
-    }
+    if (is_near(end)) collider_->place(static_cast<int>(b), ends_[b]);
   }
 }
 
@@ -257,6 +261,9 @@ void OdeWorld::move(double h) {
 
 int OdeWorld::find_wild() const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const BodyState& body = bodies_[b];
+    if (body.removed || body.kind == BodyKind::fixed) continue;
+    if (!is_near(body.now)) return static_cast<int>(b);
     if (!ids_[b]) continue;
     const double fast = row_bodies_[b].v.norm(), spin = row_bodies_[b].w.norm();
     if (!(fast <= kFastest) || !(spin <= kFastestSpin)) return static_cast<int>(b);
@@ -268,10 +275,8 @@ int OdeWorld::find_diverged() const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const BodyState& body = bodies_[b];
     if (body.removed || body.kind == BodyKind::fixed) continue;
-    // Written so that a NaN fails.
-    const bool sane = body.now.c.squaredNorm() <= kFarthest * kFarthest &&
-                      body.now.v.squaredNorm() <= kFastest * kFastest &&
-                      std::isfinite(body.now.w.squaredNorm()) && body.now.q.coeffs().allFinite();
+    const bool sane = is_near(body.now) && body.now.v.squaredNorm() <= kFastest * kFastest &&
+                      std::isfinite(body.now.w.squaredNorm());
     if (!sane) return static_cast<int>(b);
   }
   return -1;

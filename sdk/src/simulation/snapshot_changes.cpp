@@ -236,6 +236,10 @@ class Rebuilder {
       if (state.at("type") != to_string(joint.type)) continue;
       joint.position = numbers_from(state.at("position"));
       joint.velocity = numbers_from(state.at("velocity"));
+      if (joint.position.size() != static_cast<std::size_t>(position_count(joint.type)) ||
+          joint.velocity.size() != static_cast<std::size_t>(speed_count(joint.type))) {
+        throw Damaged("the joint '" + joint.name + "' has not as many coordinates as its type");
+      }
     }
   }
 
