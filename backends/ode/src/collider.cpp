@@ -89,6 +89,20 @@ void mesh_arrays(const SceneModel& model, const Shape& shape, std::vector<double
   }
 }
 
+// Whether a geom at `p` is where nothing comes that moves. ODE's space counts cells, of 1/8 m and more,
+// in an int, and ends in an assertion where that is too small, at some 2e8 m.
+bool is_out_of_reach(dGeomID geom, const Vec3& p) {
+  constexpr double kReach = 1e7;  // [m], ten times that of what moves
+  if (p.squaredNorm() <= kReach * kReach) return false;
+  if (!p.allFinite()) return true;
+  dReal box[6];
+  dGeomGetAABB(geom, box);
+  for (int i = 0; i < 3; ++i) {
+    if (!(box[2 * i] <= kReach && box[2 * i + 1] >= -kReach)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Collider::~Collider() {
@@ -222,6 +236,7 @@ void Collider::place(int body, const Pose& X_WB) {
     const dQuaternion q = {X.q.w(), X.q.x(), X.q.y(), X.q.z()};
     dGeomSetPosition(item.geom, X.p.x(), X.p.y(), X.p.z());
     dGeomSetQuaternion(item.geom, q);
+    is_out_of_reach(item.geom, X.p) ? dGeomDisable(item.geom) : dGeomEnable(item.geom);
   }
 }
 
@@ -239,24 +254,11 @@ void Collider::near(void* self, dGeomID a, dGeomID b) {
   collider.pairs_.emplace_back(i, j);
 }
 
-void Collider::find(const SceneModel& model, std::vector<TouchPoint>& out) {
+void Collider::find(const SceneModel&, std::vector<TouchPoint>& out) {
   out.clear();
   if (!space_) return;
   pairs_.clear();
-  try {
-    dSpaceCollide(space_, this, &Collider::near);
-  } catch (const EngineError&) {
-    // The space stays locked, and ODE takes nothing out of a locked one: it is left behind as it is.
-    space_ = nullptr;
-    for (const auto& item : items_) {
-      item->geom = nullptr;
-      item->mesh = nullptr;
-    }
-    items_.clear();
-    of_body_.clear();
-    if (auto again = add(model); !again) throw EngineError(again.error().message);
-    throw;
-  }
+  dSpaceCollide(space_, this, &Collider::near);
   // The broadphase reports in an order that depends on the past.
   std::sort(pairs_.begin(), pairs_.end());
   for (const auto& [a, b] : pairs_) {

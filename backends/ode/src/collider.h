@@ -35,10 +35,9 @@ class Collider {
   void set_model(const SceneModel& model) { filter_ = CollisionFilter(model); }
   /// Takes a body's shapes out.
   void remove(int body);
-  /// Places a body's shapes.
+  /// Places a body's shapes. What lies beyond everything that moves touches nothing.
   void place(int body, const Pose& X_WB);
-  /// Points of all pairs that touch or are within their skins, ordered by bodies and shapes. After an
-  /// EngineError all shapes are to be placed again.
+  /// Points of all pairs that touch or are within their skins, ordered by bodies and shapes.
   void find(const SceneModel& model, std::vector<TouchPoint>& out);
 
  private:
