@@ -286,18 +286,18 @@ Json names_of(const std::vector<Element>& elements) {
 }
 
 /// The scene's own by name only, as many as there were: their contents are in the scene. Behind them
-/// what came.
+/// what came. False: that is more than there are names.
 template <class Element>
-Result<> put_names(const Json& names, std::vector<Element>& came, std::vector<Element>& original,
+bool put_names(const Json& names, std::vector<Element>& came, std::vector<Element>& original,
                    std::vector<Element>& then) {
-  if (names.size() < came.size()) return fail("it has more than it has names for");
+  if (names.size() < came.size()) return false;
   const std::size_t own = names.size() - came.size();
   for (std::size_t i = 0; i < own; ++i) {
     original.emplace_back().name = names.at(i).get<std::string>();
   }
   then = original;
   for (Element& element : came) then.push_back(std::move(element));
-  return {};
+  return true;
 }
 
 /// What goes keeps its place, and what comes stands behind it: no list may be shorter than it was.
