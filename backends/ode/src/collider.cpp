@@ -89,12 +89,12 @@ void mesh_arrays(const SceneModel& model, const Shape& shape, std::vector<double
   }
 }
 
-// Whether a geom at `p` is where nothing comes that moves. ODE's space counts cells, of 1/8 m and more,
-// in an int, and ends in an assertion where that is too small, at some 2e8 m.
-bool is_out_of_reach(dGeomID geom, const Vec3& p) {
+// Whether a geom at `X` is where nothing comes that moves, or nowhere. ODE's space counts cells, of
+// 1/8 m and more, in an int, and ends in an assertion where that is too small, at some 2e8 m.
+bool is_out_of_reach(dGeomID geom, const Pose& X) {
   constexpr double kReach = 1e7;  // [m], ten times that of what moves
-  if (p.squaredNorm() <= kReach * kReach) return false;
-  if (!p.allFinite()) return true;
+  if (!X.p.allFinite() || !X.q.coeffs().allFinite()) return true;
+  if (X.p.squaredNorm() <= kReach * kReach) return false;
   dReal box[6];
   dGeomGetAABB(geom, box);
   for (int i = 0; i < 3; ++i) {
@@ -236,7 +236,7 @@ void Collider::place(int body, const Pose& X_WB) {
     const dQuaternion q = {X.q.w(), X.q.x(), X.q.y(), X.q.z()};
     dGeomSetPosition(item.geom, X.p.x(), X.p.y(), X.p.z());
     dGeomSetQuaternion(item.geom, q);
-    is_out_of_reach(item.geom, X.p) ? dGeomDisable(item.geom) : dGeomEnable(item.geom);
+    is_out_of_reach(item.geom, X) ? dGeomDisable(item.geom) : dGeomEnable(item.geom);
   }
 }
 
