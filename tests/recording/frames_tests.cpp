@@ -225,6 +225,12 @@ TEST_CASE("a scene model comes back whole") {
     const auto refused = check_model(wrong);
     REQUIRE_FALSE(refused);
     CHECK(refused.error().message == "'robot.axle' has a wrong child");
+    std::string bytes;
+    put_model(bytes, wrong, 0);
+    const auto not_taken = take_model(bytes);
+    REQUIRE_FALSE(not_taken);
+    CHECK(not_taken.error().message ==
+          "the recorded scene is damaged: 'robot.axle' has a wrong child");
     wrong = *model;
     wrong.joints[0].position_offset = -1;
     CHECK_FALSE(check_model(wrong));

@@ -436,7 +436,7 @@ TEST_CASE("what a checksum does not find is refused, too", "[sweep][snapshot]") 
              Contains("the joint 'one.elbow' has"));
   CHECK_THAT(refused("/changes/now/assemblies/0/parent", "7"), Contains("has a wrong parent"));
   CHECK_THAT(refused("/changes/original/assemblies",
-                     (R"([{"name": "a"}, {"name": "b"}, {"name": "c"}, {"name": "d"}])")),
+                     R"([{"name": "a"}, {"name": "b"}, {"name": "c"}, {"name": "d"}])"),
              Contains("what was there at the start is missing"));
 }
 

@@ -289,7 +289,7 @@ Json names_of(const std::vector<Element>& elements) {
 /// what came. False: that is more than there are names.
 template <class Element>
 bool put_names(const Json& names, std::vector<Element>& came, std::vector<Element>& original,
-                   std::vector<Element>& then) {
+               std::vector<Element>& then) {
   if (names.size() < came.size()) return false;
   const std::size_t own = names.size() - came.size();
   for (std::size_t i = 0; i < own; ++i) {
