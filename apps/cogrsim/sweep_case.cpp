@@ -148,7 +148,7 @@ int sweep_case_command() {
                                          ? "there was no more memory"
                                          : "it needed more memory than its limit");
   } catch (const std::exception& e) {
-    result = failed_result("failed", e.what());
+    result = failed_result("failed", words_of(e));
   }
   return write_all(kResultDescriptor, json_text(result)) ? kGood : kFailed;
 }

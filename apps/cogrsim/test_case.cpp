@@ -216,7 +216,7 @@ int test_case_command(const std::string& input, const std::string& result) {
   try {
     out = run_case(read);
   } catch (const std::exception& e) {
-    out = no_result(e.what());
+    out = no_result(words_of(e));
   }
   std::ofstream file(result);
   file << out.dump(-1, ' ', false, Json::error_handler_t::replace);

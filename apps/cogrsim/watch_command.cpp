@@ -83,7 +83,7 @@ class PipeLink final : public WatchLink {
   try {
     status = run_command(options, &link);
   } catch (const std::exception& e) {
-    print_error(e.what());
+    print_error(words_of(e));
   }
   std::fflush(nullptr);
   _exit(status);  // what the parent holds too is its own to tidy up

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -98,7 +99,7 @@ class SourceFiles {
   std::vector<std::string> read() const { return {read_.begin(), read_.end()}; }
 
   /// Engine names that may stand as elements in `<physics>` and `<assembly>`.
-  const std::vector<std::string>& engine_words() const { return engine_words_; }
+  const std::vector<std::string>& engine_words() const;
 
   /// Place of `length` bytes from `begin` in a decoded attribute value (column-exact even when
   /// the value holds entities or line breaks).
@@ -116,7 +117,7 @@ class SourceFiles {
   std::unordered_map<std::string, std::size_t> by_path_;
   std::vector<std::string> roots_;  // canonical folders that files may lie below
   std::set<std::string> read_;      // absolute paths
-  std::vector<std::string> engine_words_;
+  mutable std::optional<std::vector<std::string>> engine_words_;  ///< once somebody asks
 };
 
 }  // namespace cogrsim::dsl

@@ -98,10 +98,18 @@ bool take_decoded(const tinyxml2::XMLElement* xml, std::deque<Node>& nodes, std:
 SourceFiles::SourceFiles(const CompileOptions& options, DiagnosticSink& sink)
     : options_(options), sink_(sink) {
   sink_.set_files(this);
-  if (options_.plugins) engine_words_ = options_.plugins->names(PluginKind::backend);
 }
 
 SourceFiles::~SourceFiles() = default;
+
+const std::vector<std::string>& SourceFiles::engine_words() const {
+  // It loads all plugins there are, so only scenes that need it pay for it.
+  if (!engine_words_) {
+    engine_words_ = options_.plugins ? options_.plugins->names(PluginKind::backend)
+                                     : std::vector<std::string>();
+  }
+  return *engine_words_;
+}
 
 const Document* SourceFiles::open_scene(const std::string& path) {
   std::error_code fault;
@@ -320,10 +328,11 @@ const Document* SourceFiles::add(std::string name, std::string path, std::string
   if (plain_) return &document;
   if (!options_.plugins && index == 0) {
     // Without a catalog the scene itself says which engines it knows.
+    engine_words_.emplace();
     for (const Node* child : document.root->children) {
       if (child->name != "physics") continue;
-      if (const Attribute* a = child->find("backend")) engine_words_.emplace_back(a->value);
-      for (const Node* block : child->children) engine_words_.emplace_back(block->name);
+      if (const Attribute* a = child->find("backend")) engine_words_->emplace_back(a->value);
+      for (const Node* block : child->children) engine_words_->emplace_back(block->name);
     }
   }
   check_vocabulary(document, *this, sink_);

@@ -29,7 +29,7 @@ for backend in bullet simbody; do
   command=("$program" run many.scene.xml --backend $backend --duration 0.02s --record run.mcap)
   most=$(needed "${command[@]}")
   [ "$most" -gt 100000 ] || wrong "the run on $backend seems to need $most kB only"
-  for share in 30 40 50 55 60 65 70 75 80 85 90 95; do
+  for share in $(seq 30 3 96); do
     kilobytes=$((most * share / 100))
     status=0
     (ulimit -v $kilobytes && exec "${command[@]}") >out 2>err </dev/null || status=$?

@@ -534,7 +534,7 @@ void Server::run(Inbox& inbox) {
       break;
     } catch (const std::exception& e) {
       // Memory, most likely: whoever asked is not answered, the others go on.
-      fmt::print(stderr, "warning: a request failed: {}\n", e.what());
+      fmt::print(stderr, "warning: a request failed: {}\n", words_of(e));
     }
   }
   impl_->over = true;

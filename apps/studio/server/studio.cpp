@@ -249,7 +249,7 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
       responsible->handle(std::move(request),
                           [pending](Answer answer) { pending->answer(std::move(answer)); });
     } catch (const std::exception& e) {
-      pending->answer(fail(fmt::format("'{}' failed: {}", what, e.what())));
+      pending->answer(fail(fmt::format("'{}' failed: {}", what, words_of(e))));
     }
   }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCallback.h>
 
@@ -122,8 +123,11 @@ Collision::Collision()
 
 Collision::~Collision() {
   clear();
+  // Not by destroyProxy(), which looks for each one's pairs in a cache that is broken if the memory
+  // ran out while it grew. The broadphase itself frees all but the proxies.
+  broadphase_.reset();
   for (auto& proxy : proxies_) {
-    if (proxy) broadphase_->destroyProxy(proxy->broad, &dispatcher_);
+    if (proxy) btAlignedFree(proxy->broad);
   }
 }
 
@@ -177,7 +181,7 @@ void Collision::take_in(std::size_t index, const RigidBody& body) {
 }
 
 void Collision::take_out(std::size_t index) {
-  broadphase_->destroyProxy(proxies_[index]->broad, &dispatcher_);
+  broadphase_->destroyProxy(std::exchange(proxies_[index]->broad, nullptr), &dispatcher_);
   for (Pair& pair : pairs_) {
     if (pair.first != static_cast<int>(index) && pair.second != static_cast<int>(index)) continue;
     pair.proposed = false;

@@ -106,6 +106,7 @@ bool is_out_of_reach(dGeomID geom, const Pose& X) {
 }  // namespace
 
 Collider::~Collider() {
+  if (locked_) return;  // ODE refuses to take anything out of a space in use: that memory is lost
   for (const auto& item : items_) {
     if (item->geom) dGeomDestroy(item->geom);
     if (item->mesh) dGeomTriMeshDataDestroy(item->mesh);
@@ -258,7 +259,10 @@ void Collider::find(const SceneModel&, std::vector<TouchPoint>& out) {
   out.clear();
   if (!space_) return;
   pairs_.clear();
+  if (locked_) throw EngineError("an earlier search for contacts was broken off");
+  locked_ = true;
   dSpaceCollide(space_, this, &Collider::near);
+  locked_ = false;
   // The broadphase reports in an order that depends on the past.
   std::sort(pairs_.begin(), pairs_.end());
   for (const auto& [a, b] : pairs_) {

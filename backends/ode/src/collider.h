@@ -58,6 +58,7 @@ class Collider {
   static void near(void* self, dGeomID a, dGeomID b);
 
   dSpaceID space_ = nullptr;
+  bool locked_ = false;  ///< ODE is in it, or was left by an exception
   std::vector<std::unique_ptr<Item>> items_;
   std::vector<std::vector<int>> of_body_;
   CollisionFilter filter_;

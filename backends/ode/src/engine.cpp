@@ -2,7 +2,9 @@
 
 #include <cstdarg>
 #include <cstdio>
+#include <cstdlib>
 #include <mutex>
+#include <new>
 
 namespace cogrsim::ode {
 
@@ -13,6 +15,14 @@ void throw_error(int number, const char* format, va_list arguments) {
   std::vsnprintf(text, sizeof text, format, arguments);
   throw EngineError("ODE error " + std::to_string(number) + ": " + text);
 }
+
+// ODE itself uses what it is given without a look at it.
+void* given(void* memory) {
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+void* allocate(dsizeint size) { return given(std::malloc(size)); }
+void* reallocate(void* old, dsizeint, dsizeint size) { return given(std::realloc(old, size)); }
 
 // The LCP solver reports singular systems so, and goes on with what it has; whether the result is
 // any good is seen by the step itself.
@@ -30,6 +40,8 @@ struct ThreadData {
 // Of the process, until this library is unloaded: that waits for the data of all threads.
 struct Library {
   Library() {
+    dSetAllocHandler(&allocate);
+    dSetReallocHandler(&reallocate);
     ready = dInitODE2(dInitFlagManualThreadCleanup) != 0;
     dSetErrorHandler(&throw_error);
     dSetDebugHandler(&throw_error);
@@ -70,7 +82,17 @@ Engine::~Engine() {
   dJointGroupDestroy(rows_);
   dWorldSetStepThreadingImplementation(world_, nullptr, nullptr);
   dWorldDestroy(world_);
-  if (!abandoned_) dThreadingFreeImplementation(threading_);
+  // With jobs left in it, ODE would complain of them, and end the program.
+  if (!broken_off_) dThreadingFreeImplementation(threading_);
+}
+
+void Engine::solve(int (*method)(dWorldID, dReal), double dt) {
+  try {
+    method(world_, dt);
+  } catch (...) {
+    broken_off_ = true;
+    throw;
+  }
 }
 
 }  // namespace cogrsim::ode

@@ -25,18 +25,21 @@ class Engine {
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
-  /// After an EngineError out of a step: the job queue is left behind, as ODE would complain again of
-  /// what is still in it.
-  void abandon() { abandoned_ = true; }
+  /// Solves all that is enabled, by Dantzig's method or by sweeps, and moves it. Throws EngineError
+  /// and std::bad_alloc.
+  void step(double dt) { solve(&dWorldStep, dt); }
+  void quick_step(double dt) { solve(&dWorldQuickStep, dt); }
 
   dWorldID world() const { return world_; }
   dJointGroupID rows() const { return rows_; }
 
  private:
+  void solve(int (*method)(dWorldID, dReal), double dt);
+
   dWorldID world_ = nullptr;
   dJointGroupID rows_ = nullptr;
   dThreadingImplementationID threading_ = nullptr;
-  bool abandoned_ = false;
+  bool broken_off_ = false;  ///< an exception left a step
 };
 
 }  // namespace cogrsim::ode

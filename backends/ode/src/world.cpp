@@ -149,7 +149,6 @@ StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
     }
   } catch (const EngineError& error) {
     what = error.what();
-    engine_->abandon();
     for (std::size_t b = 0; b < bodies_.size() && lost < 0; ++b) {
       if (bodies_[b].dynamic()) lost = static_cast<int>(b);
     }

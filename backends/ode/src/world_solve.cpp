@@ -253,12 +253,12 @@ void OdeWorld::solve(double h) {
   find_islands();
   ask_rows(h);
   if (enable(1)) {
-    dWorldStep(engine_->world(), h);
+    engine_->step(h);
     const int most = largest_ > kFewRows ? kFewestPasses : kMostPasses;
     for (int pass = 1; pass < most && bound_friction(); ++pass) {
       ask_rows(h);
       enable(1);
-      dWorldStep(engine_->world(), h);
+      engine_->step(h);
     }
   }
   if (enable(2)) {
@@ -268,7 +268,7 @@ void OdeWorld::solve(double h) {
     const std::lock_guard<std::mutex> lock(chance);
     dRandSetSeed(1);
     dWorldSetQuickStepNumIterations(engine_->world(), iterations_);
-    dWorldQuickStep(engine_->world(), h);
+    engine_->quick_step(h);
   }
 }
 

@@ -261,9 +261,8 @@ void OdeWorld::join(const std::vector<int>& sudden) {
     if (ids_[b]) solved_[b] ? dBodyEnable(ids_[b]) : dBodyDisable(ids_[b]);
   }
   try {
-    dWorldStep(engine_->world(), h);
+    engine_->step(h);
   } catch (const EngineError&) {
-    engine_->abandon();
     make_bodies();  // the next step will do it
     return;
   }

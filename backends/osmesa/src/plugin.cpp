@@ -34,7 +34,7 @@ class OsmesaRenderer final : public Renderer {
         if (context_ != nullptr) scene_ = std::make_unique<SceneRenderer>(context_->gl());
       });
     } catch (const std::exception& e) {
-      problem = e.what();
+      problem = words_of(e);
     }
     return problem;
   }
@@ -85,7 +85,7 @@ Renderer* create(std::string* problem) {
     *problem = made->start();
     return problem->empty() ? made.release() : nullptr;
   } catch (const std::exception& e) {
-    *problem = e.what();
+    *problem = words_of(e);
     return nullptr;
   }
 }

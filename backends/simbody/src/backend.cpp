@@ -121,11 +121,8 @@ class SimbodyBackend final : public Backend {
     if (!options) return tl::unexpected<Error>(options.error());
     try {
       return std::make_unique<SimbodyWorld>(model, *options);
-    } catch (const std::bad_alloc&) {
-      return fail("Simbody: the memory does not suffice for this scene",
-                  place_of(*model, model->physics.origin));
     } catch (const std::exception& e) {
-      return fail(std::string("Simbody: ") + e.what(), place_of(*model, model->physics.origin));
+      return fail("Simbody: " + words_of(e), place_of(*model, model->physics.origin));
     }
   }
 

@@ -45,6 +45,11 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
   Mechanism& m = engine_->mechanism;
   copy(m.state.getQ(), progress_.start_q);
   copy(m.state.getU(), progress_.start_u);
+  const auto back_to_start = [&] {
+    m.state.updQ() = progress_.start_q;
+    m.state.updU() = progress_.start_u;
+    engine_->stepper.memory.clear();
+  };
   StepResult result;
   try {
     engine_->stepper.advance(dt, drives, progress_.twists);
@@ -52,6 +57,9 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
     if (result.body >= 0)
       result.message = "body '" + progress_.model->bodies[std::size_t(result.body)].name +
                        "' left all bounds (1000 km, 100 km/s)";
+  } catch (const std::bad_alloc&) {
+    back_to_start();
+    throw;  // no fault of the world's
   } catch (const std::exception& e) {
     result.message = std::string("Simbody: ") + e.what();
     result.status = StepStatus::diverged;
@@ -59,9 +67,7 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
   }
   if (result.body >= 0) result.status = StepStatus::diverged;
   if (result.status == StepStatus::diverged) {
-    m.state.updQ() = progress_.start_q;
-    m.state.updU() = progress_.start_u;
-    engine_->stepper.memory.clear();
+    back_to_start();
     return result;
   }
   progress_.reactions_kept = false;
@@ -159,7 +165,7 @@ Result<> SimbodyWorld::restore(const SnapshotPtr& snapshot) {
       engine_ = std::make_unique<Engine>(mine->progress.placed, options_);
     apply(mine->progress);
   } catch (const std::exception& e) {
-    return fail(std::string("Simbody: ") + e.what());
+    return fail("Simbody: " + words_of(e));
   }
   return {};
 }
@@ -168,7 +174,7 @@ Result<> SimbodyWorld::reset() {
   try {
     start(initial_);
   } catch (const std::exception& e) {
-    return fail(std::string("Simbody: ") + e.what());
+    return fail("Simbody: " + words_of(e));
   }
   return {};
 }

@@ -85,9 +85,13 @@ bool is_plain_name(const std::string& name) {
 /// Paths of all *.so in a folder, sorted.
 std::vector<std::string> libraries_in(const std::string& folder) {
   std::vector<std::string> out;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (it->path().extension() == ".so") out.push_back(it->path().string());
+  // The loop that throws: the other one's increment() ends the program when the memory runs out.
+  try {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+      if (entry.path().extension() == ".so") out.push_back(entry.path().string());
+    }
+  } catch (const fs::filesystem_error&) {
+    // a folder that is not there, or is not for us, holds no plugins
   }
   std::sort(out.begin(), out.end());
   return out;
@@ -173,7 +177,7 @@ Result<PluginPtr> open_library(const std::string& path, const fs::path& file) {
     impl->descriptor = impl->library.get<const PluginDescriptor*()>(kDescriptorSymbol)();
   } catch (const std::exception& e) {
     return tl::unexpected<Error>(
-        refused(path, fmt::format("cannot be loaded: {}", system_text(e.what())),
+        refused(path, fmt::format("cannot be loaded: {}", system_text(words_of(e))),
                 "link it with every library it uses; `ldd -r` lists what is missing"));
   } catch (...) {
     return tl::unexpected<Error>(refused(path, "cannot be loaded: it threw while starting"));
@@ -302,8 +306,8 @@ Result<std::shared_ptr<const Backend>> PluginLoader::backend(const std::string& 
       return std::shared_ptr<const Backend>(*plugin, backend);  // keeps the library, not the object
     }
   } catch (const std::exception& e) {
-    return tl::unexpected<Error>(
-        refused((*plugin)->path(), fmt::format("backend '{}' did not start: {}", name, e.what())));
+    return tl::unexpected<Error>(refused(
+        (*plugin)->path(), fmt::format("backend '{}' did not start: {}", name, words_of(e))));
   }
   return tl::unexpected<Error>(
       refused((*plugin)->path(), fmt::format("backend '{}' did not start", name)));

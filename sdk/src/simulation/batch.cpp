@@ -112,7 +112,7 @@ tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> Batch::create(
         made[i] = tl::unexpected(std::move(world.error()));
       }
     } catch (const std::exception& e) {
-      made[i] = refuse(std::string("it threw while being built: ") + e.what());
+      made[i] = refuse("it threw while being built: " + words_of(e));
     } catch (...) {
       made[i] = refuse("it threw something that is not a std::exception while being built");
     }

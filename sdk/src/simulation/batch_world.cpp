@@ -151,9 +151,9 @@ void BatchWorld::end_episode(EpisodeEnd why, std::string message) {
   standing_ = true;
 }
 
-void BatchWorld::broke(const char* what) {
+void BatchWorld::broke(const std::string& what) {
   broken_ = true;
-  end_episode(EpisodeEnd::fault, std::string("threw: ") + what);
+  end_episode(EpisodeEnd::fault, "threw: " + what);
 }
 
 void BatchWorld::advance(std::int64_t most, double end_time) {
@@ -181,7 +181,7 @@ void BatchWorld::advance(std::int64_t most, double end_time) {
     }
     observe();
   } catch (const std::exception& e) {
-    broke(e.what());
+    broke(words_of(e));
   } catch (...) {
     broke("something that is not a std::exception");
   }
@@ -219,7 +219,7 @@ Result<> BatchWorld::reset(std::optional<std::uint64_t> seed) {
     observe();
   } catch (const std::exception& e) {
     broken_ = true;
-    return failed(std::string("threw: ") + e.what());
+    return failed("threw: " + words_of(e));
   } catch (...) {
     broken_ = true;
     return failed("threw something that is not a std::exception");

@@ -54,7 +54,7 @@ class BatchWorld {
   void give_targets();
   void observe();
   void end_episode(EpisodeEnd why, std::string message);
-  void broke(const char* what);
+  void broke(const std::string& what);
   EpisodeEnd ended_by_run() const;
   std::string last_message() const;
 

@@ -4,7 +4,7 @@ import { cpSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, dirname, join } from "node:path";
 import { inflateSync } from "node:zlib";
-import { repository, StudioServer, test } from "./harness";
+import { repository, slow_down, StudioServer, test } from "./harness";
 
 /** What is told or answered: JSON of PROTOCOL.md. */
 // eslint-disable-next-line @typescript-eslint/no-explicit-any
@@ -33,6 +33,7 @@ export async function dismiss(server: StudioServer): Promise<void> {
 
 /** Opens the page and waits until it shows a scene. */
 export async function visit(page: Page, server: StudioServer): Promise<void> {
+  await slow_down(page);
   await page.goto(server.address);
   await expect(page.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
 }
@@ -70,12 +71,13 @@ export async function ask(page: Page, what: string, fields: Record<string, unkno
         next: number;
         waiting: Map<number, (answer: unknown) => void>;
         tells: Record<string, unknown>;
+        newest: number; // version of the text that an answer has named
       }
       const holder = window as unknown as { second?: Second };
       if (!holder.second || holder.second.socket.readyState > 1) {
         const socket = new WebSocket(`ws://${location.host}/socket`);
         socket.binaryType = "arraybuffer";
-        const second: Second = { socket, ready: Promise.resolve(), next: 1, waiting: new Map(), tells: {} };
+        const second: Second = { socket, ready: Promise.resolve(), next: 1, waiting: new Map(), tells: {}, newest: 0 };
         second.ready = new Promise((done, failed) => {
           second.waiting.set(0, () => done());
           socket.onopen = () => socket.send(JSON.stringify({ id: 0, do: "hello" }));
@@ -92,15 +94,18 @@ export async function ask(page: Page, what: string, fields: Record<string, unkno
             socket.send(frame ? "a" : "p");
             return;
           }
-          const message = JSON.parse(data) as { id?: number; tell?: string };
+          const message = JSON.parse(data) as { id?: number; tell?: string; version?: unknown };
           if (message.tell) second.tells[message.tell] = message;
-          else second.waiting.get(message.id!)?.(message);
+          else {
+            if (message.id! > 0 && typeof message.version === "number") second.newest = message.version;
+            second.waiting.get(message.id!)?.(message);
+          }
         };
         holder.second = second;
       }
       const { second } = holder;
       await second.ready;
-      if (what === "tells") return second.tells;
+      if (what === "tells") return { ...second.tells, newest: second.newest };
       const id = second.next++;
       return new Promise((done) => {
         second.waiting.set(id, done);
@@ -131,7 +136,7 @@ export async function until(page: Page, what: string, good: (tell: Json) => bool
   return last;
 }
 
-/** The tree of the newest text, when it has been compiled. */
+/** The tree of the newest text, when it has been compiled. What an answer has named as newest may be told after it. */
 export async function tree(page: Page): Promise<{ version: number; elements: Json[] }> {
   let found: Json;
   await expect
@@ -139,7 +144,7 @@ export async function tree(page: Page): Promise<{ version: number; elements: Jso
       const tells = await ask(page, "tells");
       found = tells.tree;
       const versions = [tells.document, tells.tree, tells.problems].map((told) => told?.version as number | undefined);
-      return versions[0] !== undefined && versions.every((v) => v === versions[0]);
+      return versions[0] !== undefined && versions[0] >= tells.newest && versions.every((v) => v === versions[0]);
     }, { message: "the tree of the newest text", intervals: kOften })
     .toBe(true);
   return found;

@@ -89,12 +89,19 @@ export const test = base.extend<Fixtures>({
   open: async ({ page }, use) => {
     await use(async (server, other) => {
       const shown = other ?? page;
+      await slow_down(shown);
       await shown.goto(server.address);
       await expect(shown.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
       return shown;
     });
   },
 });
+
+/** As on a machine so many times slower: STUDIO_SLOW=4 shows which tests trust in speed. */
+export async function slow_down(page: Page): Promise<void> {
+  const rate = Number(process.env.STUDIO_SLOW ?? 1);
+  if (rate > 1) await (await page.context().newCDPSession(page)).send("Emulation.setCPUThrottlingRate", { rate });
+}
 
 /** Keeps a picture for people to look at. */
 export async function keep(page: Page, name: string): Promise<Buffer> {

@@ -1,6 +1,8 @@
 // Errors that a user or a file can cause travel as values; assertions are for our own bugs.
 #pragma once
 
+#include <exception>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -38,6 +40,11 @@ using Result = tl::expected<T, Error>;
 template <class... Args>
 tl::unexpected<Error> fail(Args&&... args) {
   return tl::unexpected<Error>(Error(std::forward<Args>(args)...));
+}
+
+/// What an exception says to people: its what(), or that the memory ran out.
+inline std::string words_of(const std::exception& e) {
+  return dynamic_cast<const std::bad_alloc*>(&e) != nullptr ? "the memory ran out" : e.what();
 }
 
 }  // namespace cogrsim

@@ -40,7 +40,8 @@ class World {
   virtual double time() const = 0;
 
   /// Advances by dt [s], > 0. `drives` has one entry per SceneModel::motors (removed ones
-  /// ignored). Never throws; non-finite drives are a caller's bug.
+  /// ignored). Throws nothing but std::bad_alloc, which leaves a world that is good for nothing but
+  /// its destructor; non-finite drives are a caller's bug.
   virtual StepResult step(double dt, const std::vector<Drive>& drives) = 0;
 
   /// Fills `out`, reusing its memory.
