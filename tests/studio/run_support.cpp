@@ -155,12 +155,16 @@ Page::Page(std::unique_ptr<Run> run, FakeOutbox& outbox) : outbox_(&outbox), run
 Page::~Page() = default;
 
 std::vector<std::string> Page::show(const std::string& xml, std::uint64_t version) {
+  const std::size_t told = outbox_->all(1, "scene").size();
   std::promise<tl::expected<std::vector<std::string>, std::vector<Diagnostic>>> promise;
   auto future = promise.get_future();
   run_->show(scene_of(xml, version), [&](auto shown) { promise.set_value(std::move(shown)); });
   REQUIRE(future.wait_for(kPatience) == std::future_status::ready);
   auto shown = future.get();
   if (!shown) FAIL(dsl::to_text(shown.error()));
+  // The page hears of it a little later.
+  if (!status().is_null())
+    REQUIRE(outbox_->wait([&] { return outbox_->all(1, "scene").size() > told; }));
   return *shown;
 }
 

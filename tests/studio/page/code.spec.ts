@@ -3,7 +3,7 @@ import { expect, keep, test } from "./harness";
 import { ask, kOften, layout, row, shared, text_of, told, until, write, type Json } from "./acts";
 
 const kScene = `<scene name="text" version="1">
-  <physics backend="bullet" step="5 ms" duration="60 s"/>
+  <physics backend="bullet" step="5 ms" duration="3600 s"/>
   <plane name="floor"/>
   <box name="crate" size="40 40 40 cm"
        mass="3 kg" xyz="0 0 0.2"/>
@@ -49,7 +49,7 @@ test("broken text is underlined at its place, the old scene goes on, and the mar
   await page.keyboard.type("x");
   const mark = page.locator(".cm-lintRange-error");
   await expect(mark).toHaveText("kgx");
-  const problems = await told(page, "problems");
+  const problems = await until(page, "problems", (p) => p.problems.length > 0, "the problem is told");
   expect(problems.problems[0]).toMatchObject({ line: 5, column: kScene.split("\n")[4]!.indexOf("kg\"") + 1, length: 3 });
   await mark.hover();
   await expect(page.locator(".cm-tooltip .cm-diagnostic")).toContainText("kgx");

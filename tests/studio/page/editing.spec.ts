@@ -87,8 +87,8 @@ test("rename, duplicate, search and drag to another parent", async () => {
     return elements[moved.parent].name;
   }).toBe("arm");
   // it stays where it is in the world
-  const after = await told(page, "scene");
-  const name = after.bodies.find((b: Json) => b.name.endsWith(copy.name)).name;
+  const name = `arm.${copy.name}`;
+  const after = await until(page, "scene", (s) => s.bodies.some((b: Json) => b.name === name), "it is the arm's in the scene");
   pose(copy.name, before).slice(0, 3).forEach((v: number, i: number) => expect(pose(name, after)[i]).toBeCloseTo(v, 6));
 
   await page.getByRole("searchbox", { name: "Search the scene" }).fill("elb");

@@ -4,7 +4,7 @@ import { expect, keep, test } from "./harness";
 import { ask, layout, row, shared, until, visit } from "./acts";
 
 const kScene = `<scene name="window" version="1">
-  <physics backend="bullet" step="5 ms" gravity="0 0 -9.81" duration="60 s"/>
+  <physics backend="bullet" step="5 ms" gravity="0 0 -9.81" duration="3600 s"/>
   <plane name="floor"/>
   <box name="crate" size="40 40 40 cm" mass="3 kg" xyz="0 0 0.2"/>
   <camera name="eye" on="crate" xyz="0.3 0 0" resolution="64 48" rate="5 Hz" fov="60 deg"/>

@@ -8,7 +8,7 @@ import { expect, keep, program, test, type StudioServer } from "./harness";
 import { ask, dismiss, layout, serve, until, visit } from "./acts";
 
 const kScene = `<scene name="watched" version="1">
-  <physics backend="bullet" step="5 ms" gravity="0 0 -9.81" duration="60 s"/>
+  <physics backend="bullet" step="5 ms" gravity="0 0 -9.81" duration="3600 s"/>
   <plane name="floor"/>
   <box name="crate" size="40 40 40 cm" mass="3 kg" xyz="0 0 1.2" rpy="10 20 30 deg"/>
   <sphere name="ball" radius="10 cm" mass="1 kg" xyz="0.1 0 3"/>
