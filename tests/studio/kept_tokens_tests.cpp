@@ -145,11 +145,11 @@ TEST_CASE("a folder of tokens that others look into is closed", "[studio][token]
 TEST_CASE("a server started anew at its port takes the cookie of before", "[studio][server]") {
   const Folder folder;
   ServerOptions options;
+  options.port = own_port();
   options.tokens = folder.folder().string();
   std::string cookie, viewer;
   {
     Served first(options);
-    options.port = first.port;
     cookie = first.operator_cookie;
     viewer = first.viewer_cookie;
     CHECK(SocketClient(first.port, cookie).status() == 101);
@@ -186,11 +186,11 @@ TEST_CASE("a server that cannot keep its tokens has new ones", "[studio][server]
   const Folder folder;
   folder.write("cogrsim", "in the way");
   ServerOptions options;
+  options.port = own_port();
   options.tokens = folder.folder().string();
   std::string cookie;
   {
     Served first(options);
-    options.port = first.port;
     cookie = first.operator_cookie;
     CHECK(first.get("/").status == 200);
   }

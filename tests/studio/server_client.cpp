@@ -22,6 +22,24 @@ std::string lower(std::string text) {
 
 }  // namespace
 
+unsigned short own_port() {
+  // Below those that Linux gives away of itself (32768 and above), above those that services like.
+  constexpr int kFirst = 12000, kCount = 20000;
+  static int tried = 0;
+  for (; tried < kCount; ++tried) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    const auto port = static_cast<unsigned short>(kFirst + (::getpid() + tried) % kCount);
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const int probe = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const bool free = ::bind(probe, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+    ::close(probe);
+    if (free) return port;
+  }
+  throw std::runtime_error("no port is free");
+}
+
 RawClient::RawClient(unsigned short port, const std::string& host)
     : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   sockaddr_in address{};

@@ -13,6 +13,10 @@
 
 namespace cogrsim::studio {
 
+/// A port for servers that come and go at one: nobody takes it in between, as the system gives it to nobody
+/// who leaves the choice to it, and tests that run beside this one have others.
+unsigned short own_port();
+
 /// A TCP connection; nothing waits for longer than a minute.
 class RawClient {
  public:

@@ -272,16 +272,15 @@ TEST_CASE("a supervisor pauses the run and play goes on", "[studio][program]") {
 TEST_CASE("a page that is still open finds the studio that was started anew", "[studio][program]") {
   const Room room(scene("0.2 s"));
   std::string cookie;
-  std::vector<std::string> words = {room.file()};
+  const unsigned short port = own_port();
+  const std::vector<std::string> words = {room.file(), "--port", std::to_string(port)};
   {
     StudioProcess first(words, room.home());
     cookie = first.cookie();
     LivePage page(first);
-    words.insert(words.end(), {"--port", std::to_string(first.port())});
     // However it ended.
     CHECK(first.end(GENERATE(false, true)) <= 0);
   }
-  const auto port = static_cast<unsigned short>(std::stoi(words.back()));
   const auto comes_in = [&](const std::vector<std::string>& more) {
     std::vector<std::string> all = words;
     all.insert(all.end(), more.begin(), more.end());
