@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "cogrsim/core/random.h"
+#include "../support/snapshot_sum.h"
 #include "cogrsim/simulation/snapshot_file.h"
 #include "process.h"
 #include "scene_loading.h"
@@ -81,12 +81,6 @@ std::string joined(const std::vector<std::string>& notes) {
   std::string out;
   for (const std::string& note : notes) out += note + "\n";
   return out;
-}
-
-// The sum that SnapshotFile::read() expects of a file with this content.
-std::string checksum_of(const ordered_json& content) {
-  const std::string text = content.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-  return std::to_string(hash_bytes(text.data(), text.size()));
 }
 
 }  // namespace
@@ -413,7 +407,7 @@ TEST_CASE("what a checksum does not find is refused, too", "[sweep][snapshot]") 
   const auto refused = [&](const char* place, const char* value) {
     ordered_json file = good;
     file["content"][ordered_json::json_pointer(place)] = ordered_json::parse(value);
-    file["checksum"] = checksum_of(file["content"]);
+    file["checksum"] = snapshot_sum(file["content"]);
     std::ofstream(folder / "bad.snap", std::ios::trunc) << file.dump();
     const auto snapshot = SnapshotFile::read(folder / "bad.snap");
     if (!snapshot) return snapshot.error().text();
@@ -480,7 +474,7 @@ TEST_CASE("forged snapshots are refused or gone on from", "[sweep][snapshot]") {
       place = values[below(values.size())];
     }
     INFO(before << " became " << place.dump().substr(0, 200) << ", change " << i);
-    file["checksum"] = checksum_of(file["content"]);
+    file["checksum"] = snapshot_sum(file["content"]);
     std::ofstream(folder / "bad.snap", std::ios::trunc) << file.dump();
     const auto snapshot = SnapshotFile::read(folder / "bad.snap");
     if (!snapshot) continue;

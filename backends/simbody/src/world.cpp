@@ -45,11 +45,6 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
   Mechanism& m = engine_->mechanism;
   copy(m.state.getQ(), progress_.start_q);
   copy(m.state.getU(), progress_.start_u);
-  const auto back_to_start = [&] {
-    m.state.updQ() = progress_.start_q;
-    m.state.updU() = progress_.start_u;
-    engine_->stepper.memory.clear();
-  };
   StepResult result;
   try {
     engine_->stepper.advance(dt, drives, progress_.twists);
@@ -58,7 +53,6 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
       result.message = "body '" + progress_.model->bodies[std::size_t(result.body)].name +
                        "' left all bounds (1000 km, 100 km/s)";
   } catch (const std::bad_alloc&) {
-    back_to_start();
     throw;  // no fault of the world's
   } catch (const std::exception& e) {
     result.message = std::string("Simbody: ") + e.what();
@@ -67,7 +61,9 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
   }
   if (result.body >= 0) result.status = StepStatus::diverged;
   if (result.status == StepStatus::diverged) {
-    back_to_start();
+    m.state.updQ() = progress_.start_q;
+    m.state.updU() = progress_.start_u;
+    engine_->stepper.memory.clear();
     return result;
   }
   progress_.reactions_kept = false;

@@ -349,29 +349,26 @@ Json changes_of(const SceneModel& original, const SceneModel& now) {
           {"heightmaps", heightmaps}};
 }
 
-Result<SceneModelPtr> with_changes(const SceneModel& scene, const Json& content,
-                                   std::vector<std::string>& notes) {
+SceneModelPtr with_changes(const SceneModel& scene, const Json& content,
+                           std::vector<std::string>& notes) {
   const Json& changes = content.at("changes");
   auto original = model_from_json(changes.at("original").dump());
   auto then = model_from_json(changes.at("now").dump());
-  const auto damaged = [](const std::string& what) {
-    return fail("the snapshot is damaged: " + what);
-  };
-  if (!original || !then) return damaged("its scene cannot be read");
+  if (!original || !then) throw Damaged("its scene cannot be read");
   // The models' text is without meshes and heightmaps: what came during the run is beside it.
   SceneModel came;
   for (const Json& mesh : changes.at("meshes")) came.meshes.push_back(mesh_from(mesh));
   for (const Json& grid : changes.at("heightmaps")) came.heightmaps.push_back(grid_from(grid));
-  if (auto good = check_model(came); !good) return damaged(good.error().message);
+  if (auto good = check_model(came); !good) throw Damaged(good.error().message);
   if (!put_names(changes.at("mesh_names"), came.meshes, original->meshes, then->meshes) ||
       !put_names(changes.at("heightmap_names"), came.heightmaps, original->heightmaps,
                  then->heightmaps)) {
-    return damaged("shapes have no name");
+    throw Damaged("shapes have no name");
   }
   for (const SceneModel* model : {&*original, &*then}) {
-    if (auto good = check_references(*model); !good) return damaged(good.error().message);
+    if (auto good = check_references(*model); !good) throw Damaged(good.error().message);
   }
-  if (!goes_on_from(*original, *then)) return damaged("what was there at the start is missing");
+  if (!goes_on_from(*original, *then)) throw Damaged("what was there at the start is missing");
   return Rebuilder(scene, *original, *then, content, notes).run();
 }
 

@@ -73,9 +73,9 @@ std::string scene_signature(const SceneModel& model);
 Json changes_of(const SceneModel& original, const SceneModel& now);
 
 /// `scene` with the changes of `changes_of()`, found again by name; bodies stand where `content`
-/// has them. What cannot be found is told in `notes`. Errors: the changes are damaged.
-Result<SceneModelPtr> with_changes(const SceneModel& scene, const Json& content,
-                                   std::vector<std::string>& notes);
+/// has them. What cannot be found is told in `notes`. Throws Damaged.
+SceneModelPtr with_changes(const SceneModel& scene, const Json& content,
+                           std::vector<std::string>& notes);
 
 /// "the body 'a'", "the bodies 'a', 'b' and 3 more".
 std::string listed(const std::string& one, const std::string& many,

@@ -320,9 +320,7 @@ tl::expected<Resumed, std::vector<Diagnostic>> resume(const SnapshotFile& snapsh
       auto plain_run = Simulation::create(scene, options, loader);
       if (!plain_run) return Failure(plain_run.error());
       original = SnapshotAccess::of(**plain_run).original;
-      auto changed = with_changes(*scene, content, resumed.notes);
-      if (!changed) return refuse(changed.error());
-      then = *changed;
+      then = with_changes(*scene, content, resumed.notes);
     }
     auto created = Simulation::create(then, options, loader);
     if (!created) return Failure(created.error());

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "cogrsim/core/random.h"
+#include "../../support/snapshot_sum.h"
 #include "cogrsim/dsl/compiler.h"
 #include "cogrsim/simulation/snapshot_file.h"
 #include "targets.h"
@@ -14,8 +14,7 @@ std::string with_sum(std::string_view input) {
   using Json = nlohmann::ordered_json;
   Json file = Json::parse(input, nullptr, false);
   if (!file.is_object() || !file.contains("content")) return {};
-  const std::string text = file["content"].dump(-1, ' ', false, Json::error_handler_t::replace);
-  file["checksum"] = std::to_string(hash_bytes(text.data(), text.size()));
+  file["checksum"] = snapshot_sum(file["content"]);
   return file.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
