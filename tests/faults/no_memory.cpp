@@ -3,7 +3,7 @@
 //
 //     cogrsim_no_memory BACKEND [--only-steps] [EVERY]
 //
-// --only-steps: not while the world is made. EVERY: only each so manieth, for machines in a hurry.
+// --only-steps: not while the world is made. EVERY: 3 tries every third only, for those in a hurry.
 // Each failure is tried in a process of its own. Exit status 1: some ended otherwise.
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,16 +17,9 @@
 #include <new>
 #include <string>
 
+#include "../support/libc_memory.h"
 #include "cogrsim/dsl/compiler.h"
 #include "cogrsim/simulation/simulation.h"
-
-// What malloc really is, by the names that the C library keeps for those who stand in front of it.
-extern "C" {
-void* __libc_malloc(std::size_t);
-void* __libc_calloc(std::size_t, std::size_t);
-void* __libc_realloc(void*, std::size_t);
-void* __libc_memalign(std::size_t, std::size_t);
-}
 
 namespace {
 
