@@ -1,8 +1,9 @@
 #include "engine.h"
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
-#include <cstdlib>
+#include <cstring>
 #include <mutex>
 #include <new>
 
@@ -16,13 +17,15 @@ void throw_error(int number, const char* format, va_list arguments) {
   throw EngineError("ODE error " + std::to_string(number) + ": " + text);
 }
 
-// ODE itself uses what it is given without a look at it.
-void* given(void* memory) {
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
+// Without the size, which ODE does not promise to be that of the request.
+void release(void* memory, dsizeint) { ::operator delete(memory); }
+
+void* reallocate(void* old, dsizeint old_size, dsizeint size) {
+  void* fresh = ::operator new(size);
+  if (old != nullptr) std::memcpy(fresh, old, std::min(old_size, size));
+  ::operator delete(old);
+  return fresh;
 }
-void* allocate(dsizeint size) { return given(std::malloc(size)); }
-void* reallocate(void* old, dsizeint, dsizeint size) { return given(std::realloc(old, size)); }
 
 // The LCP solver reports singular systems so, and goes on with what it has; whether the result is
 // any good is seen by the step itself.
@@ -40,8 +43,10 @@ struct ThreadData {
 // Of the process, until this library is unloaded: that waits for the data of all threads.
 struct Library {
   Library() {
-    dSetAllocHandler(&allocate);
+    // ODE itself uses what malloc gives without a look at it: these throw.
+    dSetAllocHandler(static_cast<void* (*)(dsizeint)>(::operator new));
     dSetReallocHandler(&reallocate);
+    dSetFreeHandler(&release);
     ready = dInitODE2(dInitFlagManualThreadCleanup) != 0;
     dSetErrorHandler(&throw_error);
     dSetDebugHandler(&throw_error);
