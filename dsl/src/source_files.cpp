@@ -103,10 +103,18 @@ SourceFiles::SourceFiles(const CompileOptions& options, DiagnosticSink& sink)
 SourceFiles::~SourceFiles() = default;
 
 const std::vector<std::string>& SourceFiles::engine_words() const {
-  // It loads all plugins there are, so only scenes that need it pay for it.
-  if (!engine_words_) {
-    engine_words_ = options_.plugins ? options_.plugins->names(PluginKind::backend)
-                                     : std::vector<std::string>();
+  if (engine_words_) return *engine_words_;
+  engine_words_.emplace();
+  if (options_.plugins) {
+    // It loads all plugins there are, so only scenes that need it pay for it.
+    engine_words_ = options_.plugins->names(PluginKind::backend);
+  } else {
+    // Without a catalog the scene itself says which engines it knows.
+    for (const Node* child : documents_.front()->nodes.front().children) {
+      if (child->name != "physics") continue;
+      if (const Attribute* a = child->find("backend")) engine_words_->emplace_back(a->value);
+      for (const Node* block : child->children) engine_words_->emplace_back(block->name);
+    }
   }
   return *engine_words_;
 }
@@ -326,15 +334,6 @@ const Document* SourceFiles::add(std::string name, std::string path, std::string
   }
   document.root = &document.nodes.front();
   if (plain_) return &document;
-  if (!options_.plugins && index == 0) {
-    // Without a catalog the scene itself says which engines it knows.
-    engine_words_.emplace();
-    for (const Node* child : document.root->children) {
-      if (child->name != "physics") continue;
-      if (const Attribute* a = child->find("backend")) engine_words_->emplace_back(a->value);
-      for (const Node* block : child->children) engine_words_->emplace_back(block->name);
-    }
-  }
   check_vocabulary(document, *this, sink_);
   return document.root ? &document : nullptr;
 }

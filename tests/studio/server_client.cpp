@@ -25,8 +25,7 @@ std::string lower(std::string text) {
 unsigned short own_port() {
   // Below those that Linux gives away of itself (32768 and above), above those that services like.
   constexpr int kFirst = 12000, kCount = 20000;
-  static int tried = 0;
-  for (; tried < kCount; ++tried) {
+  for (int tried = 0; tried < kCount; ++tried) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     const auto port = static_cast<unsigned short>(kFirst + (::getpid() + tried) % kCount);

@@ -4,7 +4,7 @@ import { cpSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, dirname, join } from "node:path";
 import { inflateSync } from "node:zlib";
-import { repository, slow_down, StudioServer, test } from "./harness";
+import { repository, StudioServer, test, visit } from "./harness";
 
 /** What is told or answered: JSON of PROTOCOL.md. */
 // eslint-disable-next-line @typescript-eslint/no-explicit-any
@@ -29,13 +29,6 @@ export async function serve(scene: string, words: string[] = [], port = 0): Prom
 export async function dismiss(server: StudioServer): Promise<void> {
   await server.stop();
   rmSync(dirname(server.file), { recursive: true, force: true });
-}
-
-/** Opens the page and waits until it shows a scene. */
-export async function visit(page: Page, server: StudioServer): Promise<void> {
-  await slow_down(page);
-  await page.goto(server.address);
-  await expect(page.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
 }
 
 export interface Shared {

@@ -89,18 +89,21 @@ export const test = base.extend<Fixtures>({
   open: async ({ page }, use) => {
     await use(async (server, other) => {
       const shown = other ?? page;
-      await slow_down(shown);
-      await shown.goto(server.address);
-      await expect(shown.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
+      await visit(shown, server);
       return shown;
     });
   },
 });
 
-/** As on a machine so many times slower: STUDIO_SLOW=4 shows which tests trust in speed. */
-export async function slow_down(page: Page): Promise<void> {
+/**
+ * Opens the page and waits until it shows a scene; with STUDIO_SLOW=4 as on a machine four times slower, which shows
+ * what tests trust in speed.
+ */
+export async function visit(page: Page, server: StudioServer): Promise<void> {
   const rate = Number(process.env.STUDIO_SLOW ?? 1);
   if (rate > 1) await (await page.context().newCDPSession(page)).send("Emulation.setCPUThrottlingRate", { rate });
+  await page.goto(server.address);
+  await expect(page.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
 }
 
 /** Keeps a picture for people to look at. */

@@ -1,7 +1,7 @@
 // Who may come in, on raw sockets; and text from scenes stays text wherever it is shown.
 import { connect } from "node:net";
-import { expect, keep, test, type StudioServer } from "./harness";
-import { dismiss, layout, row, serve, visit } from "./acts";
+import { expect, keep, test, visit, type StudioServer } from "./harness";
+import { dismiss, layout, row, serve } from "./acts";
 
 let server: StudioServer;
 const kEvil = '<img src=x onerror="window.pwned=1">';

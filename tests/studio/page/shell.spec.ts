@@ -1,7 +1,7 @@
 // The window: panels, layouts, keys, roles, and what assistive technology finds in it.
 import axe from "axe-core";
-import { expect, keep, test } from "./harness";
-import { ask, layout, row, shared, until, visit } from "./acts";
+import { expect, keep, test, visit } from "./harness";
+import { ask, layout, row, shared, until } from "./acts";
 
 const kScene = `<scene name="window" version="1">
   <physics backend="bullet" step="5 ms" gravity="0 0 -9.81" duration="3600 s"/>

@@ -4,8 +4,8 @@ import { randomBytes } from "node:crypto";
 import { readFileSync, writeFileSync } from "node:fs";
 import { connect, type Socket } from "node:net";
 import { dirname, join } from "node:path";
-import { expect, keep, program, test, type StudioServer } from "./harness";
-import { ask, dismiss, layout, serve, until, visit } from "./acts";
+import { expect, keep, program, test, visit, type StudioServer } from "./harness";
+import { ask, dismiss, layout, serve, until } from "./acts";
 
 const kScene = `<scene name="watched" version="1">
   <physics backend="bullet" step="5 ms" gravity="0 0 -9.81" duration="3600 s"/>
