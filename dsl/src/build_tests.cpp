@@ -1,9 +1,9 @@
 // What must be true of a run, and what is measured of it.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "build_scene.h"
+#include "cogrsim/dsl/study.h"
 #include "cogrsim/signals/condition.h"
 #include "cogrsim/testing/judge.h"
 
@@ -21,36 +21,6 @@ std::vector<std::string> words_of(const std::string& text) {
     at = end;
   }
   return words;
-}
-
-std::optional<std::uint64_t> seed_of(std::string_view word) {
-  std::uint64_t seed = 0;
-  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
-  if (error != std::errc{} || rest != word.data() + word.size()) return std::nullopt;
-  return seed;
-}
-
-/// "1 .. 5", "1..5", "1 3 7"; empty: not that.
-std::vector<std::uint64_t> seeds_of(std::string text) {
-  const auto dots = text.find("..");
-  if (dots == std::string::npos) {
-    std::vector<std::uint64_t> seeds;
-    for (const std::string& word : words_of(text)) {
-      const auto seed = seed_of(word);
-      if (!seed) return {};
-      seeds.push_back(*seed);
-    }
-    return seeds;
-  }
-  const auto low = words_of(text.substr(0, dots)), high = words_of(text.substr(dots + 2));
-  if (low.size() != 1 || high.size() != 1) return {};
-  const auto first = seed_of(low[0]), last = seed_of(high[0]);
-  if (!first || !last || *last < *first || *last - *first >= kMostSeeds) return {};
-  std::vector<std::uint64_t> seeds;
-  for (std::uint64_t seed = *first;; ++seed) {
-    seeds.push_back(seed);
-    if (seed == *last) return seeds;
-  }
 }
 
 std::optional<ExpectationModel::Kind> kind_of_expectation(std::string_view tag) {
@@ -96,8 +66,10 @@ void Builder::test(const Element& element) {
       fault("CG1105", element, "backends", "'" + test.backends[i] + "' is named twice");
   const auto seeds = r.text("seeds");
   if (seeds.given()) {
-    test.seeds = seeds_of(*seeds);
-    if (test.seeds.empty())
+    auto list = parse_seeds(*seeds);
+    if (list && list->size() <= kMostSeeds)
+      test.seeds = std::move(*list);
+    else
       fault("CG1106", element, "seeds", "'" + *seeds + "' is no list of seeds")
           .help("write seeds=\"1 .. 5\" or seeds=\"1 3 7\", at most 10000");
   }

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "cogrsim/dsl/study.h"
 #include "number_list.h"
@@ -36,6 +37,20 @@ std::vector<std::string_view> entries_of(std::string_view text) {
     begin = i + 1;
   }
   out.push_back(trimmed(text.substr(begin)));
+  return out;
+}
+
+/// "1 3 7", "1 .. 5, 9" with commas for the blanks that separate entries: "1,3,7", "1..5,9".
+std::string with_commas(std::string_view text) {
+  const auto joins = [](std::string_view end) {
+    return end.front() == ',' || end.substr(0, 2) == "..";
+  };
+  std::string out;
+  std::istringstream words{std::string(text)};
+  for (std::string word; words >> word; out += word) {
+    const bool joined = out.empty() || joins(word) || out.back() == ',' || out.back() == '.';
+    if (!joined) out += ',';
+  }
   return out;
 }
 
@@ -191,7 +206,8 @@ Result<std::vector<std::uint64_t>> parse_seeds(std::string_view text) {
   };
   std::vector<std::uint64_t> out;
   std::map<std::uint64_t, std::uint64_t> known;  // ranges so far, from first to last
-  for (const std::string_view entry : entries_of(text)) {
+  const std::string list = with_commas(text);
+  for (const std::string_view entry : entries_of(list)) {
     const auto dots = entry.find("..");
     const auto first = one(trimmed(entry.substr(0, dots)));
     const auto last = dots == std::string_view::npos ? first : one(trimmed(entry.substr(dots + 2)));

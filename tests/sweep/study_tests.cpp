@@ -77,8 +77,12 @@ TEST_CASE("seeds are whole numbers and ranges of them", "[sweep][study]") {
   CHECK(dsl::parse_seeds("5..6,1..4,9,7..8").value() == Seeds{5, 6, 1, 2, 3, 4, 9, 7, 8});
   CHECK(dsl::parse_seeds("18446744073709551615").value() == Seeds{18446744073709551615ull});
   CHECK(dsl::parse_seeds("18446744073709551614..18446744073709551615").value().size() == 2);
-  for (const char* words : {"", "-1", "1.5", "4..1", "1..", "..4", "a", "1,1", "1..3,2", "2,1..3",
-                            "5..9,1..5", "1..900900,20,20", "0..18446744073709551615"}) {
+  CHECK(dsl::parse_seeds("1..5,9").value() == Seeds{1, 2, 3, 4, 5, 9});
+  CHECK(dsl::parse_seeds("1 3 7").value() == Seeds{1, 3, 7});
+  CHECK(dsl::parse_seeds(" 1 .. 3, 9  11\n").value() == Seeds{1, 2, 3, 9, 11});
+  for (const char* words :
+       {"1..5..9", "1,,2", ",1", "1,", "1...3", "", "-1", "1.5", "4..1", "1..", "..4", "a", "1,1",
+        "1..3,2", "2,1..3", "5..9,1..5", "1..900900,20,20", "0..18446744073709551615"}) {
     INFO(words);
     CHECK_FALSE(dsl::parse_seeds(words));
   }
