@@ -64,8 +64,8 @@ void check_backend(const std::string& asked, LoadedScene& scene) {
 
 int check_command(const CheckOptions& options) {
   const bool text = options.format == "text";
-  const bool color = !style_of(STDOUT_FILENO).off.empty();
-  const Style style = style_of(STDOUT_FILENO);
+  const bool color = !style_of(fileno(standard_output())).off.empty();
+  const Style style = style_of(fileno(standard_output()));
   std::vector<Diagnostic> all;
   std::string out;
   std::size_t errors = 0;

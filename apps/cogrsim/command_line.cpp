@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,11 @@
 #include "cogrsim/core/parameter.h"
 #include "new_command.h"
 #include "options.h"
+#include "output_file.h"
 #include "picture_words.h"
 #include "quantities.h"
 #include "recording_words.h"
+#include "refuse.h"
 #include "sweep_command.h"
 #include "terminal.h"
 #include "test_command.h"
@@ -463,6 +466,36 @@ void add_small_ones(CLI::App& app, Words& words, int& status) {
   });
 }
 
+// Of commands that write files.
+void add_output_rules(CLI::App& command) {
+  for (const char* none :
+       {"check", "explain", "schema", "plugins", "list", "pull", "new", "test-case", "run-case"}) {
+    if (command.get_name() == none) return;
+  }
+  command.add_flag_callback("--overwrite", allow_overwriting,
+                            "Outputs may replace files that CogRSim did not write");
+  command
+      .add_option_function<std::string>(
+          "--output-dir",
+          [](const std::string& folder) { setenv("COGRSIM_OUTPUT_DIR", folder.c_str(), 1); },
+          "Folder for what a scene names itself: recordings, learners' tables; default: the "
+          "scene's")
+      ->check(CLI::ExistingDirectory)
+      ->type_name("DIR");
+}
+
+// "--json ''" is a slip of a script, and not "no JSON".
+void refuse_empty_values(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    if (option->get_expected_max() == 0 || option->check_name("--title")) continue;
+    option->check([](const std::string& word) {
+      return word.empty()
+                 ? std::string("its value is empty\nhelp: give a value, or leave the option out")
+                 : std::string();
+    });
+  }
+}
+
 std::string unknown_subcommand(const CLI::App& app, const std::string& word) {
   std::vector<std::string> names;
   std::string list;
@@ -514,6 +547,10 @@ int run_command_line(int argc, char** argv, const std::vector<AddWords>& more) {
   for (const AddWords add : more) add(app, status);
   add_new(app, status);
   add_small_ones(app, words, status);
+  for (CLI::App* command : app.get_subcommands({})) {
+    add_output_rules(*command);
+    refuse_empty_values(*command);
+  }
   app.footer(
       "Examples:\n"
       "  cogrsim check robot.scene.xml\n"
@@ -528,7 +565,10 @@ int run_command_line(int argc, char** argv, const std::vector<AddWords>& more) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {
-    return app.exit(request);  // --help, --version
+    std::ostringstream text;  // --help, --version
+    app.exit(request, text, text);
+    const auto printed = print_output(text.str());
+    return printed ? kGood : refuse(printed.error());
   } catch (const CLI::ParseError& error) {
     const auto chosen = app.get_subcommands();
     const std::string command =

@@ -126,13 +126,15 @@ int deliver(const CompareCommandOptions& options, const CompareReport& report, i
     print_error(done.error().text());
     status = kFailed;
   };
-  if (!options.json.empty()) check(write_output(options.json, json_text(to_json(report))));
+  if (!options.json.empty())
+    check(write_output(options.json, OutputKind::json, json_text(to_json(report))));
   if (!report.result) return status;
-  if (!options.report.empty()) check(write_output(options.report, compare_html(report)));
+  if (!options.report.empty())
+    check(write_output(options.report, OutputKind::html, compare_html(report)));
   if (options.json == "-" || options.report == "-") {
     std::fputs(compare_text(report, options.rows, style_of(STDERR_FILENO)).c_str(), stderr);
   } else {
-    check(print_output(compare_text(report, options.rows, style_of(STDOUT_FILENO))));
+    check(print_output(compare_text(report, options.rows, style_of(fileno(standard_output())))));
   }
   return status;
 }
@@ -140,9 +142,11 @@ int deliver(const CompareCommandOptions& options, const CompareReport& report, i
 }  // namespace
 
 int compare_command(const CompareCommandOptions& options) {
-  for (const std::string& path : {options.json, options.report}) {
+  add_input(options.scene.scene);
+  for (const auto& [path, kind] :
+       {std::pair(options.json, OutputKind::json), std::pair(options.report, OutputKind::html)}) {
     if (path.empty()) continue;
-    if (const auto writable = check_writable(path); !writable) {
+    if (const auto writable = check_writable(path, kind); !writable) {
       return refuse(writable.error());
     }
   }

@@ -71,7 +71,8 @@ Result<std::unique_ptr<Film>> Film::start(const std::string& path, double rate) 
     return fail(fmt::format("a film of {:.6g} pictures a second is more than can be shown", rate),
                 path, "take a larger --every, or a --speed below 1 for slow motion");
   }
-  if (auto writable = check_writable(path); !writable) return tl::unexpected(writable.error());
+  auto file = OutputFile::create(path, OutputKind::film, output_rules());
+  if (!file) return tl::unexpected(file.error());
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return fail(std::string("no pipe: ") + std::strerror(errno));
   char errors_name[] = "/tmp/cogrsim-ffmpeg-XXXXXX";
@@ -83,7 +84,7 @@ Result<std::unique_ptr<Film>> Film::start(const std::string& path, double rate) 
   posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   if (errors >= 0) posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
-  std::vector<std::string> words = arguments(path, rate);
+  std::vector<std::string> words = arguments(file->temporary(), rate);
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -98,7 +99,7 @@ Result<std::unique_ptr<Film>> Film::start(const std::string& path, double rate) 
                 "install the package ffmpeg, or write single pictures (.png)");
   }
   std::signal(SIGPIPE, SIG_IGN);  // a dead ffmpeg is an error of add(), not our end
-  return std::unique_ptr<Film>(new Film(path, process, ends[1], errors));
+  return std::unique_ptr<Film>(new Film(path, std::move(*file), process, ends[1], errors));
 }
 
 Film::~Film() {
@@ -129,7 +130,7 @@ Result<> Film::finish() {
   while (waitpid(process_, &state, 0) < 0 && errno == EINTR) {
   }
   process_ = 0;
-  if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return {};
+  if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return file_.commit();
   std::string said;
   if (errors_ >= 0 && lseek(errors_, 0, SEEK_SET) == 0) {
     char text[1000];

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "cogrsim/core/result.h"
+#include "cogrsim/core/output_file.h"
 
 namespace cogrsim::cli {
 
@@ -32,9 +32,14 @@ class Film {
   Result<> finish();
 
  private:
-  Film(std::string path, pid_t process, int pipe, int errors)
-      : path_(std::move(path)), process_(process), pipe_(pipe), errors_(errors) {}
+  Film(std::string path, OutputFile file, pid_t process, int pipe, int errors)
+      : path_(std::move(path)),
+        file_(std::move(file)),
+        process_(process),
+        pipe_(pipe),
+        errors_(errors) {}
   std::string path_;
+  OutputFile file_;  ///< which ffmpeg fills under its temporary name
   pid_t process_;
   int pipe_;    ///< ffmpeg's input
   int errors_;  ///< a file with what it says

@@ -1,6 +1,8 @@
 // cogrsim info: what is in a recording.
 #include <unistd.h>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -109,12 +111,30 @@ std::string safe_name(const std::string& name) {
   return out.empty() ? "unnamed" : out;
 }
 
+bool holds(const std::filesystem::path& path, const std::string& data) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(path, error)) ||
+      std::filesystem::file_size(path, error) != data.size()) {
+    return false;
+  }
+  std::ifstream in(path, std::ios::binary);
+  return std::string((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>()) ==
+         data;
+}
+
 Result<> extract(const RecordingInfo& info, const std::string& folder) {
+  std::vector<std::pair<std::string, const std::string*>> todo;
   for (const Attachment& file : info.attachments) {
     const std::filesystem::path path = std::filesystem::path(folder) / safe_name(file.name);
+    if (holds(path, file.data)) continue;
     std::error_code error;
     std::filesystem::create_directories(path.parent_path(), error);
-    if (auto done = write_file(path.string(), file.data); !done) return done;
+    if (auto done = check_writable(path.string(), OutputKind::other); !done) return done;
+    todo.push_back({path.string(), &file.data});
+  }
+  // Nothing is written where one file is in the way.
+  for (const auto& [path, data] : todo) {
+    if (auto done = write_output(path, OutputKind::other, *data); !done) return done;
   }
   return {};
 }
@@ -126,14 +146,15 @@ int info_command(const InfoOptions& options) {
   if (!recording) {
     return refuse(recording.error());
   }
+  add_input(options.file);
   const RecordingInfo& info = (*recording)->info();
   if (!options.extract.empty()) {
     if (const auto done = extract(info, options.extract); !done) {
       return refuse(done.error());
     }
   }
-  const std::string text =
-      options.json ? json_text(info_json(info)) : info_text(info, style_of(STDOUT_FILENO));
+  const std::string text = options.json ? json_text(info_json(info))
+                                        : info_text(info, style_of(fileno(standard_output())));
   if (const auto printed = print_output(text); !printed) {
     return refuse(printed.error());
   }

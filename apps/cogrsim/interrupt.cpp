@@ -2,6 +2,9 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdio>
+
+#include <unistd.h>
 
 #include "cogrsim/simulation/simulation.h"
 
@@ -10,10 +13,26 @@ namespace {
 
 // Shared with the signal handler, which reaches nothing but statics.
 std::atomic<bool> g_interrupted{false};
+std::atomic<int> g_signal{0};
 std::atomic<Simulation*> g_watched{nullptr};
 
-void on_signal(int) {
+constexpr unsigned kPatience = 3;  // [s]
+
+// Signals in a row: the handler of the first, of the alarm, none.
+void on_alarm(int) {
+  constexpr char kText[] =
+      "\nerror: interrupted while something did not return: a scene that loads, a controller or an "
+      "engine\n";
+  static_cast<void>(!write(STDERR_FILENO, kText, sizeof kText - 1));
+  const int signal = g_signal.load();
+  std::signal(signal, SIG_DFL);
+  raise(signal);
+}
+
+void on_signal(int signal) {
+  g_signal.store(signal);
   g_interrupted.store(true);
+  alarm(kPatience);
   if (Simulation* simulation = g_watched.load()) simulation->stop();
 }
 
@@ -27,15 +46,34 @@ void catch_interrupts() {
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = on_alarm;
+  sigaction(SIGALRM, &action, nullptr);
 }
 
-bool interrupted() { return g_interrupted.load(); }
+bool interrupted() {
+  if (!g_interrupted.load()) return false;
+  alarm(0);
+  return true;
+}
+
+void forget_interrupt() { g_interrupted.store(false); }
+
+void end_as_interrupted() {
+  if (!interrupted()) return;
+  std::fflush(nullptr);
+  const int signal = g_signal.load();
+  std::signal(signal, SIG_DFL);
+  raise(signal);
+}
 
 InterruptStops::InterruptStops(Simulation& simulation) {
   g_watched.store(&simulation);
   if (interrupted()) simulation.stop();
 }
 
-InterruptStops::~InterruptStops() { g_watched.store(nullptr); }
+InterruptStops::~InterruptStops() {
+  g_watched.store(nullptr);
+  static_cast<void>(interrupted());
+}
 
 }  // namespace cogrsim::cli

@@ -8,9 +8,16 @@ class Simulation;
 namespace cogrsim::cli {
 
 /// From now on SIGINT and SIGTERM are noted, and stop the watched simulation; after the first the
-/// signals have their usual effect again.
+/// signals have their usual effect again. Who does not ask interrupted() within 3 s after it, such
+/// as a scene that loads or a controller that does not return, is ended.
 void catch_interrupts();
+/// Asked by long work, which then ends and writes what there is.
 bool interrupted();
+/// For commands that an interrupt ends as usual: they exit with their own status.
+void forget_interrupt();
+/// Ends the process by the signal that interrupted it, so that shell loops end; returns if there
+/// was none.
+void end_as_interrupted();
 
 /// While it lives, an interrupt stops `simulation`. One at a time.
 class InterruptStops {

@@ -2,11 +2,14 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <system_error>
 
 #include "command_line.h"
+#include "interrupt.h"
+#include "output_file.h"
 
 namespace {
 
@@ -39,6 +42,18 @@ int tell_exception() {
   return 1;
 }
 
+bool g_at_its_end = false;
+
+/// A plugin or a library has called exit(): what was asked for has not been done.
+void end_by_others() {
+  if (g_at_its_end) return;
+  tell(
+      "error: a plugin or a library called exit() before the work was done; a controller's own "
+      "process keeps that to itself: isolation=\"process\"\n");
+  std::fflush(nullptr);
+  _exit(1);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -58,8 +73,14 @@ int main(int argc, char** argv) {
     _exit(status);
   });
   try {
-    return cogrsim::cli::run_command_line(argc, argv, cogrsim::cli::more_words());
+    cogrsim::cli::claim_standard_output();
+    std::atexit(end_by_others);
+    const int status = cogrsim::cli::run_command_line(argc, argv, cogrsim::cli::more_words());
+    cogrsim::cli::end_as_interrupted();
+    g_at_its_end = true;
+    return status;
   } catch (...) {
+    g_at_its_end = true;
     return tell_exception();
   }
 }

@@ -11,6 +11,7 @@
 #include "frames.h"
 #include "options.h"
 #include "output_file.h"
+#include "picture_file.h"
 #include "refuse.h"
 #include "terminal.h"
 #include "trails.h"
@@ -51,7 +52,7 @@ int draw_one(Job& job) {
   job.drawing.trails = trails->trails();
   job.drawing.title = title_of(job.source, (*frame)->time);
   if (job.options.rays) job.drawing.rays = sensor_rays(**frame);
-  if (auto done = draw_map(**frame, job.drawing, job.options.output); !done) {
+  if (auto done = draw_map(**frame, job.drawing, job.options.output, output_rules()); !done) {
     return refuse(done.error());
   }
   return kGood;
@@ -106,7 +107,9 @@ int map_command(const MapCommandOptions& options) {
     print_error("--every is for films\nhelp: end the name with .gif, .mp4 or .webm");
     return kWrongUsage;
   }
-  if (auto writable = check_writable(options.output); !writable) return refuse(writable.error());
+  add_input(options.source.source.scene);
+  if (auto writable = check_writable(options.output, kind_of_picture(options.output)); !writable)
+    return refuse(writable.error());
   int status = kGood;
   const auto source = FrameSource::open(options.source, status);
   if (!source) return status;

@@ -129,7 +129,8 @@ Result<> make_project(const fs::path& folder, const std::vector<ProjectFile>& fi
     return tl::unexpected(std::move(problem));
   };
   for (const ProjectFile& file : files) {
-    if (auto written = write_output((draft / file.name).string(), file.text); !written) {
+    if (auto written = write_output((draft / file.name).string(), OutputKind::other, file.text);
+        !written) {
       return give_up(written.error());
     }
   }
@@ -152,7 +153,7 @@ std::string plugin_in_the_way(const std::string& name, const std::vector<std::st
 
 std::string success_text(const NewOptions& options, const fs::path& folder,
                          const std::vector<ProjectFile>& files, const std::string& prefix) {
-  const Style style = style_of(STDOUT_FILENO);
+  const Style style = style_of(fileno(standard_output()));
   std::string text = fmt::format("{}{}{} is a {} of yours:\n", style.bold, folder.string(),
                                  style.off, options.kind);
   for (const ProjectFile& file : files) text += "  " + file.name + "\n";

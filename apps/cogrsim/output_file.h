@@ -1,19 +1,35 @@
-// Writes results whole or not at all.
+// Outputs of a command: sdk's one rule for files (cogrsim/core/output_file.h) with what this command
+// line said, and the standard output.
 #pragma once
 
+#include <cstdio>
 #include <string>
 
-#include "cogrsim/core/result.h"
+#include "cogrsim/core/output_file.h"
 
 namespace cogrsim::cli {
 
-/// Whether a file of this name could be written, asked before a long run starts. "-" is stdout.
-/// Errors: its folder is missing or not writable, it is a folder, it may not be replaced.
-Result<> check_writable(const std::string& path);
+/// `--overwrite` was given.
+void allow_overwriting();
+/// No output of this command may be this file. From any thread.
+void add_input(const std::string& path);
+/// What this command's outputs may replace.
+OutputRules output_rules();
+/// The same for outputs that a scene names: inside `folder`.
+OutputRules scene_rules(const std::string& folder);
 
-/// Writes `text` to a new file beside `path` and renames it; a device or pipe is written directly;
-/// "-" is stdout. Errors: as check_writable, disk full; `path` is then as it was.
-Result<> write_output(const std::string& path, const std::string& text);
+/// Whether a file of this name could be written, asked before a long run starts. "-" is stdout.
+Result<> check_writable(const std::string& path, OutputKind kind);
+
+/// Writes `text` whole or not at all; "-" is stdout. Errors: as check_writable, disk full; `path` is
+/// then as it was.
+Result<> write_output(const std::string& path, OutputKind kind, const std::string& text);
+
+/// Keeps the standard output for this program's own results: what plugins and engines print there
+/// goes to the standard error from now on. Called once, before the first plugin is loaded.
+void claim_standard_output();
+/// Where results are printed; its descriptor tells whether that is a terminal.
+std::FILE* standard_output();
 
 /// Prints to stdout and makes sure it arrived.
 Result<> print_output(const std::string& text);

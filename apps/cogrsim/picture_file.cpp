@@ -71,4 +71,12 @@ bool has_ending(const std::string& name, std::initializer_list<const char*> endi
   return std::any_of(endings.begin(), endings.end(), [&](const char* e) { return ending == e; });
 }
 
+OutputKind kind_of_picture(const std::string& name) {
+  if (has_ending(name, {".gif", ".mp4", ".webm"})) return OutputKind::film;
+  if (has_ending(name, {".jpg", ".jpeg"})) return OutputKind::jpeg;
+  if (has_ending(name, {".svg"})) return OutputKind::svg;
+  if (has_ending(name, {".pdf"})) return OutputKind::pdf;
+  return OutputKind::png;
+}
+
 }  // namespace cogrsim::cli

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <string>
 
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/rendering/renderer.h"
 
 namespace cogrsim::cli {
@@ -21,5 +22,7 @@ std::string segmentation_legend(const SceneModel& model, const Picture& picture)
 
 /// Whether a name ends so, in upper or lower case.
 bool has_ending(const std::string& name, std::initializer_list<const char*> endings);
+/// What a picture or film of this name holds.
+OutputKind kind_of_picture(const std::string& name);
 
 }  // namespace cogrsim::cli

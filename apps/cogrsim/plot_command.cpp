@@ -11,6 +11,7 @@
 #include "cogrsim/figures/plot_sampler.h"
 #include "cogrsim/recording/recording.h"
 #include "options.h"
+#include "output_file.h"
 #include "plots.h"
 #include "refuse.h"
 #include "result_table.h"
@@ -186,6 +187,7 @@ int draw_all(const PlotCommandOptions& options, const std::vector<Run>& runs) {
 }  // namespace
 
 int plot_command(const PlotCommandOptions& options) {
+  for (const std::string& file : options.files) add_input(file);
   if (std::any_of(options.files.begin(), options.files.end(), is_result_table))
     return plot_table(options);
   if (!options.by.empty())

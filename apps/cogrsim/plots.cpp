@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/figures/draw.h"
+#include "output_file.h"
 #include "terminal.h"
 
 namespace cogrsim::cli {
@@ -36,7 +37,9 @@ bool is_picture(const std::string& path) {
 }
 
 Result<> draw_and_tell(const figures::Figure& figure, const std::string& path) {
-  const auto files = figures::draw(figure, path);
+  figures::DrawOptions options;
+  options.rules = output_rules();
+  const auto files = figures::draw(figure, path, options);
   if (!files) return tl::unexpected(files.error());
   std::fprintf(stderr, "%s\n", printable(files->front()).c_str());
   return {};

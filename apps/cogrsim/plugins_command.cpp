@@ -214,8 +214,9 @@ Json to_json(const Inventory& inventory) {
 
 int plugins_command(const PluginsOptions& options) {
   const Inventory inventory = take_inventory(options.plugin_paths);
-  const std::string text = options.json ? json_text(to_json(inventory))
-                                        : inventory_text(inventory, style_of(STDOUT_FILENO));
+  const std::string text = options.json
+                               ? json_text(to_json(inventory))
+                               : inventory_text(inventory, style_of(fileno(standard_output())));
   if (const auto printed = print_output(text); !printed) {
     return refuse(printed.error());
   }

@@ -4,12 +4,14 @@
 #include <fstream>
 #include <iterator>
 
+#include "output_file.h"
+
 namespace cogrsim::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-// "scenes/maze.scene.xml" -> "maze.mcap", in the folder the program was started in.
+// "scenes/maze.scene.xml" -> "maze.mcap"
 std::string default_file(const std::string& scene) {
   std::string name = fs::path(scene).filename().string();
   const std::string ending = ".scene.xml";
@@ -28,18 +30,26 @@ bool wants_recording(const SceneModel& model, const RunOptions& options) {
   return !options.record.empty() || model.record.has_value();
 }
 
-RecorderOptions recorder_options(const SceneModel& model, const RunOptions& options) {
+Result<RecorderOptions> recorder_options(const SceneModel& model, const RunOptions& options) {
   RecorderOptions out;
   const RecordModel choices = model.record.value_or(RecordModel());
-  out.path = !options.record.empty() ? options.record
-             : !choices.file.empty() ? choices.file
-                                     : default_file(options.scene.scene);
+  const fs::path folder = fs::path(options.scene.scene).parent_path();
+  if (!options.record.empty()) {
+    out.path = options.record;
+    out.rules = output_rules();
+  } else {
+    const std::string outputs = output_folder(folder.string());
+    const auto place =
+        output_in(outputs, choices.file.empty() ? default_file(options.scene.scene) : choices.file);
+    if (!place) return tl::unexpected(place.error());
+    out.path = *place;
+    out.rules = scene_rules(outputs);
+  }
   out.every = choices.every;
   out.contacts = choices.contacts;
   out.images = choices.images;
   out.jpeg = choices.jpeg;
   out.parameters = options.scene.set;
-  const fs::path folder = fs::path(options.scene.scene).parent_path();
   for (const std::string& file : model.files) {
     std::ifstream in(file, std::ios::binary);
     if (!in) continue;

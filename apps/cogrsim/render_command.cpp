@@ -139,7 +139,11 @@ int one_picture(Studio& studio) {
   if (!picture) return refuse(picture.error());
   auto bytes = file_of(studio, *picture);
   if (!bytes) return refuse(bytes.error());
-  if (auto done = write_file(studio.options.output, *bytes); !done) return refuse(done.error());
+  if (auto done =
+          write_output(studio.options.output, kind_of_picture(studio.options.output), *bytes);
+      !done) {
+    return refuse(done.error());
+  }
   if (studio.options.segmentation) {
     const auto printed = print_output(segmentation_legend(*(*frame)->model, *picture));
     if (!printed) return refuse(printed.error());
@@ -207,7 +211,9 @@ int render_command(const RenderCommandOptions& options) {
   }
   auto overlays = parse_overlays(options.overlays);
   if (!overlays) return misuse(overlays.error().text());
-  if (auto writable = check_writable(options.output); !writable) return refuse(writable.error());
+  add_input(options.source.source.scene);
+  if (auto writable = check_writable(options.output, kind_of_picture(options.output)); !writable)
+    return refuse(writable.error());
 
   int status = kGood;
   const auto source = FrameSource::open(options.source, status);

@@ -31,31 +31,28 @@ namespace {
 // One JSON document to a line.
 class JsonLines {
  public:
-  explicit JsonLines(const std::string& path) : path_(path) {
-    file_ = path == "-" ? stdout : std::fopen(path.c_str(), "wb");
-    if (file_ == nullptr) problem_ = std::strerror(errno);
-  }
-  ~JsonLines() {
-    if (file_ != nullptr && file_ != stdout) std::fclose(file_);
+  static Result<JsonLines> create(const std::string& path) {
+    JsonLines lines;
+    if (path == "-") return lines;
+    auto file = OutputFile::create(path, OutputKind::json, output_rules());
+    if (!file) return tl::unexpected(file.error());
+    lines.file_.emplace(std::move(*file));
+    return lines;
   }
   void add(const Json& json) {
-    if (file_ == nullptr || !problem_.empty()) return;
+    if (!done_) return;
     const std::string line = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-    if (std::fwrite(line.data(), 1, line.size(), file_) != line.size()) {
-      problem_ = std::strerror(errno);
-    }
+    done_ =
+        !file_ ? print_output(line) : file_->append(first_ ? marked(OutputKind::json, line) : line);
+    first_ = false;
   }
-  Result<> finish() {
-    if (file_ != nullptr && std::fflush(file_) != 0 && problem_.empty()) {
-      problem_ = std::strerror(errno);
-    }
-    if (!problem_.empty()) return fail(fmt::format("cannot write '{}': {}", path_, problem_));
-    return {};
-  }
+  Result<> finish() { return done_ && file_ ? file_->commit() : done_; }
 
  private:
-  std::string path_, problem_;
-  std::FILE* file_ = nullptr;
+  JsonLines() = default;
+  std::optional<OutputFile> file_;  // empty: the standard output
+  Result<> done_;
+  bool first_ = true;
 };
 
 bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
@@ -152,8 +149,9 @@ Result<> save(Gallery& gallery, const Picture& picture, const std::string& name,
   const auto put = [&](const char* part, const Result<std::string>& bytes) -> Result<> {
     if (!bytes) return tl::unexpected(bytes.error());
     ++gallery.pictures;
-    return write_file(fmt::format("{}/{}_{:06}{}.png", gallery.options.output, name, number, part),
-                      *bytes);
+    return write_output(
+        fmt::format("{}/{}_{:06}{}.png", gallery.options.output, name, number, part),
+        OutputKind::png, *bytes);
   };
   Result<> done;
   if (!picture.color.data.empty()) done = put("", encode_png(picture.color));
@@ -286,6 +284,7 @@ Result<> each_frame(Recording& recording, const ReplayOptions& options, PluginLo
     return recording.recompute(loader, [&](const Frame& frame) {
       if (!options.at || index == wanted) visit(frame);
       ++index;
+      return !interrupted();
     });
   }
   const std::size_t first = options.at ? recording.index_at(*options.at) : 0;
@@ -304,8 +303,9 @@ Result<> numbers(Recording& recording, const ReplayOptions& options, PluginLoade
   };
   std::optional<JsonLines> lines;
   if (!options.json.empty()) {
-    if (auto writable = check_writable(options.json); !writable) return writable;
-    lines.emplace(options.json);
+    auto created = JsonLines::create(options.json);
+    if (!created) return tl::unexpected(created.error());
+    lines.emplace(std::move(*created));
   }
   std::unique_ptr<ReplayTables> tables;
   if (!options.csv.empty()) {
@@ -317,6 +317,8 @@ Result<> numbers(Recording& recording, const ReplayOptions& options, PluginLoade
     if (lines) lines->add(frame_json(frame, channels));
     if (tables) tables->add(frame, channels);
   });
+  // Part of a run would pass for all of it.
+  if (interrupted()) return fail("interrupted: nothing was written");
   if (done && lines) done = lines->finish();
   if (done && tables) done = tables->finish();
   return done;
@@ -326,6 +328,7 @@ Result<> numbers(Recording& recording, const ReplayOptions& options, PluginLoade
 
 int replay_command(const ReplayOptions& options) {
   catch_interrupts();
+  add_input(options.file);
   const auto opened = Recording::open(options.file);
   if (!opened) {
     return refuse(opened.error());
@@ -345,7 +348,11 @@ int replay_command(const ReplayOptions& options) {
   int status = kGood;
   if (done && options.verify) {
     Verification verification(recording);
-    done = recording.recompute(loader, [&](const Frame& frame) { verification.compare(frame); });
+    done = recording.recompute(loader, [&](const Frame& frame) {
+      verification.compare(frame);
+      return !interrupted();
+    });
+    if (interrupted()) done = fail("interrupted: the readings are not verified");
     if (done) status = verification.tell();
   }
   if (!done) {

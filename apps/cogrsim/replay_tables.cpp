@@ -1,11 +1,11 @@
 #include "replay_tables.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 
 #include <fmt/format.h>
+
+#include "output_file.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -34,10 +34,6 @@ std::string number_at(const std::vector<double>& values, int index, int count, i
 
 }  // namespace
 
-ReplayTables::File::~File() {
-  if (file != nullptr) std::fclose(file);
-}
-
 Result<std::unique_ptr<ReplayTables>> ReplayTables::create(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -55,11 +51,13 @@ ReplayTables::File* ReplayTables::table(const std::string& name, const std::stri
     std::string file = name;
     std::replace(file.begin(), file.end(), '/', '_');
     const std::string path = folder_ + "/" + file + ".csv";
-    slot->file = std::fopen(path.c_str(), "wb");
-    if (slot->file == nullptr && problem_.empty()) {
-      problem_ = fmt::format("cannot write '{}': {}", path, std::strerror(errno));
+    auto created = OutputFile::create(path, OutputKind::csv, output_rules());
+    if (created) {
+      slot->file.emplace(std::move(*created));
+      note(slot->file->append(head + "\n"));
+    } else {
+      note(tl::unexpected(created.error()));
     }
-    if (slot->file != nullptr) std::fputs((head + "\n").c_str(), slot->file);
   }
   return slot.get();
 }
@@ -68,8 +66,8 @@ void ReplayTables::add(const Frame& frame, const ChannelsOf& channels) {
   const SceneModel& model = *frame.model;
   const WorldState& state = frame.state;
   const std::string when = fmt::format("{:.17g},", frame.time);
-  const auto row = [](File* to, const std::string& text) {
-    if (to->file != nullptr) std::fputs((text + "\n").c_str(), to->file);
+  const auto row = [this](File* to, const std::string& text) {
+    if (to->file && problem_) note(to->file->append(text + "\n"));
   };
   File* const bodies = table("bodies",
                              "time [s],body,x [m],y [m],z [m],qw,qx,qy,qz,vx [m/s],vy [m/s],"
@@ -121,18 +119,15 @@ void ReplayTables::add(const Frame& frame, const ChannelsOf& channels) {
   }
 }
 
+void ReplayTables::note(const Result<>& done) {
+  if (problem_ && !done) problem_ = done;
+}
+
 Result<> ReplayTables::finish() {
   for (auto& [name, slot] : files_) {
-    if (slot->file == nullptr) continue;
-    const bool good = std::ferror(slot->file) == 0;
-    const bool closed = std::fclose(slot->file) == 0;
-    slot->file = nullptr;
-    if ((!good || !closed) && problem_.empty()) {
-      problem_ = fmt::format("cannot write '{}/{}.csv': {}", folder_, name, std::strerror(errno));
-    }
+    if (problem_ && slot->file) note(slot->file->commit());
   }
-  if (!problem_.empty()) return fail(problem_);
-  return {};
+  return problem_;
 }
 
 }  // namespace cogrsim::cli

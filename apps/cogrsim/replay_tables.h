@@ -1,12 +1,12 @@
 // A run as tables: bodies.csv, joints.csv, contacts.csv and one per sensor.
 #pragma once
 
-#include <cstdio>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
-#include "cogrsim/core/result.h"
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/physics/frame.h"
 #include "frame_json.h"
 
@@ -20,22 +20,22 @@ class ReplayTables {
   /// A row for every body, joint coordinate, contact and new reading. Numbers have 17 significant
   /// digits, so that reading them gives the same bits.
   void add(const Frame& frame, const ChannelsOf& channels);
-  /// Errors: the disk is full.
+  /// The tables take their places. Errors: the disk is full, or a file is in the way.
   Result<> finish();
 
  private:
   struct File {
-    std::FILE* file = nullptr;
+    std::optional<OutputFile> file;
     std::uint64_t sequence = 0;  // of the reading written last
-    ~File();
   };
 
   explicit ReplayTables(std::string folder) : folder_(std::move(folder)) {}
+  void note(const Result<>& done);
   File* table(const std::string& name, const std::string& head);
 
   std::string folder_;
   std::map<std::string, std::unique_ptr<File>> files_;
-  std::string problem_;
+  Result<> problem_;
 };
 
 }  // namespace cogrsim::cli

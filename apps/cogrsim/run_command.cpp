@@ -78,7 +78,8 @@ RunStatus run_and_save(const RunOptions& options, Simulation& simulation, double
                                                     : "ended at " + time_text(simulation.time()))));
       continue;
     }
-    if (const auto kept = write_snapshot(simulation, save.file, options.scene.set); !kept) {
+    if (const auto kept = write_snapshot(simulation, save.file, options.scene.set, output_rules());
+        !kept) {
       complain(kept.error());
     }
   }
@@ -94,7 +95,9 @@ bool good(RunStatus status) {
 // Writes JSON and summary; `status` is the exit status unless writing fails.
 int deliver(const RunOptions& options, const RunResult& result, int status) {
   if (!options.json.empty()) {
-    if (const auto written = write_output(options.json, json_text(to_json(result))); !written) {
+    if (const auto written =
+            write_output(options.json, OutputKind::json, json_text(to_json(result)));
+        !written) {
       return refuse(written.error());
     }
   }
@@ -103,7 +106,8 @@ int deliver(const RunOptions& options, const RunResult& result, int status) {
     std::fputs(summary_text(result, style_of(STDERR_FILENO)).c_str(), stderr);
     return status;
   }
-  if (const auto printed = print_output(summary_text(result, style_of(STDOUT_FILENO))); !printed) {
+  if (const auto printed = print_output(summary_text(result, style_of(fileno(standard_output()))));
+      !printed) {
     return refuse(printed.error());
   }
   return status;
@@ -134,8 +138,10 @@ int run_command(const RunOptions& options) { return run_command(options, nullptr
 
 int run_command(const RunOptions& given, WatchLink* watcher) {
   RunOptions options = given;
+  add_input(options.scene.scene);
+  if (!options.from.empty()) add_input(options.from);
   if (!options.json.empty()) {
-    if (const auto writable = check_writable(options.json); !writable) {
+    if (const auto writable = check_writable(options.json, OutputKind::json); !writable) {
       return refuse(writable.error());
     }
   }
@@ -177,7 +183,7 @@ int run_command(const RunOptions& given, WatchLink* watcher) {
   settings.seed = options.scene.seed;
   settings.speed = options.speed;
   for (const RunOptions::Save& save : options.saves) {
-    if (const auto writable = check_writable(save.file); !writable) {
+    if (const auto writable = check_writable(save.file, OutputKind::snapshot); !writable) {
       print_error(writable.error().text());
       return deliver(options, result, kFailed);
     }
@@ -204,7 +210,9 @@ int run_command(const RunOptions& given, WatchLink* watcher) {
 
   std::unique_ptr<Recorder> recorder;
   if (wants_recording(*scene.model, options)) {
-    auto started = Recorder::start(simulation, recorder_options(*scene.model, options));
+    auto recording = recorder_options(*scene.model, options);
+    auto started = recording ? Recorder::start(simulation, std::move(*recording))
+                             : tl::unexpected(recording.error());
     if (!started) {
       print_error(started.error().text());
       result.diagnostics.push_back(to_diagnostic(started.error()));
@@ -250,7 +258,7 @@ int run_command(const RunOptions& given, WatchLink* watcher) {
   RunStatus status = RunStatus::running;
   Progress progress(result.backend, duration);
   // With --json - the standard output is JSON alone.
-  std::FILE* const told = options.json == "-" ? stderr : stdout;
+  std::FILE* const told = options.json == "-" ? stderr : standard_output();
   Narrator narrator(simulation, progress, options.events ? told : nullptr, !options.json.empty());
   {
     const InterruptStops stops(simulation);

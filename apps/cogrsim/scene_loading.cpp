@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "output_file.h"
 #include "plugin_catalog.h"
 #include "terminal.h"
 
@@ -54,6 +55,7 @@ LoadedScene load_scene(const SceneOptions& options) {
   scene.model = std::move(result.model);
   scene.diagnostics = std::move(result.diagnostics);
   scene.files_read = std::move(result.files_read);
+  for (const std::string& file : scene.files_read) add_input(file);
   return scene;
 }
 

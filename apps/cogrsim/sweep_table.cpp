@@ -105,11 +105,26 @@ Result<SweepTable> SweepTable::open(const SweepPlan& plan) {
     return fail(fmt::format("another sweep is writing to '{}'", table.folder_), "",
                 "wait for it, or give another folder with -o");
   }
+  for (const char* name : {kTableName, kCsvName}) {
+    const std::string path = (fs::path(table.folder_) / name).string();
+    const OutputKind kind = name == kCsvName ? OutputKind::csv : OutputKind::study;
+    if (auto allowed = check_writable(path, kind); !allowed) return tl::unexpected(allowed.error());
+  }
   const bool there = fs::exists(table.path_);
   if (sqlite3_open(table.path_.c_str(), &table.db_) != SQLITE_OK) {
     return fail(fmt::format("cannot open '{}': {}", table.path_, sqlite3_errmsg(table.db_)));
   }
   sqlite3_busy_timeout(table.db_, 5000);
+  // A database of something else is left as it is.
+  if (there) {
+    Statement foreign(table.db_,
+                      "SELECT (SELECT count(*) FROM sqlite_master) > 0 AND NOT EXISTS "
+                      "(SELECT 1 FROM sqlite_master WHERE name = 'study')");
+    if (!foreign || !foreign.row() || foreign.integer(0) != 0) {
+      return fail(fmt::format("'{}' is no table of a study", table.path_), "",
+                  "choose another folder with -o");
+    }
+  }
   // Written ahead: readers never wait for the writer, nor it for them.
   if (auto good = table.execute("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL"); !good) {
     return tl::unexpected(good.error());
@@ -368,7 +383,7 @@ Result<> SweepTable::write_csv() const {
     csv += "\n";
   }
   if (!rows.done()) return fail(fmt::format("'{}': {}", path_, rows.error()));
-  return write_output((fs::path(folder_) / kCsvName).string(), csv);
+  return write_output((fs::path(folder_) / kCsvName).string(), OutputKind::csv, csv);
 }
 
 }  // namespace cogrsim::cli

@@ -2,13 +2,13 @@
 
 #include <unistd.h>
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "cogrsim/dsl/study.h"
 #include "interrupt.h"
 #include "options.h"
 #include "output_file.h"
@@ -142,51 +142,14 @@ void show(const TestCase& one, const TestCommandOptions& options, const Style& s
                                  good ? "ok  " : "FAIL", style.off, printable(one.scene),
                                  printable(one.title()), elapsed_text(one.wall_time));
   text += printable(errors_text(one) + failure_text(one, options));
-  std::fputs(text.c_str(), stdout);
-  std::fflush(stdout);
+  static_cast<void>(print_output(text));
 }
 
 }  // namespace
 
-Result<std::vector<std::uint64_t>> seeds_from(const std::string& text) {
-  const auto number = [](std::string_view word) -> std::optional<std::uint64_t> {
-    std::uint64_t seed = 0;
-    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
-    if (error != std::errc{} || rest != word.data() + word.size()) return std::nullopt;
-    return seed;
-  };
-  const auto wrong = [&] {
-    return fail(fmt::format("'{}' is no list of seeds", text), "",
-                "write 1..5, or 1,3,7 (at most 100000)");
-  };
-  std::string words = text;
-  std::replace(words.begin(), words.end(), ' ', ',');
-  std::vector<std::uint64_t> seeds;
-  if (const auto dots = words.find(".."); dots != std::string::npos) {
-    words.erase(std::remove(words.begin(), words.end(), ','), words.end());
-    const auto at = words.find("..");
-    const auto low = number(std::string_view(words).substr(0, at)),
-               high = number(std::string_view(words).substr(at + 2));
-    if (!low || !high || *high < *low || *high - *low >= kMostSeeds) return wrong();
-    for (std::uint64_t seed = *low; seed - *low <= *high - *low; ++seed) {
-      seeds.push_back(seed);
-      if (seed == *high) break;
-    }
-    return seeds;
-  }
-  for (const std::string& word : split(words, ',')) {
-    if (word.empty()) continue;
-    const auto seed = number(word);
-    if (!seed) return wrong();
-    seeds.push_back(*seed);
-  }
-  if (seeds.empty()) return wrong();
-  return seeds;
-}
-
 int test_command(const TestCommandOptions& options) {
   if (!options.junit.empty()) {
-    if (const auto writable = check_writable(options.junit); !writable) {
+    if (const auto writable = check_writable(options.junit, OutputKind::xml); !writable) {
       return refuse(writable.error());
     }
   }
@@ -204,8 +167,9 @@ int test_command(const TestCommandOptions& options) {
     return kFailed;
   }
   std::error_code ignored;
-  fs::create_directories(options.out, ignored);
-  if (!fs::is_directory(options.out, ignored) || access(options.out.c_str(), W_OK) != 0) {
+  if (!options.out.empty()) fs::create_directories(options.out, ignored);
+  if (!options.out.empty() &&
+      (!fs::is_directory(options.out, ignored) || access(options.out.c_str(), W_OK) != 0)) {
     print_error(Error("recordings of what fails cannot be kept in '" + options.out + "'", "",
                       "name another folder with --out")
                     .text());
@@ -217,7 +181,7 @@ int test_command(const TestCommandOptions& options) {
   for (const TestCase& one : cases)
     if (one.result.is_null()) open.push_back(one);
   const bool text = options.format == "text";
-  const Style style = style_of(STDOUT_FILENO);
+  const Style style = style_of(fileno(standard_output()));
   const bool live = is_live_terminal(STDERR_FILENO);
   const auto clear = [&] {
     if (live) std::fputs("\r\033[K", stderr);
@@ -248,14 +212,15 @@ int test_command(const TestCommandOptions& options) {
         std::fflush(stderr);
       });
   clear();
-  if (fs::is_empty(options.out, ignored)) fs::remove(options.out, ignored);
+  if (!options.out.empty() && fs::is_empty(options.out, ignored)) fs::remove(options.out, ignored);
   if (!ran) {
     print_error(ran.error().text());
     if (options.junit.empty()) return kFailed;
     for (TestCase& one : cases) {
       if (one.result.is_null()) one.result = no_result("not run: " + ran.error().text());
     }
-    if (const auto written = write_output(options.junit, junit_text(cases)); !written) {
+    if (const auto written = write_output(options.junit, OutputKind::xml, junit_text(cases));
+        !written) {
       print_error(written.error().text());
     }
     return kFailed;
@@ -263,7 +228,8 @@ int test_command(const TestCommandOptions& options) {
   const auto failed =
       std::count_if(cases.begin(), cases.end(), [](const TestCase& one) { return !one.passed(); });
   if (!options.junit.empty()) {
-    if (const auto written = write_output(options.junit, junit_text(cases)); !written) {
+    if (const auto written = write_output(options.junit, OutputKind::xml, junit_text(cases));
+        !written) {
       return refuse(written.error());
     }
   }
@@ -281,7 +247,7 @@ int test_command(const TestCommandOptions& options) {
 void add_test(CLI::App& app, int& status) {
   struct Words {
     std::vector<std::string> scenes, backends, set, plugin_paths;
-    std::string seeds, filter, junit, format = "text", out = "cogrsim-tests", timeout, fault;
+    std::string seeds, filter, junit, format = "text", out, timeout;
     std::string input, result;
     int jobs = 0;
   };
@@ -304,7 +270,9 @@ void add_test(CLI::App& app, int& status) {
   command.add_option("--format", words->format, "What is printed")
       ->check(CLI::IsMember({"text", "json"}))
       ->type_name("text|json");
-  command.add_option("-o,--out", words->out, "Folder for recordings of what failed")
+  command
+      .add_option("-o,--out", words->out,
+                  "Folder for recordings of what failed; default: none are kept")
       ->type_name("DIR");
   command
       .add_option("--timeout", words->timeout,
@@ -314,7 +282,6 @@ void add_test(CLI::App& app, int& status) {
            "NAME=VALUE");
   add_list(command, "--plugin-path", words->plugin_paths,
            "Folder in which plugins and backends are looked for first; may be repeated", "DIR");
-  command.add_option("--fault", words->fault)->group("");
   command.footer(
       "Examples:\n"
       "  cogrsim test examples\n"
@@ -332,8 +299,10 @@ void add_test(CLI::App& app, int& status) {
         options.backends.push_back(name);
       }
     if (!words->seeds.empty()) {
-      const auto seeds = seeds_from(words->seeds);
+      const auto seeds = dsl::parse_seeds(words->seeds);
       if (!seeds) throw UsageError("--seeds", seeds.error());
+      if (seeds->size() > kMostSeeds)
+        throw UsageError("--seeds", Problem(fmt::format("more than {} seeds", kMostSeeds)));
       options.seeds = *seeds;
     }
     if (!words->timeout.empty()) {
@@ -349,7 +318,6 @@ void add_test(CLI::App& app, int& status) {
     options.format = words->format;
     options.out = words->out;
     options.jobs = words->jobs;
-    options.fault = words->fault;
     status = test_command(options);
   });
   CLI::App& one = *app.add_subcommand("test-case", "One case of `cogrsim test`")->group("");

@@ -30,7 +30,6 @@ struct TestCommandOptions {
   std::string junit;   ///< file
   std::string format = "text";
   std::string out = "cogrsim-tests";  ///< folder of recordings
-  std::string fault;                  ///< of the tests of this command: "crash", "hang"
   int jobs = 0;                       ///< 0: as many as there are processors
   double timeout = 0.0;               ///< of a case, on the clock on the wall [s]; 0: none
 };

@@ -113,14 +113,14 @@ Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& optio
   std::size_t next = 0, told = 0, ended = 0, failed = 0;
   const auto start = [&](std::size_t number) -> Result<> {
     const TestCase& one = cases[number];
-    Json input = {{"scene", one.scene},
-                  {"set", options.set},
-                  {"plugin_paths", options.plugin_paths},
-                  {"test", one.index},
-                  {"backends", one.backends},
-                  {"seed", one.seed ? Json(*one.seed) : Json(nullptr)},
-                  {"recording", (fs::path(options.out) / names[number]).string()},
-                  {"fault", options.fault}};
+    Json input = {
+        {"scene", one.scene},
+        {"set", options.set},
+        {"plugin_paths", options.plugin_paths},
+        {"test", one.index},
+        {"backends", one.backends},
+        {"seed", one.seed ? Json(*one.seed) : Json(nullptr)},
+        {"recording", options.out.empty() ? "" : (fs::path(options.out) / names[number]).string()}};
     const std::string in = place.file(number, "in"), out = place.file(number, "out"),
                       errors = place.file(number, "err");
     std::ofstream(in) << input.dump(-1, ' ', false, Json::error_handler_t::replace);

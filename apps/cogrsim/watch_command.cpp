@@ -35,7 +35,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kInterval(250);  // between looks at the files
 // A run that is told to stop does so at its next step, unless a plugin does not come back.
-constexpr std::chrono::seconds kGrace(3);
+constexpr std::chrono::seconds kGrace(2);  // less than a run has itself, see interrupt.h
 
 // ---- the child's side
 
@@ -315,6 +315,7 @@ int watch_command(const RunOptions& options) {
       // The usual end of a run, in its own time; a second Ctrl-C ends both at once.
       run.tell_to_end();
       run.end(Clock::time_point::max());
+      forget_interrupt();
       return run.status();
     }
     if (run.running()) {

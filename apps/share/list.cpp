@@ -76,7 +76,7 @@ std::string rows_json(const std::vector<Row>& rows) {
 
 std::string rows_text(const std::vector<Row>& rows, const std::string& address) {
   if (rows.empty()) return "there are no packages in " + cli::printable(address) + "\n";
-  const cli::Style style = cli::style_of(STDOUT_FILENO);
+  const cli::Style style = cli::style_of(fileno(cli::standard_output()));
   using Align = cli::TextTable::Align;
   cli::TextTable table({Align::left, Align::left, Align::right, Align::left, Align::left});
   table.row({"name", "version", "size", "author", "about"});

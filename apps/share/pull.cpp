@@ -96,7 +96,7 @@ Result<std::string> download(const PullOptions& options, const std::string& fold
 }
 
 std::string report(const Manifest& manifest, const std::string& folder, bool dry_run) {
-  const cli::Style style = cli::style_of(STDOUT_FILENO);
+  const cli::Style style = cli::style_of(fileno(cli::standard_output()));
   const PackageName& package = manifest.package;
   std::string out = fmt::format(
       "{}{} {}{}: {}, {} files, {}\n", style.bold, package.name, package.version, style.off,

@@ -94,7 +94,7 @@ Result<Packed> pack(const PushOptions& options, const Gathered& gathered, Manife
 }
 
 std::string contents_text(const Entry& entry, const std::vector<std::string>& notes) {
-  const cli::Style style = cli::style_of(STDOUT_FILENO);
+  const cli::Style style = cli::style_of(fileno(cli::standard_output()));
   const Manifest& manifest = entry.manifest;
   std::string out =
       fmt::format("{}{} {}{}: {} files, {}, packed {}\n", style.bold, manifest.package.name,
@@ -177,6 +177,13 @@ Result<std::string> keep(const PushOptions& options, const Packed& packed) {
   fs::path to = options.output;
   if (fs::is_directory(to, error)) {
     to /= packed.entry.manifest.package.stem() + kPackageEnding;
+  }
+  if (options.force) {
+    OutputRules rules;
+    rules.overwrite = true;
+    if (auto allowed = check_output(to.string(), OutputKind::other, rules); !allowed) {
+      return tl::unexpected(allowed.error());
+    }
   }
   const fs::path above = to.parent_path().empty() ? fs::path(".") : to.parent_path();
   auto folder = TemporaryFolder::make(above.string());

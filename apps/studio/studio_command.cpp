@@ -13,6 +13,7 @@
 #include "frames.h"
 #include "kept_tokens.h"
 #include "options.h"
+#include "output_file.h"
 #include "run.h"
 #include "server.h"
 #include "studio.h"
@@ -135,8 +136,9 @@ int studio_command(const StudioOptions& options) {
       std::move(info), std::move(parts), [&run](std::size_t number) { return run->asset(number); },
       **server);
 
-  fmt::print("{}\n", (*server)->address(Role::operator_));
-  std::fflush(stdout);
+  if (auto shown = cli::print_output((*server)->address(Role::operator_) + "\n"); !shown) {
+    return failed(shown.error());
+  }
   fmt::print(stderr, "for those who only look on: {}\n", (*server)->address(Role::viewer));
   if (!is_loopback(options.host)) {
     cli::print_warning(

@@ -1,7 +1,9 @@
 // What a run leaves behind: its recording, plots.
 #include <algorithm>
+#include <filesystem>
 
 #include "build_scene.h"
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/figures/plot_sampler.h"
 #include "cogrsim/signals/signal.h"
 
@@ -129,9 +131,18 @@ void Builder::record(const Element& element) {
   Reader r = reader(element);
   const auto file = r.text("file");
   record.file = *file;
-  if (file.given() && (*file).empty())
+  if (file.given() && (*file).empty()) {
     fault("CG0403", element, "file", "the name of the recording is empty")
         .help("leave 'file' out to name it after the scene");
+  } else if (file.given()) {
+    const auto place = output_in("", *file);
+    if (!place) {
+      fault("CG0403", element, "file", place.error().message).help(place.error().hint);
+    } else if (std::filesystem::path(*file).extension() != ".mcap") {
+      fault("CG0403", element, "file", "a recording's name ends in .mcap")
+          .help("write file=\"" + std::filesystem::path(*file).stem().string() + ".mcap\"");
+    }
+  }
   record.every = *r.number("every");
   record.contacts = *r.boolean("contacts");
   record.images = *r.boolean("images");

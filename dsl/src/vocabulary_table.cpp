@@ -465,21 +465,22 @@ void add_reuse(std::vector<ElementSpec>& out) {
 
 void add_results(std::vector<ElementSpec>& out) {
   const auto group = "Results";
-  out.push_back(element(
-      group, "record",
-      "The run is recorded, to be looked at again: see recording.md. Stands at most once.",
-      {attr("file", Kind::text,
-            "File to write, from the folder the program is started in; named after the scene if "
-            "left out."),
-       at_least(number("every", kTime,
-                       "Time between frames kept; 0: every step. Readings of "
-                       "sensors are all kept.",
-                       "0"),
-                0.0),
-       attr("contacts", Kind::boolean, "Contacts are kept.", "true"),
-       attr("images", Kind::boolean, "Pictures of cameras are kept.", "true"),
-       choice("format", {"png", "jpeg"}, "Of colour pictures: exact, or smaller.", "png")},
-      {}, "<record file=\"run.mcap\" every=\"10 ms\" format=\"jpeg\"/>"));
+  out.push_back(
+      element(group, "record",
+              "The run is recorded, to be looked at again: see recording.md. Stands at most once.",
+              {attr("file", Kind::text,
+                    "File to write, NAME.mcap in the folder of the scene or of --output-dir; named "
+                    "after the scene if "
+                    "left out."),
+               at_least(number("every", kTime,
+                               "Time between frames kept; 0: every step. Readings of "
+                               "sensors are all kept.",
+                               "0"),
+                        0.0),
+               attr("contacts", Kind::boolean, "Contacts are kept.", "true"),
+               attr("images", Kind::boolean, "Pictures of cameras are kept.", "true"),
+               choice("format", {"png", "jpeg"}, "Of colour pictures: exact, or smaller.", "png")},
+              {}, "<record file=\"run.mcap\" every=\"10 ms\" format=\"jpeg\"/>"));
   const Attributes signals = {
       attr("x", Kind::text, "Signal along x; the time if a curve has none."),
       attr("y", Kind::text, "Signal along y; of a box plot the one whose values are boxed."),

@@ -170,30 +170,4 @@ cogrsim::Result<std::string> read_file(const std::string& path) {
   return text;
 }
 
-cogrsim::Result<> write_file(const std::string& path, const std::string& text) {
-  const std::string beside = path + "." + std::to_string(::getpid()) + ".part";
-  const auto failed = [&] {
-    const std::string why = system_text();
-    ::unlink(beside.c_str());
-    return cogrsim::fail("the table cannot be written: " + why, path,
-                         "the folder must be there and writable");
-  };
-  const int file = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) return failed();
-  std::string_view rest = text;
-  while (!rest.empty()) {
-    const ssize_t written = ::write(file, rest.data(), rest.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) {
-      const int error = errno;
-      ::close(file);
-      errno = error;
-      return failed();
-    }
-    rest.remove_prefix(static_cast<std::size_t>(written));
-  }
-  if (::close(file) != 0 || ::rename(beside.c_str(), path.c_str()) != 0) return failed();
-  return {};
-}
-
 }  // namespace algorithms

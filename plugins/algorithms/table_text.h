@@ -37,7 +37,5 @@ cogrsim::Result<ReadTable> read_table(const std::string& learner, const std::str
 
 bool file_exists(const std::string& path);
 cogrsim::Result<std::string> read_file(const std::string& path);
-/// Under another name beside it first, then moved into its place.
-cogrsim::Result<> write_file(const std::string& path, const std::string& text);
 
 }  // namespace algorithms

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/algorithms/learner.h"
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/core/random.h"
 #include "table_text.h"
 
@@ -146,7 +147,8 @@ class Tabular : public cogrsim::Learner {
       return cogrsim::fail("there is no file to save the table in", "",
                            "set the parameter 'table' or name a file");
     }
-    return write_file(path.empty() ? file_ : path, memory());
+    return cogrsim::write_output_file(path.empty() ? file_ : path, cogrsim::OutputKind::learner,
+                                      memory());
   }
 
   cogrsim::Result<> load(const std::string& path) override {

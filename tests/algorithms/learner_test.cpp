@@ -288,7 +288,7 @@ TEST_CASE("a damaged or foreign table is refused by file and line", "[algorithms
   // Files that cannot be read or written.
   CHECK(has(said(learner->load((folder.path / "none.txt").string())), "cannot be read"));
   CHECK(has(said(learner->load(folder.path.string())), "cannot be read"));
-  CHECK(has(said(learner->save((folder.path / "no" / "such.txt").string())), "cannot be written"));
+  CHECK(has(said(learner->save((folder.path / "no" / "such.txt").string())), "cannot write"));
 }
 
 TEST_CASE("learners say what is wrong", "[algorithms][learner]") {

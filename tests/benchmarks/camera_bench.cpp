@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "camera_bench.h"
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/model/builder.h"
 #include "cogrsim/plugin/loader.h"
 #include "cogrsim/rendering/renderer.h"
@@ -118,7 +119,8 @@ double median(std::vector<double> values) {
 
 void keep_picture(const std::string& path, const CameraScene& scene, const CameraRunner& runner) {
   const Image image{scene.width, scene.height, 3, runner.picture()};
-  if (const Result<std::string> png = encode_png(image)) (void)write_file(path, *png);
+  if (const Result<std::string> png = encode_png(image))
+    (void)write_output_file(path, OutputKind::png, *png);
 }
 
 struct Options {

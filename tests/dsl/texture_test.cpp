@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "cogrsim/core/image.h"
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/dsl/compiler.h"
 
 using namespace cogrsim;
@@ -23,8 +24,8 @@ struct Folder {
     Image image;
     image.width = image.height = 2;
     image.data = {255, 0, 0, 0, 255, 0, 0, 0, 255, 9, 9, 9};
-    REQUIRE(write_file((path / "a.png").string(), *encode_png(image)));
-    REQUIRE(write_file((path / "b.jpg").string(), *encode_jpeg(image)));
+    REQUIRE(write_output_file((path / "a.png").string(), OutputKind::png, *encode_png(image)));
+    REQUIRE(write_output_file((path / "b.jpg").string(), OutputKind::jpeg, *encode_jpeg(image)));
   }
   ~Folder() {
     std::error_code fault;

@@ -29,7 +29,7 @@ if [ "$COGRSIM_FAULTS_INSIDE" = yes ]; then
     "compare $scene --duration 0.1s --report disk/report.html"
     "render $scene --at 0.1 -o disk/picture.png"
     "map $scene --at 0.1 -o disk/map.svg"
-    "bundle $scene --duration 0.1s --force -o disk/page.html"
+    "bundle $scene --duration 0.1s -o disk/page.html"
     "plot good.mcap --y ball.z -o disk/figure.json"
     "plot good.mcap --y ball.z -o disk/figure.svg"
     "test $scene --junit disk/junit.xml"
@@ -40,8 +40,7 @@ if [ "$COGRSIM_FAULTS_INSIDE" = yes ]; then
     rm -f disk/*
     echo "what was there" >"$target"
     fill
-    try "$program" "${command[@]}"
-    if [ "${command[0]}" = test ] && grep -q "no tests" err out; then continue; fi
+    try "$program" "${command[@]}" --overwrite
     must_refuse "$words" "${command[*]:0:1} into $target on a full disk"
     [ "$(cat "$target")" = "what was there" ] || wrong "$target was damaged"
     # Nothing half is left beside it.

@@ -110,6 +110,7 @@ TEST_CASE("readings computed again equal those of the run") {
     INFO("frame " << index);
     REQUIRE(difference(*frames.at(index), frame) == "");
     ++index;
+    return true;
   });
   if (!done) UNSCOPED_INFO(done.error().text());
   REQUIRE(done);
@@ -122,7 +123,8 @@ TEST_CASE("contacts that were not kept are not made up") {
   RecorderOptions options = to(folder / "run.mcap");
   options.contacts = false;
   record(*simulation, options, 20);
-  const auto done = opened(folder / "run.mcap")->recompute(*loader(), [](const Frame&) {});
+  const auto done =
+      opened(folder / "run.mcap")->recompute(*loader(), [](const Frame&) { return true; });
   REQUIRE_FALSE(done);
   CHECK(done.error().message.find("a sensor feels contacts") != std::string::npos);
 }
@@ -167,6 +169,7 @@ TEST_CASE("pictures come back, and can be taken again") {
   std::size_t index = 0;
   const auto done = recording->recompute(*loader(), [&](const Frame& frame) {
     REQUIRE(difference(*frames.at(index++), frame) == "");
+    return true;
   });
   CHECK(done);
 }
@@ -190,7 +193,7 @@ TEST_CASE("fewer frames are kept on request, all readings are") {
   for (const RecordingInfo::Topic& topic : recording->info().topics) {
     if (topic.name == "/sensors/robot/imu") CHECK(topic.messages == 205);
   }
-  const auto done = recording->recompute(*loader(), [](const Frame&) {});
+  const auto done = recording->recompute(*loader(), [](const Frame&) { return true; });
   REQUIRE_FALSE(done);
   CHECK(done.error().message.find("not every step was kept") != std::string::npos);
 }

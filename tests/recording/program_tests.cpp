@@ -100,6 +100,6 @@ TEST_CASE("wrong words and files are told") {
   const Outcome folder_is_missing =
       cogrsim_run({"run", kScene, "--backend", "bullet", "--record", folder / "none/run.mcap"});
   CHECK(folder_is_missing.status == 1);
-  CHECK(folder_is_missing.err.find("cannot record to") != std::string::npos);
+  CHECK(folder_is_missing.err.find("cannot write") != std::string::npos);
   CHECK(cogrsim_run({"replay", "--help"}).out.find("Examples:") != std::string::npos);
 }

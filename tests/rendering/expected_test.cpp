@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "cogrsim/core/output_file.h"
 #include "support.h"
 
 namespace cogrsim::test {
@@ -57,7 +58,7 @@ TEST_CASE("pictures look as they did", "[rendering]") {
   if (std::getenv("COGRSIM_RENEW_EXPECTED") != nullptr) {
     const Result<std::string> png = encode_png(picture.color);
     REQUIRE(png);
-    REQUIRE(write_file(path, *png));
+    REQUIRE(write_output_file(path, OutputKind::png, *png));
   }
   const Result<Image> expected = load_image(path);
   REQUIRE(expected);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/model/surface.h"
 #include "cogrsim/rays/ray_caster.h"
 #include "support.h"
@@ -27,7 +28,7 @@ std::string quarters() {
     std::string file = std::string(COGRSIM_RENDERING_OUTPUT) + "/quarters.png";
     const Result<std::string> png = encode_png(image);
     REQUIRE(png);
-    REQUIRE(write_file(file, *png));
+    REQUIRE(write_output_file(file, OutputKind::png, *png));
     return file;
   }();
   return path;

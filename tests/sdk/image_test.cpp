@@ -10,6 +10,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/core/random.h"
 
 using namespace cogrsim;
@@ -56,11 +57,6 @@ struct Folder {
     fs::remove_all(path, fault);
   }
 };
-
-std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 void append32(std::string& out, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(value >> shift & 0xFF);
@@ -266,51 +262,17 @@ TEST_CASE("what cannot be encoded is refused", "[image]") {
   CHECK_FALSE(encode_png16(0, 2, {}));
 }
 
-TEST_CASE("files are written whole or not at all", "[image]") {
-  const Folder folder;
-  const fs::path path = folder.path / "a.png";
-  REQUIRE(write_file(path.string(), "first"));
-  REQUIRE(write_file(path.string(), "second"));
-  CHECK(content(path) == "second");
-  CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 1);
-
-  SECTION("what was there keeps its rights, and a link stays one") {
-    fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
-    const fs::path link = folder.path / "link";
-    fs::create_symlink("a.png", link);
-    REQUIRE(write_file(link.string(), "third"));
-    CHECK(fs::is_symlink(link));
-    CHECK(content(path) == "third");
-    CHECK((fs::status(path).permissions() & fs::perms::all) ==
-          (fs::perms::owner_read | fs::perms::owner_write));
-  }
-  SECTION("a folder, a missing folder") {
-    CHECK_FALSE(write_file(folder.path.string(), "x"));
-    const auto missing = write_file((folder.path / "no" / "b.png").string(), "x");
-    REQUIRE_FALSE(missing);
-    CHECK(missing.error().message == "cannot be written: No such file or directory");
-  }
-  SECTION("a full disk") {
-    if (fs::exists("/dev/full")) {
-      const auto full = write_file("/dev/full", "x");
-      REQUIRE_FALSE(full);
-      CHECK(full.error().message == "cannot be written: No space left on device");
-      CHECK(fs::is_character_file("/dev/full"));
-    }
-  }
-}
-
 TEST_CASE("pictures are loaded from files with the place in the error", "[image]") {
   const Folder folder;
   const std::string path = (folder.path / "p.png").string();
-  REQUIRE(write_file(path, *encode_png(pattern(5, 4, 3))));
+  REQUIRE(write_output_file(path, OutputKind::png, *encode_png(pattern(5, 4, 3))));
   const auto image = load_image(path);
   REQUIRE(image);
   CHECK(image->data == pattern(5, 4, 3).data);
   CHECK(load_image(folder.path.string()).error().message == "is a folder");
   CHECK(load_image((folder.path / "none.png").string()).error().message ==
         "cannot be opened: No such file or directory");
-  REQUIRE(write_file(path, "\x89PNG"));
+  std::ofstream(path) << "\x89PNG";
   const auto damaged = load_image(path);
   REQUIRE_FALSE(damaged);
   CHECK(damaged.error().where == path);

@@ -320,7 +320,7 @@ TEST_CASE("only bundles are replaced without being told to", "[studio][bundle]")
   const std::string letter = folder.write("letter.html", "<p>dear all</p>");
   const Ran refused = bundle({scene, "-d", "0.1", "-o", letter});
   CHECK(refused.status == 1);
-  CHECK_THAT(refused.output, Contains("--force"));
+  CHECK_THAT(refused.output, Contains("--overwrite"));
   CHECK(read(letter) == "<p>dear all</p>");
   CHECK(bundle({scene, "-d", "0.1", "-o", letter, "--force"}).status == 0);
   CHECK(is_bundle(letter));

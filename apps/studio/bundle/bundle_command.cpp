@@ -42,18 +42,6 @@ std::string default_output(const std::string& source) {
   return name + ".html";
 }
 
-// Asked before a long run: only a bundle is replaced without being told to.
-Result<> check_output(const std::string& path, bool force) {
-  if (auto writable = cli::check_writable(path); !writable) return writable;
-  std::error_code error;
-  const bool there = path != "-" && fs::is_regular_file(path, error);
-  if (there && !force && fs::file_size(path, error) > 0 && !is_bundle(path)) {
-    return fail(fmt::format("'{}' is there and is no bundle", path), "",
-                "choose another name with -o, or replace it with --force");
-  }
-  return {};
-}
-
 // What became of it, for the page and for people.
 struct Gathered {
   BundleAbout about;
@@ -281,7 +269,11 @@ std::string size_text(std::size_t bytes) {
 int bundle_command(const BundleOptions& options) {
   const std::string& file = options.source.source.scene;
   const std::string output = options.output.empty() ? default_output(file) : options.output;
-  if (auto good = check_output(output, options.force); !good) return cli::refuse(good.error());
+  cli::add_input(file);
+  if (options.force) cli::allow_overwriting();
+  if (auto good = cli::check_writable(output, OutputKind::html); !good) {
+    return cli::refuse(good.error());
+  }
   Gathered run = cli::is_recording(file) ? read_recording(options) : run_scene(options);
   if (!run.samples) return run.status;
   RunSamples& samples = *run.samples;
@@ -293,7 +285,8 @@ int bundle_command(const BundleOptions& options) {
   const std::string& name = scene->model->name;
   const std::string page =
       bundle_html(name.empty() ? fs::path(file).filename().string() : name, data);
-  if (auto written = cli::write_output(output, page); !written) return cli::refuse(written.error());
+  if (auto written = cli::write_output(output, OutputKind::html, page); !written)
+    return cli::refuse(written.error());
   for (const std::string& what : left_out) cli::print_warning("left out: " + what);
   const auto& all = samples.samples();
   const std::string summary =

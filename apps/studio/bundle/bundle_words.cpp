@@ -75,7 +75,7 @@ void add_bundle(CLI::App& app, int& status) {
           "-o,--output", options.output,
           "The page; default: the scene's name with .html, in this folder; -: standard output")
       ->type_name("FILE");
-  command.add_flag("--force", options.force, "Replace a file that is there and is no bundle");
+  command.add_flag("--force", options.force, "The same as --overwrite");
   command
       .add_option(
           "-d,--duration", words->duration,

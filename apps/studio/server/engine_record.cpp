@@ -74,8 +74,9 @@ Answer Engine::record(bool on, const std::optional<std::string>& file) {
   const std::vector<std::string>& files = scene_->model->files;
   choices.scene.scene = files.empty() ? std::string() : files.front();
   choices.scene.set = options_.parameters;
-  auto started =
-      Recorder::start(*simulation_, cli::recorder_options(*simulation_->model(), choices));
+  auto recording = cli::recorder_options(*simulation_->model(), choices);
+  if (!recording) return tl::unexpected(recording.error());
+  auto started = Recorder::start(*simulation_, std::move(*recording));
   if (!started) return tl::unexpected(started.error());
   recorder_ = std::move(*started);
   recording_ = fs::path(*path).filename().string();

@@ -1,10 +1,7 @@
 #include "cogrsim/core/image.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -18,22 +15,6 @@ namespace {
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 30;
 
 std::string reason(int error) { return std::strerror(error); }
-
-/// Writes all of it and closes; 0 or the system's error number.
-int write_and_close(int file, std::string_view bytes) {
-  int error = 0;
-  while (!bytes.empty() && error == 0) {
-    const ssize_t n = ::write(file, bytes.data(), bytes.size());
-    if (n > 0) {
-      bytes.remove_prefix(static_cast<std::size_t>(n));
-    } else if (n == 0 || errno != EINTR) {
-      error = n == 0 ? ENOSPC : errno;
-    }
-  }
-  // Some file systems tell only here that there was no room.
-  if (::close(file) != 0 && error == 0) error = errno;
-  return error;
-}
 
 }  // namespace
 
@@ -89,38 +70,6 @@ Result<Image> load_image(const std::string& path) {
   auto image = decode_image(bytes);
   if (!image && image.error().where.empty()) image.error().where = path;
   return image;
-}
-
-Result<> write_file(const std::string& path, std::string_view bytes) {
-  const auto refuse = [&](int error) { return fail("cannot be written: " + reason(error), path); };
-  // A link stays a link: what it points to is replaced.
-  std::string target = path;
-  if (char* const real = ::realpath(path.c_str(), nullptr)) {
-    target = real;
-    std::free(real);
-  }
-  struct stat status {};
-  const bool exists = ::stat(target.c_str(), &status) == 0;
-  if (exists && S_ISDIR(status.st_mode)) return refuse(EISDIR);
-  if (exists && !S_ISREG(status.st_mode)) {
-    // A pipe or a device cannot be replaced, it is written to.
-    const int file = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
-    if (file < 0) return refuse(errno);
-    const int error = write_and_close(file, bytes);
-    if (error != 0) return refuse(error);
-    return {};
-  }
-  static std::atomic<unsigned> count{0};
-  const std::string beside =
-      target + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".part";
-  const int file = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,
-                          exists ? status.st_mode & 0777 : 0666);
-  if (file < 0) return refuse(errno);
-  int error = write_and_close(file, bytes);
-  if (error == 0 && std::rename(beside.c_str(), target.c_str()) != 0) error = errno;
-  if (error == 0) return {};
-  ::unlink(beside.c_str());
-  return refuse(error);
 }
 
 }  // namespace cogrsim

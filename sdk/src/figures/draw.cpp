@@ -6,15 +6,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 
-#include "cogrsim/core/image.h"
 #include "gnuplot_script.h"
 
 extern char** environ;  // NOLINT: POSIX wants it declared by its user
@@ -108,11 +111,29 @@ Result<> run_gnuplot(const fs::path& folder, const std::string& script) {
   return {};
 }
 
-Result<> write_text(const fs::path& path, const std::string& text) {
-  const auto written = write_file(path.string(), text);
-  if (written) return {};
-  return fail(fmt::format("cannot write '{}': {}", path.string(), written.error().message));
+// A folder that goes with its content.
+struct TemporaryFolder {
+  fs::path path;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path.empty()) fs::remove_all(path, ignored);
+  }
+};
+
+Result<std::string> read_all(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  if (!in || bytes.empty())
+    return fail(fmt::format("gnuplot drew nothing into '{}'", path.string()), "",
+                "is the disk full?");
+  return bytes;
 }
+
+struct OutputText {
+  fs::path path;
+  OutputKind kind;
+  std::string bytes;
+};
 
 Result<std::string> format_of(const fs::path& path) {
   std::string ending = path.extension().string();
@@ -151,34 +172,70 @@ Result<std::vector<std::string>> draw(Figure figure, const std::string& path,
   if (!json) return tl::unexpected(json.error());
   const std::string stem = picture.stem().string();
   if (*format == "json") {
-    if (const auto written = write_text(picture, *json); !written)
-      return tl::unexpected(written.error());
+    if (auto done = write_output_file(path, OutputKind::figure, *json, options.rules); !done)
+      return tl::unexpected(done.error());
     return std::vector<std::string>{path};
   }
 
-  const GnuplotJob job = gnuplot_job(figure, stem, *format, options);
-  // The script writes STEM.png whatever the case of the ending asked for.
-  const fs::path drawn = folder / (stem + "." + *format);
-  std::vector<std::string> files = {path};
-  std::vector<TextFile> texts = job.data;
-  texts.push_back(job.script);
-  texts.push_back({stem + ".json", *json});
-  for (const TextFile& text : texts) {
-    const fs::path place = folder / text.name;
-    if (const auto written = write_text(place, text.text); !written)
-      return tl::unexpected(written.error());
-    files.push_back(place.string());
+  GnuplotJob job = gnuplot_job(figure, stem, *format, options);
+  const OutputKind kind = *format == "png"   ? OutputKind::png
+                          : *format == "svg" ? OutputKind::svg
+                                             : OutputKind::pdf;
+  std::vector<OutputText> outputs;
+  outputs.push_back({picture, kind, {}});
+  // Tables are ours where our script reads them.
+  OutputRules tables = options.rules;
+  const fs::path script = folder / job.script.name;
+  if (fs::is_regular_file(fs::symlink_status(script, error)) &&
+      check_output(script.string(), OutputKind::script))
+    tables.overwrite = true;
+  for (TextFile& text : job.data)
+    outputs.push_back({folder / text.name, OutputKind::csv, text.text});
+  outputs.push_back({script, OutputKind::script, job.script.text});
+  // A figure that is drawn again beside its own data stays as it is.
+  const fs::path data = folder / (stem + ".json");
+  const bool is_input = std::any_of(options.rules.inputs.begin(), options.rules.inputs.end(),
+                                    [&](const std::string& input) {
+                                      std::error_code ignored;
+                                      return fs::equivalent(input, data, ignored);
+                                    });
+  if (!is_input) outputs.push_back({data, OutputKind::figure, *json});
+  const auto rules_of = [&](const OutputText& output) -> const OutputRules& {
+    return output.kind == OutputKind::csv ? tables : options.rules;
+  };
+  for (const OutputText& output : outputs)
+    if (auto good = check_output(output.path.string(), output.kind, rules_of(output)); !good)
+      return tl::unexpected(good.error());
+
+  // Drawn in a folder of its own: what cannot be drawn changes nothing.
+  TemporaryFolder work;
+  std::string name = (folder / ".cogrsim-figure-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr)
+    return fail(fmt::format("cannot write into '{}': {}", folder.string(), std::strerror(errno)));
+  work.path = name;
+  job.data.push_back(job.script);
+  for (const TextFile& text : job.data) {
+    std::ofstream out(work.path / text.name, std::ios::binary);
+    if (!(out << text.text).flush())
+      return fail(fmt::format("cannot write into '{}': {}", folder.string(), std::strerror(errno)));
   }
-  // What lies there from before must not pass for the new picture.
-  fs::remove(drawn, error);
-  if (const auto good = run_gnuplot(folder, job.script.name); !good)
+  if (const auto good = run_gnuplot(work.path, job.script.name); !good) {
+    // The figure itself needs no gnuplot.
+    if (!is_input)
+      static_cast<void>(write_output_file(data.string(), OutputKind::figure, *json, options.rules));
     return tl::unexpected(good.error());
-  if (fs::file_size(drawn, error) == 0 || error)
-    return fail(fmt::format("gnuplot drew nothing into '{}'", drawn.string()), "",
-                "is the disk full?");
-  if (drawn.filename() != picture.filename()) {
-    fs::rename(drawn, picture, error);
-    if (error) return fail(fmt::format("cannot write '{}': {}", path, error.message()));
+  }
+  // The script writes STEM.png whatever the case of the ending asked for.
+  auto drawn = read_all(work.path / (stem + "." + *format));
+  if (!drawn) return tl::unexpected(drawn.error());
+  outputs.front().bytes = std::move(*drawn);
+  std::vector<std::string> files;
+  for (OutputText& output : outputs) {
+    if (auto done = write_output_file(output.path.string(), output.kind, std::move(output.bytes),
+                                      rules_of(output));
+        !done)
+      return tl::unexpected(done.error());
+    files.push_back(output.path.string());
   }
   return files;
 }

@@ -152,7 +152,7 @@ class Writer {
 
   void head() {
     const double scale = options_.width / 960.0;
-    line("# Drawn by gnuplot; run it on this file, in this folder, to draw the picture again.");
+    line("# CogRSim, for gnuplot: run it on this file, in this folder, to draw the picture again.");
     line("format = \"{}\"  # or \"png\", \"svg\", \"pdf\"", format_);
     line("set encoding utf8");
     line(

@@ -499,7 +499,8 @@ Result<std::string> map_picture(const Frame& frame, const MapOptions& options,
   return bytes;
 }
 
-Result<> draw_map(const Frame& frame, const MapOptions& options, const std::string& path) {
+Result<> draw_map(const Frame& frame, const MapOptions& options, const std::string& path,
+                  const OutputRules& rules) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -508,7 +509,10 @@ Result<> draw_map(const Frame& frame, const MapOptions& options, const std::stri
     bytes.error().where = path;
     return tl::unexpected(bytes.error());
   }
-  return write_file(path, *bytes);
+  const OutputKind kind = ending == ".png"   ? OutputKind::png
+                          : ending == ".svg" ? OutputKind::svg
+                                             : OutputKind::pdf;
+  return write_output_file(path, kind, std::move(*bytes), rules);
 }
 
 }  // namespace cogrsim

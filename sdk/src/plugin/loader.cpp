@@ -279,12 +279,28 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
                             one(kind)),
                 wrong_kind->path(), "", "CG0903");
   }
+  // By the names of files: a slip of the pen loads no code.
   std::vector<std::string> names;
-  for (const PluginPtr& plugin : list(nullptr)) {
-    if (plugin->descriptor().kind == kind) names.push_back(plugin->descriptor().name);
+  for (const std::string& folder : folders_) {
+    const std::string kept_for = fs::path(folder).filename().string();
+    if (kept_for == (kind == PluginKind::backend ? "plugins" : "backends")) continue;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+      const std::string stem = entry.path().stem().string();
+      if (entry.path().extension() != ".so" || !is_plain_name(stem)) continue;
+      const auto known = std::find_if(loaded_.begin(), loaded_.end(), [&](const PluginPtr& p) {
+        return p->descriptor().name == stem && p->descriptor().kind != kind;
+      });
+      if (known == loaded_.end()) names.push_back(stem);
+    }
   }
-  std::string hint = names.empty() ? fmt::format("no {} was found at all", to_string(kind))
-                                   : fmt::format("there are: {}", fmt::join(names, ", "));
+  constexpr std::size_t kShown = 20;
+  std::sort(names.begin(), names.end());
+  const bool all = !names.empty() && names.size() <= kShown;
+  std::string hint = fmt::format(
+      "{}--plugin-path or COGRSIM_PLUGIN_PATH adds a folder; 'cogrsim "
+      "plugins' lists what there is",
+      all ? fmt::format("libraries there: {}; ", fmt::join(names, ", ")) : std::string());
   const bool with_suffix = name.size() > 3 && name.compare(name.size() - 3, 3, ".so") == 0;
   const std::string near =
       nearest_name(with_suffix ? name.substr(0, name.size() - 3) : name, names);

@@ -115,7 +115,7 @@ class Reader {
 }  // namespace
 
 Result<> Recording::recompute(PluginLoader& loader,
-                              const std::function<void(const Frame&)>& visit) {
+                              const std::function<bool(const Frame&)>& visit) {
   Impl& impl = *impl_;
   const auto not_all = [](const std::string& why) {
     return fail("readings cannot be computed again: " + why, "",
@@ -139,7 +139,7 @@ Result<> Recording::recompute(PluginLoader& loader,
     }
     Frame computed = now;
     reader.copy_readings(computed.readings);
-    visit(computed);
+    if (!visit(computed)) break;
     before = std::move(*frame);
   }
   return {};

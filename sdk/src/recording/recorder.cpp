@@ -263,7 +263,7 @@ Recorder::~Recorder() {
 
 Result<std::unique_ptr<Recorder>> Recorder::start(Simulation& simulation, RecorderOptions options) {
   if (!(options.every >= 0.0)) return fail("the time between recorded frames must not be negative");
-  auto file = RecordingFile::create(options.path);
+  auto file = RecordingFile::create(options.path, options.rules);
   if (!file) return tl::unexpected(file.error());
   auto impl = std::make_unique<Impl>();
   impl->simulation = &simulation;

@@ -86,7 +86,10 @@ Result<std::string> TextureFolder::put(const std::string& name, const std::strin
   }
   const std::string path = fmt::format("{}/{}_{}", folder_, files_.size(),
                                        std::filesystem::path(name).filename().string());
-  if (auto done = write_file(path, data); !done) return tl::unexpected(done.error());
+  std::ofstream out(path, std::ios::binary);  // in a folder of our own
+  out.write(data.data(), static_cast<std::streamsize>(data.size()));
+  if (!out.flush())
+    return fail(fmt::format("the recording's textures cannot be unpacked into '{}'", path));
   files_[name] = path;
   return path;
 }

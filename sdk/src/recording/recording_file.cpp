@@ -44,26 +44,15 @@ Result<> nobody_writes(const std::string& path) {
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::string& given) {
-  // A link stays a link: the file it points to is replaced.
-  std::error_code error;
-  fs::path target = given;
-  if (fs::is_symlink(target, error)) {
-    const fs::path resolved = fs::weakly_canonical(target, error);
-    if (!error) target = resolved;
+Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::string& path,
+                                                             const OutputRules& rules) {
+  if (auto allowed = check_output(path, OutputKind::recording, rules); !allowed) {
+    return tl::unexpected(allowed.error());
   }
-  const std::string path = target.string();
-  const auto cannot = [&](const std::string& why, const std::string& hint = {}) {
-    return fail(fmt::format("cannot record to '{}': {}", given, why), "", hint);
+  const fs::path target = path;
+  const auto cannot = [&](const std::string& why) {
+    return fail(fmt::format("cannot record to '{}': {}", path, why));
   };
-  if (target.filename().empty()) return cannot("it names no file");
-  const fs::file_status status = fs::status(target, error);
-  if (fs::is_directory(status)) return cannot("it is a folder");
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
-    return cannot("it is a device or pipe, and a recording ends with an index of itself",
-                  "record to a file");
-  }
-  if (fs::exists(status) && ::access(path.c_str(), W_OK) != 0) return cannot(system_reason());
   if (auto free = nobody_writes(path); !free) return tl::unexpected(free.error());
 
   std::string temporary =
@@ -75,7 +64,7 @@ Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::string& 
   ::umask(mask);
   ::fchmod(descriptor, 0666 & ~mask);
   ::flock(descriptor, LOCK_EX | LOCK_NB);
-  return std::unique_ptr<RecordingFile>(new RecordingFile(path, temporary, descriptor));
+  return std::unique_ptr<RecordingFile>(new RecordingFile(path, rules, temporary, descriptor));
 }
 
 RecordingFile::~RecordingFile() {
@@ -88,6 +77,7 @@ Result<> RecordingFile::take_place() {
   const Descriptor folder{::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   if (folder.number >= 0) ::flock(folder.number, LOCK_EX);
   if (auto free = nobody_writes(path_); !free) return free;
+  if (auto allowed = check_output(path_, OutputKind::recording, rules_); !allowed) return allowed;
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
     return fail(fmt::format("cannot record to '{}': {}", path_, system_reason()));
   }

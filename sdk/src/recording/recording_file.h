@@ -5,16 +5,17 @@
 #include <memory>
 #include <string>
 
+#include "cogrsim/core/output_file.h"
 #include "recording/mcap_writer.h"
 
 namespace cogrsim {
 
 class RecordingFile final : public mcap::Sink {
  public:
-  /// Makes a new file beside `path`, locked against other recorders. Errors: the folder is missing
-  /// or not writable, `path` is there and no regular file, or a recorder of this or another
-  /// process writes it.
-  static Result<std::unique_ptr<RecordingFile>> create(const std::string& path);
+  /// Makes a new file beside `path`, locked against other recorders. Errors:
+  /// check_output()'s, or a recorder of this or another process writes it.
+  static Result<std::unique_ptr<RecordingFile>> create(const std::string& path,
+                                                       const OutputRules& rules);
   ~RecordingFile() override;  ///< a file that did not take its place is removed
 
   /// Takes the place of what `path` named. Errors: another recorder was quicker, or the system's.
@@ -26,10 +27,14 @@ class RecordingFile final : public mcap::Sink {
   Result<> close();
 
  private:
-  RecordingFile(std::string path, std::string temporary, int descriptor)
-      : path_(std::move(path)), temporary_(std::move(temporary)), descriptor_(descriptor) {}
+  RecordingFile(std::string path, OutputRules rules, std::string temporary, int descriptor)
+      : path_(std::move(path)),
+        rules_(std::move(rules)),
+        temporary_(std::move(temporary)),
+        descriptor_(descriptor) {}
 
   std::string path_;
+  OutputRules rules_;
   std::string temporary_;  // where it is until it takes its place; empty after
   int descriptor_;
 };

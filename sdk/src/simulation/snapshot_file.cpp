@@ -1,11 +1,9 @@
 // Snapshots on file: writing, reading, checking.
 #include "cogrsim/simulation/snapshot_file.h"
 
-#include <unistd.h>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -146,23 +144,6 @@ void put_devices(const Simulation::Impl& from, Json& content) {
   content["sensors"] = std::move(sensors);
 }
 
-Result<> write_whole(const std::string& path, const std::string& text) {
-  const std::string temporary = path + ".part-" + std::to_string(getpid());
-  const auto refuse = [&](const std::string& why) {
-    std::remove(temporary.c_str());
-    return fail("cannot write '" + path + "': " + why, "",
-                "choose another file, or give it and its folder write permission");
-  };
-  std::FILE* file = std::fopen(temporary.c_str(), "wx");
-  if (!file) return refuse(std::strerror(errno));
-  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  const bool flushed = std::fflush(file) == 0 && fsync(fileno(file)) == 0;
-  const int why = errno;
-  if (std::fclose(file) != 0 || !written || !flushed) return refuse(std::strerror(why));
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) return refuse(std::strerror(errno));
-  return {};
-}
-
 Result<SnapshotInfo> info_from(const Json& content) {
   SnapshotInfo info;
   info.scene = content.at("scene").get<std::string>();
@@ -182,7 +163,8 @@ Result<SnapshotInfo> info_from(const Json& content) {
 }  // namespace
 
 Result<> write_snapshot(const Simulation& simulation, const std::string& path,
-                        const std::map<std::string, std::string>& parameters) {
+                        const std::map<std::string, std::string>& parameters,
+                        const OutputRules& rules) {
   const Simulation::Impl& from = SnapshotAccess::of(simulation);
   Json content;
   content["scene"] = from.model->name;
@@ -210,7 +192,8 @@ Result<> write_snapshot(const Simulation& simulation, const std::string& path,
                      {"version", kSnapshotVersion},
                      {"checksum", checksum(content)},
                      {"content", std::move(content)}};
-  return write_whole(path, file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  return write_output_file(path, OutputKind::snapshot,
+                           file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", rules);
 }
 
 const SnapshotInfo& SnapshotFile::info() const { return impl_->info; }

@@ -33,7 +33,7 @@ void recording(std::string_view input) {
     for (std::size_t s = 0; s < model.sensors.size(); ++s) run.channels(static_cast<int>(s));
   }
   PluginLoader none;
-  static_cast<void>(run.recompute(none, [](const Frame&) {}));
+  static_cast<void>(run.recompute(none, [](const Frame&) { return true; }));
 }
 
 }  // namespace cogrsim::fuzz

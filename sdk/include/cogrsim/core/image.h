@@ -40,8 +40,4 @@ COGRSIM_API Result<std::string> encode_jpeg(const Image& image, int quality = 90
 COGRSIM_API Result<std::string> encode_png16(int width, int height,
                                              const std::vector<std::uint16_t>& data);
 
-/// Writes bytes to `path` by way of a file beside it, so that what was there is not lost when the
-/// disk is full. Errors: the system's reason.
-COGRSIM_API Result<> write_file(const std::string& path, std::string_view bytes);
-
 }  // namespace cogrsim

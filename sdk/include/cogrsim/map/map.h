@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cogrsim/core/export.h"
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/core/result.h"
 #include "cogrsim/physics/frame.h"
 #include "cogrsim/sensing/sensor_rays.h"
@@ -60,8 +61,8 @@ COGRSIM_API std::vector<std::vector<Eigen::Vector2d>> plan_outline(const SceneMo
 /// Errors: another ending, a width out of range, an area that is empty.
 COGRSIM_API Result<std::string> map_picture(const Frame& frame, const MapOptions& options,
                                             const std::string& ending);
-/// The same to a file, by its ending. Errors also: what the system says.
+/// The same to a file, by its ending. Errors also: write_output_file()'s.
 COGRSIM_API Result<> draw_map(const Frame& frame, const MapOptions& options,
-                              const std::string& path);
+                              const std::string& path, const OutputRules& rules = {});
 
 }  // namespace cogrsim

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/physics/frame.h"
 #include "cogrsim/sensing/sensor.h"
 #include "cogrsim/simulation/simulation.h"
@@ -23,7 +24,8 @@ struct Attachment {
 };
 
 struct RecorderOptions {
-  std::string path;    ///< of the file; replaced if it exists and is not being written
+  std::string path;    ///< of the file; an older recording is replaced if nobody writes it
+  OutputRules rules;   ///< what may be replaced
   double every = 0.0;  ///< time between frames kept [s]; 0: every step
   bool contacts = true;
   bool images = true;
@@ -103,9 +105,10 @@ class COGRSIM_API Recording {
   const std::vector<Channel>& channels(int sensor) const;
 
   /// Readings computed anew from the recorded frames, with the run's seed: equal to those of the
-  /// run where every step was kept. `visit` is given each frame with the new readings. Errors: the
-  /// recording has no more than every n-th step, or a sensor's plugin is not there.
-  Result<> recompute(PluginLoader& loader, const std::function<void(const Frame&)>& visit);
+  /// run where every step was kept. `visit` is given each frame with the new readings, and
+  /// ends it by returning false. Errors: the recording has no more than every n-th step, or a
+  /// sensor's plugin is not there.
+  Result<> recompute(PluginLoader& loader, const std::function<bool(const Frame&)>& visit);
 
  private:
   struct Impl;

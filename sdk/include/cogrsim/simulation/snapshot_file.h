@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cogrsim/core/diagnostic.h"
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/core/result.h"
 #include "cogrsim/simulation/simulation.h"
 
@@ -28,9 +29,10 @@ struct SnapshotInfo {
 };
 
 /// Writes the present state of a run, whole or not at all; to be called between steps. `parameters`
-/// are kept for the record. Errors: the file cannot be written; a controller's save() throws.
+/// are kept for the record. Errors: write_output_file()'s; a controller's save() throws.
 COGRSIM_API Result<> write_snapshot(const Simulation& simulation, const std::string& path,
-                                    const std::map<std::string, std::string>& parameters = {});
+                                    const std::map<std::string, std::string>& parameters = {},
+                                    const OutputRules& rules = {});
 
 /// A snapshot, read and checked.
 class COGRSIM_API SnapshotFile {
