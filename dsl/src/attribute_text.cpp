@@ -15,8 +15,6 @@ std::string_view trimmed(std::string_view text, std::size_t& begin) {
   return text.substr(begin, end - begin);
 }
 
-constexpr std::size_t kLongestText = 1 << 16;  // of an interpolated text
-
 }  // namespace
 
 Value value_of(const std::vector<NumberEntry>& entries) {
@@ -47,7 +45,7 @@ Value AttributeText::evaluate(std::size_t begin, std::size_t length,
   if (!random_) {
     random_.emplace(context_.seed, std::string(path_) + '@' + std::string(attribute_.name));
   }
-  const Environment environment{scope_, &*random_};
+  const Environment environment{scope_, &*random_, &context_.expression_budget};
   Value v = dsl::evaluate(text().substr(begin, length), environment, fault);
   if (fault) {
     fault->begin += begin;
@@ -73,7 +71,12 @@ std::optional<std::string> AttributeText::interpolate() {
     const Value v = evaluate(begin + 2, end - begin - 3, fault);
     if (fault) report(*fault);
     if (v.is_poison()) return std::nullopt;
-    out += to_text(v);
+    // A list as text is up to 32 bytes an entry.
+    if (size_of(v, kLongestText + 1) <= kLongestText) {
+      out += to_text(v);
+    } else {
+      out.resize(kLongestText + 1);
+    }
     if (out.size() > kLongestText) {
       report("CG0511", begin, end - begin, "the text grows too long");
       return std::nullopt;

@@ -52,7 +52,9 @@ void Builder::motor(const Element& element) {
   if (effort.given()) motor.max_effort = *effort;
   const auto speed = r.number("max-speed", turns ? dim::kAngularSpeed : dim::kSpeed);
   if (speed.given()) motor.max_speed = *speed;
-  if (motor_laws(element, motor, turns)) model_.motors.push_back(std::move(motor));
+  if (!motor_laws(element, motor, turns)) return;
+  motor_elements_.push_back(&element);
+  model_.motors.push_back(std::move(motor));
 }
 
 bool Builder::motor_laws(const Element& element, Motor& motor, bool turns) {

@@ -153,6 +153,8 @@ SceneModelPtr Builder::fragment() {
   if (sink().has_errors()) return nullptr;
   check_overlaps();
   check_mass_ratios();
+  check_rates();
+  check_drives();
   finish_model(model_);
   return std::make_shared<const SceneModel>(std::move(model_));
 }

@@ -68,7 +68,14 @@ bool Builder::texture(const Element& element, Material& material) {
   const auto [known, is_new] = textures_.try_emplace(path);
   if (is_new) {
     const auto image = load_image(path);
-    if (!image) known->second = image.error().message;
+    // All of them stay in memory while pictures are taken.
+    constexpr std::int64_t kMostPixels = std::int64_t{128} << 20;
+    if (image) texture_pixels_ += std::int64_t{image->width} * image->height;
+    if (!image) {
+      known->second = image.error().message;
+    } else if (texture_pixels_ > kMostPixels) {
+      known->second = "the textures of the scene have more than 134 million pixels together";
+    }
   }
   if (!known->second.empty()) {
     sink()

@@ -112,6 +112,7 @@ void Builder::mind(const Element& element) {
   mind.origin = element.span();
   Reader r = reader(element);
   mind.rate = *r.number("rate");
+  rates_.push_back({&element, mind.rate});
   mind.on_fault =
       *r.text("on-fault") == "end-run" ? FaultPolicy::end_run : FaultPolicy::stop_controller;
   const auto plugin = r.text("plugin");
@@ -124,9 +125,7 @@ void Builder::mind(const Element& element) {
     mind.memory = *r.number("memory");
     for (const char* bound : {"deadline", "memory"}) {
       if (mind.isolation == Isolation::process || !r.has(bound)) continue;
-      fault("CG0608", element, bound,
-            "\"" + std::string(bound) + "\" is for controllers in a process of their own")
-          .help("add isolation=\"process\", or leave it out");
+      idle_bounds_.push_back({&element, bound});
     }
     mind.assembly = note(element).assembly;
     if (mind.assembly < 0)

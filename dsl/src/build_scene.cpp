@@ -55,6 +55,8 @@ SceneModelPtr Builder::build() {
   if (scatter()) return sink().has_errors() ? nullptr : Builder(context_, scene_).build();
   check_overlaps();
   check_mass_ratios();
+  check_rates();
+  check_drives();
   check_params();
   place_assemblies();
   place_views();

@@ -242,17 +242,23 @@ class Builder {
   void check_cameras();
   void check_overlaps();
   void check_mass_ratios();
+  void check_rates();
+  void check_drives();
   void check_params();
 
   CompileContext& context_;
   const Element& scene_;
   Names names_;
   SceneModel model_;
-  std::vector<Note> notes_;                         // by Element::index
-  std::vector<const Element*> body_elements_;       // by body
-  std::vector<const Element*> joint_elements_;      // by joint
-  std::vector<const Element*> sensor_elements_;     // by sensor
-  std::vector<std::vector<ShapeJob>> body_shapes_;  // by body
+  std::int64_t texture_pixels_ = 0;                                  // of all textures
+  std::vector<Note> notes_;                                          // by Element::index
+  std::vector<const Element*> body_elements_;                        // by body
+  std::vector<const Element*> joint_elements_;                       // by joint
+  std::vector<const Element*> motor_elements_;                       // by motor
+  std::vector<std::pair<const Element*, double>> rates_;             // asked for [Hz]
+  std::vector<std::pair<const Element*, const char*>> idle_bounds_;  // attributes without effect
+  std::vector<const Element*> sensor_elements_;                      // by sensor
+  std::vector<std::vector<ShapeJob>> body_shapes_;                   // by body
   std::vector<VelocityJob> velocity_jobs_;
   std::map<const Element*, int> material_indices_;
   std::map<std::string, int> derived_materials_;  // by base and overrides

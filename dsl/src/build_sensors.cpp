@@ -184,6 +184,7 @@ void Builder::sensor(const Element& element) {
   sensor.origin = element.span();
   Reader r = reader(element);
   sensor.rate = *r.number("rate");
+  rates_.push_back({&element, sensor.rate});
   sensor.enabled = *r.boolean("enabled");
   sensor.show = *r.boolean("show");
   bool good = !note(element).faulty && noise(element, "noise", 0, sensor.noise);
@@ -223,6 +224,17 @@ void Builder::sensor(const Element& element) {
   }
   if (element.tag() != "sensor") good = sensor_parameters(element, sensor) && good;
   if (good && element.tag() == "camera") good = camera_settings(element, sensor);
+  if (good && element.tag() == "lidar") {
+    constexpr std::int64_t kMost = 1'000'000;  // as the sensor has it
+    const std::int64_t rays = *r.integer("rays") * *r.integer("rings");
+    if (rays > kMost) {
+      fault("CG0710", element, "rings",
+            "a lidar with " + std::to_string(rays) + " rays exceeds the limit of " +
+                std::to_string(kMost))
+          .help("take fewer rays or rings");
+      good = false;
+    }
+  }
   if (!good) return;
   model_.sensors.push_back(std::move(sensor));
   sensor_elements_.push_back(&element);

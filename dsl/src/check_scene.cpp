@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <set>
 
 #include "build_scene.h"
 #include "check_overlap.h"
@@ -29,28 +30,26 @@ std::string distance_and_angle(double metres, double radians) {
 
 bool is_word_char(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-bool mentions(std::string_view text, std::string_view word) {
-  for (std::size_t at = text.find(word); at != std::string_view::npos;
-       at = text.find(word, at + 1)) {
-    const std::size_t end = at + word.size();
-    if ((at == 0 || !is_word_char(text[at - 1])) &&
-        (end == text.size() || !is_word_char(text[end])))
-      return true;
+using NameSet = std::set<std::string, std::less<>>;
+
+void add_words(std::string_view text, NameSet& out) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    std::size_t end = begin;
+    while (end < text.size() && is_word_char(text[end])) ++end;
+    if (end > begin) out.emplace(text.substr(begin, end - begin));
+    begin = end + 1;
   }
-  return false;
 }
 
-// Whether an expression somewhere below mentions the name, in a branch that was not built perhaps.
-bool mentioned(const Node& node, std::string_view name) {
+// The words in expressions of a node and of all below, in branches that were not built, too.
+void add_mentioned(const Node& node, NameSet& out) {
   for (const Attribute& attribute : node.attributes) {
     const AttributeSpec* spec = node.spec != nullptr ? node.spec->find(attribute.name) : nullptr;
     if ((attribute.value.find("${") != std::string_view::npos ||
-         (spec != nullptr && spec->kind == Kind::expression)) &&
-        mentions(attribute.value, name))
-      return true;
+         (spec != nullptr && spec->kind == Kind::expression)))
+      add_words(attribute.value, out);
   }
-  return std::any_of(node.children.begin(), node.children.end(),
-                     [&](const Node* child) { return mentioned(*child, name); });
+  for (const Node* child : node.children) add_mentioned(*child, out);
 }
 
 }  // namespace
@@ -132,17 +131,63 @@ void Builder::check_mass_ratios() {
   }
 }
 
+void Builder::check_drives() {
+  std::map<std::pair<int, int>, std::size_t> drives;  // by joint and axis
+  for (std::size_t i = 0; i < model_.motors.size() && i < motor_elements_.size(); ++i) {
+    const Motor& motor = model_.motors[i];
+    const Joint& joint = model_.joints[static_cast<std::size_t>(motor.joint)];
+    const auto [first, is_new] = drives.try_emplace({motor.joint, motor.axis}, i);
+    if (!is_new)
+      fault("CG2006", *motor_elements_[i],
+            "'" + motor.name + "' and '" + model_.motors[first->second].name +
+                "' drive the same axis of '" + joint.name + "'")
+          .help("one drive commands an axis; leave one of the two out");
+    const JointAxis& limits = joint.axes[static_cast<std::size_t>(motor.axis)];
+    const bool to_place = motor.mode == MotorMode::servo || motor.mode == MotorMode::position;
+    if (to_place && motor.target && (*motor.target < limits.lower || *motor.target > limits.upper))
+      fault("CG2006", *motor_elements_[i], "target",
+            "the target lies beyond the limits of '" + joint.name +
+                "': the stop holds the joint before it")
+          .help("choose a target from lower to upper");
+  }
+}
+
+void Builder::check_rates() {
+  for (const auto& [element, bound] : idle_bounds_)
+    fault("CG2005", *element, bound,
+          "\"" + std::string(bound) +
+              "\" has no effect: it is for controllers in a process of their own")
+        .help("add isolation=\"process\", or leave it out");
+  const double most = 1.0 / model_.physics.step;
+  for (const auto& [element, rate] : rates_) {
+    if (rate <= most * (1.0 + 1e-9)) continue;
+    fault("CG2007", *element, "rate",
+          "a rate of " + rounded(rate, "Hz") + " is above the step's: it is called at each step, " +
+              rounded(most, "Hz"))
+        .help("leave 'rate' out to be called at each step, or take a smaller step");
+  }
+}
+
 void Builder::check_params() {
   std::map<const Node*, bool> used;
+  std::map<const Scope*, NameSet> unused;
+  std::map<const Node*, NameSet> mentioned;
   for (const ParamUse& use : context_.params) {
-    const std::vector<std::string> unused = use.scope->unused();
-    used[use.node] |= std::find(unused.begin(), unused.end(), use.name) == unused.end();
+    const auto [names, is_new] = unused.try_emplace(use.scope);
+    if (is_new) {
+      for (std::string& name : use.scope->unused()) names->second.insert(std::move(name));
+    }
+    used[use.node] |= names->second.count(use.name) == 0;
   }
   for (const ParamUse& use : context_.params) {
     const auto it = used.find(use.node);
     if (it == used.end() || it->second) continue;
     used.erase(it);
-    if (use.node->parent != nullptr && mentioned(*use.node->parent, use.name)) continue;
+    if (use.node->parent != nullptr) {
+      const auto [words, is_new] = mentioned.try_emplace(use.node->parent);
+      if (is_new) add_mentioned(*use.node->parent, words->second);
+      if (words->second.count(use.name) != 0) continue;
+    }
     sink()
         .report("CG2003", use.node->find("name")->value_span, nullptr,
                 "nobody uses the parameter '" + use.name + "'")

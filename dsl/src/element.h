@@ -88,6 +88,7 @@ struct CompileContext {
   SourceFiles& files;
   DiagnosticSink& sink;
   std::uint64_t seed = 1;  ///< set before the first random draw: options.seed, else physics seed=
+  std::size_t expression_budget = kExpressionBudget;
   std::deque<Element> elements = {};
   std::deque<Scope> scopes = {};
   std::deque<Trail> trails = {};

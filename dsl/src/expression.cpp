@@ -105,12 +105,30 @@ class Parser {
 
   /// The value of an operation over text from `begin` to here, or its fault.
   Value finish(std::size_t begin, Outcome outcome) {
-    if (outcome.problem.empty()) return std::move(outcome.value);
+    if (outcome.problem.empty()) return bounded(begin, std::move(outcome.value));
     if (skipping_ > 0) return Value::poison();
     std::size_t end = at_;
     while (end > begin && is_blank(text_[end - 1])) --end;
     return fail(outcome.code, begin, end - begin, std::move(outcome.problem),
                 std::move(outcome.help));
+  }
+  /// A text or list that was made here, unless it or all of them grow too large.
+  Value bounded(std::size_t begin, Value value) {
+    if (value.as_text() == nullptr && value.as_list() == nullptr) return value;
+    constexpr std::size_t kMost = 64 * kLongestList;
+    const std::size_t size = size_of(value, kMost + 1);
+    if (size > kMost) {
+      return fail("CG0511", begin, at_ - begin, "the list grows too long",
+                  "it has at most 100000 entries, with those of the lists inside");
+    }
+    if (environment_.budget == nullptr) return value;
+    if (size > *environment_.budget) {
+      return fail("CG0511", begin, at_ - begin,
+                  "the expressions of this scene make too much text and too many lists",
+                  "64 MB in all are the limit");
+    }
+    *environment_.budget -= size;
+    return value;
   }
   std::size_t here() {
     skip_blanks();
@@ -220,7 +238,9 @@ class Parser {
     }
     if (take('[')) {
       ValueList entries;
-      return parse_list(']', entries) ? Value::list(std::move(entries)) : Value::poison();
+      const std::size_t begin = at_ - 1;
+      return parse_list(']', entries) ? bounded(begin, Value::list(std::move(entries)))
+                                      : Value::poison();
     }
     if (is_letter(c)) return parse_name();
     return unexpected();

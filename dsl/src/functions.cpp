@@ -177,10 +177,15 @@ Outcome arithmetic(char op, const Value& a, const Value& b) {
   if (a.is_poison() || b.is_poison()) return good(Value::poison());
   const Quantity* x = a.as_number();
   const Quantity* y = b.as_number();
-  if (op == '+' && a.as_text() && b.as_text())
+  if (op == '+' && a.as_text() && b.as_text()) {
+    if (a.as_text()->size() + b.as_text()->size() > kLongestText) {
+      return problem("the text grows too long",
+                     "a text has at most " + std::to_string(kLongestText) + " bytes");
+    }
     return good(Value::text(*a.as_text() + *b.as_text()));
+  }
   if (op == '+' && a.as_list() && b.as_list()) {
-    if (a.as_list()->size() + b.as_list()->size() > 100000) {
+    if (a.as_list()->size() + b.as_list()->size() > kLongestList) {
       return problem("the list grows too long");
     }
     ValueList both = *a.as_list();

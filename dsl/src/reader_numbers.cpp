@@ -247,6 +247,13 @@ Read<Pose> Reader::pose() {
   }
   if (quat.given()) {
     const Quat q(quat.value[0], quat.value[1], quat.value[2], quat.value[3]);
+    if (!std::isfinite(q.norm())) {
+      context_.sink
+          .report("CG0603", element_, "quat", "the quaternion's length is beyond all numbers")
+          .help("its length does not count: divide it by the largest of the four");
+      out.state = State::failed;
+      return out;
+    }
     if (q.norm() < 1e-9) {
       context_.sink.report("CG0603", element_, "quat", "the quaternion has no length")
           .help("without rotation it is \"1 0 0 0\"");

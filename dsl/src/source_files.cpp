@@ -384,7 +384,8 @@ SourceSpan SourceFiles::span_in_value(const Attribute& attribute, std::size_t be
   advance(begin, true, before);
   span.column += before;
   int marked = 0;
-  const std::size_t line_end = std::min(text.find_first_of("\r\n", at), text.size());
+  // Not beyond the value: a file may be one long line.
+  const std::size_t line_end = std::min(text.substr(0, end).find_first_of("\r\n", at), end);
   advance(begin + length, false, marked);
   if (at > line_end) {  // underline to the end of its first line only
     at = line_end;

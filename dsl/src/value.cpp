@@ -1,5 +1,7 @@
 #include "value.h"
 
+#include <algorithm>
+
 #include "element.h"
 
 namespace cogrsim::dsl {
@@ -25,6 +27,19 @@ std::string to_text(const Value& value) {
     out = list->empty() ? "[]" : out + "]";
   }
   return out;
+}
+
+std::size_t size_of(const Value& value, std::size_t most) {
+  if (const std::string* text = value.as_text()) return std::min(text->size(), most);
+  const ValueList* list = value.as_list();
+  if (list == nullptr) return 0;
+  std::size_t sum = 0;
+  for (const Value& entry : *list) {
+    sum += 64;
+    if (sum >= most) return most;
+    sum += size_of(entry, most - sum);
+  }
+  return std::min(sum, most);
 }
 
 void Scope::set(std::string name, Value value) {

@@ -56,6 +56,43 @@ TEST_CASE("a file of 100 MB is refused by its size", "[hostile]") {
   CHECK(codes(compile_text(std::string((16u << 20) + 1, ' '), "big")) == "CG0108");
 }
 
+TEST_CASE("text and lists that double are bounded, one by one and in sum", "[hostile]") {
+  const auto doubling = [](const std::string& first, const std::string& next, int times) {
+    std::string text =
+        "<scene name=\"a\" version=\"1\">\n<param name=\"p0\" default=\"" + first + "\"/>\n";
+    for (int i = 0; i < times; ++i) {
+      std::string step = next;
+      for (std::size_t at; (at = step.find('@')) != std::string::npos;)
+        step.replace(at, 1, "p" + std::to_string(i));
+      text += "<param name=\"p" + std::to_string(i + 1) + "\" default=\"${" + step + "}\"/>\n";
+    }
+    return text + "<box name=\"b\" size=\"1 1 1\" mass=\"1 kg\" color=\"${p" +
+           std::to_string(times) + "}\"/></scene>";
+  };
+  CHECK(codes(compile_text(doubling("abcd", "@ + @", 40), "text")).substr(0, 6) == "CG0513");
+  CHECK(codes(compile_text(doubling("${[1, 2]}", "@ + @", 40), "list")).substr(0, 6) == "CG0513");
+  CHECK(codes(compile_text(doubling("${[1, 2]}", "[@, @]", 40), "nested")).substr(0, 6) ==
+        "CG0511");
+  // Each below its own bound, too much together.
+  std::string sum = "<scene name=\"a\" version=\"1\">\n<param name=\"p\" default=\"" +
+                    std::string(30000, 'a') + "\"/>\n";
+  for (int i = 0; i < 2000; ++i)
+    sum += "<param name=\"q" + std::to_string(i) + "\" default=\"${p + p}\"/>\n";
+  CHECK(codes(compile_text(sum + "</scene>", "sum")).find("CG0511") != std::string::npos);
+}
+
+TEST_CASE("one long line is as good as many short ones", "[hostile]") {
+  // Found by looking at each value's line to its end: 56 s for this file.
+  const std::string text = "<scene name=\"a\" version=\"1\">" +
+                           repeated("<contact between=\"a b\" friction=\"0.5\"/>", 20000) +
+                           "</scene>";
+  CHECK_FALSE(codes(compile_text(text, "line")).empty());
+  std::string params = "<scene name=\"a\" version=\"1\">";
+  for (int i = 0; i < 5000; ++i)
+    params += "<param name=\"p" + std::to_string(i) + "\" default=\"1\"/>";
+  CHECK(codes(compile_text(params + "</scene>", "params")).substr(0, 6) == "CG2003");
+}
+
 TEST_CASE("billion laughs, external entities and other DOCTYPEs are refused", "[hostile]") {
   CHECK(codes(compile_text("<!DOCTYPE a [<!ENTITY x SYSTEM \"file:///etc/passwd\">]><scene "
                            "name=\"&x;\"/>",
