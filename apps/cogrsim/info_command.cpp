@@ -70,24 +70,25 @@ Json info_json(const RecordingInfo& info) {
 std::string info_text(const RecordingInfo& info, const Style& style) {
   using Align = TextTable::Align;
   const std::string status = info.status.empty() ? "cut off" : info.status;
-  std::string out = fmt::format("{}{}{} on {} {}: {}{}{}, {} to {} in steps of {}\n", style.bold,
-                                info.scene, style.off, info.backend, info.engine_version,
-                                info.status.empty() ? style.red : style.green, status, style.off,
-                                time_text(info.start), time_text(info.end), step_text(info.step));
+  std::string out = fmt::format(
+      "{}{}{} on {} {}: {}{}{}, {} to {} in steps of {}\n", style.bold, one_line(info.scene),
+      style.off, one_line(info.backend), one_line(info.engine_version),
+      info.status.empty() ? style.red : style.green, one_line(status), style.off,
+      time_text(info.start), time_text(info.end), step_text(info.step));
   out += fmt::format("  frames    {}", info.frames);
   if (info.dropped > 0) out += fmt::format(", {} left out", info.dropped);
   out += fmt::format("\n  seed      {}\n  written   by CogRSim {}, {}\n", info.seed,
-                     info.library_version, bytes_text(info.file_size));
+                     one_line(info.library_version), bytes_text(info.file_size));
   if (!info.damage.empty()) {
-    out += fmt::format("  {}damage    {}{}\n", style.red, printable(info.damage), style.off);
+    out += fmt::format("  {}damage    {}{}\n", style.red, one_line(info.damage), style.off);
   }
   for (const auto& [name, value] : info.parameters) {
-    out += fmt::format("  --set     {}={}\n", printable(name), printable(value));
+    out += fmt::format("  --set     {}={}\n", one_line(name), one_line(value));
   }
   TextTable topics({Align::left, Align::left, Align::right});
   topics.row({"topic", "schema", "messages"});
   for (const RecordingInfo::Topic& topic : info.topics) {
-    topics.row({shortened(printable(topic.name), 48), printable(topic.schema),
+    topics.row({shortened(one_line(topic.name), 48), one_line(topic.schema),
                 std::to_string(topic.messages)});
   }
   out += "\n" + topics.text("  ", style.bold, style.off);
@@ -95,7 +96,7 @@ std::string info_text(const RecordingInfo& info, const Style& style) {
   TextTable files({Align::left, Align::left, Align::right});
   files.row({"attached", "type", "size"});
   for (const Attachment& file : info.attachments) {
-    files.row({shortened(printable(file.name), 48), printable(file.media_type),
+    files.row({shortened(one_line(file.name), 48), one_line(file.media_type),
                bytes_text(file.data.size())});
   }
   return out + "\n" + files.text("  ", style.bold, style.off);

@@ -284,7 +284,11 @@ int run_command(const RunOptions& given, WatchLink* watcher) {
   result.steps = simulation.step_count();
   result.time = simulation.time();
   result.frame = simulation.frame();
-  int exit_status = good(status) && saved_all ? kGood : kFailed;
+  // A controller that was stopped for its fault leaves no run to rely on, though the world went on.
+  const bool faulty =
+      std::any_of(result.messages.begin(), result.messages.end(),
+                  [](const RunMessage& message) { return message.severity == Severity::error; });
+  int exit_status = good(status) && saved_all && !faulty ? kGood : kFailed;
   // Nobody waits for the result of a run that is about to start anew.
   const bool superseded = watcher != nullptr && watcher->superseded();
   if (plots && !superseded) {

@@ -126,10 +126,10 @@ Json to_json(const RunResult& result) {
 std::string summary_text(const RunResult& result, const Style& style) {
   const Frame& frame = *result.frame;
   const bool failed = result.status == "diverged" || result.status == "fault";
-  std::string out = fmt::format("{}{}{} on {} {}: {}{}{}, {} in {} steps of {}\n", style.bold,
-                                result.scene, style.off, result.backend, result.engine_version,
-                                failed ? style.red : style.green, result.status, style.off,
-                                time_text(result.time), result.steps, step_text(result.step));
+  std::string out = fmt::format(
+      "{}{}{} on {} {}: {}{}{}, {} in {} steps of {}\n", style.bold, one_line(result.scene),
+      style.off, result.backend, result.engine_version, failed ? style.red : style.green,
+      result.status, style.off, time_text(result.time), result.steps, step_text(result.step));
   out += fmt::format("  wall time {}, {} real time\n", elapsed_text(result.wall_time),
                      factor_text(result.time / result.wall_time));
   const Energy energy = energy_of(*frame.model, frame.state);
@@ -137,7 +137,7 @@ std::string summary_text(const RunResult& result, const Style& style) {
     out += "  measures  ";
     for (const RunMeasures::Value& measure : result.measures) {
       if (&measure != &result.measures.front()) out += ", ";
-      out += measure.name + " " +
+      out += one_line(measure.name) + " " +
              quantity_text(measure.value, measure.unit == "1" ? "" : measure.unit);
     }
     out += "\n";

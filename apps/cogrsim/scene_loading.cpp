@@ -145,8 +145,8 @@ std::string message_text(const RunMessage& message, const std::string& run) {
   std::string text = run.empty() ? "" : run + ", ";
   // What was said before the start has no time worth telling.
   if (message.time > 0.0) text += "at " + time_text(message.time) + ", ";
-  if (!message.source.empty()) text += message.source + ": ";
-  return text + printable(message.message);
+  if (!message.source.empty()) text += one_line(message.source) + ": ";
+  return text + paragraph(message.message);
 }
 
 void print_message(const RunMessage& message, const std::string& run) {

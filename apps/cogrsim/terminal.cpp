@@ -35,7 +35,7 @@ bool continues_code_point(char c) { return (static_cast<unsigned char>(c) & 0xC0
 
 void print_marked(const std::string& colour, const char* word, const Style& style,
                   const std::string& text) {
-  std::fputs(fmt::format("{}{}:{} {}\n", colour, word, style.off, text).c_str(), stderr);
+  std::fputs(fmt::format("{}{}:{} {}\n", colour, word, style.off, paragraph(text)).c_str(), stderr);
 }
 
 }  // namespace
@@ -86,6 +86,32 @@ std::string printable(const std::string& text) {
   return out;
 }
 
+std::string one_line(const std::string& text) {
+  std::string out;
+  for (const char c : printable(text)) {
+    if (c == '\n' || c == '\t') {
+      out += "\xEF\xBF\xBD";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+std::string paragraph(const std::string& text) {
+  std::string out;
+  const std::string shown = printable(text);
+  for (std::size_t at = 0;;) {
+    const std::size_t end = shown.find('\n', at);
+    out += shown.substr(at, end - at);
+    if (end == std::string::npos) return out;
+    at = end + 1;
+    const bool ours = shown.compare(at, 6, "help: ") == 0 || at == shown.size() ||
+                      shown[at] == ' ' || shown[at] == '\n';
+    out += ours ? "\n" : "\n  ";
+  }
+}
+
 std::size_t display_width(const std::string& text) {
   std::size_t width = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -100,7 +126,8 @@ std::size_t display_width(const std::string& text) {
   return width;
 }
 
-std::string shortened(const std::string& text, std::size_t width) {
+std::string shortened(const std::string& name, std::size_t width) {
+  const std::string text = one_line(name);
   if (display_width(text) <= width) return text;
   std::string out;
   std::size_t used = 0;

@@ -25,10 +25,14 @@ void print_warning(const std::string& text);
 /// `text` without what could steer a terminal: control characters other than newline and tab become
 /// U+FFFD. For words that came from plugins and files.
 std::string printable(const std::string& text);
+/// The same for a name: line breaks and tabs are replaced too, so that it forges no line.
+std::string one_line(const std::string& text);
+/// The same for a message: its lines after the first are indented, but for its help.
+std::string paragraph(const std::string& text);
 /// Columns that `text` takes: its UTF-8 code points, colour codes not counted.
 std::size_t display_width(const std::string& text);
 /// `text` cut to `width` columns, with "…" where something was left out.
-std::string shortened(const std::string& text, std::size_t width);
+std::string shortened(const std::string& name, std::size_t width);
 
 /// Three significant digits with a fitting prefix: "12.3 mm", "0 m", "<0.001 nm". Not finite: "-".
 std::string length_text(double metres);

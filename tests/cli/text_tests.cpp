@@ -142,6 +142,10 @@ TEST_CASE("base64 is that of RFC 4648", "[cli][report]") {
 }
 
 TEST_CASE("words of plugins cannot steer the terminal", "[cli][text]") {
+  CHECK(one_line("a\nerror: b\t\033[2J") ==
+        "a\xEF\xBF\xBD"
+        "error: b\xEF\xBF\xBD\xEF\xBF\xBD[2J");
+  CHECK(paragraph("a\nerror: b\nhelp: c") == "a\n  error: b\nhelp: c");
   CHECK(printable("plain\tä\n") == "plain\tä\n");
   CHECK(printable("a\033[31mb") == "a\xEF\xBF\xBD[31mb");
   CHECK(printable("a\xC2\x9B"
