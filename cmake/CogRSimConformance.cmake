@@ -53,6 +53,10 @@ function(cogrsim_add_conformance_tests backend)
       return()
     endif()
     set(program $<TARGET_FILE:cogrsim_conformance>)
+  elseif(NOT EXISTS "${CogRSim_CONFORMANCE}")
+    message(FATAL_ERROR "cogrsim_add_conformance_tests(${backend}): ${CogRSim_CONFORMANCE} is missing: "
+      "this CogRSim was built without its tests. Build its target 'product' with "
+      "-DCOGRSIM_BUILD_TESTS=ON, or leave the call out")
   else()
     set(program "${CogRSim_CONFORMANCE}")
     list(APPEND words --plugin-path "${CMAKE_BINARY_DIR}/cogrsim_plugins")

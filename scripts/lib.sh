@@ -71,9 +71,24 @@ install_missing() {
     die "apt-get could not install: ${missing[*]}"
 }
 
+# Are the packages of the studio's page here already, or can they be fetched?
+page_packages_at_hand() {
+  local web=$repo/apps/studio/web
+  command -v npm >/dev/null || return
+  [ "$build_dir/apps/studio/web/packages.stamp" -nt "$web/package-lock.json" ] && return
+  npm view "esbuild@$(sed -n 's/.*"esbuild": "\(.*\)".*/\1/p' "$web/package.json")" version \
+    --prefer-offline --fetch-retries=0 --fetch-timeout=20000 >/dev/null 2>&1
+}
+
 configure() {
   say "configuring $build_dir (preset $preset)"
-  (cd "$repo" && cmake --preset "$preset" -B "$build_dir" --log-level=WARNING)
+  local studio=ON
+  if ! page_packages_at_hand; then
+    studio=OFF
+    echo "npm is missing or its registry cannot be reached: building without the studio and \`cogrsim bundle\`." \
+      "All else is there; run this again when npm can fetch packages."
+  fi
+  (cd "$repo" && cmake --preset "$preset" -B "$build_dir" -DCOGRSIM_STUDIO=$studio --log-level=WARNING)
 }
 
 # Builds the targets given.

@@ -12,6 +12,8 @@ namespace cogrsim::cli {
 namespace {
 
 constexpr Color kRay{1.0, 0.1, 0.1, 1}, kMiss{1.0, 0.55, 0.55, 0.6}, kContact{1.0, 0.75, 0.0, 1};
+// A lidar has so many rays that only thin and pale ones leave anything to see.
+constexpr Color kFan{0.35, 0.6, 0.9, 0.35}, kFanMiss{0.35, 0.6, 0.9, 0.15};
 constexpr Color kAxes[3] = {{0.9, 0.1, 0.1, 1}, {0.1, 0.65, 0.1, 1}, {0.15, 0.3, 0.95, 1}};
 
 // The highest point of a body is not known here; a label stands a little above its origin.
@@ -71,7 +73,10 @@ Overlay make_overlay(const Frame& frame, const OverlayChoice& choice, double siz
   };
   if (choice.rays) {
     for (const SensorRay& ray : sensor_rays(frame)) {
-      line(ray.from, ray.to, ray.hit ? kRay : kMiss, 1.5, false);
+      const bool lidar =
+          frame.model->sensors[static_cast<std::size_t>(ray.sensor)].type == "lidar";
+      line(ray.from, ray.to, lidar ? (ray.hit ? kFan : kFanMiss) : (ray.hit ? kRay : kMiss),
+           lidar ? 1.0 : 1.5, false);
     }
   }
   if (choice.contacts) {

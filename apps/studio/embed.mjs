@@ -44,7 +44,7 @@ mkdirSync(join(out, 'gz'), { recursive: true });
 
 // By bytes, as the program looks them up.
 const paths = filesIn(folder).sort((a, b) => Buffer.compare(Buffer.from(a), Buffer.from(b)));
-for (const part of ['/index.html', '/bundle/loader.js', '/bundle/viewer.css', '/bundle/viewer.js']) {
+for (const part of ['/index.html', '/bundle/loader.js', '/bundle/viewer.css', '/bundle/viewer.js', '/notices.txt']) {
   if (paths.includes(part)) continue;
   console.error(`${folder} has no ${part.slice(1)}: is it a page that build.mjs of this version made?`);
   process.exit(1);

@@ -172,7 +172,7 @@ void add_world(std::vector<ElementSpec>& out) {
               above_zero(number("cone", kAngle, "Half opening angle of a spot.", "30 deg")),
               attr("shadows", Kind::boolean, "Casts shadows.", "true")} +
           placed(),
-      {}, "<light name=\"sun\" type=\"directional\" direction=\"0.3 0.2 -1\"/>"));
+      {}, "<light name=\"sun\" type=\"directional\" direction=\"-0.7 0.3 -1\"/>"));
   AttributeSpec fov = above_zero(number("fov", kAngle, "Horizontal opening angle.", "60 deg"));
   fov.maximum = 3.1;
   out.push_back(element(

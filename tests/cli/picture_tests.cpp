@@ -93,6 +93,49 @@ TEST_CASE("a view on a body goes where the body goes", "[cli][pictures]") {
   CHECK(std::abs(*picture(png).pixel(32, 24) * 257.0 - 1000.0) <= 257.0);
 }
 
+TEST_CASE("a lidar's rays are a pale fan that hides nothing", "[cli][pictures]") {
+  const TemporaryFolder folder;
+  const std::string scene = folder / "fan.scene.xml";
+  std::ofstream(scene) << R"(<scene name="fan" version="1">
+    <physics gravity="0 0 0" step="10 ms" duration="1 s"/>
+    <plane name="floor"/>
+    <box name="wall" size="0.1 4 1" xyz="2 0 0.5" static="true" color="#4070b0"/>
+    <box name="cart" size="20 20 10 cm" mass="1 kg" xyz="0 0 0.2" color="#4070b0"/>
+    <lidar name="scan" on="cart" xyz="0 0 0.1" rays="181" fov="180 deg" range="0.1 .. 5 m" rate="50 Hz"/>
+  </scene>)";
+  const std::string png = folder / "fan.png", bare = folder / "bare.png", map = folder / "map.png";
+  const Words at = {"--backend", "toy", "--at", "0.1"};
+  const auto make = [&](Words words) {
+    words.insert(words.end(), at.begin(), at.end());
+    const Outcome outcome = drawn(words);
+    INFO(outcome.err);
+    REQUIRE(outcome.status == 0);
+  };
+  make({"render", scene, "--size", "320x240", "--overlay", "rays", "-o", png});
+  make({"render", scene, "--size", "320x240", "-o", bare});
+  make({"map", scene, "--width", "320", "-o", map});
+  const auto count = [](const Image& image, const auto& is) {
+    int n = 0;
+    for (int row = 0; row < image.height; ++row) {
+      for (int column = 0; column < image.width; ++column) {
+        n += is(image.pixel(column, row), column, row) ? 1 : 0;
+      }
+    }
+    return n;
+  };
+  const auto red = [](const std::uint8_t* p, int, int) { return p[0] > p[2] + 60; };
+  const Image with = picture(png), without = picture(bare), plan = picture(map);
+  CHECK(count(with, red) == 0);
+  CHECK(count(with, [&](const std::uint8_t* p, int column, int row) {
+          return std::abs(p[0] - without.pixel(column, row)[0]) > 8;
+        }) > 500);
+  // On the map too, bluish over the light floor.
+  CHECK(count(plan, red) == 0);
+  CHECK(count(plan, [](const std::uint8_t* p, int, int) {
+          return p[2] > p[0] + 15 && p[0] > 150;
+        }) > 1000);
+}
+
 TEST_CASE("maps and films of a scene", "[cli][pictures]") {
   const TemporaryFolder folder;
   const Outcome map = drawn({"map", kRoom, "--at", "0.5", "-o", folder / "map.png", "--width",

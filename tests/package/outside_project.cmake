@@ -17,6 +17,22 @@ foreach(binary ${binaries})
   endif()
 endforeach()
 
+# The licence goes with it, and what the libraries in it ask for.
+foreach(pair "LICENSE|Apache License" "third-party-notices.txt|Permission is hereby granted"
+    "page-notices.txt|three.js authors")
+  string(REGEX MATCH "(.*)\\|(.*)" found "${pair}")
+  set(file "${prefix}/${DOC}/${CMAKE_MATCH_1}")
+  set(words "${CMAKE_MATCH_2}")
+  if(CMAKE_MATCH_1 STREQUAL "page-notices.txt" AND NOT STUDIO)
+    continue()
+  endif()
+  file(READ "${file}" text)
+  string(FIND "${text}" "${words}" found)
+  if(found EQUAL -1)
+    message(SEND_ERROR "${file} does not say '${words}'")
+  endif()
+endforeach()
+
 file(COPY "${SOURCE_DIR}/examples/020_stand_alone_plugin/" DESTINATION "${WORK_DIR}/project")
 run("configure" ${CMAKE_COMMAND} -S "${WORK_DIR}/project" -B "${WORK_DIR}/project/build"
   -G "${GENERATOR}" -DCMAKE_MAKE_PROGRAM=${MAKE_PROGRAM} -DCMAKE_CXX_COMPILER=${COMPILER}

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bundle_html.h"
+#include "page.h"
 #include "payload.h"
 #include "report_pictures.h"
 
@@ -178,6 +179,24 @@ constexpr const char* kFalling = R"(<?xml version="1.0" encoding="UTF-8"?>
 
 }  // namespace
 
+TEST_CASE("program and bundles carry the notices of every package in them", "[studio][bundle]") {
+  const PageFile* file = find_page_file("/notices.txt");
+  REQUIRE(file != nullptr);
+  const std::string notices = inflated(*file);
+  const Json packages = Json::parse(read(COGRSIM_SOURCE_DIR "/apps/studio/web/package.json"));
+  for (const auto& [name, version] : packages["dependencies"].items()) {
+    const auto at = notices.find("\n" + name + " " + version.get<std::string>() + " (");
+    INFO(name);
+    REQUIRE(at != std::string::npos);
+    CHECK_THAT(notices.substr(at, notices.find("\n----", at) - at), Contains("Copyright"));
+  }
+  CHECK_THAT(notices, Contains("three.js authors") && Contains("PhosphorJS") && Contains("Marijn") &&
+                          Contains("Plotly"));
+  CHECK_THAT(bundle_html("empty", ""), Contains(notices));
+  // What stands in the sources of packages stays there too.
+  CHECK_THAT(inflated(*find_page_file("/bundle/viewer.js")), Contains("@license"));
+}
+
 TEST_CASE("a bundle holds scene and frames and curves and text", "[studio][bundle]") {
   const Folder folder;
   const std::string scene = folder.write("fall.scene.xml", kFalling), out = folder / "x.html";
@@ -283,9 +302,9 @@ TEST_CASE("hostile names are text in a bundle", "[studio][bundle]") {
   INFO(ran.output);
   REQUIRE(ran.status == 0);
   const std::string page = read(out);
-  // Two of data, the loader.
-  CHECK(count(page, "</script") == 3);
-  CHECK(count(page, "<script") == 3);
+  // Two of data, the notices, the loader.
+  CHECK(count(page, "</script") == 4);
+  CHECK(count(page, "<script") == 4);
   CHECK(count(page, "<img") == 0);
   CHECK(count(page, "</title") == 1);
   const Json head = Data(page).head;

@@ -61,6 +61,8 @@ std::string bundle_html(const std::string& title, std::string_view data) {
   constexpr const char* kData = "<script type=\"application/octet-stream\" id=\"{}\">";
   out += fmt::format(kData, "cg-data") + cli::base64(data) + "</script>\n";
   out += fmt::format(kData, "cg-viewer") + cli::base64(viewer.gzip) + "</script>\n";
+  out += "<script type=\"text/plain\" id=\"cg-notices\">\n" + inflated(part("/notices.txt")) +
+         "</script>\n";
   out += "<script>" + loader + "</script>\n</body>\n</html>\n";
   return out;
 }

@@ -25,7 +25,7 @@ std::string empty_scene(const std::string& file) {
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<scene name=\"" + title +
          "\" version=\"1\">\n"
          "  <physics step=\"1 ms\" gravity=\"0 0 -9.81\"/>\n"
-         "  <light name=\"sun\" type=\"directional\" direction=\"0.3 0.2 -1\"/>\n"
+         "  <light name=\"sun\" type=\"directional\" direction=\"-0.7 0.3 -1\"/>\n"
          "  <plane name=\"floor\"/>\n</scene>\n";
 }
 

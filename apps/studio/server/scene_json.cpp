@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/rendering/looks.h"
 #include "cogrsim/rendering/standard_view.h"
 #include "cogrsim/sensing/instruments.h"
 
@@ -114,12 +115,13 @@ class SceneWriter {
 
   Json body(const Body& b) const {
     Json shapes = Json::array();
-    for (const Shape& s : b.shapes) shapes.push_back(shape(s));
+    const int index = static_cast<int>(&b - model_.bodies.data());
+    for (const Shape& s : b.shapes) shapes.push_back(shape(s, index));
     return {{"kind", kind_of(b.kind)}, {"pose", to_json(b.X_WB)}, {"mass", b.mass},
             {"com", to_json(b.com)},   {"assembly", b.assembly},  {"shapes", std::move(shapes)}};
   }
 
-  Json shape(const Shape& s) const {
+  Json shape(const Shape& s, int body) const {
     Json out = {{"name", s.name},
                 {"pose", to_json(s.X_BS)},
                 {"visual", s.visible},
@@ -158,7 +160,7 @@ class SceneWriter {
         break;
     }
     const Material& material = model_.materials[static_cast<std::size_t>(s.material)];
-    out["color"] = color_json(material.color);
+    out["color"] = color_json(shown_color(model_, body, s));
     const auto texture = assets_.find(material.texture);
     out["texture"] =
         material.texture.empty() || texture == assets_.end() ? "" : std::to_string(texture->second);

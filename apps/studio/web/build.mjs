@@ -3,7 +3,7 @@
 // --dev adds dev.html, the page with a made-up run for working on it without a server.
 // Works from a read-only source folder: --modules says where the packages were installed.
 import { build, context } from "esbuild";
-import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -58,7 +58,7 @@ const options = {
   minify: !process.argv.includes("--watch"),
   sourcemap: false,
   metafile: true,
-  legalComments: "none",
+  legalComments: "eof",
   logLevel: "info",
   plugins: [page],
 };
@@ -74,21 +74,49 @@ async function build_bundle() {
     format: "iife",
     loader: { ...options.loader, ".woff2": "dataurl" },
     minify: true,
-    metafile: false,
     plugins: [],
   };
-  await build(whole);
+  const { metafile } = await build(whole);
   await build({ ...whole, entryPoints: { loader: join(here, "src/bundle/loader.ts") }, target: "es2015" });
   // These stand in HTML as they are.
   const text = readFileSync(join(out, "bundle/loader.js"), "utf8");
   if (/<[!/]/.test(text)) throw new Error("the loader of bundles holds what would end or hide its element");
   const style = join(out, "bundle/viewer.css");
   writeFileSync(style, readFileSync(style, "utf8").replace(/<\//g, "<\\/"));
+  return metafile;
+}
+
+// notices.txt: what each package that is in the page asks to go with it.
+function write_notices(metafiles) {
+  const folders = new Set();
+  for (const path of metafiles.flatMap(({ inputs }) => Object.keys(inputs))) {
+    const folder = /^.*node_modules\/(@[^/]+\/)?[^/]+/.exec(path);
+    if (folder) folders.add(resolve(here, folder[0]));
+  }
+  const packages = new Map();  // by the text they share
+  for (const folder of [...folders].sort()) {
+    const { name, version, license } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
+    const paths = readdirSync(folder)
+      .filter((file) => /^(licen[cs]e|copying|notice)/i.test(file))
+      .sort()
+      .map((file) => join(folder, file));
+    // Packages of Lumino carry no copy of its licence.
+    if (paths.length === 0 && name.startsWith("@lumino/")) paths.push(join(here, "licences/lumino.txt"));
+    if (paths.length === 0) throw new Error(`${name} has no licence file: put its licence into web/licences`);
+    const text = paths.map((path) => readFileSync(path, "utf8").trim()).join("\n\n");
+    packages.set(text, [...(packages.get(text) ?? []), `${name} ${version} (${license})`]);
+  }
+  const notices = [...packages].map(([text, names]) => `${names.join("\n")}\n\n${text}`);
+  const rule = `\n\n${"-".repeat(80)}\n\n`;
+  const text = ["The studio's page and bundles contain these packages.", ...notices].join(rule) + "\n";
+  // It stands in a bundle as it is.
+  if (/<\/script|<!--/i.test(text)) throw new Error("a licence holds what would end or hide its element");
+  writeFileSync(join(out, "notices.txt"), text);
 }
 
 if (process.argv.includes("--watch")) {
   await (await context(options)).watch();
 } else {
-  await build(options);
-  await build_bundle();
+  const { metafile } = await build(options);
+  write_notices([metafile, await build_bundle()]);
 }

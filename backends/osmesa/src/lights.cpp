@@ -12,9 +12,14 @@ namespace cogrsim::osmesa {
 namespace {
 
 // A white wall that faces one light of intensity 1 comes out white, what no light reaches about a
-// quarter as bright to the eye's measure; more light from above than from below shows shapes there
-// too.
-constexpr double kLightShare = 0.8, kAmbientMiddle = 0.19, kAmbientUp = 0.07;
+// quarter as bright to the eye's measure. It differs by direction, so that no two faces of a box in
+// the shade are alike.
+constexpr double kLightShare = 0.8, kAmbientMiddle = 0.19;
+const Vec3 kAmbientToward(0.01, -0.05, 0.09);
+// Without lights in the scene: for who looks from `iso`, a key light from the upper left and a weak
+// one from the right.
+const Vec3 kKey(-0.7, 0.3, -1.0), kFill(0.05, -0.9, -0.5);
+constexpr double kFillShare = 0.16;
 // At this distance a lamp is half as bright as close by [m]; beyond, it falls off with the square.
 constexpr double kLampRange = 6.0;
 constexpr double kSpotEdge = 0.85;  // share of the cone that has full brightness
@@ -68,10 +73,14 @@ std::vector<Light> lights_of(const SceneModel& model) {
   }
   if (out.empty()) {
     Light sun;
-    sun.direction = Vec3(0.45, 0.3, -1.0).normalized();
+    sun.direction = kKey.normalized();
     sun.color = kLightShare * Vec3::Ones();
     sun.shadows = true;
     out.push_back(sun);
+    Light fill;
+    fill.direction = kFill.normalized();
+    fill.color = kFillShare * Vec3::Ones();
+    out.push_back(fill);
   }
   return out;
 }
@@ -134,7 +143,7 @@ std::vector<ShadowMap> shadow_maps(const Light& light, const CasterBounds& bound
 void set_lights(Program& program, const std::vector<Light>& lights, bool shadows,
                 const CasterBounds& bounds, const View& view, int map_size) {
   program.set("u_ambient_middle", Eigen::Vector3f(Vec3::Constant(kAmbientMiddle).cast<float>()));
-  program.set("u_ambient_up", Eigen::Vector3f(Vec3::Constant(kAmbientUp).cast<float>()));
+  program.set("u_ambient_toward", Eigen::Vector3f(kAmbientToward.cast<float>()));
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const Light& light = lights[i];
     const auto name = [i](const char* what) { return fmt::format("u_light{}_{}", i, what); };

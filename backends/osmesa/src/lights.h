@@ -25,7 +25,7 @@ struct Light {
 /// At most this many lights shine and this many maps are made; the rest of a scene's is left out.
 inline constexpr int kMaxLights = 16, kMaxShadowLayers = 24;
 
-/// The scene's lights; one sun over the viewer's shoulder if it has none.
+/// The scene's lights; a key light and a weak fill if it has none.
 std::vector<Light> lights_of(const SceneModel& model);
 /// A letter for each, see lit_fragment_shader().
 std::string letters_of(const std::vector<Light>& lights, bool shadows);

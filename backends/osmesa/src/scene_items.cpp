@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "cogrsim/rendering/looks.h"
+
 #include "geometry.h"
 #include "srgb.h"
 
@@ -60,6 +62,27 @@ void measure(Item& item, const SceneModel& model) {
   item.reach *= 1.06;  // a polygon of a circle's area reaches beyond it, 5.4 % with 8 corners
 }
 
+/// A metre of a floor that nobody chose the looks of: lines every metre, fainter ones every 10 cm.
+std::shared_ptr<const Image> floor_grid() {
+  static const std::shared_ptr<const Image> grid = [] {
+    constexpr int kSize = 500, kCell = 50;  // [pixel], 2 mm each
+    auto image = std::make_shared<Image>();
+    image->width = image->height = kSize;
+    image->channels = 1;
+    for (int row = 0; row < kSize; ++row) {
+      for (int column = 0; column < kSize; ++column) {
+        const auto on = [&](int every, int half) {
+          const auto near = [&](int at) { return (at + half) % every < 2 * half; };
+          return near(row) || near(column);
+        };
+        image->data.push_back(on(kSize, 2) ? 196 : on(kCell, 1) ? 228 : 255);
+      }
+    }
+    return image;
+  }();
+  return grid;
+}
+
 }  // namespace
 
 Result<std::vector<Item>> collect_items(const SceneModel& model, TextureStore& textures) {
@@ -78,13 +101,14 @@ Result<std::vector<Item>> collect_items(const SceneModel& model, TextureStore& t
       item.source = &shape;
       item.X_BS = shape.X_BS;
       item.scale = unit_scale(shape);
-      item.color = {static_cast<float>(to_linear(material.color.r)),
-                    static_cast<float>(to_linear(material.color.g)),
-                    static_cast<float>(to_linear(material.color.b)),
-                    static_cast<float>(material.color.a)};
+      const Color color = shown_color(model, item.body, shape);
+      item.color = {static_cast<float>(to_linear(color.r)), static_cast<float>(to_linear(color.g)),
+                    static_cast<float>(to_linear(color.b)), static_cast<float>(color.a)};
       if (!material.texture.empty()) {
         item.picture = textures.texture(material);
         if (item.picture == nullptr) return fail(textures.problem(), shape.name);
+      } else if (shape.type == ShapeType::plane && !has_looks(material)) {
+        item.picture = floor_grid();
       }
       measure(item, model);
       items.push_back(std::move(item));

@@ -154,7 +154,7 @@ in vec3 v_normal;
 flat in vec4 v_color;
 out vec4 o_color;
 uniform vec3 u_ambient_middle;
-uniform vec3 u_ambient_up;
+uniform vec3 u_ambient_toward;
 )";
   if (textured) out += "in vec2 v_uv;\nuniform sampler2D u_texture;\n";
   bool shadows = false;
@@ -174,7 +174,7 @@ uniform vec3 u_ambient_up;
   out += R"(
 void main() {
   vec3 n = normalize(gl_FrontFacing ? v_normal : -v_normal);
-  vec3 light = u_ambient_middle + n.z * u_ambient_up;
+  vec3 light = u_ambient_middle + vec3(dot(n, u_ambient_toward));
 )";
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const char kind = static_cast<char>(lights[i] | 0x20);

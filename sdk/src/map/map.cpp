@@ -5,9 +5,11 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 
 #include "cogrsim/core/image.h"
 #include "cogrsim/model/surface.h"
+#include "cogrsim/rendering/looks.h"
 #include "map/canvas.h"
 
 namespace cogrsim {
@@ -18,7 +20,7 @@ using map_detail::Canvas;
 
 constexpr Color kPaper{0.97, 0.97, 0.96, 1};
 constexpr Color kInk{0.15, 0.15, 0.15, 1};
-constexpr Color kRay{0.9, 0.05, 0.05, 0.8};
+constexpr Color kRay{0.9, 0.05, 0.05, 0.8}, kFan{0.25, 0.5, 0.85, 0.22};
 constexpr double kTextSize = 12.0;  // [pixel]
 
 MapArea nothing() {
@@ -46,6 +48,7 @@ void enclose_body(MapArea& area, const SceneModel& model, const Body& body, cons
 /// A shape to be drawn, in order of height.
 struct Item {
   const Shape* shape = nullptr;
+  int body = -1;
   Pose X_WB;
   double top = 0.0;  ///< highest point [m]
   bool fixed = false;
@@ -96,7 +99,7 @@ std::vector<Item> items_of(const Frame& frame) {
       if (!shape.visible) continue;
       const Pose& X_WB = frame.state.poses[b];
       items.push_back(
-          {&shape, X_WB, top_of(model, shape, X_WB * shape.X_BS), body.kind == BodyKind::fixed});
+          {&shape, static_cast<int>(b), X_WB, top_of(model, shape, X_WB * shape.X_BS), body.kind == BodyKind::fixed});
     }
   }
   std::stable_sort(items.begin(), items.end(),
@@ -105,9 +108,10 @@ std::vector<Item> items_of(const Frame& frame) {
 }
 
 // The colour a shape has from afar: its texture's mean, where it has one.
-Color far_color(const Material& material, TextureStore& textures) {
-  Color color = material.color;
-  const auto image = textures.texture(material);
+Color far_color(const SceneModel& model, const Item& item, TextureStore& textures) {
+  Color color = shown_color(model, item.body, *item.shape);
+  const auto image =
+      textures.texture(model.materials[static_cast<std::size_t>(item.shape->material)]);
   if (!image) return color;
   constexpr int kSamples = 16;
   double r = 0, g = 0, b = 0;
@@ -191,8 +195,7 @@ void draw_shapes(const Canvas& canvas, const Frame& frame) {
   for (const Item& item : items_of(frame)) {
     const Shape& shape = *item.shape;
     const Pose X_WS = item.X_WB * shape.X_BS;
-    const Color color =
-        far_color(model.materials[static_cast<std::size_t>(shape.material)], textures);
+    const Color color = far_color(model, item, textures);
     if (shape.type == ShapeType::plane) {
       draw_plane(canvas, X_WS, color);
       continue;
@@ -362,12 +365,28 @@ void draw_trails(const Canvas& canvas, const std::vector<MapTrail>& trails) {
   }
 }
 
-void draw_rays(const Canvas& canvas, const std::vector<SensorRay>& rays) {
+// A lidar's are one pale fan, which hides nothing; others are lines.
+void draw_rays(const Canvas& canvas, const SceneModel& model, const std::vector<SensorRay>& rays) {
   cairo_t* cr = canvas.context();
+  const auto is_lidar = [&](const SensorRay& ray) {
+    return ray.sensor >= 0 && model.sensors[static_cast<std::size_t>(ray.sensor)].type == "lidar";
+  };
+  std::map<int, std::vector<Eigen::Vector2d>> fans;
+  for (const SensorRay& ray : rays) {
+    if (!is_lidar(ray) || !ray.from.allFinite() || !ray.to.allFinite()) continue;
+    std::vector<Eigen::Vector2d>& fan = fans[ray.sensor];
+    if (fan.empty()) fan.push_back(ray.from.head<2>());
+    fan.push_back(ray.to.head<2>());
+  }
+  canvas.paint(kFan);
+  for (const auto& [sensor, fan] : fans) {
+    canvas.path(fan);
+    cairo_fill(cr);
+  }
   canvas.paint(kRay);
   cairo_set_line_width(cr, 1.0);
   for (const SensorRay& ray : rays) {
-    if (!ray.from.allFinite() || !ray.to.allFinite()) continue;
+    if (is_lidar(ray) || !ray.from.allFinite() || !ray.to.allFinite()) continue;
     cairo_move_to(cr, canvas.column(ray.from.x()), canvas.row(ray.from.y()));
     cairo_line_to(cr, canvas.column(ray.to.x()), canvas.row(ray.to.y()));
     cairo_stroke(cr);
@@ -490,7 +509,7 @@ Result<std::string> map_picture(const Frame& frame, const MapOptions& options,
   draw_shapes(*canvas, frame);
   if (options.grid) draw_grid(*canvas);
   draw_ghosts(*canvas, options.ghosts);
-  draw_rays(*canvas, options.rays);
+  draw_rays(*canvas, *frame.model, options.rays);
   draw_trails(*canvas, options.trails);
   if (options.names) draw_names(*canvas, frame);
   draw_scale_bar(*canvas);

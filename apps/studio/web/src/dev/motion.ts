@@ -8,7 +8,7 @@ export const kText = `<?xml version="1.0" encoding="UTF-8"?>
   <physics backend="bullet" step="1 ms" duration="10 s"/>
   <material name="floor" friction="0.8" color="#d8d8d0"/>
   <material name="ply" friction="0.4" density="600 kg/m^3" color="#b58863"/>
-  <light name="sun" type="directional" direction="0.3 0.4 -1"/>
+  <light name="sun" type="directional" direction="-0.7 0.3 -1"/>
   <view name="corner" xyz="1.5 -1.5 1.2" look-at="0 0 0.1"/>
 
   <plane name="ground" material="floor"/>

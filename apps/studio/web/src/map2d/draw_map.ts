@@ -259,12 +259,24 @@ function draw_trails({ context, sheet, frame, trails }: MapPicture): void {
   }
 }
 
+const FAN = "rgba(64, 128, 217, 0.22)";
 function draw_rays({ context, sheet, scene, frame, colors }: MapPicture): void {
   if (!frame) return;
+  const rays = ray_ends(scene, frame);
+  // A lidar's are one pale fan, which hides nothing.
+  context.fillStyle = FAN;
+  for (const sensor of new Set(rays.filter((ray) => ray.fan).map((ray) => ray.sensor))) {
+    const fan = rays.filter((ray) => ray.sensor === sensor);
+    context.beginPath();
+    context.moveTo(sheet.column(fan[0]!.from[0]), sheet.row(fan[0]!.from[1]));
+    for (const { to } of fan) context.lineTo(sheet.column(to[0]), sheet.row(to[1]));
+    context.fill();
+  }
   context.strokeStyle = colors.ray;
   context.fillStyle = colors.ray;
   context.lineWidth = 1;
-  for (const ray of ray_ends(scene, frame)) {
+  for (const ray of rays) {
+    if (ray.fan) continue;
     const [x, y] = [sheet.column(ray.to[0]), sheet.row(ray.to[1])];
     context.globalAlpha = ray.hit ? 0.85 : 0.45;
     context.beginPath();

@@ -15,15 +15,18 @@ import type { Scene, Vec3 } from "../core/protocol";
 import { middle_of, radius_of, type Bounds } from "./bounds";
 import { transform } from "./pose";
 
-/** A white wall that faces one light of intensity 1 comes out white; what no light reaches has a rest, more from above. */
+/** A white wall that faces one light of intensity 1 comes out white; what no light reaches has a rest by direction. */
 const LIGHT_SHARE = 0.8;
 const AMBIENT_MIDDLE = 0.19;
-const AMBIENT_UP = 0.07;
+const AMBIENT_TOWARD: Vec3 = [0.01, -0.05, 0.09];
 /** At this distance a lamp is half as bright as close by [m]; beyond, it falls off with the square. */
 const LAMP_RANGE = 6;
 /** Share of a spot's cone that has full brightness. */
 const SPOT_EDGE = 0.85;
-const SUN: Vec3 = [0.45, 0.3, -1];
+/** Without lights in the scene: directions and brightness of a key light from the upper left, a weak one from the right. */
+const KEY: Vec3 = [-0.7, 0.3, -1];
+const FILL: Vec3 = [0.05, -0.9, -0.5];
+const FILL_SHARE = 0.16;
 const MOST_LIGHTS = 16;
 /** Each takes one of the 16 textures that a fragment may look at. */
 const MOST_SHADOWS = 6;
@@ -46,9 +49,10 @@ export class Lights {
   constructor(scene: Scene, slow: boolean) {
     // The library divides what matt matter throws back by pi.
     const sky = new HemisphereLight(0xffffff, 0xffffff, Math.PI);
-    sky.color.setScalar(AMBIENT_MIDDLE + AMBIENT_UP);
-    sky.groundColor.setScalar(AMBIENT_MIDDLE - AMBIENT_UP);
-    sky.position.set(0, 0, 1);
+    const more = Math.hypot(...AMBIENT_TOWARD);
+    sky.color.setScalar(AMBIENT_MIDDLE + more);
+    sky.groundColor.setScalar(AMBIENT_MIDDLE - more);
+    sky.position.set(...AMBIENT_TOWARD);
     this.root.add(sky);
 
     let shadows = 0;
@@ -85,13 +89,14 @@ export class Lights {
       }
     }
     if (scene.lights.length === 0) {
-      const n = Math.hypot(...SUN);
-      add(
-        new DirectionalLight(0xffffff, Math.PI * LIGHT_SHARE),
-        [0, 0, 0],
-        [SUN[0] / n, SUN[1] / n, SUN[2] / n],
-        true,
-      );
+      const sun = (toward: Vec3, share: number, casts: boolean) => {
+        const n = Math.hypot(...toward);
+        const along: Vec3 = [toward[0] / n, toward[1] / n, toward[2] / n];
+        // where it stands counts, as what it shines at is the origin
+        add(new DirectionalLight(0xffffff, Math.PI * share), [-along[0], -along[1], -along[2]], along, casts);
+      };
+      sun(KEY, LIGHT_SHARE, true);
+      sun(FILL, FILL_SHARE, false);
     }
   }
 

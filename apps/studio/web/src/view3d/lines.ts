@@ -19,12 +19,13 @@ export class Lines {
   private colors = new Float32Array(6 * 64);
   private made = 0;
 
-  /** `width` in pixels; `on_top`: seen through everything. */
-  constructor(width: number, on_top: boolean) {
+  /** `width` in pixels; `on_top`: seen through everything; `opacity` 0 to 1. */
+  constructor(width: number, on_top: boolean, opacity = 1) {
     const material = new LineMaterial({ linewidth: width, vertexColors: true, worldUnits: false });
     material.depthTest = !on_top;
     material.depthWrite = false;
     material.transparent = true;
+    material.opacity = opacity;
     material.polygonOffset = true;
     material.polygonOffsetFactor = -2;
     this.mesh = new LineSegments2(new LineSegmentsGeometry(), material);

@@ -10,6 +10,8 @@ import { count_until, dashes, type Trails } from "./trails";
 type Rgb = readonly [number, number, number];
 const AXES: Rgb[] = [linear_color([0.9, 0.1, 0.1]), linear_color([0.1, 0.65, 0.1]), linear_color([0.15, 0.3, 0.95])];
 const CONTACT = linear_color([1.0, 0.75, 0.0]);
+/** A lidar has so many rays that only thin and pale ones leave anything to see. */
+const FAN = linear_color([0.35, 0.6, 0.9]);
 const JOINT = linear_color([0.85, 0.2, 0.85]);
 const CENTRE = linear_color([0.95, 0.85, 0.1]);
 
@@ -34,6 +36,7 @@ export function joint_axes(type: string, parent: Pose, child: Pose): Vec3[] {
 export class Overlay {
   readonly root = new Group();
   private readonly lines = new Lines(1.6, false);
+  private readonly fans = new Lines(1, false, 0.3);
   private readonly top_lines = new Lines(2.2, true);
   private readonly dots = new Dots(6, true);
   private readonly regions = new Group();
@@ -41,7 +44,7 @@ export class Overlay {
   private ray_miss: Rgb = [1, 0.4, 0.4];
 
   constructor() {
-    this.root.add(this.lines.mesh, this.top_lines.mesh, this.dots.mesh, this.regions);
+    this.root.add(this.fans.mesh, this.lines.mesh, this.top_lines.mesh, this.dots.mesh, this.regions);
   }
 
   set_colors(ray: string): void {
@@ -76,8 +79,9 @@ export class Overlay {
 
   /** `size`: of the scene [m]; lengths of arrows go by it. */
   update(scene: Scene, frame: Frame, poses: Float32Array, size: number, trails: Trails): void {
-    const { lines, top_lines, dots } = this;
+    const { lines, fans, top_lines, dots } = this;
     lines.begin();
+    fans.begin();
     top_lines.begin();
     dots.begin();
     const pose_of = (body: number): Pose =>
@@ -85,6 +89,10 @@ export class Overlay {
 
     if (overlays.rays.value) {
       for (const ray of ray_ends(scene, { ...frame, poses })) {
+        if (ray.fan) {
+          if (ray.hit) fans.add(ray.from, ray.to, FAN);
+          continue;
+        }
         lines.add(ray.from, ray.to, ray.hit ? this.ray_hit : this.ray_miss);
         if (ray.hit) dots.add(ray.to, this.ray_hit);
       }
@@ -151,12 +159,14 @@ export class Overlay {
       mesh.quaternion.copy(new Quaternion(pose[4], pose[5], pose[6], pose[3]));
     }
     lines.end();
+    fans.end();
     top_lines.end();
     dots.end();
   }
 
   dispose(): void {
     this.lines.dispose();
+    this.fans.dispose();
     this.top_lines.dispose();
     this.dots.dispose();
     this.regions.clear();

@@ -7,6 +7,9 @@ export interface Ray {
   /** where the reading says the ray ended, or its full range [m] */
   to: Vec3;
   hit: boolean;
+  /** of a lidar: one of so many that they are drawn as a pale fan */
+  fan: boolean;
+  sensor: number;
 }
 
 const RANGING = new Set(["infrared", "lidar"]);
@@ -37,6 +40,8 @@ export function ray_ends(scene: Scene, frame: Frame): Ray[] {
         from: transform(place, [ox, oy, oz]),
         to: transform(place, [ox + length * dx, oy + length * dy, oz + length * dz]),
         hit,
+        fan: sensor.type === "lidar",
+        sensor: reading.sensor,
       });
     });
   }
