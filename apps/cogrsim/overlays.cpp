@@ -73,8 +73,7 @@ Overlay make_overlay(const Frame& frame, const OverlayChoice& choice, double siz
   };
   if (choice.rays) {
     for (const SensorRay& ray : sensor_rays(frame)) {
-      const bool lidar =
-          frame.model->sensors[static_cast<std::size_t>(ray.sensor)].type == "lidar";
+      const bool lidar = frame.model->sensors[static_cast<std::size_t>(ray.sensor)].type == "lidar";
       line(ray.from, ray.to, lidar ? (ray.hit ? kFan : kFanMiss) : (ray.hit ? kRay : kMiss),
            lidar ? 1.0 : 1.5, false);
     }

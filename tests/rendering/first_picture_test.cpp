@@ -36,10 +36,9 @@ TEST_CASE("no face of a box runs into another or into the floor", "[rendering]")
   const Camera camera =
       standard_camera(StandardView::iso, visible_bounds(frame_of(model)), 320, 240);
   const Picture picture = take(model, request_of(camera));
-  const std::vector<Rgb> faces = {seen(picture, camera, Vec3(0.5, 0.1, 0.5)),
-                                  seen(picture, camera, Vec3(0.1, 0.5, 0.5)),
-                                  seen(picture, camera, Vec3(0.1, 0.1, 1.0)),
-                                  seen(picture, camera, Vec3(0.55, -0.45, 0.0))};
+  const std::vector<Rgb> faces = {
+      seen(picture, camera, Vec3(0.5, 0.1, 0.5)), seen(picture, camera, Vec3(0.1, 0.5, 0.5)),
+      seen(picture, camera, Vec3(0.1, 0.1, 1.0)), seen(picture, camera, Vec3(0.55, -0.45, 0.0))};
   for (std::size_t i = 0; i < faces.size(); ++i) {
     for (std::size_t k = i + 1; k < faces.size(); ++k) {
       CAPTURE(lit, i, k, faces[i].r, faces[i].g, faces[i].b, faces[k].r, faces[k].g, faces[k].b);
@@ -57,7 +56,8 @@ TEST_CASE("a floor that nobody chose the looks of has a grid", "[rendering]") {
   const bool chosen = GENERATE(false, true);
   ModelBuilder builder;
   builder.plane("floor", {}, chosen ? colored(builder, 0.8, 0.8, 0.8) : 0);
-  const Camera camera = make_camera(look(Vec3(0.25, 0.25, 2), Vec3(0.2501, 0.25, 0)), 200, 200, 0.6);
+  const Camera camera =
+      make_camera(look(Vec3(0.25, 0.25, 2), Vec3(0.2501, 0.25, 0)), 200, 200, 0.6);
   const Picture picture = take(builder.build(), request_of(camera));
   const Rgb line = seen(picture, camera, Vec3(0, 0.25, 0)),
             cell = seen(picture, camera, Vec3(0.05, 0.25, 0));

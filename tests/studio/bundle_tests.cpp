@@ -190,8 +190,8 @@ TEST_CASE("program and bundles carry the notices of every package in them", "[st
     REQUIRE(at != std::string::npos);
     CHECK_THAT(notices.substr(at, notices.find("\n----", at) - at), Contains("Copyright"));
   }
-  CHECK_THAT(notices, Contains("three.js authors") && Contains("PhosphorJS") && Contains("Marijn") &&
-                          Contains("Plotly"));
+  CHECK_THAT(notices, Contains("three.js authors") && Contains("PhosphorJS") &&
+                          Contains("Marijn") && Contains("Plotly"));
   CHECK_THAT(bundle_html("empty", ""), Contains(notices));
   // What stands in the sources of packages stays there too.
   CHECK_THAT(inflated(*find_page_file("/bundle/viewer.js")), Contains("@license"));

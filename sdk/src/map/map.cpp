@@ -98,8 +98,8 @@ std::vector<Item> items_of(const Frame& frame) {
     for (const Shape& shape : body.shapes) {
       if (!shape.visible) continue;
       const Pose& X_WB = frame.state.poses[b];
-      items.push_back(
-          {&shape, static_cast<int>(b), X_WB, top_of(model, shape, X_WB * shape.X_BS), body.kind == BodyKind::fixed});
+      items.push_back({&shape, static_cast<int>(b), X_WB, top_of(model, shape, X_WB * shape.X_BS),
+                       body.kind == BodyKind::fixed});
     }
   }
   std::stable_sort(items.begin(), items.end(),
