@@ -70,7 +70,7 @@ class FakeOutbox final : public Outbox {
   std::size_t read_ = 0;
 };
 
-StudioInfo info() { return {"1.2.3", "recording", "x.mcap", false, {"one", "two"}}; }
+StudioInfo info() { return {"1.2.3", "recording", "x.mcap", false, {"one", "two"}, "/asset/0f/"}; }
 
 struct Bench {
   FakeOutbox outbox;
@@ -97,9 +97,9 @@ TEST_CASE("hello comes first and tells who is who", "[studio][requests]") {
       bench.ask(R"({"id": 1, "do": "seek", "time": 1})")["error"]["message"].get<std::string>(),
       Contains("say hello first"));
   const Json hello = bench.ask(R"({"id": 2, "do": "hello"})");
-  CHECK(hello == Json::parse(R"({"id": 2, "ok": true, "role": "viewer", "client": 1,
-      "version": "1.2.3", "kind": "recording", "file": "x.mcap", "allow_build": false,
-      "backends": ["one", "two"]})"));
+  CHECK(hello == Json::parse(R"({"id": 2, "ok": true, "protocol": 1, "role": "viewer",
+      "client": 1, "version": "1.2.3", "kind": "recording", "file": "x.mcap", "allow_build": false,
+      "assets": "/asset/0f/", "backends": ["one", "two"]})"));
   CHECK(bench.outbox.next()["tell"] == "status");
   const Json seek = bench.ask(R"({"id": 3, "do": "seek", "time": 1.5})");
   CHECK(seek["ok"] == true);
@@ -206,7 +206,7 @@ TEST_CASE("a page plays over a WebSocket", "[studio][requests]") {
   const auto colon = address.rfind(':');
   const std::string port = address.substr(colon + 1, address.find('/', colon) - colon - 1);
   SocketClient page(static_cast<unsigned short>(std::stoi(port)),
-                    "cogrsim_studio_" + port + "=" + address.substr(address.find("token=") + 6));
+                    address.substr(address.find("token=") + 6));
   page.send(R"({"id": 1, "do": "hello"})");
   CHECK(Json::parse(page.receive(1)->payload)["role"] == "operator");
   CHECK(Json::parse(page.receive(1)->payload)["tell"] == "status");

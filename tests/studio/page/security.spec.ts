@@ -1,5 +1,6 @@
 // Who may come in, on raw sockets; and text from scenes stays text wherever it is shown.
-import { connect } from "node:net";
+import { createServer } from "node:http";
+import { connect, type AddressInfo } from "node:net";
 import { expect, keep, test, visit, type StudioServer } from "./harness";
 import { dismiss, layout, row, serve } from "./acts";
 
@@ -85,6 +86,27 @@ test("wrong token, Origin, Host and paths are refused on raw sockets", async () 
     expect(answer, path).toMatch(/^HTTP\/1\.1 40[0-9]/);
     expect(answer).not.toContain("root:");
     expect(answer).not.toContain("<scene");
+  }
+});
+
+test("another server at the same address is told no secret", async ({ page }) => {
+  const token = /token=([0-9a-f]{32})$/.exec(server.address)![1]!;
+  await visit(page, server);
+  // Cookies do not tell ports apart: whatever else listens at this address would be sent them.
+  const heard: string[] = [];
+  const other = createServer((request, answer) => {
+    heard.push(JSON.stringify([request.url, request.headers]));
+    answer.end("<!doctype html><title>another</title>");
+  });
+  await new Promise<void>((done) => other.listen(0, "127.0.0.1", done));
+  try {
+    await page.goto(`http://127.0.0.1:${(other.address() as AddressInfo).port}/`);
+    await expect(page).toHaveTitle("another");
+    expect(heard.length).toBeGreaterThan(0);
+    expect(heard.join()).not.toContain(token);
+    expect(await page.context().cookies()).toEqual([]);
+  } finally {
+    other.close();
   }
 });
 
