@@ -130,8 +130,7 @@ HttpReply read_reply(RawClient& client, bool with_body) {
   return reply;
 }
 
-SocketClient::SocketClient(unsigned short port, const std::string& token,
-                           const std::string& origin)
+SocketClient::SocketClient(unsigned short port, const std::string& token, const std::string& origin)
     : client_(port) {
   const std::string host = "127.0.0.1:" + std::to_string(port);
   client_.send("GET /socket HTTP/1.1\r\nHost: " + host +

@@ -77,8 +77,9 @@ TEST_CASE("without the right token there is the page and nothing else", "[studio
       "Upgrade: websocket\r\nConnection: Upgrade\r\nOrigin: http://" + served.host +
       "\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n";
   for (const std::string& line :
-       Texts{std::string(), "Cookie: cogrsim_studio_" + std::to_string(served.port) + "=" +
-                                served.operator_token + "\r\n",
+       Texts{std::string(),
+             "Cookie: cogrsim_studio_" + std::to_string(served.port) + "=" + served.operator_token +
+                 "\r\n",
              "Sec-WebSocket-Protocol: cogrsim-studio\r\n",
              "Sec-WebSocket-Protocol: " + served.operator_token + "\r\n"}) {
     INFO(line);
@@ -86,14 +87,15 @@ TEST_CASE("without the right token there is the page and nothing else", "[studio
     CHECK(served.get("/socket?token=" + served.operator_token, upgrade + line).status == 403);
   }
   // One header or two, in any order.
-  CHECK(served.get("/socket", upgrade + "Sec-WebSocket-Protocol: " + served.viewer_token +
-                                  "\r\nSec-WebSocket-Protocol: a, cogrsim-studio\r\n")
+  CHECK(served
+            .get("/socket", upgrade + "Sec-WebSocket-Protocol: " + served.viewer_token +
+                                "\r\nSec-WebSocket-Protocol: a, cogrsim-studio\r\n")
             .status == 101);
   CHECK(served.inbox.wait_joined(1).front().second == Role::viewer);
   // A browser takes the answer only if it names one of those it asked for.
-  CHECK(SocketClient(served.port, served.operator_token)
-            .answer()
-            .header("sec-websocket-protocol") == "cogrsim-studio");
+  CHECK(
+      SocketClient(served.port, served.operator_token).answer().header("sec-websocket-protocol") ==
+      "cogrsim-studio");
 }
 
 TEST_CASE("no answer makes a browser send a secret by itself", "[studio][server]") {
@@ -113,9 +115,7 @@ TEST_CASE("other names of this machine are refused", "[studio][server]") {
   Served served;
   const std::string port = std::to_string(served.port);
   const auto ask = [&](const std::string& hosts, const std::string& more = {}) {
-    return served
-        .raw("GET / HTTP/1.1\r\n" + hosts + more + "\r\n")
-        .status;
+    return served.raw("GET / HTTP/1.1\r\n" + hosts + more + "\r\n").status;
   };
   for (const std::string& good :
        Texts{"127.0.0.1:" + port, "localhost:" + port, "LocalHost:" + port, "[::1]:" + port}) {
@@ -151,9 +151,9 @@ TEST_CASE("pages of other servers are refused", "[studio][server]") {
   CHECK(served
             .get("/socket",
                  "Sec-WebSocket-Protocol: cogrsim-studio, " + served.operator_token +
-                 "\r\n"
-                 "Upgrade: websocket\r\nConnection: Upgrade\r\n"
-                 "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n")
+                     "\r\n"
+                     "Upgrade: websocket\r\nConnection: Upgrade\r\n"
+                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n")
             .status == 403);
   CHECK(served.get("/socket").status == 426);
 }
@@ -162,12 +162,12 @@ TEST_CASE("no address leads into the file system", "[studio][server]") {
   Served served;
   const std::string etc = "etc/passwd", assets = served.server().assets();
   CHECK(served.get("/asset/../../" + etc).status == 403);
-  for (const std::string& target : Texts{
-           "/../" + etc, "/../../../../../../" + etc, "/%2e%2e/%2e%2e/" + etc, "/..%2f..%2f" + etc,
-           "/..\\..\\" + etc, "//" + etc, "/" + etc, "/./index.html", assets + "../../" + etc,
-           assets + "/" + etc, assets + "-1", assets, assets + "0x0", assets + "0/..",
-           assets + "99999999999999999999999", std::string("/index.html%00.png"), assets + "+0",
-           assets + "%30"}) {
+  for (const std::string& target :
+       Texts{"/../" + etc, "/../../../../../../" + etc, "/%2e%2e/%2e%2e/" + etc,
+             "/..%2f..%2f" + etc, "/..\\..\\" + etc, "//" + etc, "/" + etc, "/./index.html",
+             assets + "../../" + etc, assets + "/" + etc, assets + "-1", assets, assets + "0x0",
+             assets + "0/..", assets + "99999999999999999999999", std::string("/index.html%00.png"),
+             assets + "+0", assets + "%30"}) {
     INFO(target);
     const HttpReply reply = served.get(target);
     CHECK(reply.status == 404);
@@ -263,8 +263,7 @@ TEST_CASE("HEAD tells the length without the body", "[studio][server]") {
   Served served;
   const HttpReply page = served.get("/");
   RawClient client(served.port);
-  client.send("HEAD / HTTP/1.1\r\nHost: " + served.host +
-              "\r\nConnection: close\r\n\r\n");
+  client.send("HEAD / HTTP/1.1\r\nHost: " + served.host + "\r\nConnection: close\r\n\r\n");
   const HttpReply head = read_reply(client, false);
   CHECK(head.status == 200);
   CHECK(head.header("content-length") == std::to_string(page.body.size()));
@@ -380,8 +379,7 @@ TEST_CASE("who takes an answer in slowly keeps nobody out", "[studio][server]") 
   options.limits.connections = 2;
   Served served(options);
   const std::string script = script_of(served.get("/").body);
-  const std::string request =
-      "GET " + script + " HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n";
+  const std::string request = "GET " + script + " HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n";
   const std::size_t size = served.get(script).body.size();
   REQUIRE(size > 100'000);
   // 64 MB of answers are more than the system's own buffers take, and it reads none of them.

@@ -2,7 +2,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <future>
+
 #include "server/studio.h"
+#include "server/turns.h"
 #include "server_client.h"
 
 using namespace cogrsim::studio;
@@ -169,6 +172,87 @@ TEST_CASE("too much at a time is refused and goes on later", "[studio][requests]
   const Json busy = bench.ask(R"({"id": 7, "do": "seek", "time": 0})");
   CHECK(busy["id"] == 7);
   CHECK(busy["error"]["code"] == "busy");
+}
+
+TEST_CASE("operators come before viewers, and each kind takes turns", "[studio][requests]") {
+  Turns<std::string> turns;
+  const auto put = [&](ClientId client, Role role, int count) {
+    for (int i = 1; i <= count; ++i) {
+      turns.put(client, role, std::to_string(client) + "." + std::to_string(i));
+    }
+  };
+  const auto take_all = [&] {
+    std::string order;
+    while (!turns.empty()) {
+      const std::string next = turns.next();
+      CHECK(turns.take() == next);
+      order += next + " ";
+    }
+    return order;
+  };
+  put(7, Role::viewer, 3);
+  put(8, Role::viewer, 2);
+  put(3, Role::operator_, 2);
+  put(5, Role::operator_, 1);
+  put(0, Role::operator_, 2);
+  CHECK(take_all() == "0.1 0.2 3.1 5.1 3.2 7.1 8.1 7.2 8.2 7.3 ");
+  // Whoever comes later waits for no more than the one whose turn it is.
+  put(7, Role::viewer, 100);
+  CHECK(turns.take() == "7.1");
+  put(8, Role::viewer, 1);
+  CHECK(turns.take() == "8.1");
+  put(3, Role::operator_, 1);
+  CHECK(turns.take() == "3.1");
+  CHECK(turns.take() == "7.2");
+  const auto is = [](const char* text) {
+    return [text](const std::string& s) { return s == text; };
+  };
+  CHECK(turns.take_if(7, Role::viewer, is("7.9")) == "7.9");
+  CHECK_FALSE(turns.take_if(7, Role::viewer, is("7.9")));
+  CHECK_FALSE(turns.take_if(9, Role::viewer, is("9.1")));
+  turns.clear();
+  CHECK(turns.empty());
+}
+
+TEST_CASE("an operator waits for one request of viewers, whatever many there are",
+          "[studio][requests]") {
+  // Handles one request at a time, the first one until it is let go.
+  class SlowPart final : public Part {
+   public:
+    Access access(std::string_view) const override { return Access::viewer; }
+    void handle(Request request, Reply reply) override {
+      order.push_back(request.client);
+      if (order.size() == 1) {
+        begun.set_value();
+        go_on.get_future().wait();
+      }
+      reply(Json::object());
+    }
+    std::vector<ClientId> order;
+    std::promise<void> begun, go_on;
+  };
+  FakeOutbox outbox;
+  SlowPart part;
+  Studio studio(
+      info(), {&part}, [](std::size_t) { return ""; }, outbox);
+  for (const ClientId client : {1, 2, 3, 4}) {
+    studio.joined(client, client == 1 ? Role::operator_ : Role::viewer);
+    studio.received(client, R"({"id": 0, "do": "hello"})");
+    outbox.next();
+  }
+  const std::string request = R"({"id": 1, "do": "seek"})";
+  studio.received(2, request);
+  part.begun.get_future().wait();
+  for (int i = 0; i < 50; ++i) {
+    for (const ClientId viewer : {2, 3, 4}) studio.received(viewer, request);
+  }
+  studio.received(1, request);
+  studio.received(1, request);
+  part.go_on.set_value();
+  for (int i = 0; i < 153; ++i) outbox.next();
+  // The one that was being handled, the operator's two, then each viewer in turn.
+  CHECK(std::vector<ClientId>(part.order.begin(), part.order.begin() + 9) ==
+        std::vector<ClientId>{2, 1, 1, 3, 4, 2, 3, 4, 2});
 }
 
 TEST_CASE("parts hear of those who leave if they heard of them", "[studio][requests]") {

@@ -57,7 +57,8 @@ bool DocumentMail::put(ClientId client, Role role, Letter letter) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (closed_) return false;
     if (letter.give_up) {
-      older = letters_.take_if(client, role, [&](const Letter& l) { return l.what == letter.what; });
+      older =
+          letters_.take_if(client, role, [&](const Letter& l) { return l.what == letter.what; });
     }
     letters_.put(client, role, std::move(letter));
   }
@@ -160,7 +161,9 @@ void DocumentDesk::handle(Request request, Reply reply) {
   DocumentMail::Letter letter{request.what, {}};
   if (request.what == "complete") {
     // Whoever types on wants to know what may stand where the cursor is now.
-    letter.give_up = [reply] { reply(fail("it was asked anew before its turn came", "", "", "superseded")); };
+    letter.give_up = [reply] {
+      reply(fail("it was asked anew before its turn came", "", "", "superseded"));
+    };
   }
   letter.work = [this, request = std::move(request), reply = std::move(reply)] {
     answer(request, reply);

@@ -174,9 +174,7 @@ HttpAnswer refusal(int status, std::string text) {
 }
 
 Gate::Gate(Secrets secrets, unsigned short port, std::function<std::string(std::size_t)> asset)
-    : secrets_(std::move(secrets)),
-      port_(std::to_string(port)),
-      asset_(std::move(asset)) {}
+    : secrets_(std::move(secrets)), port_(std::to_string(port)), asset_(std::move(asset)) {}
 
 // A name that somebody else's server of names gives out may lead here (DNS rebinding): only addresses
 // that are this machine's, and the name that never leaves it, are answered.
@@ -209,9 +207,10 @@ std::optional<Role> Gate::role_of(const std::vector<std::string_view>& protocols
 // For a browser whose command line other users may read: what stands there is worth nothing afterwards.
 HttpAnswer Gate::launch(std::string_view token, bool head) {
   if (head || !same_token(token, secrets_.launch_token)) {
-    return refusal(403,
-                   "This address was good for one visit. Open the one that `cogrsim studio` printed "
-                   "in the terminal.");
+    return refusal(
+        403,
+        "This address was good for one visit. Open the one that `cogrsim studio` printed "
+        "in the terminal.");
   }
   secrets_.launch_token.clear();
   HttpAnswer answer;

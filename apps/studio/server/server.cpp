@@ -551,8 +551,8 @@ Server::~Server() = default;
 
 std::string Server::address(Role role) const {
   const Gate::Secrets& secrets = impl_->secrets;
-  return impl_->address("#token=" + (role == Role::operator_ ? secrets.operator_token
-                                                             : secrets.viewer_token));
+  return impl_->address("#token=" +
+                        (role == Role::operator_ ? secrets.operator_token : secrets.viewer_token));
 }
 
 std::string Server::launch_address() const {

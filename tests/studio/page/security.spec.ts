@@ -53,7 +53,7 @@ const upgrade = (...more: string[]): Promise<string> =>
   ].join("\r\n"));
 
 test("wrong token, Origin, Host and paths are refused on raw sockets", async () => {
-  const token = /#token=([0-9a-f]{32})$/.exec(server.address)![1]!;
+  const { token } = server;
   const key = (shown: string): string => `Sec-WebSocket-Protocol: cogrsim-studio, ${shown}`;
   const own = `Origin: http://127.0.0.1:${server.port}`;
 
@@ -85,7 +85,6 @@ test("wrong token, Origin, Host and paths are refused on raw sockets", async () 
 });
 
 test("another server at the same address is told no secret", async ({ page }) => {
-  const token = /token=([0-9a-f]{32})$/.exec(server.address)![1]!;
   await visit(page, server);
   // Cookies do not tell ports apart: whatever else listens at this address would be sent them.
   const heard: string[] = [];
@@ -98,10 +97,43 @@ test("another server at the same address is told no secret", async ({ page }) =>
     await page.goto(`http://127.0.0.1:${(other.address() as AddressInfo).port}/`);
     await expect(page).toHaveTitle("another");
     expect(heard.length).toBeGreaterThan(0);
-    expect(heard.join()).not.toContain(token);
+    expect(heard.join()).not.toContain(server.token);
     expect(await page.context().cookies()).toEqual([]);
   } finally {
     other.close();
+  }
+});
+
+test("the key stays with the tab over a reload, and nobody else has it", async ({ page }) => {
+  const asked: string[] = [];
+  page.on("request", (request) => asked.push(request.url()));
+  await visit(page, server);
+  // The address shows it no longer, and it went to nobody in one.
+  expect(page.url()).toBe(`http://127.0.0.1:${server.port}/`);
+  await page.reload();
+  await expect(page.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
+  expect(asked.join("\n")).not.toContain(server.token);
+  // A tab of its own, without the whole address, is told what it needs.
+  const other = await page.context().newPage();
+  await other.goto(`http://127.0.0.1:${server.port}/`);
+  await expect(other.getByTestId("no-key")).toContainText("needs a key");
+  // The whole address, opened in a tab where the page is already.
+  await other.goto(server.address);
+  await expect(other.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
+  expect(other.url()).toBe(`http://127.0.0.1:${server.port}/`);
+});
+
+test("a texture comes to the page and to nobody else", async ({ page }) => {
+  const eyes = await serve("examples/045_eyes/eyes.scene.xml");
+  try {
+    const [texture] = await Promise.all([page.waitForResponse((answer) => answer.url().includes("/asset/")), visit(page, eyes)]);
+    expect(texture.status()).toBe(200);
+    const { pathname, origin } = new URL(texture.url());
+    const number = /^\/asset\/[0-9a-f]{32}\/(\d+)$/.exec(pathname)![1]!;
+    expect((await fetch(`${origin}/asset/${number}`)).status).toBe(403);
+    expect((await fetch(`${origin}/asset/${eyes.token}/${number}`)).status).toBe(403);
+  } finally {
+    await dismiss(eyes);
   }
 });
 
