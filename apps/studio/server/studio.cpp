@@ -22,7 +22,7 @@ const std::vector<std::string>& known_requests() {
       "compare-off", "subscribe", "signals", "series",   "divergence", "plots",   "figure",
       "events",      "cameras",   "view",    "set-text", "edit",       "undo",    "redo",
       "save",        "revert",    "schema",  "complete", "mass",       "sources", "open-source",
-      "save-source", "build",     "reload"};
+      "save-source", "build",     "reload",  "unsaved",  "restore",    "discard", "paths"};
   return names;
 }
 
@@ -339,8 +339,7 @@ void Studio::received(ClientId client, std::string text) {
       load->second.bytes += text.size();
     }
   }
-  if (!busy)
-    return impl_->put({Impl::Event::Kind::received, client, role, std::move(text)});
+  if (!busy) return impl_->put({Impl::Event::Kind::received, client, role, std::move(text)});
   // Its id, if it is short enough to be read here: the network waits meanwhile.
   Json id;
   if (text.size() <= 4096 && !too_deep(text, impl_->limits.depth)) {
