@@ -10,9 +10,9 @@
 
 #include "arithmetic.h"
 #include "cogrsim/signals/signal.h"
+#include "geometry/surface_distance.h"
 #include "node.h"
 #include "parse.h"
-#include "surface_distance.h"
 #include "terms.h"
 
 namespace cogrsim {
@@ -430,7 +430,7 @@ class Parser {
   Parsed distance(const std::string& function, const std::vector<std::string>& arguments) const {
     const bool surfaces = function == "distance";
     std::vector<SignalPlace> places;
-    std::vector<SurfaceSet> sets;
+    std::vector<geometry::SurfaceSet> sets;
     std::vector<std::vector<int>> of;
     std::vector<std::string> full;
     for (const std::string& name : arguments) {
@@ -440,8 +440,8 @@ class Parser {
       places.push_back(*at);
       if (!surfaces) continue;
       of.push_back(bodies(full.back()));
-      sets.push_back(of.back().empty() ? SurfaceSet::of_point(*at)
-                                       : SurfaceSet::of_bodies(model_, of.back()));
+      sets.push_back(of.back().empty() ? geometry::SurfaceSet::of_point(at->body, at->X_BF)
+                                       : geometry::SurfaceSet::of_bodies(model_, of.back()));
     }
     std::string text = fmt::format("{}({}, {})", function, full[0], full[1]);
     if (!surfaces) return origin_distance_term(std::move(text), places[0], places[1]);
