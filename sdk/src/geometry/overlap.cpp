@@ -9,10 +9,11 @@ namespace cogrsim::geometry {
 namespace {
 
 constexpr std::size_t kMostFound = 1000;
-// Of comparisons: one costs about 64 units and one for each vertex of a mesh. A unit is some 50 ns.
-constexpr std::size_t kMostWork = 40'000'000;
-constexpr std::size_t kComparison = 64;
-constexpr double kDeep = 1e4;  // [m]: what is further below a heightmap is not looked for
+// Of comparisons, in units of some 10 ns.
+constexpr std::size_t kMostWork = 100'000'000;
+constexpr std::size_t kComparison = 64;  // and one for each vertex of a mesh
+constexpr std::size_t kRound = 256;      // of an expanding polytope
+constexpr double kDeep = 1e4;            // [m]: what is further below a heightmap is not looked for
 
 bool is_ground(const Shape& shape) {
   return shape.type == ShapeType::plane || shape.type == ShapeType::mesh ||
@@ -22,13 +23,17 @@ bool is_ground(const Shape& shape) {
 /// What is compared, and how much was.
 class Comparer {
  public:
-  explicit Comparer(const SceneModel& model) : model_(model) {}
+  /// Depths of at most `enough` [m] may come out as any number up to it.
+  Comparer(const SceneModel& model, double enough) : model_(model), enough_(enough) {}
 
   std::size_t work() const { return work_; }
 
   Penetration convex(const Core& a, const Pose& X_WA, const Core& b, const Pose& X_WB) {
     work_ += kComparison + a.count + b.count;
-    return convex_penetration({a, X_WA}, {b, X_WB}, kTouchingDepth);
+    std::size_t rounds = 0;
+    const Penetration out = convex_penetration({a, X_WA}, {b, X_WB}, enough_, rounds);
+    work_ += kRound * rounds;
+    return out;
   }
 
   /// The normal is the ground's outward one.
@@ -88,6 +93,7 @@ class Comparer {
   }
 
   const SceneModel& model_;
+  double enough_;
   std::map<int, BoundsTree> trees_;  // by mesh, made when it is met
   std::size_t work_ = 0;
 };
@@ -103,7 +109,8 @@ struct Solid {
 
 class Finder {
  public:
-  explicit Finder(const SceneModel& model) : model_(model), filter_(model), comparer_(model) {}
+  explicit Finder(const SceneModel& model)
+      : model_(model), filter_(model), comparer_(model, kTouchingDepth) {}
 
   Overlaps find() {
     collect();
@@ -197,7 +204,8 @@ class Finder {
 
 Penetration penetration(const SceneModel& model, const Shape& a, const Pose& X_WA, const Shape& b,
                         const Pose& X_WB) {
-  Comparer comparer(model);
+  constexpr double kRounding = 1e-9;  // [m]
+  Comparer comparer(model, kRounding);
   if (is_ground(a) && is_ground(b)) return {};
   if (is_ground(a)) return comparer.ground(a, X_WA, core_of(model, b), X_WB);
   if (!is_ground(b)) return comparer.convex(core_of(model, a), X_WA, core_of(model, b), X_WB);

@@ -26,9 +26,10 @@ class Polytope {
  public:
   Polytope(const Support& support, double enough) : support_(support), enough_(enough) {}
 
-  Penetration depth() {
+  Penetration depth(std::size_t& rounds) {
     if (!start()) return best_;
     for (int round = 0; round < kMostRounds && best_.depth > enough_; ++round) {
+      ++rounds;
       const Face nearest =
           *std::min_element(faces_.begin(), faces_.end(),
                             [](const Face& a, const Face& b) { return a.distance < b.distance; });
@@ -152,11 +153,12 @@ class Polytope {
 
 }  // namespace
 
-Penetration origin_depth(const Support& support, double enough) {
-  return Polytope(support, enough).depth();
+Penetration origin_depth(const Support& support, double enough, std::size_t& rounds) {
+  return Polytope(support, enough).depth(rounds);
 }
 
-Penetration convex_penetration(const Placed& a, const Placed& b, double enough) {
+Penetration convex_penetration(const Placed& a, const Placed& b, double enough,
+                               std::size_t& rounds) {
   const double margin = a.core.margin + b.core.margin;
   const Vec3 gap = core_gap(a, b);
   const double distance = gap.norm();
@@ -167,7 +169,7 @@ Penetration convex_penetration(const Placed& a, const Placed& b, double enough) 
   const Pose X_a{a.X_WS.p - origin, a.X_WS.q}, X_b{b.X_WS.p - origin, b.X_WS.q};
   const Placed A{a.core, X_a}, B{b.core, X_b};
   Penetration out = origin_depth(
-      [&](const Vec3& d) -> Vec3 { return A.support(d) - B.support(-d); }, enough - margin);
+      [&](const Vec3& d) -> Vec3 { return A.support(d) - B.support(-d); }, enough - margin, rounds);
   out.depth = std::max(std::max(out.depth, -distance) + margin, 0.0);
   return out;
 }

@@ -17,11 +17,14 @@ namespace cogrsim::geometry {
 /// `normal` is the outward one of the set's supporting plane that is nearest to the origin; `depth`
 /// the origin's distance to it, 0 or less where the origin is not inside. It is never too small, and
 /// too large by at most 1e-4 of itself + 1e-10 of the set's size: exact up to rounding between
-/// polytopes. Ends early where it is known to be at most `enough` [m].
-Penetration origin_depth(const std::function<Vec3(const Vec3&)>& support, double enough);
+/// polytopes. Ends early where it is known to be at most `enough` [m]. Adds to `rounds`.
+Penetration origin_depth(const std::function<Vec3(const Vec3&)>& support, double enough,
+                         std::size_t& rounds);
 
-/// Of two convex shapes. Depths of at most `enough` [m] may come out as any number up to it.
-Penetration convex_penetration(const Placed& a, const Placed& b, double enough);
+/// Of two convex shapes. Depths of at most `enough` [m] may come out as any number up to it. Adds to
+/// `rounds` those of the polytope.
+Penetration convex_penetration(const Placed& a, const Placed& b, double enough,
+                               std::size_t& rounds);
 
 /// How far `a` must be lifted along +z of the frame of the triangle's corners until all of it is
 /// above the triangle [m]; `X` is its pose in that frame. At most `enough`: not more than `enough`.

@@ -50,7 +50,7 @@ inline constexpr double kTouchingDepth = 1e-5;
 
 /// The bodies of `model` that collide with each other (CollisionFilter) and overlap by more than
 /// kTouchingDepth at the start. A tree of bounding boxes finds the pairs to compare: n log n for n
-/// shapes that are spread out. Ends after a thousand pairs of bodies, or after some seconds' worth
+/// shapes that are spread out. Ends after a thousand pairs of bodies, or after about a second's worth
 /// of comparisons, which no scene but one made for it reaches.
 COGRSIM_API Overlaps find_overlaps(const SceneModel& model);
 
