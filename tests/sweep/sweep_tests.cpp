@@ -215,13 +215,16 @@ TEST_CASE("measures speak of what comes during the run", "[sweep][program]") {
   INFO(outcome.out << outcome.err);
   REQUIRE(outcome.status == 0);
   const Rows rows =
-      query(folder / "out/results.sqlite", "SELECT lowest, guest, highest, side FROM runs");
+      query(folder / "out/results.sqlite", "SELECT lowest, guest, highest, side, light FROM runs");
   REQUIRE(rows.size() == 1);
   // It comes at 1 m, falls on the floor within its 0.7 s (0.44 s), and lies there on its radius.
   CHECK(std::stod(rows[0][0]) == Approx(0.05).margin(5e-3));
   CHECK(rows[0][1].empty());
   CHECK(std::stod(rows[0][2]) == Approx(1.0).margin(1e-3));
   CHECK(std::stod(rows[0][3]) == Approx(2.0).margin(1e-3));
+  // A plugin's sensor that comes during the run looks at a white floor.
+  REQUIRE_FALSE(rows[0][4].empty());
+  CHECK(std::stod(rows[0][4]) == Approx(1.0));
 
   const Outcome slip =
       sweep({live, "--backends", engines[0], "-o", folder / "no", "--measure", "high=Bal_1.b.z"});

@@ -62,6 +62,21 @@ struct Reloaded {
   std::string note;          ///< why it began anew; empty when the memory was kept
 };
 
+/// An observer of a simulation, by which it is taken off; letting go of this changes nothing.
+class COGRSIM_API Observation {
+ public:
+  struct Watcher;
+  Observation() = default;
+  explicit Observation(std::weak_ptr<Watcher> watcher) : watcher_(std::move(watcher)) {}
+
+  /// From the next frame on the observer is not called any more and its contents are not made. By
+  /// the thread that steps, also while it is called; nothing happens if it or the simulation is gone.
+  void end();
+
+ private:
+  std::weak_ptr<Watcher> watcher_;
+};
+
 class COGRSIM_API Simulation {
  public:
   /// Loads backend and plugins, checks capabilities, builds the world, configures controllers.
@@ -83,7 +98,7 @@ class COGRSIM_API Simulation {
 
   /// Observers see every frame after its step, in order of registration. Keep them short.
   using Observer = std::function<void(const FramePtr&)>;
-  void observe(FrameContents contents, Observer observer);
+  Observation observe(FrameContents contents, Observer observer);
 
   /// Steps until `end_time` [s]: returns `completed`, while status() stays `running` and a later
   /// call goes on; or until something ends the run: returns what status() then says. Sleeps as the
