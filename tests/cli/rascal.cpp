@@ -1,4 +1,5 @@
 // A controller that does what it is told, to see what becomes of those around it.
+#include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
 
@@ -15,6 +16,7 @@ class Rascal final : public cogrsim::Controller {
     if (does_ == "crash") std::abort();
     if (does_ == "throw") throw std::runtime_error("told to");
     volatile bool for_ever = does_ == "hang";
+    if (for_ever) std::fputs("the rascal hangs\n", stderr);
     while (for_ever) {
     }
   }
@@ -27,4 +29,5 @@ class Rascal final : public cogrsim::Controller {
 
 COGRSIM_CONTROLLER(
     Rascal, "rascal", version("1.0.0"), summary("misbehaves"),
-    parameter("does", "nothing", "what it does").one_of({"nothing", "crash", "hang", "throw"}))
+    parameter("does", "nothing", "what it does").one_of({"nothing", "crash", "hang", "throw"}),
+    parameter("notes", "", "a file it could read"))

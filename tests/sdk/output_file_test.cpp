@@ -1,4 +1,5 @@
 // The one rule for what is written: docs/security.md.
+#include "../support/temporary_folder.h"
 #include "cogrsim/core/output_file.h"
 
 #include <sys/stat.h>
@@ -18,15 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "cogrsim_output_XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  ~Folder() { fs::remove_all(path); }
-  std::string operator/(const std::string& name) const { return (path / name).string(); }
+struct Folder : test::TemporaryFolder {
   std::size_t count() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), {}));
   }
