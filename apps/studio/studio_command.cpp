@@ -132,6 +132,7 @@ int studio_command(const StudioOptions& options) {
   }
   std::vector<Part*> parts = {run.get()};
   if (document) parts.push_back(document.get());
+  info.assets = (*server)->assets();
   Studio studio(
       std::move(info), std::move(parts), [&run](std::size_t number) { return run->asset(number); },
       **server);

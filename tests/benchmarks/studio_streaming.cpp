@@ -52,7 +52,7 @@ class Bench {
     options.backend = backend;
     run_ = Run::of_scene(std::move(options), std::make_shared<PluginLoader>(), *server_);
     studio_ = std::make_unique<Studio>(
-        StudioInfo{"", "scene", "", false, {}}, std::vector<Part*>{run_.get()},
+        StudioInfo{"", "scene", "", false, {}, ""}, std::vector<Part*>{run_.get()},
         [](std::size_t) { return std::string(); }, *server_);
     network_ = std::thread([this] { server_->run(*studio_); });
     Scene shown;
@@ -70,8 +70,7 @@ class Bench {
     const std::string address = server_->address(Role::operator_);
     const auto colon = address.rfind(':');
     port_ = static_cast<unsigned short>(std::stoi(address.substr(colon + 1)));
-    cookie_ =
-        fmt::format("cogrsim_studio_{}={}", port_, address.substr(address.find("token=") + 6));
+    token_ = address.substr(address.find("token=") + 6);
     // Looks at a frame of the past, so that none is made for it.
     run_->joined(kMeter, Role::viewer);
     steps();
@@ -96,7 +95,7 @@ class Bench {
     std::atomic<std::uint64_t> frames{0}, bytes{0};
     for (int i = 0; i < pages; ++i) {
       threads.emplace_back([&] {
-        SocketClient page(port_, cookie_);
+        SocketClient page(port_, token_);
         page.send(R"({"id": 1, "do": "hello"})");
         bool first = true;
         while (const auto message = page.receive()) {
@@ -170,7 +169,7 @@ class Bench {
   std::thread network_;
   clockid_t clock_{};
   unsigned short port_ = 0;
-  std::string cookie_;
+  std::string token_;
 };
 
 double median(std::vector<double> values) {

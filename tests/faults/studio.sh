@@ -20,7 +20,7 @@ for files in "$(ulimit -Hn)" 64; do
     got=$("$storm" "$port" "$connects" $how) || wrong "$how: the studio cannot be reached"
     kill -0 $server 2>/dev/null || { wrong "$how: the studio has ended"; break; }
     answer=$("$storm" "$port" 1 ask) || wrong "$how with $files descriptors: no answer afterwards"
-    # Without the token: a refusal is an answer.
+    # It asks for the page, which needs no token; a refusal is an answer too.
     [[ $answer == "HTTP/1.1 "* ]] || wrong "$how: answers '$answer'"
     echo "$files descriptors, $how: $got connects, then: $answer"
   done

@@ -1,4 +1,7 @@
 // The document as a page sees it.
+#include <chrono>
+#include <map>
+
 #include <catch2/catch.hpp>
 
 #include "document_support.h"
@@ -47,8 +50,8 @@ TEST_CASE("a page is told text tree and problems", "[document]") {
   CHECK(shown[0].origins.bodies[1].own);
   // A second page gets the same.
   const std::size_t before = desk.page.count("document");
-  desk.document->joined(2, Role::viewer);
-  desk.get("sources");  // comes after it
+  desk.document->joined(2, Role::operator_);
+  REQUIRE(desk.ask("sources", Json::object(), 2));  // a client's own keep their order
   CHECK(desk.page.count("document") == before + 1);
 }
 
@@ -280,6 +283,45 @@ TEST_CASE("what can be written is offered where it can be written", "[document]"
   const Json answer =
       desk.get("complete", {{"text", "<scene name=\"\xC3\xA4\"><bo"}, {"offset", 18}});
   CHECK(answer["from"] == 17);
+}
+
+TEST_CASE("of a client's completions the last one is answered, and operators come first",
+          "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml", kScene);
+  Desk desk(folder.path("t.scene.xml"));
+  // The document's thread is held in an answer until all have asked.
+  std::promise<void> held, go_on;
+  desk.document->handle({9, Role::operator_, "sources", Json::object()}, [&](Answer) {
+    held.set_value();
+    go_on.get_future().wait();
+  });
+  held.get_future().wait();
+  constexpr int kAsked = 20;
+  std::mutex mutex;
+  std::vector<ClientId> answered;
+  std::map<ClientId, int> superseded;
+  std::promise<void> all;
+  const auto ask = [&](ClientId client, Role role) {
+    desk.document->handle({client, role, "complete", {{"text", "<scene><b"}, {"offset", 9}}},
+                          [&, client](Answer answer) {
+                            const std::lock_guard<std::mutex> lock(mutex);
+                            if (answer) {
+                              answered.push_back(client);
+                              if (answered.size() == 4) all.set_value();
+                            } else if (answer.error().code == "superseded") {
+                              ++superseded[client];
+                            }
+                          });
+  };
+  for (int i = 0; i < kAsked; ++i) {
+    for (const ClientId viewer : {2, 3, 4}) ask(viewer, Role::viewer);
+  }
+  ask(1, Role::operator_);
+  go_on.set_value();
+  REQUIRE(all.get_future().wait_for(std::chrono::seconds(60)) == std::future_status::ready);
+  CHECK(answered == std::vector<ClientId>{1, 2, 3, 4});
+  CHECK(superseded == std::map<ClientId, int>{{2, kAsked - 1}, {3, kAsked - 1}, {4, kAsked - 1}});
 }
 
 TEST_CASE("the schema comes with plugins and engines", "[document]") {

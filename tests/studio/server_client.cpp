@@ -39,12 +39,20 @@ unsigned short own_port() {
   throw std::runtime_error("no port is free");
 }
 
-RawClient::RawClient(unsigned short port, const std::string& host)
+RawClient::RawClient(unsigned short port, const std::string& from)
     : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
-  inet_pton(AF_INET, host.c_str(), &address.sin_addr);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (!from.empty()) {
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    inet_pton(AF_INET, from.c_str(), &own.sin_addr);
+    if (bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) {
+      throw std::runtime_error("cannot come from " + from);
+    }
+  }
   const timeval limit{kLongest.count(), 0};
   setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
   setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
@@ -122,16 +130,16 @@ HttpReply read_reply(RawClient& client, bool with_body) {
   return reply;
 }
 
-SocketClient::SocketClient(unsigned short port, const std::string& cookie,
-                           const std::string& origin)
+SocketClient::SocketClient(unsigned short port, const std::string& token, const std::string& origin)
     : client_(port) {
   const std::string host = "127.0.0.1:" + std::to_string(port);
   client_.send("GET /socket HTTP/1.1\r\nHost: " + host +
                "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
                "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
                "Origin: " +
-               (origin.empty() ? "http://" + host : origin) + "\r\nCookie: " + cookie + "\r\n\r\n");
-  status_ = read_reply(client_).status;
+               (origin.empty() ? "http://" + host : origin) +
+               "\r\nSec-WebSocket-Protocol: cogrsim-studio, " + token + "\r\n\r\n");
+  answer_ = read_reply(client_);
 }
 
 bool SocketClient::send(const std::string& text, int opcode) {
@@ -235,9 +243,6 @@ Served::Served(const ServerOptions& options, Inbox* other) {
   const std::string address = server_->address(Role::operator_);
   host = address.substr(7, address.find('/', 7) - 7);
   port = static_cast<unsigned short>(std::stoi(host.substr(host.rfind(':') + 1)));
-  const std::string cookie = "cogrsim_studio_" + std::to_string(port) + "=";
-  operator_cookie = cookie + operator_token;
-  viewer_cookie = cookie + viewer_token;
   thread_ = std::thread([this, other] { server_->run(other ? *other : inbox); });
 }
 
@@ -247,8 +252,7 @@ void Served::stop() {
 }
 
 HttpReply Served::get(const std::string& target, const std::string& more) {
-  return raw("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nCookie: " + operator_cookie +
-             "\r\n" + more + "\r\n");
+  return raw("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\n" + more + "\r\n");
 }
 
 HttpReply Served::raw(std::string_view request) {

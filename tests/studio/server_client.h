@@ -20,7 +20,8 @@ unsigned short own_port();
 /// A TCP connection; nothing waits for longer than a minute.
 class RawClient {
  public:
-  explicit RawClient(unsigned short port, const std::string& host = "127.0.0.1");
+  /// `from`: the address it comes from; empty: the system's choice.
+  explicit RawClient(unsigned short port, const std::string& from = {});
   ~RawClient();
   RawClient(RawClient&& other) noexcept;
   RawClient(const RawClient&) = delete;
@@ -54,8 +55,9 @@ HttpReply read_reply(RawClient& client, bool with_body = true);
 class SocketClient {
  public:
   /// The status of the answer to the upgrade: 101 when it was opened.
-  SocketClient(unsigned short port, const std::string& cookie, const std::string& origin = {});
-  int status() const { return status_; }
+  SocketClient(unsigned short port, const std::string& token, const std::string& origin = {});
+  int status() const { return answer_.status; }
+  const HttpReply& answer() const { return answer_; }
 
   struct Message {
     int opcode = 0;  ///< 1: text, 2: binary, 8: close, 9: ping
@@ -71,7 +73,7 @@ class SocketClient {
 
  private:
   RawClient client_;
-  int status_ = 0;
+  HttpReply answer_;
 };
 
 /// What the network handed on.
@@ -112,9 +114,8 @@ class Served {
   unsigned short port = 0;
   std::string host;  ///< "127.0.0.1:40213"
   std::string operator_token, viewer_token;
-  std::string operator_cookie, viewer_cookie;  ///< "name=token"
 
-  /// GET with the operator's cookie and `more` header lines, each with its "\r\n".
+  /// GET with `more` header lines, each with its "\r\n".
   HttpReply get(const std::string& target, const std::string& more = {});
   /// The answer to what is written here, as it is.
   HttpReply raw(std::string_view request);

@@ -22,79 +22,100 @@ std::string gunzipped(const std::string& bytes) {
   return inflated(file);
 }
 
+/// Address of the script that the page loads first.
+std::string script_of(const std::string& page) {
+  const auto script = page.find("src=\"");
+  REQUIRE(script != std::string::npos);
+  std::string name = page.substr(script + 5, page.find('"', script + 5) - script - 5);
+  return "/" + name.substr(name.find_first_not_of("./"));
+}
+
 }  // namespace
 
-TEST_CASE("the printed address sets a cookie and leads to the page", "[studio][server]") {
+TEST_CASE("the printed address has its token behind the '#'", "[studio][server]") {
   Served served;
-  const std::string line = "\r\nHost: " + served.host + "\r\n\r\n";
-  for (const std::string& token : Texts{served.operator_token, served.viewer_token}) {
-    const HttpReply reply = served.raw("GET /?token=" + token + " HTTP/1.1" + line);
-    CHECK(reply.status == 303);
-    CHECK(reply.header("location") == "/");
-    CHECK(reply.header("set-cookie") == "cogrsim_studio_" + std::to_string(served.port) + "=" +
-                                            token + "; HttpOnly; SameSite=Strict; Path=/");
-  }
+  // Browsers send nothing of it to anybody, and the page is no secret.
+  CHECK(served.server().address(Role::operator_) ==
+        "http://" + served.host + "/#token=" + served.operator_token);
+  CHECK(served.server().address(Role::viewer) ==
+        "http://" + served.host + "/#token=" + served.viewer_token);
   CHECK(served.operator_token != served.viewer_token);
   CHECK(served.get("/").status == 200);
-  // Other cookies of the same machine are in the way of nothing.
-  CHECK(served
-            .raw("GET / HTTP/1.1\r\nHost: " + served.host + "\r\nCookie: a=b; " +
-                 served.viewer_cookie + "; _xsrf=2\r\n\r\n")
-            .status == 200);
 }
 
 TEST_CASE("the address for the browser is good for one visit", "[studio][server]") {
   Served served;
   const std::string address = served.server().launch_address();
-  const std::string target = address.substr(address.find("/?token="));
+  const std::string target = address.substr(address.find("/?launch="));
+  CHECK(target.find(served.operator_token) == std::string::npos);
   const std::string line = " HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n";
   CHECK(served.raw("HEAD " + target + line).status == 403);
+  CHECK(served.get("/?launch=" + served.operator_token).status == 403);
   const HttpReply reply = served.raw("GET " + target + line);
   CHECK(reply.status == 303);
-  CHECK_THAT(reply.header("set-cookie"), Contains("=" + served.operator_token + ";"));
+  CHECK(reply.header("location") == "/#token=" + served.operator_token);
+  CHECK(reply.header("cache-control") == "no-store");
   CHECK(served.raw("GET " + target + line).status == 403);
-  CHECK(served.raw("GET /?token= HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n").status == 403);
+  CHECK(served.get("/?launch=").status == 403);
 }
 
-TEST_CASE("without the right token everything is refused with what to do", "[studio][server]") {
+TEST_CASE("without the right token there is the page and nothing else", "[studio][server]") {
   Served served;
-  const std::string host = "Host: " + served.host + "\r\n";
-  const std::string name = "cogrsim_studio_" + std::to_string(served.port) + "=";
   std::string almost = served.operator_token;
   almost.back() = almost.back() == '0' ? '1' : '0';
-  for (const std::string& cookie :
-       Texts{std::string(), "Cookie: " + name + almost + "\r\n", "Cookie: " + name + "\r\n",
-             "Cookie: " + name + served.operator_token + "0\r\n",
-             "Cookie: other=" + served.operator_token + "\r\n",
-             "Cookie: cogrsim_studio_1=" + served.operator_token + "\r\n"}) {
-    for (const char* path : {"/", "/index.html", "/asset/0", "/socket", "/nothing"}) {
-      const HttpReply reply =
-          served.raw("GET " + std::string(path) + " HTTP/1.1\r\n" + host + cookie + "\r\n");
-      INFO(cookie << path);
-      CHECK(reply.status == 403);
-      CHECK_THAT(reply.body, Contains("terminal"));
-      CHECK(reply.header("content-type") == "text/plain; charset=utf-8");
-      CHECK(reply.header("set-cookie").empty());
-    }
-    CHECK(SocketClient(served.port, cookie.empty() ? "a=b" : cookie.substr(8, cookie.size() - 10))
-              .status() == 403);
+  for (const std::string& token :
+       Texts{"x", almost, served.operator_token + "0", served.operator_token.substr(1),
+             served.operator_token + "." + served.operator_token}) {
+    const SocketClient refused(served.port, token);
+    INFO(token);
+    CHECK(refused.status() == 403);
+    CHECK_THAT(refused.answer().body, Contains("terminal"));
+    CHECK(refused.answer().header("content-type") == "text/plain; charset=utf-8");
   }
-  for (const std::string& query : Texts{"token=", "token=" + almost, "a=1&token=x",
-                                        "token=" + served.operator_token + "%00"}) {
-    const HttpReply reply = served.raw("GET /?" + query + " HTTP/1.1\r\n" + host + "\r\n");
-    CHECK(reply.status == 403);
-    CHECK(reply.header("set-cookie").empty());
+  // Nor where browsers would put it by themselves.
+  const std::string upgrade =
+      "Upgrade: websocket\r\nConnection: Upgrade\r\nOrigin: http://" + served.host +
+      "\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n";
+  for (const std::string& line :
+       Texts{std::string(),
+             "Cookie: cogrsim_studio_" + std::to_string(served.port) + "=" + served.operator_token +
+                 "\r\n",
+             "Sec-WebSocket-Protocol: cogrsim-studio\r\n",
+             "Sec-WebSocket-Protocol: " + served.operator_token + "\r\n"}) {
+    INFO(line);
+    CHECK(served.get("/socket", upgrade + line).status == 403);
+    CHECK(served.get("/socket?token=" + served.operator_token, upgrade + line).status == 403);
   }
+  // One header or two, in any order.
+  CHECK(served
+            .get("/socket", upgrade + "Sec-WebSocket-Protocol: " + served.viewer_token +
+                                "\r\nSec-WebSocket-Protocol: a, cogrsim-studio\r\n")
+            .status == 101);
+  CHECK(served.inbox.wait_joined(1).front().second == Role::viewer);
+  // A browser takes the answer only if it names one of those it asked for.
+  CHECK(
+      SocketClient(served.port, served.operator_token).answer().header("sec-websocket-protocol") ==
+      "cogrsim-studio");
+}
+
+TEST_CASE("no answer makes a browser send a secret by itself", "[studio][server]") {
+  Served served;
+  const std::string launch = served.server().launch_address();
+  for (const std::string& target :
+       Texts{std::string("/"), "/?token=" + served.operator_token,
+             launch.substr(launch.find("/?launch=")), served.server().assets() + "0",
+             std::string("/nothing"), std::string("/socket")}) {
+    INFO(target);
+    CHECK(served.get(target).header("set-cookie").empty());
+  }
+  CHECK(SocketClient(served.port, served.operator_token).answer().header("set-cookie").empty());
 }
 
 TEST_CASE("other names of this machine are refused", "[studio][server]") {
   Served served;
   const std::string port = std::to_string(served.port);
   const auto ask = [&](const std::string& hosts, const std::string& more = {}) {
-    return served
-        .raw("GET / HTTP/1.1\r\n" + hosts + "Cookie: " + served.operator_cookie + "\r\n" + more +
-             "\r\n")
-        .status;
+    return served.raw("GET / HTTP/1.1\r\n" + hosts + more + "\r\n").status;
   };
   for (const std::string& good :
        Texts{"127.0.0.1:" + port, "localhost:" + port, "LocalHost:" + port, "[::1]:" + port}) {
@@ -111,11 +132,6 @@ TEST_CASE("other names of this machine are refused", "[studio][server]") {
   CHECK(ask("Host: \r\n") == 400);
   CHECK(ask("") == 400);
   CHECK(ask("Host: 127.0.0.1:" + port + "\r\nHost: evil.example\r\n") == 400);
-  // A name is refused even with the token itself.
-  CHECK(served
-            .raw("GET /?token=" + served.operator_token +
-                 " HTTP/1.1\r\nHost: evil.example:" + port + "\r\n\r\n")
-            .status == 403);
 }
 
 TEST_CASE("pages of other servers are refused", "[studio][server]") {
@@ -127,28 +143,31 @@ TEST_CASE("pages of other servers are refused", "[studio][server]") {
              "http://" + served.host + ".evil.example", "http://" + served.host + "/"}) {
     INFO(bad);
     CHECK(served.get("/", "Origin: " + bad + "\r\n").status == 403);
-    CHECK(SocketClient(served.port, served.operator_cookie, bad).status() == 403);
+    CHECK(SocketClient(served.port, served.operator_token, bad).status() == 403);
   }
   CHECK(served.get("/", "Origin: http://" + served.host + "\r\n").status == 200);
-  CHECK(SocketClient(served.port, served.operator_cookie).status() == 101);
+  CHECK(SocketClient(served.port, served.operator_token).status() == 101);
   // Browsers always say it when they open a WebSocket.
   CHECK(served
             .get("/socket",
-                 "Upgrade: websocket\r\nConnection: Upgrade\r\n"
-                 "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n")
+                 "Sec-WebSocket-Protocol: cogrsim-studio, " + served.operator_token +
+                     "\r\n"
+                     "Upgrade: websocket\r\nConnection: Upgrade\r\n"
+                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n")
             .status == 403);
   CHECK(served.get("/socket").status == 426);
 }
 
 TEST_CASE("no address leads into the file system", "[studio][server]") {
   Served served;
-  const std::string etc = "etc/passwd";
-  for (const std::string& target : Texts{
-           "/../" + etc, "/../../../../../../" + etc, "/%2e%2e/%2e%2e/" + etc, "/..%2f..%2f" + etc,
-           "/..\\..\\" + etc, "//" + etc, "/" + etc, "/./index.html", "/asset/../../" + etc,
-           "/asset//" + etc, "/asset/-1", "/asset/", "/asset/0x0", "/asset/0/..",
-           std::string("/asset/99999999999999999999999"), std::string("/index.html%00.png"),
-           std::string("/asset/+0"), std::string("/asset/%30")}) {
+  const std::string etc = "etc/passwd", assets = served.server().assets();
+  CHECK(served.get("/asset/../../" + etc).status == 403);
+  for (const std::string& target :
+       Texts{"/../" + etc, "/../../../../../../" + etc, "/%2e%2e/%2e%2e/" + etc,
+             "/..%2f..%2f" + etc, "/..\\..\\" + etc, "//" + etc, "/" + etc, "/./index.html",
+             assets + "../../" + etc, assets + "/" + etc, assets + "-1", assets, assets + "0x0",
+             assets + "0/..", assets + "99999999999999999999999", std::string("/index.html%00.png"),
+             assets + "+0", assets + "%30"}) {
     INFO(target);
     const HttpReply reply = served.get(target);
     CHECK(reply.status == 404);
@@ -172,22 +191,30 @@ TEST_CASE("textures are files by number and regular files alone", "[studio][serv
   std::ofstream(png) << "\x89PNG\r\n\x1a\n and what follows";
   Served served;
   served.inbox.asset_file = png;
-  const HttpReply reply = served.get("/asset/0");
+  const std::string assets = served.server().assets();
+  const HttpReply reply = served.get(assets + "0");
   CHECK(reply.status == 200);
   CHECK(reply.header("content-type") == "image/png");
   CHECK(reply.body == "\x89PNG\r\n\x1a\n and what follows");
-  CHECK(served.get("/asset/0", "If-None-Match: " + reply.header("etag") + "\r\n").status == 304);
-  CHECK(served.get("/asset/1").status == 404);
+  CHECK(served.get(assets + "0", "If-None-Match: " + reply.header("etag") + "\r\n").status == 304);
+  CHECK(served.get(assets + "1").status == 404);
+  // Only those who were told the address over the WebSocket know it.
+  for (const std::string& wrong :
+       Texts{std::string("/asset/0"), std::string("/asset//0"),
+             "/asset/" + std::string(32, '0') + "/0", "/asset/" + served.operator_token + "/0"}) {
+    INFO(wrong);
+    CHECK(served.get(wrong).status == 403);
+  }
   // A page of our own address must not come of a texture.
   std::ofstream(png) << "<script>alert(1)</script>";
-  CHECK(served.get("/asset/0").header("content-type") == "application/octet-stream");
+  CHECK(served.get(assets + "0").header("content-type") == "application/octet-stream");
   served.stop();
 
   REQUIRE(mkfifo((folder + "/pipe").c_str(), 0600) == 0);
   for (const std::string& other : Texts{folder, folder + "/pipe", folder + "/gone"}) {
     Served again;
     again.inbox.asset_file = other;
-    CHECK(again.get("/asset/0").status == 404);
+    CHECK(again.get(again.server().assets() + "0").status == 404);
   }
   std::filesystem::remove_all(folder);
 }
@@ -224,11 +251,8 @@ TEST_CASE("the page comes compressed or not and is kept", "[studio][server]") {
   CHECK(again.status == 304);
   CHECK(again.body.empty());
   // What the page loads first is there, and for ever the same.
-  const auto script = plain.body.find("src=\"");
-  REQUIRE(script != std::string::npos);
-  std::string name = plain.body.substr(script + 5, plain.body.find('"', script + 5) - script - 5);
-  name = name.substr(name.find_first_not_of("./"));
-  const HttpReply code = served.get("/" + name);
+  const std::string name = script_of(plain.body);
+  const HttpReply code = served.get(name);
   INFO(name);
   CHECK(code.status == 200);
   CHECK(code.header("content-type") == "text/javascript; charset=utf-8");
@@ -239,8 +263,7 @@ TEST_CASE("HEAD tells the length without the body", "[studio][server]") {
   Served served;
   const HttpReply page = served.get("/");
   RawClient client(served.port);
-  client.send("HEAD / HTTP/1.1\r\nHost: " + served.host + "\r\nCookie: " + served.operator_cookie +
-              "\r\nConnection: close\r\n\r\n");
+  client.send("HEAD / HTTP/1.1\r\nHost: " + served.host + "\r\nConnection: close\r\n\r\n");
   const HttpReply head = read_reply(client, false);
   CHECK(head.status == 200);
   CHECK(head.header("content-length") == std::to_string(page.body.size()));
@@ -251,16 +274,14 @@ TEST_CASE("one connection serves several requests", "[studio][server]") {
   Served served;
   RawClient client(served.port);
   for (int i = 0; i < 3; ++i) {
-    client.send("GET / HTTP/1.1\r\nHost: " + served.host + "\r\nCookie: " + served.operator_cookie +
-                "\r\n\r\n");
+    client.send("GET / HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n");
     CHECK(read_reply(client).status == 200);
   }
 }
 
 TEST_CASE("other methods and bodies are refused", "[studio][server]") {
   Served served;
-  const std::string lines =
-      "Host: " + served.host + "\r\nCookie: " + served.operator_cookie + "\r\n";
+  const std::string lines = "Host: " + served.host + "\r\n";
   for (const char* method : {"POST", "PUT", "DELETE", "OPTIONS", "TRACE", "PATCH", "BREW"}) {
     const HttpReply reply = served.raw(std::string(method) + " / HTTP/1.1\r\n" + lines + "\r\n");
     INFO(method);
@@ -299,27 +320,74 @@ TEST_CASE("who takes too long for a request is let go", "[studio][server]") {
   CHECK(slow.rest().empty());
 }
 
-TEST_CASE("there are no more connections than allowed", "[studio][server]") {
+TEST_CASE("silent connections lock nobody out", "[studio][server]") {
   ServerOptions options;
   options.limits.connections = 4;
   Served served(options);
-  std::vector<RawClient> waiting;
-  for (int i = 0; i < 4; ++i) waiting.emplace_back(served.port);
-  // One by one the server takes them in, and the fifth goes at once.
-  CHECK(RawClient(served.port).rest().empty());
-  const std::string request = "GET / HTTP/1.1\r\nHost: " + served.host +
-                              "\r\nCookie: " + served.operator_cookie +
-                              "\r\nConnection: close\r\n\r\n";
-  waiting[0].send(request);
-  CHECK_THAT(waiting[0].rest(), Contains("200 OK"));
-  waiting[0].close();
-  // There is room again as soon as the server has seen it.
-  std::string answer;
-  for (int i = 0; i < 1000 && answer.empty(); ++i) {
-    RawClient next(served.port);
-    if (next.send(request)) answer = next.rest();
+  const std::string request = "GET / HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n";
+  std::vector<RawClient> silent;
+  for (int i = 0; i < 4; ++i) silent.emplace_back(served.port);
+  // The one that has said nothing for longest goes, the others stay.
+  RawClient fifth(served.port);
+  fifth.send(request);
+  CHECK(read_reply(fifth).status == 200);
+  CHECK(silent[0].rest().empty());
+  for (int i = 1; i < 4; ++i) {
+    silent[static_cast<std::size_t>(i)].send(request);
+    CHECK(read_reply(silent[static_cast<std::size_t>(i)]).status == 200);
   }
-  CHECK_THAT(answer, Contains("200 OK"));
+  // Those that asked for something begin anew: now it is the fifth's turn.
+  RawClient sixth(served.port);
+  sixth.send(request);
+  CHECK(read_reply(sixth).status == 200);
+  CHECK(fifth.rest().empty());
+}
+
+TEST_CASE("an open page stays, whatever many connections come", "[studio][server]") {
+  ServerOptions options;
+  options.limits.connections = 4;
+  Served served(options);
+  SocketClient page(served.port, served.operator_token);
+  served.inbox.wait_joined(1);
+  std::vector<RawClient> silent;
+  for (int i = 0; i < 12; ++i) silent.emplace_back(served.port);
+  CHECK(served.get("/").status == 200);
+  served.server().send(1, "still there");
+  CHECK(page.receive(1)->payload == "still there");
+}
+
+TEST_CASE("one address has its share of the connections", "[studio][server]") {
+  ServerOptions options;
+  options.limits.of_one_address = 2;
+  Served served(options);
+  const std::string request = "GET / HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n";
+  RawClient other(served.port, "127.0.0.3");
+  std::vector<RawClient> greedy;
+  for (int i = 0; i < 3; ++i) greedy.emplace_back(served.port, "127.0.0.2");
+  // Its own first one goes, though another's is older.
+  CHECK(greedy[0].rest().empty());
+  other.send(request);
+  CHECK(read_reply(other).status == 200);
+  for (int i = 1; i < 3; ++i) {
+    greedy[static_cast<std::size_t>(i)].send(request);
+    CHECK(read_reply(greedy[static_cast<std::size_t>(i)]).status == 200);
+  }
+}
+
+TEST_CASE("who takes an answer in slowly keeps nobody out", "[studio][server]") {
+  ServerOptions options;
+  options.limits.connections = 2;
+  Served served(options);
+  const std::string script = script_of(served.get("/").body);
+  const std::string request = "GET " + script + " HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n";
+  const std::size_t size = served.get(script).body.size();
+  REQUIRE(size > 100'000);
+  // 64 MB of answers are more than the system's own buffers take, and it reads none of them.
+  RawClient slow(served.port);
+  std::string many;
+  for (std::size_t asked = 0; asked < (64u << 20); asked += size) many += request;
+  slow.send(many);
+  for (int i = 0; i < 4; ++i) CHECK(served.get("/").status == 200);
 }
 
 TEST_CASE("an address that cannot be listened at is told", "[studio][server]") {

@@ -68,9 +68,9 @@ TEST_CASE("a mailbox gives up beyond its limit", "[studio][mailbox]") {
 
 TEST_CASE("texts go both ways with the client's role", "[studio][server]") {
   Served served;
-  SocketClient one(served.port, served.operator_cookie);
+  SocketClient one(served.port, served.operator_token);
   served.inbox.wait_joined(1);
-  SocketClient two(served.port, served.viewer_cookie);
+  SocketClient two(served.port, served.viewer_token);
   const auto joined = served.inbox.wait_joined(2);
   REQUIRE(joined.size() == 2);
   CHECK(joined[0] == std::make_pair(ClientId{1}, Role::operator_));
@@ -90,9 +90,9 @@ TEST_CASE("texts go both ways with the client's role", "[studio][server]") {
 
 TEST_CASE("a client that takes no frame in costs one that waits", "[studio][server]") {
   Served served;
-  SocketClient frozen(served.port, served.operator_cookie);
+  SocketClient frozen(served.port, served.operator_token);
   served.inbox.wait_joined(1);
-  SocketClient lively(served.port, served.operator_cookie);
+  SocketClient lively(served.port, served.operator_token);
   served.inbox.wait_joined(2);
 
   std::vector<std::weak_ptr<const std::string>> frames;
@@ -121,7 +121,7 @@ TEST_CASE("a client that takes no frame in costs one that waits", "[studio][serv
 
 TEST_CASE("pictures wait for each other and not for frames", "[studio][server]") {
   Served served;
-  SocketClient client(served.port, served.operator_cookie);
+  SocketClient client(served.port, served.operator_token);
   served.inbox.wait_joined(1);
   CHECK(served.server().wants_picture(1));
   CHECK_FALSE(served.server().wants_picture(2));
@@ -148,9 +148,9 @@ TEST_CASE("a client whose texts pile up is let go and the others stay", "[studio
   ServerOptions options;
   options.limits.waiting_bytes = 2u << 20;
   Served served(options);
-  SocketClient frozen(served.port, served.operator_cookie);
+  SocketClient frozen(served.port, served.operator_token);
   served.inbox.wait_joined(1);
-  SocketClient lively(served.port, served.operator_cookie);
+  SocketClient lively(served.port, served.operator_token);
   served.inbox.wait_joined(2);
   // The system's own buffers take some of it in: 64 MB are more than they have.
   const std::string text(1u << 20, 't');
@@ -169,24 +169,24 @@ TEST_CASE("messages that break the rules end with a reason", "[studio][server]")
   options.limits.messages_per_second = 5.0;
   Served served(options);
   SECTION("too long") {
-    SocketClient client(served.port, served.operator_cookie);
+    SocketClient client(served.port, served.operator_token);
     client.send(std::string(1000, 'x'));
     CHECK(served.inbox.wait_received(1).size() == 1);
     client.send(std::string(1001, 'x'));
     CHECK(code_of(client.receive(8)) == 1009);
   }
   SECTION("no text") {
-    SocketClient client(served.port, served.operator_cookie);
+    SocketClient client(served.port, served.operator_token);
     client.send("x", 2);
     CHECK(code_of(client.receive(8)) == 1003);
   }
   SECTION("no UTF-8") {
-    SocketClient client(served.port, served.operator_cookie);
+    SocketClient client(served.port, served.operator_token);
     client.send("\xff\xfe");
     CHECK(code_of(client.receive(8)) == 1007);
   }
   SECTION("too many") {
-    SocketClient client(served.port, served.operator_cookie);
+    SocketClient client(served.port, served.operator_token);
     // So many would be allowed in 18 s; they are sent in one go.
     for (int i = 0; i < 100; ++i) client.send("x");
     const auto message = client.receive(8);
@@ -194,12 +194,12 @@ TEST_CASE("messages that break the rules end with a reason", "[studio][server]")
     CHECK_THAT(message->payload, Contains("too many messages"));
   }
   SECTION("a frame that is none") {
-    SocketClient client(served.port, served.operator_cookie);
+    SocketClient client(served.port, served.operator_token);
     client.raw().send(std::string(20, '\xff'));
     CHECK(code_of(client.receive(8)) == 1002);
   }
   served.inbox.wait_left(1);
-  SocketClient next(served.port, served.operator_cookie);
+  SocketClient next(served.port, served.operator_token);
   CHECK(next.status() == 101);
 }
 
@@ -207,7 +207,7 @@ TEST_CASE("a client that answers no ping is let go", "[studio][server]") {
   ServerOptions options;
   options.limits.idle_seconds = 0.4;
   Served served(options);
-  SocketClient client(served.port, served.operator_cookie);
+  SocketClient client(served.port, served.operator_token);
   CHECK(client.receive(9));
   CHECK(served.inbox.wait_left(1) == std::vector<ClientId>{1});
 }
@@ -216,24 +216,40 @@ TEST_CASE("there are no more WebSockets than allowed", "[studio][server]") {
   ServerOptions options;
   options.limits.clients = 2;
   Served served(options);
-  SocketClient one(served.port, served.operator_cookie), two(served.port, served.viewer_cookie);
+  SocketClient one(served.port, served.operator_token), two(served.port, served.viewer_token);
   CHECK(one.status() == 101);
   CHECK(two.status() == 101);
-  CHECK(SocketClient(served.port, served.operator_cookie).status() == 503);
+  CHECK(SocketClient(served.port, served.operator_token).status() == 503);
   one.close();
   served.inbox.wait_left(1);
   int status = 0;
   for (int i = 0; i < 1000 && status != 101; ++i) {
-    status = SocketClient(served.port, served.operator_cookie).status();
+    status = SocketClient(served.port, served.operator_token).status();
   }
   CHECK(status == 101);
+}
+
+TEST_CASE("viewers leave room for an operator", "[studio][server]") {
+  ServerOptions options;
+  options.limits.clients = 3;
+  options.limits.viewers = 2;
+  Served served(options);
+  SocketClient one(served.port, served.viewer_token), two(served.port, served.viewer_token);
+  CHECK(two.status() == 101);
+  CHECK(SocketClient(served.port, served.viewer_token).status() == 503);
+  SocketClient own(served.port, served.operator_token);
+  CHECK(own.status() == 101);
+  // An operator's leaving makes no room for a third viewer.
+  own.close();
+  served.inbox.wait_left(1);
+  CHECK(SocketClient(served.port, served.viewer_token).status() == 503);
 }
 
 TEST_CASE("the end is told to everyone", "[studio][server]") {
   ServerOptions options;
   options.goodbye = "goodbye";
   Served served(options);
-  SocketClient client(served.port, served.operator_cookie);
+  SocketClient client(served.port, served.operator_token);
   RawClient idle(served.port);
   served.inbox.wait_joined(1);
   served.server().send(1, "first");
@@ -272,7 +288,7 @@ TEST_CASE("clients come and go while threads send", "[studio][server]") {
     });
   }
   for (int i = 0; i < 30; ++i) {
-    SocketClient client(served.port, i % 2 ? served.operator_cookie : served.viewer_cookie);
+    SocketClient client(served.port, i % 2 ? served.operator_token : served.viewer_token);
     REQUIRE(client.status() == 101);
     for (int k = 0; k < 20; ++k) {
       const auto message = client.receive();

@@ -2,7 +2,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <future>
+
 #include "server/studio.h"
+#include "server/turns.h"
 #include "server_client.h"
 
 using namespace cogrsim::studio;
@@ -70,7 +73,7 @@ class FakeOutbox final : public Outbox {
   std::size_t read_ = 0;
 };
 
-StudioInfo info() { return {"1.2.3", "recording", "x.mcap", false, {"one", "two"}}; }
+StudioInfo info() { return {"1.2.3", "recording", "x.mcap", false, {"one", "two"}, "/asset/0f/"}; }
 
 struct Bench {
   FakeOutbox outbox;
@@ -97,9 +100,9 @@ TEST_CASE("hello comes first and tells who is who", "[studio][requests]") {
       bench.ask(R"({"id": 1, "do": "seek", "time": 1})")["error"]["message"].get<std::string>(),
       Contains("say hello first"));
   const Json hello = bench.ask(R"({"id": 2, "do": "hello"})");
-  CHECK(hello == Json::parse(R"({"id": 2, "ok": true, "role": "viewer", "client": 1,
-      "version": "1.2.3", "kind": "recording", "file": "x.mcap", "allow_build": false,
-      "backends": ["one", "two"]})"));
+  CHECK(hello == Json::parse(R"({"id": 2, "ok": true, "protocol": 1, "role": "viewer",
+      "client": 1, "version": "1.2.3", "kind": "recording", "file": "x.mcap", "allow_build": false,
+      "assets": "/asset/0f/", "backends": ["one", "two"]})"));
   CHECK(bench.outbox.next()["tell"] == "status");
   const Json seek = bench.ask(R"({"id": 3, "do": "seek", "time": 1.5})");
   CHECK(seek["ok"] == true);
@@ -171,6 +174,87 @@ TEST_CASE("too much at a time is refused and goes on later", "[studio][requests]
   CHECK(busy["error"]["code"] == "busy");
 }
 
+TEST_CASE("operators come before viewers, and each kind takes turns", "[studio][requests]") {
+  Turns<std::string> turns;
+  const auto put = [&](ClientId client, Role role, int count) {
+    for (int i = 1; i <= count; ++i) {
+      turns.put(client, role, std::to_string(client) + "." + std::to_string(i));
+    }
+  };
+  const auto take_all = [&] {
+    std::string order;
+    while (!turns.empty()) {
+      const std::string next = turns.next();
+      CHECK(turns.take() == next);
+      order += next + " ";
+    }
+    return order;
+  };
+  put(7, Role::viewer, 3);
+  put(8, Role::viewer, 2);
+  put(3, Role::operator_, 2);
+  put(5, Role::operator_, 1);
+  put(0, Role::operator_, 2);
+  CHECK(take_all() == "0.1 0.2 3.1 5.1 3.2 7.1 8.1 7.2 8.2 7.3 ");
+  // Whoever comes later waits for no more than the one whose turn it is.
+  put(7, Role::viewer, 100);
+  CHECK(turns.take() == "7.1");
+  put(8, Role::viewer, 1);
+  CHECK(turns.take() == "8.1");
+  put(3, Role::operator_, 1);
+  CHECK(turns.take() == "3.1");
+  CHECK(turns.take() == "7.2");
+  const auto is = [](const char* text) {
+    return [text](const std::string& s) { return s == text; };
+  };
+  CHECK(turns.take_if(7, Role::viewer, is("7.9")) == "7.9");
+  CHECK_FALSE(turns.take_if(7, Role::viewer, is("7.9")));
+  CHECK_FALSE(turns.take_if(9, Role::viewer, is("9.1")));
+  turns.clear();
+  CHECK(turns.empty());
+}
+
+TEST_CASE("an operator waits for one request of viewers, whatever many there are",
+          "[studio][requests]") {
+  // Handles one request at a time, the first one until it is let go.
+  class SlowPart final : public Part {
+   public:
+    Access access(std::string_view) const override { return Access::viewer; }
+    void handle(Request request, Reply reply) override {
+      order.push_back(request.client);
+      if (order.size() == 1) {
+        begun.set_value();
+        go_on.get_future().wait();
+      }
+      reply(Json::object());
+    }
+    std::vector<ClientId> order;
+    std::promise<void> begun, go_on;
+  };
+  FakeOutbox outbox;
+  SlowPart part;
+  Studio studio(
+      info(), {&part}, [](std::size_t) { return ""; }, outbox);
+  for (const ClientId client : {1, 2, 3, 4}) {
+    studio.joined(client, client == 1 ? Role::operator_ : Role::viewer);
+    studio.received(client, R"({"id": 0, "do": "hello"})");
+    outbox.next();
+  }
+  const std::string request = R"({"id": 1, "do": "seek"})";
+  studio.received(2, request);
+  part.begun.get_future().wait();
+  for (int i = 0; i < 50; ++i) {
+    for (const ClientId viewer : {2, 3, 4}) studio.received(viewer, request);
+  }
+  studio.received(1, request);
+  studio.received(1, request);
+  part.go_on.set_value();
+  for (int i = 0; i < 153; ++i) outbox.next();
+  // The one that was being handled, the operator's two, then each viewer in turn.
+  CHECK(std::vector<ClientId>(part.order.begin(), part.order.begin() + 9) ==
+        std::vector<ClientId>{2, 1, 1, 3, 4, 2, 3, 4, 2});
+}
+
 TEST_CASE("parts hear of those who leave if they heard of them", "[studio][requests]") {
   FakeOutbox outbox;
   FakePart part(outbox);
@@ -189,6 +273,12 @@ TEST_CASE("parts hear of those who leave if they heard of them", "[studio][reque
     studio.joined(3, Role::operator_);
     studio.received(3, R"({"id": 0, "do": "hello"})");
     outbox.next();
+    // Clients of one role take turns: with the answer to the second of these, four of client 3's
+    // events were taken, and so at least three of client 1's, which are two.
+    for (int i = 1; i <= 2; ++i) {
+      studio.received(3, R"({"id": )" + std::to_string(i) + R"(, "do": "seek", "time": 0})");
+      outbox.next();
+    }
     CHECK(part.gone == 1);
   }
   part.held.front()(Json::object());  // after the studio's end
@@ -206,7 +296,7 @@ TEST_CASE("a page plays over a WebSocket", "[studio][requests]") {
   const auto colon = address.rfind(':');
   const std::string port = address.substr(colon + 1, address.find('/', colon) - colon - 1);
   SocketClient page(static_cast<unsigned short>(std::stoi(port)),
-                    "cogrsim_studio_" + port + "=" + address.substr(address.find("token=") + 6));
+                    address.substr(address.find("token=") + 6));
   page.send(R"({"id": 1, "do": "hello"})");
   CHECK(Json::parse(page.receive(1)->payload)["role"] == "operator");
   CHECK(Json::parse(page.receive(1)->payload)["tell"] == "status");

@@ -79,10 +79,7 @@ StudioProcess::~StudioProcess() {
   if (output_ >= 0) ::close(output_);
 }
 
-std::string StudioProcess::cookie() const {
-  return "cogrsim_studio_" + std::to_string(port_) + "=" +
-         address_.substr(address_.find("token=") + 6);
-}
+std::string StudioProcess::token() const { return address_.substr(address_.find("token=") + 6); }
 
 int StudioProcess::end(bool kill) {
   if (child_ < 0) return 0;
@@ -90,7 +87,7 @@ int StudioProcess::end(bool kill) {
   return wait_for(std::exchange(child_, -1));
 }
 
-LivePage::LivePage(unsigned short port, const std::string& cookie) : socket_(port, cookie) {
+LivePage::LivePage(unsigned short port, const std::string& token) : socket_(port, token) {
   REQUIRE(socket_.status() == 101);
   hello = get("hello");
 }

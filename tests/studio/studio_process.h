@@ -27,8 +27,8 @@ class StudioProcess {
 
   const std::string& address() const { return address_; }
   unsigned short port() const { return port_; }
-  /// "cogrsim_studio_PORT=TOKEN" of the operator.
-  std::string cookie() const;
+  /// The operator's.
+  std::string token() const;
   /// Sends SIGTERM (or SIGKILL) and waits; the exit status, or minus the signal.
   int end(bool kill = false);
 
@@ -42,8 +42,8 @@ class StudioProcess {
 /// A page that takes in everything at once.
 class LivePage {
  public:
-  LivePage(unsigned short port, const std::string& cookie);
-  explicit LivePage(const StudioProcess& studio) : LivePage(studio.port(), studio.cookie()) {}
+  LivePage(unsigned short port, const std::string& token);
+  explicit LivePage(const StudioProcess& studio) : LivePage(studio.port(), studio.token()) {}
 
   /// The answer, good or not.
   Json ask(const std::string& what, Json fields = Json::object());

@@ -169,7 +169,7 @@ TEST_CASE("pages without 3D are sent pictures of scenes and recordings", "[studi
     CHECK_THAT(refused["error"]["message"].get<std::string>(),
                Contains("'" + bad.begin().key() + "'"));
   }
-  LivePage viewer(studio.port(), studio.cookie());
+  LivePage viewer(studio.port(), studio.token());
   viewer.wait("status", [](const Json& s) { return s["viewers"] == 2; });
   viewer.get("view", {{"width", 32}, {"height", 32}});
   CHECK(size_of(viewer.picture(), "").width == 32);
@@ -183,8 +183,8 @@ TEST_CASE("textures and figures are those of the scene", "[studio][program]") {
   CHECK(model["bodies"][0]["shapes"][0]["texture"] == "0");
   const auto asset = [&](const std::string& number) {
     RawClient client(studio.port());
-    client.send("GET /asset/" + number + " HTTP/1.1\r\nHost: 127.0.0.1:" +
-                std::to_string(studio.port()) + "\r\nCookie: " + studio.cookie() + "\r\n\r\n");
+    client.send("GET " + page.hello["assets"].get<std::string>() + number +
+                " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(studio.port()) + "\r\n\r\n");
     return read_reply(client);
   };
   const HttpReply tiles = asset("0");
@@ -271,12 +271,12 @@ TEST_CASE("a supervisor pauses the run and play goes on", "[studio][program]") {
 
 TEST_CASE("a page that is still open finds the studio that was started anew", "[studio][program]") {
   const Room room(scene("0.2 s"));
-  std::string cookie;
+  std::string token;
   const unsigned short port = own_port();
   const std::vector<std::string> words = {room.file(), "--port", std::to_string(port)};
   {
     StudioProcess first(words, room.home());
-    cookie = first.cookie();
+    token = first.token();
     LivePage page(first);
     // However it ended.
     CHECK(first.end(GENERATE(false, true)) <= 0);
@@ -285,11 +285,11 @@ TEST_CASE("a page that is still open finds the studio that was started anew", "[
     std::vector<std::string> all = words;
     all.insert(all.end(), more.begin(), more.end());
     const StudioProcess studio(all, room.home());
-    SocketClient socket(port, cookie);
+    SocketClient socket(port, token);
     return socket.status() == 101;
   };
   CHECK(comes_in({}));
-  // Where the page may run programs the cookie of before is not good enough, unless it is asked for.
+  // Where the page may run programs the token of before is not good enough, unless it is asked for.
   CHECK_FALSE(comes_in({"--allow-build"}));
   CHECK(comes_in({"--allow-build", "--keep-token"}));
   CHECK_FALSE(comes_in({"--host", "0.0.0.0"}));

@@ -51,13 +51,19 @@ std::string with_line_ends_of(const std::string& old, std::string text) {
 
 // ---- the thread and its work
 
-bool DocumentMail::put(Letter letter) {
+bool DocumentMail::put(ClientId client, Role role, Letter letter) {
+  std::optional<Letter> older;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (closed_) return false;
-    letters_.push_back(std::move(letter));
+    if (letter.give_up) {
+      older =
+          letters_.take_if(client, role, [&](const Letter& l) { return l.what == letter.what; });
+    }
+    letters_.put(client, role, std::move(letter));
   }
   waiting_.notify_one();
+  if (older) older->give_up();
   return true;
 }
 
@@ -65,15 +71,13 @@ std::optional<DocumentMail::Letter> DocumentMail::take() {
   std::unique_lock<std::mutex> lock(mutex_);
   waiting_.wait(lock, [&] { return closed_ || !letters_.empty(); });
   if (closed_) return std::nullopt;
-  Letter letter = std::move(letters_.front());
-  letters_.pop_front();
-  return letter;
+  return letters_.take();
 }
 
 bool DocumentMail::next_changes_text() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (letters_.empty()) return false;
-  const std::string& what = letters_.front().what;
+  const std::string& what = letters_.next().what;
   return what == "set-text" || what == "undo" || what == "redo" || what == "edit";
 }
 
@@ -108,7 +112,7 @@ DocumentDesk::DocumentDesk(DocumentOptions options, SceneFile file,
       catalog_(std::make_unique<cli::LoaderCatalog>(loader_)),
       sources_(file_.folder()),
       builder_(file_.folder()) {
-  mail_->put({"", [this] { compile(); }});
+  mail_->put([this] { compile(); });
   thread_ = std::thread([this] { work(); });
 }
 
@@ -152,10 +156,19 @@ Part::Access DocumentDesk::access(std::string_view what) const {
 }
 
 void DocumentDesk::handle(Request request, Reply reply) {
-  std::string what = request.what;
-  mail_->put({std::move(what), [this, request = std::move(request), reply = std::move(reply)] {
-                answer(request, reply);
-              }});
+  const ClientId client = request.client;
+  const Role role = request.role;
+  DocumentMail::Letter letter{request.what, {}};
+  if (request.what == "complete") {
+    // Whoever types on wants to know what may stand where the cursor is now.
+    letter.give_up = [reply] {
+      reply(fail("it was asked anew before its turn came", "", "", "superseded"));
+    };
+  }
+  letter.work = [this, request = std::move(request), reply = std::move(reply)] {
+    answer(request, reply);
+  };
+  mail_->put(client, role, std::move(letter));
 }
 
 void DocumentDesk::answer(const Request& request, const Reply& reply) {
@@ -177,13 +190,13 @@ void DocumentDesk::answer(const Request& request, const Reply& reply) {
   }
 }
 
-void DocumentDesk::joined(ClientId client, Role) {
-  mail_->put({"", [this, client] {
-                tell(document_json(stale_), client);
-                if (stale_) return;
-                tell(tree_tell(), client);
-                tell(problems_tell(), client);
-              }});
+void DocumentDesk::joined(ClientId client, Role role) {
+  mail_->put(client, role, {"", [this, client] {
+                              tell(document_json(stale_), client);
+                              if (stale_) return;
+                              tell(tree_tell(), client);
+                              tell(problems_tell(), client);
+                            }});
 }
 
 void DocumentDesk::tell(const Json& json, std::optional<ClientId> client) {
@@ -250,11 +263,11 @@ void DocumentDesk::show() {
   run_.show(std::move(scene), [this, mail = mail_, version = version_](auto shown) {
     if (shown) return;
     // Only the document's own thread, which lives as long as it takes letters, looks at `this`.
-    mail->put({"", [this, version, faults = std::move(shown.error())] {
-                 if (version != version_) return;
-                 refused_ = faults;
-                 tell(problems_tell());
-               }});
+    mail->put([this, version, faults = std::move(shown.error())] {
+      if (version != version_) return;
+      refused_ = faults;
+      tell(problems_tell());
+    });
   });
 }
 
@@ -377,18 +390,19 @@ Answer DocumentDesk::revert(const Request& request) {
   return Json{{"version", version_}, {"text", history_.text()}};
 }
 
-Answer DocumentDesk::schema(const Request&) {
-  if (!schema_) schema_ = dsl::write_schema_json(catalog_.get());
-  return Json{{"schema", Json::parse(*schema_)}};
+const Json& DocumentDesk::vocabulary() {
+  if (!schema_) schema_ = Json::parse(dsl::write_schema_json(catalog_.get()));
+  return *schema_;
 }
+
+Answer DocumentDesk::schema(const Request&) { return Json{{"schema", vocabulary()}}; }
 
 Answer DocumentDesk::complete(const Request& request) {
   auto text = text_field(request.fields, "text");
   if (!text) return tl::unexpected(text.error());
   const auto offset = whole_field(request.fields, "offset");
   if (!offset) return tl::unexpected(offset.error());
-  if (!schema_) schema_ = dsl::write_schema_json(catalog_.get());
-  return complete_at(*text, *offset, Json::parse(*schema_), scene_.elements);
+  return complete_at(*text, *offset, vocabulary(), scene_.elements);
 }
 
 Answer DocumentDesk::mass(const Request& request) {
@@ -430,10 +444,10 @@ void DocumentDesk::build(const Request& request, const Reply& reply) {
   build_thread_ = std::thread([this, mail = mail_, client = request.client, reply] {
     // The scene can be edited meanwhile; what was built is taken over on the document's own thread.
     auto built = std::make_shared<Result<Builder::Built>>(builder_.build());
-    const bool taken = mail->put({"", [this, built, client, reply] {
-                                    building_ = false;
-                                    reply(use_built(std::move(*built), client));
-                                  }});
+    const bool taken = mail->put([this, built, client, reply] {
+      building_ = false;
+      reply(use_built(std::move(*built), client));
+    });
     if (!taken) reply(fail("the studio ends"));
   });
 }

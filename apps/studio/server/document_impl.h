@@ -2,7 +2,6 @@
 #pragma once
 
 #include <condition_variable>
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -19,18 +18,23 @@
 #include "document_history.h"
 #include "plugin_catalog.h"
 #include "sources.h"
+#include "turns.h"
 
 namespace cogrsim::studio {
 
-/// Work for the document's thread. Others may hold on to it longer than the document lives.
+/// Work for the document's thread, by turns of those who ask. Others may hold on to it longer than the
+/// document lives.
 class DocumentMail {
  public:
   using Work = std::function<void()>;
   struct Letter {
     std::string what;  ///< the request's name; empty: no request
     Work work;
+    Work give_up = {};  ///< called instead when the client asks the same anew, and only then
   };
-  bool put(Letter letter);  ///< false: closed, and thrown away
+  /// `client` 0: the document's own. False: closed, and thrown away.
+  bool put(ClientId client, Role role, Letter letter);
+  bool put(Work work) { return put(0, Role::operator_, {"", std::move(work)}); }
   /// Waits; nullopt: closed.
   std::optional<Letter> take();
   bool next_changes_text() const;
@@ -39,7 +43,7 @@ class DocumentMail {
  private:
   mutable std::mutex mutex_;
   std::condition_variable waiting_;
-  std::deque<Letter> letters_;
+  Turns<Letter> letters_;
   bool closed_ = false;
 };
 
@@ -82,6 +86,7 @@ class DocumentDesk final : public Document {
   Answer redo(const Request& request);
   Answer save(const Request& request);
   Answer revert(const Request& request);
+  const Json& vocabulary();
   Answer schema(const Request& request);
   Answer complete(const Request& request);
   Answer mass(const Request& request);
@@ -107,7 +112,7 @@ class DocumentDesk final : public Document {
   std::uint64_t scene_version_ = 0;
   std::vector<Diagnostic> refused_;  ///< what the engine said of it
   double compile_seconds_ = 0.0;     ///< the last one took
-  std::optional<std::string> schema_;
+  std::optional<Json> schema_;
   SourceFolder sources_;
   Builder builder_;
 

@@ -1,5 +1,6 @@
 #include "http.h"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cstdint>
@@ -142,13 +143,13 @@ std::optional<FileContent> read_asset(const std::string& path) {
 
 }  // namespace
 
-std::string HttpAnswer::text(bool keep_alive) const {
+std::string HttpAnswer::head(bool keep_alive) const {
   std::string out = fmt::format("HTTP/1.1 {} {}\r\n", status, reason_of(status));
   const auto add = [&](std::string_view name, std::string_view value) {
     out.append(name).append(": ").append(value).append("\r\n");
   };
   for (const auto& [name, value] : headers) add(name, value);
-  if (status != 304) add("Content-Length", std::to_string(body.size()));
+  if (status != 304) add("Content-Length", std::to_string(std::max(body.size(), lasting.size())));
   add("Connection", keep_alive ? "keep-alive" : "close");
   add("Content-Security-Policy", kContentPolicy);
   add("X-Content-Type-Options", "nosniff");
@@ -156,8 +157,12 @@ std::string HttpAnswer::text(bool keep_alive) const {
   add("Cross-Origin-Opener-Policy", "same-origin");
   add("Cross-Origin-Resource-Policy", "same-origin");
   out += "\r\n";
-  if (with_body && status != 304) out += body;
   return out;
+}
+
+std::string_view HttpAnswer::content() const {
+  if (!with_body || status == 304) return {};
+  return lasting.empty() ? std::string_view(body) : lasting;
 }
 
 HttpAnswer refusal(int status, std::string text) {
@@ -169,10 +174,7 @@ HttpAnswer refusal(int status, std::string text) {
 }
 
 Gate::Gate(Secrets secrets, unsigned short port, std::function<std::string(std::size_t)> asset)
-    : secrets_(std::move(secrets)),
-      port_(std::to_string(port)),
-      cookie_name_("cogrsim_studio_" + port_),
-      asset_(std::move(asset)) {}
+    : secrets_(std::move(secrets)), port_(std::to_string(port)), asset_(std::move(asset)) {}
 
 // A name that somebody else's server of names gives out may lead here (DNS rebinding): only addresses
 // that are this machine's, and the name that never leaves it, are answered.
@@ -188,53 +190,37 @@ bool Gate::known_host(std::string_view host, std::string_view local_address) con
          (!local_address.empty() && same_word(name, local_address));
 }
 
-std::optional<Role> Gate::role_of(std::string_view token) const {
-  if (same_token(token, secrets_.operator_token)) return Role::operator_;
-  if (same_token(token, secrets_.viewer_token)) return Role::viewer;
-  return std::nullopt;
-}
-
-std::optional<Role> Gate::role_of(const std::vector<std::string_view>& cookies) const {
+std::optional<Role> Gate::role_of(const std::vector<std::string_view>& protocols) const {
+  bool ours = false;
   std::optional<Role> role;
-  for (const std::string_view header : cookies) {
-    any_part(header, ';', [&](std::string_view cookie) {
-      const auto equals = cookie.find('=');
-      if (equals == std::string_view::npos || cookie.substr(0, equals) != cookie_name_)
-        return false;
-      role = role_of(cookie.substr(equals + 1));
-      return role.has_value();
+  for (const std::string_view header : protocols) {
+    any_part(header, ',', [&](std::string_view word) {
+      ours = ours || word == kSubprotocol;
+      if (same_token(word, secrets_.operator_token)) role = Role::operator_;
+      if (same_token(word, secrets_.viewer_token)) role = Role::viewer;
+      return false;
     });
-    if (role) break;
   }
-  return role;
+  return ours ? role : std::nullopt;
 }
 
-HttpAnswer Gate::take_token(std::string_view query, bool head) {
-  std::string_view token;
-  any_part(query, '&', [&](std::string_view part) {
-    if (part.substr(0, 6) != "token=") return false;
-    token = part.substr(6);
-    return true;
-  });
-  if (!head && same_token(token, secrets_.launch_token)) {
-    token = secrets_.operator_token;
-    secrets_.launch_token.clear();
+// For a browser whose command line other users may read: what stands there is worth nothing afterwards.
+HttpAnswer Gate::launch(std::string_view token, bool head) {
+  if (head || !same_token(token, secrets_.launch_token)) {
+    return refusal(
+        403,
+        "This address was good for one visit. Open the one that `cogrsim studio` printed "
+        "in the terminal.");
   }
-  if (!role_of(token)) {
-    return refusal(403,
-                   "This is not the address that was printed. Open the one that `cogrsim studio` "
-                   "printed in the terminal; after a restart it may be another one.");
-  }
+  secrets_.launch_token.clear();
   HttpAnswer answer;
   answer.status = 303;
-  answer.headers = {
-      {"Location", "/"},
-      {"Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name_, token)},
-      {"Cache-Control", "no-store"}};
+  answer.headers = {{"Location", "/#token=" + secrets_.operator_token},
+                    {"Cache-Control", "no-store"}};
   return answer;
 }
 
-HttpAnswer Gate::page(std::string_view path, const HttpRequest& request) const {
+HttpAnswer Gate::page(std::string_view path, const HttpRequest& request) {
   const PageFile* file = find_page_file(path == "/" ? "/index.html" : path);
   if (!file) return refusal(404, "There is nothing at this address.");
   HttpAnswer answer;
@@ -249,20 +235,28 @@ HttpAnswer Gate::page(std::string_view path, const HttpRequest& request) const {
   }
   if (accepts_gzip(request.accept_encoding)) {
     answer.headers.emplace_back("Content-Encoding", "gzip");
-    answer.body = file->gzip;
+    answer.lasting = file->gzip;
   } else {
-    answer.body = inflated(*file);
+    // Anybody may ask for it again and again.
+    std::string& plain = inflated_[file->path];
+    if (plain.empty()) plain = inflated(*file);
+    answer.lasting = plain;
   }
   return answer;
 }
 
-HttpAnswer Gate::asset(std::string_view number, const HttpRequest& request) const {
+HttpAnswer Gate::asset(std::string_view path, const HttpRequest& request) const {
+  const auto slash = path.find('/');
+  if (slash == std::string_view::npos || !same_token(path.substr(0, slash), secrets_.asset_token)) {
+    return refusal(403, "This address of a texture is none that the page was told.");
+  }
+  const std::string_view number = path.substr(slash + 1);
   std::size_t index = 0;
   const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), index);
   std::optional<FileContent> content;
   if (error == std::errc{} && rest == number.data() + number.size()) {
-    const std::string path = asset_(index);
-    if (!path.empty()) content = read_asset(path);
+    const std::string file = asset_(index);
+    if (!file.empty()) content = read_asset(file);
   }
   if (!content) return refusal(404, "There is no such texture.");
   HttpAnswer answer;
@@ -307,16 +301,9 @@ Gate::Decision Gate::decide(const HttpRequest& request) {
   const std::string_view path = request.target.substr(0, question);
   const std::string_view query =
       question == std::string_view::npos ? std::string_view() : request.target.substr(question + 1);
-  const auto has_token = [](std::string_view part) { return part.substr(0, 6) == "token="; };
-  if (path == "/" && any_part(query, '&', has_token)) {
-    return with(take_token(query, request.method == "HEAD"));
-  }
-
-  const std::optional<Role> role = role_of(request.cookies);
-  if (!role) {
-    return with(refusal(403,
-                        "This is CogRSim's studio, which needs a key: open the whole address, with "
-                        "its token, that `cogrsim studio` printed in the terminal."));
+  constexpr std::string_view kLaunch = "launch=", kAsset = "/asset/";
+  if (path == "/" && query.substr(0, kLaunch.size()) == kLaunch) {
+    return with(launch(query.substr(kLaunch.size()), request.method == "HEAD"));
   }
   if (path == "/socket") {
     if (!request.upgrade || request.method != "GET") {
@@ -326,10 +313,13 @@ Gate::Decision Gate::decide(const HttpRequest& request) {
     }
     if (!own_origin) return with(refusal(403, "A WebSocket needs an Origin header."));
     Decision decision;
-    decision.upgrade = role;
-    return decision;
+    decision.upgrade = role_of(request.protocols);
+    if (decision.upgrade) return decision;
+    return with(refusal(403,
+                        "This is CogRSim's studio, which needs a key: open the whole address, with "
+                        "its token, that `cogrsim studio` printed in the terminal; after a restart "
+                        "it may be another one."));
   }
-  constexpr std::string_view kAsset = "/asset/";
   if (path.substr(0, kAsset.size()) == kAsset) {
     return with(asset(path.substr(kAsset.size()), request));
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,31 +16,44 @@ namespace cogrsim::studio {
 /// What of a request's head counts here. Empty: not there.
 struct HttpRequest {
   std::string_view method, target, host, origin, accept_encoding, if_none_match;
-  std::vector<std::string_view> cookies;  ///< the values of all Cookie headers
-  bool one_host = true;                   ///< exactly one Host header
-  bool upgrade = false;                   ///< it asks for a WebSocket
-  std::string_view local_address;         ///< that the connection came in at: "127.0.0.1", "[::1]"
+  std::vector<std::string_view> protocols;  ///< the values of all Sec-WebSocket-Protocol headers
+  bool one_host = true;                     ///< exactly one Host header
+  bool upgrade = false;                     ///< it asks for a WebSocket
+  std::string_view local_address;  ///< that the connection came in at: "127.0.0.1", "[::1]"
 };
 
 struct HttpAnswer {
   int status = 200;
   std::vector<std::pair<std::string, std::string>> headers;
   std::string body;
-  bool with_body = true;  ///< false: its length alone is told (HEAD)
+  std::string_view lasting;  ///< in the place of `body`: bytes that live as long as the gate
+  bool with_body = true;     ///< false: its length alone is told (HEAD)
 
-  /// Status line, headers and body as they go over the wire, with the headers that every answer has.
-  std::string text(bool keep_alive) const;
+  /// Status line and headers as they go over the wire, with those that every answer has.
+  std::string head(bool keep_alive) const;
+  /// What follows them.
+  std::string_view content() const;
 };
 
 /// A plain text with the reason of a refusal.
 HttpAnswer refusal(int status, std::string text);
 
-/// "Refused by what it says", in this order: its Host, its Origin, its method, its secret, its address.
+/// What a page's WebSocket asks for, beside its token: see Gate.
+constexpr std::string_view kSubprotocol = "cogrsim-studio";
+
+/// Refused by what it says, in this order: its Host, its Origin, its method, its address, its secret.
+///
+/// The page itself is no secret. Its token comes in the printed address behind the '#', which browsers
+/// send to nobody, and is shown in the opening of the WebSocket: Sec-WebSocket-Protocol has
+/// kSubprotocol and the token. There are no cookies: they do not tell ports apart, so that every server
+/// at the same address would be sent them. Textures have the secret in their addresses, which the page
+/// is told over the WebSocket, as images can be asked for in no other way.
 class Gate {
  public:
   struct Secrets {
     std::string operator_token, viewer_token;
-    std::string launch_token;  ///< the operator's for one visit; empty: none
+    std::string launch_token;  ///< leads to the operator's address, once; empty: none
+    std::string asset_token;   ///< in the addresses of textures
   };
   /// `asset`: the file behind a number, see Inbox.
   Gate(Secrets secrets, unsigned short port, std::function<std::string(std::size_t)> asset);
@@ -51,19 +65,16 @@ class Gate {
   };
   Decision decide(const HttpRequest& request);
 
-  /// "cogrsim_studio_40213": cookies do not tell ports apart.
-  const std::string& cookie_name() const { return cookie_name_; }
-
  private:
   bool known_host(std::string_view host, std::string_view local_address) const;
-  std::optional<Role> role_of(std::string_view token) const;
-  std::optional<Role> role_of(const std::vector<std::string_view>& cookies) const;
-  HttpAnswer take_token(std::string_view query, bool head);
-  HttpAnswer page(std::string_view path, const HttpRequest& request) const;
-  HttpAnswer asset(std::string_view number, const HttpRequest& request) const;
+  std::optional<Role> role_of(const std::vector<std::string_view>& protocols) const;
+  HttpAnswer launch(std::string_view token, bool head);
+  HttpAnswer page(std::string_view path, const HttpRequest& request);
+  HttpAnswer asset(std::string_view path, const HttpRequest& request) const;
 
   Secrets secrets_;
-  std::string port_, cookie_name_;
+  std::string port_;
+  std::map<std::string_view, std::string> inflated_;  ///< files of the page, as they were asked for
   std::function<std::string(std::size_t)> asset_;
 };
 

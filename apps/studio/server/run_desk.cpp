@@ -112,7 +112,8 @@ Answer Desk::compute(const std::string& what, const Json& f) {
 
 void Desk::handle(const Request& request, const Reply& reply) {
   if (among(kAtOnce, request.what)) return reply(look(request));
-  worker_.post([this, what = request.what, f = request.fields, reply] { reply(compute(what, f)); });
+  worker_.post(request.client, request.role,
+               [this, what = request.what, f = request.fields, reply] { reply(compute(what, f)); });
 }
 
 }  // namespace cogrsim::studio

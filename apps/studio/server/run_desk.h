@@ -31,7 +31,7 @@ class Desk {
   Viewers& viewers() { return viewers_; }
   void left(ClientId client);
   /// To be done by and by, away from everybody who waits.
-  void post(std::function<void()> job) { worker_.post(std::move(job)); }
+  void post(std::function<void()> job) { worker_.post(0, Role::operator_, std::move(job)); }
 
  private:
   Answer look(const Request& request);

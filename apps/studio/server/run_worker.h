@@ -1,11 +1,12 @@
-// A thread for what takes long: jobs one after the other.
+// A thread for what takes long: jobs one after the other, by turns of those who asked.
 #pragma once
 
 #include <condition_variable>
-#include <deque>
 #include <functional>
 #include <mutex>
 #include <thread>
+
+#include "turns.h"
 
 namespace cogrsim::studio {
 
@@ -16,9 +17,10 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  void post(std::function<void()> job) {
+  /// `client` 0: nobody asked.
+  void post(ClientId client, Role role, std::function<void()> job) {
     std::lock_guard lock(mutex_);
-    jobs_.push_back(std::move(job));
+    jobs_.put(client, role, std::move(job));
     waiting_.notify_one();
   }
   /// Jobs that have not begun are dropped.
@@ -39,8 +41,7 @@ class Worker {
         std::unique_lock lock(mutex_);
         waiting_.wait(lock, [this] { return over_ || !jobs_.empty(); });
         if (over_) return;
-        job = std::move(jobs_.front());
-        jobs_.pop_front();
+        job = jobs_.take();
       }
       job();
     }
@@ -48,7 +49,7 @@ class Worker {
 
   std::mutex mutex_;
   std::condition_variable waiting_;
-  std::deque<std::function<void()>> jobs_;
+  Turns<std::function<void()>> jobs_;
   bool over_ = false;
   std::thread thread_;
 };

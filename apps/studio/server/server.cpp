@@ -1,5 +1,6 @@
 #include "server.h"
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -38,7 +39,7 @@ using asio::ip::tcp;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kHeadBytes = 32u << 10;   // other servers of this machine set cookies too
+constexpr std::uint32_t kHeadBytes = 32u << 10;   // other servers of this machine set cookies
 constexpr std::size_t kLingerBytes = 256u << 10;  // read and thrown away behind a refusal
 constexpr std::chrono::seconds kLinger{2}, kGoodbye{1};
 
@@ -64,7 +65,7 @@ struct Server::Impl {
   Inbox* inbox = nullptr;
   std::optional<Gate> gate;
 
-  std::size_t sockets = 0;  // WebSockets open or being opened
+  std::size_t sockets = 0, viewers = 0;  // WebSockets open or being opened, and viewers' of them
   std::set<Connection*> connections;
   std::map<ClientId, WebClient*> clients;
   ClientId last_client = 0;
@@ -80,6 +81,7 @@ struct Server::Impl {
   asio::steady_timer goodbye{io}, accept_again{io};
 
   void accept();
+  bool make_room(const asio::ip::address& from);
   void shut();
   void gone();
   std::shared_ptr<Mailbox> box(ClientId client) const {
@@ -88,7 +90,7 @@ struct Server::Impl {
     return found == boxes.end() ? nullptr : found->second;
   }
   void wake(ClientId client);
-  std::string address(const std::string& token) const;
+  std::string address(const std::string& rest) const;
 
   Result<> make_secrets();
   /// Under which its tokens are kept.
@@ -106,10 +108,12 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
         role_(role),
         allowance_(2.0 * server.options.limits.messages_per_second) {
     ++server_.sockets;
+    if (role_ == Role::viewer) ++server_.viewers;
   }
   ~WebClient() {
     if (box_) end();
     --server_.sockets;
+    if (role_ == Role::viewer) --server_.viewers;
   }
 
   void open(http::request<http::empty_body> request) {
@@ -120,6 +124,9 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
     timeout.idle_timeout = milliseconds(limits.idle_seconds);
     timeout.keep_alive_pings = true;
     socket_.set_option(timeout);
+    socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
+      answer.set(http::field::sec_websocket_protocol, {kSubprotocol.data(), kSubprotocol.size()});
+    }));
     socket_.read_message_max(limits.message_bytes);
     socket_.auto_fragment(false);
     socket_.async_accept(request, [self = shared_from_this()](error_code error) {
@@ -270,13 +277,19 @@ class Connection : public std::enable_shared_from_this<Connection> {
     error_code ignored;
     const auto local = stream_.socket().local_endpoint(ignored);
     if (!ignored) local_address_ = literal(local.address());
+    from_ = stream_.socket().remote_endpoint(ignored).address();
   }
   ~Connection() {
     server_.connections.erase(this);
     server_.gone();
   }
 
+  const asio::ip::address& from() const { return from_; }
+  /// When it began to say what it wants, or to be answered.
+  Clock::time_point since() const { return since_; }
+
   void read() {
+    since_ = Clock::now();
     parser_.emplace();
     parser_->header_limit(kHeadBytes);
     // For the whole head: one byte a second is not good enough.
@@ -286,7 +299,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
         [self = shared_from_this()](error_code error, std::size_t) { self->take(error); });
   }
 
-  void drop() { stream_.close(); }
+  void drop() {
+    server_.connections.erase(this);
+    stream_.close();
+  }
 
  private:
   void take(error_code error) {
@@ -314,9 +330,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     request.origin = view(message[http::field::origin]);
     request.accept_encoding = view(message[http::field::accept_encoding]);
     request.if_none_match = view(message[http::field::if_none_match]);
-    const auto [first, last] = message.equal_range(http::field::cookie);
-    for (auto cookie = first; cookie != last; ++cookie) {
-      request.cookies.push_back(view(cookie->value()));
+    const auto [first, last] = message.equal_range(http::field::sec_websocket_protocol);
+    for (auto field = first; field != last; ++field) {
+      request.protocols.push_back(view(field->value()));
     }
     request.upgrade = websocket::is_upgrade(message);
     request.local_address = local_address_;
@@ -329,7 +345,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
       const bool keep = message.keep_alive() && decision.answer.status < 400;
       return answer(std::move(decision.answer), keep);
     }
-    if (server_.sockets >= server_.options.limits.clients) {
+    const auto& limits = server_.options.limits;
+    if (server_.sockets >= limits.clients ||
+        (*decision.upgrade == Role::viewer && server_.viewers >= limits.viewers)) {
       return answer(refusal(503, "There are as many clients as are allowed."), false);
     }
     if (buffer_.size() > 0) {
@@ -340,11 +358,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void answer(HttpAnswer what, bool keep_alive) {
-    out_ = what.text(keep_alive);
+    since_ = Clock::now();
+    out_ = std::move(what);
+    head_ = out_.head(keep_alive);
+    const std::string_view content = out_.content();
     stream_.expires_after(milliseconds(server_.options.limits.idle_seconds));
-    asio::async_write(stream_, asio::buffer(out_),
+    asio::async_write(stream_,
+                      std::array<asio::const_buffer, 2>{
+                          asio::buffer(head_), asio::buffer(content.data(), content.size())},
                       [self = shared_from_this(), keep_alive](error_code error, std::size_t) {
-                        self->out_ = std::string();
+                        self->out_ = {};
                         if (error || self->server_.stopping) return;
                         keep_alive ? self->read() : self->part();
                       });
@@ -369,7 +392,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   Server::Impl& server_;
   beast::tcp_stream stream_;
-  std::string local_address_, out_;
+  std::string local_address_, head_;
+  asio::ip::address from_;
+  Clock::time_point since_ = Clock::now();
+  HttpAnswer out_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   std::size_t lingered_ = 0;
@@ -386,14 +412,37 @@ void Server::Impl::accept() {
       });
       return;
     }
-    // Beyond the limit it is closed as it goes out of scope.
-    if (connections.size() + sockets < options.limits.connections) {
-      error_code ignored;
+    error_code ignored;
+    const auto from = socket.remote_endpoint(ignored).address();
+    // Without room it is closed as it goes out of scope.
+    if (!ignored && make_room(from)) {
       socket.set_option(tcp::no_delay(true), ignored);
       std::make_shared<Connection>(*this, std::move(socket))->read();
     }
     accept();
   });
+}
+
+// For one more connection: whoever says nothing keeps nobody out.
+bool Server::Impl::make_room(const asio::ip::address& from) {
+  Connection *oldest = nullptr, *oldest_there = nullptr;
+  std::size_t there = 0;
+  const auto older = [](const Connection* one, const Connection* other) {
+    return !other || one->since() < other->since();
+  };
+  for (Connection* connection : connections) {
+    if (older(connection, oldest)) oldest = connection;
+    if (connection->from() != from) continue;
+    ++there;
+    if (older(connection, oldest_there)) oldest_there = connection;
+  }
+  if (there >= options.limits.of_one_address) {
+    oldest_there->drop();
+  } else if (connections.size() + sockets >= options.limits.connections) {
+    if (!oldest) return false;
+    oldest->drop();
+  }
+  return true;
 }
 
 void Server::Impl::shut() {
@@ -424,7 +473,7 @@ void Server::Impl::wake(ClientId client) {
 }
 
 Result<> Server::Impl::make_secrets() {
-  std::vector<std::string*> wanted = {&secrets.launch_token};
+  std::vector<std::string*> wanted = {&secrets.launch_token, &secrets.asset_token};
   Result<KeptTokens> kept = fail("not asked for");
   if (!options.tokens.empty()) {
     Result<> ready = options.new_tokens ? forget_tokens(options.tokens, place()) : Result<>();
@@ -501,19 +550,24 @@ Server::Server(std::unique_ptr<Impl> impl)
 Server::~Server() = default;
 
 std::string Server::address(Role role) const {
-  return impl_->address(role == Role::operator_ ? impl_->secrets.operator_token
-                                                : impl_->secrets.viewer_token);
+  const Gate::Secrets& secrets = impl_->secrets;
+  return impl_->address("#token=" +
+                        (role == Role::operator_ ? secrets.operator_token : secrets.viewer_token));
 }
 
-std::string Server::launch_address() const { return impl_->address(impl_->secrets.launch_token); }
+std::string Server::launch_address() const {
+  return impl_->address("?launch=" + impl_->secrets.launch_token);
+}
 
-std::string Server::Impl::address(const std::string& token) const {
+std::string Server::assets() const { return "/asset/" + impl_->secrets.asset_token + "/"; }
+
+std::string Server::Impl::address(const std::string& rest) const {
   asio::ip::address host = endpoint.address();
   if (host.is_unspecified()) {
     host = host.is_v6() ? asio::ip::address(asio::ip::address_v6::loopback())
                         : asio::ip::address(asio::ip::address_v4::loopback());
   }
-  return fmt::format("http://{}:{}/?token={}", literal(host), endpoint.port(), token);
+  return fmt::format("http://{}:{}/{}", literal(host), endpoint.port(), rest);
 }
 
 std::size_t Server::client_count() const {

@@ -18,9 +18,13 @@ struct ServerOptions {
   bool new_tokens = false;  ///< leave those that are kept, keep new ones
   std::string goodbye;      ///< a text for all when the server ends; empty: none
   struct Limits {
-    std::size_t message_bytes = 8u << 20;   ///< of one text from a page
-    std::size_t clients = 32;               ///< WebSockets at a time
-    std::size_t connections = 128;          ///< TCP, at a time
+    std::size_t message_bytes = 8u << 20;  ///< of one text from a page
+    std::size_t clients = 32;              ///< WebSockets at a time
+    std::size_t viewers = 24;              ///< of these: the others are for operators
+    /// TCP at a time. Beyond, whoever has been at the same thing longest goes for the next one: who says
+    /// nothing, or takes an answer in slowly. WebSockets stay.
+    std::size_t connections = 128;
+    std::size_t of_one_address = 64;        ///< of these, WebSockets not counted
     double messages_per_second = 400.0;     ///< of one client, on average; bursts of twice as many
     double idle_seconds = 60.0;             ///< without an answer to a ping
     double request_seconds = 10.0;          ///< for the request's head and body
@@ -34,10 +38,12 @@ class Server final : public Outbox {
   static Result<std::unique_ptr<Server>> listen(const ServerOptions& options);
   ~Server() override;
 
-  /// "http://127.0.0.1:40213/?token=…", for those who may do all, or only look on.
+  /// "http://127.0.0.1:40213/#token=…", for those who may do all, or only look on.
   std::string address(Role role) const;
-  /// The operator's, but good for one visit: for a browser whose command line other users may read.
+  /// Leads to the operator's, once: for a browser whose command line other users may read.
   std::string launch_address() const;
+  /// "/asset/…/": what textures' numbers stand behind.
+  std::string assets() const;
   std::size_t client_count() const;
 
   /// Serves until stop(), on the calling thread; once. What is sent afterwards goes nowhere.

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <condition_variable>
-#include <deque>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/core/parameter.h"
+#include "turns.h"
 
 namespace cogrsim::studio {
 namespace {
@@ -76,8 +76,9 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
   };
   std::mutex mutex;  // guards what follows
   std::condition_variable news;
-  std::deque<Event> events;
+  Turns<Event> events;
   struct Load {
+    Role role = Role::viewer;
     std::size_t requests = 0, bytes = 0;
   };
   std::map<ClientId, Load> loads;  // of the clients there are
@@ -102,7 +103,7 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
   void put(Event event) {
     {
       const std::lock_guard<std::mutex> lock(mutex);
-      events.push_back(std::move(event));
+      events.put(event.client, event.role, std::move(event));
     }
     news.notify_one();
   }
@@ -112,8 +113,7 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
     while (true) {
       news.wait(lock, [this] { return ending || !events.empty(); });
       if (ending) return;
-      Event event = std::move(events.front());
-      events.pop_front();
+      Event event = events.take();
       lock.unlock();
       take(std::move(event));
       lock.lock();
@@ -256,12 +256,14 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
   void hello(const Request& request, Client& about, Pending& pending) {
     Json backends = Json::array();
     for (const std::string& name : info.backends) backends.push_back(name);
-    pending.answer(Json{{"role", request.role == Role::operator_ ? "operator" : "viewer"},
+    pending.answer(Json{{"protocol", kProtocol},
+                        {"role", request.role == Role::operator_ ? "operator" : "viewer"},
                         {"client", request.client},
                         {"version", info.version},
                         {"kind", info.kind},
                         {"file", info.file},
                         {"allow_build", info.allow_build},
+                        {"assets", info.assets},
                         {"backends", std::move(backends)}});
     if (about.greeted) return;
     about.greeted = true;
@@ -305,25 +307,31 @@ Studio::~Studio() {
 void Studio::joined(ClientId client, Role role) {
   {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
-    impl_->loads[client] = {};
+    impl_->loads[client] = {role};
   }
   impl_->put({Impl::Event::Kind::joined, client, role, {}});
 }
 
 void Studio::left(ClientId client) {
-  {
-    const std::lock_guard<std::mutex> lock(impl_->mutex);
-    impl_->loads.erase(client);
-  }
-  impl_->put({Impl::Event::Kind::left, client, Role::viewer, {}});
-}
-
-void Studio::received(ClientId client, std::string text) {
-  bool busy = false;
+  Role role = Role::viewer;
   {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
     const auto load = impl_->loads.find(client);
     if (load == impl_->loads.end()) return;
+    role = load->second.role;
+    impl_->loads.erase(load);
+  }
+  impl_->put({Impl::Event::Kind::left, client, role, {}});
+}
+
+void Studio::received(ClientId client, std::string text) {
+  bool busy = false;
+  Role role = Role::viewer;
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    const auto load = impl_->loads.find(client);
+    if (load == impl_->loads.end()) return;
+    role = load->second.role;
     busy = load->second.requests >= impl_->limits.requests ||
            (load->second.requests > 0 && load->second.bytes + text.size() > impl_->limits.bytes);
     if (!busy) {
@@ -331,8 +339,7 @@ void Studio::received(ClientId client, std::string text) {
       load->second.bytes += text.size();
     }
   }
-  if (!busy)
-    return impl_->put({Impl::Event::Kind::received, client, Role::viewer, std::move(text)});
+  if (!busy) return impl_->put({Impl::Event::Kind::received, client, role, std::move(text)});
   // Its id, if it is short enough to be read here: the network waits meanwhile.
   Json id;
   if (text.size() <= 4096 && !too_deep(text, impl_->limits.depth)) {

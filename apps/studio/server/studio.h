@@ -9,6 +9,10 @@
 
 namespace cogrsim::studio {
 
+/// Of PROTOCOL.md, as `hello` tells it: goes up with every change that a page of before does not
+/// understand. kProtocol in web/src/core/protocol.ts is the page's.
+constexpr int kProtocol = 1;
+
 /// What a page is told when it says hello.
 struct StudioInfo {
   std::string version;
@@ -16,6 +20,7 @@ struct StudioInfo {
   std::string file;
   bool allow_build = false;
   std::vector<std::string> backends;
+  std::string assets;  ///< Server::assets()
 };
 
 /// Requests as in PROTOCOL.md. A page says `hello` first; the parts are told then that it joined, on

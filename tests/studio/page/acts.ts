@@ -68,7 +68,7 @@ export async function ask(page: Page, what: string, fields: Record<string, unkno
       }
       const holder = window as unknown as { second?: Second };
       if (!holder.second || holder.second.socket.readyState > 1) {
-        const socket = new WebSocket(`ws://${location.host}/socket`);
+        const socket = new WebSocket(`ws://${location.host}/socket`, ["cogrsim-studio", sessionStorage.getItem("cogrsim:key") ?? ""]);
         socket.binaryType = "arraybuffer";
         const second: Second = { socket, ready: Promise.resolve(), next: 1, waiting: new Map(), tells: {}, newest: 0 };
         second.ready = new Promise((done, failed) => {

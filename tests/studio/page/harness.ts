@@ -40,6 +40,10 @@ export class StudioServer {
   get port(): number {
     return Number(new URL(this.address).port);
   }
+  /** What lets a page in, behind the '#' of the address. */
+  get token(): string {
+    return /#token=([0-9a-f]{32})$/.exec(this.address)![1]!;
+  }
   get pid(): number {
     return this.process!.pid!;
   }

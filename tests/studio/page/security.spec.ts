@@ -1,5 +1,6 @@
 // Who may come in, on raw sockets; and text from scenes stays text wherever it is shown.
-import { connect } from "node:net";
+import { createServer } from "node:http";
+import { connect, type AddressInfo } from "node:net";
 import { expect, keep, test, visit, type StudioServer } from "./harness";
 import { dismiss, layout, row, serve } from "./acts";
 
@@ -52,39 +53,87 @@ const upgrade = (...more: string[]): Promise<string> =>
   ].join("\r\n"));
 
 test("wrong token, Origin, Host and paths are refused on raw sockets", async () => {
-  const token = new URL(server.address).searchParams.get("token")!;
-  expect(token).toMatch(/^[0-9a-f]{32}$/);
-  const entered = await get(`/?token=${token}`);
-  expect(entered).toMatch(/^HTTP\/1\.1 303/);
-  const cookie = /Set-Cookie: ([^;\r]+); HttpOnly; SameSite=Strict/.exec(entered)![1]!;
-  const with_cookie = `Cookie: ${cookie}`;
+  const { token } = server;
+  const key = (shown: string): string => `Sec-WebSocket-Protocol: cogrsim-studio, ${shown}`;
   const own = `Origin: http://127.0.0.1:${server.port}`;
 
-  // what is right is let in, or refusals would prove nothing
-  expect(await get("/", with_cookie)).toMatch(/^HTTP\/1\.1 200/);
-  expect(await upgrade(with_cookie, own)).toMatch(/^HTTP\/1\.1 101/);
+  // what is right is let in, or refusals would prove nothing; the page itself is no secret
+  expect(await get("/")).toMatch(/^HTTP\/1\.1 200/);
+  expect(await upgrade(key(token), own)).toMatch(/^HTTP\/1\.1 101/);
 
   const wrong = token.replace(/.$/, (last) => (last === "0" ? "1" : "0"));
-  expect(await get(`/?token=${wrong}`)).toMatch(/^HTTP\/1\.1 403/);
-  expect(await get("/")).toMatch(/^HTTP\/1\.1 403/);
-  expect(await get("/", `Cookie: ${cookie.replace(/=.*/, `=${wrong}`)}`)).toMatch(/^HTTP\/1\.1 403/);
+  expect(await upgrade(key(wrong), own)).toMatch(/^HTTP\/1\.1 403/);
   expect(await upgrade(own)).toMatch(/^HTTP\/1\.1 403/);
+  expect(await upgrade(`Cookie: token=${token}`, own)).toMatch(/^HTTP\/1\.1 403/);
 
   for (const origin of ["http://evil.example", "null", `http://localhost.evil.example:${server.port}`, `https://127.0.0.1:${server.port}`]) {
-    expect(await upgrade(with_cookie, `Origin: ${origin}`), origin).toMatch(/^HTTP\/1\.1 403/);
-    expect(await get("/", with_cookie, `Origin: ${origin}`), origin).toMatch(/^HTTP\/1\.1 403/);
+    expect(await upgrade(key(token), `Origin: ${origin}`), origin).toMatch(/^HTTP\/1\.1 403/);
+    expect(await get("/", `Origin: ${origin}`), origin).toMatch(/^HTTP\/1\.1 403/);
   }
-  expect(await upgrade(with_cookie)).toMatch(/^HTTP\/1\.1 403/);
+  expect(await upgrade(key(token))).toMatch(/^HTTP\/1\.1 403/);
   for (const host of ["evil.example", `evil.example:${server.port}`, "127.0.0.1:1", `127.0.0.1.evil.example:${server.port}`]) {
-    expect(await get("/", with_cookie, `Host: ${host}`), host).toMatch(/^HTTP\/1\.1 403/);
-    expect(await upgrade(with_cookie, `Host: ${host}`, `Origin: http://${host}`), host).toMatch(/^HTTP\/1\.1 403/);
+    expect(await get("/", `Host: ${host}`), host).toMatch(/^HTTP\/1\.1 403/);
+    expect(await upgrade(key(token), `Host: ${host}`, `Origin: http://${host}`), host).toMatch(/^HTTP\/1\.1 403/);
   }
   for (const path of ["/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/asset/../../../etc/passwd", "/asset//etc/passwd", "//etc/passwd",
     "/asset/0/../../../../etc/passwd", "/..%5c..%5cetc%5cpasswd", `/${server.file}`]) {
-    const answer = await get(path, with_cookie);
+    const answer = await get(path);
     expect(answer, path).toMatch(/^HTTP\/1\.1 40[0-9]/);
     expect(answer).not.toContain("root:");
     expect(answer).not.toContain("<scene");
+  }
+});
+
+test("another server at the same address is told no secret", async ({ page }) => {
+  await visit(page, server);
+  // Cookies do not tell ports apart: whatever else listens at this address would be sent them.
+  const heard: string[] = [];
+  const other = createServer((request, answer) => {
+    heard.push(JSON.stringify([request.url, request.headers]));
+    answer.end("<!doctype html><title>another</title>");
+  });
+  await new Promise<void>((done) => other.listen(0, "127.0.0.1", done));
+  try {
+    await page.goto(`http://127.0.0.1:${(other.address() as AddressInfo).port}/`);
+    await expect(page).toHaveTitle("another");
+    expect(heard.length).toBeGreaterThan(0);
+    expect(heard.join()).not.toContain(server.token);
+    expect(await page.context().cookies()).toEqual([]);
+  } finally {
+    other.close();
+  }
+});
+
+test("the key stays with the tab over a reload, and nobody else has it", async ({ page }) => {
+  const asked: string[] = [];
+  page.on("request", (request) => asked.push(request.url()));
+  await visit(page, server);
+  // The address shows it no longer, and it went to nobody in one.
+  expect(page.url()).toBe(`http://127.0.0.1:${server.port}/`);
+  await page.reload();
+  await expect(page.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
+  expect(asked.join("\n")).not.toContain(server.token);
+  // A tab of its own, without the whole address, is told what it needs.
+  const other = await page.context().newPage();
+  await other.goto(`http://127.0.0.1:${server.port}/`);
+  await expect(other.getByTestId("no-key")).toContainText("needs a key");
+  // The whole address, opened in a tab where the page is already.
+  await other.goto(server.address);
+  await expect(other.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
+  expect(other.url()).toBe(`http://127.0.0.1:${server.port}/`);
+});
+
+test("a texture comes to the page and to nobody else", async ({ page }) => {
+  const eyes = await serve("examples/045_eyes/eyes.scene.xml");
+  try {
+    const [texture] = await Promise.all([page.waitForResponse((answer) => answer.url().includes("/asset/")), visit(page, eyes)]);
+    expect(texture.status()).toBe(200);
+    const { pathname, origin } = new URL(texture.url());
+    const number = /^\/asset\/[0-9a-f]{32}\/(\d+)$/.exec(pathname)![1]!;
+    expect((await fetch(`${origin}/asset/${number}`)).status).toBe(403);
+    expect((await fetch(`${origin}/asset/${eyes.token}/${number}`)).status).toBe(403);
+  } finally {
+    await dismiss(eyes);
   }
 });
 

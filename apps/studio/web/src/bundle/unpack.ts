@@ -1,5 +1,5 @@
 // The data of a bundle, as the program wrote it (bundle/payload.h): JSON, and blocks of numbers behind it.
-import type { Frame, FrameTail, Picture, Problem, RunEvent, RunMessage, Scene, TreeElement } from "../core/protocol";
+import { kProtocol, type Frame, type FrameTail, type Picture, type Problem, type RunEvent, type RunMessage, type Scene, type TreeElement } from "../core/protocol";
 import type { MemoryRun, MemorySignal } from "../core/memory_link";
 
 /** Bytes from the first block on. */
@@ -191,6 +191,7 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
       kind: "bundle",
       file: head.file,
       allow_build: false,
+      protocol: kProtocol,
       backends: [],
     },
     scenes: head.scenes,

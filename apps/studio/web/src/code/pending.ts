@@ -1,15 +1,26 @@
 // What is typed in the code panel and not yet known to the server, for those who go on from the server's text.
 import type { Studio } from "../core/studio";
 
-const flushes = new WeakMap<Studio, () => Promise<void>>();
+export interface Typing {
+  /** Sends what was typed at once. */
+  flush(): Promise<void>;
+  /** Whether there is anything that the server does not have. */
+  unsent(): boolean;
+}
 
-/** `flush` sends what was typed at once; null: nothing can be typed any more. */
-export function set_typing(studio: Studio, flush: (() => Promise<void>) | null): void {
-  if (flush) flushes.set(studio, flush);
-  else flushes.delete(studio);
+const typings = new WeakMap<Studio, Typing>();
+
+/** null: nothing can be typed any more. */
+export function set_typing(studio: Studio, typing: Typing | null): void {
+  if (typing) typings.set(studio, typing);
+  else typings.delete(studio);
+}
+
+export function unsent_typing(studio: Studio): boolean {
+  return typings.get(studio)?.unsent() ?? false;
 }
 
 /** Done when the server knows all that was typed. */
 export async function settle_typing(studio: Studio): Promise<void> {
-  await flushes.get(studio)?.();
+  await typings.get(studio)?.flush();
 }

@@ -86,9 +86,12 @@ export class SceneEditor {
     this.view = new EditorView({ state: this.first_state() });
     this.view.contentDOM.setAttribute("aria-label", "Text of the scene");
     this.follow();
-    set_typing(studio, () => {
-      this.groups.end();
-      return this.sync.flush();
+    set_typing(studio, {
+      flush: () => {
+        this.groups.end();
+        return this.sync.flush();
+      },
+      unsent: () => this.sync.unsent,
     });
   }
 

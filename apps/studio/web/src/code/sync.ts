@@ -56,6 +56,11 @@ export class TextSync {
     return !this.dirty_ && this.waiting_.length === 0 && !this.sending_;
   }
 
+  /** Whether the editor has something that the server's text, as it was known last, has not. */
+  get unsent(): boolean {
+    return this.known_ && this.ends_.text() !== this.base_;
+  }
+
   /** The user changed the editor's text; `before` answers what it was. */
   typed(before: () => string, group: string): void {
     if (this.dirty_ && group !== this.group_) this.waiting_.push({ text: before(), group: this.group_ });

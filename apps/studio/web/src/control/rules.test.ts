@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Hello, Status } from "../core/protocol";
+import { kProtocol, type Hello, type Status } from "../core/protocol";
 import { next_speed, play_means, read_step, reload_text, step_hint, step_text, why_not, type Action, type Situation } from "./rules";
 
 const hello: Hello = {
@@ -10,6 +10,7 @@ const hello: Hello = {
   kind: "scene",
   file: "a",
   allow_build: false,
+  protocol: kProtocol,
   backends: [],
 };
 const status = { state: "paused", frames: 20, ending: "" } as Status;

@@ -2,10 +2,10 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decode_frame, decode_picture } from "./decode";
 import { MemoryLink, type MemoryRun } from "./memory_link";
-import type { Frame, Hello, RunEvent, Scene } from "./protocol";
+import { kProtocol, type Frame, type Hello, type RunEvent, type Scene } from "./protocol";
 import { index_at, low_high } from "./series";
 import { State } from "./state";
-import { append, append_events, wire } from "./wire";
+import { append, append_events, same_protocol, wire } from "./wire";
 
 test("a frame is read as it is laid down", () => {
   const tail = new TextEncoder().encode('{"readings":[{"sensor":2,"values":[1,null]}]}');
@@ -91,7 +91,7 @@ test("lists are bounded, and events of a new run replace the old ones", () => {
 
 function run_of(count: number): MemoryRun {
   return {
-    hello: { role: "viewer", client: 1, version: "1", kind: "bundle", file: "a", allow_build: false, backends: [] } as Hello,
+    hello: { protocol: kProtocol, role: "viewer", client: 1, version: "1", kind: "bundle", file: "a", allow_build: false, backends: [] } as Hello,
     scenes: [{ scene: 1, name: "one", step: 0.1, bodies: [] as Scene["bodies"] } as Scene, { scene: 2, name: "two", step: 0.1, bodies: [] as Scene["bodies"] } as Scene],
     count,
     time_of: (i) => i / 10,
@@ -149,4 +149,36 @@ test("a run in memory answers as a server does", async () => {
   });
   await assert.rejects(link.request("series", { signals: ["y"] }), /no signal 'y'/);
   await assert.rejects(link.request("edit", {}), /needs a server/);
+});
+
+test("a page that meets a server of another protocol is loaded anew once", (t) => {
+  const kept = new Map<string, string>();
+  const storage = {
+    getItem: (key: string) => kept.get(key) ?? null,
+    setItem: (key: string, value: string) => void kept.set(key, value),
+    removeItem: (key: string) => void kept.delete(key),
+  };
+  const page = globalThis as { sessionStorage?: unknown };
+  const before = page.sessionStorage;
+  t.after(() => (page.sessionStorage = before));
+  const done: string[] = [];
+  const meet = (protocol: number) => same_protocol(protocol, () => done.push("reload"), (message) => done.push(message));
+
+  // Where nothing is kept it could not be told from the first time.
+  page.sessionStorage = undefined;
+  assert.equal(meet(kProtocol + 1), true);
+  assert.match(done.join(), /different versions/);
+  done.length = 0;
+
+  page.sessionStorage = storage;
+  assert.equal(meet(kProtocol), true);
+  assert.deepEqual(done, []);
+  assert.equal(meet(kProtocol + 1), false);
+  assert.deepEqual(done, ["reload"]);
+  assert.equal(meet(kProtocol + 1), true, "the same page came again");
+  assert.match(done[1] ?? "", /different versions/);
+  assert.equal(meet(kProtocol), true);
+  done.length = 0;
+  assert.equal(meet(kProtocol + 1), false, "another start of another server");
+  assert.deepEqual(done, ["reload"]);
 });

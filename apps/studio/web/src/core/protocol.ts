@@ -11,7 +11,11 @@ export interface Failure {
   code?: string;
 }
 
+/** Of PROTOCOL.md, which this page speaks; kProtocol in server/studio.h is the server's. */
+export const kProtocol = 1;
+
 export interface Hello {
+  protocol: number;
   role: "operator" | "viewer";
   client: number;
   version: string;

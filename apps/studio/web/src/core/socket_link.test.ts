@@ -165,3 +165,13 @@ test("it tries again for ever", async () => {
   sockets[1]!.close();
   await until(() => sockets.length === 3);
 });
+
+test("textures are asked for where the server says", async () => {
+  const { link, sockets } = stage();
+  assert.equal(link.asset("3"), "");
+  sockets[0]!.open();
+  const hello = link.request("hello");
+  sockets[0]!.say({ id: sockets[0]!.asked()[0]!.id, ok: true, assets: "/asset/0f/" });
+  await hello;
+  assert.equal(link.asset("3"), "/asset/0f/3");
+});

@@ -16,6 +16,8 @@ export interface Socket {
 }
 
 export interface SocketLinkOptions {
+  /** what lets the page in */
+  key?: string;
   connect?: () => Socket;
   /** Calls back before the next picture is drawn. */
   next_picture?: (then: () => void) => void;
@@ -54,9 +56,12 @@ export class SocketLink implements Link {
   private readonly tells = new Map<string, Listeners<unknown>>();
   private readonly connect: () => Socket;
   private readonly next_picture: (then: () => void) => void;
+  /** what addresses of textures begin with */
+  private assets = "";
 
   constructor(options: SocketLinkOptions = {}) {
-    this.connect = options.connect ?? connect_here;
+    const { key = "" } = options;
+    this.connect = options.connect ?? (() => connect_here(key));
     this.next_picture = options.next_picture ?? next_picture;
     this.open();
     if (typeof window !== "undefined") {
@@ -99,7 +104,7 @@ export class SocketLink implements Link {
     return this.opens.add(listener);
   }
   asset(path: string): string {
-    return `/asset/${path}`;
+    return this.assets && this.assets + path;
   }
 
   private open(): void {
@@ -144,7 +149,7 @@ export class SocketLink implements Link {
   }
 
   private take_text(text: string): void {
-    const message = JSON.parse(text) as { id?: number; ok?: boolean; error?: Failure; tell?: string };
+    const message = JSON.parse(text) as { id?: number; ok?: boolean; error?: Failure; tell?: string; assets?: string };
     if (typeof message.tell === "string") {
       this.tells.get(message.tell)?.tell(message);
       return;
@@ -153,6 +158,7 @@ export class SocketLink implements Link {
     if (!waiting) return;
     this.waiting.delete(message.id!);
     clearTimeout(waiting.timer);
+    if (typeof message.assets === "string") this.assets = message.assets;
     if (message.ok) waiting.resolve(message);
     else waiting.reject(new RequestError(message.error ?? { message: "refused without a reason" }));
   }
@@ -191,10 +197,11 @@ export class SocketLink implements Link {
   }
 }
 
-function connect_here(): Socket {
+function connect_here(key: string): Socket {
   const address = new URL("socket", location.href);
   address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
   address.search = "";
   address.hash = "";
-  return new WebSocket(address) as unknown as Socket;
+  // A WebSocket has no headers of the page's but this one.
+  return new WebSocket(address, ["cogrsim-studio", key]) as unknown as Socket;
 }

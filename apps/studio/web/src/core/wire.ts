@@ -1,8 +1,9 @@
 // Keeps the state up to what the link says.
 import { follow_elements } from "./follow";
 import { batch } from "@preact/signals-core";
+import { recall_here, remember_here } from "./key";
 import type { Link } from "./link";
-import type { Hello, RunEvent, RunMessage } from "./protocol";
+import { kProtocol, type Hello, type RunEvent, type RunMessage } from "./protocol";
 import type { State } from "./state";
 
 /** Messages and events that the page keeps at most: the newest. */
@@ -23,7 +24,29 @@ export function append_events(all: readonly RunEvent[], more: readonly RunEvent[
   );
 }
 
-export function wire(link: Link, state: State, failed: (message: string) => void): void {
+/** Where it is noted for which server's protocol the page was loaded anew. */
+const kRenewed = "cogrsim:renewed-for";
+
+/** Whether the page and a server of that protocol go on together. The page is loaded anew, `reload`, when they do not: once. */
+export function same_protocol(protocol: number, reload: () => void, failed: (message: string) => void): boolean {
+  if (protocol === kProtocol) {
+    remember_here(kRenewed, null);
+    return true;
+  }
+  if (recall_here(kRenewed) !== String(protocol)) {
+    remember_here(kRenewed, String(protocol));
+    // Where that cannot be noted it would not end.
+    if (recall_here(kRenewed) === String(protocol)) {
+      reload();
+      return false;
+    }
+  }
+  failed("this page and the studio are of different versions: close this tab and open the address that `cogrsim studio` printed");
+  return true;
+}
+
+/** `reload`: loads the page anew. */
+export function wire(link: Link, state: State, failed: (message: string) => void, reload: () => void = () => {}): void {
   // What the link tells between a new way and its answer to hello stands for the whole run anew.
   let fresh = false;
   link.on_open((open) => {
@@ -34,6 +57,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
     fresh = true;
     link.request<Hello>("hello").then(
       (hello) => {
+        if (!same_protocol(hello.protocol, reload, failed)) return;
         batch(() => {
           state.hello.value = hello;
           state.open.value = true;

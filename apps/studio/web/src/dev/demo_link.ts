@@ -1,6 +1,6 @@
 // Stands for a server while working on the page: plays a made-up run and keeps a text with a history.
 import { MemoryLink, refused, type MemoryRun } from "../core/memory_link";
-import type { Op, RunState, Status } from "../core/protocol";
+import { kProtocol, type Op, type RunState, type Status } from "../core/protocol";
 import { demo_scene, frame_at, kText } from "./motion";
 import { place, tokens } from "./tokens";
 
@@ -40,6 +40,7 @@ export class DemoLink extends MemoryLink {
         kind: whole ? "recording" : "scene",
         file: whole ? "demo.mcap" : "demo.scene.xml",
         allow_build: false,
+        protocol: kProtocol,
         backends: ["bullet", "mujoco"],
       },
       scenes: [demo_scene(1, kText)],

@@ -5,6 +5,7 @@ import { ContextMenu, Widget } from "@lumino/widgets";
 import { effect, signal } from "@preact/signals-core";
 import { show_bar } from "../control/bar";
 import { Control } from "../control/commands";
+import { unsent_typing } from "../code/pending";
 import { count_wrong } from "../console/lines";
 import { RequestError, type Link } from "../core/link";
 import type { Op } from "../core/protocol";
@@ -115,6 +116,11 @@ export class App implements Studio {
   fail(error: unknown): void {
     if (error instanceof RequestError && error.failure.code === "closed") return;
     this.notify(error instanceof Error ? error.message : String(error), "error");
+  }
+  /** The server speaks another language than this page. */
+  renew(): void {
+    if (!unsent_typing(this)) return location.reload();
+    this.notify("the studio was started in another version, and does not have what you typed last: copy that, then load this page anew", "error");
   }
   go_to(file: string, line: number, column: number): void {
     if (this.elsewhere("code")) {

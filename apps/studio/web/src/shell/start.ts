@@ -13,6 +13,11 @@ export function start(link: Link): void {
   dark.addEventListener("change", () => {
     if (recall("theme") === null) app.state.theme.value = dark.matches ? "dark" : "light";
   });
-  wire(link, app.state, (message) => app.notify(message, "error"));
+  wire(
+    link,
+    app.state,
+    (message) => app.notify(message, "error"),
+    () => app.renew(),
+  );
   app.show();
 }

@@ -1,0 +1,38 @@
+// The key that the studio asks for. It comes in the printed address behind the '#', which no browser sends to a server, and is kept
+// for this tab and this server alone: not in a cookie, which every other server at the same address would be sent.
+const kKey = "cogrsim:key";
+
+/** The key from the address, which shows it no longer afterwards, else the one that this tab has had; "": none. */
+export function take_key(): string {
+  const given = /^#token=([0-9a-f]+)$/.exec(location.hash)?.[1];
+  if (given === undefined) return recall_here(kKey) ?? "";
+  remember_here(kKey, given);
+  history.replaceState(null, "", location.pathname + location.search);
+  return given;
+}
+
+/** Calls `renew` when the user opens another printed address in this tab: browsers only move within the page then. */
+export function follow_key(renew: () => void): void {
+  addEventListener("hashchange", () => {
+    if (location.hash.startsWith("#token=")) renew();
+  });
+}
+
+/** What this tab keeps over a reload; nothing where the browser keeps nothing. */
+export function recall_here(key: string): string | null {
+  try {
+    return sessionStorage.getItem(key);
+  } catch {
+    return null;
+  }
+}
+
+/** null: forgets it. */
+export function remember_here(key: string, value: string | null): void {
+  try {
+    if (value === null) sessionStorage.removeItem(key);
+    else sessionStorage.setItem(key, value);
+  } catch {
+    // only known for as long as the page is open
+  }
+}
