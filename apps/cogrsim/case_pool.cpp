@@ -60,13 +60,20 @@ tl::unexpected<Error> cannot_start() {
   _exit(126);
 }
 
-// The last line with something on it, as it may be shown.
-std::string last_line(const std::string& text) {
+// The last two lines with something on them, as they may be shown: what a library said, and who was
+// called when it crashed.
+std::string last_lines(const std::string& text) {
+  std::string said;
   std::size_t end = text.find_last_not_of(" \n\r\t");
-  if (end == std::string::npos) return {};
-  const std::size_t begin = text.find_last_of('\n', end);
-  return printable(text.substr(begin == std::string::npos ? 0 : begin + 1,
-                               end - (begin == std::string::npos ? 0 : begin + 1) + 1));
+  for (int i = 0; i < 2 && end != std::string::npos; ++i) {
+    const std::size_t before = text.find_last_of('\n', end);
+    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+    const std::string line = one_line(text.substr(begin, end - begin + 1));
+    said = said.empty() ? line : line + "; " + said;
+    if (begin == 0) break;
+    end = text.find_last_not_of(" \n\r\t", before);
+  }
+  return said;
 }
 
 }  // namespace
@@ -144,7 +151,7 @@ Json CasePool::outcome(const Child& child, int status) const {
     return failed_result("timeout",
                          fmt::format("took longer than {}", elapsed_text(limits_.timeout)));
   }
-  const std::string said = last_line(child.error_text);
+  const std::string said = last_lines(child.error_text);
   const std::string limited =
       limits_.memory_limit > 0
           ? fmt::format(" (its memory was limited to {} MB)", limits_.memory_limit / 1000000)

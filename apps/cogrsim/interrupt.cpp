@@ -6,6 +6,7 @@
 
 #include <unistd.h>
 
+#include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/simulation/simulation.h"
 
 namespace cogrsim::cli {
@@ -20,10 +21,14 @@ constexpr unsigned kPatience = 3;  // [s]
 
 // Signals in a row: the handler of the first, of the alarm, none.
 void on_alarm(int) {
-  constexpr char kText[] =
-      "\nerror: interrupted while something did not return: a scene that loads, a controller or an "
-      "engine\n";
-  static_cast<void>(!write(STDERR_FILENO, kText, sizeof kText - 1));
+  constexpr char kBegin[] = "\nerror: interrupted while something did not return: ";
+  constexpr char kUnknown[] = "a scene that loads, a controller or an engine";
+  char call[768];
+  const std::size_t length = PluginCall::describe(call, sizeof call);
+  static_cast<void>(!write(STDERR_FILENO, kBegin, sizeof kBegin - 1));
+  static_cast<void>(!(length > 0 ? write(STDERR_FILENO, call, length)
+                                 : write(STDERR_FILENO, kUnknown, sizeof kUnknown - 1)));
+  static_cast<void>(!write(STDERR_FILENO, "\n", 1));
   const int signal = g_signal.load();
   std::signal(signal, SIG_DFL);
   raise(signal);

@@ -5,8 +5,10 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <string>
 #include <system_error>
 
+#include "cogrsim/plugin/crash_report.h"
 #include "command_line.h"
 #include "interrupt.h"
 #include "output_file.h"
@@ -47,9 +49,11 @@ bool g_at_its_end = false;
 /// A plugin or a library has called exit(): what was asked for has not been done.
 void end_by_others() {
   if (g_at_its_end) return;
-  tell(
-      "error: a plugin or a library called exit() before the work was done; a controller's own "
-      "process keeps that to itself: isolation=\"process\"\n");
+  const std::string call = cogrsim::PluginCall::described();
+  tell(("error: " + (call.empty() ? "a plugin or a library" : call) +
+        " called exit() before the work was done; a controller's own process keeps that to itself: "
+        "isolation=\"process\"\n")
+           .c_str());
   std::fflush(nullptr);
   _exit(1);
 }
@@ -62,14 +66,16 @@ int main(int argc, char** argv) {
   // Whoever started this may ignore it, and would be obeyed: runs in processes of their own would end
   // unheard, and be waited for without end.
   std::signal(SIGCHLD, SIG_DFL);
+  cogrsim::report_crashes();
   // Nothing here throws on purpose; memory may still run out on a scene that is too large. When it
   // does in a thread of the program's own, or while something is being cleaned up, no catch hears
   // of it, and without words the process would be aborted.
   static const std::terminate_handler usual = std::get_terminate();
   std::set_terminate([] {
-    if (!std::current_exception()) usual();
-    const int status = tell_exception();
+    const int status = std::current_exception() ? tell_exception() : 0;
     std::fflush(nullptr);
+    // A plugin's end is a crash, which says whose.
+    if (status == 0 || !cogrsim::PluginCall::described().empty()) usual();
     _exit(status);
   });
   try {

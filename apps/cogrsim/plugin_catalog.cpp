@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "cogrsim/physics/backend.h"
+#include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/sensing/sensor.h"
 
 namespace cogrsim::cli {
@@ -33,6 +34,8 @@ std::vector<Channel> LoaderCatalog::channels(const SceneModel& model, const Sens
   const auto plugin = loader_->load(PluginKind::sensor, sensor.type);
   if (!plugin) return {};
   const auto* entry = static_cast<const SensorEntry*>((*plugin)->descriptor().factory);
+  const PluginCall call("sensor", sensor.name.c_str(), "", sensor.type.c_str(),
+                        "while being configured");
   // What it throws here it throws again when the run is set up, where it is told.
   try {
     const std::unique_ptr<Sensor, void (*)(Sensor*)> probe(entry->create(), entry->destroy);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -33,9 +34,18 @@ std::string three_digits(double value) {
 
 bool continues_code_point(char c) { return (static_cast<unsigned char>(c) & 0xC0u) == 0x80u; }
 
+// A message, and its help on a line of its own; all other lines are indented.
+std::string with_help(const std::string& text) {
+  constexpr std::string_view kHelp = "\nhelp: ";
+  const std::size_t help = text.rfind(kHelp);
+  if (help == std::string::npos) return paragraph(text);
+  return paragraph(text.substr(0, help)) + std::string(kHelp) +
+         paragraph(text.substr(help + kHelp.size()));
+}
+
 void print_marked(const std::string& colour, const char* word, const Style& style,
                   const std::string& text) {
-  std::fputs(fmt::format("{}{}:{} {}\n", colour, word, style.off, paragraph(text)).c_str(), stderr);
+  std::fputs(fmt::format("{}{}:{} {}\n", colour, word, style.off, with_help(text)).c_str(), stderr);
 }
 
 }  // namespace
@@ -65,51 +75,6 @@ void print_error(const std::string& text) {
 void print_warning(const std::string& text) {
   const Style style = style_of(STDERR_FILENO);
   print_marked(style.yellow, "warning", style, text);
-}
-
-std::string printable(const std::string& text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    const bool c0 = (c < 0x20 && c != '\n' && c != '\t') || c == 0x7F;
-    // U+0080 … U+009F, in UTF-8: C2 80 … C2 9F.
-    const bool c1 = c == 0xC2 && i + 1 < text.size() &&
-                    static_cast<unsigned char>(text[i + 1]) >= 0x80 &&
-                    static_cast<unsigned char>(text[i + 1]) < 0xA0;
-    if (c0 || c1) {
-      out += "\xEF\xBF\xBD";
-      if (c1) ++i;
-    } else {
-      out += text[i];
-    }
-  }
-  return out;
-}
-
-std::string one_line(const std::string& text) {
-  std::string out;
-  for (const char c : printable(text)) {
-    if (c == '\n' || c == '\t') {
-      out += "\xEF\xBF\xBD";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
-
-std::string paragraph(const std::string& text) {
-  std::string out;
-  const std::string shown = printable(text);
-  for (std::size_t at = 0;;) {
-    const std::size_t end = shown.find('\n', at);
-    out += shown.substr(at, end - at);
-    if (end == std::string::npos) return out;
-    at = end + 1;
-    const bool ours = shown.compare(at, 6, "help: ") == 0 || at == shown.size() ||
-                      shown[at] == ' ' || shown[at] == '\n';
-    out += ours ? "\n" : "\n  ";
-  }
 }
 
 std::size_t display_width(const std::string& text) {

@@ -4,7 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/core/shown_text.h"
+
 namespace cogrsim::cli {
+
+using cogrsim::one_line;
+using cogrsim::paragraph;
+using cogrsim::printable;
 
 /// Colour codes for one stream: empty unless it is a terminal that wants them (NO_COLOR is unset or
 /// empty, TERM is not "dumb").
@@ -18,17 +24,11 @@ bool is_live_terminal(int file_descriptor);
 /// Columns of a terminal; 80 when not known.
 int terminal_width(int file_descriptor);
 
-/// Prints to stderr: "error: …" with the help on its own line; newlines are kept.
+/// Prints to stderr: "error: …", and behind the last "\nhelp: " the help, on a line of its own. What
+/// strangers wrote must not come last without one_line() or paragraph().
 void print_error(const std::string& text);
 void print_warning(const std::string& text);
 
-/// `text` without what could steer a terminal: control characters other than newline and tab become
-/// U+FFFD. For words that came from plugins and files.
-std::string printable(const std::string& text);
-/// The same for a name: line breaks and tabs are replaced too, so that it forges no line.
-std::string one_line(const std::string& text);
-/// The same for a message: its lines after the first are indented, but for its help.
-std::string paragraph(const std::string& text);
 /// Columns that `text` takes: its UTF-8 code points, colour codes not counted.
 std::size_t display_width(const std::string& text);
 /// `text` cut to `width` columns, with "…" where something was left out.

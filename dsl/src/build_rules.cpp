@@ -10,35 +10,36 @@ namespace {
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-/// What the names in an event are; nullopt: nothing that a scene could know, or none.
-struct EventKind {
-  std::string_view name;
-  bool has_source = false;
-  std::optional<Thing> source = {};
-  bool has_subject = false;
-  std::optional<Thing> subject = {};
-};
-const EventKind kEvents[] = {{"enter", true, Thing::region, true, Thing::place},
-                             {"leave", true, Thing::region, true, Thing::place},
-                             {"opening", true, Thing::door},
-                             {"opened", true, Thing::door},
-                             {"closing", true, Thing::door},
-                             {"closed", true, Thing::door},
-                             {"added", true, Thing::owner, true, Thing::templates},
-                             {"removed", true, Thing::owner},
-                             {"attached", true, Thing::joint, true, Thing::owner},
-                             {"detached", true, Thing::joint, true, Thing::owner},
-                             {"frozen", true, Thing::owner},
-                             {"freed", true, Thing::owner},
-                             {"raised", true, std::nullopt},
-                             {"fault", true, Thing::mind},
-                             {"refused", false},
-                             {"restarted", false}};
+/// Where a scene knows such names from; nullopt: it does not.
+std::optional<Thing> thing_of(EventParty party) {
+  switch (party) {
+    case EventParty::none:
+    case EventParty::name:
+      return std::nullopt;
+    case EventParty::region:
+      return Thing::region;
+    case EventParty::door:
+      return Thing::door;
+    case EventParty::joint:
+      return Thing::joint;
+    case EventParty::thing:
+      return Thing::owner;
+    case EventParty::place:
+      return Thing::place;
+    case EventParty::a_template:
+      return Thing::templates;
+    case EventParty::controller:
+      return Thing::mind;
+  }
+  return std::nullopt;
+}
 
-std::string event_kinds() {
-  std::string out;
-  for (const EventKind& kind : kEvents) out += (out.empty() ? "" : ", ") + std::string(kind.name);
-  return out;
+/// Those that rules can act on.
+std::vector<std::string> event_kinds() {
+  std::vector<std::string> kinds;
+  for (const EventKind& kind : kEventKinds)
+    if (!kind.last) kinds.emplace_back(kind.name);
+  return kinds;
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -102,7 +103,9 @@ bool Builder::event(const Element& element, RuleModel& rule) {
   if (!given.given()) return false;
   const std::string& text = *given;
   const auto wrong = [&](const std::string& what) {
-    fault("CG1305", element, "event", what).help("the kinds of events are " + event_kinds());
+    std::string kinds;
+    for (const std::string& each : event_kinds()) kinds += (kinds.empty() ? "" : ", ") + each;
+    fault("CG1305", element, "event", what).help("the kinds of events are " + kinds);
     return false;
   };
   const std::size_t open = text.find('(');
@@ -110,15 +113,14 @@ bool Builder::event(const Element& element, RuleModel& rule) {
   const std::string kind(trimmed(std::string_view(text).substr(0, open)));
   if (!is_word(kind))
     return wrong("expected an event such as enter(goal, robot), found '" + text + "'");
-  const auto known = std::find_if(std::begin(kEvents), std::end(kEvents),
+  const auto known = std::find_if(std::begin(kEventKinds), std::end(kEventKinds),
                                   [&](const EventKind& k) { return k.name == kind; });
-  if (known == std::end(kEvents)) {
-    std::vector<std::string> kinds;
-    for (const EventKind& k : kEvents) kinds.emplace_back(k.name);
-    const std::string near = nearest_name(kind, kinds);
+  if (known == std::end(kEventKinds)) {
+    const std::string near = nearest_name(kind, event_kinds());
     return wrong("there is no event '" + kind + "'" +
                  (near.empty() ? "" : ", did you mean '" + near + "'?"));
   }
+  if (known->last) return wrong("the run is over when it '" + kind + "': no action can follow");
   std::vector<std::string> names;
   if (open != std::string::npos) {
     if (whole.back() != ')') return wrong("'" + text + "' has no closing bracket at its end");
@@ -133,7 +135,9 @@ bool Builder::event(const Element& element, RuleModel& rule) {
       inside.remove_prefix(comma + 1);
     }
   }
-  const std::size_t most = known->has_subject ? 2 : known->has_source ? 1 : 0;
+  const std::size_t most = known->subject != EventParty::none  ? 2
+                           : known->source != EventParty::none ? 1
+                                                               : 0;
   if (names.size() > most)
     return wrong("an event '" + kind + "' has " +
                  (most == 0   ? "no names"
@@ -153,11 +157,11 @@ bool Builder::event(const Element& element, RuleModel& rule) {
     into = *name;
     return true;
   };
-  const bool source_good = take(0, known->source, rule.source);
-  const bool subject_good = take(1, known->subject, rule.subject);
+  const bool source_good = take(0, thing_of(known->source), rule.source);
+  const bool subject_good = take(1, thing_of(known->subject), rule.subject);
   if (!source_good || !subject_good) return false;
   // A region that looks for others will never speak of this one.
-  if (known->source == Thing::region && !rule.subject.empty() && !rule.source.empty()) {
+  if (known->source == EventParty::region && !rule.subject.empty() && !rule.source.empty()) {
     const RegionModel* region = find_in(model_.regions, rule.source);
     const auto concerns = [&](const std::string& who) {
       return who == rule.subject ||

@@ -1,23 +1,34 @@
-// Which bodies are inside each other at the start.
+// What keeps bodies that overlap at the start from moving apart.
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "cogrsim/model/scene_model.h"
+#include "cogrsim/geometry/overlap.h"
 
 namespace cogrsim::dsl {
 
-struct Overlap {
-  int body_a = -1, body_b = -1;    ///< body_a < body_b
-  int shape_a = -1, shape_b = -1;  ///< within their bodies
-  double depth = 0.0;              ///< [m]
+/// Joints that press two overlapping bodies against each other.
+struct Pressing {
+  std::vector<int> joints;  ///< SceneModel::joints, from the first body to the second
+  bool limits = false;      ///< they could move apart, if these joints were not at their limits
 };
 
-/// Bodies that collide with each other and overlap by more than a hundredth of a millimetre; one
-/// entry per pair of bodies, the deepest. Decided exactly for spheres, boxes and capsules among
-/// each other (capsule and box excepted) and for every solid against planes; other pairs are left
-/// to the engine. Linear in the number of shapes (a hashed grid for every size); ends after a
-/// thousand pairs, and after a number of comparisons that no sensible scene reaches.
-std::vector<Overlap> find_overlaps(const SceneModel& model);
+class JointPaths {
+ public:
+  explicit JointPaths(const SceneModel& model);
+
+  /// nullopt: no joint connects the two, or one lets them move apart along the overlap's normal.
+  /// Bodies that nothing moves count as the world. Looked at is the shortest way from body to body;
+  /// what a loop forbids in addition is not.
+  std::optional<Pressing> pressing(const geometry::Overlap& overlap) const;
+
+ private:
+  std::size_t node(int body) const;
+  std::vector<int> path(int from, int to) const;
+
+  const SceneModel& model_;
+  std::vector<std::vector<int>> joints_;  // by node
+};
 
 }  // namespace cogrsim::dsl

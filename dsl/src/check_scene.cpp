@@ -88,12 +88,13 @@ void Builder::start() {
 }
 
 void Builder::check_overlaps() {
-  const std::vector<Overlap> overlaps = find_overlaps(model_);
+  const geometry::Overlaps overlaps = geometry::find_overlaps(model_);
+  const JointPaths paths(model_);
   std::size_t shown = 0;
-  for (const Overlap& overlap : overlaps) {
+  for (const geometry::Overlap& overlap : overlaps.pairs) {
     if (++shown > kShownOverlaps) {
       fault("CG2001", scene_,
-            std::to_string(overlaps.size() - kShownOverlaps) +
+            std::to_string(overlaps.pairs.size() - kShownOverlaps) +
                 " or more other pairs of bodies start inside each other");
       break;
     }
@@ -105,13 +106,24 @@ void Builder::check_overlaps() {
         *body_elements_[static_cast<std::size_t>(second ? overlap.body_b : overlap.body_a)];
     const Element& other =
         *body_elements_[static_cast<std::size_t>(second ? overlap.body_a : overlap.body_b)];
-    fault("CG2001", mover,
-          "'" + mover.path + "' starts " + rounded(overlap.depth * 1e3, "mm") + " deep inside '" +
-              other.path + "'")
-        .note("'" + other.path + "'", other.span())
-        .help("move them apart, or let them pass through each other with <collide between=\"" +
-              a.name + " " + b.name + "\" with=\"false\"/>");
+    Report report = fault("CG2001", mover,
+                          "'" + mover.path + "' starts " + rounded(overlap.depth * 1e3, "mm") +
+                              " deep inside '" + other.path + "'");
+    report.note("'" + other.path + "'", other.span());
+    if (const auto pressing = paths.pressing(overlap)) {
+      const auto joint = static_cast<std::size_t>(pressing->joints.front());
+      const std::string name = "'" + model_.joints[joint].name + "'";
+      report.note(pressing->limits ? "they cannot move apart: " + name + " stands at its limit"
+                                   : "they cannot move apart: " + name +
+                                         " holds them, and presses against the contact",
+                  joint_elements_[joint]->span());
+    }
+    report.help("move them apart, or let them pass through each other with <collide between=\"" +
+                a.name + " " + b.name + "\" with=\"false\"/>");
   }
+  if (!overlaps.complete && shown <= kShownOverlaps)
+    fault("CG2001", scene_, "too many shapes lie near each other to look at all pairs of them")
+        .help("shapes that never touch can have collide=\"false\"");
 }
 
 void Builder::check_mass_ratios() {

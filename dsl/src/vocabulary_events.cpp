@@ -1,4 +1,5 @@
 // What happens while a scene runs: regions, templates, rules and their actions.
+#include "cogrsim/physics/frame.h"
 #include "vocabulary_rows.h"
 
 namespace cogrsim::dsl::rows {
@@ -7,6 +8,49 @@ namespace {
 
 AttributeSpec target_name(std::string_view name, std::string_view doc) {
   return must(attr(name, Kind::reference, doc));
+}
+
+/// "enter leave (region, place), …": kinds with the same names in them together.
+std::string event_kinds() {
+  const auto word = [](EventParty party) -> std::string {
+    switch (party) {
+      case EventParty::none:
+        return "";
+      case EventParty::name:
+        return "its name";
+      case EventParty::region:
+        return "region";
+      case EventParty::door:
+        return "door";
+      case EventParty::joint:
+        return "joint";
+      case EventParty::thing:
+        return "assembly or body";
+      case EventParty::place:
+        return "assembly, body or frame";
+      case EventParty::a_template:
+        return "template";
+      case EventParty::controller:
+        return "controller or supervisor";
+    }
+    return "";
+  };
+  std::string out;
+  const EventKind* before = nullptr;
+  const auto names = [&] {
+    if (before == nullptr || before->source == EventParty::none) return std::string();
+    const std::string subject = word(before->subject);
+    return " (" + word(before->source) + (subject.empty() ? "" : "; " + subject) + ")";
+  };
+  for (const EventKind& kind : kEventKinds) {
+    if (kind.last) continue;  // no rule can act on it
+    const bool same = before != nullptr && before->source != EventParty::none &&
+                      before->source == kind.source && before->subject == kind.subject;
+    out += before == nullptr ? "" : same ? " " : names() + ", ";
+    out += kind.name;
+    before = &kind;
+  }
+  return out + names();
 }
 
 }  // namespace
@@ -19,6 +63,9 @@ const Words& event_actions() {
 
 void add_events(std::vector<ElementSpec>& out, const Words& template_content) {
   const auto group = "Events";
+  static const std::string event_doc =
+      "KIND, KIND(SOURCE) or KIND(SOURCE, SUBJECT). Kinds (source; subject): " + event_kinds() +
+      ". An assembly's name means its parts too.";
   AttributeSpec who = attr("who", Kind::references,
                            "Bodies, assemblies and frames it looks for, by where their origin is "
                            "(of an assembly: that of its first body). If left out: whatever can "
@@ -51,11 +98,7 @@ void add_events(std::vector<ElementSpec>& out, const Words& template_content) {
       "actions are carried out between two steps, in order.",
       named() +
           Attributes{
-              attr("event", Kind::text,
-                   "KIND, KIND(SOURCE) or KIND(SOURCE, SUBJECT). Kinds: enter leave (region, who), "
-                   "opening opened closing closed (door), added removed (assembly, template), "
-                   "attached detached (joint, child), frozen freed (body), raised (its name), "
-                   "fault, refused, restarted. An assembly's name means its parts too."),
+              attr("event", Kind::text, event_doc),
               at_least(number("time", kTime, "At this time; with `every` the first time."), 0.0),
               above_zero(number("every", kTime, "Again and again with this period.")),
               attr("when", Kind::text, "Condition: fires whenever it becomes true."),

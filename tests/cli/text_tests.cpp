@@ -145,7 +145,7 @@ TEST_CASE("words of plugins cannot steer the terminal", "[cli][text]") {
   CHECK(one_line("a\nerror: b\t\033[2J") ==
         "a\xEF\xBF\xBD"
         "error: b\xEF\xBF\xBD\xEF\xBF\xBD[2J");
-  CHECK(paragraph("a\nerror: b\nhelp: c") == "a\n  error: b\nhelp: c");
+  CHECK(paragraph("a\nerror: b\nhelp: c") == "a\n  error: b\n  help: c");
   CHECK(printable("plain\tä\n") == "plain\tä\n");
   CHECK(printable("a\033[31mb") == "a\xEF\xBF\xBD[31mb");
   CHECK(printable("a\xC2\x9B"

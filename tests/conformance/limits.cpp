@@ -56,6 +56,27 @@ TEST_CASE("limit: planar 0 (x)", "[limits]") { both_sides(JointType::planar, 0);
 TEST_CASE("limit: planar 1 (y)", "[limits]") { both_sides(JointType::planar, 1); }
 TEST_CASE("limit: planar 2 (angle)", "[limits]") { both_sides(JointType::planar, 2); }
 
+TEST_CASE("limit: a speed source pushes against it with its bound", "[limits]") {
+  for (const JointType type : {JointType::hinge, JointType::slider}) {
+    AxisRig rig(kind_of(type, 0));
+    rig.axis().upper = kLimit;
+    const int motor = rig.motor(MotorMode::velocity);
+    Sim sim(rig.builder);
+    const double bound = 10.0 * rig.inertia;
+    sim.drive(motor) = speed_source(kSpeed, bound);
+    double beyond = 0.0;
+    sim.run(1.0, kDt, [&] { beyond = std::max(beyond, rig.q(sim) - kLimit); });
+    measure("overshoot", beyond, 2.0 * kSpeed * kDt);
+    measure("place against the limit", std::abs(rig.q(sim) - kLimit), 1e-3);
+    measure_relative("effort of the motor", sim.motor_effort(motor), bound, 0.01);
+    measure("net effort over the motor's", std::abs(rig.effort(sim)) / bound, 0.01);
+    sim.drive(motor) = speed_source(-kSpeed, bound);
+    sim.run(0.05);
+    // 0.5 within 0.05 s: on the way, still at its bound, and not held back by the limit.
+    measure_relative("speed when it turns round", rig.u(sim), -0.5, 0.02);
+  }
+}
+
 TEST_CASE("limit: hinge beyond one turn", "[limits]") {
   // The coordinate is not wrapped: a limit at two and a half turns is one.
   AxisRig rig(kind_of(JointType::hinge, 0));

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "cogrsim/dsl/compiler.h"
+#include "cogrsim/physics/frame.h"
 #include "fake_catalog.h"
 #include "vocabulary.h"
 
@@ -29,6 +30,14 @@ TEST_CASE("the reference page is up to date", "[documents]") {
   const fs::path page = fs::path(COGRSIM_DOCS) / "scene-reference.md";
   if (std::getenv("COGRSIM_RENEW_EXPECTED")) std::ofstream(page) << write_reference_markdown();
   CHECK(read(page) == write_reference_markdown());
+}
+
+TEST_CASE("the pages tell of every kind of event", "[documents]") {
+  const std::string page = read(fs::path(COGRSIM_DOCS) / "changing-world.md");
+  for (const EventKind& kind : kEventKinds) {
+    INFO(kind.name);
+    CHECK(page.find("`" + std::string(kind.name) + "`") != std::string::npos);
+  }
 }
 
 TEST_CASE("the vocabulary is consistent", "[documents]") {

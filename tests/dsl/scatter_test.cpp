@@ -6,7 +6,7 @@
 #include <set>
 
 #include "build_support.h"
-#include "check_overlap.h"
+#include "cogrsim/geometry/overlap.h"
 #include "place_scatter.h"
 
 using namespace cogrsim;
@@ -129,7 +129,7 @@ TEST_CASE("scattered things keep clear of everything, over many seeds", "[scatte
       seen.insert(std::to_string(row) + " " + std::to_string(column));
     }
     CHECK(count == 14);
-    CHECK(dsl::find_overlaps(*model).empty());
+    CHECK(geometry::find_overlaps(*model).pairs.empty());
   }
   CHECK(seen.size() == 13);  // all free cells of the 16 got something, some time
 }
@@ -204,7 +204,7 @@ TEST_CASE("a tight place is filled as far as it goes", "[scatter]") {
         "<scatter name=\"loose\" count=\"2\" area=\"26 cm 11 cm\">"
         "<box name=\"crate\" size=\"10 10 10 cm\"/></scatter>",
         seed);
-    CHECK(dsl::find_overlaps(*model).empty());
+    CHECK(geometry::find_overlaps(*model).pairs.empty());
   }
   CHECK(codes_of("<scatter name=\"loose\" count=\"5\" area=\"20 cm 20 cm\">"
                  "<box name=\"crate\" size=\"10.1 10.1 10 cm\"/></scatter>") == "CG1010");

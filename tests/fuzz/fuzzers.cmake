@@ -108,8 +108,9 @@ cogrsim_with_folder(${sdk}/recording files mcap_reader messages model_check mode
   recording scene_messages)
 cogrsim_add_fuzzer(recording ${files} ${sdk}/map/canvas.cpp ${sdk}/map/map.cpp
   ${sdk}/map/outline.cpp)
-cogrsim_with_folder(${sdk}/signals files arithmetic condition gjk parse signal surface_distance terms)
-cogrsim_add_fuzzer(signal ${files} ${sdk}/core/units.cpp)
+cogrsim_with_folder(${sdk}/signals files arithmetic condition parse signal terms)
+cogrsim_with_folder(${sdk}/geometry geometry bounds convex gjk surface_distance triangles)
+cogrsim_add_fuzzer(signal ${files} ${geometry} ${sdk}/core/units.cpp)
 cogrsim_with_folder(${sdk}/simulation files snapshot_changes snapshot_file snapshot_living
   snapshot_numbers snapshot_resume)
 cogrsim_add_fuzzer(snapshot ${files})
@@ -123,7 +124,8 @@ foreach(source ${all})
     list(APPEND files ${dsl}/${name}.cpp)
   endif()
 endforeach()
-cogrsim_add_fuzzer(scene ${files})
+cogrsim_with_folder(${sdk}/geometry geometry bounds convex gjk overlap penetration triangles)
+cogrsim_add_fuzzer(scene ${files} ${geometry})
 
 if(TARGET cogrsim_share_lib)
   cogrsim_add_fuzzer(listing ${share}/listing_xml.cpp ${share}/store.cpp)

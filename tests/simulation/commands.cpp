@@ -98,6 +98,25 @@ TEST_CASE("restart equals a fresh run, bit for bit", "[commands]") {
   CHECK(state_hash(simulation->frame()->state) == hash);
 }
 
+TEST_CASE("an observer that was taken off is not called any more", "[commands]") {
+  int first = 0, second = 0;
+  auto simulation = simulate(falling_ball().build(), "bullet");
+  Observation own = simulation->observe({}, [&](const FramePtr&) {
+    if (++first == 2) own.end();  // by itself, while it is called
+  });
+  Observation other = simulation->observe({}, [&](const FramePtr&) { ++second; });
+  for (int i = 0; i < 3; ++i) simulation->step();  // and the start
+  CHECK(first == 2);
+  CHECK(second == 4);
+  other.end();
+  other.end();
+  simulation->step();
+  CHECK(second == 4);
+  Observation late = simulation->observe({}, [](const FramePtr&) {});
+  simulation.reset();
+  late.end();  // what it belonged to is gone
+}
+
 TEST_CASE("observers see the start of every run, after a restart too", "[commands]") {
   auto simulation = simulate(floor_and_ball(), "bullet");
   std::vector<std::uint64_t> steps;

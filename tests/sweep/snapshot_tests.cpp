@@ -115,6 +115,35 @@ TEST_CASE("without contacts a run goes on as if it had not stopped", "[sweep][sn
   }
 }
 
+TEST_CASE("a servo at its bound goes on with its last effort", "[sweep][snapshot]") {
+  const std::string backend = GENERATE(engines());
+  INFO(backend);
+  const TemporaryFolder folder;
+  const auto scene = scene_of("servo");
+  auto whole = simulate(scene, backend);
+  whole->run_until(0.1);
+  REQUIRE(write_snapshot(*whole, folder / "a.snap"));
+  const WorldState then = whole->frame()->state;
+  REQUIRE(then.motor_efforts[0] == Approx(2.0));  // at its bound
+  const Resumed resumed = go_on(folder / "a.snap", scene, on(backend));
+  Simulation& now = *resumed.simulation;
+  CHECK(now.frame()->state.motor_efforts == then.motor_efforts);
+  CHECK(now.frame()->state.joint_efforts == then.joint_efforts);
+  // The integral rests at the bound: after the next step, too, it is what it is without a stop.
+  const auto integral = [&](Simulation& run, const char* name) {
+    run.step();
+    REQUIRE(write_snapshot(run, folder / name));
+    return ordered_json::parse(read_file(folder / name))["content"]["motors"]["drive"]["integral"]
+        .get<double>();
+  };
+  CHECK(integral(now, "c.snap") == integral(*whole, "b.snap"));
+  CHECK(now.frame()->state.motor_efforts[0] == Approx(2.0));  // the engine's own by now
+  // A restart has no past.
+  now.send(Restart{});
+  now.step();
+  CHECK(now.step_count() == 1);
+}
+
 TEST_CASE("with contacts a run goes on nearly as if it had not stopped", "[sweep][snapshot]") {
   const std::string backend = GENERATE(engines());
   INFO(backend);

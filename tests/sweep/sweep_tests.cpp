@@ -215,13 +215,16 @@ TEST_CASE("measures speak of what comes during the run", "[sweep][program]") {
   INFO(outcome.out << outcome.err);
   REQUIRE(outcome.status == 0);
   const Rows rows =
-      query(folder / "out/results.sqlite", "SELECT lowest, guest, highest, side FROM runs");
+      query(folder / "out/results.sqlite", "SELECT lowest, guest, highest, side, light FROM runs");
   REQUIRE(rows.size() == 1);
   // It comes at 1 m, falls on the floor within its 0.7 s (0.44 s), and lies there on its radius.
   CHECK(std::stod(rows[0][0]) == Approx(0.05).margin(5e-3));
   CHECK(rows[0][1].empty());
   CHECK(std::stod(rows[0][2]) == Approx(1.0).margin(1e-3));
   CHECK(std::stod(rows[0][3]) == Approx(2.0).margin(1e-3));
+  // A plugin's sensor that comes during the run looks at a white floor.
+  REQUIRE_FALSE(rows[0][4].empty());
+  CHECK(std::stod(rows[0][4]) == Approx(1.0));
 
   const Outcome slip =
       sweep({live, "--backends", engines[0], "-o", folder / "no", "--measure", "high=Bal_1.b.z"});
@@ -234,7 +237,7 @@ TEST_CASE("a run that ends badly is a row with its cause", "[sweep][program]") {
   const TemporaryFolder folder;
   const Outcome outcome =
       sweep({kTrial, "--vary", "what=nothing,crash,abort,exit,print,hang,eat,end", "--timeout",
-             "5 s", "--memory", "2GB", "-o", folder / "out"});
+             "20 s", "--memory", "1GB", "-o", folder / "out"});
   INFO(outcome.err);
   CHECK(outcome.status == 0);
   CHECK_THAT(outcome.out, Contains("8 of 8 runs done, 3 good, 5 not"));
@@ -253,7 +256,7 @@ TEST_CASE("a run that ends badly is a row with its cause", "[sweep][program]") {
   CHECK(ends["exit"].first == "crashed");
   CHECK_THAT(ends["exit"].second, Contains("called exit()"));
   CHECK(ends["hang"].first == "timeout");
-  CHECK_THAT(ends["hang"].second, Contains("longer than 5"));
+  CHECK_THAT(ends["hang"].second, Contains("longer than 20"));
   CHECK(ends["eat"].first == "memory");
   CHECK_THAT(ends["eat"].second, Contains("memory"));
   // Once more only what is asked for again.

@@ -13,15 +13,7 @@ namespace {
 void fill_whole_axis(AxisLaw& law, const JointAxis& model, const AxisState& state,
                      const std::vector<int>& motors, const std::vector<Drive>& drives) {
   law.clear();
-  for (const int m : motors) {
-    Drive drive = drives[static_cast<std::size_t>(m)];
-    if (drive.is_speed_source() && model.has_limit()) {
-      // An ideal source does not fight a stop: it ends where the stop is.
-      drive.velocity = std::clamp(drive.velocity, lower_limit_element(model.lower, state).speed,
-                                  upper_limit_element(model.upper, state).speed);
-    }
-    law.add(drive_element(drive, state));
-  }
+  for (const int m : motors) law.add(drive_element(drives[static_cast<std::size_t>(m)], state));
   if (model.stiffness > 0.0 || model.damping > 0.0) law.add(spring_damper_element(model, state));
   if (model.friction > 0.0) law.add(friction_element(model.friction, state.dt));
   if (std::isfinite(model.lower)) law.add(lower_limit_element(model.lower, state));

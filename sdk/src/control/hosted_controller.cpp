@@ -1,5 +1,6 @@
 #include "control/hosted_controller.h"
 
+#include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/plugin/loader.h"
 #include "simulation/impl.h"
 
@@ -25,10 +26,16 @@ class ControllerHere final : public HostedController {
   ControllerHere(PluginPtr plugin, std::shared_ptr<AssemblyAccess> access)
       : plugin_(std::move(plugin)),
         entry_(*static_cast<const ControllerEntry*>(plugin_->descriptor().factory)),
+        access_(access),
         robot_(std::move(access)),
         controller_(nullptr, entry_.destroy) {}
+  ~ControllerHere() override {
+    const PluginCall call = calling("while it was taken down");
+    controller_.reset();
+  }
 
   std::optional<HostFailure> configure() override {
+    const PluginCall call = calling("while being configured");
     Controller* made = nullptr;
     auto thrown = entry_.create(made);
     controller_.reset(made);
@@ -36,20 +43,30 @@ class ControllerHere final : public HostedController {
     return failure_of(std::move(thrown));
   }
   std::optional<HostFailure> update(const Tick& tick) override {
+    const PluginCall call = calling("in update");
     return failure_of(entry_.update(*controller_, tick));
   }
   std::optional<HostFailure> save(std::optional<std::string>& memory) override {
     if (!controller_) return std::nullopt;
+    const PluginCall call = calling("while its memory was saved");
     return failure_of(entry_.save(*controller_, memory));
   }
   std::optional<HostFailure> restore(const std::string& memory) override {
     if (!controller_) return std::nullopt;
+    const PluginCall call = calling("while it was given a memory");
     return failure_of(entry_.restore(*controller_, memory));
   }
 
  private:
+  PluginCall calling(const char* doing) const {
+    return {
+        "controller", access_->mind.c_str(),      access_->name.c_str(), access_->plugin.c_str(),
+        doing,        access_->simulation->time()};
+  }
+
   PluginPtr plugin_;
   const ControllerEntry& entry_;
+  std::shared_ptr<AssemblyAccess> access_;
   Assembly robot_;  // outlives the controller
   std::unique_ptr<Controller, void (*)(Controller*)> controller_;
 };

@@ -9,6 +9,8 @@ SupervisorSlot::SupervisorSlot() = default;
 SupervisorSlot::SupervisorSlot(SupervisorSlot&&) noexcept = default;
 SupervisorSlot& SupervisorSlot::operator=(SupervisorSlot&&) noexcept = default;
 SupervisorSlot::~SupervisorSlot() {
+  if (!supervisor) return;
+  const PluginCall call = stage->calling("while it was taken down");
   supervisor.reset();  // before the stage it may still refer to
 }
 
@@ -122,8 +124,9 @@ std::vector<Diagnostic> Simulation::Impl::build_supervisor(const ControllerModel
     slot.plugin = loaded->plugin;
     slot.entry = static_cast<const SupervisorEntry*>(slot.plugin->descriptor().factory);
     slot.stage = std::make_unique<SupervisorStage>(
-        *this, description.name, std::move(loaded->parameters), slot.plugin->descriptor().outputs,
+        *this, description, std::move(loaded->parameters), slot.plugin->descriptor().outputs,
         original->physics.seed);
+    const PluginCall call = slot.stage->calling("while being configured");
     Supervisor* made = nullptr;
     auto thrown = slot.entry->create(made);
     slot.supervisor = {made, slot.entry->destroy};
@@ -178,6 +181,7 @@ void Simulation::Impl::run_minds() {
     fresh->events = std::exchange(slot.events, {});
     slot.stage->show(std::move(fresh));
     const Tick tick = tick_of(slot.clock);
+    const PluginCall call = slot.stage->calling("in update");
     if (auto thrown = slot.entry->update(*slot.supervisor, tick, *slot.stage)) {
       fault(model->supervisors[i], slot.clock, "threw in update: " + *thrown);
     } else if (auto wrong = slot.stage->take_fault()) {

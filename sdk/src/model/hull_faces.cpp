@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rays/convex_hull.h"
+#include "geometry/convex_hull.h"
 
 namespace cogrsim {
 namespace {
@@ -70,7 +70,7 @@ std::vector<int> thinned(const std::vector<int>& corners, std::size_t most) {
 
 HullFaces hull_faces(const TriangleMesh& mesh, std::size_t most_corners) {
   HullFaces out;
-  const std::vector<Facet> facets = make_facets(rays::convex_hull(mesh), out);
+  const std::vector<Facet> facets = make_facets(geometry::convex_hull(mesh), out);
   if (out.vertices.size() < 4) return out;
   Vec3 inside = Vec3::Zero(), low = out.vertices[0], high = low;
   for (const Vec3& v : out.vertices) {

@@ -17,6 +17,7 @@
 
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/physics/backend_plugin.h"
+#include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/rendering/renderer.h"
 #include "elf_symbols.h"
 
@@ -28,6 +29,11 @@ struct Plugin::Impl {
   boost::dll::shared_library library;
   std::string path;
   const PluginDescriptor* descriptor = nullptr;  // lives in the library
+
+  ~Impl() {
+    const PluginCall call("library", path.c_str(), "", "", "while it was unloaded");
+    library.unload();
+  }
 };
 
 namespace {
@@ -170,6 +176,7 @@ Result<PluginPtr> open_library(const std::string& path, const fs::path& file) {
   auto impl = std::make_unique<Plugin::Impl>();
   std::error_code error;
   impl->path = fs::canonical(path, error).string();
+  const PluginCall call("library", impl->path.c_str(), "", "", "while it was loaded");
   try {
     using boost::dll::load_mode::type;
     // The throwing overload carries the system's own text, the other one only an error number.
@@ -317,6 +324,7 @@ Result<std::shared_ptr<const Backend>> PluginLoader::backend(const std::string& 
   const Result<PluginPtr> plugin = load(PluginKind::backend, name);
   if (!plugin) return tl::unexpected<Error>(plugin.error());
   const auto* entry = static_cast<const BackendEntry*>((*plugin)->descriptor().factory);
+  const PluginCall call("backend", name.c_str(), "", "", "while it was started");
   try {
     if (const Backend* backend = entry->get()) {
       return std::shared_ptr<const Backend>(*plugin, backend);  // keeps the library, not the object
@@ -335,6 +343,7 @@ Result<std::shared_ptr<Renderer>> load_renderer(PluginLoader& loader, const std:
   if (!plugin) return tl::unexpected<Error>(plugin.error());
   const auto* entry = static_cast<const RendererEntry*>((*plugin)->descriptor().factory);
   std::string problem;
+  const PluginCall call("renderer", wanted.c_str(), "", "", "while it was started");
   if (Renderer* renderer = entry->create(&problem)) {
     return std::shared_ptr<Renderer>(
         renderer, [keep = *plugin, destroy = entry->destroy](Renderer* r) { destroy(r); });

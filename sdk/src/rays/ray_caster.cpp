@@ -4,8 +4,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "geometry/convex_hull.h"
+#include "geometry/triangles.h"
 #include "rays/box_tree.h"
-#include "rays/convex_hull.h"
 #include "rays/solids.h"
 #include "rays/triangle_set.h"
 
@@ -214,11 +215,11 @@ std::shared_ptr<const TriangleSet> RayCaster::Impl::triangles(const Shape& shape
   };
   if (shape.type == ShapeType::heightmap) {
     const auto i = static_cast<std::size_t>(shape.heightmap);
-    return make(heightmaps[i], [&] { return rays::triangles_of(model->heightmaps[i]); });
+    return make(heightmaps[i], [&] { return geometry::triangles_of(model->heightmaps[i]); });
   }
   const auto i = static_cast<std::size_t>(shape.mesh);
   if (shape.type == ShapeType::convex_mesh && targets == RayTargets::colliding)
-    return make(hulls[i], [&] { return rays::convex_hull(model->meshes[i]); });
+    return make(hulls[i], [&] { return geometry::convex_hull(model->meshes[i]); });
   return make(meshes[i], [&] { return model->meshes[i]; });
 }
 

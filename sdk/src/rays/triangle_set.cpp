@@ -105,25 +105,4 @@ Vec3 TriangleSet::normal(int triangle) const {
   return (b - a).cross(c - a).stableNormalized();
 }
 
-TriangleMesh triangles_of(const HeightGrid& grid) {
-  TriangleMesh out;
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const double x = static_cast<double>(column) / (grid.columns - 1) - 0.5;
-      const double y = static_cast<double>(row) / (grid.rows - 1) - 0.5;
-      const auto sample = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns) +
-                          static_cast<std::size_t>(column);
-      out.vertices.emplace_back(grid.size_x * x, grid.size_y * y, grid.heights[sample]);
-    }
-  }
-  for (int row = 0; row + 1 < grid.rows; ++row) {
-    for (int column = 0; column + 1 < grid.columns; ++column) {
-      const int low = row * grid.columns + column, high = low + grid.columns;
-      out.triangles.emplace_back(low, low + 1, high + 1);
-      out.triangles.emplace_back(low, high + 1, high);
-    }
-  }
-  return out;
-}
-
 }  // namespace cogrsim::rays

@@ -35,7 +35,4 @@ class TriangleSet {
   BoxTree tree_;
 };
 
-/// Triangles 2k and 2k + 1 of a grid's cell k, see HeightGrid.
-TriangleMesh triangles_of(const HeightGrid& grid);
-
 }  // namespace cogrsim::rays

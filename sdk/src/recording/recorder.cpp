@@ -10,6 +10,7 @@
 #include "cogrsim/rendering/renderer.h"
 #include "recording/recording_file.h"
 #include "recording/run_writer.h"
+#include "simulation/frame_pool.h"
 #include "simulation/rate_timer.h"
 
 namespace cogrsim {
@@ -25,20 +26,6 @@ constexpr auto kChunkTime = std::chrono::milliseconds(400);  // … or is so old
 constexpr auto kLookTime = std::chrono::milliseconds(50);
 constexpr std::size_t kWakeBytes = 512u << 10;
 
-std::size_t bytes_of(const Frame& frame) {
-  std::size_t bytes = sizeof(Frame);
-  bytes += frame.state.poses.size() * sizeof(Pose) + frame.state.twists.size() * sizeof(Twist);
-  bytes += (frame.state.joint_positions.size() + frame.state.joint_velocities.size() +
-            frame.state.joint_efforts.size() + frame.state.motor_efforts.size()) *
-           sizeof(double);
-  bytes += frame.accelerations.size() * sizeof(Twist) + frame.contacts.size() * sizeof(Contact) +
-           frame.joint_reactions.size() * sizeof(Wrench);
-  for (const Reading& reading : frame.readings) {
-    bytes += sizeof(Reading) + reading.values.size() * sizeof(double);
-  }
-  return bytes;
-}
-
 std::size_t bytes_of(const Picture& picture) {
   return picture.color.data.size() + 4 * (picture.depth.size() + picture.bodies.size());
 }
@@ -46,13 +33,13 @@ std::size_t bytes_of(const Picture& picture) {
 }  // namespace
 
 struct Recorder::Impl {
-  /// What the run hands over; shared with the observer, which outlives the recorder.
+  /// What the run hands over; shared with the observer, which may outlive the recorder.
   struct Queue {
     struct Item {
       FramePtr frame;
       bool keep = true;
       std::uint64_t number = 0;
-      SensorChannelsPtr channels;  ///< set where the model is a new one
+      bool new_model = false;
       std::vector<RunMessage> messages;
       std::size_t bytes = 0;
     };
@@ -86,6 +73,7 @@ struct Recorder::Impl {
 
   Simulation* simulation = nullptr;
   std::string path;
+  Observation observation;
   std::shared_ptr<Queue> queue = std::make_shared<Queue>();
   RecordingFile* file = nullptr;  // owned by the writer
   std::unique_ptr<RunWriter> writer;
@@ -124,14 +112,7 @@ void Recorder::Impl::Queue::observe(const Simulation& simulation, const FramePtr
   }
   if (item.keep) item.number = number++;
   item.bytes = bytes_of(*frame) + new_pictures(*frame);
-  const bool new_model = frame->model != model;
-  if (new_model) {
-    auto channels = std::make_shared<SensorChannels>();
-    for (std::size_t i = 0; i < frame->model->sensors.size(); ++i) {
-      channels->push_back(simulation.channels(static_cast<int>(i)));
-    }
-    item.channels = std::move(channels);
-  }
+  item.new_model = frame->model != model;
   take_messages(simulation, item.messages);
 
   std::lock_guard lock(mutex);
@@ -146,9 +127,9 @@ void Recorder::Impl::Queue::observe(const Simulation& simulation, const FramePtr
     // What the run said is kept all the same.
     if (failed || item.messages.empty()) return;
     item.frame.reset();
-    item.channels.reset();
+    item.new_model = false;
     item.bytes = 0;
-  } else if (new_model) {
+  } else if (item.new_model) {
     model = frame->model;
   }
   bytes += item.bytes;
@@ -167,7 +148,7 @@ void Recorder::Impl::write(Queue::Item& item) {
   for (const RunMessage& message : item.messages) writer->message(message);
   if (!item.frame) return;
   const Frame& frame = *item.frame;
-  if (item.channels) writer->model(frame.model, *item.channels, frame.time);
+  if (item.new_model) writer->model(frame.model, *frame.channels, frame.time);
   writer->frame(frame, item.keep, item.number);
   last_unkept = item.keep ? nullptr : item.frame;
   if (item.keep) last_number = item.number;
@@ -228,6 +209,7 @@ void Recorder::Impl::write_items() {
 }
 
 Result<> Recorder::Impl::end(const std::string& status) {
+  observation.end();
   {
     std::lock_guard lock(queue->mutex);
     queue->closed = true;
@@ -293,7 +275,8 @@ Result<std::unique_ptr<Recorder>> Recorder::start(Simulation& simulation, Record
   // The scene is on file before anything happens, so that even the shortest run can be read.
   SensorChannels channels;
   for (std::size_t i = 0; i < model->sensors.size(); ++i) {
-    channels.push_back(simulation.channels(static_cast<int>(i)));
+    channels.push_back(
+        std::make_shared<const std::vector<Channel>>(simulation.channels(static_cast<int>(i))));
   }
   impl->writer->model(model, channels, simulation.time());
   if (auto done = impl->writer->flush(); !done) return tl::unexpected(done.error());
@@ -307,9 +290,10 @@ Result<std::unique_ptr<Recorder>> Recorder::start(Simulation& simulation, Record
   FrameContents contents;
   contents.contacts = options.contacts;
   contents.for_sensors = true;
-  simulation.observe(contents, [shared = impl->queue, &simulation](const FramePtr& frame) {
-    shared->observe(simulation, frame);
-  });
+  impl->observation =
+      simulation.observe(contents, [shared = impl->queue, &simulation](const FramePtr& frame) {
+        shared->observe(simulation, frame);
+      });
   impl->thread = std::thread([raw = impl.get()] { raw->write_items(); });
   return std::unique_ptr<Recorder>(new Recorder(std::move(impl)));
 }

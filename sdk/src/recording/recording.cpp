@@ -35,7 +35,7 @@ Number number_of(const std::string& text) {
   return value;
 }
 
-std::vector<Channel> channels_of(const std::string& text) {
+std::vector<Channel> channels_from(const std::string& text) {
   std::vector<Channel> out;
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_array()) return out;
@@ -184,6 +184,8 @@ std::size_t Recording::Impl::sensor_slot(const mcap::Channel& channel) {
 
 void Recording::Impl::find_topics() {
   std::uint64_t last_number = 0;
+  const auto none = std::make_shared<const std::vector<Channel>>();
+  SensorChannels all;
   for (const auto& [id, channel] : file->channels()) {
     const Places& places = file->places(id);
     RecordingInfo::Topic topic;
@@ -208,8 +210,13 @@ void Recording::Impl::find_topics() {
                                                   : nullptr;
     if (list == nullptr) continue;
     list->insert(list->end(), places.begin(), places.end());
-    if (part == "reading") sensor.channels = channels_of(entry(channel.metadata, "channels"));
+    if (part != "reading") continue;
+    all.resize(sensors.size(), none);
+    all[slot] = std::make_shared<const std::vector<Channel>>(
+        channels_from(entry(channel.metadata, "channels")));
   }
+  all.resize(sensors.size(), none);
+  channels = std::make_shared<const SensorChannels>(std::move(all));
   // A sensor that took another's place goes on counting where that one stopped.
   for (SensorTopics& sensor : sensors) {
     for (Places* list : {&sensor.readings, &sensor.color, &sensor.depth, &sensor.segmentation}) {
@@ -368,6 +375,7 @@ Result<std::shared_ptr<Frame>> Recording::Impl::frame(std::size_t index) {
   if (auto good = check_frame(*known, **scene); !good) return tl::unexpected(good.error());
   auto out = std::make_shared<Frame>(std::move(known->frame));
   out->model = *scene;
+  out->channels = channels;
   share_outputs(*known, **scene, *out);
   out->readings.reserve(known->readings.size());
   for (std::size_t i = 0; i < known->readings.size(); ++i) {
@@ -404,7 +412,7 @@ const std::vector<RunMessage>& Recording::messages() const {
 const std::vector<Channel>& Recording::channels(int sensor) const {
   static const std::vector<Channel> kNone;
   const auto index = static_cast<std::size_t>(sensor);
-  return sensor >= 0 && index < impl_->sensors.size() ? impl_->sensors[index].channels : kNone;
+  return sensor >= 0 && index < impl_->channels->size() ? *(*impl_->channels)[index] : kNone;
 }
 
 }  // namespace cogrsim

@@ -38,7 +38,6 @@ struct Recording::Impl {
 
   struct SensorTopics {
     Places readings, color, depth, segmentation;
-    std::vector<Channel> channels;
     // The reading that was asked for last: many frames share it.
     std::uint64_t last = 0;
     Reading reading;
@@ -53,6 +52,7 @@ struct Recording::Impl {
   Places frames, models, events, logs;
   bool in_order = true;  ///< times never go back
   std::vector<SensorTopics> sensors;
+  std::shared_ptr<const SensorChannels> channels;
   std::map<std::uint32_t, SceneModelPtr> known_models;
   std::optional<std::vector<RunMessage>> messages;
   TextureFolder textures;

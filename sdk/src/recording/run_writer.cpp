@@ -134,7 +134,7 @@ void RunWriter::model(const SceneModelPtr& model, const SensorChannels& channels
   ++models_;
   sensors_.resize(std::max(sensors_.size(), model->sensors.size()));
   for (std::size_t i = 0; i < model->sensors.size(); ++i) {
-    sensor_topics(i, model->sensors[i], i < channels.size() ? channels[i] : std::vector<Channel>());
+    sensor_topics(i, model->sensors[i], *channels[i]);
   }
   next_transform_ = 0.0;
 }

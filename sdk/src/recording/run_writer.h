@@ -12,10 +12,6 @@
 
 namespace cogrsim {
 
-/// Meaning of the values of every sensor, by sensor index.
-using SensorChannels = std::vector<std::vector<Channel>>;
-using SensorChannelsPtr = std::shared_ptr<const SensorChannels>;
-
 /// Version of the topics and schemas; see docs/recording.md.
 inline constexpr int kFormatVersion = 1;
 

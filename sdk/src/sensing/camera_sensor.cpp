@@ -4,7 +4,7 @@
 #include "cogrsim/core/random.h"
 #include "cogrsim/rendering/renderer.h"
 #include "cogrsim/sensing/instruments.h"
-#include "sensing/inside_shape.h"
+#include "geometry/inside_shape.h"
 #include "sensing/instrument.h"
 
 namespace cogrsim {
@@ -17,7 +17,7 @@ bool inside_body(const SceneModel& model, int body, const Vec3& p_W) {
   const Body& b = model.bodies[static_cast<std::size_t>(body)];
   const Vec3 p_B = b.X_WB.inverse() * p_W;
   return std::any_of(b.shapes.begin(), b.shapes.end(), [&](const Shape& shape) {
-    return shape.visible && inside_shape(model, shape, shape.X_BS.inverse() * p_B);
+    return shape.visible && geometry::inside_shape(model, shape, shape.X_BS.inverse() * p_B);
   });
 }
 

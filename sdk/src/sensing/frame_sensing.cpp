@@ -1,5 +1,7 @@
 #include "sensing/frame_sensing.h"
 
+#include "cogrsim/plugin/crash_report.h"
+
 namespace cogrsim {
 
 void FrameSensing::show(FramePtr frame) {
@@ -41,6 +43,7 @@ Result<std::vector<Picture>> FrameSensing::render(const std::vector<RenderReques
     }
     renderer_ = std::move(*loaded);
   }
+  const PluginCall call("renderer", "", "", "", "in a picture", frame_->time);
   return renderer_->render(*frame_, requests);
 }
 

@@ -3,9 +3,20 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "cogrsim/core/constants.h"
 #include "model/diagnose.h"
 
 namespace cogrsim {
+
+PluginCall SensorSuite::calling(const Slot& slot, const char* doing, double time) {
+  return {"sensor", slot.name.c_str(), "", slot.type.c_str(), doing, time};
+}
+
+void SensorSuite::take_down(Slot& slot) {
+  if (!slot.sensor) return;
+  const PluginCall call = calling(slot, "while it was taken down", kNaN);
+  slot.sensor.reset();
+}
 
 std::vector<Diagnostic> SensorSuite::make(const SceneModel& model, std::size_t index,
                                           PluginLoader& loader, Slot& slot) const {
@@ -29,13 +40,16 @@ std::vector<Diagnostic> SensorSuite::make(const SceneModel& model, std::size_t i
     table = (*plugin)->descriptor().parameters;
   }
   if (description.removed) return {};
+  slot.name = description.name;
+  slot.type = description.type;
+  const PluginCall call = calling(slot, "while being configured", kNaN);
   slot.sensor = {entry->create(), entry->destroy};
   const auto parameters = complete_parameters(table, description.parameters);
   if (!parameters) return refuse(parameters.error(), "CG0906");
   if (auto ready = slot.sensor->configure(model, description, *parameters); !ready) {
     return refuse(ready.error(), "CG0906");
   }
-  slot.channels = slot.sensor->channels();
+  slot.channels = std::make_shared<const std::vector<Channel>>(slot.sensor->channels());
   slot.needs = slot.sensor->needs();
   return {};
 }
@@ -52,7 +66,7 @@ std::vector<Diagnostic> SensorSuite::build(const SceneModelPtr& model, std::uint
     slot.random = RandomStream(seed, description.name);
     slot.memory.timer = RateTimer(description.rate);
     slot.memory.enabled = description.enabled;
-    slot.memory.walk.assign(slot.channels.size(), 0.0);
+    slot.memory.walk.assign(slot.channels->size(), 0.0);
     slot.memory.reading.sensor = static_cast<int>(i);
     slot.memory.reading.enabled = description.enabled;
     slots_.push_back(std::move(slot));
@@ -68,7 +82,9 @@ void SensorSuite::imitate(std::size_t count) {
 
 void SensorSuite::cut(std::size_t count) {
   due_.clear();
+  channels_.reset();
   if (count < slots_.size()) {
+    std::for_each(slots_.begin() + static_cast<std::ptrdiff_t>(count), slots_.end(), take_down);
     slots_.erase(slots_.begin() + static_cast<std::ptrdiff_t>(count), slots_.end());
   }
 }
@@ -95,9 +111,10 @@ std::vector<SensorFault> SensorSuite::read(Sensing& sensing) {
     Slot& slot = slots_[i];
     Reading& reading = slot.memory.reading;
     const double period = reading.sequence == 0 ? 0.0 : now_ - reading.time;
-    reading.values.assign(slot.channels.size(), 0.0);
+    reading.values.assign(slot.channels->size(), 0.0);
     reading.picture.reset();
     reading.contacts.clear();
+    const PluginCall call = calling(slot, "in a reading", now_);
     const Result<> seen = slot.sensor->read(sensing, reading);
     if (!seen && !slot.memory.complained) faults.push_back({static_cast<int>(i), seen.error()});
     slot.memory.complained = !seen;
@@ -122,6 +139,15 @@ void SensorSuite::copy_readings(std::vector<Reading>& out) const {
   }
 }
 
+std::shared_ptr<const SensorChannels> SensorSuite::channels() const {
+  if (!channels_) {
+    auto all = std::make_shared<SensorChannels>();
+    for (const Slot& slot : slots_) all->push_back(slot.channels);
+    channels_ = std::move(all);
+  }
+  return channels_;
+}
+
 void SensorSuite::enable(std::size_t sensor, bool on) {
   SensorMemory& memory = slots_[sensor].memory;
   memory.enabled = memory.reading.enabled = on;
@@ -131,9 +157,10 @@ void SensorSuite::enable(std::size_t sensor, bool on) {
 void SensorSuite::retire(std::size_t sensor) {
   enable(sensor, false);
   Slot& slot = slots_[sensor];
-  slot.sensor.reset();
+  take_down(slot);
   const auto free = [](auto& elements) { std::decay_t<decltype(elements)>().swap(elements); };
-  free(slot.channels);
+  slot.channels = std::make_shared<const std::vector<Channel>>();
+  channels_.reset();
   free(slot.noise);
   free(slot.memory.walk);
   free(slot.memory.reading.values);

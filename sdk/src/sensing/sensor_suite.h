@@ -8,6 +8,7 @@
 
 #include "cogrsim/core/diagnostic.h"
 #include "cogrsim/core/random.h"
+#include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/plugin/loader.h"
 #include "cogrsim/sensing/sensor.h"
 #include "simulation/rate_timer.h"
@@ -32,6 +33,11 @@ struct SensorFault {
 
 class SensorSuite {
  public:
+  SensorSuite() = default;
+  ~SensorSuite() { clear(); }
+  SensorSuite(const SensorSuite&) = delete;
+  SensorSuite& operator=(const SensorSuite&) = delete;
+
   /// Makes and configures the instruments of `model`'s sensors from index `first` on; those before
   /// stay as they are, those behind are thrown away. Streams of noise are keyed by `seed` and the
   /// sensor's name. Errors, at the sensor's place: an unknown type (the loader's codes), CG0906
@@ -55,7 +61,11 @@ class SensorSuite {
   std::vector<SensorFault> read(Sensing& sensing);
 
   const Reading& reading(std::size_t sensor) const { return slots_[sensor].memory.reading; }
-  const std::vector<Channel>& channels(std::size_t sensor) const { return slots_[sensor].channels; }
+  const std::vector<Channel>& channels(std::size_t sensor) const {
+    return *slots_[sensor].channels;
+  }
+  /// The same of all, as in Frame::channels.
+  std::shared_ptr<const SensorChannels> channels() const;
   /// The latest readings of all sensors, as in Frame::readings.
   void copy_readings(std::vector<Reading>& out) const;
 
@@ -76,18 +86,24 @@ class SensorSuite {
  private:
   struct Slot {
     PluginPtr plugin;  ///< keeps the code loaded; empty for built-in ones
+    std::string name, type;
     std::unique_ptr<Sensor, void (*)(Sensor*)> sensor{nullptr, nullptr};
-    std::vector<Channel> channels;
+    std::shared_ptr<const std::vector<Channel>> channels =
+        std::make_shared<const std::vector<Channel>>();
     FrameContents needs;
     std::vector<NoiseTerm> noise;
     RandomStream random{0, ""};
     SensorMemory memory;  ///< `random` is up to date in save() only
   };
 
+  /// To be kept while a sensor is called.
+  static PluginCall calling(const Slot& slot, const char* doing, double time);
+  static void take_down(Slot& slot);
   std::vector<Diagnostic> make(const SceneModel& model, std::size_t index, PluginLoader& loader,
                                Slot& slot) const;
 
   std::vector<Slot> slots_;
+  mutable std::shared_ptr<const SensorChannels> channels_;  ///< of the slots; nullptr: not gathered
   std::vector<std::size_t> due_;
   double now_ = 0.0;
 };

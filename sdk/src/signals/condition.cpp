@@ -30,7 +30,7 @@ using ConditionNode = std::shared_ptr<const Condition::Node>;
 using ParsedCondition = Result<ConditionNode>;
 using units::Dimension;
 
-constexpr int kDeepest = 50;
+constexpr int kDeepestCondition = 50;
 constexpr const char* kUsage =
     "write a condition such as time lt 2 s, or distance(a, b) lt 20 cm and not inside(a, goal)";
 
@@ -174,9 +174,9 @@ class ConditionParser {
   explicit ConditionParser(const SignalScope& scope) : scope_(scope) {}
 
   ParsedCondition parse(const std::string& text) {
-    if (++depth_ > kDeepest)
+    if (++depth_ > kDeepestCondition)
       return fail("the condition has too many brackets inside each other", "",
-                  fmt::format("{} are the limit", kDeepest));
+                  fmt::format("{} are the limit", kDeepestCondition));
     ParsedCondition made = several(trimmed(text), "or");
     --depth_;
     return made;

@@ -10,9 +10,9 @@
 
 #include "arithmetic.h"
 #include "cogrsim/signals/signal.h"
+#include "geometry/surface_distance.h"
 #include "node.h"
 #include "parse.h"
-#include "surface_distance.h"
 #include "terms.h"
 
 namespace cogrsim {
@@ -388,11 +388,6 @@ class Parser {
        {"event", 1, 3, "write event(enter, region, a), or less of it for any",
         "a kind of event, then who raised it and who took part"},
        {"open", 1, 1, "write open(door)", "the name of one door"}}};
-  static constexpr std::array<const char*, 17> kEvents = {
-      "enter",  "leave",   "opening",  "opened",    "closing", "closed",
-      "added",  "removed", "attached", "detached",  "frozen",  "freed",
-      "raised", "fault",   "refused",  "restarted", "ended"};
-
   Parsed call() const {
     const auto open = text_.find('(');
     const std::string name = trimmed(text_.substr(0, open));
@@ -430,7 +425,7 @@ class Parser {
   Parsed distance(const std::string& function, const std::vector<std::string>& arguments) const {
     const bool surfaces = function == "distance";
     std::vector<SignalPlace> places;
-    std::vector<SurfaceSet> sets;
+    std::vector<geometry::SurfaceSet> sets;
     std::vector<std::vector<int>> of;
     std::vector<std::string> full;
     for (const std::string& name : arguments) {
@@ -440,8 +435,8 @@ class Parser {
       places.push_back(*at);
       if (!surfaces) continue;
       of.push_back(bodies(full.back()));
-      sets.push_back(of.back().empty() ? SurfaceSet::of_point(*at)
-                                       : SurfaceSet::of_bodies(model_, of.back()));
+      sets.push_back(of.back().empty() ? geometry::SurfaceSet::of_point(at->body, at->X_BF)
+                                       : geometry::SurfaceSet::of_bodies(model_, of.back()));
     }
     std::string text = fmt::format("{}({}, {})", function, full[0], full[1]);
     if (!surfaces) return origin_distance_term(std::move(text), places[0], places[1]);
@@ -497,22 +492,25 @@ class Parser {
 
   Parsed event(const std::vector<std::string>& arguments) const {
     const std::string& kind = arguments[0];
-    if (index_of(kEvents, kind) < 0) {
-      const std::string near = nearest_name(kind, strings(kEvents));
+    const auto known = std::find_if(std::begin(kEventKinds), std::end(kEventKinds),
+                                    [&](const EventKind& k) { return k.name == kind; });
+    if (known == std::end(kEventKinds)) {
+      std::vector<std::string> kinds;
+      for (const EventKind& k : kEventKinds) kinds.emplace_back(k.name);
+      const std::string near = nearest_name(kind, kinds);
       return fail(fmt::format("there is no kind of event '{}'", kind), "",
                   (near.empty() ? "" : fmt::format("did you mean '{}'? ", near)) + "there are " +
-                      fmt::format("{}", fmt::join(kEvents, ", ")));
+                      fmt::format("{}", fmt::join(kinds, ", ")));
     }
     std::vector<std::string> names;
     for (std::size_t i = 1; i < arguments.size(); ++i) {
       const std::string& name = arguments[i];
-      // "raised" has a name of its own making; subjects that are templates have no signals.
-      const std::string full = i == 1 && kind == "raised" ? name : resolved(name);
-      if (i == 1 && (kind == "enter" || kind == "leave") && find_named(model_.regions, full) < 0)
+      const EventParty party = i == 1 ? known->source : known->subject;
+      // Names of the event's own are as they are; templates have no signals.
+      const std::string full = party == EventParty::name ? name : resolved(name);
+      if (party == EventParty::region && find_named(model_.regions, full) < 0)
         return no_such(model_.regions, "region", name);
-      const bool of_door =
-          kind == "opening" || kind == "opened" || kind == "closing" || kind == "closed";
-      if (i == 1 && of_door && find_named(model_.doors, full) < 0)
+      if (party == EventParty::door && find_named(model_.doors, full) < 0)
         return no_such(model_.doors, "door", name);
       names.push_back(full.empty() ? name : full);
     }
@@ -565,20 +563,29 @@ class Parser {
   mutable bool late_ = false;  // a name was met that may come during the run
 };
 
+/// Those the frame knows, of plugins' sensors too, else the SDK's own.
+ChannelLookup channels_of(const Frame& frame) {
+  if (!frame.channels) return built_in_channels(*frame.model);
+  return [all = frame.channels](int sensor) -> const std::vector<Channel>* {
+    const auto index = static_cast<std::size_t>(sensor);
+    return index < all->size() ? (*all)[index].get() : nullptr;
+  };
+}
+
 /// Means the same text in every model the run has.
 struct LateTerm final : Signal::Node {
   double value(const Frame& frame) const override {
-    const SignalNode node = in(frame.model);
+    const SignalNode node = in(frame);
     return node ? node->value(frame) : std::numeric_limits<double>::quiet_NaN();
   }
 
-  SignalNode in(const SceneModelPtr& model) const {
+  SignalNode in(const Frame& frame) const {
     const std::lock_guard lock(mutex_);
-    if (model != known_) {
-      const SignalScope scope{*model, built_in_channels(*model), {}};
+    if (frame.model != known_) {
+      const SignalScope scope{*frame.model, channels_of(frame), {}};
       const auto made = Parser(scope, text).parse();
       node_ = made ? *made : nullptr;
-      known_ = model;
+      known_ = frame.model;
     }
     return node_;
   }

@@ -6,8 +6,8 @@
 #include "cogrsim/core/constants.h"
 #include "cogrsim/model/joint_kinematics.h"
 #include "core/index.h"
+#include "geometry/surface_distance.h"
 #include "node.h"
-#include "surface_distance.h"
 
 namespace cogrsim {
 namespace {
@@ -138,13 +138,13 @@ struct OriginDistanceTerm final : Signal::Node {
 };
 
 struct SurfaceDistanceTerm final : Signal::Node {
-  SurfaceSet a, b;
+  geometry::SurfaceSet a, b;
 
   double value(const Frame& frame) const override {
     std::vector<bool> gone(frame.state.poses.size());
     for (std::size_t i = 0; i < gone.size(); ++i)
       gone[i] = !present(frame.model->bodies, static_cast<int>(i));
-    return surface_distance(a, b, frame.state.poses, gone);
+    return geometry::surface_distance(a, b, frame.state.poses, gone);
   }
 };
 
@@ -321,7 +321,7 @@ SignalNode origin_distance_term(std::string text, const SignalPlace& a, const Si
   return term;
 }
 
-SignalNode surface_distance_term(std::string text, SurfaceSet a, SurfaceSet b) {
+SignalNode surface_distance_term(std::string text, geometry::SurfaceSet a, geometry::SurfaceSet b) {
   auto term = std::make_shared<SurfaceDistanceTerm>();
   term->text = std::move(text);
   term->unit = "m";

@@ -10,6 +10,10 @@
 
 namespace cogrsim {
 
+namespace geometry {
+class SurfaceSet;  // geometry/surface_distance.h
+}
+
 /// A point and axes that move with a body: a body itself, a named frame.
 struct SignalPlace {
   int body = kWorld;
@@ -23,7 +27,6 @@ inline constexpr std::array<const char*, 3> kJointQuantities = {"position", "vel
 inline constexpr std::array<const char*, 3> kEnergyQuantities = {"kinetic", "potential", "total"};
 
 using SignalNode = std::shared_ptr<const Signal::Node>;
-class SurfaceSet;  // surface_distance.h
 
 const char* place_unit(int quantity);
 SignalNode time_term();
@@ -39,7 +42,7 @@ SignalNode energy_term(int quantity);
 /// Between two points.
 SignalNode origin_distance_term(std::string text, const SignalPlace& a, const SignalPlace& b);
 /// Between two surfaces.
-SignalNode surface_distance_term(std::string text, SurfaceSet a, SurfaceSet b);
+SignalNode surface_distance_term(std::string text, geometry::SurfaceSet a, geometry::SurfaceSet b);
 /// Bodies by index.
 SignalNode mass_term(std::string text, std::vector<int> bodies);
 /// 1 or 0. Precondition: `region` is one of the model's.

@@ -124,6 +124,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
       check_capabilities(*impl->model, name, impl->backend->capabilities());
   const auto is_error = [](const Diagnostic& d) { return d.severity == Severity::error; };
   if (std::none_of(found.begin(), found.end(), is_error)) {
+    const PluginCall call("backend", impl->backend->name(), "", "", "while the world was made");
     auto world = impl->backend->create_world(impl->model);
     if (world) {
       impl->world = std::move(*world);

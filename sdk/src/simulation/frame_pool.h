@@ -12,6 +12,24 @@
 
 namespace cogrsim {
 
+/// Memory that a frame holds [byte], but for its pictures, which many frames share.
+inline std::size_t bytes_of(const Frame& frame) {
+  const auto of = [](const auto& elements) {
+    return elements.capacity() * sizeof(elements.front());
+  };
+  const WorldState& state = frame.state;
+  std::size_t bytes = sizeof(Frame) + of(state.poses) + of(state.twists) +
+                      of(state.joint_positions) + of(state.joint_velocities) +
+                      of(state.joint_efforts) + of(state.motor_efforts) + of(frame.accelerations) +
+                      of(frame.contacts) + of(frame.joint_reactions) + of(frame.readings) +
+                      of(frame.events) + of(frame.controller_outputs) +
+                      of(frame.supervisor_outputs);
+  for (const Reading& reading : frame.readings) bytes += of(reading.values) + of(reading.contacts);
+  for (const auto* outputs : {&frame.controller_outputs, &frame.supervisor_outputs})
+    for (const std::vector<double>& values : *outputs) bytes += of(values);
+  return bytes;
+}
+
 /// Consumers may hold frames in other threads and longer than the simulation lives.
 class FramePool : public std::enable_shared_from_this<FramePool> {
  public:
@@ -85,19 +103,10 @@ class FramePool : public std::enable_shared_from_this<FramePool> {
   static constexpr std::size_t kKeptFrames = 4096;
   static constexpr std::size_t kKeptBytes = 64u << 20;
 
-  static std::size_t bytes_of(const Frame& frame) {
-    return sizeof(Frame) + frame.state.poses.capacity() * sizeof(Pose) +
-           frame.state.twists.capacity() * sizeof(Twist) +
-           frame.accelerations.capacity() * sizeof(Twist) +
-           frame.contacts.capacity() * sizeof(Contact) +
-           frame.joint_reactions.capacity() * sizeof(Wrench) +
-           frame.readings.capacity() * sizeof(Reading) +
-           4 * frame.state.joint_positions.capacity() * sizeof(double);
-  }
-
   void give_back(Frame* frame) {
     std::unique_ptr<Frame> owned(frame);
     owned->model.reset();
+    owned->channels.reset();
     // A frame that lies idle holds on to no picture.
     for (Reading& reading : owned->readings) reading.picture.reset();
     const std::size_t most = std::max<std::size_t>(16, kKeptBytes / bytes_of(*owned));

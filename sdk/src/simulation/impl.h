@@ -10,6 +10,7 @@
 #include "cogrsim/control/controller.h"
 #include "cogrsim/control/supervisor.h"
 #include "cogrsim/core/random.h"
+#include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/sensing/sensor.h"
 #include "cogrsim/simulation/simulation.h"
 #include "control/hosted_controller.h"
@@ -113,6 +114,7 @@ struct SimulationSnapshot {
   std::vector<std::vector<double>> controller_outputs, supervisor_outputs;
   std::vector<std::vector<Event>> supervisor_events;
   std::vector<Twist> twists_before;
+  std::vector<double> joint_efforts_before, motor_efforts_before;
   LivingMemory living;
   std::vector<QueuedCommand> sent;  ///< by supervisors, for the next boundary
 };
@@ -156,11 +158,7 @@ struct Simulation::Impl {
   std::deque<QueuedCommand> queue;
   std::size_t own_in_queue = 0;  ///< commands of supervisors among them
 
-  struct Watcher {
-    FrameContents contents;
-    Observer observer;
-  };
-  std::vector<Watcher> watchers;
+  std::vector<std::shared_ptr<Observation::Watcher>> watchers;
   bool start_shown = false;  ///< watchers have seen the frame at the start
 
   std::shared_ptr<FramePool> pool = std::make_shared<FramePool>();
@@ -170,8 +168,13 @@ struct Simulation::Impl {
   bool state_fresh = false;
   std::vector<Twist> twists_before;  ///< of the step before; empty when nobody needs them
   double last_dt = 0.0;
+  /// Efforts of the step before, as WorldState has them, where the engine does not know them: after
+  /// going on from a file.
+  std::vector<double> joint_efforts_before, motor_efforts_before;
 
   double time() const { return base_time + static_cast<double>(steps_since_base) * dt; }
+  /// Of the world, with the efforts that only this knows; present_state(): kept until it changes.
+  void get_state(WorldState& out) const;
   const WorldState& present_state();
   FramePtr frame_with(const FrameContents& contents);
   void copy_controller_outputs(Frame& frame) const;
@@ -255,10 +258,12 @@ void name_outputs(SceneModel& model, PluginLoader& loader);
 /// The side of a supervisor's Stage that belongs to the simulation.
 class SupervisorStage final : public Stage {
  public:
-  SupervisorStage(Simulation::Impl& simulation, std::string name, Parameters parameters,
-                  const std::vector<PluginOutput>& declared, std::uint64_t seed)
+  SupervisorStage(Simulation::Impl& simulation, const ControllerModel& description,
+                  Parameters parameters, const std::vector<PluginOutput>& declared,
+                  std::uint64_t seed)
       : simulation_(simulation),
-        name_(std::move(name)),
+        name_(description.name),
+        plugin_(description.plugin),
         parameters_(std::move(parameters)),
         declared_(declared),
         outputs_(declared.size(), std::numeric_limits<double>::quiet_NaN()),
@@ -274,12 +279,16 @@ class SupervisorStage final : public Stage {
   void show(FramePtr frame) { frame_ = std::move(frame); }
   RandomStream& random() { return random_; }
   std::vector<double>& outputs() { return outputs_; }
+  /// To be kept while the supervisor is called.
+  PluginCall calling(const char* doing) const {
+    return {"supervisor", name_.c_str(), "", plugin_.c_str(), doing, simulation_.time()};
+  }
   /// What went wrong since the last call.
   std::optional<std::string> take_fault() { return std::exchange(fault_, std::nullopt); }
 
  private:
   Simulation::Impl& simulation_;
-  std::string name_;
+  std::string name_, plugin_;
   Parameters parameters_;
   const std::vector<PluginOutput>& declared_;
   std::vector<double> outputs_;

@@ -25,6 +25,16 @@ Drive velocity_drive(double velocity, double max_effort) {
   return drive;
 }
 
+// Without a bound it would fight a stop with no end: it ends where the stop is. From beyond one it
+// goes back no faster than a stop pushes [rad/s], [m/s].
+double within_stops(double velocity, const JointAxis& axis, double q, double dt) {
+  constexpr double kReturn = 1.0;
+  double low = (axis.lower - q) / dt, high = (axis.upper - q) / dt;
+  if (low > 0.0) low = std::min(low, kReturn);
+  if (high < 0.0) high = std::max(high, -kReturn);
+  return std::clamp(velocity, low, high);
+}
+
 // Constant effort up to the speed limit, which is then held: a speed source at the limit that may
 // push no harder than asked.
 Drive torque_drive(double effort, double max_speed, double max_effort) {
@@ -126,6 +136,7 @@ void make_drives(const SceneModel& model, const WorldState& state, double dt,
     const double q =
         state.joint_positions[static_cast<std::size_t>(motor_position_index(model, motor))];
     const double target = motors[i].target;
+    const JointAxis* axis = axis_of(model, motor);
     switch (motor.mode) {
       case MotorMode::velocity:
         drives[i] = velocity_drive(target, max_effort);
@@ -147,6 +158,9 @@ void make_drives(const SceneModel& model, const WorldState& state, double dt,
       case MotorMode::dc:
         drives[i] = dc_drive(motor, target, max_effort);
         break;
+    }
+    if (drives[i].is_speed_source() && max_effort == kInfinity && axis) {
+      drives[i].velocity = within_stops(drives[i].velocity, *axis, q, dt);
     }
   }
 }

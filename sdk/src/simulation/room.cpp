@@ -1,11 +1,11 @@
 #include "simulation/room.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "cogrsim/core/constants.h"
-#include "signals/gjk.h"
+#include "geometry/gjk.h"
+#include "geometry/triangles.h"
 
 namespace cogrsim {
 
@@ -18,40 +18,9 @@ bool has_inside(const Shape& shape) {
   return shape.type != ShapeType::mesh && shape.type != ShapeType::heightmap;
 }
 
-// Radius around the core of a convex shape: curved all over, it is far easier to measure without.
-double margin_of(const Shape& shape) {
-  return shape.type == ShapeType::sphere || shape.type == ShapeType::capsule ? shape.radius : 0.0;
-}
-
-// Outermost point of the core of a convex shape along d, in the shape's frame.
-Vec3 outermost(const SceneModel& model, const Shape& shape, const Vec3& d) {
-  const double radial = std::hypot(d.x(), d.y());
-  const Vec3 rim = radial > 0.0 ? Vec3(d.x() / radial, d.y() / radial, 0.0) : Vec3::Zero();
-  const double end = d.z() >= 0.0 ? 0.5 * shape.length : -0.5 * shape.length;
-  switch (shape.type) {
-    case ShapeType::box:
-      return 0.5 * Vec3(std::copysign(shape.size.x(), d.x()), std::copysign(shape.size.y(), d.y()),
-                        std::copysign(shape.size.z(), d.z()));
-    case ShapeType::sphere:
-      return Vec3::Zero();
-    case ShapeType::cylinder:
-      return shape.radius * rim + Vec3(0, 0, end);
-    case ShapeType::capsule:
-      return Vec3(0, 0, end);
-    default:
-      break;
-  }
-  const std::vector<Vec3>& vertices = model.meshes[static_cast<std::size_t>(shape.mesh)].vertices;
-  const Vec3* best = &vertices.front();
-  for (const Vec3& vertex : vertices) {
-    if (vertex.dot(d) > best->dot(d)) best = &vertex;
-  }
-  return *best;
-}
-
-// The same of a placed one, in the world. `d` is not 0.
+// Outermost point of the core of a convex shape along d, in the world. `d` is not 0.
 Vec3 outermost(const PlacedShape& placed, const Vec3& d) {
-  Vec3 out = placed.X_WS * outermost(*placed.model, *placed.shape, placed.X_WS.q.conjugate() * d);
+  Vec3 out = geometry::Placed{placed.core, placed.X_WS}.support(d);
   const double level = std::hypot(d.x(), d.y());
   if (placed.grown > 0.0 && level > 0.0) {
     out += placed.grown / level * Vec3(d.x(), d.y(), 0.0);
@@ -59,18 +28,12 @@ Vec3 outermost(const PlacedShape& placed, const Vec3& d) {
   return out;
 }
 
-struct Triangle {
-  std::array<Vec3, 3> corners;
-};
-
-Vec3 outermost(const Triangle& triangle, const Vec3& d) {
-  const auto& c = triangle.corners;
-  return *std::max_element(c.begin(), c.end(),
-                           [&](const Vec3& a, const Vec3& b) { return a.dot(d) < b.dot(d); });
+Vec3 outermost(const geometry::Triangle& triangle, const Vec3& d) {
+  return geometry::core_of(triangle.data()).support(d);
 }
 
-double margin_of(const PlacedShape& placed) { return margin_of(*placed.shape); }
-double margin_of(const Triangle&) { return 0.0; }
+double margin_of(const PlacedShape& placed) { return placed.core.margin; }
+double margin_of(const geometry::Triangle&) { return 0.0; }
 
 // Distance between two convex sets: of their cores, less what is around these.
 template <class A, class B>
@@ -78,7 +41,7 @@ double convex_distance(const A& a, const B& b, const Vec3& towards) {
   const auto difference = [&](const Vec3& d) -> Vec3 { return outermost(a, d) - outermost(b, -d); };
   const Vec3 d = towards.squaredNorm() > 0.0 ? towards : Vec3(1, 0, 0);
   const double apart =
-      gjk::origin_distance(difference, difference(d)) - margin_of(a) - margin_of(b);
+      gjk::nearest_to_origin(difference, difference(d)).norm() - margin_of(a) - margin_of(b);
   return apart <= kTouching ? 0.0 : apart;
 }
 
@@ -91,90 +54,51 @@ double plane_distance(const PlacedShape& plane, const PlacedShape& other) {
   return kInfinity;
 }
 
-bool apart(const PlacedShape& a, const Vec3& low, const Vec3& high, double enough) {
-  return ((low.array() > a.high.array() + enough) || (high.array() < a.low.array() - enough)).any();
-}
-
+// The triangles of a mesh or heightmap that meet `where`, all in the world.
 template <class Use>
-void for_triangles(const PlacedShape& placed, const Vec3& low, const Vec3& high, const Use& use) {
-  const auto give = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Triangle triangle{{placed.X_WS * a, placed.X_WS * b, placed.X_WS * c}};
-    const auto& [p, q, r] = triangle.corners;
-    const Vec3 least = p.cwiseMin(q).cwiseMin(r), most = p.cwiseMax(q).cwiseMax(r);
-    if (((least.array() > high.array()) || (most.array() < low.array())).any()) return;
-    use(triangle);
-  };
-  if (placed.shape->type == ShapeType::mesh) {
-    const TriangleMesh& mesh = placed.model->meshes[static_cast<std::size_t>(placed.shape->mesh)];
-    const auto vertex = [&](int i) { return mesh.vertices[static_cast<std::size_t>(i)]; };
-    for (const Eigen::Vector3i& t : mesh.triangles) give(vertex(t[0]), vertex(t[1]), vertex(t[2]));
-    return;
-  }
-  const HeightGrid& grid =
-      placed.model->heightmaps[static_cast<std::size_t>(placed.shape->heightmap)];
-  const auto point = [&](int row, int column) {
-    return Vec3(grid.size_x * (double(column) / (grid.columns - 1) - 0.5),
-                grid.size_y * (double(row) / (grid.rows - 1) - 0.5),
-                grid.heights[static_cast<std::size_t>(row * grid.columns + column)]);
-  };
-  for (int row = 0; row + 1 < grid.rows; ++row) {
-    for (int column = 0; column + 1 < grid.columns; ++column) {
-      const Vec3 a = point(row, column), b = point(row, column + 1);
-      const Vec3 c = point(row + 1, column + 1), e = point(row + 1, column);
-      give(a, b, c);
-      give(a, c, e);
-    }
-  }
+void for_triangles(const PlacedShape& placed, const geometry::Bounds& where, const Use& use) {
+  geometry::for_triangles(*placed.model, *placed.shape, geometry::all_bounds(),
+                          [&](const geometry::Triangle& t) {
+                            const geometry::Triangle triangle = {
+                                placed.X_WS * t[0], placed.X_WS * t[1], placed.X_WS * t[2]};
+                            if (!geometry::bounds_of(triangle).apart(where)) use(triangle);
+                          });
 }
 
 // What has no inside against what has one.
 double surface_distance(const PlacedShape& surface, const PlacedShape& other, double enough) {
   const Vec3 margin = Vec3::Constant(enough);
   double best = kInfinity;
-  const Vec3 middle = 0.5 * (other.low + other.high);
-  for_triangles(surface, other.low - margin, other.high + margin, [&](const Triangle& triangle) {
-    best = std::min(best, convex_distance(other, triangle, triangle.corners[0] - middle));
-  });
+  const Vec3 middle = 0.5 * (other.bounds.low + other.bounds.high);
+  for_triangles(surface, {other.bounds.low - margin, other.bounds.high + margin},
+                [&](const geometry::Triangle& triangle) {
+                  best = std::min(best, convex_distance(other, triangle, triangle[0] - middle));
+                });
   if (surface.shape->type != ShapeType::heightmap || best == 0.0) return best;
-  // Ground is full below: a triangle above the middle of the other means that it is buried.
-  const Vec3 far(0, 0, 1e4);
-  for_triangles(surface, middle, middle + far, [&](const Triangle& triangle) {
-    const auto& [a, b, c] = triangle.corners;
-    const Eigen::Vector2d p = middle.head<2>(), u = (b - a).head<2>(), v = (c - a).head<2>();
-    const double det = u.x() * v.y() - u.y() * v.x();
-    if (det == 0.0) return;
-    const Eigen::Vector2d r = p - a.head<2>();
-    const double s = (r.x() * v.y() - r.y() * v.x()) / det;
-    const double t = (u.x() * r.y() - u.y() * r.x()) / det;
-    if (s < 0.0 || t < 0.0 || s + t > 1.0) return;
-    if (a.z() + s * (b - a).z() + t * (c - a).z() >= middle.z()) best = 0.0;
-  });
-  return best;
+  // Ground is full below: where the middle of the other is in it, that is buried.
+  const Vec3 p = surface.X_WS.inverse() * middle;
+  const HeightGrid& grid =
+      surface.model->heightmaps[static_cast<std::size_t>(surface.shape->heightmap)];
+  return p.z() <= geometry::ground_height(grid, p.x(), p.y()) ? 0.0 : best;
 }
 
 PlacedShape placed(const SceneModel& model, int body, const Shape& shape, const Pose& X_WB,
                    double grown) {
-  PlacedShape out{&model, &shape, X_WB * shape.X_BS, body, grown};
-  out.low.setConstant(-kInfinity);
-  out.high.setConstant(kInfinity);
+  PlacedShape out{&model, &shape, {}, X_WB * shape.X_BS, body, grown, geometry::all_bounds()};
   if (shape.type == ShapeType::plane) return out;
   if (has_inside(shape)) {
-    for (int i = 0; i < 3; ++i) {
-      out.high[i] = outermost(out, Vec3::Unit(i))[i] + margin_of(shape);
-      out.low[i] = outermost(out, -Vec3::Unit(i))[i] - margin_of(shape);
-    }
+    out.core = geometry::core_of(model, shape);
+    out.bounds = out.core.bounds(out.X_WS);
+    const Vec3 level(grown, grown, 0.0);
+    out.bounds.low -= level;
+    out.bounds.high += level;
     return out;
   }
-  out.low.setConstant(kInfinity);
-  out.high.setConstant(-kInfinity);
-  const Vec3 all = Vec3::Constant(kInfinity);
-  for_triangles(out, -all, all, [&](const Triangle& triangle) {
-    for (const Vec3& corner : triangle.corners) {
-      out.low = out.low.cwiseMin(corner);
-      out.high = out.high.cwiseMax(corner);
-    }
+  out.bounds = {};
+  for_triangles(out, geometry::all_bounds(), [&](const geometry::Triangle& triangle) {
+    out.bounds.add(geometry::bounds_of(triangle));
   });
-  if (shape.type == ShapeType::heightmap) out.low.setConstant(-kInfinity);
+  if (shape.type == ShapeType::heightmap) out.bounds.low.setConstant(-kInfinity);
   return out;
 }
 
@@ -191,7 +115,7 @@ std::vector<PlacedShape> shapes_of(const SceneModel& model, const WorldState& st
 }  // namespace
 
 double shape_distance(const PlacedShape& a, const PlacedShape& b, double enough) {
-  if (apart(a, b.low, b.high, enough)) return kInfinity;
+  if (a.bounds.apart(b.bounds, enough)) return kInfinity;
   if (a.shape->type == ShapeType::plane) {
     return b.shape->type == ShapeType::plane ? kInfinity : plane_distance(a, b);
   }

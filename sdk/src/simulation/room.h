@@ -6,6 +6,7 @@
 
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/physics/state.h"
+#include "geometry/convex.h"
 
 namespace cogrsim {
 
@@ -13,14 +14,15 @@ namespace cogrsim {
 struct PlacedShape {
   const SceneModel* model = nullptr;
   const Shape* shape = nullptr;
+  geometry::Core core;  ///< of what is convex
   Pose X_WS;
   int body = -1;
-  double grown = 0.0;                            ///< all round, horizontally [m]
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< its bounds in the world, grown
+  double grown = 0.0;       ///< all round, horizontally [m]
+  geometry::Bounds bounds;  ///< in the world, grown
 };
 
 /// Distance between the surfaces of two shapes [m]; 0 where they touch or overlap. Exact for
-/// everything convex (signals/gjk.h) and for planes; meshes and height maps
+/// everything convex (geometry/gjk.h) and for planes; meshes and height maps
 /// count as their triangles, a height map also with all that is below it. Two of those that have no
 /// inside are infinitely far from each other. More than `enough`: some distance beyond it.
 double shape_distance(const PlacedShape& a, const PlacedShape& b, double enough);

@@ -31,6 +31,8 @@ SimulationSnapshotPtr Simulation::save() const {
   }
   snapshot->last_dt = from.last_dt;
   snapshot->twists_before = from.twists_before;
+  snapshot->joint_efforts_before = from.joint_efforts_before;
+  snapshot->motor_efforts_before = from.motor_efforts_before;
   snapshot->living = from.living.memory;
   std::lock_guard lock(impl_->queue_mutex);
   for (const QueuedCommand& queued : from.queue) {
@@ -57,6 +59,8 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
   to.last_dt = snapshot->last_dt;
   to.status = snapshot->status;
   to.twists_before = snapshot->twists_before;
+  to.joint_efforts_before = snapshot->joint_efforts_before;
+  to.motor_efforts_before = snapshot->motor_efforts_before;
   std::string problems;
   // What was added or removed since needs other devices than those that are there now.
   if (!same_model || restart_controllers) {

@@ -50,7 +50,10 @@ Result<Json> memory_json(const Slot& slot, const std::string& name, const Json& 
       }
     }
   } else {
-    if (slot.supervisor) thrown = slot.entry->save(*slot.supervisor, memory);
+    if (slot.supervisor) {
+      const PluginCall call = slot.stage->calling("while its memory was saved");
+      thrown = slot.entry->save(*slot.supervisor, memory);
+    }
   }
   if (thrown) return fail("'" + name + "' threw while its memory was saved: " + *thrown);
   if (memory) out["memory"] = *memory;
@@ -87,10 +90,8 @@ Result<> put_minds(const Simulation::Impl& from, Json& content) {
   return {};
 }
 
-void put_world(const Simulation::Impl& from, Json& content) {
+void put_world(const Simulation::Impl& from, const WorldState& state, Json& content) {
   const SceneModel& model = *from.model;
-  WorldState state;
-  from.world->get_state(state);
   Json bodies = Json::object(), before = Json::object();
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     if (model.bodies[i].removed) continue;
@@ -108,21 +109,24 @@ void put_world(const Simulation::Impl& from, Json& content) {
         {"position", numbers(state.joint_positions.data() + joint.position_offset,
                              static_cast<std::size_t>(position_count(joint.type)))},
         {"velocity", numbers(state.joint_velocities.data() + joint.speed_offset,
-                             static_cast<std::size_t>(speed_count(joint.type)))}};
+                             static_cast<std::size_t>(speed_count(joint.type)))},
+        {"effort", numbers(state.joint_efforts.data() + joint.speed_offset,
+                           static_cast<std::size_t>(speed_count(joint.type)))}};
   }
   content["bodies"] = std::move(bodies);
   content["joints"] = std::move(joints);
   content["twists_before"] = std::move(before);
 }
 
-void put_devices(const Simulation::Impl& from, Json& content) {
+void put_devices(const Simulation::Impl& from, const WorldState& state, Json& content) {
   const SceneModel& model = *from.model;
   Json motors = Json::object(), sensors = Json::object();
   for (std::size_t i = 0; i < model.motors.size(); ++i) {
     if (model.motors[i].removed) continue;
     motors[model.motors[i].name] = {{"mode", to_string(model.motors[i].mode)},
                                     {"target", number(from.motors[i].target)},
-                                    {"integral", number(from.motors[i].integral)}};
+                                    {"integral", number(from.motors[i].integral)},
+                                    {"effort", number(state.motor_efforts[i])}};
   }
   const std::vector<SensorMemory> memories = from.sensors.save();
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {
@@ -181,8 +185,10 @@ Result<> write_snapshot(const Simulation& simulation, const std::string& path,
                       {"last_dt", number(from.last_dt)},
                       {"steps", from.steps},
                       {"steps_since_base", from.steps_since_base}};
-  put_world(from, content);
-  put_devices(from, content);
+  WorldState state;
+  from.get_state(state);
+  put_world(from, state, content);
+  put_devices(from, state, content);
   if (auto minds = put_minds(from, content); !minds) return minds;
   content["living"] = living_json(*from.model, from.living.memory);
   content["sent"] = from.own_in_queue;

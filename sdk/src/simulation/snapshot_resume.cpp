@@ -35,6 +35,7 @@ class Resumption {
     clock();
     if (auto good = world(); !good) return good;
     motors();
+    to_.world_changed();
     // Minds are configured once more: they see the world as it is now, not as at the start.
     std::string problems;
     for (const Diagnostic& d : to_.build_minds(0, true)) {
@@ -75,6 +76,7 @@ class Resumption {
     const SceneModel& model = *to_.model;
     WorldState state;
     to_.world->get_state(state);
+    to_.joint_efforts_before.assign(state.joint_efforts.size(), 0.0);
     const Json &bodies = content_.at("bodies"), &joints = content_.at("joints");
     std::vector<std::string> fresh, odd;
     std::set<std::string> names;
@@ -119,6 +121,12 @@ class Resumption {
       }
       std::copy(q.begin(), q.end(), state.joint_positions.begin() + joint.position_offset);
       std::copy(u.begin(), u.end(), state.joint_velocities.begin() + joint.speed_offset);
+      if (!then.contains("effort")) continue;  // older files
+      const std::vector<double> effort = numbers_from(then.at("effort"));
+      if (effort.size() == u.size()) {
+        std::copy(effort.begin(), effort.end(),
+                  to_.joint_efforts_before.begin() + joint.speed_offset);
+      }
     }
     tell("starts as in the scene, because the snapshot does not have it: joint",
          "start as in the scene, because the snapshot does not have them: joints", fresh);
@@ -143,6 +151,7 @@ class Resumption {
     const Json& then = content_.at("motors");
     std::set<std::string> names;
     std::vector<std::string> fresh, odd;
+    to_.motor_efforts_before.assign(to_.model->motors.size(), 0.0);
     for (std::size_t i = 0; i < to_.model->motors.size(); ++i) {
       const Motor& motor = to_.model->motors[i];
       if (motor.removed) continue;
@@ -155,6 +164,8 @@ class Resumption {
         to_.motors[i].target =
             clamp_target(*to_.model, motor, number_from(then.at(motor.name).at("target")));
         to_.motors[i].integral = number_from(then.at(motor.name).at("integral"));
+        if (then.at(motor.name).contains("effort"))  // not in older files
+          to_.motor_efforts_before[i] = number_from(then.at(motor.name).at("effort"));
       }
     }
     tell("starts as in the scene, because the snapshot does not have it: motor",
@@ -259,6 +270,7 @@ class Resumption {
           thrown = there ? failure->what : phrase(*failure, "while taking it");
         }
       } else if (!controllers && to_.supervisors[i].supervisor) {
+        const PluginCall call = to_.supervisors[i].stage->calling("while it was given a memory");
         thrown = to_.supervisors[i].entry->restore(*to_.supervisors[i].supervisor, memory);
       }
       if (thrown) {

@@ -20,10 +20,29 @@ bool covers(const FrameContents& has, const FrameContents& wanted) {
 
 }  // namespace
 
+struct Observation::Watcher {
+  FrameContents contents;
+  Simulation::Observer observer;
+  bool ended = false;
+};
+
+void Observation::end() {
+  if (const auto watcher = watcher_.lock()) watcher->ended = true;
+}
+
+void Simulation::Impl::get_state(WorldState& out) const {
+  world->get_state(out);
+  const auto known = [](const std::vector<double>& before, std::vector<double>& now) {
+    std::copy_n(before.begin(), std::min(before.size(), now.size()), now.begin());
+  };
+  known(joint_efforts_before, out.joint_efforts);
+  known(motor_efforts_before, out.motor_efforts);
+}
+
 const WorldState& Simulation::Impl::present_state() {
   if (!state_fresh) {
     if (world) {
-      world->get_state(state);
+      get_state(state);
     } else {  // the physics was refused: handles still answer while mistakes are collected
       state.poses.resize(model->bodies.size());
       state.twists.resize(model->bodies.size());
@@ -72,6 +91,7 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
     }
   }
   sensors.copy_readings(frame->readings);
+  frame->channels = sensors.channels();
   frame->events = events;
   copy_controller_outputs(*frame);
   frame->supervisor_outputs.resize(supervisors.size());
@@ -98,7 +118,7 @@ bool Simulation::Impl::wants_accelerations() const {
          std::any_of(supervisors.begin(), supervisors.end(),
                      [](const SupervisorSlot& s) { return s.needs.accelerations; }) ||
          std::any_of(watchers.begin(), watchers.end(),
-                     [](const Watcher& w) { return w.contents.accelerations; });
+                     [](const auto& w) { return w->contents.accelerations && !w->ended; });
 }
 
 void Simulation::Impl::read_sensors() {
@@ -113,12 +133,16 @@ void Simulation::Impl::read_sensors() {
 }
 
 void Simulation::Impl::show_frame() {
+  watchers.erase(std::remove_if(watchers.begin(), watchers.end(),
+                                [](const auto& watcher) { return watcher->ended; }),
+                 watchers.end());
   if (watchers.empty()) return;
   FrameContents needed;
-  for (const Watcher& watcher : watchers) needed = needed | watcher.contents;
+  for (const auto& watcher : watchers) needed = needed | watcher->contents;
   if (needed.for_sensors) needed = needed | sensors.needs();
   const FramePtr frame = frame_with(needed);
-  for (const Watcher& watcher : watchers) watcher.observer(frame);
+  for (const auto& watcher : watchers)
+    if (!watcher->ended) watcher->observer(frame);
 }
 
 void Simulation::Impl::show_start() {
@@ -150,7 +174,12 @@ RunStatus Simulation::Impl::step() {
   } else {
     twists_before.clear();
   }
-  const StepResult result = world->step(dt, drives);
+  const StepResult result = [&] {
+    const PluginCall call("backend", backend->name(), "", "", "in a step", time());
+    return world->step(dt, drives);
+  }();
+  joint_efforts_before.clear();
+  motor_efforts_before.clear();
   world_changed();
   if (result.status == StepStatus::diverged) {
     status = RunStatus::diverged;
@@ -196,8 +225,12 @@ bool Simulation::paused() const { return impl_->paused; }
 
 FramePtr Simulation::frame() { return impl_->frame_with({true, true, true}); }
 
-void Simulation::observe(FrameContents contents, Observer observer) {
-  impl_->watchers.push_back({contents, std::move(observer)});
+Observation Simulation::observe(FrameContents contents, Observer observer) {
+  auto watcher = std::make_shared<Observation::Watcher>();
+  watcher->contents = contents;
+  watcher->observer = std::move(observer);
+  impl_->watchers.push_back(watcher);
+  return Observation(watcher);
 }
 
 const std::vector<Channel>& Simulation::channels(int sensor) const {

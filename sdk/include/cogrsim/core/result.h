@@ -10,6 +10,17 @@
 
 namespace cogrsim {
 
+/// `text` with two blanks before every line but the first, so that none passes for one of ours.
+inline std::string indented(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    out += text[i];
+    if (text[i] == '\n' && i + 1 < text.size() && text[i + 1] != ' ' && text[i + 1] != '\n')
+      out += "  ";
+  }
+  return out;
+}
+
 /// What went wrong, where, and the way out. Lower-case sentences without a final stop.
 struct Error {
   std::string message;  ///< the offender and what was expected
@@ -27,8 +38,8 @@ struct Error {
 
   /// All of it on as many lines as it needs: "where: message" and "help: hint".
   std::string text() const {
-    std::string out = where.empty() ? message : where + ": " + message;
-    if (!hint.empty()) out += "\nhelp: " + hint;
+    std::string out = indented(where.empty() ? message : where + ": " + message);
+    if (!hint.empty()) out += "\nhelp: " + indented(hint);
     return out;
   }
 };

@@ -12,7 +12,8 @@ namespace cogrsim {
 /// Every motor mode is an instance of it (see MotorMode and docs/concepts): a torque motor has only
 /// `bias`, a servo kp, kd and the integral part as bias, a DC motor kd = kt ke / R. With
 /// kd = infinity it is an ideal speed source: the effort is whatever within the bounds brings u to
-/// `velocity` at the end of the step; kp and bias are then ignored.
+/// `velocity` at the end of the step; kp and bias are then ignored. At a stop of the joint it pushes
+/// with its bound; one without a bound is never asked to go beyond a stop.
 ///
 /// A backend must not lose stability for any kp, kd >= 0: where they are stiff against the step it
 /// integrates them implicitly. The clamp bounds the mean effort over the step (impulse / dt).

@@ -13,6 +13,16 @@ namespace cogrsim {
 
 struct Picture;
 
+/// One number of a reading.
+struct Channel {
+  std::string name;   ///< "position"
+  std::string unit;   ///< "rad"
+  bool noisy = true;  ///< the scene's noise terms apply to it
+  int group = 0;      ///< which terms: those with this NoiseTerm::group
+};
+/// What each sensor reads, by SceneModel::sensors, in the order of Reading::values.
+using SensorChannels = std::vector<std::shared_ptr<const std::vector<Channel>>>;
+
 /// What a sensor saw, as numbers; what they mean is said by the sensor's type
 /// (Sensor::channels()). Cameras add a picture, touch sensors the contacts they feel.
 struct Reading {
@@ -26,21 +36,50 @@ struct Reading {
   bool enabled = true;            ///< the sensor is switched on
 };
 
+/// What a name in an event stands for.
+enum class EventParty {
+  none,
+  name,  ///< of the event's own
+  region,
+  door,
+  joint,
+  thing,       ///< assembly or body
+  place,       ///< assembly, body or frame
+  a_template,  ///< what an assembly is made from
+  controller,  ///< or supervisor
+};
+
+struct EventKind {
+  const char* name;
+  EventParty source = EventParty::none, subject = EventParty::none;
+  bool last = false;  ///< the run is over with it: no rule can act on it
+};
+
+/// Every kind of event there is.
+inline constexpr EventKind kEventKinds[] = {
+    {"enter", EventParty::region, EventParty::place},
+    {"leave", EventParty::region, EventParty::place},
+    {"opening", EventParty::door},
+    {"opened", EventParty::door},
+    {"closing", EventParty::door},
+    {"closed", EventParty::door},
+    {"added", EventParty::thing, EventParty::a_template},
+    {"removed", EventParty::thing},
+    {"attached", EventParty::joint, EventParty::thing},  // the child body
+    {"detached", EventParty::joint, EventParty::thing},
+    {"frozen", EventParty::thing},  // made static
+    {"freed", EventParty::thing},
+    {"raised", EventParty::name},
+    {"fault", EventParty::controller},
+    {"refused"},
+    {"restarted"},
+    {"ended", EventParty::none, EventParty::none, true},
+};
+
 /// Something that happened during the step: a controller's fault, an added assembly.
-///
-/// | kind                              | source         | subject                  |
-/// |-----------------------------------|----------------|--------------------------|
-/// | enter leave                       | region         | who: assembly, body, frame |
-/// | opening opened closing closed     | door           |                          |
-/// | added removed                     | assembly, body | template it is made from |
-/// | attached detached                 | joint          | child body               |
-/// | frozen freed (SetStatic)          | body, assembly |                          |
-/// | raised                            | its name       |                          |
-/// | fault                             | mind           |                          |
-/// | refused restarted ended           |                |                          |
 struct Event {
   double time = 0.0;
-  std::string kind;
+  std::string kind;    ///< of kEventKinds
   std::string source;  ///< dotted name
   std::string message;
   std::string subject;  ///< dotted name of who or what took part; "" for none
@@ -57,9 +96,10 @@ struct Frame {
   /// step, world axes [m/s^2], [rad/s^2] (nbody): differences of twists, the same for any engine.
   std::vector<Twist> accelerations;
   std::vector<Contact> contacts;
-  std::vector<Wrench> joint_reactions;  ///< see JointReactions
-  std::vector<Reading> readings;        ///< latest of every sensor (nsensor)
-  std::vector<Event> events;            ///< of this step
+  std::vector<Wrench> joint_reactions;             ///< see JointReactions
+  std::vector<Reading> readings;                   ///< latest of every sensor (nsensor)
+  std::shared_ptr<const SensorChannels> channels;  ///< of the readings; nullptr: not known
+  std::vector<Event> events;                       ///< of this step
   /// What minds publish, latest values, in the order of their `outputs`; NaN: not yet.
   std::vector<std::vector<double>> controller_outputs;  ///< by SceneModel::controllers
   std::vector<std::vector<double>> supervisor_outputs;  ///< by SceneModel::supervisors

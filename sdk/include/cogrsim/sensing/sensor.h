@@ -33,14 +33,6 @@ class Sensing {
   virtual Result<std::vector<Picture>> render(const std::vector<RenderRequest>& requests) = 0;
 };
 
-/// One number of a reading.
-struct Channel {
-  std::string name;   ///< "position"
-  std::string unit;   ///< "rad"
-  bool noisy = true;  ///< the scene's noise terms apply to it
-  int group = 0;      ///< which terms: those with this NoiseTerm::group
-};
-
 /// Applies the noise of a sensor to the noisy channels of `values`, term by term in order, drawing
 /// from `random`; a term touches the channels of its group only.
 /// Returns false when the reading dropped out. `walk` (same length as values, zeros at first)

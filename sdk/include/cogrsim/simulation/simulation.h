@@ -55,11 +55,26 @@ using SimulationSnapshotPtr = std::shared_ptr<const SimulationSnapshot>;
 
 /// What Simulation::reload_controller() did.
 struct Reloaded {
-  std::string controller;    ///< dotted name
+  std::string controller;  ///< dotted name
   std::string plugin;
   std::string version;       ///< of the library that runs now
   bool memory_kept = false;  ///< it goes on with the memory of the one before; else it began anew
   std::string note;          ///< why it began anew; empty when the memory was kept
+};
+
+/// An observer of a simulation, by which it is taken off; letting go of this changes nothing.
+class COGRSIM_API Observation {
+ public:
+  struct Watcher;
+  Observation() = default;
+  explicit Observation(std::weak_ptr<Watcher> watcher) : watcher_(std::move(watcher)) {}
+
+  /// From the next frame on the observer is not called any more and its contents are not made. By
+  /// the thread that steps, also while it is called; nothing happens if it or the simulation is gone.
+  void end();
+
+ private:
+  std::weak_ptr<Watcher> watcher_;
 };
 
 class COGRSIM_API Simulation {
@@ -83,7 +98,7 @@ class COGRSIM_API Simulation {
 
   /// Observers see every frame after its step, in order of registration. Keep them short.
   using Observer = std::function<void(const FramePtr&)>;
-  void observe(FrameContents contents, Observer observer);
+  Observation observe(FrameContents contents, Observer observer);
 
   /// Steps until `end_time` [s]: returns `completed`, while status() stays `running` and a later
   /// call goes on; or until something ends the run: returns what status() then says. Sleeps as the

@@ -1,9 +1,11 @@
-#include "sensing/inside_shape.h"
+#include "geometry/inside_shape.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace cogrsim {
+#include "geometry/triangles.h"
+
+namespace cogrsim::geometry {
 
 namespace {
 
@@ -21,21 +23,6 @@ double winding_number(const TriangleMesh& mesh, const Vec3& p) {
                             la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la);
   }
   return sum / (4.0 * M_PI);
-}
-
-/// Ground height at (x, y), bilinear in its cell; far below beyond the edge.
-double ground(const HeightGrid& grid, double x, double y) {
-  const double u = (x / grid.size_x + 0.5) * (grid.columns - 1);
-  const double v = (y / grid.size_y + 0.5) * (grid.rows - 1);
-  if (u < 0.0 || v < 0.0 || u > grid.columns - 1 || v > grid.rows - 1) return -HUGE_VAL;
-  const int i = std::min(static_cast<int>(u), grid.columns - 2);
-  const int j = std::min(static_cast<int>(v), grid.rows - 2);
-  const auto at = [&](int column, int row) {
-    return grid.heights[static_cast<std::size_t>(row * grid.columns + column)];
-  };
-  const double s = u - i, t = v - j;
-  return (1 - t) * ((1 - s) * at(i, j) + s * at(i + 1, j)) +
-         t * ((1 - s) * at(i, j + 1) + s * at(i + 1, j + 1));
 }
 
 }  // namespace
@@ -59,11 +46,11 @@ bool inside_shape(const SceneModel& model, const Shape& shape, const Vec3& p, do
     case ShapeType::mesh:
       return winding_number(model.meshes[static_cast<std::size_t>(shape.mesh)], p) > 0.5;
     case ShapeType::heightmap:
-      return p.z() <
-             ground(model.heightmaps[static_cast<std::size_t>(shape.heightmap)], p.x(), p.y()) -
-                 margin;
+      return p.z() < ground_height(model.heightmaps[static_cast<std::size_t>(shape.heightmap)],
+                                   p.x(), p.y()) -
+                         margin;
   }
   return false;
 }
 
-}  // namespace cogrsim
+}  // namespace cogrsim::geometry

@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "cogrsim/model/scene_model.h"
-#include "signals/terms.h"
 
-namespace cogrsim {
+namespace cogrsim::geometry {
 
 /// The solid of some bodies, or a point. Keeps what it needs of the model it was made from: shapes
 /// do not change during a run.
@@ -19,7 +18,7 @@ namespace cogrsim {
 class SurfaceSet {
  public:
   static SurfaceSet of_bodies(const SceneModel& model, const std::vector<int>& bodies);
-  static SurfaceSet of_point(const SignalPlace& place);
+  static SurfaceSet of_point(int body, const Pose& X_BP);
 
   struct Piece;
   const std::vector<std::shared_ptr<const Piece>>& pieces() const { return pieces_; }
@@ -37,4 +36,4 @@ class SurfaceSet {
 double surface_distance(const SurfaceSet& a, const SurfaceSet& b, const std::vector<Pose>& poses,
                         const std::vector<bool>& gone);
 
-}  // namespace cogrsim
+}  // namespace cogrsim::geometry

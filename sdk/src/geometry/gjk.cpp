@@ -1,4 +1,4 @@
-#include "signals/gjk.h"
+#include "geometry/gjk.h"
 
 #include <limits>
 

@@ -22,11 +22,12 @@ struct Simplex {
 /// Of the hull of `simplex`, the point nearest to the origin; leaves the points it lies between.
 Vec3 reduce(Simplex& simplex);
 
-/// Distance of the origin from a convex set whose point furthest along d is support(d); 0 where it
-/// is inside. `start`: any point of the set. The answer is never too small, and too large by at
-/// most 1e-10 m + 1e-12 of itself, unless 200 rounds do not reach that (seen with no shape of ours).
+/// The point nearest to the origin of a convex set whose point furthest along d is support(d); 0
+/// where the origin is inside. `start`: any point of the set. Its distance is never too small, and
+/// too large by at most 1e-10 m + 1e-12 of itself, unless 200 rounds do not reach that (seen with no
+/// shape of ours).
 template <class Support>
-double origin_distance(const Support& support, const Vec3& start) {
+Vec3 nearest_to_origin(const Support& support, const Vec3& start) {
   constexpr int kMostRounds = 200;
   Simplex simplex;
   simplex.points[0] = start;
@@ -34,20 +35,21 @@ double origin_distance(const Support& support, const Vec3& start) {
   Vec3 v = start;
   double distance = v.norm();
   for (int round = 0; round < kMostRounds; ++round) {
-    if (distance < 1e-12) return 0.0;
+    if (distance < 1e-12) return Vec3::Zero();
     const Vec3 w = support(Vec3(-v));
     // All of the set lies beyond the plane through w across v.
-    if (distance - v.dot(w) / distance <= 1e-10 + 1e-12 * distance) return distance;
+    if (distance - v.dot(w) / distance <= 1e-10 + 1e-12 * distance) return v;
     for (std::size_t i = 0; i < simplex.count; ++i)
-      if (simplex.points[i] == w) return distance;  // rounding: there is nothing nearer
+      if (simplex.points[i] == w) return v;  // rounding: there is nothing nearer
     simplex.points[simplex.count++] = w;
-    v = reduce(simplex);
-    if (simplex.count == 4) return 0.0;
-    const double next = v.norm();
-    if (next >= distance) return distance;  // rounding again
-    distance = next;
+    const Vec3 next = reduce(simplex);
+    if (simplex.count == 4) return Vec3::Zero();
+    const double nearer = next.norm();
+    if (nearer >= distance) return v;  // rounding again
+    v = next;
+    distance = nearer;
   }
-  return distance;
+  return v;
 }
 
 }  // namespace cogrsim::gjk

@@ -3,9 +3,9 @@
 
 #include "cogrsim/model/shapes.h"
 
-namespace cogrsim::rays {
+namespace cogrsim::geometry {
 
 /// Triangles counter-clockwise seen from outside, by Qhull. What has no volume comes back as it is.
 TriangleMesh convex_hull(const TriangleMesh& mesh);
 
-}  // namespace cogrsim::rays
+}  // namespace cogrsim::geometry

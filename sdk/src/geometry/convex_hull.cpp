@@ -1,4 +1,4 @@
-#include "rays/convex_hull.h"
+#include "geometry/convex_hull.h"
 
 // C, and written for another set of warnings.
 #pragma GCC diagnostic push
@@ -8,7 +8,7 @@
 
 #include <cstdio>
 
-namespace cogrsim::rays {
+namespace cogrsim::geometry {
 namespace {
 
 /// The library prints what it thinks of degenerate points.
@@ -71,4 +71,4 @@ TriangleMesh convex_hull(const TriangleMesh& mesh) {
   return good && !out.triangles.empty() ? out : mesh;
 }
 
-}  // namespace cogrsim::rays
+}  // namespace cogrsim::geometry

@@ -1,0 +1,183 @@
+#include "cogrsim/plugin/crash_report.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+
+namespace cogrsim {
+
+namespace {
+
+struct Crash {
+  int number;
+  const char* name;
+};
+constexpr Crash kCrashes[] = {{SIGSEGV, "SIGSEGV, a wrong address or a stack that is too deep"},
+                              {SIGBUS, "SIGBUS, a wrong address"},
+                              {SIGFPE, "SIGFPE, a division by zero"},
+                              {SIGILL, "SIGILL, a wrong instruction"},
+                              {SIGABRT, "SIGABRT, it gave up by abort()"}};
+constexpr std::size_t kKinds = std::size(kCrashes);
+
+// Shared with the signal handler, which reaches nothing but statics. Of the initial-exec model:
+// others may take memory when a thread first asks.
+__attribute__((tls_model("initial-exec"))) thread_local PluginCall* t_innermost = nullptr;
+struct sigaction g_before[kKinds];
+std::atomic<bool> g_reporting{false};
+
+/// Text in a handler: no memory is taken, what does not fit is left out.
+class Line {
+ public:
+  Line(char* text, std::size_t size) : text_(text), size_(size) {}
+  std::size_t length() const { return length_; }
+
+  void put(char c) {
+    if (length_ < size_) text_[length_++] = c;
+  }
+  Line& operator<<(const char* words) {
+    for (; *words != '\0'; ++words) put(*words);
+    return *this;
+  }
+  /// In quotes; what could steer a terminal is a question mark.
+  Line& quoted(const char* words) {
+    put('\'');
+    for (; *words != '\0'; ++words) put(*words < 0x20 || *words > 0x7E ? '?' : *words);
+    put('\'');
+    return *this;
+  }
+  /// To microseconds: "0.25".
+  Line& seconds(double time) {
+    if (!(std::abs(time) < 1e12)) return *this << "?";
+    if (time < 0.0) put('-');
+    const auto micro = static_cast<std::uint64_t>(std::abs(time) * 1e6 + 0.5);
+    digits(micro / 1000000, 1);
+    std::uint64_t part = micro % 1000000;
+    int places = 6;
+    for (; places > 0 && part % 10 == 0; --places) part /= 10;
+    if (places == 0) return *this;
+    put('.');
+    digits(part, places);
+    return *this;
+  }
+
+ private:
+  void digits(std::uint64_t value, int least) {
+    if (value >= 10 || least > 1) digits(value / 10, least - 1);
+    put(static_cast<char>('0' + value % 10));
+  }
+
+  char* text_;
+  std::size_t size_, length_ = 0;
+};
+
+void on_crash(int number) {
+  char text[1024];
+  Line line(text, sizeof text);
+  const Crash* crash = kCrashes;
+  while (crash->number != number) ++crash;
+  line << "\nerror: ";
+  char call[768];
+  const std::size_t length = PluginCall::describe(call, sizeof call);
+  if (length > 0) {
+    for (std::size_t i = 0; i < length; ++i) line.put(call[i]);
+    line << " crashed (" << crash->name << ")\n";
+    constexpr char kController[] = "controller ";
+    bool controller = length > sizeof kController;
+    for (std::size_t i = 0; controller && i + 1 < sizeof kController; ++i)
+      controller = call[i] == kController[i];
+    if (controller) {
+      line << "help: isolation=\"process\" keeps what a controller does to a process of its own\n";
+    }
+  } else {
+    line << "the program crashed while no plugin was called (" << crash->name << ")\n";
+  }
+  // On a terminal a line of progress may stand there.
+  const std::size_t from = ::isatty(STDERR_FILENO) != 0 ? 0 : 1;
+  static_cast<void>(!::write(STDERR_FILENO, text + from, line.length() - from));
+  ::sigaction(number, &g_before[crash - kCrashes], nullptr);
+  ::raise(number);  // comes when this returns
+}
+
+/// A stack for the handler, since that of the thread may have overflowed.
+class HandlerStack {
+ public:
+  HandlerStack() {
+    stack_t now{};
+    if (::sigaltstack(nullptr, &now) != 0 || (now.ss_flags & SS_DISABLE) == 0) return;
+    memory_ = std::malloc(kBytes);
+    stack_t own{};
+    own.ss_sp = memory_;
+    own.ss_size = kBytes;
+    if (memory_ != nullptr) ::sigaltstack(&own, nullptr);
+  }
+  ~HandlerStack() {
+    if (memory_ == nullptr) return;
+    stack_t none{};
+    none.ss_flags = SS_DISABLE;
+    ::sigaltstack(&none, nullptr);
+    std::free(memory_);
+  }
+  HandlerStack(const HandlerStack&) = delete;
+  HandlerStack& operator=(const HandlerStack&) = delete;
+
+ private:
+  static constexpr std::size_t kBytes = 64u << 10;
+  void* memory_ = nullptr;
+};
+
+void give_handler_stack() { static thread_local const HandlerStack stack; }
+
+}  // namespace
+
+PluginCall::PluginCall(const char* kind, const char* name, const char* of, const char* plugin,
+                       const char* doing, double time) noexcept
+    : kind_(kind),
+      name_(name),
+      of_(of),
+      plugin_(plugin),
+      doing_(doing),
+      time_(time),
+      outer_(t_innermost) {
+  if (outer_ == nullptr && g_reporting.load(std::memory_order_relaxed)) give_handler_stack();
+  t_innermost = this;
+}
+
+PluginCall::~PluginCall() { t_innermost = outer_; }
+
+std::size_t PluginCall::describe(char* text, std::size_t size) noexcept {
+  Line line(text, size);
+  const PluginCall* const call = t_innermost;
+  if (call == nullptr) return 0;
+  line << call->kind_;
+  if (*call->name_ != '\0') (line << " ").quoted(call->name_);
+  if (*call->of_ != '\0') (line << " of ").quoted(call->of_);
+  if (*call->plugin_ != '\0') (line << " (plugin ").quoted(call->plugin_) << ")";
+  line << " " << call->doing_;
+  const PluginCall* timed = call;
+  while (timed != nullptr && std::isnan(timed->time_)) timed = timed->outer_;
+  if (timed != nullptr) (line << " at ").seconds(timed->time_) << " s";
+  return line.length();
+}
+
+std::string PluginCall::described() {
+  char text[768];
+  return {text, describe(text, sizeof text)};
+}
+
+void report_crashes() {
+  if (g_reporting.exchange(true)) return;
+  give_handler_stack();
+  struct sigaction action {};
+  action.sa_handler = on_crash;
+  action.sa_flags = SA_ONSTACK;
+  ::sigemptyset(&action.sa_mask);
+  for (std::size_t i = 0; i < kKinds; ++i) {
+    ::sigaction(kCrashes[i].number, &action, &g_before[i]);
+  }
+}
+
+}  // namespace cogrsim

@@ -1,0 +1,46 @@
+// What a plugin can do to the program it runs in.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+namespace misdeed {
+
+inline int deeper(volatile int level) {
+  if (level < 0) return 0;  // never: the stack is gone long before
+  volatile char block[4096] = {};
+  block[level % 4096] = 1;
+  return block[0] + deeper(level + 1) + 1;  // no tail call: what follows needs the stack
+}
+
+inline void throws() { throw std::runtime_error("told to"); }
+inline void throws_where_nothing_may() noexcept { throws(); }
+
+inline void commit(const std::string& what) {
+  if (what == "crash") std::abort();
+  if (what == "segv") {
+    int* volatile nowhere = nullptr;
+    *nowhere = 1;
+  }
+  if (what == "overflow") std::printf("%d\n", deeper(0));
+  if (what == "terminate") std::terminate();
+  if (what == "noexcept") throws_where_nothing_may();
+  if (what == "exit") std::exit(0);
+  if (what == "print") std::puts("error: a plugin may print what it likes");
+  if (what == "throw") throw std::runtime_error("told to");
+  volatile bool for_ever = what == "hang";
+  while (for_ever) {
+  }
+}
+
+/// What the environment variable RASCAL, "WHERE:WHAT", says for this place.
+inline void commit_at(const std::string& where) {
+  const char* asked = std::getenv("RASCAL");
+  const std::string text = asked ? asked : "";
+  if (text.compare(0, where.size() + 1, where + ":") == 0) commit(text.substr(where.size() + 1));
+}
+
+}  // namespace misdeed

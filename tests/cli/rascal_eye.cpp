@@ -1,0 +1,25 @@
+// The same as a sensor.
+#include "cogrsim/sensing/sensor.h"
+#include "misdeed.h"
+
+namespace {
+
+class Eye final : public cogrsim::Sensor {
+ public:
+  ~Eye() override { misdeed::commit_at("rascal_eye.unmake"); }
+  cogrsim::Result<> configure(const cogrsim::SceneModel&, const cogrsim::SensorModel&,
+                              const cogrsim::Parameters&) override {
+    misdeed::commit_at("rascal_eye.configure");
+    return {};
+  }
+  std::vector<cogrsim::Channel> channels() const override { return {{"seen", "1"}}; }
+  cogrsim::Result<> read(cogrsim::Sensing& sensing, cogrsim::Reading& reading) override {
+    if (sensing.frame().time >= 0.1) misdeed::commit_at("rascal_eye.read");
+    reading.values[0] = sensing.frame().time;
+    return {};
+  }
+};
+
+}  // namespace
+
+COGRSIM_SENSOR(Eye, "rascal_eye", version("1.0.0"), summary("misbehaves"))
