@@ -32,7 +32,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
         {wrong > 0 && (
           <button class="cg-status-wrong" data-testid="problem-count" onClick={() => studio.open_panel("console")}>
             {wrong === 1 ? "1 problem" : `${wrong} problems`}
-            {document && !document.good ? ": the last good scene goes on" : ""}
+            {document && !document.good ? (state.scene.value ? ": the last good scene goes on" : ": there is nothing to run yet") : ""}
           </button>
         )}
         <span class="cg-status-grow" data-testid="selected">
