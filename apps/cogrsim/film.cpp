@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "interrupt.h"
 #include "output_file.h"
 #include "picture_file.h"
 
@@ -49,6 +50,11 @@ std::vector<std::string> arguments(const std::string& path, double rate) {
   // "file:" keeps a name with a colon or a dash in front from being taken for something else.
   words.push_back("file:" + path);
   return words;
+}
+
+// Half a film is none.
+tl::unexpected<Error> interrupted_film(const std::string& path) {
+  return fail("interrupted: nothing was written", path);
 }
 
 }  // namespace
@@ -104,13 +110,17 @@ Result<std::unique_ptr<Film>> Film::start(const std::string& path, double rate) 
 
 Film::~Film() {
   if (pipe_ >= 0) close(pipe_);
-  if (process_ > 0) waitpid(process_, nullptr, 0);
+  if (process_ > 0) {
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+  }
   if (errors_ >= 0) close(errors_);
 }
 
 Result<> Film::add(const std::string& png) {
   std::size_t done = 0;
   while (done < png.size()) {
+    if (interrupted()) return interrupted_film(path_);
     const ssize_t n = write(pipe_, png.data() + done, png.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
@@ -127,9 +137,12 @@ Result<> Film::finish() {
   close(pipe_);
   pipe_ = -1;
   int state = 0;
-  while (waitpid(process_, &state, 0) < 0 && errno == EINTR) {
+  while (waitpid(process_, &state, WNOHANG) == 0) {
+    if (interrupted()) return interrupted_film(path_);
+    usleep(5000);
   }
   process_ = 0;
+  if (interrupted()) return interrupted_film(path_);
   if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return file_.commit();
   std::string said;
   if (errors_ >= 0 && lseek(errors_, 0, SEEK_SET) == 0) {

@@ -23,6 +23,7 @@ class RecordedFrames final : public FrameSource {
   std::string backend() const override { return recording_->info().backend; }
   double end() const override { return recording_->info().end; }
   Result<FramePtr> at(double time) override {
+    if (interrupted()) return fail("interrupted: nothing was written");
     // A frame counts as reached a millionth of a step early: times are read in decimals.
     return recording_->frame(recording_->index_at(time + 1e-6 * recording_->info().step));
   }
@@ -88,6 +89,7 @@ bool is_recording(const std::string& path) {
 std::unique_ptr<FrameSource> FrameSource::open(const FrameSourceOptions& options, int& status) {
   status = kFailed;
   const SceneOptions& source = options.source;
+  catch_interrupts();
   if (is_recording(source.scene)) {
     const bool meant_for_scenes = !options.backend.empty() || options.step > 0.0 || source.seed ||
                                   !source.set.empty() || source.duration;
@@ -111,7 +113,6 @@ std::unique_ptr<FrameSource> FrameSource::open(const FrameSourceOptions& options
     return std::make_unique<RecordedFrames>(std::move(*recording), source.plugin_paths);
   }
 
-  catch_interrupts();
   LoadedScene scene = load_scene(source);
   print_diagnostics(scene.diagnostics);
   if (!scene.model) return nullptr;

@@ -61,6 +61,10 @@ bool interrupted() {
   return true;
 }
 
+std::function<bool()> later_interrupt() {
+  return [before = interrupted()] { return interrupted() && !before; };
+}
+
 void forget_interrupt() { g_interrupted.store(false); }
 
 void end_as_interrupted() {

@@ -1,6 +1,8 @@
 // Ctrl-C ends a run cleanly; a second one ends the process at once.
 #pragma once
 
+#include <functional>
+
 namespace cogrsim {
 class Simulation;
 }
@@ -13,6 +15,8 @@ namespace cogrsim::cli {
 void catch_interrupts();
 /// Asked by long work, which then ends and writes what there is.
 bool interrupted();
+/// Says whether an interrupt came after this call, as interrupted() does of all.
+std::function<bool()> later_interrupt();
 /// For commands that an interrupt ends as usual: they exit with their own status.
 void forget_interrupt();
 /// Ends the process by the signal that interrupted it, so that shell loops end; returns if there

@@ -10,6 +10,7 @@
 #include "cogrsim/figures/draw.h"
 #include "cogrsim/figures/plot_sampler.h"
 #include "cogrsim/recording/recording.h"
+#include "interrupt.h"
 #include "options.h"
 #include "output_file.h"
 #include "plots.h"
@@ -142,6 +143,7 @@ Result<> gather(const PlotCommandOptions& options, const std::vector<PlotModel>&
     run.samplers.push_back(std::move(*sampler));
   }
   for (std::size_t i = 0; i < recording.frame_count(); ++i) {
+    if (interrupted()) return fail("interrupted: nothing was drawn");
     const double time = recording.time_of(i);
     if ((options.from && time < *options.from - 1e-9) || (options.to && time > *options.to + 1e-9))
       continue;
@@ -171,6 +173,7 @@ int draw_all(const PlotCommandOptions& options, const std::vector<Run>& runs) {
   if (!one)
     if (const auto made = make_folder(options.output); !made) return refuse(made.error());
   for (std::size_t i = 0; i < count; ++i) {
+    if (interrupted()) return refuse(Error("interrupted: the rest was not drawn"));
     std::vector<const figures::PlotSampler*> samplers;
     for (const Run& run : runs) samplers.push_back(&run.samplers[i]);
     const auto figure = figures::figure_of(samplers, labels);
@@ -187,6 +190,7 @@ int draw_all(const PlotCommandOptions& options, const std::vector<Run>& runs) {
 }  // namespace
 
 int plot_command(const PlotCommandOptions& options) {
+  catch_interrupts();
   for (const std::string& file : options.files) add_input(file);
   if (std::any_of(options.files.begin(), options.files.end(), is_result_table))
     return plot_table(options);

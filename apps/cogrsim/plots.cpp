@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/figures/draw.h"
+#include "interrupt.h"
 #include "output_file.h"
 #include "terminal.h"
 
@@ -39,6 +40,7 @@ bool is_picture(const std::string& path) {
 Result<> draw_and_tell(const figures::Figure& figure, const std::string& path) {
   figures::DrawOptions options;
   options.rules = output_rules();
+  options.cancelled = later_interrupt();
   const auto files = figures::draw(figure, path, options);
   if (!files) return tl::unexpected(files.error());
   std::fprintf(stderr, "%s\n", printable(files->front()).c_str());

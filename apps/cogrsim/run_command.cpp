@@ -289,19 +289,20 @@ int run_command(const RunOptions& given, WatchLink* watcher) {
       std::any_of(result.messages.begin(), result.messages.end(),
                   [](const RunMessage& message) { return message.severity == Severity::error; });
   int exit_status = good(status) && saved_all && !faulty ? kGood : kFailed;
+  // Before the plots, which take their time: whoever interrupts them keeps it.
+  if (recorder) {
+    if (const auto finished = recorder->finish(status); !finished) {
+      print_error(finished.error().text());
+      result.diagnostics.push_back(to_diagnostic(finished.error()));
+      exit_status = kFailed;
+    }
+  }
   // Nobody waits for the result of a run that is about to start anew.
   const bool superseded = watcher != nullptr && watcher->superseded();
   if (plots && !superseded) {
     if (const auto drawn = plots->draw(options.plots); !drawn) {
       print_error(drawn.error().text());
       result.diagnostics.push_back(to_diagnostic(drawn.error()));
-      exit_status = kFailed;
-    }
-  }
-  if (recorder) {
-    if (const auto finished = recorder->finish(status); !finished) {
-      print_error(finished.error().text());
-      result.diagnostics.push_back(to_diagnostic(finished.error()));
       exit_status = kFailed;
     }
   }

@@ -12,6 +12,7 @@
 
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/testing/judge.h"
+#include "interrupt.h"
 #include "model_names.h"
 #include "recording_start.h"
 #include "scene_loading.h"
@@ -126,7 +127,9 @@ Json record_again(const LoadedScene& scene, const Json& input, double duration,
   if (path.empty()) return files;
   auto runs = create(scene, input);
   if (!runs) return files;
+  catch_interrupts();
   for (const auto& run : *runs) {
+    if (interrupted()) return files;
     RunOptions options;
     options.scene.scene = input["scene"].get<std::string>();
     options.scene.set = input["set"].get<std::map<std::string, std::string>>();
@@ -138,7 +141,11 @@ Json record_again(const LoadedScene& scene, const Json& input, double duration,
       problem = recorder.error().text();
       continue;
     }
-    const RunStatus status = run->run_until(duration);
+    RunStatus status = RunStatus::running;
+    {
+      const InterruptStops stops(*run);
+      status = run->run_until(duration);
+    }
     const auto finished = (*recorder)->finish(status);
     if (finished) {
       files.push_back(options.record);

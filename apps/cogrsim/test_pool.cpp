@@ -144,8 +144,17 @@ Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& optio
     children.push_back({number, pid, Clock::now(), false});
     return {};
   };
+  // Whoever writes a recording completes it, see record_again().
   const auto end_all = [&] {
-    for (const Child& child : children) kill(child.pid, SIGKILL), waitpid(child.pid, nullptr, 0);
+    constexpr double kGrace = 5.0;  // [s]
+    for (const Child& child : children) kill(child.pid, SIGTERM);
+    const auto told_at = Clock::now();
+    for (const Child& child : children) {
+      while (waitpid(child.pid, nullptr, WNOHANG) == 0) {
+        if (seconds_since(told_at) > kGrace) kill(child.pid, SIGKILL);
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+    }
   };
   while (told < cases.size()) {
     while (next < cases.size() && children.size() < jobs && !interrupted()) {

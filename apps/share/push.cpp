@@ -202,6 +202,7 @@ Result<std::string> keep(const PushOptions& options, const Packed& packed) {
 
 Result<std::string> send(const PushOptions& options, const Packed& packed) {
   if (options.dry_run) return std::string("nothing was sent: --dry-run");
+  if (cli::interrupted()) return fail("interrupted: nothing was written or sent");
   if (!options.output.empty()) return keep(options, packed);
   auto store = open_store(options.store);
   if (!store) return tl::unexpected(store.error());

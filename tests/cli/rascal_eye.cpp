@@ -4,6 +4,8 @@
 
 namespace {
 
+[[maybe_unused]] const bool kLoaded = (misdeed::commit_at("rascal_eye.load"), true);
+
 class Eye final : public cogrsim::Sensor {
  public:
   ~Eye() override { misdeed::commit_at("rascal_eye.unmake"); }

@@ -50,19 +50,17 @@ std::vector<char*> neutral_environment() {
   return out;
 }
 
-// Reads what the process says until it ends or patience does. False: it was killed.
-bool listen(int pipe, pid_t process, std::string& said) {
+// Reads what the process says until it ends, or patience does, or it is cancelled. False: it was killed.
+bool listen(int pipe, pid_t process, const std::function<bool()>& cancelled, std::string& said) {
+  constexpr int kInterval = 50;  // between questions whether it is cancelled [ms]
   const auto deadline = Clock::now() + kPatience;
   while (true) {
-    const auto left =
-        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    pollfd wait{pipe, POLLIN, 0};
-    const int ready = left > 0 ? poll(&wait, 1, static_cast<int>(left)) : 0;
-    if (ready < 0 && errno == EINTR) continue;
-    if (ready <= 0) {
+    if (Clock::now() > deadline || (cancelled && cancelled())) {
       kill(process, SIGKILL);
       return false;
     }
+    pollfd wait{pipe, POLLIN, 0};
+    if (poll(&wait, 1, kInterval) <= 0) continue;
     char buffer[1024];
     const ssize_t count = read(pipe, buffer, sizeof buffer);
     if (count < 0 && errno == EINTR) continue;
@@ -72,7 +70,8 @@ bool listen(int pipe, pid_t process, std::string& said) {
 }
 
 // `gnuplot ./NAME.gp` in `folder`, without a shell.
-Result<> run_gnuplot(const fs::path& folder, const std::string& script) {
+Result<> run_gnuplot(const fs::path& folder, const std::string& script,
+                     const std::function<bool()>& cancelled) {
   int pipe[2];
   if (pipe2(pipe, O_CLOEXEC) != 0)
     return fail(fmt::format("cannot start gnuplot: {}", std::strerror(errno)));
@@ -97,12 +96,13 @@ Result<> run_gnuplot(const fs::path& folder, const std::string& script) {
     return fail(fmt::format("cannot start gnuplot: {}", std::strerror(problem)));
   }
   std::string said;
-  const bool finished = listen(pipe[0], process, said);
+  const bool finished = listen(pipe[0], process, cancelled, said);
   close(pipe[0]);
   int status = 0;
   while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
   const std::string place = (folder / script).string();
+  if (!finished && cancelled && cancelled()) return fail("interrupted: nothing was drawn");
   if (!finished)
     return fail(fmt::format("gnuplot was ended after {} s", kPatience.count()), place,
                 "draw fewer samples: every=\"…\" in the scene, --every on the command line");
@@ -219,9 +219,9 @@ Result<std::vector<std::string>> draw(Figure figure, const std::string& path,
     if (!(out << text.text).flush())
       return fail(fmt::format("cannot write into '{}': {}", folder.string(), std::strerror(errno)));
   }
-  if (const auto good = run_gnuplot(work.path, job.script.name); !good) {
+  if (const auto good = run_gnuplot(work.path, job.script.name, options.cancelled); !good) {
     // The figure itself needs no gnuplot.
-    if (!is_input)
+    if (!is_input && !(options.cancelled && options.cancelled()))
       static_cast<void>(write_output_file(data.string(), OutputKind::figure, *json, options.rules));
     return tl::unexpected(good.error());
   }
