@@ -14,6 +14,7 @@
 #include "cogrsim/testing/judge.h"
 #include "interrupt.h"
 #include "model_names.h"
+#include "output_file.h"
 #include "recording_start.h"
 #include "scene_loading.h"
 
@@ -157,6 +158,7 @@ Json record_again(const LoadedScene& scene, const Json& input, double duration,
 }
 
 Json run_case(const Json& input) {
+  if (input["overwrite"].get<bool>()) allow_overwriting();
   SceneOptions options;
   options.scene = input["scene"].get<std::string>();
   options.set = input["set"].get<std::map<std::string, std::string>>();

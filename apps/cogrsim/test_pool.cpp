@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "interrupt.h"
+#include "output_file.h"
 #include "progress.h"
 #include "test_case.h"
 #include "test_command.h"
@@ -120,6 +121,7 @@ Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& optio
         {"test", one.index},
         {"backends", one.backends},
         {"seed", one.seed ? Json(*one.seed) : Json(nullptr)},
+        {"overwrite", output_rules().overwrite},
         {"recording", options.out.empty() ? "" : (fs::path(options.out) / names[number]).string()}};
     const std::string in = place.file(number, "in"), out = place.file(number, "out"),
                       errors = place.file(number, "err");

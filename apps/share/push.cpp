@@ -178,10 +178,9 @@ Result<std::string> keep(const PushOptions& options, const Packed& packed) {
   if (fs::is_directory(to, error)) {
     to /= packed.entry.manifest.package.stem() + kPackageEnding;
   }
-  if (options.force) {
-    OutputRules rules;
-    rules.overwrite = true;
-    if (auto allowed = check_output(to.string(), OutputKind::other, rules); !allowed) {
+  const bool replace = cli::output_rules().overwrite;
+  if (replace) {
+    if (auto allowed = cli::check_writable(to.string(), OutputKind::other); !allowed) {
       return tl::unexpected(allowed.error());
     }
   }
@@ -191,7 +190,7 @@ Result<std::string> keep(const PushOptions& options, const Packed& packed) {
   const std::string copy = folder->path() + "/package";
   fs::copy_file(packed.file, copy, error);
   if (error) return fail(fmt::format("cannot be written: {}", error.message()), to.string());
-  if (options.force) {
+  if (replace) {
     fs::rename(copy, to, error);
     if (error) return fail(fmt::format("cannot be written: {}", error.message()), to.string());
   } else if (auto done = move_to_free_name(copy, to.string()); !done) {
@@ -231,6 +230,7 @@ Result<Entry> read_entry(Store& store, const PackageName& package) {
 
 int push_command(const PushOptions& options) {
   cli::catch_interrupts();
+  if (options.force) cli::allow_overwriting();
   // What can be wrong with the store's address is said before the work is done.
   if (!options.dry_run && options.output.empty()) {
     if (const auto store = open_store(options.store); !store) return failed(store.error());
@@ -241,6 +241,7 @@ int push_command(const PushOptions& options) {
   if (!gathered) return failed(gathered.error());
   cli::print_diagnostics(gathered->diagnostics);
   if (!gathered->ok()) return cli::kFailed;
+  for (const Gathered::Source& file : gathered->files) cli::add_input(file.from);
   const auto packed = pack(options, *gathered, std::move(*manifest));
   if (!packed) return failed(packed.error());
   if (auto shown = cli::print_output(contents_text(packed->entry, gathered->notes)); !shown) {

@@ -194,11 +194,11 @@ Result<std::vector<std::string>> draw(Figure figure, const std::string& path,
   outputs.push_back({script, OutputKind::script, job.script.text});
   // A figure that is drawn again beside its own data stays as it is.
   const fs::path data = folder / (stem + ".json");
-  const bool is_input = std::any_of(options.rules.inputs.begin(), options.rules.inputs.end(),
-                                    [&](const std::string& input) {
-                                      std::error_code ignored;
-                                      return fs::equivalent(input, data, ignored);
-                                    });
+  const bool is_input = std::any_of(
+      options.rules.inputs.begin(), options.rules.inputs.end(), [&](const std::string& input) {
+        std::error_code ignored;
+        return fs::canonical(input, ignored) == fs::weakly_canonical(data, ignored);
+      });
   if (!is_input) outputs.push_back({data, OutputKind::figure, *json});
   const auto rules_of = [&](const OutputText& output) -> const OutputRules& {
     return output.kind == OutputKind::csv ? tables : options.rules;
