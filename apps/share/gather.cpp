@@ -7,11 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "cogrsim/dsl/compiler.h"
-#include "cogrsim/plugin/loader.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "hash.h"
 #include "interrupt.h"
-#include "plugin_catalog.h"
 
 namespace cogrsim::share {
 namespace {
@@ -19,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 dsl::CompileResult compile(const std::string& scene, const std::vector<std::string>& plugin_paths) {
-  cli::LoaderCatalog catalog(std::make_shared<PluginLoader>(plugin_paths));
+  dsl::LoaderCatalog catalog(std::make_shared<PluginLoader>(plugin_paths));
   dsl::CompileOptions options;
   options.plugins = &catalog;
   return dsl::compile_file(scene, options);
