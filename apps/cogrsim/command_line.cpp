@@ -547,6 +547,7 @@ int run_command_line(int argc, char** argv, const std::vector<AddWords>& more) {
   for (const AddWords add : more) add(app, status);
   add_new(app, status);
   add_small_ones(app, words, status);
+  refuse_empty_values(app);
   for (CLI::App* command : app.get_subcommands({})) {
     add_output_rules(*command);
     refuse_empty_values(*command);

@@ -85,6 +85,10 @@ TEST_CASE("wrong usage exits with 2 and says the way out", "[cli][program]") {
       {{"compare", kFlight, "--rows", "0"}, "--rows"},
       {{"compare", kFlight, "--json", "same", "--report", "same"}, "same file"},
       {{"check"}, "required"},
+      {{"run", kFlight, "--json", ""}, "its value is empty"},
+      {{"run", kFlight, "--backend", ""}, "its value is empty"},
+      {{"check", ""}, "its value is empty"},
+      {{"--plugin-path", "", "plugins"}, "its value is empty"},
       {{"check", kFlight, "--format", "xml"}, "--format"},
       {{"explain", "CG9999"}, "no code 'CG9999'"},
   };
