@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <unistd.h>
+
 #include <fmt/format.h>
 
 #include "browser.h"
@@ -118,6 +120,7 @@ int studio_command(const StudioOptions& options) {
     about_run.backend = options.backend;
     about_run.step = options.step;
     about_run.seed = options.seed;
+    about_run.isolation = options.isolation;
     about_run.parameters = options.parameters;
     const auto folder = std::filesystem::path(options.file).parent_path();
     about_run.folder = folder.empty() ? "." : folder.string();
@@ -154,6 +157,11 @@ int studio_command(const StudioOptions& options) {
   (*server)->run(studio);
   if (const std::string unsaved = document ? document->finish() : ""; !unsaved.empty()) {
     cli::print_warning(unsaved);
+  }
+  if (const std::string stuck = run->finish(); !stuck.empty()) {
+    cli::print_error("the studio was ended while something did not return: " + stuck);
+    std::fflush(nullptr);
+    ::_exit(cli::kFailed);  // its thread cannot be
   }
   fmt::print(stderr, "the studio has ended\n");
   return cli::kGood;

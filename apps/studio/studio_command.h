@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/model/scene_model.h"
+
 namespace cogrsim::studio {
 
 struct StudioOptions {
@@ -23,6 +25,7 @@ struct StudioOptions {
   std::map<std::string, std::string> parameters;
   bool allow_build = false;
   std::vector<std::string> plugin_paths;
+  Isolation isolation = Isolation::process;  ///< of controllers that do not say
 };
 
 /// Serves until SIGINT or SIGTERM. Returns a cli::ExitStatus.

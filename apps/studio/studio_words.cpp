@@ -16,7 +16,7 @@ namespace {
 using Problem = cogrsim::Error;
 
 struct StudioWords {
-  std::string step, seed;
+  std::string step, seed, isolation;
   std::vector<std::string> set;
   bool no_open = false;
   bool keep_token = false, new_token = false;
@@ -30,13 +30,15 @@ StudioOptions options_from(const StudioWords& words) {
   options.parameters = cli::settings_from(words.set);
   if (!words.step.empty()) options.step = cli::step_from(words.step);
   if (!words.seed.empty()) options.seed = cli::seed_from(words.seed);
+  if (words.isolation == "none") options.isolation = Isolation::none;
   if (cli::is_recording(options.file)) {
-    const char* word = !options.backend.empty() ? "--backend"
-                       : options.step > 0.0     ? "--step"
-                       : options.seed           ? "--seed"
-                       : !words.set.empty()     ? "--set"
-                       : options.allow_build    ? "--allow-build"
-                                                : nullptr;
+    const char* word = !options.backend.empty()   ? "--backend"
+                       : options.step > 0.0       ? "--step"
+                       : options.seed             ? "--seed"
+                       : !words.set.empty()       ? "--set"
+                       : options.allow_build      ? "--allow-build"
+                       : !words.isolation.empty() ? "--isolation"
+                                                  : nullptr;
     if (word) {
       throw cli::UsageError(word, Problem("a recording is looked at as it was made", "",
                                           "leave it out, or open the scene"));
@@ -88,6 +90,13 @@ void add_studio(CLI::App& app, int& status) {
   cli::add_list(command, "--set", words->set,
                 "Value of a <param> of the scene, in the scene's own notation; may be repeated",
                 "NAME=VALUE");
+  command
+      .add_option("--isolation", words->isolation,
+                  "Where controllers run whose <controller> does not say: \"process\", each in a "
+                  "process of its own (default), or \"none\", in the studio's, which their crash "
+                  "ends")
+      ->type_name("WHERE")
+      ->check(CLI::IsMember({"process", "none"}));
   command.add_flag(
       "--allow-build", words->options.allow_build,
       "Let the page build the controllers beside the scene, which runs what is in them");

@@ -97,7 +97,8 @@ void Builder::mind(const Element& element) {
   mind.plugin = *plugin;
   const bool is_supervisor = element.tag() == "supervisor";
   if (!is_supervisor) {
-    mind.isolation = *r.text("isolation") == "process" ? Isolation::process : Isolation::none;
+    if (const std::string isolation = *r.text("isolation"); !isolation.empty())
+      mind.isolation = isolation == "process" ? Isolation::process : Isolation::none;
     mind.deadline = *r.number("deadline");
     mind.memory = *r.number("memory");
     for (const char* bound : {"deadline", "memory"}) {

@@ -167,8 +167,7 @@ void Builder::check_drives() {
 void Builder::check_rates() {
   for (const auto& [element, bound] : idle_bounds_)
     fault("CG2005", *element, bound,
-          "\"" + std::string(bound) +
-              "\" has no effect: it is for controllers in a process of their own")
+          "\"" + std::string(bound) + "\" has no effect outside a process of its own")
         .help("add isolation=\"process\", or leave it out");
   const double most = 1.0 / model_.physics.step;
   for (const auto& [element, rate] : rates_) {

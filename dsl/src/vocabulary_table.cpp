@@ -96,8 +96,8 @@ Attributes contained() {
       choice(
           "isolation", {"none", "process"},
           "Where it lives: in the simulation's process, or in one of its own, whose crash does not "
-          "reach the simulation. Results are the same.",
-          "none"),
+          "reach the simulation. Results are the same. If left out: a process of its own in the "
+          "studio, else the simulation's."),
       above_zero(
           or_none(number("deadline", kTime,
                          "With a process of its own: longest time of an update by the clock on "

@@ -117,7 +117,7 @@ TEST_CASE("without contacts a run goes on as if it had not stopped", "[sweep][sn
 }
 
 TEST_CASE("a servo at its bound goes on with its last effort", "[sweep][snapshot]") {
-  const std::string backend = GENERATE(engines());
+  const std::string backend = GENERATE(from_range(cogrsim::test::engines()));
   INFO(backend);
   const TemporaryFolder folder;
   const auto scene = scene_of("servo");

@@ -17,6 +17,9 @@ constexpr auto kNap = std::chrono::milliseconds(2);
 constexpr auto kBetweenTold = std::chrono::milliseconds(50);
 /// A run that cannot keep up does not run after time that is lost.
 constexpr double kMostBehind = 0.1;  // [s] of the wall
+/// A plugin that does not return for so long is not waited for at the end, as in runs from the
+/// command line.
+constexpr double kMostAtEnd = 3.0;  // [s]
 
 }  // namespace
 
@@ -49,16 +52,27 @@ Engine::Engine(RunOptions options, std::vector<std::string> plugin_folders, Hist
       backend_(options_.backend) {
   if (options_.step > 0.0) dt_ = options_.step;
   thread_ = std::thread([this] { run(); });
+  onlooker_ = std::thread([this] { look_on(); });
 }
 
 Engine::~Engine() {
-  {
-    std::lock_guard lock(mutex_);
-    over_ = true;
-    asked_ = true;
-    waiting_.notify_one();
-  }
+  finish();
   thread_.join();
+  onlooker_.join();
+}
+
+std::string Engine::finish() {
+  std::unique_lock lock(mutex_);
+  over_ = true;
+  asked_ = true;
+  waiting_.notify_one();
+  const Clock::time_point begin = Clock::now();
+  while (!ending_or_time_.wait_for(lock, kNap, [this] { return ended_; })) {
+    const auto call = watch_.call();
+    const std::chrono::duration<double> waited = Clock::now() - begin;
+    if (call && std::min(call->lasts, waited.count()) > kMostAtEnd) return described(*call);
+  }
+  return {};
 }
 
 void Engine::post(std::function<void()> task) {
@@ -66,6 +80,14 @@ void Engine::post(std::function<void()> task) {
   tasks_.push_back(std::move(task));
   asked_ = true;
   waiting_.notify_one();
+}
+
+void Engine::post_ending(std::function<void()> task) {
+  ++endings_;
+  post([this, task = std::move(task)] {
+    --endings_;
+    task();
+  });
 }
 
 bool Engine::run_tasks() {
@@ -86,6 +108,7 @@ bool Engine::run_tasks() {
 }
 
 void Engine::run() {
+  watch_.watch_this_thread();
   while (run_tasks()) {
     const bool stepping = steps_left_ > 0;
     if (simulation_ && (state_ == State::playing || stepping)) {
@@ -104,6 +127,11 @@ void Engine::run() {
   }
   end_recording("");
   settle();
+  ghost_.reset();
+  simulation_.reset();
+  std::lock_guard lock(mutex_);
+  ended_ = true;
+  ending_or_time_.notify_all();
 }
 
 void Engine::anchor() {
@@ -233,6 +261,15 @@ Answer Engine::pause() {
   settle();
   publish(true);
   return Json::object();
+}
+
+void Engine::pause(const Reply& reply) {
+  const bool answered = board_.pause_meanwhile();
+  if (answered) reply(Json::object());
+  post([this, reply, answered] {
+    Answer answer = pause();
+    if (!answered) reply(std::move(answer));
+  });
 }
 
 Answer Engine::stop(bool then_play) {

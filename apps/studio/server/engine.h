@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/simulation/simulation.h"
 #include "compare_run.h"
@@ -28,6 +29,9 @@ using Refusal = std::vector<Diagnostic>;
 /// The first error of them, with how many more there are.
 Error to_error(const Refusal& found);
 
+/// "controller 'mind' of 'bot'".
+std::string described(const PluginWatch::Call& call);
+
 class Engine {
  public:
   /// `restarted`: called when all frames before are gone.
@@ -39,6 +43,14 @@ class Engine {
 
   /// To be done on the engine's thread between two steps, in order. From any thread.
   void post(std::function<void()> task);
+  /// The same for what ends the present run: a controller that does not return, and can be ended, is.
+  void post_ending(std::function<void()> task);
+  /// Pauses; while a plugin does not return the answer is not waited for. From any thread.
+  void pause(const Reply& reply);
+  /// Ends the process of the controller that does not return. From any thread.
+  Answer end_controller();
+  /// See Run::finish().
+  std::string finish();
 
   // ---- on the engine's thread alone, see post()
 
@@ -63,6 +75,7 @@ class Engine {
   using Made = tl::expected<std::unique_ptr<Simulation>, Refusal>;
 
   void run();
+  void look_on();
   bool run_tasks();
   void settle();
   /// One step, or what leads to the next time both runs have in common. False: the run stands.
@@ -145,8 +158,13 @@ class Engine {
   std::condition_variable waiting_;
   std::deque<std::function<void()>> tasks_;
   std::atomic<bool> asked_{false};  ///< there are tasks, or it is to end
-  bool over_ = false;
-  std::thread thread_;
+  bool over_ = false, ended_ = false;
+
+  // Who does not return, as another thread sees it.
+  PluginWatch watch_;
+  std::atomic<int> endings_{0};  ///< post_ending()'s that have not begun
+  std::condition_variable ending_or_time_;
+  std::thread thread_, onlooker_;
 };
 
 }  // namespace cogrsim::studio

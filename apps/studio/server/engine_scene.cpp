@@ -76,6 +76,7 @@ SimulationOptions Engine::simulation_options() const {
   options.backend = backend_;
   options.step = dt_.value_or(0.0);
   options.seed = options_.seed;
+  options.isolation = options_.isolation;
   return options;
 }
 

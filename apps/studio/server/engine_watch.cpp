@@ -14,6 +14,9 @@ namespace {
 constexpr std::size_t kSmallScene = 64;
 constexpr double kBetweenKept = 0.01;  // [s]
 constexpr auto kBetweenPublished = std::chrono::microseconds(15'000);
+/// A call that lasts so long is told, and looked for so often.
+constexpr double kLong = 0.5;  // [s]
+constexpr auto kBetweenLooks = std::chrono::milliseconds(200);
 
 /// Frames are kept by the thousand: pictures are made anew from them when somebody looks.
 FramePtr without_pictures(const FramePtr& frame) {
@@ -25,6 +28,40 @@ FramePtr without_pictures(const FramePtr& frame) {
 }
 
 }  // namespace
+
+std::string described(const PluginWatch::Call& call) {
+  std::string out = call.kind;
+  if (!call.name.empty()) out += " '" + call.name + "'";
+  if (!call.of.empty()) out += " of '" + call.of + "'";
+  return out;
+}
+
+void Engine::look_on() {
+  bool told = false, over = false;
+  while (true) {
+    {
+      std::unique_lock lock(mutex_);
+      if (ending_or_time_.wait_for(lock, kBetweenLooks, [this] { return ended_; })) return;
+      over = over_;
+    }
+    auto call = watch_.call();
+    if (call && call->lasts < kLong) call.reset();
+    if (call && (over || endings_ > 0)) watch_.give_up();
+    if (call || told) board_.set_waiting(call);
+    told = call.has_value();
+  }
+}
+
+Answer Engine::end_controller() {
+  const auto call = watch_.call();
+  if (!call || call->lasts < kLong) return fail("no controller is waited for");
+  if (watch_.give_up()) return Json{{"controller", call->name}};
+  return fail(described(*call) + " runs in the studio's own process and cannot be ended alone", "",
+              "end the studio where it was started, with Ctrl-C" +
+                  std::string(call->kind == "controller"
+                                  ? "; with isolation=\"process\" it has a process of its own"
+                                  : ""));
+}
 
 void Engine::on_frame(const FramePtr& frame) {
   // The frame at the start is shown once more with the first step.

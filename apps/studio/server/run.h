@@ -45,6 +45,7 @@ struct RunOptions {
   /// Frames kept for the timeline take this much memory; beyond, every second one of the older half
   /// is let go [byte].
   std::size_t history_bytes = 512u << 20;
+  Isolation isolation = Isolation::process;  ///< of controllers that do not say
 };
 
 /// The part that answers everything in PROTOCOL.md under "The run" and "Numbers and pictures".
@@ -59,12 +60,17 @@ class Run : public Part {
                                                    Outbox& outbox);
 
   /// Goes on with another scene: at time 0 anew; later with the state carried over by name where the
-  /// element did not change its place, as Simulation's resume() does. From any thread; `done` is called
-  /// once, from the run's: with what could not be carried over, or with why the engine refused the
-  /// scene (the one before then stays).
-  virtual void show(Scene scene,
-                    std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>
-                        done) = 0;
+  /// element did not change its place, as Simulation's resume() does. One that a newer one follows
+  /// before its turn comes is left out. From any thread; `done` is called once, from the run's: with
+  /// what could not be carried over, or with why the engine refused the scene (the one before then stays).
+  virtual void show(
+      Scene scene,
+      std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>
+          done) = 0;
+
+  /// Ends the simulations. Not empty: a plugin that did not return for 3 s, so that this object cannot
+  /// be destroyed.
+  virtual std::string finish() { return {}; }
 
   /// The file behind /asset/NUMBER, see Inbox.
   virtual std::string asset(std::size_t number) const = 0;

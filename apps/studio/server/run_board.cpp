@@ -19,6 +19,23 @@ void Board::set_situation(Situation situation, bool urgent) {
   waiting_.notify_one();
 }
 
+void Board::set_waiting(std::optional<PluginWatch::Call> call) {
+  std::lock_guard lock(mutex_);
+  news_.urgent = news_.urgent || call.has_value() != situation_.waiting.has_value();
+  situation_.waiting = std::move(call);
+  news_.status = true;
+  waiting_.notify_one();
+}
+
+bool Board::pause_meanwhile() {
+  std::lock_guard lock(mutex_);
+  if (!situation_.waiting || situation_.state != "playing") return false;
+  situation_.state = "paused";
+  news_.status = news_.urgent = true;
+  waiting_.notify_one();
+  return true;
+}
+
 void Board::set_newest(Moment moment) {
   std::lock_guard lock(mutex_);
   trash_.push_back(std::exchange(newest_, std::move(moment)));

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/simulation/simulation.h"
 #include "history.h"
 
@@ -34,6 +35,7 @@ struct Situation {
     std::optional<double> first_over;  ///< [s]
   };
   std::optional<Comparison> compare;
+  std::optional<PluginWatch::Call> waiting;  ///< for what has not returned for long
 };
 
 struct IndexedEvent {
@@ -45,6 +47,11 @@ class Board {
  public:
   // The run's side. None of these waits for longer than it takes to copy a few words.
   void set_situation(Situation situation, bool urgent);
+  /// While a call lasts, until the next set_situation().
+  void set_waiting(std::optional<PluginWatch::Call> call);
+  /// While something is waited for: the run is paused as far as pages are told. False: nothing is, or
+  /// the run does not play.
+  bool pause_meanwhile();
   void set_newest(Moment moment);
   void add_event(Event event);
   void clear_events();

@@ -15,9 +15,9 @@ constexpr std::array<std::string_view, 8> kAtOnce = {"seek",   "step-back", "liv
                                                      "events", "cameras",   "view", "paths"};
 constexpr std::array<std::string_view, 5> kComputed = {"signals", "series", "divergence", "plots",
                                                        "figure"};
-constexpr std::array<std::string_view, 12> kSteering = {
-    "play", "pause",   "stop",   "restart", "step",        "speed",
-    "dt",   "backend", "record", "compare", "compare-off", "reload"};
+constexpr std::array<std::string_view, 13> kSteering = {
+    "play",    "pause",  "stop",    "restart",     "step",   "speed",         "dt",
+    "backend", "record", "compare", "compare-off", "reload", "end-controller"};
 
 template <class List>
 bool among(const List& list, std::string_view what) {

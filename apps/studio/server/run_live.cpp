@@ -1,5 +1,6 @@
 // A run that goes on.
 #include <algorithm>
+#include <atomic>
 
 #include "engine.h"
 #include "run_desk.h"
@@ -35,11 +36,18 @@ class LiveRun final : public Run {
   void show(Scene scene,
             std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>
                 done) override {
-    engine_.post([this, scene = std::move(scene), done = std::move(done)]() mutable {
-      auto shown = engine_.show(std::move(scene));
-      if (done) done(std::move(shown));
-    });
+    engine_.post(
+        [this, number = ++shows_, scene = std::move(scene), done = std::move(done)]() mutable {
+          if (number != shows_) {  // there is a newer one already
+            if (done) done({});
+            return;
+          }
+          auto shown = engine_.show(std::move(scene));
+          if (done) done(std::move(shown));
+        });
   }
+
+  std::string finish() override { return engine_.finish(); }
 
   std::string asset(std::size_t number) const override { return scenes_.asset(number); }
 
@@ -52,9 +60,11 @@ class LiveRun final : public Run {
       engine_.post([this, act, reply] { reply(act(engine_)); });
     };
     if (what == "play") answer([](Engine& e) { return e.play(); });
-    if (what == "pause") answer([](Engine& e) { return e.pause(); });
-    if (what == "stop") answer([](Engine& e) { return e.stop(false); });
-    if (what == "restart") answer([](Engine& e) { return e.stop(true); });
+    if (what == "pause") engine_.pause(reply);
+    if (what == "stop" || what == "restart") {
+      engine_.post_ending([this, play = what == "restart", reply] { reply(engine_.stop(play)); });
+    }
+    if (what == "end-controller") reply(engine_.end_controller());
     if (what == "compare-off") answer([](Engine& e) { return e.end_compare(); });
     if (what == "step") {
       const auto count = fields::whole(f, "count", 1, 1, kMostSteps);
@@ -117,6 +127,7 @@ class LiveRun final : public Run {
     return {};
   }
 
+  std::atomic<std::uint64_t> shows_{0};  ///< asked for
   Scenes scenes_;
   Board board_;
   History history_;

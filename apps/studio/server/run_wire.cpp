@@ -1,6 +1,7 @@
 #include "run_wire.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "scene_json.h"
@@ -122,7 +123,7 @@ Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t v
               {"dt", s.dt},
               {"scene_dt", s.scene_dt},
               {"speed", nullptr},
-              {"factor", s.factor},
+              {"factor", s.waiting ? 0.0 : s.factor},
               {"backend", s.backend},
               {"engine_version", s.engine_version},
               {"recording", nullptr},
@@ -132,8 +133,16 @@ Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t v
               {"scene", s.scene},
               {"state_hash", s.state_hash},
               {"compare", nullptr},
+              {"waiting", nullptr},
               {"viewers", viewers}};
   if (s.speed) out["speed"] = *s.speed;
+  if (const auto& call = s.waiting) {
+    out["waiting"] = {{"kind", call->kind},     {"name", call->name},      {"of", call->of},
+                      {"plugin", call->plugin}, {"doing", call->doing},    {"time", nullptr},
+                      {"seconds", call->lasts}, {"isolated", call->apart}, {"limit", nullptr}};
+    if (std::isfinite(call->time)) out["waiting"]["time"] = call->time;
+    if (call->apart && std::isfinite(call->patience)) out["waiting"]["limit"] = call->patience;
+  }
   if (s.recording) out["recording"] = *s.recording;
   if (s.compare) {
     out["compare"] = {{"labels", s.compare->labels}, {"first_over", nullptr}};

@@ -17,12 +17,14 @@ namespace {
 // All of PROTOCOL.md, to tell a slip of the pen from what this studio does not have.
 const std::vector<std::string>& known_requests() {
   static const std::vector<std::string> names = {
-      "hello",       "play",      "pause",   "stop",     "restart",    "step",    "speed",
-      "dt",          "backend",   "record",  "seek",     "step-back",  "live",    "compare",
-      "compare-off", "subscribe", "signals", "series",   "divergence", "plots",   "figure",
-      "events",      "cameras",   "view",    "set-text", "edit",       "undo",    "redo",
-      "save",        "revert",    "schema",  "complete", "mass",       "sources", "open-source",
-      "save-source", "build",     "reload",  "unsaved",  "restore",    "discard", "paths"};
+      "hello",         "play",     "pause",       "stop",      "restart",     "step",
+      "speed",         "dt",       "backend",     "record",    "seek",        "step-back",
+      "live",          "compare",  "compare-off", "subscribe", "signals",     "series",
+      "divergence",    "plots",    "figure",      "events",    "cameras",     "view",
+      "set-text",      "edit",     "undo",        "redo",      "save",        "revert",
+      "schema",        "complete", "mass",        "sources",   "open-source", "save-source",
+      "build",         "reload",   "unsaved",     "restore",   "discard",     "paths",
+      "end-controller"};
   return names;
 }
 

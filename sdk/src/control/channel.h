@@ -54,14 +54,16 @@ class CallChannel {
   /// Hands a request over. Errors: it does not fit into the machine's memory.
   Result<> ask(const std::vector<char>& request);
   /// Waits for the reply to what was last asked. `gone()` is asked now and then whether the guard
-  /// has gone without a word.
-  template <class Gone>
-  Answer await(std::vector<char>& reply, Clock::time_point deadline, Gone&& gone) {
+  /// has gone without a word, and `given_up()` whether nobody wants the reply any more: it is late then.
+  template <class Gone, class GivenUp>
+  Answer await(std::vector<char>& reply, Clock::time_point deadline, Gone&& gone,
+               GivenUp&& given_up) {
     while (true) {
       const auto until = std::min(deadline, Clock::now() + std::chrono::milliseconds(100));
       if (const auto answer = look(reply, until)) return *answer;
       if (gone()) return look(reply, Clock::now()).value_or(Answer::ended);
-      if (Clock::now() >= deadline) return look(reply, Clock::now()).value_or(Answer::late);
+      if (Clock::now() >= deadline || given_up())
+        return look(reply, Clock::now()).value_or(Answer::late);
     }
   }
 

@@ -17,6 +17,7 @@
 #define BOOST_DLL_USE_STD_FS
 #include <boost/dll/runtime_symbol_info.hpp>
 
+#include "cogrsim/plugin/crash_report.h"
 #include "control/guard.h"
 
 extern char** environ;
@@ -40,12 +41,12 @@ int moved_up(int file) {
 /// What the user can do about a limit of the system.
 std::string way_out(int problem) {
   if (problem == EMFILE || problem == ENFILE) {
-    return "raise the number of open files with `ulimit -n`: each controller with "
-           "isolation=\"process\" needs two";
+    return "raise the number of open files with `ulimit -n`: each controller in a process of "
+           "its own needs two, with isolation=\"none\" none";
   }
   if (problem == EAGAIN) {
-    return "raise the number of processes with `ulimit -u`: each controller with "
-           "isolation=\"process\" needs two";
+    return "raise the number of processes with `ulimit -u`: each controller in a process of "
+           "its own needs two, with isolation=\"none\" none";
   }
   if (problem == ENOENT) return "it belongs beside the plugins; install CogRSim anew";
   return "";
@@ -144,7 +145,8 @@ Result<CallChannel::Answer> ChildProcess::call(const std::vector<char>& request,
     deadline = CallChannel::Clock::now() +
                std::chrono::duration_cast<CallChannel::Clock::duration>(patience);
   }
-  const auto answer = channel_.await(reply, deadline, [this] { return guard_gone(); });
+  const auto answer = channel_.await(
+      reply, deadline, [this] { return guard_gone(); }, [] { return PluginCall::given_up(); });
   if (answer != CallChannel::Answer::ended || hear_end() || guard_gone()) return answer;
   return CallChannel::Answer::broken;  // the shared memory says so, and nobody else
 }

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/core/units.h"
+#include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/plugin/loader.h"
 #include "control/child_process.h"
 #include "control/hosted_controller.h"
@@ -182,10 +183,11 @@ class ControllerApart final : public HostedController {
     if (!process_->alive()) {
       return HostFailure{HostFailure::Kind::process, "has no process any more", lost_};
     }
+    const char* const doing = during(static_cast<HostCall>(request_.front()));
+    const PluginCall call("controller", access_->mind.c_str(), access_->name.c_str(),
+                          access_->plugin.c_str(), doing, access_->simulation->time(), patience);
     auto failure = attempt(patience);
-    if (failure) {
-      lost_ = "it " + failure->what + " " + during(static_cast<HostCall>(request_.front()));
-    }
+    if (failure) lost_ = "it " + failure->what + " " + doing;
     return failure;
   }
 
@@ -201,6 +203,10 @@ class ControllerApart final : public HostedController {
         return std::nullopt;
       case CallChannel::Answer::late:
         process_->kill();
+        if (PluginCall::given_up()) {
+          return HostFailure{HostFailure::Kind::process, "was ended by the user",
+                             "it had not returned, and its process was killed"};
+        }
         return HostFailure{HostFailure::Kind::process, "hung",
                            "it did not come to its end within " + units::number_text(patience) +
                                " s, and its process was killed"};

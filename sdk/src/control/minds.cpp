@@ -78,7 +78,7 @@ std::shared_ptr<AssemblyAccess> make_access(Simulation::Impl& simulation,
 
 StartOutcome Simulation::Impl::start_controller(ControllerSlot& slot, std::size_t index) {
   StartOutcome outcome;
-  if (model->controllers[index].isolation == Isolation::process) {
+  if (model->controllers[index].isolation.value_or(isolation) == Isolation::process) {
     auto apart = host_apart(slot.plugin, slot.access, index);
     if (!apart) {
       outcome.failure = apart.error().text();

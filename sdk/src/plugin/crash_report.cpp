@@ -26,6 +26,7 @@ constexpr std::size_t kKinds = std::size(kCrashes);
 // Shared with the signal handler, which reaches nothing but statics. Of the initial-exec model:
 // others may take memory when a thread first asks.
 __attribute__((tls_model("initial-exec"))) thread_local PluginCall* t_innermost = nullptr;
+thread_local PluginWatch* t_watch = nullptr;
 struct sigaction g_before[kKinds];
 std::atomic<bool> g_reporting{false};
 
@@ -134,23 +135,31 @@ void give_handler_stack() { static thread_local const HandlerStack stack; }
 }  // namespace
 
 PluginCall::PluginCall(const char* kind, const char* name, const char* of, const char* plugin,
-                       const char* doing, double time) noexcept
+                       const char* doing, double time, double patience) noexcept
     : kind_(kind),
       name_(name),
       of_(of),
       plugin_(plugin),
       doing_(doing),
       time_(time),
+      patience_(patience),
       outer_(t_innermost) {
   if (outer_ == nullptr && g_reporting.load(std::memory_order_relaxed)) give_handler_stack();
   t_innermost = this;
+  if (outer_ == nullptr && t_watch != nullptr) t_watch->begin(*this);
 }
 
-PluginCall::~PluginCall() { t_innermost = outer_; }
+PluginCall::~PluginCall() {
+  t_innermost = outer_;
+  if (outer_ == nullptr && t_watch != nullptr) t_watch->end();
+}
+
+bool PluginCall::given_up() noexcept { return t_watch != nullptr && t_watch->given_up_.load(); }
 
 std::size_t PluginCall::describe(char* text, std::size_t size) noexcept {
   Line line(text, size);
-  const PluginCall* const call = t_innermost;
+  const PluginCall* call = t_innermost;
+  while (call != nullptr && !std::isnan(call->patience_)) call = call->outer_;
   if (call == nullptr) return 0;
   line << call->kind_;
   if (*call->name_ != '\0') (line << " ").quoted(call->name_);
@@ -166,6 +175,37 @@ std::size_t PluginCall::describe(char* text, std::size_t size) noexcept {
 std::string PluginCall::described() {
   char text[768];
   return {text, describe(text, sizeof text)};
+}
+
+void PluginWatch::watch_this_thread() { t_watch = this; }
+
+void PluginWatch::begin(const PluginCall& call) {
+  const std::lock_guard lock(mutex_);
+  call_ = &call;
+  since_ = std::chrono::steady_clock::now();
+  given_up_ = false;
+}
+
+void PluginWatch::end() {
+  const std::lock_guard lock(mutex_);
+  call_ = nullptr;
+  given_up_ = false;
+}
+
+std::optional<PluginWatch::Call> PluginWatch::call() const {
+  const std::lock_guard lock(mutex_);
+  if (call_ == nullptr) return std::nullopt;
+  const std::chrono::duration<double> lasts = std::chrono::steady_clock::now() - since_;
+  return Call{call_->kind_,    call_->name_, call_->of_,    call_->plugin_,
+              call_->doing_,   call_->time_, lasts.count(), !std::isnan(call_->patience_),
+              call_->patience_};
+}
+
+bool PluginWatch::give_up() {
+  const std::lock_guard lock(mutex_);
+  if (call_ == nullptr || std::isnan(call_->patience_)) return false;
+  given_up_ = true;
+  return true;
 }
 
 void report_crashes() {

@@ -119,6 +119,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   impl->dt = impl->model->physics.step;
   impl->living.reset(*impl->model, impl->model->physics.seed);
   impl->speed = options.speed;
+  impl->isolation = options.isolation;
 
   std::vector<Diagnostic> found =
       check_capabilities(*impl->model, name, impl->backend->capabilities());

@@ -135,6 +135,7 @@ struct Simulation::Impl {
   double base_time = 0.0;
   std::uint64_t steps = 0, steps_since_base = 0;
   double speed = std::numeric_limits<double>::infinity();
+  Isolation isolation = Isolation::none;  ///< of controllers that do not say
   bool paused = false;
   bool single_step = false;  ///< one step although paused
   RunStatus status = RunStatus::running;

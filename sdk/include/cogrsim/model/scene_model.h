@@ -193,7 +193,7 @@ struct ControllerModel {
   double rate = 0.0;  ///< [Hz]; 0: every step
   Parameters parameters;
   FaultPolicy on_fault = FaultPolicy::stop_controller;
-  Isolation isolation = Isolation::none;  ///< of controllers only
+  std::optional<Isolation> isolation;  ///< of controllers only; empty: as the run has it
   /// With a process of its own: longest time of an update by the clock on the wall [s], and what
   /// it may take of memory [byte]; infinite: no bound.
   double deadline = 10.0, memory = 1e9;

@@ -28,6 +28,7 @@ struct SimulationOptions {
   double step = 0.0;                                       ///< [s]; 0: the scene's
   std::optional<std::uint64_t> seed;                       ///< empty: the scene's
   double speed = std::numeric_limits<double>::infinity();  ///< see SetSpeed
+  Isolation isolation = Isolation::none;                   ///< of controllers that do not say
 };
 
 enum class RunStatus {

@@ -199,7 +199,7 @@ function Record({ control }: { control: Control }) {
 
 function Figures({ control }: { control: Control }) {
   const status = control.studio.state.status.value;
-  const factor = status?.state === "playing" ? `${status.factor.toFixed(2)}×` : "–";
+  const factor = status?.state === "playing" && !status.waiting ? `${status.factor.toFixed(2)}×` : "–";
   return (
     <span class="cg-factor" title="Simulated seconds per second of the clock, as measured" data-testid="factor">
       Real-time factor <output aria-live="off">{factor}</output>

@@ -48,7 +48,28 @@ export interface Status {
   /** of the newest state, as `cogrsim run` prints it; "": it moves. Missing in bundles. */
   state_hash?: string;
   compare: { labels: [string, string]; first_over: number | null } | null;
+  /** a plugin that has not returned for long; missing in bundles */
+  waiting?: Waiting | null;
   viewers: number;
+}
+
+export interface Waiting {
+  /** "controller", "sensor", "backend", … */
+  kind: string;
+  name: string;
+  /** the robot; "": none */
+  of: string;
+  plugin: string;
+  /** "in update" */
+  doing: string;
+  /** of the run [s] */
+  time: number | null;
+  /** of the clock, so far */
+  seconds: number;
+  /** in a process of its own */
+  isolated: boolean;
+  /** [s] after which its process is ended */
+  limit: number | null;
 }
 
 export interface DocumentState {

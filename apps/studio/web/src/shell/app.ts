@@ -5,6 +5,7 @@ import { ContextMenu, Widget } from "@lumino/widgets";
 import { effect, signal } from "@preact/signals-core";
 import { show_bar } from "../control/bar";
 import { Control } from "../control/commands";
+import { notify_faults, waiting_bar } from "../control/waiting";
 import { unsent_typing } from "../code/pending";
 import { count_wrong } from "../console/lines";
 import { RequestError, type Link } from "../core/link";
@@ -78,7 +79,8 @@ export class App implements Studio {
     menus.className = "cg-head";
     const bar = document.createElement("div");
     header.append(menus, bar, new Timeline(control).node);
-    shell.append(header, unsaved.node);
+    shell.append(header, unsaved.node, waiting_bar(this));
+    notify_faults(this);
     Widget.attach(make_menus(this.commands), menus);
     menus.append(this.layout_choice(), this.theme_button());
     show_bar(control, bar);
@@ -193,7 +195,7 @@ export class App implements Studio {
     const title = page_title(
       name,
       text.value?.dirty ?? false,
-      status.value?.state ?? "",
+      status.value?.waiting ? "waiting" : (status.value?.state ?? ""),
       count_wrong(problems.value, messages.value),
     );
     document.title = panel ? `${panel} – ${title}` : title;

@@ -1,6 +1,7 @@
 // The line at the foot of the window.
 import "@preact/signals";
 import { render } from "preact";
+import { waiting_text } from "../control/waiting";
 import type { Studio } from "../core/studio";
 
 const kStates: Record<string, string> = {
@@ -21,7 +22,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
     const main = state.selection.value[state.selection.value.length - 1];
     const element = main === undefined ? undefined : state.element(main);
     const body = state.scene.value?.bodies[state.hovered.value];
-    const run = status ? (kStates[status.state] ?? status.state) : "";
+    const run = status?.waiting ? waiting_text(status.waiting) : status ? (kStates[status.state] ?? status.state) : "";
     return (
       <>
         <span data-testid="run-state">

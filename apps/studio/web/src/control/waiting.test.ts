@@ -1,0 +1,42 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import type { RunEvent, Scene, Waiting } from "../core/protocol";
+import { fault_text, waiting_help, waiting_text } from "./waiting";
+
+const waiting: Waiting = {
+  kind: "controller",
+  name: "bot.mind",
+  of: "bot",
+  plugin: "rascal",
+  doing: "in update",
+  time: 0.1,
+  seconds: 3.4,
+  isolated: true,
+  limit: 10,
+};
+
+test("what is waited for is named, with whose it is and for how long", () => {
+  assert.equal(waiting_text(waiting), "Waiting for controller 'bot.mind' of robot 'bot': 3 s");
+  assert.equal(waiting_text({ ...waiting, kind: "renderer", name: "", of: "" }), "Waiting for renderer: 3 s");
+});
+
+test("what becomes of it depends on where it runs", () => {
+  assert.match(waiting_help(waiting), /^Plugin 'rascal' has not returned, in update at 0\.1 s of the run\. Its process is ended after 10 s;/);
+  assert.match(waiting_help({ ...waiting, limit: null }), /no deadline; Stop, Restart and End controller end it now/);
+  const here = waiting_help({ ...waiting, isolated: false, limit: null, time: null });
+  assert.match(here, /has not returned, in update\. It runs in the studio's own process and cannot be stopped without ending the studio/);
+  assert.doesNotMatch(here, /End controller/);
+});
+
+test("a fault says whose it is, when, why, and what to do", () => {
+  const event: RunEvent = { index: 1, time: 0.1, kind: "fault", source: "bot.mind", subject: "", message: "crashed (SIGSEGV) in update" };
+  const scene = {
+    assemblies: [{ name: "bot" }],
+    controllers: [{ name: "bot.mind", plugin: "rascal", assembly: 0 }],
+  } as unknown as Scene;
+  assert.match(
+    fault_text(event, scene),
+    /^Controller 'bot\.mind' of robot 'bot' \(plugin 'rascal'\) at 0\.1 s: crashed \(SIGSEGV\) in update\. Restart begins the run anew\..*Reload controllers/,
+  );
+  assert.equal(fault_text({ ...event, source: "boss" }, scene), "'boss' at 0.1 s: crashed (SIGSEGV) in update. Restart begins the run anew.");
+});
