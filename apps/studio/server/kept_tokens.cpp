@@ -83,7 +83,10 @@ std::optional<KeptTokens> read_tokens(int folder, const std::string& name, bool 
       ::openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat about {};
   if (file < 0 || ::fstat(file, &about) != 0) return std::nullopt;
-  const std::time_t age = std::time(nullptr) - about.st_mtime;
+  // time() may lag behind the clock that files are stamped by.
+  struct timespec now {};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  const std::time_t age = now.tv_sec - about.st_mtime;
   if (!S_ISREG(about.st_mode) || about.st_uid != ::geteuid() || (about.st_mode & 077) != 0 ||
       about.st_nlink != 1 || about.st_size != static_cast<off_t>(kContent)) {
     return std::nullopt;
