@@ -232,6 +232,14 @@ const std::vector<Case>& cases() {
        marked,
        unchanged,
        "rascal_eye.load:stay"},
+      {"run whose sensor does not return",
+       {"run", "SCENE", "--json", "@a.json", "--overwrite"},
+       marked,
+       [](const Attempt& attempt, const Outcome& outcome) {
+         unchanged(attempt, outcome);
+         CHECK_THAT(outcome.err, Contains("did not return: sensor 'bot.eye'"));
+       },
+       "rascal_eye.read:stay"},
       {"run --watch",
        {"run", "SCENE", "--watch", "--json", "@a.json", "--overwrite"},
        marked,
