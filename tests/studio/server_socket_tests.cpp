@@ -166,6 +166,7 @@ TEST_CASE("a client whose texts pile up is let go and the others stay", "[studio
 TEST_CASE("messages that break the rules end with a reason", "[studio][server]") {
   ServerOptions options;
   options.limits.message_bytes = 1000;
+  options.limits.viewer_message_bytes = 100;
   options.limits.messages_per_second = 5.0;
   Served served(options);
   SECTION("too long") {
@@ -173,6 +174,13 @@ TEST_CASE("messages that break the rules end with a reason", "[studio][server]")
     client.send(std::string(1000, 'x'));
     CHECK(served.inbox.wait_received(1).size() == 1);
     client.send(std::string(1001, 'x'));
+    CHECK(code_of(client.receive(8)) == 1009);
+  }
+  SECTION("too long for a viewer, who edits nothing") {
+    SocketClient client(served.port, served.viewer_token);
+    client.send(std::string(100, 'x'));
+    CHECK(served.inbox.wait_received(1).size() == 1);
+    client.send(std::string(101, 'x'));
     CHECK(code_of(client.receive(8)) == 1009);
   }
   SECTION("no text") {

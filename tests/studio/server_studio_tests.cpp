@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <future>
 
 #include "server/studio.h"
@@ -246,6 +247,11 @@ TEST_CASE("an operator waits for one request of viewers, whatever many there are
   for (int i = 0; i < 50; ++i) {
     for (const ClientId viewer : {2, 3, 4}) studio.received(viewer, request);
   }
+  // Of a viewer that leaves, nobody waits for the answers.
+  studio.joined(5, Role::viewer);
+  studio.received(5, R"({"id": 0, "do": "hello"})");
+  for (int i = 0; i < 50; ++i) studio.received(5, request);
+  studio.left(5);
   studio.received(1, request);
   studio.received(1, request);
   part.go_on.set_value();
@@ -253,6 +259,7 @@ TEST_CASE("an operator waits for one request of viewers, whatever many there are
   // The one that was being handled, the operator's two, then each viewer in turn.
   CHECK(std::vector<ClientId>(part.order.begin(), part.order.begin() + 9) ==
         std::vector<ClientId>{2, 1, 1, 3, 4, 2, 3, 4, 2});
+  CHECK(std::count(part.order.begin(), part.order.end(), 5) == 0);
 }
 
 TEST_CASE("parts hear of those who leave if they heard of them", "[studio][requests]") {

@@ -65,6 +65,12 @@ bool DocumentMail::put(ClientId client, Role role, Letter letter) {
   return true;
 }
 
+void DocumentMail::forget(ClientId client) {
+  std::deque<Letter> letters;  // whose end says so to those who asked
+  const std::lock_guard<std::mutex> lock(mutex_);
+  letters = letters_.forget_viewer(client);
+}
+
 std::optional<DocumentMail::Letter> DocumentMail::take() {
   std::unique_lock<std::mutex> lock(mutex_);
   waiting_.wait(lock, [&] { return closed_ || !letters_.empty(); });

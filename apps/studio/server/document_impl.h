@@ -41,6 +41,8 @@ class DocumentMail {
   /// `client` 0: the document's own. False: closed, and thrown away.
   bool put(ClientId client, Role role, Letter letter);
   bool put(Work work) { return put(0, Role::operator_, {"", std::move(work)}); }
+  /// A viewer has left.
+  void forget(ClientId client);
   /// Waits; nullopt: closed.
   std::optional<Letter> take();
   bool next_changes_text() const;  ///< or there is no next: it is closed
@@ -64,6 +66,7 @@ class DocumentDesk final : public Document {
   void joined(ClientId client, Role role) override;
   const std::vector<std::string>& notes() const override { return notes_; }
   std::string finish() override;
+  void left(ClientId client) override { mail_->forget(client); }
 
  private:
   using Handler = Answer (DocumentDesk::*)(const Request&);

@@ -127,7 +127,8 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
     socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
       answer.set(http::field::sec_websocket_protocol, {kSubprotocol.data(), kSubprotocol.size()});
     }));
-    socket_.read_message_max(limits.message_bytes);
+    socket_.read_message_max(role_ == Role::viewer ? limits.viewer_message_bytes
+                                                   : limits.message_bytes);
     socket_.auto_fragment(false);
     socket_.async_accept(request, [self = shared_from_this()](error_code error) {
       if (!error && !self->server_.stopping) self->join();

@@ -19,8 +19,10 @@ struct ServerOptions {
   std::string goodbye;      ///< a text for all when the server ends; empty: none
   struct Limits {
     std::size_t message_bytes = 8u << 20;  ///< of one text from a page
-    std::size_t clients = 32;              ///< WebSockets at a time
-    std::size_t viewers = 24;              ///< of these: the others are for operators
+    /// The same of a viewer: the long ones are edits, and reading them takes time.
+    std::size_t viewer_message_bytes = 256u << 10;
+    std::size_t clients = 32;  ///< WebSockets at a time
+    std::size_t viewers = 24;  ///< of these: the others are for operators
     /// TCP at a time. Beyond, whoever has been at the same thing longest goes for the next one: who says
     /// nothing, or takes an answer in slowly. WebSockets stay.
     std::size_t connections = 128;

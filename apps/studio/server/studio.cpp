@@ -322,6 +322,8 @@ void Studio::left(ClientId client) {
     if (load == impl_->loads.end()) return;
     role = load->second.role;
     impl_->loads.erase(load);
+    // Nobody waits for the answers, and who comes back at once has all its requests again.
+    impl_->events.forget_viewer(client);
   }
   impl_->put({Impl::Event::Kind::left, client, role, {}});
 }

@@ -63,6 +63,16 @@ class Turns {
     return std::nullopt;
   }
 
+  /// All that a viewer still waits for; none of an operator's, whose requests change something.
+  std::deque<Item> forget_viewer(ClientId client) {
+    auto& of = lines_[kind(client, Role::viewer)].of;
+    const auto found = of.find(client);
+    if (found == of.end()) return {};
+    std::deque<Item> items = std::move(found->second);
+    of.erase(found);
+    return items;
+  }
+
   void clear() {
     for (Line& line : lines_) line.of.clear();
   }

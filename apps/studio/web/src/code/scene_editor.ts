@@ -286,6 +286,7 @@ export class SceneEditor {
   }
 
   private async complete(context: CompletionContext): Promise<CompletionResult | null> {
+    if (context.state.readOnly) return null;
     const text = context.state.doc.toString();
     const before = text.slice(Math.max(0, context.pos - 1), context.pos);
     // After a blank outside of tags, and after what ends one, there is nothing one would want to be offered unasked.
