@@ -95,7 +95,7 @@ void add_studio(CLI::App& app, int& status) {
                   "Where controllers run whose <controller> does not say: \"process\", each in a "
                   "process of its own (default), or \"none\", in the studio's, which their crash "
                   "ends")
-      ->type_name("WHERE")
+      ->type_name("process|none")
       ->check(CLI::IsMember({"process", "none"}));
   command.add_flag(
       "--allow-build", words->options.allow_build,

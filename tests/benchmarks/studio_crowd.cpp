@@ -8,13 +8,11 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <thread>
 #include <vector>
 
-#include <unistd.h>
-
+#include "../support/temporary_folder.h"
 #include "cogrsim/plugin/loader.h"
 #include "server/document.h"
 #include "server/run.h"
@@ -52,10 +50,7 @@ std::string scene(int boxes) {
 class Bench {
  public:
   explicit Bench(const std::string& text) : server_(must(Server::listen({}))) {
-    std::string name = (std::filesystem::temp_directory_path() / "cogrsim-crowd-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) std::exit(1);
-    folder_ = name;
-    const std::string path = (folder_ / "crowd.scene.xml").string();
+    const std::string path = folder_ / "crowd.scene.xml";
     std::ofstream(path) << text;
     run_ = Run::of_scene({}, std::make_shared<PluginLoader>(), *server_);
     DocumentOptions options;
@@ -73,8 +68,6 @@ class Bench {
     network_.join();
     studio_.reset();
     document_.reset();
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
   }
 
   SocketClient join(Role role) {
@@ -86,7 +79,7 @@ class Bench {
 
  private:
   std::unique_ptr<Server> server_;
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
   std::unique_ptr<Run> run_;
   std::unique_ptr<Document> document_;
   std::unique_ptr<Studio> studio_;

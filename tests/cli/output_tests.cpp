@@ -205,7 +205,8 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
       "",        "T",        "N",         "DT",     "NAME",    "B",        "X|max",       "A,B",
       "X",       "K",        "TEXT",      "SIGNAL", "COLUMN",  "F",        "CAMERA|VIEW", "LIST",
       "SIZE",    "1..5|1,3", "text|json", "PIXELS", "X,Y,X,Y", "NAME,...", "WHAT,...",    "WxH",
-      "ADDRESS", "MB",       "STORE",     "V",      "URL",     "S",        "Excludes"};
+      "ADDRESS", "MB",       "STORE",     "V",      "URL",     "S",        "Excludes",
+      "process|none"};
   const std::set<std::string> inputs = {"--plugin-path", "--from", "--include"};
   std::set<std::string> tried;
   for (const Case& c : cases()) tried.insert(c.words[0] + " " + c.option);

@@ -2,6 +2,7 @@
 # is started in: every entry of its RUNPATH begins with $ORIGIN or is absolute.
 #
 # -DBINARY_DIR= -DREADELF=
+cmake_policy(SET CMP0009 NEW)  # pages that are tried have links to the build folder
 file(GLOB_RECURSE files LIST_DIRECTORIES false "${BINARY_DIR}/bin/*" "${BINARY_DIR}/lib/*"
   "${BINARY_DIR}/*.so")
 set(looked 0)

@@ -119,7 +119,7 @@ TEST_CASE("a scene is packed with all that it uses and nothing else", "[share]")
 
 TEST_CASE("equal content gives an equal package: elsewhere and later", "[share]") {
   Folder one, two;
-  for (const Folder* folder : {&one, &two}) write_scene(folder->path() + "/arm");
+  for (const Folder* folder : {&one, &two}) write_scene(*folder / "arm");
   for (const auto& item : fs::recursive_directory_iterator(two.path)) {
     fs::last_write_time(item.path(), fs::file_time_type::clock::now() - std::chrono::hours(9999));
     if (item.is_regular_file()) fs::permissions(item.path(), fs::perms(0700));

@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include "../support/sanitizers.h"
+#include "../support/skip.h"
 #include "document_support.h"
 #include "studio_process.h"
 
@@ -92,7 +93,7 @@ struct Yard {
 }  // namespace
 
 TEST_CASE("a controller's end leaves the studio and its run", "[studio][program][faults]") {
-  if (cogrsim::test::kSanitized) return;  // which have words of their own for a crash
+  if (cogrsim::test::kSanitized) COGRSIM_SKIP("sanitizers have words of their own for a crash");
   struct Case {
     const char* does;
     const char* says;
@@ -124,7 +125,7 @@ TEST_CASE("a controller's end leaves the studio and its run", "[studio][program]
 }
 
 TEST_CASE("a crash ends the run where the scene says so", "[studio][program][faults]") {
-  if (cogrsim::test::kSanitized) return;
+  if (cogrsim::test::kSanitized) COGRSIM_SKIP("sanitizers have words of their own for a crash");
   Yard yard(::yard("segv", R"(on-fault="end-run")"));
   yard.play();
   const Json ended = yard.page->wait("status", [](const Json& s) { return s["state"] == "ended"; });
@@ -135,7 +136,7 @@ TEST_CASE("a crash ends the run where the scene says so", "[studio][program][fau
 }
 
 TEST_CASE("a crash before the start is a problem of the scene", "[studio][program][faults]") {
-  if (cogrsim::test::kSanitized) return;
+  if (cogrsim::test::kSanitized) COGRSIM_SKIP("sanitizers have words of their own for a crash");
   Yard yard(::yard("nothing"), {}, {{"RASCAL", "rascal.configure:segv"}});
   const Json problems =
       yard.page->wait("problems", [](const Json& p) { return !p["problems"].empty(); });

@@ -5,7 +5,7 @@
 #include <future>
 #include <thread>
 
-#include "cogrsim/dsl/compiler.h"
+#include "cogrsim/dsl/loader_catalog.h"
 
 namespace cogrsim::studio::test {
 
@@ -133,7 +133,10 @@ ReadFrame read_frame(const std::string& bytes) {
 }
 
 Scene scene_of(const std::string& xml, std::uint64_t version) {
-  const dsl::CompileResult compiled = dsl::compile_text(xml, "test.scene.xml");
+  dsl::LoaderCatalog plugins;
+  dsl::CompileOptions options;
+  options.plugins = &plugins;
+  const dsl::CompileResult compiled = dsl::compile_text(xml, "test.scene.xml", options);
   INFO(dsl::to_text(compiled.diagnostics));
   REQUIRE(compiled.ok());
   Scene scene;
