@@ -11,6 +11,7 @@
 #include "cogrsim/plugin/loader.h"
 #include "document.h"
 #include "frames.h"
+#include "journal.h"
 #include "kept_tokens.h"
 #include "options.h"
 #include "output_file.h"
@@ -126,9 +127,11 @@ int studio_command(const StudioOptions& options) {
     about_document.parameters = options.parameters;
     about_document.seed = options.seed;
     about_document.allow_build = options.allow_build;
+    about_document.state_folder = user_state_folder();
     auto opened = Document::open(std::move(about_document), document_loader, *run, **server);
     if (!opened) return failed(opened.error());
     document = std::move(*opened);
+    for (const std::string& note : document->notes()) cli::print_warning(note);
   }
   std::vector<Part*> parts = {run.get()};
   if (document) parts.push_back(document.get());
@@ -149,6 +152,9 @@ int studio_command(const StudioOptions& options) {
   }
   if (options.open) open_browser((*server)->launch_address());
   (*server)->run(studio);
+  if (const std::string unsaved = document ? document->finish() : ""; !unsaved.empty()) {
+    cli::print_warning(unsaved);
+  }
   fmt::print(stderr, "the studio has ended\n");
   return cli::kGood;
 }

@@ -105,7 +105,10 @@ void add_studio(CLI::App& app, int& status) {
       "address\n"
       "The first line of the standard output is the address. It contains a token: whoever has it "
       "may\n"
-      "do everything. Ctrl-C ends the studio; what was not saved is lost.");
+      "do everything. Ctrl-C ends the studio; what was not saved is kept beside the scene, and "
+      "offered "
+      "when\n"
+      "it is opened again.");
   command.callback([words, &status] { status = studio_command(options_from(*words)); });
 }
 

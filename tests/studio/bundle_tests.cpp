@@ -233,6 +233,19 @@ TEST_CASE("a bundle holds scene and frames and curves and text", "[studio][bundl
     CHECK(std::fabs(z - (100.0 - 0.5 * 9.81 * t * t)) < 0.5 * 9.81 * t * 1e-3 + 1e-5);
   }
 
+  // Its path has every step, between frames too; a straight line in space, not in time.
+  REQUIRE(head["paths"].size() == 1);
+  CHECK(head["paths"][0]["body"] == "brick");
+  const std::vector<double> when = data.doubles(head["paths"][0]["times"]);
+  CHECK(when.size() > times.size());
+  CHECK(when.back() == times.back());
+  const std::vector<float> where = data.columns(head["paths"][0]["points"], when.size());
+  REQUIRE(where.size() == 3 * when.size());
+  for (std::size_t k = 0; k < when.size(); ++k) {
+    const double t = when[k], z = static_cast<double>(where[2 * when.size() + k]);
+    CHECK(std::fabs(z - (100.0 - 0.5 * 9.81 * t * t)) < 0.5 * 9.81 * t * 1e-3 + 1e-5);
+  }
+
   // What can be had from poses is not there twice; its speed is g t.
   std::vector<std::string> names;
   for (const Json& signal : part["signals"]) names.push_back(signal["name"]);

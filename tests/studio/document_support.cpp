@@ -91,8 +91,9 @@ std::string Folder::read_file(const std::string& path) {
   return out.str();
 }
 
-Desk::Desk(const std::string& path, bool allow_build) {
+Desk::Desk(const std::string& path, bool allow_build, const std::string& state_folder) {
   DocumentOptions options;
+  options.state_folder = state_folder;
   options.path = path;
   options.allow_build = allow_build;
   auto opened = Document::open(options, std::make_shared<PluginLoader>(), run, page);

@@ -70,7 +70,8 @@ class Folder {
 };
 
 struct Desk {
-  explicit Desk(const std::string& path, bool allow_build = false);
+  explicit Desk(const std::string& path, bool allow_build = false,
+                const std::string& state_folder = {});
 
   /// Asks and waits for the answer.
   Answer ask(const std::string& what, Json fields = Json::object(), ClientId client = 1);

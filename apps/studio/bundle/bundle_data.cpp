@@ -37,6 +37,7 @@ class BundleWriter {
                  {"state_hash", fmt::format("{:016x}", state_hash(samples_.last()->state))},
                  {"dt", about_.step}};
     put_frames(head);
+    put_paths(head);
     put_words(head);
     put_figures(head);
     put_textures(head);
@@ -99,6 +100,20 @@ class BundleWriter {
                      {"signals", std::move(signals)},
                      {"values", payload_.add_columns(values, curves.curves.size())},
                      {"readings", curves.readings}});
+  }
+
+  void put_paths(Json& head) {
+    Json& paths = head["paths"] = Json::array();
+    for (const Path& path : samples_.paths()) {
+      std::vector<float> points;
+      for (const Vec3& p : path.points) {
+        for (const double v : {p.x(), p.y(), p.z()}) points.push_back(static_cast<float>(v));
+      }
+      paths.push_back({{"label", path.label},
+                       {"body", path.body},
+                       {"times", payload_.add(path.times)},
+                       {"points", payload_.add_columns(points, points.empty() ? 0 : 3)}});
+    }
   }
 
   void put_words(Json& head) {

@@ -114,6 +114,7 @@ void RunSamples::enter(const SceneModelPtr& model) {
 
 void RunSamples::begin_anew() {
   samples_.clear();
+  paths_.clear();
   events_.clear();
   shots_.clear();
   shot_last_.clear();
@@ -132,6 +133,7 @@ void RunSamples::take(const FramePtr& frame) {
   if (anew) begin_anew();
   if (frame->model != model_) enter(frame->model);
   for (const Figure& figure : figures_) figure.sampler->take(*frame);
+  paths_.take(*frame);
   for (const Event& event : frame->events) {
     if (events_.size() < kMostEvents) {
       events_.push_back(event);

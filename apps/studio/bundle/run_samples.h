@@ -11,6 +11,7 @@
 
 #include "cogrsim/figures/plot_sampler.h"
 #include "cogrsim/simulation/simulation.h"
+#include "paths.h"
 #include "run_scenes.h"
 #include "talk.h"
 
@@ -23,8 +24,8 @@ struct SampleOptions {
 };
 
 /// Frames of a run at the rate of a display. Where they would take more than allowed every second one
-/// is let go and the time between them doubles, so a run of any length fits. Figures of the scene take
-/// every step.
+/// is let go and the time between them doubles, so a run of any length fits. Figures of the scene and
+/// paths take every step.
 class RunSamples {
  public:
   using Channels = std::function<const std::vector<Channel>&(int sensor)>;
@@ -74,6 +75,7 @@ class RunSamples {
   const std::vector<Event>& events() const { return events_; }
   const SceneCurves& curves(std::uint32_t scene) const { return curves_.at(scene); }
   const std::vector<Figure>& figures() const { return figures_; }
+  std::vector<Path> paths() const { return paths_.all(); }
   Scenes& scenes() { return scenes_; }
   double every() const { return every_; }
   /// The frame taken last; nullptr: none was.
@@ -103,6 +105,7 @@ class RunSamples {
   bool thinned_ = false;
   std::size_t bytes_ = 0;
   std::vector<Sample> samples_;
+  Paths paths_;
   std::vector<Event> events_;
   std::size_t events_left_out_ = 0, curves_left_out_ = 0;
 

@@ -14,8 +14,7 @@
 namespace cogrsim::studio {
 namespace {
 
-constexpr std::size_t kMostBytes = 16u << 20;  // of a scene's text, as the compiler's limit
-constexpr double kNoticed = 0.05;              // [s] a page is told before a longer compilation
+constexpr double kNoticed = 0.05;  // [s] a page is told before a longer compilation
 
 /// What a scene begins with: ground to stand on, light to see by.
 std::string empty_scene(const std::string& file) {
@@ -70,13 +69,15 @@ bool DocumentMail::put(ClientId client, Role role, Letter letter) {
 std::optional<DocumentMail::Letter> DocumentMail::take() {
   std::unique_lock<std::mutex> lock(mutex_);
   waiting_.wait(lock, [&] { return closed_ || !letters_.empty(); });
-  if (closed_) return std::nullopt;
+  // What was typed is taken in to the end: it is in the journal then.
+  while (closed_ && !letters_.empty() && letters_.next().what != "set-text") letters_.take();
+  if (letters_.empty()) return std::nullopt;
   return letters_.take();
 }
 
 bool DocumentMail::next_changes_text() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (letters_.empty()) return false;
+  if (closed_ || letters_.empty()) return closed_;
   const std::string& what = letters_.next().what;
   return what == "set-text" || what == "undo" || what == "redo" || what == "edit";
 }
@@ -85,7 +86,6 @@ void DocumentMail::close() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     closed_ = true;
-    letters_.clear();
   }
   waiting_.notify_one();
 }
@@ -93,7 +93,7 @@ void DocumentMail::close() {
 Result<std::unique_ptr<Document>> Document::open(DocumentOptions options,
                                                  std::shared_ptr<PluginLoader> loader, Run& run,
                                                  Outbox& outbox) {
-  auto file = SceneFile::open(options.path, kMostBytes);
+  auto file = SceneFile::open(options.path, kMostSceneBytes);
   if (!file) return tl::unexpected(file.error());
   return std::unique_ptr<Document>(std::make_unique<DocumentDesk>(
       std::move(options), std::move(*file), std::move(loader), run, outbox));
@@ -106,20 +106,21 @@ DocumentDesk::DocumentDesk(DocumentOptions options, SceneFile file,
       outbox_(outbox),
       file_(std::move(file)),
       history_(file_.text() ? *file_.text() : empty_scene(file_.name())),
+      journal_(file_.path(), options_.state_folder, kMostSceneBytes),
       // A loader serves one thread; the same folders give the same plugins.
       loader_(
           std::make_shared<PluginLoader>(loader ? loader->folders() : std::vector<std::string>())),
       catalog_(std::make_unique<cli::LoaderCatalog>(loader_)),
       sources_(file_.folder()),
       builder_(file_.folder()) {
+  offer_found();
   mail_->put([this] { compile(); });
   thread_ = std::thread([this] { work(); });
 }
 
 DocumentDesk::~DocumentDesk() {
-  mail_->close();
   builder_.stop();
-  thread_.join();
+  finish();
   if (build_thread_.joinable()) build_thread_.join();
 }
 
@@ -140,6 +141,9 @@ const std::map<std::string, DocumentDesk::Entry, std::less<>>& DocumentDesk::tab
       {"redo", {&D::redo, Access::operator_}},
       {"save", {&D::save, Access::operator_}},
       {"revert", {&D::revert, Access::operator_}},
+      {"unsaved", {&D::unsaved, Access::operator_}},
+      {"restore", {&D::restore, Access::operator_}},
+      {"discard", {&D::discard, Access::operator_}},
       {"schema", {&D::schema, Access::viewer}},
       {"complete", {&D::complete, Access::viewer}},
       {"mass", {&D::mass, Access::viewer}},
@@ -177,7 +181,10 @@ void DocumentDesk::answer(const Request& request, const Reply& reply) {
     return reply(fail("the document does not answer '" + request.what + "'"));
   if (entry->second.handler == nullptr) return build(request, reply);
   const std::uint64_t before = version_;
-  reply((this->*entry->second.handler)(request));
+  Answer answer = (this->*entry->second.handler)(request);
+  // An edit that was answered is on the disk.
+  if (journal_due_) keep_unsaved();
+  reply(std::move(answer));
   if (version_ == before) return;
   // What an edit left is compiled already.
   if (!stale_) {
@@ -193,6 +200,7 @@ void DocumentDesk::answer(const Request& request, const Reply& reply) {
 void DocumentDesk::joined(ClientId client, Role role) {
   mail_->put(client, role, {"", [this, client] {
                               tell(document_json(stale_), client);
+                              tell(unsaved_tell(), client);
                               if (stale_) return;
                               tell(tree_tell(), client);
                               tell(problems_tell(), client);
@@ -220,6 +228,7 @@ void DocumentDesk::changed(ClientId by) {
   ++version_;
   by_ = by;
   stale_ = true;
+  journal_due_ = true;
 }
 
 void DocumentDesk::compile() {
@@ -279,7 +288,7 @@ Json DocumentDesk::document_json(bool compiling) const {
           {"version", version_},
           {"text", history_.text()},
           {"file", file_.name()},
-          {"dirty", !file_.text() || *file_.text() != history_.text()},
+          {"dirty", dirty()},
           {"undo", label(history_.undo_label())},
           {"redo", label(history_.redo_label())},
           {"by", by_},
@@ -321,8 +330,8 @@ Answer DocumentDesk::set_text(const Request& request) {
     if (!given) return tl::unexpected(given.error());
     group = *given;
   }
-  if (text->size() > kMostBytes)
-    return fail("a scene's text has at most " + std::to_string(kMostBytes >> 20) + " MB", "",
+  if (text->size() > kMostSceneBytes)
+    return fail("a scene's text has at most " + std::to_string(kMostSceneBytes >> 20) + " MB", "",
                 "put large data into mesh files");
   // Typing of two clients is no one step.
   if (!group.empty()) group += "/" + std::to_string(request.client);
@@ -371,18 +380,24 @@ Answer DocumentDesk::save(const Request& request) {
     if (*name != file_.name()) {
       if (auto saved = file_.save_as(*name, history_.text()); !saved)
         return tl::unexpected(saved.error());
+      keep_unsaved();  // of the file of before
+      journal_ = Journal(file_.path(), options_.state_folder, kMostSceneBytes);
+      offer_found();
       tell(document_json(stale_));
+      tell(unsaved_tell());
       return Json{{"file", file_.name()}, {"backup", ""}};
     }
   }
   auto saved = file_.save(history_.text());
   if (!saved) return tl::unexpected(saved.error());
+  journal_due_ = true;
   tell(document_json(stale_));
   return Json{{"file", file_.name()}, {"backup", *saved}};
 }
 
 Answer DocumentDesk::revert(const Request& request) {
   if (auto read = file_.reread(); !read) return tl::unexpected(read.error());
+  journal_due_ = true;
   if (history_.change(*file_.text(), "revert"))
     changed(request.client);
   else

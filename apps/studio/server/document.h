@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cogrsim/dsl/compiler.h"
 #include "run.h"
@@ -18,6 +19,7 @@ struct DocumentOptions {
   std::map<std::string, std::string> parameters;  ///< `--set`
   std::optional<std::uint64_t> seed;
   bool allow_build = false;
+  std::string state_folder;  ///< for journals that cannot lie beside the scene; "": none
 };
 
 /// The part that answers everything in PROTOCOL.md under "The document". Works on a thread of its
@@ -29,6 +31,11 @@ class Document : public Part {
   static Result<std::unique_ptr<Document>> open(DocumentOptions options,
                                                 std::shared_ptr<PluginLoader> loader, Run& run,
                                                 Outbox& outbox);
+
+  /// What the user should know of what was not saved before: a sentence each.
+  virtual const std::vector<std::string>& notes() const = 0;
+  /// Nothing is answered any more. Returns what became of what was not saved; "": all was.
+  virtual std::string finish() = 0;
 };
 
 }  // namespace cogrsim::studio

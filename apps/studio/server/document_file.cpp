@@ -5,6 +5,8 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -114,6 +116,15 @@ Result<> write_text_file(const std::string& path, const std::string& text) {
   const Descriptor place{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   if (place.number >= 0) ::fsync(place.number);
   return {};
+}
+
+std::string version_of(const std::string& text) {
+  // FNV-1a
+  std::uint64_t hash = 14695981039346656037ull;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  char out[24];
+  std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(hash));
+  return out;
 }
 
 Result<> check_bare_name(const std::string& name, const std::string& ending) {

@@ -20,6 +20,9 @@ Result<> write_text_file(const std::string& path, const std::string& text);
 /// Whether it is UTF-8 throughout.
 bool is_utf8(const std::string& text);
 
+/// Tells contents apart, keeps nothing secret: 16 hexadecimal digits.
+std::string version_of(const std::string& text);
+
 /// A bare name ending in `ending`: no folders, no leading dot, no control characters.
 Result<> check_bare_name(const std::string& name, const std::string& ending);
 

@@ -16,11 +16,14 @@
 #include "document.h"
 #include "document_file.h"
 #include "document_history.h"
+#include "journal.h"
 #include "plugin_catalog.h"
 #include "sources.h"
 #include "turns.h"
 
 namespace cogrsim::studio {
+
+constexpr std::size_t kMostSceneBytes = 16u << 20;  ///< of a scene's text, as the compiler's limit
 
 /// Work for the document's thread, by turns of those who ask. Others may hold on to it longer than the
 /// document lives.
@@ -37,7 +40,7 @@ class DocumentMail {
   bool put(Work work) { return put(0, Role::operator_, {"", std::move(work)}); }
   /// Waits; nullopt: closed.
   std::optional<Letter> take();
-  bool next_changes_text() const;
+  bool next_changes_text() const;  ///< or there is no next: it is closed
   void close();
 
  private:
@@ -56,9 +59,15 @@ class DocumentDesk final : public Document {
   Access access(std::string_view what) const override;
   void handle(Request request, Reply reply) override;
   void joined(ClientId client, Role role) override;
+  const std::vector<std::string>& notes() const override { return notes_; }
+  std::string finish() override;
 
  private:
   using Handler = Answer (DocumentDesk::*)(const Request&);
+  struct Offer {
+    std::uint64_t number = 0;  ///< never used twice
+    UnsavedText unsaved;
+  };
   struct Entry {
     Handler handler;  ///< nullptr: build, which takes its time elsewhere
     Access access;
@@ -77,6 +86,13 @@ class DocumentDesk final : public Document {
   Json document_json(bool compiling) const;
   Json tree_tell() const;
   Json problems_tell() const;
+  Json unsaved_tell() const;
+  bool dirty() const;
+  std::string base() const;
+  /// What the journal held is offered from now on.
+  void offer_found();
+  /// The journal is what is not saved now.
+  void keep_unsaved();
   void tell(const Json& json, std::optional<ClientId> client = std::nullopt);
 
   // Requests.
@@ -86,6 +102,10 @@ class DocumentDesk final : public Document {
   Answer redo(const Request& request);
   Answer save(const Request& request);
   Answer revert(const Request& request);
+  Result<std::vector<Offer>::iterator> offer_of(const Request& request);
+  Answer unsaved(const Request& request);
+  Answer restore(const Request& request);
+  Answer discard(const Request& request);
   const Json& vocabulary();
   Answer schema(const Request& request);
   Answer complete(const Request& request);
@@ -101,6 +121,12 @@ class DocumentDesk final : public Document {
   Outbox& outbox_;
   SceneFile file_;
   TextHistory history_;
+  std::vector<Offer> offers_;  ///< texts of before that nobody has decided on, newest first
+  std::uint64_t last_offer_ = 0;
+  Journal journal_;
+  bool journal_due_ = false;  ///< it is not what it should be
+  std::string not_kept_;      ///< why what is not saved is not in the journal either; "": it is
+  std::vector<std::string> notes_;
   std::shared_ptr<PluginLoader> loader_;  ///< of this thread alone
   bool built_ = false;                    ///< the run is to take plugins from loader_'s folders
   std::unique_ptr<cli::LoaderCatalog> catalog_;

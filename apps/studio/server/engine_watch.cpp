@@ -66,6 +66,7 @@ Moment Engine::moment() {
 }
 
 void Engine::take_moment(bool keep) {
+  history_.paths().take(*latest_);
   const bool publish_due = Clock::now() - published_ >= kBetweenPublished;
   if (!keep && !publish_due && !ghost_ && latest_->model == told_model_) return;
   Moment now = moment();

@@ -72,6 +72,7 @@ std::vector<Moment> History::thin() {
 }
 
 std::vector<Moment> History::clear() {
+  paths().clear();
   std::vector<Moment> gone;
   std::lock_guard lock(mutex_);
   gone.swap(moments_);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cogrsim/physics/frame.h"
+#include "paths.h"
 
 namespace cogrsim::studio {
 
@@ -38,6 +39,12 @@ class Frames {
   virtual std::vector<Moment> after(double time, std::size_t most) = 0;
   /// Another number after everything was let go: what was computed of the frames before is void.
   virtual std::uint64_t epoch() const = 0;
+
+  /// Of all steps there were, also of those whose frames are not kept.
+  Paths& paths() { return paths_; }
+
+ private:
+  Paths paths_;
 };
 
 /// Memory a frame takes, about [byte].

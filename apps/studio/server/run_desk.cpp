@@ -11,8 +11,8 @@ namespace cogrsim::studio {
 namespace {
 
 // At once, and in a thread of its own.
-constexpr std::array<std::string_view, 7> kAtOnce = {"seek",   "step-back", "live", "subscribe",
-                                                     "events", "cameras",   "view"};
+constexpr std::array<std::string_view, 8> kAtOnce = {"seek",   "step-back", "live", "subscribe",
+                                                     "events", "cameras",   "view", "paths"};
 constexpr std::array<std::string_view, 5> kComputed = {"signals", "series", "divergence", "plots",
                                                        "figure"};
 constexpr std::array<std::string_view, 12> kSteering = {
@@ -28,7 +28,8 @@ bool among(const List& list, std::string_view what) {
 
 Desk::Desk(Frames& frames, Scenes& scenes, Board& board, Outbox& outbox,
            const std::vector<std::string>& plugin_folders)
-    : board_(board),
+    : frames_(frames),
+      board_(board),
       series_(frames, scenes),
       viewers_(board, frames, scenes, outbox),
       cameras_(viewers_, scenes, outbox, plugin_folders) {}
@@ -51,6 +52,20 @@ Part::Access Desk::access(std::string_view what) {
 void Desk::left(ClientId client) {
   cameras_.left(client);
   viewers_.left(client);
+}
+
+Answer Desk::paths(const Json& f) const {
+  const auto revision = fields::whole(f, "revision", 0, 0, std::int64_t{1} << 53);
+  if (!revision) return tl::unexpected(revision.error());
+  std::vector<std::size_t> counts;
+  if (const Json* list = fields::find(f, "counts")) {
+    const auto good = [](const Json& count) { return count.is_number_unsigned(); };
+    if (!list->is_array() || !std::all_of(list->begin(), list->end(), good)) {
+      return fields::wrong("counts", "a list of whole numbers");
+    }
+    counts = list->get<std::vector<std::size_t>>();
+  }
+  return frames_.paths().since(static_cast<std::uint64_t>(*revision), counts);
 }
 
 Answer Desk::look(const Request& request) {
@@ -85,6 +100,7 @@ Answer Desk::look(const Request& request) {
   }
   if (request.what == "cameras") return cameras_.show(request.client, f);
   if (request.what == "view") return cameras_.view(request.client, f);
+  if (request.what == "paths") return paths(f);
   const auto from = fields::whole(f, "from", 0, 0, std::int64_t{1} << 53);
   if (!from) return tl::unexpected(from.error());
   Json list = Json::array();

@@ -35,8 +35,10 @@ class Desk {
 
  private:
   Answer look(const Request& request);
+  Answer paths(const Json& fields) const;
   Answer compute(const std::string& what, const Json& fields);
 
+  Frames& frames_;
   Board& board_;
   SeriesDesk series_;  ///< the worker's
   Viewers viewers_;

@@ -113,8 +113,8 @@ class RecordedRun final : public Run {
       board_.set_newest(std::move(last));
     }
     board_.set_situation(std::move(s), true);
-    // Events are where the frames are: to be read through while the first page is on its way.
-    desk_.post([this] { collect_events(); });
+    // Events and paths are where the frames are: to be read through while the first page is on its way.
+    desk_.post([this] { read_through(); });
   }
   ~RecordedRun() override {
     over_ = true;
@@ -147,12 +147,13 @@ class RecordedRun final : public Run {
   std::string asset(std::size_t number) const override { return scenes_.asset(number); }
 
  private:
-  void collect_events() {
+  void read_through() {
     for (double time = info_.start - 1.0; !over_;) {
       const std::vector<Moment> more = frames_.after(time, 200);
       if (more.empty()) return;
       for (const Moment& moment : more) {
         time = moment.time();
+        frames_.paths().take(*moment.frame);
         for (const Event& event : moment.frame->events) board_.add_event(event);
       }
     }

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include "document_file.h"
@@ -21,15 +20,6 @@ constexpr std::size_t kMostBytes = 1u << 20;
 bool is_source(const fs::path& path) {
   return path.extension() == ".cpp" || path.extension() == ".h" ||
          path.filename() == "CMakeLists.txt";
-}
-
-/// FNV-1a: tells contents apart, keeps nothing secret.
-std::string version_of(const std::string& text) {
-  std::uint64_t hash = 14695981039346656037ull;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  char out[24];
-  std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(hash));
-  return out;
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ const std::vector<std::string>& known_requests() {
       "compare-off", "subscribe", "signals", "series",   "divergence", "plots",   "figure",
       "events",      "cameras",   "view",    "set-text", "edit",       "undo",    "redo",
       "save",        "revert",    "schema",  "complete", "mass",       "sources", "open-source",
-      "save-source", "build",     "reload"};
+      "save-source", "build",     "reload",  "unsaved",  "restore",    "discard", "paths"};
   return names;
 }
 

@@ -45,6 +45,7 @@ constexpr auto kXmlMark = "<!-- CogRSim -->\n"sv;
 constexpr auto kPdfMark = "%CogRSim\n"sv;
 constexpr auto kJsonMark = "\"generator\": \"CogRSim\""sv;
 constexpr auto kScriptMark = "# CogRSim"sv;
+constexpr auto kJournalMark = "{\"cogrsim-journal\":"sv;
 // Headings of the tables that are written: of recordings, and of studies.
 constexpr std::array kTableMarks = {"time [s],body,x [m],"sv, "time [s],joint,coordinate,"sv,
                                     "time [s],a,b,x [m],"sv, "time [s],sequence,valid"sv};
@@ -55,7 +56,7 @@ struct Format {
 };
 
 // By OutputKind.
-constexpr std::array<Format, 16> kFormats = {{{"a JSON file", {".json", ".jsonl"}},
+constexpr std::array<Format, 17> kFormats = {{{"a JSON file", {".json", ".jsonl"}},
                                               {"an XML file", {".xml"}},
                                               {"a CSV table", {".csv"}},
                                               {"a PNG picture", {".png"}},
@@ -70,7 +71,13 @@ constexpr std::array<Format, 16> kFormats = {{{"a JSON file", {".json", ".jsonl"
                                               {"a gnuplot script", {".gp"}},
                                               {"a learner's table", {".table", ".txt"}},
                                               {"a study's table", {".sqlite"}},
+                                              {"a journal of the studio", {".journal"}},
                                               {"such a file", {}}}};
+
+// What is there to survive what comes.
+bool is_durable(OutputKind kind) {
+  return kind == OutputKind::snapshot || kind == OutputKind::journal;
+}
 
 const Format& format_of(OutputKind kind) { return kFormats[static_cast<std::size_t>(kind)]; }
 
@@ -140,6 +147,8 @@ bool is_ours(OutputKind kind, std::string_view head, std::string_view tail) {
     case OutputKind::study:
       // What tables it has may stand in its log yet; who opens it looks.
       return begins_with(head, "SQLite format 3"sv);
+    case OutputKind::journal:
+      return begins_with(head, kJournalMark);
     case OutputKind::other:
       return false;
   }
@@ -325,7 +334,9 @@ Result<OutputFile> OutputFile::create(const std::string& path, OutputKind kind,
                         .string();
   file.descriptor_ =
       ::open(file.temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
-             exists ? info.st_mode & 0777 : 0666);
+             kind == OutputKind::journal ? 0600
+             : exists                    ? info.st_mode & 0777
+                                         : 0666);
   if (file.descriptor_ < 0) {
     file.temporary_.clear();
     return refused(path, system_reason());
@@ -389,8 +400,7 @@ Result<> OutputFile::commit() {
   }
   if (auto done = flush(); !done) return done;
   // Some file systems tell only here that there was no room.
-  // A snapshot is there to survive what comes.
-  const bool closed = kind_ != OutputKind::snapshot || ::fsync(descriptor_) == 0;
+  const bool closed = !is_durable(kind_) || ::fsync(descriptor_) == 0;
   const int why = errno;
   if (::close(std::exchange(descriptor_, -1)) != 0 || !closed) {
     return refused(path_, std::strerror(closed ? errno : why));
@@ -398,6 +408,13 @@ Result<> OutputFile::commit() {
   if (auto allowed = check_output(path_, kind_, rules_); !allowed) return allowed;
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return refused(path_, system_reason());
   temporary_.clear();
+  if (is_durable(kind_)) {
+    const int folder = ::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder >= 0) {
+      ::fsync(folder);  // the name, too; where that is not offered the rename has to do
+      ::close(folder);
+    }
+  }
   return {};
 }
 

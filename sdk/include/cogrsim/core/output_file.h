@@ -30,6 +30,7 @@ enum class OutputKind {
   script,
   learner,
   study,
+  journal,
   other
 };
 

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { MemoryLink } from "../core/memory_link";
-import type { Picture } from "../core/protocol";
+import type { Paths, Picture } from "../core/protocol";
 import { by_rows, packed_matrix, unpack } from "./unpack";
 
 /** As the program packs: see packed_columns(). */
@@ -95,6 +95,7 @@ function data(version = 1): ArrayBuffer {
         readings: [[1, -1]],
       },
     ],
+    paths: [{ label: "robot", body: "a", times: doubles(0, 0.25, 1), points: add(pack([[1, 0, 0], [1.5, 2, 0], [3, 0, 0]])) }],
     messages: [],
     events: [],
     plots: [{ name: "p" }],
@@ -141,6 +142,13 @@ test("the page is answered as by a server", async () => {
   assert.deepEqual(series.series.map((s) => s.low), [[null, 7, 8], [null, null, 0.5], [1, 2, 3]]);
   const figure = await link.request<{ series: unknown[] }>("figure", { plot: "p" });
   assert.deepEqual(figure.series, [{ label: "l", x: [0, 1], y: [2, null], z: [] }]);
+  const { revision, until, paths } = await link.request<Paths>("paths", { revision: 0, counts: [] });
+  assert.equal(until, 1);
+  assert.deepEqual(paths, [
+    { label: "robot", body: "a", from: 0, times: [0, 0.25, 1], points: [1, 0, 0, 1.5, 2, 0, 3, 0, 0], last: [] },
+  ]);
+  const again = await link.request<Paths>("paths", { revision, counts: [3] });
+  assert.deepEqual(again.paths, [{ label: "robot", body: "a", from: 3, times: [], points: [], last: [] }]);
   await assert.rejects(link.request("play"), /needs a server/);
 });
 

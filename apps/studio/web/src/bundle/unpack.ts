@@ -41,6 +41,7 @@ interface Head {
   contacts: { counts: Block; bodies: Block; numbers: Block };
   scenes: Scene[];
   parts: Part[];
+  paths: { label: string; body: string; times: Block; points: Block }[];
   messages: RunMessage[];
   events: RunEvent[];
   document?: { file: string; text: string };
@@ -223,6 +224,12 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
     ],
     events: head.events,
     signals: signals_of(parts, time),
+    paths: head.paths.map(({ label, body, times, points }) => ({
+      label,
+      body,
+      times: doubles(times),
+      points: by_rows(packed_matrix(bytes(points), times.bytes / 8), times.bytes / 8),
+    })),
     plots: head.plots,
     figures: Object.fromEntries(
       Object.entries(head.figures).map(([name, figure]) => [

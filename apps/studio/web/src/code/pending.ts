@@ -6,6 +6,8 @@ export interface Typing {
   flush(): Promise<void>;
   /** Whether there is anything that the server does not have. */
   unsent(): boolean;
+  /** of the scene, with what was typed */
+  text(): string;
 }
 
 const typings = new WeakMap<Studio, Typing>();
@@ -18,6 +20,11 @@ export function set_typing(studio: Studio, typing: Typing | null): void {
 
 export function unsent_typing(studio: Studio): boolean {
   return typings.get(studio)?.unsent() ?? false;
+}
+
+/** What stands in the code panel; undefined: there is none. */
+export function text_here(studio: Studio): string | undefined {
+  return typings.get(studio)?.text();
 }
 
 /** Done when the server knows all that was typed. */

@@ -1,10 +1,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Problem, TreeElement } from "../core/protocol";
-import { element_at, problem_range, same_file, tag_around } from "./places";
+import { element_at, problem_range, same_file, tag_around, written_selection } from "./places";
 
 const problem = (line: number, column: number, length: number): Problem => ({
   severity: "error", code: "x", message: "m", help: "", file: "a.scene.xml", line, column, length, notes: [],
+});
+
+test("the cursor goes between the first quotes that were written, to write what stands there anew", () => {
+  assert.deepEqual(written_selection('mass=""', 10), { anchor: 16, head: 16 });
+  assert.deepEqual(written_selection('box name="" size=""', 5), { anchor: 15, head: 15 });
+  assert.deepEqual(written_selection('speed="0.3 m/s"', 0), { anchor: 7, head: 14 });
+  assert.deepEqual(written_selection("true", 3), { anchor: 7, head: 7 });
 });
 
 test("a problem is underlined at its exact place, behind signs of two units too", () => {

@@ -3,6 +3,13 @@ import type { Problem, TreeElement } from "../core/protocol";
 import { start_tag, type StartTag } from "../forms/xml_text";
 import { code_points, line_span, utf16_offset } from "./columns";
 
+/** What is selected when this has been written at `from`: what stands between its first quotes, else nothing behind it. */
+export function written_selection(text: string, from: number): { anchor: number; head: number } {
+  const open = text.indexOf('="') + 2;
+  const close = open < 2 ? -1 : text.indexOf('"', open);
+  return close < 0 ? { anchor: from + text.length, head: from + text.length } : { anchor: from + open, head: from + close };
+}
+
 /** The innermost element whose text a place is in; line and column (code points) from 1. -1: none. */
 export function element_at(elements: readonly TreeElement[], line: number, column: number): number {
   let found = -1;

@@ -1,5 +1,5 @@
 // The editor of the scene's text.
-import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
+import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap, insertCompletionText, pickedCompletion, type Completion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
 import { defaultKeymap, indentWithTab } from "@codemirror/commands";
 import { xml } from "@codemirror/lang-xml";
 import { bracketMatching, foldGutter, foldKeymap, indentOnInput } from "@codemirror/language";
@@ -19,7 +19,7 @@ import { code_points, utf16_offset } from "./columns";
 import type { Change } from "./diff";
 import { TypingGroups } from "./groups";
 import { set_typing } from "./pending";
-import { element_at, problem_range, same_file, tag_around } from "./places";
+import { element_at, problem_range, same_file, tag_around, written_selection } from "./places";
 import { TextSync, type SyncAnswer, type SyncSetText } from "./sync";
 import { editor_look } from "./theme";
 
@@ -92,6 +92,7 @@ export class SceneEditor {
         return this.sync.flush();
       },
       unsent: () => this.sync.unsent,
+      text: () => this.file_text(this.view.state),
     });
   }
 
@@ -297,7 +298,19 @@ export class SceneEditor {
       if (context.aborted || answer.items.length === 0) return null;
       return {
         from: utf16_offset(text, answer.from),
-        options: answer.items.map((item) => ({ label: item.label, detail: item.detail ?? "", apply: item.insert ?? item.label })),
+        options: answer.items.map((item) => ({
+          label: item.label,
+          detail: item.detail ?? "",
+          apply: (view: EditorView, completion: Completion, from: number, to: number) => {
+            const insert = item.insert ?? item.label;
+            view.dispatch({
+              ...insertCompletionText(view.state, insert, from, to),
+              // Several cursors stay where each has written.
+              ...(view.state.selection.ranges.length === 1 && { selection: written_selection(insert, from) }),
+              annotations: pickedCompletion.of(completion),
+            });
+          },
+        })),
         validFor: /^[\w.-]*$/,
       };
     } catch {

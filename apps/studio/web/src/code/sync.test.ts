@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { apply } from "./diff";
-import { TextSync, type SyncAnswer, type SyncSetText } from "./sync";
+import { kTypingMost, TextSync, type SyncAnswer, type SyncSetText } from "./sync";
 
 /** A server with one text, whose answers and tells come when the test says so. */
 class Bench {
@@ -10,15 +10,16 @@ class Bench {
   editor = "";
   refusals: string[] = [];
   calm = 0;
-  private timers: { what: () => void; gone: boolean }[] = [];
+  private now = 0;
+  private timers: { what: () => void; due: number; gone: boolean }[] = [];
   private requests: (() => void)[] = [];
   broken = false;
   readonly sync = new TextSync({
     send: (fields) => new Promise((resolve) => this.requests.push(() => resolve(this.set(fields)))),
     text: () => this.editor,
     change: (changes) => (this.editor = apply(this.editor, changes)),
-    later: (_ms, what) => {
-      const timer = { what, gone: false };
+    later: (ms, what) => {
+      const timer = { what, due: this.now + ms, gone: false };
       this.timers.push(timer);
       return () => (timer.gone = true);
     },
@@ -47,6 +48,13 @@ class Bench {
   rest(): void {
     const timers = this.timers.splice(0);
     for (const timer of timers) if (!timer.gone) timer.what();
+  }
+  /** Time goes by [ms]. */
+  pass(ms: number): void {
+    this.now += ms;
+    const due = this.timers.filter((timer) => timer.due <= this.now);
+    this.timers = this.timers.filter((timer) => timer.due > this.now);
+    for (const timer of due) if (!timer.gone) timer.what();
   }
   async answer(): Promise<void> {
     for (const request of this.requests.splice(0)) request();
@@ -80,6 +88,25 @@ test("typing is sent once when it rests, and its own echo changes nothing", asyn
   assert.deepEqual(bench.history, [{ text: "one!!\ntwo\nthree\n", group: "g1" }]);
   assert.equal(bench.editor, "one!!\ntwo\nthree\n");
   assert.ok(bench.sync.settled);
+});
+
+test("who types without a rest is heard all the same", async () => {
+  const bench = new Bench();
+  for (let i = 0, text = "one"; i < 9; ++i) {
+    text += "!";
+    bench.type(text);
+    bench.pass(kTypingMost / 10);
+    assert.equal(bench.pending, 0);
+  }
+  bench.type("one!!!!!!!!!!");
+  bench.pass(kTypingMost / 10);
+  assert.equal(bench.pending, 1);
+  await bench.answer();
+  assert.equal(bench.server.text, "one!!!!!!!!!!");
+  // From then on it is counted anew.
+  bench.type("two");
+  bench.pass(kTypingMost / 10);
+  assert.equal(bench.pending, 0);
 });
 
 test("the echo may come before the answer, with more typed meanwhile", async () => {

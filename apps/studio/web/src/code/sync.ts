@@ -26,6 +26,8 @@ export interface SyncEnds {
 
 /** Typing is sent when it rests for so long [ms]. */
 export const kTypingRest = 300;
+/** Who types on and on is sent so often [ms]: what the server does not know is lost with the page. */
+export const kTypingMost = 800;
 // A stale version is tried again as often as other people's edits can reasonably come in between.
 const kMostRetries = 5;
 
@@ -40,6 +42,7 @@ export class TextSync {
   private group_ = "";
   private dirty_ = false;
   private cancel_: (() => void) | null = null;
+  private cancel_most_: (() => void) | null = null;
   private sending_ = false;
   private behind_: { text: string; version: number } | null = null;
   private retries_ = 0;
@@ -68,6 +71,7 @@ export class TextSync {
     this.group_ = group;
     this.cancel_?.();
     this.cancel_ = this.ends_.later(kTypingRest, () => this.take_());
+    this.cancel_most_ ??= this.ends_.later(kTypingMost, () => this.take_());
     if (this.waiting_.length > 0) this.send_next_();
   }
 
@@ -100,7 +104,8 @@ export class TextSync {
 
   private take_(): void {
     this.cancel_?.();
-    this.cancel_ = null;
+    this.cancel_most_?.();
+    this.cancel_ = this.cancel_most_ = null;
     if (this.dirty_) {
       this.waiting_.push({ text: this.ends_.text(), group: this.group_ });
       this.dirty_ = false;

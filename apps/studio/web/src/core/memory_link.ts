@@ -4,6 +4,7 @@ import type {
   DocumentState,
   Frame,
   Hello,
+  Paths,
   Picture,
   Problem,
   RunEvent,
@@ -53,6 +54,8 @@ export interface MemoryRun {
   /** answers to `figure`, by name of the plot */
   figures?: Record<string, Record<string, unknown>>;
   compare?: Status["compare"];
+  /** where its things have been, of every step */
+  paths?: { label: string; body: string; times: ArrayLike<number>; points: ArrayLike<number> }[];
   /** answer to `divergence` */
   divergence?: Record<string, unknown>;
   /** addresses of textures (data: or blob:), by path under /asset/ */
@@ -60,6 +63,9 @@ export interface MemoryRun {
   /** what cameras saw, by time */
   pictures?: Picture[];
 }
+
+/** The paths of a run that came whole do not change. */
+const kPathsRevision = 1;
 
 type Fields = Record<string, unknown>;
 type Listener<T> = (value: T) => void;
@@ -193,6 +199,8 @@ export class MemoryLink implements Link {
         if (!figure) throw refused(`no figure '${String(fields.plot)}' in this run`);
         return figure;
       }
+      case "paths":
+        return this.paths(fields.revision === kPathsRevision);
       case "events":
         return { events: (run.events ?? []).filter((e) => e.index >= Number(fields.from ?? 0)) };
       case "cameras":
@@ -202,6 +210,22 @@ export class MemoryLink implements Link {
       default:
         throw refused(`'${what}' needs a server`, "open the scene with 'cogrsim studio'");
     }
+  }
+
+  private paths(known: boolean): Paths {
+    const { run } = this;
+    return {
+      revision: kPathsRevision,
+      until: run.time_of(run.count - 1),
+      paths: (run.paths ?? []).map(({ label, body, times, points }) => ({
+        label,
+        body,
+        from: known ? times.length : 0,
+        times: known ? [] : Array.from(times),
+        points: known ? [] : Array.from(points),
+        last: [],
+      })),
+    };
   }
 
   protected tell_all(): void {

@@ -62,6 +62,23 @@ export interface DocumentState {
   good: boolean;
 }
 
+export interface UnsavedOffer {
+  /** names it in requests */
+  number: number;
+  /** [s since 1970] */
+  time: number;
+  /** the file is not the one that was edited */
+  changed: boolean;
+  /** so many wait behind it */
+  more: number;
+}
+export interface Unsaved {
+  version: number;
+  offer: UnsavedOffer | null;
+  /** why what is not saved is not kept on the disk either; "": it is */
+  not_kept: string;
+}
+
 export interface TreeElement {
   id: number;
   parent: number;
@@ -223,6 +240,25 @@ export interface Frame {
   tail: FrameTail;
 }
 
+/** Answer to `paths`. */
+export interface Paths {
+  /** of another one nothing that was known holds */
+  revision: number;
+  /** up to here all is known [s]; null: nothing is */
+  until: number | null;
+  paths: {
+    label: string;
+    body: string;
+    /** index of the first point here */
+    from: number;
+    times: number[];
+    /** x y z of each [m] */
+    points: number[];
+    /** x y z at `until` */
+    last: number[];
+  }[];
+}
+
 export interface Picture {
   kind: "color" | "depth" | "segmentation";
   /** of the camera; "": the whole scene */
@@ -242,6 +278,7 @@ export interface Tells {
   problems: { version: number; problems: Problem[] };
   messages: { messages: RunMessage[] };
   events: { events: RunEvent[] };
+  unsaved: Unsaved;
   goodbye: { reason: string };
 }
 

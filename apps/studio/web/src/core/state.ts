@@ -10,6 +10,7 @@ import type {
   Scene,
   Status,
   TreeElement,
+  Unsaved,
 } from "./protocol";
 
 export class State {
@@ -18,6 +19,7 @@ export class State {
   readonly status = signal<Status | null>(null);
   readonly scene = signal<Scene | null>(null);
   readonly document = signal<DocumentState | null>(null);
+  readonly unsaved = signal<Unsaved | null>(null);
   /** of the newest text that is well-formed */
   readonly tree = signal<{ version: number; elements: TreeElement[] }>({ version: -1, elements: [] });
   readonly problems = signal<Problem[]>([]);

@@ -82,6 +82,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
   });
   link.on("scene", (scene) => (state.scene.value = scene));
   link.on("document", (document) => (state.document.value = document));
+  link.on("unsaved", (unsaved) => (state.unsaved.value = unsaved));
   link.on("tree", (tree) => {
     // Of a text that is not well-formed: the last one that was stays, with what is selected in it.
     if (tree.elements.length === 0) return;

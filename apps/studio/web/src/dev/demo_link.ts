@@ -1,6 +1,6 @@
 // Stands for a server while working on the page: plays a made-up run and keeps a text with a history.
 import { MemoryLink, refused, type MemoryRun } from "../core/memory_link";
-import { kProtocol, type Op, type RunState, type Status } from "../core/protocol";
+import { kProtocol, type Op, type Paths, type RunState, type Status } from "../core/protocol";
 import { demo_scene, frame_at, kText } from "./motion";
 import { place, tokens } from "./tokens";
 
@@ -133,6 +133,8 @@ export class DemoLink extends MemoryLink {
         return this.figure();
       case "divergence":
         return this.divergence();
+      case "paths":
+        return this.deck_path();
       case "complete":
         return { from: fields.offset, items: [{ label: "box", detail: "a box", insert: 'box name="" size="10 10 10 cm"/>' }] };
       case "mass":
@@ -234,6 +236,13 @@ export class DemoLink extends MemoryLink {
       first: this.run.count > 200 ? { time: 2, name: "robot.deck" } : null,
       labels: this.compared.labels,
     };
+  }
+
+  private deck_path(): Paths {
+    const frames = Array.from({ length: this.run.count }, (_, i) => this.run.frame(i));
+    const points = frames.flatMap(({ poses }) => [...poses.subarray(21, 24)]);
+    const path = { label: "robot", body: "robot.deck", from: 0, times: frames.map((f) => f.time), points, last: [] };
+    return { revision: Date.now(), until: frames[frames.length - 1]!.time, paths: [path] };
   }
 
   private check(fields: Fields): void {

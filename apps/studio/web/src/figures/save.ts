@@ -1,4 +1,5 @@
 // Figures as files.
+import { download } from "../shell/download";
 import { to_csv } from "./csv";
 import { file_name, type FigureData } from "./figure";
 import { to_svg } from "./svg";
@@ -45,13 +46,4 @@ async function painted(svg: string): Promise<Blob> {
   } finally {
     URL.revokeObjectURL(address);
   }
-}
-
-function download(file: Blob, name: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(file);
-  link.download = name;
-  link.click();
-  // the browser takes the file up in its own time
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }

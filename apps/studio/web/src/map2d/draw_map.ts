@@ -2,7 +2,7 @@
 import type { Frame, Scene } from "../core/protocol";
 import { compose, is_finite, pose_at, IDENTITY } from "../view3d/pose";
 import { ray_ends } from "../view3d/rays";
-import { count_until, top_assembly, type Trails } from "../view3d/trails";
+import { top_assembly, type Trails } from "../view3d/trails";
 import { shape_bounds } from "../view3d/bounds";
 import type { Item } from "./items";
 import { length_text, round_length, type Sheet } from "./sheet";
@@ -236,17 +236,17 @@ function went(points: number[], count: number, least: number): boolean {
 }
 
 function draw_trails({ context, sheet, frame, trails }: MapPicture): void {
-  const now = frame?.time ?? 0;
   context.lineWidth = 1.8;
   for (const trail of trails.all) {
-    const count = count_until(trail.times, now);
-    if (count < 2 || !went(trail.points, count, 3 / sheet.scale)) continue;
+    const line = trails.line(trail, frame);
+    const count = line.length / 3;
+    if (!went(line, count, 3 / sheet.scale)) continue;
     context.strokeStyle = css([...trail.color, 1]);
     context.setLineDash([7, 4]);
     context.beginPath();
     for (let i = 0; i < count; i++) {
-      const column = sheet.column(trail.points[3 * i]!);
-      const row = sheet.row(trail.points[3 * i + 1]!);
+      const column = sheet.column(line[3 * i]!);
+      const row = sheet.row(line[3 * i + 1]!);
       if (i === 0) context.moveTo(column, row);
       else context.lineTo(column, row);
     }
@@ -254,7 +254,7 @@ function draw_trails({ context, sheet, frame, trails }: MapPicture): void {
     context.setLineDash([]);
     // a ring where it began
     context.beginPath();
-    context.arc(sheet.column(trail.points[0]!), sheet.row(trail.points[1]!), 3.5, 0, 2 * Math.PI);
+    context.arc(sheet.column(line[0]!), sheet.row(line[1]!), 3.5, 0, 2 * Math.PI);
     context.stroke();
   }
 }

@@ -107,7 +107,7 @@ class MapWidget extends Widget {
       () => look(false),
     );
     this.resize();
-    trails_of(this.studio);
+    const trails = trails_of(this.studio);
     on(() => {
       this.scene = state.scene.value;
       this.items = this.scene ? new Items(this.scene) : null;
@@ -121,7 +121,7 @@ class MapWidget extends Widget {
       this.draw_soon();
     });
     on(() => {
-      for (const depends of [state.selection, state.tree, state.hovered, marked, ...Object.values(map_layers)]) {
+      for (const depends of [state.selection, state.tree, state.hovered, marked, trails.changes, ...Object.values(map_layers)]) {
         depends.value;
       }
       this.draw_soon();

@@ -22,6 +22,7 @@ import { make_menus } from "./menus";
 import { Notices } from "./notices";
 import { panel_named, panels } from "./panels";
 import { page_title, show_status_line } from "./status_line";
+import { UnsavedBar } from "./unsaved";
 import { Windows } from "./windows";
 
 export class App implements Studio {
@@ -64,7 +65,8 @@ export class App implements Studio {
 
     const shell = document.createElement("div");
     shell.className = "cg-shell";
-    shell.append(this.connection_bar());
+    const unsaved = new UnsavedBar(this);
+    shell.append(this.connection_bar(unsaved));
     document.body.prepend(shell);
     if (this.only) {
       this.show_only(shell);
@@ -76,7 +78,7 @@ export class App implements Studio {
     menus.className = "cg-head";
     const bar = document.createElement("div");
     header.append(menus, bar, new Timeline(control).node);
-    shell.append(header);
+    shell.append(header, unsaved.node);
     Widget.attach(make_menus(this.commands), menus);
     menus.append(this.layout_choice(), this.theme_button());
     show_bar(control, bar);
@@ -197,7 +199,7 @@ export class App implements Studio {
     document.title = panel ? `${panel} – ${title}` : title;
   }
 
-  private connection_bar(): HTMLElement {
+  private connection_bar(unsaved: UnsavedBar): HTMLElement {
     const bar = document.createElement("div");
     bar.className = "cg-connection";
     bar.setAttribute("role", "alert");
@@ -210,10 +212,12 @@ export class App implements Studio {
     effect(() => {
       const lost = !this.state.open.value && (this.state.hello.value !== null || opened.value);
       if (this.state.open.value) ended = "";
+      const keep = unsaved.download_button();
       bar.hidden = !lost;
       bar.textContent = lost
         ? `${this.state.hello.value ? "Connection lost" : "No connection to the studio"}${ended ? ` (${ended})` : ""}, trying again. If the studio was started anew, open the address it printed.`
         : "";
+      if (lost && keep) bar.append(" ", keep);
     });
     return bar;
   }

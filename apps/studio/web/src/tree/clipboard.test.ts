@@ -12,5 +12,7 @@ test("an element as it is written, without the indentation around it", () => {
 test("what is pasted where it came from stands beside it, in its own unit", () => {
   assert.equal(shifted_xml('<box name="a" xyz="10 0 5 cm"/>', 0.3), '<box name="a" xyz="40 0 5 cm"/>');
   assert.equal(shifted_xml('<box xyz="0 0 1"/>', 0.3), '<box xyz="0.3 0 1"/>');
-  for (const xml of ['<box xyz="${a} 0 0"/>', "<box/>"]) assert.equal(shifted_xml(xml, 0.3), xml);
+  assert.equal(shifted_xml("<box/>", 0.3), '<box xyz="0.3 0 0"/>');
+  assert.equal(shifted_xml('<assembly name="r"><box/></assembly>', 0.3), '<assembly name="r" xyz="0.3 0 0"><box/></assembly>');
+  for (const xml of ['<box xyz="${a} 0 0"/>', "no element"]) assert.equal(shifted_xml(xml, 0.3), xml);
 });

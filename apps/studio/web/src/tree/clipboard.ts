@@ -4,7 +4,7 @@ import type { Studio } from "../core/studio";
 import { offset_at } from "../code/columns";
 import { factor_of, parse_numbers, print_numbers, short_number } from "../forms/values";
 import { dedent, element_end, split_elements, start_tag } from "../forms/xml_text";
-import { top_most } from "./model";
+import { element_keys, top_most } from "./model";
 import { tree_state } from "./tree_state";
 
 /** The element as it is written, without the indentation of where it stands; null if it is not there. */
@@ -14,10 +14,14 @@ export function element_xml(text: string, element: TreeElement): string | null {
   return to === null ? null : dedent(text.slice(from, to).replace(/\r\n/g, "\n"));
 }
 
-/** The element `shift` [m] further along x; as it is if it has no place written in plain numbers. */
+/** The element `shift` [m] further along x; as it is if its place is not written in plain numbers. */
 export function shifted_xml(xml: string, shift: number): string {
   const tag = start_tag(xml, 0);
   const span = tag?.attributes.find((a) => a.name === "xyz");
+  if (tag && !span) {
+    const behind = tag.attributes[tag.attributes.length - 1]?.to ?? tag.tag.length + 1;
+    return `${xml.slice(0, behind)} xyz="${short_number(shift)} 0 0"${xml.slice(behind)}`;
+  }
   const parts = span ? parse_numbers(xml.slice(span.value_from, span.value_to)) : null;
   const x = parts?.entries[0];
   const factor = x ? factor_of("m", x.unit) : undefined;
@@ -40,6 +44,8 @@ export function copy_elements(studio: Studio, ids: readonly number[]): boolean {
   const copied = top_most(elements, ids).flatMap((id) => element_xml(text, elements[id]!) ?? []);
   if (copied.length === 0) return false;
   tree_state(studio).copied.value = copied;
+  const keys = element_keys(elements);
+  tree_state(studio).copies = new Set(top_most(elements, ids).map((id) => keys[id]!));
   tree_state(studio).copied_from.value = elements[elements[ids[0] ?? 0]?.parent ?? 0]?.path ?? null;
   left_window = false;
   // Not allowed everywhere; inside this page copying works without.

@@ -7,7 +7,8 @@ import { duplicate_offset } from "../add/place";
 import { start_tag } from "../forms/xml_text";
 import { copied_elements, copy_elements, shifted_xml } from "./clipboard";
 import { mass_element } from "./mass_view";
-import { label_of, top_most } from "./model";
+import { element_keys, label_of, top_most } from "./model";
+import { paste_place } from "./rules";
 import { start_renaming, tree_state } from "./tree_state";
 
 /** What can be glued into one body. */
@@ -54,22 +55,22 @@ async function paste(studio: Studio): Promise<void> {
   const schema = tree_state(studio).schema.value;
   const main = studio.state.selection.value[studio.state.selection.value.length - 1] ?? 0;
   const ops: Op[] = [];
-  const { copied_from } = tree_state(studio);
+  const { copied_from, copies } = tree_state(studio);
+  const keys = element_keys(elements);
+  const of_them = new Set(elements.flatMap(({ id }) => (copies.has(keys[id]!) ? [id] : [])));
   const shift = duplicate_offset(studio.state, chosen(studio))[0];
   for (const xml of copied) {
     const tag = start_tag(xml, 0)?.tag ?? "";
-    // Into what is selected if that is a group, else beside it; at the end of the first around it that may hold it.
-    const groups = ["scene", "assembly", "prototype", "template", "body"];
-    let parent = main;
     const takes = (id: number) => !schema || schema.may_hold(elements, id, tag);
-    if (!groups.includes(elements[parent]?.tag ?? "") || !takes(parent)) parent = elements[parent]?.parent ?? 0;
-    while (parent > 0 && !takes(parent)) parent = elements[parent]!.parent;
-    parent = Math.max(0, parent);
+    const { parent, before } = paste_place(elements, main, takes, of_them);
     const beside = [...kBodies, "assembly", "instance"].includes(tag) && elements[parent]?.path === copied_from.value;
-    ops.push({ op: "insert", parent, xml: beside ? shifted_xml(xml, shift) : xml, before: null });
+    ops.push({ op: "insert", parent, xml: beside ? shifted_xml(xml, shift) : xml, before });
   }
   const made = await studio.edit(copied.length === 1 ? "paste" : `paste ${copied.length} elements`, ops);
-  if (made) studio.select(made);
+  if (!made) return;
+  const now = element_keys(studio.state.tree.value.elements);
+  for (const id of made) copies.add(now[id]!);
+  studio.select(made);
 }
 
 async function assemble(studio: Studio): Promise<void> {

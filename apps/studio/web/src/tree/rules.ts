@@ -27,6 +27,19 @@ export function drop_place(elements: readonly TreeElement[], target: number, zon
   return { parent: element.parent, before: siblings[siblings.indexOf(target) + 1] ?? null };
 }
 
+const kGroups = ["scene", "assembly", "prototype", "template", "body"];
+
+/** Where something is pasted while `main` is selected: into it if it is a group, else beside it. Beside it, too, if it is one of
+ *  `copies`: what was copied, and what has been pasted of it. What does not `take` it is left for what is around it. */
+export function paste_place(
+  elements: readonly TreeElement[], main: number, takes: (parent: number) => boolean, copies: ReadonlySet<number>,
+): DropPlace {
+  if (kGroups.includes(elements[main]?.tag ?? "") && takes(main) && !(copies.has(main) && main > 0)) return { parent: main, before: null };
+  let beside = main;
+  while (beside > 0 && !takes(elements[beside]!.parent)) beside = elements[beside]!.parent;
+  return drop_place(elements, beside, "after") ?? { parent: 0, before: null };
+}
+
 /** Why the elements may not go there; "": they may. */
 export function refuse_drop(
   schema: Schema, elements: readonly TreeElement[], dragged: readonly number[], place: DropPlace,

@@ -14,6 +14,8 @@ export interface TreeState {
   copied: Signal<string[]>;
   /** dotted name of what held them: pasted there they would be inside each other */
   copied_from: Signal<string | null>;
+  /** keys of what was copied and of what has been pasted of it: one more goes beside them */
+  copies: Set<string>;
 }
 
 const states = new WeakMap<Studio, TreeState>();
@@ -22,7 +24,7 @@ const states = new WeakMap<Studio, TreeState>();
 export function tree_state(studio: Studio): TreeState {
   let state = states.get(studio);
   if (state) return state;
-  state = { renaming: signal(-1), schema: signal(null), signals: signal(new Map()), copied: signal([]), copied_from: signal(null) };
+  state = { renaming: signal(-1), schema: signal(null), signals: signal(new Map()), copied: signal([]), copied_from: signal(null), copies: new Set() };
   states.set(studio, state);
   const { schema, signals } = state;
   studio.state.hello.subscribe((hello) => {

@@ -5,7 +5,7 @@ import { Dots, linear_color, Lines } from "./lines";
 import { compose, IDENTITY, is_finite, pose_at, rotate, transform } from "./pose";
 import { ray_ends } from "./rays";
 import { overlays } from "./settings";
-import { count_until, dashes, type Trails } from "./trails";
+import { dashes, type Trails } from "./trails";
 
 type Rgb = readonly [number, number, number];
 const AXES: Rgb[] = [linear_color([0.9, 0.1, 0.1]), linear_color([0.1, 0.65, 0.1]), linear_color([0.15, 0.3, 0.95])];
@@ -145,7 +145,8 @@ export class Overlay {
     if (overlays.trails.value) {
       for (const trail of trails.all) {
         const color = linear_color(trail.color);
-        const drawn = dashes(trail.points, count_until(trail.times, frame.time), 0.012 * size);
+        const line = trails.line(trail, frame);
+        const drawn = dashes(line, line.length / 3, 0.012 * size);
         for (let i = 0; i + 5 < drawn.length; i += 6) top_lines.add(drawn, drawn, color, i, i + 3);
       }
     }

@@ -5,7 +5,6 @@ import type { PanelType, Studio } from "../core/studio";
 import { register_commands } from "./commands";
 import { open_views, OVERLAYS } from "./settings";
 import { fill_tools, menu_button, open_context_menu } from "./tools";
-import { trails_of } from "./trails";
 import type { View3d } from "./view";
 import "./view3d.css";
 
@@ -136,6 +135,4 @@ export const panel: PanelType = {
 /** Adds the panel's commands; called once, before any panel is made. */
 export function register(studio: Studio): void {
   register_commands(studio);
-  // what is shown later shall have its whole past
-  trails_of(studio);
 }

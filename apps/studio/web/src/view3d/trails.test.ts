@@ -1,57 +1,54 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Frame, Scene } from "../core/protocol";
-import { count_until, dashes, followed_bodies, Trails } from "./trails";
+import type { Frame, Paths, Scene } from "../core/protocol";
+import { dashes, Trails } from "./trails";
 
-const body = (name: string, assembly = -1, kind = "dynamic") => ({ name, assembly, kind, removed: false });
-const scene = {
-  bodies: [body("floor", -1, "fixed"), body("r.base", 0), body("r.arm.tip", 1), body("ball")],
-  assemblies: [
-    { name: "r", parent: -1 },
-    { name: "r.arm", parent: 0 },
-  ],
-  controllers: [],
-} as unknown as Scene;
-const frame = (time: number, x: number, live = true): Frame =>
-  ({ time, live, poses: Float32Array.from({ length: 28 }, (_, i) => (i % 7 === 0 ? x : 0)) }) as unknown as Frame;
-
-test("one trail for each top-level assembly and each lone body that moves", () => {
-  assert.deepEqual(followed_bodies(scene), [
-    { label: "r", body: 1 },
-    { label: "ball", body: 3 },
-  ]);
+const body = (name: string) => ({ name, removed: false });
+const scene = { bodies: [body("floor"), body("r.base")] } as unknown as Scene;
+const frame = (time: number, x: number): Frame =>
+  ({ time, live: true, poses: Float32Array.from({ length: 14 }, (_, i) => (i % 7 === 0 ? x : 0)) }) as unknown as Frame;
+const answer = (revision: number, from: number, times: number[], until: number): Paths => ({
+  revision,
+  until,
+  paths: [{ label: "r", body: "r.base", from, times, points: times.flatMap((t) => [t, 0, 0]), last: [until, 0, 0] }],
 });
+const x_of = (line: number[]): number[] => line.filter((_, i) => i % 3 === 0);
 
-test("frames are put in their place in time; a run that began anew forgets what came later", () => {
+test("what is new goes behind what is known; another revision takes its place", () => {
   const trails = new Trails();
   trails.adopt(scene);
-  for (const t of [0, 1, 3]) trails.add(frame(t, t));
-  trails.add(frame(2, 2, false));
-  assert.deepEqual(trails.all[0]!.times, [0, 1, 2, 3]);
-  assert.deepEqual(trails.all[0]!.points.filter((_, i) => i % 3 === 0), [0, 1, 2, 3]);
-  trails.add(frame(0.5, 9));
-  assert.deepEqual(trails.all[0]!.times, [0, 0.5]);
-  trails.add(frame(0.5, 7));
-  assert.deepEqual(trails.all[0]!.points.filter((_, i) => i % 3 === 0), [0, 7]);
-  assert.equal(count_until(trails.all[0]!.times, 0.4), 1);
+  assert.deepEqual(trails.known, { revision: 0, counts: [] });
+  trails.take(answer(4, 0, [0, 1], 2));
+  assert.deepEqual(trails.known, { revision: 4, counts: [2] });
+  trails.take(answer(4, 2, [3], 5));
+  assert.deepEqual(trails.all[0]!.times, [0, 1, 3]);
+  trails.take(answer(5, 0, [0], 0.5));
+  assert.deepEqual(trails.known, { revision: 5, counts: [1] });
+  assert.deepEqual(trails.all[0]!.points, [0, 0, 0]);
 });
 
-test("a scene that changed keeps the trails of what kept its name", () => {
+test("a path goes to where the body is, and never farther than is known", () => {
   const trails = new Trails();
   trails.adopt(scene);
-  trails.add(frame(0, 1));
-  trails.adopt({ ...scene, bodies: [...scene.bodies].reverse() } as Scene);
-  assert.deepEqual(trails.all.map((t) => [t.label, t.times.length]), [["ball", 1], ["r", 0]]);
+  trails.take(answer(1, 0, [0, 1, 3], 5));
+  const line = (time: number, x: number) => x_of(trails.line(trails.all[0]!, frame(time, x)));
+  assert.deepEqual(line(0, 0), [0, 0]);
+  assert.deepEqual(line(2, 2), [0, 1, 2]);
+  assert.deepEqual(line(4, 4), [0, 1, 3, 4]);
+  // A frame that is newer than the path: no line to where nothing is known of the way.
+  assert.deepEqual(line(9, 90), [0, 1, 3, 5]);
 });
 
-test("long runs are thinned, not cut", () => {
+test("a scene that changed finds the bodies by name", () => {
   const trails = new Trails();
   trails.adopt(scene);
-  for (let i = 0; i < 9000; i++) trails.add(frame(i, i));
-  const { times, points } = trails.all[0]!;
-  assert.ok(times.length <= 4000 && points.length === 3 * times.length);
-  assert.equal(times[0], 0);
-  assert.ok(times.every((t, i) => points[3 * i] === t));
+  trails.take(answer(1, 0, [0], 5));
+  assert.equal(trails.all[0]!.body, 1);
+  trails.adopt({ bodies: [body("r.base"), body("floor")] } as unknown as Scene);
+  assert.equal(trails.all[0]!.body, 0);
+  trails.adopt({ bodies: [body("floor")] } as unknown as Scene);
+  assert.equal(trails.all[0]!.body, -1);
+  assert.deepEqual(x_of(trails.line(trails.all[0]!, frame(2, 7))), [0]);
 });
 
 test("dashes are as long as asked and lie on the line, across its corners", () => {

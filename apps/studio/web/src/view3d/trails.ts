@@ -1,21 +1,23 @@
-// Where things have been: collected from the frames that this page saw, for all panels that draw it.
-import { effect } from "@preact/signals-core";
-import type { Frame, Scene, Vec3 } from "../core/protocol";
+// Where things have been, as the run itself has it: of every step, whatever this page saw of it.
+import { effect, signal } from "@preact/signals-core";
+import type { Frame, Paths, Scene, Vec3 } from "../core/protocol";
 import type { Studio } from "../core/studio";
+import { map_layers, overlays } from "./settings";
 
 export interface Trail {
   label: string;
-  /** index in the scene's bodies */
+  /** name of the body */
+  name: string;
+  /** its index in the scene's bodies; -1: it is not there */
   body: number;
   color: [number, number, number];
+  /** [s]; never falls */
   times: number[];
   /** x y z of each [m] */
   points: number[];
+  /** x y z at the newest time that is known */
+  last: number[];
 }
-
-/** Points of a trail at most; beyond, every second one of it is let go. */
-const MOST_POINTS = 4000;
-const MOST_TRAILS = 64;
 
 // The colours the pictures of the command line give them, in this order.
 const COLORS: [number, number, number][] = [
@@ -33,29 +35,6 @@ export function top_assembly(scene: Scene, assembly: number): number {
   return at;
 }
 
-/** The bodies whose trails are drawn: of each top-level assembly the first that moves, and of those outside of any all
- *  that move; with a controller first. */
-export function followed_bodies(scene: Scene): { label: string; body: number }[] {
-  const seen = new Set<number>();
-  const out: { label: string; body: number }[] = [];
-  scene.bodies.forEach((body, i) => {
-    if (body.removed || body.kind === "fixed") return;
-    const top = top_assembly(scene, body.assembly);
-    if (top < 0) {
-      out.push({ label: body.name, body: i });
-    } else if (!seen.has(top)) {
-      seen.add(top);
-      out.push({ label: scene.assemblies[top]!.name, body: i });
-    }
-  });
-  const steered = new Set(scene.controllers.map((c) => top_assembly(scene, c.assembly)));
-  const rank = (b: { body: number }) => {
-    const top = top_assembly(scene, scene.bodies[b.body]!.assembly);
-    return top >= 0 && steered.has(top) ? 0 : 1;
-  };
-  return out.sort((a, b) => rank(a) - rank(b)).slice(0, MOST_TRAILS);
-}
-
 /** Index of the first time after `time`. */
 export function count_until(times: number[], time: number): number {
   let low = 0;
@@ -70,51 +49,50 @@ export function count_until(times: number[], time: number): number {
 
 export class Trails {
   all: Trail[] = [];
-  private names: string[] = [];
+  /** up to here all is known [s] */
+  until = -Infinity;
+  /** goes up with everything that was taken in */
+  readonly changes = signal(0);
+  private revision = 0;
+  private indices = new Map<string, number>();
 
-  /** Another scene: what is followed by the same name goes on. */
   adopt(scene: Scene): void {
-    const old = new Map(this.all.map((trail, i) => [this.names[i], trail]));
-    const bodies = followed_bodies(scene);
-    this.names = bodies.map((b) => scene.bodies[b.body]!.name);
-    this.all = bodies.map((b, i) => ({
-      label: b.label,
-      body: b.body,
-      color: COLORS[i % COLORS.length]!,
-      times: old.get(this.names[i])?.times ?? [],
-      points: old.get(this.names[i])?.points ?? [],
-    }));
+    this.indices = new Map(scene.bodies.flatMap((body, i) => (body.removed ? [] : [[body.name, i] as const])));
+    for (const trail of this.all) trail.body = this.index(trail.name);
   }
 
-  clear(): void {
-    for (const trail of this.all) {
-      trail.times = [];
-      trail.points = [];
-    }
+  /** What is known already: fields of the request. */
+  get known(): { revision: number; counts: number[] } {
+    return { revision: this.revision, counts: this.all.map((trail) => trail.times.length) };
   }
 
-  /** Takes a frame in, wherever in time it lies. A live one from before what is known says the run began anew. */
-  add(frame: Frame): void {
-    for (const trail of this.all) {
-      const at = 7 * trail.body;
-      const p = frame.poses.subarray(at, at + 3);
-      if (p.length < 3 || !Number.isFinite(p[0]! + p[1]! + p[2]!)) continue;
-      let n = count_until(trail.times, frame.time);
-      if (frame.live && n < trail.times.length) {
-        trail.times.length = n;
-        trail.points.length = 3 * n;
-      }
-      if (n > 0 && trail.times[n - 1] === frame.time) {
-        trail.points.splice(3 * n - 3, 3, ...p);
-        continue;
-      }
-      trail.times.splice(n, 0, frame.time);
-      trail.points.splice(3 * n, 0, ...p);
-      if (trail.times.length > MOST_POINTS) {
-        trail.times = trail.times.filter((_, i) => i % 2 === 0);
-        trail.points = trail.points.filter((_, i) => Math.floor(i / 3) % 2 === 0);
-      }
-    }
+  take({ revision, until, paths }: Paths): void {
+    const before = revision === this.revision ? this.all : [];
+    this.revision = revision;
+    this.until = until ?? -Infinity;
+    this.all = paths.map(({ label, body, from, times, points, last }, i) => {
+      const trail = before[i] ?? { label, name: body, body: this.index(body), color: COLORS[i % COLORS.length]!, times: [], points: [], last };
+      trail.times.length = from;
+      trail.points.length = 3 * from;
+      for (const time of times) trail.times.push(time);
+      for (const x of points) trail.points.push(x);
+      trail.last = last;
+      return trail;
+    });
+    this.changes.value += 1;
+  }
+
+  /** x y z of the points of a trail until a frame: to where the body is in it, but never farther than is known. */
+  line(trail: Trail, frame: Frame | null): number[] {
+    const now = frame?.time ?? 0;
+    const points = trail.points.slice(0, 3 * count_until(trail.times, now));
+    if (now >= this.until) return points.concat(trail.last);
+    const here = trail.body < 0 ? [] : [...(frame?.poses.subarray(7 * trail.body, 7 * trail.body + 3) ?? [])];
+    return here.every(Number.isFinite) ? points.concat(here) : points;
+  }
+
+  private index(name: string): number {
+    return this.indices.get(name) ?? -1;
   }
 }
 
@@ -153,20 +131,47 @@ export function dashes(points: ArrayLike<number>, count: number, dash: number): 
 
 const known = new WeakMap<Studio, Trails>();
 
-/** Those of a page; collected from the first call on. */
+/** A recording is read through in its own time: asked again after so long [ms]. */
+const kLater = 200;
+
+/** Those of a page; kept up to date from the first call on, while they are drawn anywhere. */
 export function trails_of(studio: Studio): Trails {
-  let trails = known.get(studio);
-  if (!trails) {
-    const made = (trails = new Trails());
-    known.set(studio, made);
-    effect(() => {
-      const scene = studio.state.scene.value;
-      if (scene) made.adopt(scene);
-    });
-    effect(() => {
-      const frame = studio.state.frame.value;
-      if (frame && frame.scene === studio.state.scene.peek()?.scene) made.add(frame);
-    });
-  }
+  const made = known.get(studio);
+  if (made) return made;
+  const trails = new Trails();
+  known.set(studio, trails);
+  const { state, link } = studio;
+  let asking = false;
+  let scene = -1;
+  const behind = (): boolean => {
+    const frame = state.frame.peek();
+    const status = state.status.peek();
+    if (!state.open.peek() || !frame || !(overlays.trails.peek() || map_layers.trails.peek())) return false;
+    const end = status?.state === "recording" ? status.last : frame.time;
+    return frame.live || frame.scene !== scene || trails.until < end;
+  };
+  const ask = async () => {
+    if (asking || !behind()) return;
+    asking = true;
+    const of = state.frame.peek();
+    try {
+      trails.take(await link.request<Paths>("paths", trails.known));
+      scene = of?.scene ?? -1;
+    } catch {
+      // the way was lost: asked again with the next frame
+    } finally {
+      asking = false;
+    }
+    // What has come meanwhile asked in vain.
+    if (state.frame.peek() !== of) void ask();
+    else if (state.status.peek()?.state === "recording" && behind()) setTimeout(() => void ask(), kLater);
+  };
+  effect(() => {
+    if (state.scene.value) trails.adopt(state.scene.value);
+  });
+  effect(() => {
+    for (const why of [state.open, state.frame, overlays.trails, map_layers.trails]) why.value;
+    void ask();
+  });
   return trails;
 }

@@ -145,6 +145,7 @@ export class View3d {
     });
     on(() => {
       for (const shown of Object.values(overlays)) shown.value;
+      trails_of(this.studio).changes.value;
       this.backdrop.show_grid(overlays.grid.value);
       this.moved = true;
       this.draw_soon();

@@ -1,0 +1,141 @@
+// What was not saved: offered when a studio has it from before, given out while there is none.
+import { effect, signal } from "@preact/signals-core";
+import { text_here, unsent_typing } from "../code/pending";
+import type { DocumentState, UnsavedOffer } from "../core/protocol";
+import type { App } from "./app";
+import { download } from "./download";
+
+export interface Lost {
+  text: string;
+  file: string;
+}
+
+/** Whether the studio that is there now has less than the page had when the last one went: not even to offer. */
+export function has_less(lost: Lost | null, now: DocumentState, offer: UnsavedOffer | null): boolean {
+  return lost !== null && offer === null && !now.dirty && now.file === lost.file && now.text !== lost.text;
+}
+
+/** "24/11/2026, 10:05", as the user writes it. */
+function when(time: number): string {
+  return new Date(1000 * time).toLocaleString([], { dateStyle: "short", timeStyle: "short" });
+}
+
+export class UnsavedBar {
+  readonly node = document.createElement("div");
+  /** what the page had when the connection broke, as long as it may be all there is of it */
+  private readonly lost = signal<Lost | null>(null);
+  private readonly less = signal(false);
+
+  constructor(private readonly app: App) {
+    this.node.className = "cg-unsaved";
+    this.node.dataset.testid = "unsaved";
+    this.node.setAttribute("role", "region");
+    this.node.setAttribute("aria-label", "Changes that were not saved");
+    const { state } = app;
+    app.link.on_open((open) => {
+      if (open || this.lost.peek()) return;
+      const text = state.document.peek();
+      const typed = unsent_typing(app);
+      if (text && state.hello.peek()?.kind === "scene" && (text.dirty || typed)) {
+        this.lost.value = { text: text_here(app) ?? text.text, file: text.file };
+      }
+    });
+    // It comes right behind the text, of every studio that the page meets.
+    app.link.on("unsaved", ({ offer }) => {
+      const text = state.document.peek();
+      this.less.value = text !== null && has_less(this.lost.peek(), text, offer);
+      if (!this.less.value) this.lost.value = null;
+    });
+    effect(() => this.show());
+  }
+
+  /** What one presses while there is no studio; null: the page has nothing that was not saved. */
+  download_button(): HTMLElement | null {
+    const lost = this.lost.value;
+    return lost && this.button("Download what I have", () => download(new Blob([lost.text], { type: "text/xml" }), lost.file));
+  }
+
+  private show(): void {
+    const { state } = this.app;
+    const unsaved = state.unsaved.value;
+    const file = state.document.value?.file ?? "";
+    const rows: HTMLElement[] = [];
+    if (state.may_edit.value && unsaved) {
+      const { offer } = unsaved;
+      if (offer) {
+        const more = offer.more > 0 ? ` There ${offer.more === 1 ? "is one" : `are ${offer.more}`} more from before.` : "";
+        const changed = offer.changed ? " The file has been changed since." : "";
+        rows.push(
+          this.row(
+            `${file} has changes of ${when(offer.time)} that were not saved.${changed}${more}`,
+            this.button("Restore", () => this.ask("restore", offer.number)),
+            this.button("Download", () => this.ask("unsaved", offer.number)),
+            this.button("Discard…", () => this.discard(offer.number)),
+          ),
+        );
+      }
+      const lost = this.lost.value;
+      if (this.less.value && lost) {
+        rows.push(
+          this.row(
+            `The studio was started anew, and does not have what this page had of ${file}.`,
+            this.button("Take it over", () => this.take_over(lost.text)),
+            this.download_button()!,
+            this.button("Forget it", () => this.forget()),
+          ),
+        );
+      }
+      if (unsaved.not_kept) {
+        rows.push(this.row(`What is not saved would be lost with the studio, for it cannot be kept beside the scene: ${unsaved.not_kept}`));
+      }
+    }
+    this.node.hidden = rows.length === 0;
+    this.node.replaceChildren(...rows);
+  }
+
+  private row(text: string, ...buttons: HTMLElement[]): HTMLElement {
+    const row = document.createElement("div");
+    const words = document.createElement("span");
+    words.textContent = text;
+    row.append(words, ...buttons);
+    return row;
+  }
+  private button(text: string, act: () => unknown): HTMLElement {
+    const button = document.createElement("button");
+    button.textContent = text;
+    button.addEventListener("click", () => void act());
+    return button;
+  }
+
+  private async ask(what: "unsaved" | "restore" | "discard", number: number): Promise<void> {
+    try {
+      const { text } = await this.app.link.request<{ text?: string }>(what, { number });
+      if (what === "unsaved") {
+        download(new Blob([text ?? ""], { type: "text/xml" }), this.app.state.document.peek()?.file ?? "scene.xml");
+      }
+    } catch (error) {
+      this.app.fail(error);
+    }
+  }
+  private async discard(number: number): Promise<void> {
+    const answer = await this.app.dialog({
+      title: "Discard",
+      text: "The changes that were not saved are gone for good.",
+      fields: [],
+      accept: "Discard",
+    });
+    if (answer) await this.ask("discard", number);
+  }
+  private async take_over(text: string): Promise<void> {
+    try {
+      await this.app.link.request("set-text", { version: this.app.state.document.peek()?.version, text });
+      this.forget();
+    } catch (error) {
+      this.app.fail(error);
+    }
+  }
+  private forget(): void {
+    this.lost.value = null;
+    this.less.value = false;
+  }
+}
