@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
       "bytes/step | left out |\n|---|---|---|---|---|---|---|---|---|\n");
   const std::string path =
       (std::filesystem::temp_directory_path() / "cogrsim_recording_benchmark.mcap").string();
-  for (const char* backend : {"bullet", "simbody"}) {
+  for (const char* backend : {"bullet", "cogrsim"}) {
     const auto plain = simulate(backend), recorded = simulate(backend);
     RecorderOptions options;
     options.path = path;

@@ -55,7 +55,7 @@ TEST_CASE("what ends a controller's process is told and does not end the run", "
                                         {"kill", "crashed (SIGKILL) in update"},
                                         {"exit", "ended its process (exit code 3) in update"},
                                         {"exit-quietly", "ended its process (exit code 0)"}}));
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE("bullet", "cogrsim");
   const auto policy = GENERATE(FaultPolicy::stop_controller, FaultPolicy::end_run);
   ControllerModel mind = trouble(c.what);
   mind.on_fault = policy;

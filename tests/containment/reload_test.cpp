@@ -85,7 +85,7 @@ TEST_CASE("a new library goes on with the memory of the old one", "[reload]") {
 }
 
 TEST_CASE("reloading what has not changed changes nothing", "[reload]") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE("bullet", "cogrsim");
   const auto isolation = GENERATE(Isolation::none, Isolation::process);
   Workshop shop;
   auto plain = counting(shop, Isolation::none, backend);

@@ -57,7 +57,7 @@ const std::string kLaboratory = COGRSIM_TEST_SCENES "/laboratory.scene.xml";
 }  // namespace
 
 TEST_CASE("a controller that uses everything finds it all in its own process", "[containment]") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE("bullet", "cogrsim");
   const SceneModelPtr scene = scene_of(kLaboratory);
   const std::string here = traces(*simulate(scene, backend), 0.4);
   const std::string there = traces(*simulate(apart(scene), backend), 0.4);
@@ -70,7 +70,7 @@ TEST_CASE("a controller that uses everything finds it all in its own process", "
 }
 
 TEST_CASE("the controllers of the examples do the same in their own processes", "[containment]") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE("bullet", "cogrsim");
   const std::string example = GENERATE("010_two_wheels/two_wheels", "040_servo_arm/arm",
                                        "050_navigation/navigation", "060_transport/transport");
   const SceneModelPtr scene =

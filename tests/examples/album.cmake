@@ -6,7 +6,7 @@ if(NOT status EQUAL 0)
   message(FATAL_ERROR "the album was not made (${status}):\n${said}")
 endif()
 set(expected distances.png ranging_error.png path.png)
-foreach(backend bullet simbody)
+foreach(backend bullet cogrsim)
   foreach(picture front mast under mast_depth room map figures/distances figures/ranging_error
       figures/speed figures/path)
     list(APPEND expected ${backend}/${picture}.png)

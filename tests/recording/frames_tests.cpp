@@ -35,7 +35,7 @@ std::function<void(int)> interference(Simulation& simulation) {
 }  // namespace
 
 TEST_CASE("every frame comes back bit for bit") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE("bullet", "cogrsim");
   const Folder folder;
   const auto simulation = simulate(busy_scene().build(), backend);
   RecorderOptions options = to(folder / "run.mcap");
@@ -100,7 +100,7 @@ TEST_CASE("every frame comes back bit for bit") {
 }
 
 TEST_CASE("readings computed again equal those of the run") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE("bullet", "cogrsim");
   const Folder folder;
   const auto simulation = simulate(busy_scene().build(), backend, 99);
   const auto frames = record(*simulation, to(folder / "run.mcap"), 200, interference(*simulation));

@@ -11,7 +11,7 @@ namespace cogrsim::test {
 
 /// The engines every test here runs on.
 inline auto both_backends() {
-  return Catch::Generators::values<std::string>({"bullet", "simbody"});
+  return Catch::Generators::values<std::string>({"bullet", "cogrsim"});
 }
 
 std::shared_ptr<PluginLoader> loader();

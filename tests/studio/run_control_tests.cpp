@@ -26,7 +26,7 @@ std::string bare_hash(const std::string& backend, int steps) {
 }  // namespace
 
 TEST_CASE("a run in the studio has the state hash of a bare one", "[studio][run]") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE("bullet", "cogrsim");
   const std::string expected = bare_hash(backend, 600);
   RunOptions options;
   options.backend = backend;
