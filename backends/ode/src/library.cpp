@@ -1,9 +1,12 @@
-#include "engine.h"
+#include "library.h"
+
+#include <dlfcn.h>
 
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <mutex>
 #include <new>
 
@@ -11,10 +14,21 @@ namespace cogrsim::ode {
 
 namespace {
 
-void throw_error(int number, const char* format, va_list arguments) {
+thread_local std::string the_message;
+
+std::string formatted(const char* format, va_list arguments) {
   char text[400];
   std::vsnprintf(text, sizeof text, format, arguments);
-  throw EngineError("ODE error " + std::to_string(number) + ": " + text);
+  return text;
+}
+
+void throw_error(int number, const char* format, va_list arguments) {
+  throw EngineError("ODE error " + std::to_string(number) + ": " + formatted(format, arguments));
+}
+
+// What ODE says and then goes on: of an LCP that is singular, for one. Kept for when the step fails.
+void keep_message(int, const char* format, va_list arguments) {
+  the_message = formatted(format, arguments);
 }
 
 // Without the size, which ODE does not promise to be that of the request.
@@ -26,10 +40,6 @@ void* reallocate(void* old, dsizeint old_size, dsizeint size) {
   ::operator delete(old);
   return fresh;
 }
-
-// The LCP solver reports singular systems so, and goes on with what it has; whether the result is
-// any good is seen by the step itself.
-void ignore_message(int, const char*, va_list) {}
 
 // ODE keeps caches of its mesh collision per thread and wants to be told when a thread ends.
 struct ThreadData {
@@ -50,13 +60,24 @@ struct Library {
     ready = dInitODE2(dInitFlagManualThreadCleanup) != 0;
     dSetErrorHandler(&throw_error);
     dSetDebugHandler(&throw_error);
-    dSetMessageHandler(&ignore_message);
+    dSetMessageHandler(&keep_message);
   }
   ~Library() {
     if (ready) dCloseODE();
   }
   bool ready = false;
 };
+
+std::string find_version() {
+  std::string out = COGRSIM_ODE_VERSION;
+  Dl_info info{};
+  std::error_code error;
+  if (dladdr(reinterpret_cast<const void*>(&dWorldStep), &info) != 0 && info.dli_fname) {
+    const auto path = std::filesystem::canonical(info.dli_fname, error);
+    if (!error) out += " (" + path.filename().string() + ")";
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -67,37 +88,20 @@ void prepare_thread() {
   if (!data.ready) throw EngineError("ODE has no memory for another thread");
 }
 
-Engine::Engine() {
-  prepare_thread();
-  world_ = dWorldCreate();
-  rows_ = dJointGroupCreate(0);
-  threading_ = dThreadingAllocateSelfThreadedImplementation();
-  dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_),
-                                       threading_);
-  dWorldSetGravity(world_, 0, 0, 0);
-  dWorldSetAutoDisableFlag(world_, 0);
-  dWorldSetLinearDamping(world_, 0);
-  dWorldSetAngularDamping(world_, 0);
-  dWorldSetERP(world_, 1.0);  // only point rows use it, see rows.cpp
-  dWorldSetCFM(world_, 0.0);  // rows bring their own
-  dWorldSetContactSurfaceLayer(world_, 0);
+const char* library_version() {
+  static const std::string version = find_version();
+  return version.c_str();
 }
 
-Engine::~Engine() {
-  dJointGroupDestroy(rows_);
-  dWorldSetStepThreadingImplementation(world_, nullptr, nullptr);
-  dWorldDestroy(world_);
-  // With jobs left in it, ODE would complain of them, and end the program.
-  if (!broken_off_) dThreadingFreeImplementation(threading_);
-}
+const std::string& last_message() { return the_message; }
+void forget_message() { the_message.clear(); }
 
-void Engine::solve(int (*method)(dWorldID, dReal), double dt) {
-  try {
-    method(world_, dt);
-  } catch (...) {
-    broken_off_ = true;
-    throw;
-  }
+void quick_step(dWorldID world, double dt, unsigned long& seed) {
+  static std::mutex chance;
+  const std::lock_guard<std::mutex> lock(chance);
+  dRandSetSeed(seed);
+  dWorldQuickStep(world, dt);
+  seed = dRandGetSeed();
 }
 
 }  // namespace cogrsim::ode
