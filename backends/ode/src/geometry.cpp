@@ -76,8 +76,8 @@ std::shared_ptr<Hull> hull_of(const HullFaces& faces) {
     if (most <= 0.0) continue;  // a face that is a line
     double d = 0.0;
     for (const int c : corners) {
-      d = std::max(
-          d, faces.normals[f].dot(faces.vertices[static_cast<std::size_t>(c)] - out->middle));
+      d = std::max(d,
+                   faces.normals[f].dot(faces.vertices[static_cast<std::size_t>(c)] - out->middle));
     }
     out->planes.insert(out->planes.end(), faces.normals[f].data(), faces.normals[f].data() + 3);
     out->planes.push_back(d);
@@ -161,12 +161,10 @@ Result<> make_geom(dSpaceID space, const SceneModel& model, const Shape& shape, 
       if (!hull) return tl::unexpected(hull.error());
       geom.hull = *hull;
       geom.X_BG = shape.X_BS * Pose(geom.hull->middle, Quat(1, 0, 0, 0));
-      geom.id =
-          dCreateConvex(space, geom.hull->planes.data(),
-                        static_cast<unsigned>(geom.hull->planes.size() / 4),
-                        geom.hull->points.data(),
-                        static_cast<unsigned>(geom.hull->points.size() / 3),
-                        geom.hull->polygons.data());
+      geom.id = dCreateConvex(
+          space, geom.hull->planes.data(), static_cast<unsigned>(geom.hull->planes.size() / 4),
+          geom.hull->points.data(), static_cast<unsigned>(geom.hull->points.size() / 3),
+          geom.hull->polygons.data());
       return {};
     }
     case ShapeType::mesh:

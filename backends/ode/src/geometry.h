@@ -46,6 +46,7 @@ class ShapeData {
 
 /// A colliding shape.
 struct Geom {
+  int index = 0;              ///< among all geoms of the world
   int body = -1, shape = -1;  ///< SceneModel
   int material = 0;
   bool mobile = false;  ///< its body is moved by forces

@@ -294,9 +294,9 @@ JointLink::Motor& JointLink::add_motor(dWorldID world, int speed, bool own) {
       joint_->type == JointType::planar || (joint_->type == JointType::universal && speed == 0);
   const Pose X_WF = parent_.pose() * joint_->X_PF, X_WM = child_.pose() * joint_->X_CM;
   const Vec3 d = sign_ * cleaned(direction(speed, X_WF, X_WM));
-  const int relative = of_parent                               ? relative_to(true)
+  const int relative = of_parent                              ? relative_to(true)
                        : joint_->type == JointType::universal ? relative_to(false)
-                                                               : 1;
+                                                              : 1;
   if (turns(speed)) {
     motor.id = attached(dJointCreateAMotor(world, nullptr), motor.feedback);
     dJointSetAMotorNumAxes(motor.id, 1);
@@ -327,8 +327,7 @@ void JointLink::add_motors(dWorldID world, const SceneModel& model, int joint,
     const JointAxis& axis = joint_->axes[static_cast<std::size_t>(i)];
     if (axis.friction > 0.0) {
       // Where there are stops ODE would take the friction for a push into them.
-      Motor& motor =
-          add_motor(world, i, own_group(i) >= 0 && !taken[i] && !axis.has_limit());
+      Motor& motor = add_motor(world, i, own_group(i) >= 0 && !taken[i] && !axis.has_limit());
       motor.friction = true;
       set(motor, 0.0, axis.friction, options.cfm);
     }
@@ -446,8 +445,7 @@ void JointLink::drive_ball(double h) {
     const Vec3 away = X_WF.q * rotation_vector(X_WF.q.conjugate() * X_WM.q);
     for (int i = 0; i < 3; ++i) {
       const int group = i * dParamGroup;
-      dJointSetAMotorParam(ball_law_, dParamVel + group,
-                           -sign_ * axis.stiffness * away[i] / stiff);
+      dJointSetAMotorParam(ball_law_, dParamVel + group, -sign_ * axis.stiffness * away[i] / stiff);
       dJointSetAMotorParam(ball_law_, dParamCFM + group, 1.0 / stiff);
     }
   }
@@ -457,7 +455,8 @@ void JointLink::drive_ball(double h) {
     const Vec3 a = w.norm() > 1e-9 ? Vec3(w.normalized()) : Vec3(X_WF.q * Vec3::UnitX());
     const Vec3 b = a.unitOrthogonal(), c = a.cross(b);
     int i = 0;
-    for (const Vec3& d : {a, b, c}) dJointSetAMotorAxis(ball_friction_, i++, 0, d.x(), d.y(), d.z());
+    for (const Vec3& d : {a, b, c})
+      dJointSetAMotorAxis(ball_friction_, i++, 0, d.x(), d.y(), d.z());
   }
 }
 

@@ -47,7 +47,7 @@ class JointLink {
   /// One law along one speed: a motor of ODE's.
   struct Motor {
     int speed = 0;
-    int drive = -1;  ///< SceneModel::motors; -1: the axis's own spring and damping, or friction
+    int drive = -1;    ///< SceneModel::motors; -1: the axis's own spring and damping, or friction
     bool own = false;  ///< of the joint itself
     bool limited = false;  ///< its axis has stops
     bool friction = false;

@@ -1,0 +1,289 @@
+#include "engine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+namespace cogrsim::ode {
+
+Engine::Engine(const SceneModelPtr& model, const Options& options)
+    : model_(model), options_(options), quick_(is_quick(options, *model)), filter_(*model) {
+  prepare_thread();
+  world_ = dWorldCreate();
+  space_ = dHashSpaceCreate(nullptr);
+  dSpaceSetCleanup(space_, 0);
+  contacts_ = dJointGroupCreate(0);
+  // The default one is shared by all worlds of the process without a lock.
+  threading_ = dThreadingAllocateSelfThreadedImplementation();
+  dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_),
+                                       threading_);
+  const Vec3& g = model->physics.gravity;
+  dWorldSetGravity(world_, g.x(), g.y(), g.z());
+  dWorldSetERP(world_, options.erp);
+  dWorldSetCFM(world_, options.cfm);
+  dWorldSetQuickStepNumIterations(world_, options.iterations);
+  dWorldSetQuickStepW(world_, options.sor);
+  if (options.contact_max_correcting_velocity > 0.0) {
+    dWorldSetContactMaxCorrectingVel(world_, options.contact_max_correcting_velocity);
+  }
+  dWorldSetContactSurfaceLayer(world_, options.contact_surface_layer);
+  dWorldSetAutoDisableFlag(world_, 0);
+  found_.resize(static_cast<std::size_t>(options.max_contacts));
+  paired_.resize(model->bodies.size(), 0);
+  const auto mark = [&](int b) {
+    if (b != kWorld) paired_[static_cast<std::size_t>(b)] = 1;
+  };
+  for (const BodyPair& pair : model->no_collide) {
+    mark(pair.first);
+    mark(pair.second);
+  }
+  for (const Joint& joint : model->joints) {
+    if (joint.removed || joint.bodies_collide) continue;
+    mark(joint.parent);
+    mark(joint.child);
+  }
+  bodies_.resize(model->bodies.size());
+  add_surfaces();
+}
+
+Engine::~Engine() {
+  // ODE refuses to take anything out of a space in use, and would complain of jobs that are left:
+  // what an exception broke off is lost memory.
+  if (broken_off_) return;
+  for (const Geom& geom : geoms_) {
+    if (geom.id) dGeomDestroy(geom.id);
+  }
+  dSpaceDestroy(space_);
+  dJointGroupDestroy(contacts_);
+  dWorldSetStepThreadingImplementation(world_, nullptr, nullptr);
+  dWorldDestroy(world_);
+  dThreadingFreeImplementation(threading_);
+}
+
+Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const Options& options,
+                                             const std::vector<Pose>& poses, ShapeData& shapes) {
+  std::unique_ptr<Engine> out(new Engine(model, options));
+  for (std::size_t b = 0; b < model->bodies.size(); ++b) {
+    if (auto added = out->add_body(b); !added) return tl::unexpected(added.error());
+  }
+  const auto end = [&](int b) {
+    JointEnd made;
+    if (b == kWorld) return made;
+    const auto i = static_cast<std::size_t>(b);
+    if (out->bodies_[i].exists()) made.body = &out->bodies_[i];
+    made.still = poses[i];
+    return made;
+  };
+  for (std::size_t j = 0; j < model->joints.size(); ++j) {
+    const Joint& joint = model->joints[j];
+    // From where the scene has them: what a joint is must not depend on when it is made.
+    for (const int b : {joint.parent, joint.child}) {
+      if (b == kWorld || joint.removed) continue;
+      const auto i = static_cast<std::size_t>(b);
+      if (out->bodies_[i].exists()) out->bodies_[i].set_pose(model->bodies[i].X_WB);
+    }
+    const JointEnd nothing;
+    out->joints_.emplace_back(out->world_, *model, static_cast<int>(j),
+                              joint.removed ? nothing : end(joint.parent),
+                              joint.removed ? nothing : end(joint.child), options);
+  }
+  for (std::size_t b = 0; b < model->bodies.size(); ++b) {
+    if (out->bodies_[b].exists()) out->bodies_[b].set_pose(model->bodies[b].X_WB);
+    if (auto added = out->add_geoms(b, poses[b], shapes); !added) {
+      return tl::unexpected(added.error());
+    }
+  }
+  return out;
+}
+
+Result<> Engine::add_body(std::size_t b) {
+  const Body& body = model_->bodies[b];
+  if (body.removed || body.kind == BodyKind::fixed) return {};
+  try {
+    bodies_[b].create(world_, body);
+  } catch (const EngineError& error) {
+    return fail("body '" + body.name + "': " + error.what(), place_of(*model_, body.origin),
+                "look at its mass and inertia");
+  }
+  return {};
+}
+
+Result<> Engine::add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes) {
+  const Body& body = model_->bodies[b];
+  if (body.removed) return {};
+  for (std::size_t s = 0; s < body.shapes.size(); ++s) {
+    const Shape& shape = body.shapes[s];
+    if (!shape.collides) continue;
+    Geom& geom = geoms_.emplace_back();
+    geom.body = static_cast<int>(b);
+    geom.shape = static_cast<int>(s);
+    geom.mobile = body.kind == BodyKind::dynamic;
+    geom.paired = paired_[b] != 0;
+    geom.index = static_cast<int>(geoms_.size()) - 1;
+    if (geom.mobile && (shape.type == ShapeType::plane || shape.type == ShapeType::mesh ||
+                        shape.type == ShapeType::heightmap)) {
+      return fail("shape '" + shape.name + "': a " + std::string(to_string(shape.type)) +
+                      " cannot be moved by forces",
+                  place_of(*model_, shape.origin), "make its body static or kinematic");
+    }
+    if (auto made = make_geom(space_, *model_, shape, shapes, geom); !made) return made;
+    dGeomSetData(geom.id, &geom);
+    if (!bodies_[b].exists() || shape.type == ShapeType::plane) {
+      if (bodies_[b].exists()) moved_planes_.push_back(&geom);
+      place_geom(geom, shape.type, pose);
+      continue;
+    }
+    geom.holder = bodies_[b].id();
+    dGeomSetBody(geom.id, geom.holder);
+    Pose X = geom.X_BG;
+    if (body.kind == BodyKind::dynamic && !body.com.isZero(0.0)) X.p -= body.com;
+    if (!X.p.isZero(0.0)) dGeomSetOffsetPosition(geom.id, X.p.x(), X.p.y(), X.p.z());
+    if (!X.q.vec().isZero(0.0)) {
+      const dQuaternion q = {X.q.w(), X.q.x(), X.q.y(), X.q.z()};
+      dGeomSetOffsetQuaternion(geom.id, q);
+    }
+  }
+  return {};
+}
+
+void Engine::add_surfaces() {
+  const std::size_t n = model_->materials.size();
+  surfaces_.resize(n * n);
+  stiffness_.resize(n * n, 0.0);
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = 0; b < n; ++b) {
+      const SurfacePair pair = surface_pair(*model_, static_cast<int>(a), static_cast<int>(b));
+      dSurfaceParameters& surface = surfaces_[a * n + b];
+      surface = {};
+      surface.mode = options_.pyramid ? dContactApprox1 : dContactApprox0;
+      surface.mu = pair.friction;
+      if (pair.restitution > 0.0) {
+        surface.mode |= dContactBounce;
+        surface.bounce = pair.restitution;
+        surface.bounce_vel = model_->physics.bounce_threshold;
+      }
+      if (options_.contact_slip > 0.0) {
+        surface.mode |= dContactSlip1 | dContactSlip2;
+        surface.slip1 = surface.slip2 = options_.contact_slip;
+      }
+      if (pair.stiffness) {
+        // ODE's spring of stiffness k without a damper: erp = h k / (h k), cfm = 1 / (h k).
+        surface.mode |= dContactSoftERP | dContactSoftCFM;
+        surface.soft_erp = 1.0;
+        stiffness_[a * n + b] = *pair.stiffness;
+      }
+    }
+  }
+}
+
+void Engine::place_planes() {
+  for (const Geom* geom : moved_planes_) {
+    place_geom(*geom, ShapeType::plane, bodies_[static_cast<std::size_t>(geom->body)].pose());
+  }
+}
+
+void Engine::near(void* self, dGeomID a, dGeomID b) {
+  static_cast<Engine*>(self)->near(*static_cast<const Geom*>(dGeomGetData(a)),
+                                   *static_cast<const Geom*>(dGeomGetData(b)));
+}
+
+void Engine::near(const Geom& a, const Geom& b) {
+  if (!a.mobile && !b.mobile) return;
+  if (a.paired && b.paired && !filter_.collide(a.body, b.body)) return;
+  const int count = dCollide(a.id, b.id, static_cast<int>(found_.size()), &found_[0].geom,
+                             static_cast<int>(sizeof(dContact)));
+  if (count == 0) return;
+  const std::size_t pair = static_cast<std::size_t>(a.material) * model_->materials.size() +
+                           static_cast<std::size_t>(b.material);
+  for (int i = 0; i < count; ++i) {
+    dContact& contact = found_[static_cast<std::size_t>(i)];
+    contact.surface = surfaces_[pair];
+    if (stiffness_[pair] > 0.0) contact.surface.soft_cfm = 1.0 / (h_ * stiffness_[pair]);
+    const dJointID joint = dJointCreateContact(world_, contacts_, &contact);
+    dJointAttach(joint, a.holder, b.holder);
+    Touch& touch = next_touch();
+    touch.point = to_vec(contact.geom.pos);
+    touch.normal = to_vec(contact.geom.normal);
+    touch.depth = contact.geom.depth;
+    touch.first = &a;
+    touch.second = &b;
+    dJointSetFeedback(joint, &touch.feedback);
+  }
+}
+
+Engine::Touch& Engine::next_touch() {
+  if (touched_ == touches_.size() * kBlock) {
+    touches_.push_back(std::make_unique<Touch[]>(kBlock));
+  }
+  Touch& out = touches_[touched_ / kBlock][touched_ % kBlock];
+  ++touched_;
+  return out;
+}
+
+const Engine::Touch& Engine::touch(std::size_t i) const { return touches_[i / kBlock][i % kBlock]; }
+
+void Engine::step(double h, unsigned long& seed) {
+  h_ = h;
+  touched_ = 0;
+  broken_off_ = true;
+  place_planes();
+  dSpaceCollide(space_, this, &Engine::near);
+  if (quick_) {
+    quick_step(world_, h, seed);
+  } else {
+    dWorldStep(world_, h);
+  }
+  dJointGroupEmpty(contacts_);
+  broken_off_ = false;
+}
+
+void Engine::report(std::vector<Contact>& out) const {
+  out.clear();
+  std::vector<std::size_t> order(touched_);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto key = [&](std::size_t i) {
+    const Geom *a = touch(i).first, *b = touch(i).second;
+    if (b->body < a->body) std::swap(a, b);
+    return std::array<int, 4>{a->body, b->body, a->shape, b->shape};
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t i, std::size_t j) { return key(i) < key(j); });
+  for (const std::size_t i : order) {
+    const Touch& found = touch(i);
+    const auto [a, b, shape_a, shape_b] = key(i);
+    Contact contact;
+    contact.body_a = a;
+    contact.body_b = b;
+    contact.shape_a = shape_a;
+    contact.shape_b = shape_b;
+    contact.point = found.point;
+    contact.depth = found.depth;
+    // ODE's normal points into its first geom; the force is that on the body that it calls its first,
+    // the second where the first geom has none.
+    contact.normal = found.first->body == b ? found.normal : Vec3(-found.normal);
+    const int pushed = found.first->holder ? found.first->body : found.second->body;
+    const Vec3 force = to_vec(found.feedback.f1);
+    contact.force = pushed == b ? force : Vec3(-force);
+    out.push_back(contact);
+  }
+}
+
+std::vector<int> Engine::order() const {
+  std::vector<int> out(geoms_.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const dGeomID id = dSpaceGetGeom(space_, static_cast<int>(i));
+    out[i] = static_cast<const Geom*>(dGeomGetData(id))->index;
+  }
+  return out;
+}
+
+void Engine::set_order(const std::vector<int>& order) {
+  // ODE puts what is added in front.
+  for (const Geom& geom : geoms_) dSpaceRemove(space_, geom.id);
+  for (auto i = order.rbegin(); i != order.rend(); ++i) {
+    dSpaceAdd(space_, geoms_[static_cast<std::size_t>(*i)].id);
+  }
+}
+
+}  // namespace cogrsim::ode

@@ -1,0 +1,92 @@
+// One scene in ODE: its world, space, bodies, geoms and joints. Made anew when the scene changes.
+#pragma once
+
+#include <ode/ode.h>
+
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "body.h"
+#include "cogrsim/physics/drive.h"
+#include "cogrsim/physics/state.h"
+#include "geometry.h"
+#include "joints.h"
+#include "library.h"
+#include "options.h"
+
+namespace cogrsim::ode {
+
+class Engine {
+ public:
+  /// The scene at its start, but for static bodies, which are where `poses` has them. Errors: a body,
+  /// shape or joint that ODE does not take, with its place. Throws EngineError and std::bad_alloc.
+  static Result<std::unique_ptr<Engine>> make(const SceneModelPtr& model, const Options& options,
+                                              const std::vector<Pose>& poses, ShapeData& shapes);
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  const SceneModel& model() const { return *model_; }
+  BodyLink& body(std::size_t b) { return bodies_[b]; }
+  const BodyLink& body(std::size_t b) const { return bodies_[b]; }
+  std::deque<JointLink>& joints() { return joints_; }
+  const std::deque<JointLink>& joints() const { return joints_; }
+
+  /// ODE's step: looks for contacts and solves. Throws EngineError and std::bad_alloc, after which
+  /// only the destructor may be called.
+  void step(double h, unsigned long& seed);
+
+  /// Contacts of the last step, in the order of bodies and shapes.
+  void report(std::vector<Contact>& out) const;
+  void forget_contacts() { touched_ = 0; }
+
+  /// Geoms in the order in which ODE's space goes through them, which decides the order of contacts
+  /// and with it the last digits. (ngeom)
+  std::vector<int> order() const;
+  void set_order(const std::vector<int>& order);
+
+ private:
+  /// A contact joint of the last step.
+  struct Touch {
+    Vec3 point, normal;  ///< ODE's: into the first body
+    double depth = 0.0;
+    const Geom *first = nullptr, *second = nullptr;
+    dJointFeedback feedback{};
+  };
+
+  explicit Engine(const SceneModelPtr& model, const Options& options);
+  Result<> add_body(std::size_t b);
+  Result<> add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes);
+  void add_surfaces();
+  void place_planes();
+  static void near(void* self, dGeomID a, dGeomID b);
+  void near(const Geom& a, const Geom& b);
+  Touch& next_touch();
+  const Touch& touch(std::size_t i) const;
+
+  SceneModelPtr model_;
+  Options options_;
+  bool quick_ = false;
+  dWorldID world_ = nullptr;
+  dSpaceID space_ = nullptr;
+  dJointGroupID contacts_ = nullptr;
+  dThreadingImplementationID threading_ = nullptr;
+  bool broken_off_ = false;  ///< an exception left a step
+  std::vector<BodyLink> bodies_;
+  std::deque<Geom> geoms_;
+  std::vector<const Geom*> moved_planes_;  ///< of kinematic bodies: ODE's planes have no body
+  std::deque<JointLink> joints_;
+  CollisionFilter filter_;
+  std::vector<char> paired_;  ///< bodies that pass through some others (nbody)
+  std::vector<dContact> found_;
+  std::vector<dSurfaceParameters> surfaces_;  ///< of two materials (nmaterial x nmaterial)
+  std::vector<double> stiffness_;             ///< likewise [N/m]; 0: none
+  double h_ = 0.0;                            ///< of the present step
+  // Blocks, as ODE keeps pointers to the feedbacks.
+  static constexpr std::size_t kBlock = 64;
+  std::vector<std::unique_ptr<Touch[]>> touches_;
+  std::size_t touched_ = 0;
+};
+
+}  // namespace cogrsim::ode

@@ -1,0 +1,203 @@
+#include "world.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cogrsim/core/constants.h"
+#include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
+
+namespace cogrsim::ode {
+
+Result<std::unique_ptr<World>> OdeWorld::create(const SceneModelPtr& model) {
+  if (!model) return fail("no scene given");
+  std::unique_ptr<OdeWorld> world(new OdeWorld);
+  if (auto started = world->start(model); !started) return tl::unexpected(started.error());
+  world->initial_ = model;
+  return world;
+}
+
+Result<> OdeWorld::start(const SceneModelPtr& model) {
+  const auto options = read_options(*model);
+  if (!options) return tl::unexpected(options.error());
+  options_ = *options;
+  Progress progress;
+  progress.model = model;
+  progress.seed = options_.seed;
+  for (const Body& body : model->bodies) {
+    progress.poses.push_back(body.X_WB);
+    progress.twists.push_back(body.kind == BodyKind::fixed ? Twist() : body.V_WB);
+  }
+  for (const Joint& joint : model->joints) {
+    progress.q.insert(progress.q.end(), joint.position.begin(), joint.position.end());
+  }
+  progress.q.resize(static_cast<std::size_t>(model->joint_positions));
+  progress.u.resize(static_cast<std::size_t>(model->joint_speeds));
+  if (auto built = rebuild(std::move(progress)); !built) return built;
+  forget_report();
+  return {};
+}
+
+Result<> OdeWorld::rebuild(Progress progress) {
+  if (auto fine = check_joints(*progress.model); !fine) return fine;
+  try {
+    auto made = Engine::make(progress.model, options_, progress.poses, shapes_);
+    if (!made) return tl::unexpected(made.error());
+    engine_ = std::move(*made);
+  } catch (const EngineError& error) {
+    return fail(std::string(error.what()),
+                place_of(*progress.model, progress.model->physics.origin));
+  }
+  const std::size_t known = progress.motions.size(), n = progress.model->bodies.size();
+  now_ = std::move(progress);
+  now_.motions.resize(n);
+  for (std::size_t b = 0; b < n; ++b) {
+    BodyLink& body = engine_->body(b);
+    if (!body.exists()) continue;
+    if (b < known) {
+      body.write(now_.motions[b]);
+    } else {
+      body.read(now_.motions[b]);
+    }
+  }
+  unchecked_ = true;
+  return {};
+}
+
+void OdeWorld::write_motions() {
+  for (std::size_t b = 0; b < now_.motions.size(); ++b) {
+    if (engine_->body(b).exists()) engine_->body(b).write(now_.motions[b]);
+  }
+  unchecked_ = true;
+}
+
+int OdeWorld::read_motions() {
+  int lost = -1;
+  for (std::size_t b = 0; b < now_.motions.size(); ++b) {
+    const BodyLink& body = engine_->body(b);
+    if (body.exists() && !body.read(now_.motions[b]) && lost < 0) lost = static_cast<int>(b);
+  }
+  return lost;
+}
+
+StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
+  if (!engine_) return {StepStatus::diverged, -1, "ODE gave up before; reset or restore the world"};
+  // What is not a number or nearly so is not for ODE, which would end in an assertion.
+  if (unchecked_) {
+    if (const int lost = read_motions(); lost >= 0) {
+      return diverged(lost, "");
+    }
+    unchecked_ = false;
+  }
+  std::swap(before_.motions, now_.motions);
+  now_.motions.resize(before_.motions.size());
+  int lost = -1;
+  std::string what;
+  bool broken = false;
+  forget_message();
+  reported_ = false;
+  try {
+    prepare_thread();
+    const SceneModel& model = *now_.model;
+    std::size_t j = 0;
+    for (JointLink& joint : engine_->joints()) {
+      joint.drive(dt, drives, now_.q.data() + model.joints[j++].position_offset);
+    }
+    engine_->step(dt, now_.seed);
+  } catch (const EngineError& error) {
+    what = error.what();
+    broken = true;
+  }
+  lost = read_motions();
+  if (lost >= 0 || broken) {
+    if (lost < 0) {
+      for (std::size_t b = 0; b < now_.motions.size() && lost < 0; ++b) {
+        if (engine_->body(b).exists()) lost = static_cast<int>(b);
+      }
+    }
+    if (what.empty() && !last_message().empty()) what = "ODE: " + last_message();
+    const StepResult out = diverged(lost, what);
+    // Back to before the step, in a new world of ODE's.
+    std::swap(before_.motions, now_.motions);
+    engine_.reset();
+    if (!rebuild(Progress(now_))) engine_.reset();
+    forget_report();
+    return out;
+  }
+  now_.h = dt;
+  now_.time += dt;
+  // Turns are counted by looking often enough.
+  double fastest = 0.0;
+  if (!now_.q.empty()) {
+    for (const Motion& motion : now_.motions) {
+      fastest = std::max(fastest, motion.w[0] * motion.w[0] + motion.w[1] * motion.w[1] +
+                                      motion.w[2] * motion.w[2]);
+    }
+    now_.turned += 2.0 * dt * std::sqrt(fastest);
+    if (now_.turned > 0.5 * kPi) update_joints();
+  }
+  return {};
+}
+
+StepResult OdeWorld::diverged(int body, std::string what) {
+  if (what.empty()) {
+    what = "body '" + now_.model->bodies[static_cast<std::size_t>(body)].name +
+           "' has left all bounds (1000 km, 100 km/s) or is not a number";
+  }
+  return {StepStatus::diverged, body, std::move(what)};
+}
+
+void OdeWorld::update_joints() {
+  std::size_t j = 0;
+  for (const JointLink& link : engine_->joints()) {
+    const Joint& joint = now_.model->joints[j++];
+    if (!joint.removed) link.update(now_.q.data() + joint.position_offset);
+  }
+  now_.turned = 0.0;
+}
+
+const Report& OdeWorld::report() const {
+  if (reported_ || !engine_) return report_;
+  const SceneModel& model = *now_.model;
+  report_.joint_efforts.assign(static_cast<std::size_t>(model.joint_speeds), 0.0);
+  report_.motor_efforts.assign(model.motors.size(), 0.0);
+  report_.reactions.assign(model.joints.size(), Wrench{});
+  std::size_t j = 0;
+  for (const JointLink& link : engine_->joints()) {
+    const Joint& joint = model.joints[j];
+    link.report(now_.h, {report_.joint_efforts.data() + joint.speed_offset,
+                         report_.motor_efforts.data(), &report_.reactions[j]});
+    ++j;
+  }
+  engine_->report(report_.contacts);
+  reported_ = true;
+  return report_;
+}
+
+void OdeWorld::forget_report() {
+  const SceneModel& model = *now_.model;
+  report_.joint_efforts.assign(static_cast<std::size_t>(model.joint_speeds), 0.0);
+  report_.motor_efforts.assign(model.motors.size(), 0.0);
+  report_.reactions.assign(model.joints.size(), Wrench{});
+  report_.contacts.clear();
+  reported_ = true;
+}
+
+void* OdeWorld::extension(std::string_view id) {
+  if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
+  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
+  return nullptr;
+}
+
+Result<> OdeWorld::set_kinematic_twist(int body, const Twist& twist) {
+  if (auto fine = check_kinematic_twist(*now_.model, body, twist); !fine) return fine;
+  if (!engine_) return fail("the world has diverged", "", "reset or restore it");
+  report();  // of the last step, whose velocities these are
+  BodyLink& moved = engine_->body(static_cast<std::size_t>(body));
+  moved.set_twist(twist);
+  moved.read(now_.motions[static_cast<std::size_t>(body)]);
+  unchecked_ = true;
+  return {};
+}
+
+}  // namespace cogrsim::ode
