@@ -239,7 +239,7 @@ void JointLink::make_planar(dWorldID world, const Options&) {
   dJointSetAMotorMode(id_, dAMotorEuler);
   dJointSetAMotorAxis(id_, 0, 1, x.x(), x.y(), x.z());
   dJointSetAMotorAxis(id_, 2, 2, z.x(), z.y(), z.z());
-  for (const int group : {0, dParamGroup}) {
+  for (const int group : {0, int{dParamGroup}}) {
     dJointSetAMotorParam(id_, dParamLoStop + group, 0.0);
     dJointSetAMotorParam(id_, dParamHiStop + group, 0.0);
   }
