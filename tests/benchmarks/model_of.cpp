@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "cogrsim/model/builder.h"
@@ -42,6 +43,29 @@ Shape shape_of(const Part& part, int material) {
       break;
   }
   return shape;
+}
+
+/// Moves `X_BJ.p` by a few last digits so that X_WB puts it exactly at `anchor`, if any do: engines
+/// that take a joint's place in the world are then told what the bare engine's program tells them.
+void round_to(const Pose& X_WB, const Vec3& anchor, Pose& X_BJ) {
+  constexpr int kMost = 3;
+  const auto moved = [](double x, int digits) {
+    for (; digits > 0; --digits) x = std::nextafter(x, std::numeric_limits<double>::infinity());
+    for (; digits < 0; ++digits) x = std::nextafter(x, -std::numeric_limits<double>::infinity());
+    return x;
+  };
+  const Vec3 p = X_BJ.p;
+  for (int x = -kMost; x <= kMost; ++x) {
+    for (int y = -kMost; y <= kMost; ++y) {
+      for (int z = -kMost; z <= kMost; ++z) {
+        const Vec3 tried(moved(p.x(), x), moved(p.y(), y), moved(p.z(), z));
+        if (X_WB * tried != anchor) continue;
+        X_BJ.p = tried;
+        return;
+      }
+    }
+  }
+  std::fprintf(stderr,"DBG %.17g %.17g %.17g off %g %g %g P %.17g %.17g %.17g\n",anchor.x(),anchor.y(),anchor.z(),(X_WB*X_BJ.p-anchor).x(),(X_WB*X_BJ.p-anchor).y(),(X_WB*X_BJ.p-anchor).z(), X_WB.p.x(),X_WB.p.y(),X_WB.p.z());
 }
 
 class Translator {
@@ -92,6 +116,13 @@ class Translator {
     const std::string name = "j" + std::to_string(builder_.model.joints.size());
     const int parent = hinge.parent < 0 ? kWorld : hinge.parent;
     const int joint = builder_.joint(name, JointType::hinge, parent, hinge.child, X_WJ);
+    Joint& held = builder_.model.joints[static_cast<std::size_t>(joint)];
+    for (const bool of_parent : {true, false}) {
+      const int body = of_parent ? held.parent : held.child;
+      Pose& X_BJ = of_parent ? held.X_PF : held.X_CM;
+      if (body == kWorld || X_BJ.p.isZero(0.0)) continue;
+      round_to(builder_.model.bodies[static_cast<std::size_t>(body)].X_WB, X_WJ.p, X_BJ);
+    }
     if (!hinge.driven) return;
     const int motor = builder_.motor(name + ".motor", joint, MotorMode::velocity);
     Motor& made = builder_.model.motors[static_cast<std::size_t>(motor)];
