@@ -1,0 +1,369 @@
+// State of a MujocoWorld: reading, writing, reporting, saving.
+#include <algorithm>
+#include <cmath>
+
+#include "convert.h"
+#include "world.h"
+
+#include "cogrsim/core/constants.h"
+#include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
+
+namespace cogrsim::mujoco {
+
+struct MujocoWorld::Snapshot final : WorldSnapshot {
+  ProgramPtr initial, program;
+  double time = 0.0;
+  Coordinates coordinates;
+  std::vector<Twist> kinematic;
+  WorldState kept;
+  std::vector<Contact> contacts;
+  std::vector<Wrench> reactions;
+};
+
+void MujocoWorld::see(Kinematics wanted) const {
+  if (seen_ == wanted) return;
+  const mjModel* const m = model_.get();
+  mjData* const d = data_.get();
+  const Coordinates now = coordinates();
+  if (wanted == Kinematics::before) put_back(before_);
+  guarded([&] {
+    mj_kinematics(m, d);
+    mj_comPos(m, d);
+    mj_comVel(m, d);
+  });
+  put_back(now);  // MuJoCo has normalised its quaternions, and reading must change nothing
+  seen_ = wanted;
+}
+
+Pose MujocoWorld::pose_of(int body) const {
+  if (body == kWorld) return {};
+  const auto b = static_cast<std::size_t>(body);
+  const int i = program_->bodies[b];
+  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::fixed) return kept_.poses[b];
+  return {vec_at(data_->xpos + 3 * i), quat_at(data_->xquat + 4 * i)};
+}
+
+Twist MujocoWorld::twist_of(int body) const {
+  if (body == kWorld) return {};
+  const auto b = static_cast<std::size_t>(body);
+  const int i = program_->bodies[b];
+  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::fixed) return kept_.twists[b];
+  if (const int dof = program_->free_dof[b]; dof >= 0) {
+    return {vec_at(data_->qvel + dof), quat_at(data_->xquat + 4 * i) * vec_at(data_->qvel + dof + 3)};
+  }
+  // About the centre of mass of the whole tree.
+  const Twist V{vec_at(data_->cvel + 6 * i + 3), vec_at(data_->cvel + 6 * i)};
+  const Vec3 centre = vec_at(data_->subtree_com + 3 * model_->body_rootid[i]);
+  return {V.at(vec_at(data_->xpos + 3 * i) - centre), V.angular};
+}
+
+void MujocoWorld::read_joint(std::size_t j, double* q, double* u) const {
+  const Joint& joint = program_->scene->joints[j];
+  const TreeJoint& place = program_->joints[j];
+  if (place.joint < 0) {
+    if (joint.removed || joint.type == JointType::fixed) return;
+    const Pose X_WP = pose_of(joint.parent), X_WC = pose_of(joint.child);
+    const Pose X_FM = relative_pose(joint, X_WP, X_WC);
+    joint_velocity(joint, X_FM,
+                   relative_twist(joint, X_WP, twist_of(joint.parent), X_WC, twist_of(joint.child)),
+                   q, u);
+    return;
+  }
+  const double *qpos = data_->qpos + place.qpos, *qvel = data_->qvel + place.dof;
+  if (joint.type != JointType::ball) {
+    for (int i = 0; i < speed_count(joint.type); ++i) {
+      q[i] = qpos[place.axis[static_cast<std::size_t>(i)]];
+      u[i] = qvel[place.axis[static_cast<std::size_t>(i)]];
+    }
+    return;
+  }
+  // MuJoCo's turn of the moved body and rate, both in the moved body's axes.
+  const Quat turn = quat_at(qpos).normalized();
+  const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
+  const Quat in_N = q_BN.conjugate() * turn * q_BN;
+  const Vec3 rate = q_BN.conjugate() * vec_at(qvel);
+  put(q, place.reversed ? in_N.conjugate() : in_N);
+  const Vec3 in_F = place.reversed ? Vec3(-rate) : Vec3(in_N * rate);
+  std::copy_n(in_F.data(), 3, u);
+}
+
+void MujocoWorld::put_joint(std::size_t j, const double* q, const double* u) {
+  const Joint& joint = program_->scene->joints[j];
+  const TreeJoint& place = program_->joints[j];
+  if (place.joint < 0) return;
+  double *qpos = data_->qpos + place.qpos, *qvel = data_->qvel + place.dof;
+  if (joint.type != JointType::ball) {
+    for (int i = 0; i < speed_count(joint.type); ++i) {
+      qpos[place.axis[static_cast<std::size_t>(i)]] = q[i];
+      qvel[place.axis[static_cast<std::size_t>(i)]] = u[i];
+    }
+    if (joint.type == JointType::screw) {
+      qpos[1] = joint.pitch / (2.0 * kPi) * q[0];
+      qvel[1] = joint.pitch / (2.0 * kPi) * u[0];
+    }
+    return;
+  }
+  const Quat q_FM = quat_at(q).normalized();
+  const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
+  const Quat in_N = place.reversed ? q_FM.conjugate() : q_FM;
+  put(qpos, q_BN * in_N * q_BN.conjugate());
+  put(qvel, Vec3(q_BN * (place.reversed ? Vec3(-vec_at(u)) : Vec3(q_FM.conjugate() * vec_at(u)))));
+}
+
+void MujocoWorld::put_free(std::size_t b, const Pose& X, const Twist& V) {
+  put(data_->qpos + program_->free_qpos[b], X.p);
+  put(data_->qpos + program_->free_qpos[b] + 3, X.q);
+  put(data_->qvel + program_->free_dof[b], V.linear);
+  put(data_->qvel + program_->free_dof[b] + 3, Vec3(X.q.conjugate() * V.angular));
+}
+
+void MujocoWorld::follow(std::vector<double>& positions) const {
+  see(Kinematics::now);
+  for (const int j : program_->followed) {
+    const Joint& joint = program_->scene->joints[static_cast<std::size_t>(j)];
+    double previous[7];
+    double* const q = positions.data() + joint.position_offset;
+    std::copy_n(q, position_count(joint.type), previous);
+    joint_position(joint, relative_pose(joint, pose_of(joint.parent), pose_of(joint.child)),
+                   previous, q);
+  }
+}
+
+void MujocoWorld::get_state(WorldState& out) const {
+  const SceneModel& scene = *program_->scene;
+  see(Kinematics::now);
+  out = kept_;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (program_->bodies[b] <= 0) continue;
+    out.poses[b] = pose_of(static_cast<int>(b));
+    out.twists[b] = twist_of(static_cast<int>(b));
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    if (scene.joints[j].removed) continue;
+    read_joint(j, out.joint_positions.data() + scene.joints[j].position_offset,
+               out.joint_velocities.data() + scene.joints[j].speed_offset);
+  }
+  if (stepped_) read_efforts(out);
+}
+
+void MujocoWorld::read_efforts(WorldState& out) const {
+  const SceneModel& scene = *program_->scene;
+  const mjModel& m = *model_;
+  const mjData& d = *data_;
+  for (std::size_t i = 0; i < scene.motors.size(); ++i) {
+    const int a = program_->actuators[i];
+    if (a >= 0) out.motor_efforts[i] = d.actuator_force[a];
+  }
+  if (m.njnt == 0) return;
+  std::vector<double>& effort = scratch_;  // by MuJoCo's speed
+  effort.assign(static_cast<std::size_t>(m.nv), 0.0);
+  for (int i = 0; i < m.nv; ++i) {
+    effort[static_cast<std::size_t>(i)] = d.qfrc_passive[i] + d.qfrc_actuator[i];
+    if (!program_->options.damps_implicitly) continue;
+    // The damper acts with the speed at the end of the step.
+    effort[static_cast<std::size_t>(i)] +=
+        m.dof_damping[i] * (before_.qvel[static_cast<std::size_t>(i)] - d.qvel[i]);
+  }
+  for (int row = d.ne; row < d.nefc; ++row) {
+    const int id = d.efc_id[row];
+    if (d.efc_type[row] == mjCNSTR_FRICTION_DOF) {
+      effort[static_cast<std::size_t>(id)] += d.efc_force[row];
+    } else if (d.efc_type[row] == mjCNSTR_LIMIT_JOINT) {
+      const double* const q = before_.qpos.data() + m.jnt_qposadr[id];
+      const auto dof = static_cast<std::size_t>(m.jnt_dofadr[id]);
+      if (m.jnt_type[id] == mjJNT_BALL) {
+        double turn[3];
+        mju_quat2Vel(turn, q, 1.0);
+        mju_normalize3(turn);
+        for (std::size_t k = 0; k < 3; ++k) effort[dof + k] -= turn[k] * d.efc_force[row];
+      } else {
+        const bool lower = d.efc_pos[row] == -(m.jnt_range[2 * id] - q[0]);
+        effort[dof] += (lower ? 1.0 : -1.0) * d.efc_force[row];
+      }
+    } else {
+      break;  // contacts come last
+    }
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    const TreeJoint& place = program_->joints[j];
+    if (place.joint < 0) continue;
+    double* const to = out.joint_efforts.data() + joint.speed_offset;
+    const auto dof = static_cast<std::size_t>(place.dof);
+    if (joint.type == JointType::ball) {
+      const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
+      const Vec3 in_N = q_BN.conjugate() * vec_at(effort.data() + dof);
+      const Vec3 in_F =
+          place.reversed
+              ? Vec3(-in_N)
+              : Vec3(quat_at(out.joint_positions.data() + joint.position_offset) * in_N);
+      std::copy_n(in_F.data(), 3, to);
+      continue;
+    }
+    for (int i = 0; i < speed_count(joint.type); ++i) {
+      to[i] = effort[dof + static_cast<std::size_t>(place.axis[static_cast<std::size_t>(i)])];
+    }
+    if (joint.type == JointType::screw) to[0] += joint.pitch / (2.0 * kPi) * effort[dof + 1];
+  }
+}
+
+Result<> MujocoWorld::set_state(const WorldState& state) {
+  const SceneModel& scene = *program_->scene;
+  if (auto fine = check_state(scene, state); !fine) return fine;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (program_->free_qpos[b] < 0) continue;
+    put_free(b, state.poses[b], state.twists[b]);
+    if (scene.bodies[b].kind == BodyKind::kinematic) kinematic_[b] = state.twists[b];
+  }
+  kept_.joint_positions = state.joint_positions;
+  kept_.joint_velocities = state.joint_velocities;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    put_joint(j, state.joint_positions.data() + scene.joints[j].position_offset,
+              state.joint_velocities.data() + scene.joints[j].speed_offset);
+  }
+  mju_zero(data_->qacc_warmstart, model_->nv);
+  forget_reports();
+  if (!program_->followed.empty()) follow(kept_.joint_positions);
+  return {};
+}
+
+void MujocoWorld::get_contacts(std::vector<Contact>& out) const {
+  if (!stepped_) {
+    out = kept_contacts_;
+    return;
+  }
+  out.clear();
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& it = data_->contact[i];
+    auto [a, shape_a] = program_->geoms[static_cast<std::size_t>(it.geom1)];
+    auto [b, shape_b] = program_->geoms[static_cast<std::size_t>(it.geom2)];
+    double force[6];
+    mj_contactForce(model_.get(), data_.get(), i, force);
+    Contact contact;
+    contact.point = vec_at(it.pos);
+    contact.normal = vec_at(it.frame);
+    contact.depth = -it.dist;
+    contact.force = force[0] * contact.normal + force[1] * vec_at(it.frame + 3) +
+                    force[2] * vec_at(it.frame + 6);
+    if (a > b) {
+      std::swap(a, b);
+      std::swap(shape_a, shape_b);
+      contact.normal *= -1.0;
+      contact.force *= -1.0;
+    }
+    contact.body_a = a;
+    contact.body_b = b;
+    contact.shape_a = shape_a;
+    contact.shape_b = shape_b;
+    out.push_back(contact);
+  }
+  std::stable_sort(out.begin(), out.end(), [](const Contact& one, const Contact& two) {
+    return std::tie(one.body_a, one.body_b, one.shape_a, one.shape_b) <
+           std::tie(two.body_a, two.body_b, two.shape_a, two.shape_b);
+  });
+}
+
+Wrench MujocoWorld::loop_reaction(std::size_t j) const {
+  const Joint& joint = program_->scene->joints[j];
+  const mjModel& m = *model_;
+  const mjData& d = *data_;
+  const int first = program_->equalities[j];
+  const int count = joint.type == JointType::hinge ? 2 : 1;
+  const auto place_in = [&](int body, const double* point) {
+    return Vec3(vec_at(d.xpos + 3 * body) +
+                quat_at(d.xquat + 4 * body) * vec_at(point));
+  };
+  Wrench out;
+  for (int row = 0; row < d.ne; ++row) {
+    const int e = d.efc_id[row] - first;
+    if (e < 0 || e >= count) continue;
+    const double* const data = m.eq_data + mjNEQDATA * d.efc_id[row];
+    const int child = m.eq_obj2id[first];
+    // MuJoCo's force acts on the first body, which is the parent.
+    const Vec3 force = -vec_at(d.efc_force + row);
+    const Vec3 M = place_in(child, joint.X_CM.p.data());
+    if (joint.type == JointType::fixed) {
+      // The rows of rotation are about half the turn's vector in the child's axes.
+      out.force = force;
+      out.torque = -0.5 * (quat_at(d.xquat + 4 * child) * vec_at(d.efc_force + row + 3));
+      return out;
+    }
+    out.force += force;
+    out.torque += (place_in(child, data + 3) - M).cross(force);
+    row += 2;
+  }
+  return out;
+}
+
+void MujocoWorld::get_joint_reactions(std::vector<Wrench>& out) const {
+  const SceneModel& scene = *program_->scene;
+  out = kept_reactions_;
+  if (!stepped_) return;
+  mjModel* const m = model_.get();
+  mjData* const d = data_.get();
+  // As it was when the forces were found, with the acceleration that the step really had.
+  see(Kinematics::before);
+  const Coordinates now = coordinates();
+  const std::vector<double> qacc(d->qacc, d->qacc + m->nv);
+  for (int i = 0; i < m->nv; ++i) {
+    d->qacc[i] = (d->qvel[i] - before_.qvel[static_cast<std::size_t>(i)]) / dt_;
+  }
+  put_back(before_);
+  const bool found = guarded([&] { mj_rnePostConstraint(m, d); });
+  put_back(now);
+  std::copy(qacc.begin(), qacc.end(), d->qacc);
+  if (!found) return;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    const TreeJoint& place = program_->joints[j];
+    if (joint.removed) continue;
+    if (program_->equalities[j] >= 0) out[j] = loop_reaction(j);
+    if (place.body <= 0) continue;
+    const double* const wrench = d->cfrc_int + 6 * place.body;
+    const Vec3 centre = vec_at(d->subtree_com + 3 * m->body_rootid[place.body]);
+    const Vec3 M = pose_of(joint.child) * joint.X_CM.p, force = vec_at(wrench + 3);
+    const double sign = place.reversed ? -1.0 : 1.0;
+    out[j] = {sign * force, sign * (vec_at(wrench) + (centre - M).cross(force))};
+  }
+}
+
+SnapshotPtr MujocoWorld::save() const {
+  auto out = std::make_shared<Snapshot>();
+  out->initial = initial_;
+  out->program = program_;
+  out->time = time_;
+  out->coordinates = coordinates();
+  out->kinematic = kinematic_;
+  get_state(out->kept);
+  get_contacts(out->contacts);
+  get_joint_reactions(out->reactions);
+  return out;
+}
+
+Result<> MujocoWorld::restore(const SnapshotPtr& snapshot) {
+  const auto* saved = dynamic_cast<const Snapshot*>(snapshot.get());
+  if (saved == nullptr) return fail("the snapshot was not made by the mujoco backend");
+  if (saved->program != program_) {
+    if (!same_names(*saved->initial->scene, *initial_->scene)) {
+      return fail("the snapshot is of another scene: '" + saved->program->scene->name + "'");
+    }
+    if (auto adopted = adopt(saved->program); !adopted) return adopted;
+  }
+  put_back(saved->coordinates);
+  forget_reports();
+  time_ = saved->time;
+  kinematic_ = saved->kinematic;
+  kept_ = saved->kept;
+  kept_contacts_ = saved->contacts;
+  kept_reactions_ = saved->reactions;
+  return {};
+}
+
+Result<> MujocoWorld::reset() {
+  if (auto adopted = adopt(initial_); !adopted) return adopted;
+  start();
+  return {};
+}
+
+}  // namespace cogrsim::mujoco
