@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <tuple>
 
 #include "convert.h"
 
@@ -43,16 +44,15 @@ Result<> MujocoWorld::adopt(const ProgramPtr& program) {
   if (!guarded([&] { copy = mj_copyModel(nullptr, program->model.get()); })) {
     return fail("MuJoCo: " + last_error());
   }
-  ModelOwner model(copy);
-  std::swap(model, model_);
-  std::swap(data_, *std::make_unique<DataOwner>());
+  ModelOwner before(copy);
+  std::swap(before, model_);
   int contacts = 16, rows = 16 + copy->nemax + copy->nv;
   for (const auto& [b, s] : program->geoms) {
     contacts += program->scene->bodies[static_cast<std::size_t>(b)].kind == BodyKind::dynamic ? 2 : 0;
   }
   rows += 4 * contacts;
   if (auto made = make_room(contacts, rows, 0); !made) {
-    std::swap(model, model_);
+    model_ = std::move(before);
     return made;
   }
   program_ = program;

@@ -70,11 +70,12 @@ class MujocoWorld final : public World, public JointReactions, public KinematicD
   void put_free(std::size_t b, const Pose& X, const Twist& V);
   void forget_reports();
 
-  struct Change;
+  /// Makes MuJoCo's model anew for `next`. `attached`: joints between bodies that were there before;
+  /// `stopped`: bodies that stand still now; what `sudden` bodies hang on takes an impact.
   Result<> become(const SceneModelPtr& next, const std::vector<int>& attached,
-                  const std::vector<int>& sudden);
-  void carry_over(const Program& old, const Coordinates& was, const WorldState& now);
-  void join(const std::vector<int>& bodies, const std::vector<Twist>& twists);
+                  const std::vector<int>& stopped, const std::vector<int>& sudden);
+  void carry_over(const Program& old, const Coordinates& was);
+  void join(const std::vector<int>& sudden);
   Wrench loop_reaction(std::size_t j) const;
 
   ProgramPtr initial_, program_;

@@ -83,7 +83,7 @@ void MujocoWorld::read_joint(std::size_t j, double* q, double* u) const {
   const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
   const Quat in_N = q_BN.conjugate() * turn * q_BN;
   const Vec3 rate = q_BN.conjugate() * vec_at(qvel);
-  put(q, place.reversed ? in_N.conjugate() : in_N);
+  put(q, place.reversed ? Quat(in_N.conjugate()) : in_N);
   const Vec3 in_F = place.reversed ? Vec3(-rate) : Vec3(in_N * rate);
   std::copy_n(in_F.data(), 3, u);
 }
@@ -106,7 +106,7 @@ void MujocoWorld::put_joint(std::size_t j, const double* q, const double* u) {
   }
   const Quat q_FM = quat_at(q).normalized();
   const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
-  const Quat in_N = place.reversed ? q_FM.conjugate() : q_FM;
+  const Quat in_N = place.reversed ? Quat(q_FM.conjugate()) : q_FM;
   put(qpos, q_BN * in_N * q_BN.conjugate());
   put(qvel, Vec3(q_BN * (place.reversed ? Vec3(-vec_at(u)) : Vec3(q_FM.conjugate() * vec_at(u)))));
 }
