@@ -54,6 +54,7 @@ class Translator {
   SceneModelPtr translate() {
     for (std::size_t i = 0; i < scene_.things.size(); ++i) add(i);
     for (const Hinge& hinge : scene_.hinges) add(hinge);
+    keep_families_apart();
     add_assemblies();
     for (const Eye& eye : scene_.eyes) add(eye);
     return builder_.build();
@@ -97,6 +98,16 @@ class Translator {
     Motor& made = builder_.model.motors[static_cast<std::size_t>(motor)];
     made.target = hinge.speed;
     made.max_effort = hinge.max_torque;
+  }
+
+  void keep_families_apart() {
+    for (std::size_t a = 0; a < scene_.things.size(); ++a) {
+      for (std::size_t b = a + 1; b < scene_.things.size(); ++b) {
+        const int family = scene_.things[a].family;
+        if (family < 0 || scene_.things[b].family != family) continue;
+        builder_.model.no_collide.emplace_back(static_cast<int>(a), static_cast<int>(b));
+      }
+    }
   }
 
   /// What hangs together is an assembly.

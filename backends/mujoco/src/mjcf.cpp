@@ -48,6 +48,7 @@ class Writer {
 
  private:
   std::size_t size() const { return scene_.bodies.size(); }
+  const Vec3& origin(int b) const { return out_.origins[static_cast<std::size_t>(b)]; }
   const Body& body(int b) const { return scene_.bodies[static_cast<std::size_t>(b)]; }
   const Joint& joint(int j) const { return scene_.joints[static_cast<std::size_t>(j)]; }
   bool grounded(int b) const { return b == kWorld || body(b).kind != BodyKind::dynamic; }
@@ -221,7 +222,8 @@ std::string Writer::inertial(int b) const {
   Eigen::Index largest = 0;
   const double rest = moments.sum() - moments.maxCoeff(&largest);
   if (moments[largest] > rest) moments[largest] = rest * (1.0 - 1e-15);
-  return fmt::format("<inertial pos=\"{}\" {}mass=\"{}\" diaginertia=\"{}\"/>\n", text(it.com),
+  return fmt::format("<inertial pos=\"{}\" {}mass=\"{}\" diaginertia=\"{}\"/>\n",
+                     text(Vec3(it.com - origin(b))),
                      principal.w() == 1 ? "" : "quat=\"" + text(principal) + "\" ", it.mass,
                      text(moments));
 }
@@ -378,8 +380,10 @@ Result<> Writer::write_body(int b) {
   if (tree_[i] >= 0) {
     const Reference& at = out_.references[static_cast<std::size_t>(tree_[i])];
     X = joint(tree_[i]).child == b ? at.X_PC : at.X_PC.inverse();
+    if (above_[i] != kWorld) X.p -= origin(above_[i]);
   }
   if (it.kind == BodyKind::fixed && !apart_[i]) return write_geoms(b, X);
+  X.p += X.q * origin(b);
   if (is_far(X)) X = Pose();  // it has diverged before it begins, and MuJoCo need not know
   bodies_ += fmt::format("<body name=\"b{}\" pos=\"{}\" quat=\"{}\">\n", b, text(X.p), text(X.q));
   if (tree_[i] >= 0) {
@@ -388,7 +392,7 @@ Result<> Writer::write_body(int b) {
     bodies_ += fmt::format("<freejoint name=\"f{}\"/>\n", b);
   }
   if (it.kind != BodyKind::fixed) bodies_ += inertial(b);
-  if (auto written = write_geoms(b, Pose()); !written) return written;
+  if (auto written = write_geoms(b, {Vec3(-origin(b)), Quat(1, 0, 0, 0)}); !written) return written;
   for (const int child : children_[i]) {
     if (auto written = write_body(child); !written) return written;
   }
@@ -411,7 +415,8 @@ void Writer::write_equality(int j) {
   const Vec3 pin = half * cleaned(it.X_PF.q * Vec3::UnitZ());
   int i = 0;
   for (const double side : {1.0, -1.0}) {
-    const Vec3 anchor = it.X_PF.p + (it.type == JointType::ball ? 0.0 : side) * pin;
+    const Vec3 anchor = it.X_PF.p + (it.type == JointType::ball ? 0.0 : side) * pin -
+                        (it.parent == kWorld ? Vec3(0, 0, 0) : origin(it.parent));
     equalities_ +=
         fmt::format("<connect name=\"e{}_{}\" {} anchor=\"{}\"/>\n", j, i++, ends, text(anchor));
     if (it.type == JointType::ball) break;
@@ -439,6 +444,10 @@ Result<std::string> Writer::write() {
   out_.equalities.assign(scene_.joints.size(), -1);
   out_.actuators.assign(scene_.motors.size(), -1);
   grow_trees();
+  out_.origins.assign(size(), Vec3::Zero());
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (tree_[b] < 0 && !grounded(static_cast<int>(b))) out_.origins[b] = scene_.bodies[b].com;
+  }
   find_exclusions();
   for (std::size_t b = 0; b < size(); ++b) {
     const Body& it = scene_.bodies[b];

@@ -63,18 +63,21 @@ void complete_model(Program& out) {
       range[1] = joint.axes[i].upper;
     }
     if (out.equalities[j] < 0) continue;
+    const auto origin = [&](int b) {
+      return b == kWorld ? Vec3(0, 0, 0) : out.origins[static_cast<std::size_t>(b)];
+    };
     const auto eq_data = [&](int k) { return m.eq_data + mjNEQDATA * (out.equalities[j] + k); };
     if (joint.type == JointType::fixed) {
-      put(eq_data(0), joint.X_CM.p);
-      put(eq_data(0) + 3, joint.X_PF.p);
+      put(eq_data(0), Vec3(joint.X_CM.p - origin(joint.child)));
+      put(eq_data(0) + 3, Vec3(joint.X_PF.p - origin(joint.parent)));
       put(eq_data(0) + 6, (joint.X_PF.q * joint.X_CM.q.conjugate()).normalized());
       continue;
     }
     // MuJoCo takes the point on the second body from where the bodies were made, which is right
     // unless the loop was closed later.
     for (int k = 0; k < (joint.type == JointType::ball ? 1 : 2); ++k) {
-      const Vec3 in_F = joint.X_PF.inverse() * vec_at(eq_data(k));
-      const Vec3 wanted = joint.X_CM * in_F;
+      const Vec3 in_F = joint.X_PF.inverse() * (vec_at(eq_data(k)) + origin(joint.parent));
+      const Vec3 wanted = joint.X_CM * in_F - origin(joint.child);
       if ((vec_at(eq_data(k) + 3) - wanted).norm() > 1e-9) put(eq_data(k) + 3, wanted);
     }
   }

@@ -49,6 +49,9 @@ struct Program {
   std::vector<int> bodies;            ///< MuJoCo's, by body; 0: a part of the world; -1: not there
   std::vector<int> owners;            ///< the other way round; -1: the world
   std::vector<int> free_qpos, free_dof;  ///< by body, of those with a free joint; -1: none
+  /// By body, origin of MuJoCo's frame in the scene's, same axes: what flies freely is held by its
+  /// centre of mass, whose path MuJoCo's integrator has exact.
+  std::vector<Vec3> origins;
   std::vector<TreeJoint> joints;
   std::vector<int> equalities;  ///< by joint, first of those that close a loop; -1: none
   std::vector<int> followed;    ///< joints whose coordinates are found from the bodies' poses

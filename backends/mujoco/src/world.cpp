@@ -106,7 +106,7 @@ void MujocoWorld::start() {
     std::copy_n(qpos, 7, before);
     put_free(b, X, kept_.twists[b]);
     // Its turn as MuJoCo's compiler normalised it.
-    if (vec_at(before) == X.p) std::copy_n(before, 7, qpos);
+    if (vec_at(before) == vec_at(qpos)) std::copy_n(before, 7, qpos);
   }
   kept_.joint_positions.resize(static_cast<std::size_t>(scene.joint_positions));
   kept_.joint_velocities.resize(static_cast<std::size_t>(scene.joint_speeds));

@@ -129,7 +129,7 @@ void MujocoWorld::carry_over(const Program& old, const Coordinates& was) {
   };
   for (std::size_t b = 0; b < is.bodies.size(); ++b) {
     if (is.free_qpos[b] < 0) continue;
-    if (b < old.bodies.size() && old.free_qpos[b] >= 0) {
+    if (b < old.bodies.size() && old.free_qpos[b] >= 0 && old.origins[b] == is.origins[b]) {
       copy(is.free_qpos[b], old.free_qpos[b], 7, is.free_dof[b], old.free_dof[b], 6);
     } else {
       put_free(b, kept_.poses[b], kept_.twists[b]);
@@ -172,7 +172,7 @@ void MujocoWorld::join(const std::vector<int>& sudden) {
     const int b = program_->owners[static_cast<std::size_t>(i)];
     if (!moves(i) || b < 0) continue;
     const Twist& V = kept_.twists[static_cast<std::size_t>(b)];
-    const Vec3 v = V.at(vec_at(d->xipos + 3 * i) - vec_at(d->xpos + 3 * i));
+    const Vec3 v = V.at(vec_at(d->xipos + 3 * i) - pose_of(b).p);
     const Mat3 R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->ximat + 9 * i);
     const Vec3 P = m->body_mass[i] * v;
     const Vec3 L = R * vec_at(m->body_inertia + 3 * i).cwiseProduct(R.transpose() * V.angular);

@@ -41,7 +41,8 @@ Pose MujocoWorld::pose_of(int body) const {
   const auto b = static_cast<std::size_t>(body);
   const int i = program_->bodies[b];
   if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::fixed) return kept_.poses[b];
-  return {vec_at(data_->xpos + 3 * i), quat_at(data_->xquat + 4 * i)};
+  const Quat q = quat_at(data_->xquat + 4 * i);
+  return {vec_at(data_->xpos + 3 * i) - q * program_->origins[b], q};
 }
 
 Twist MujocoWorld::twist_of(int body) const {
@@ -50,7 +51,9 @@ Twist MujocoWorld::twist_of(int body) const {
   const int i = program_->bodies[b];
   if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::fixed) return kept_.twists[b];
   if (const int dof = program_->free_dof[b]; dof >= 0) {
-    return {vec_at(data_->qvel + dof), quat_at(data_->xquat + 4 * i) * vec_at(data_->qvel + dof + 3)};
+    const Quat q = quat_at(data_->xquat + 4 * i);
+    const Twist V{vec_at(data_->qvel + dof), q * vec_at(data_->qvel + dof + 3)};
+    return {V.at(-(q * program_->origins[b])), V.angular};
   }
   // About the centre of mass of the whole tree.
   const Twist V{vec_at(data_->cvel + 6 * i + 3), vec_at(data_->cvel + 6 * i)};
@@ -112,9 +115,10 @@ void MujocoWorld::put_joint(std::size_t j, const double* q, const double* u) {
 }
 
 void MujocoWorld::put_free(std::size_t b, const Pose& X, const Twist& V) {
-  put(data_->qpos + program_->free_qpos[b], X.p);
+  const Vec3 r = X.q * program_->origins[b];
+  put(data_->qpos + program_->free_qpos[b], Vec3(X.p + r));
   put(data_->qpos + program_->free_qpos[b] + 3, X.q);
-  put(data_->qvel + program_->free_dof[b], V.linear);
+  put(data_->qvel + program_->free_dof[b], V.at(r));
   put(data_->qvel + program_->free_dof[b] + 3, Vec3(X.q.conjugate() * V.angular));
 }
 
@@ -282,7 +286,7 @@ Wrench MujocoWorld::loop_reaction(std::size_t j) const {
     const int child = m.eq_obj2id[first];
     // MuJoCo's force acts on the first body, which is the parent.
     const Vec3 force = -vec_at(d.efc_force + row);
-    const Vec3 M = place_in(child, joint.X_CM.p.data());
+    const Vec3 M = pose_of(joint.child) * joint.X_CM.p;
     if (joint.type == JointType::fixed) {
       // The rows of rotation are about half the turn's vector in the child's axes.
       out.force = force;
