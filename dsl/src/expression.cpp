@@ -14,6 +14,7 @@
 
 #include "element.h"
 #include "functions.h"
+#include "number_list.h"
 #include "text.h"
 
 namespace cogrsim::dsl {
@@ -92,6 +93,11 @@ class Parser {
       help = "write \"and\" and \"or\"";
     } else if (c == ',') {
       help = "numbers have a decimal point: 1.5";
+    } else if (c == '$' || c == '{') {
+      std::size_t begin = std::min(text_.find_first_not_of("${", at_), text_.size()), end = begin;
+      while (end < text_.size() && (is_letter(text_[end]) || is_digit(text_[end]))) ++end;
+      help = "inside of an expression a parameter is its name alone";
+      if (end > begin) help += ": " + std::string(text_.substr(begin, end - begin));
     }
     std::size_t length = 1;
     while (at_ + length < text_.size() &&
@@ -99,6 +105,7 @@ class Parser {
       ++length;
     }
     std::string found(text_.substr(at_, length));
+    if (plain_minus(found) == "-") help = "the minus sign is \"-\"";
     if (const std::string_view word = peek_word(); !word.empty()) found = std::string(word);
     return fail("CG0511", at_, found.size(), "\"" + found + "\" was not expected here", help);
   }

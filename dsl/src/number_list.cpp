@@ -45,9 +45,13 @@ std::vector<Token> split(std::string_view text, std::optional<ExpressionFault>& 
   }
 }
 
-/// What to say of a word that is no number.
-ExpressionFault not_a_number(std::string_view word, std::size_t begin) {
-  std::string help = nearly_number_help(word);
+/// What to say of a word of `text` that is no number.
+ExpressionFault not_a_number(std::string_view text, std::size_t begin, std::size_t length) {
+  const std::string_view word = text.substr(begin, length);
+  std::string_view meant = word;  // of "{2 * w}" all of it
+  if (word.find('{') != std::string_view::npos && word.find('}') == std::string_view::npos)
+    meant = text.substr(begin, std::min(text.find('}', begin), text.size() - 1) + 1 - begin);
+  std::string help = nearly_number_help(meant);
   const bool digit = word.find_first_of("+-.0123456789") == 0;
   if (!help.empty()) {
   } else if (!word.empty() && word.find(',') + 1 == word.size()) {
@@ -57,7 +61,7 @@ ExpressionFault not_a_number(std::string_view word, std::size_t begin) {
     help = "numbers look like 12, -0.5 or 1.5e-3, up to about 1.8e308";
   } else if (!digit && !word.empty()) {
     const char c = word[0];
-    if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '(') {
+    if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '(' || c == '$' || c == '{') {
       help = "parameters and expressions stand in ${…}";
       if (word == "nan" || word == "NaN" || word == "inf" || word == "Infinity") {
         help = "every value is a finite number";
@@ -145,16 +149,16 @@ class ListParser {
       fault_ = parse_unit(word)
                    ? make_fault("CG0501", t.begin, word.size(),
                                 "the unit \"" + std::string(word) + "\" has no number before it")
-                   : not_a_number(word, t.begin);
+                   : not_a_number(text_, t.begin, word.size());
     }
   }
 
   void take_unit(const Token& t, std::string_view word) {
     const auto unit = parse_unit(word);
     if (!unit) {
-      const char c = word.empty() ? '\0' : word[0];
-      if ((c >= '0' && c <= '9') || c == '-' || c == '+' || c == '.') {
-        fault_ = not_a_number(word, t.begin);
+      const char c = word.empty() ? '\0' : plain_minus(word)[0];
+      if ((c >= '0' && c <= '9') || c == '-' || c == '+' || c == '.' || c == '$' || c == '{') {
+        fault_ = not_a_number(text_, t.begin, word.size());
         return;
       }
       const std::string near = nearest_unit(word);
@@ -303,6 +307,9 @@ std::size_t number_length(std::string_view text) {
 
 std::string nearly_number_help(std::string_view text) {
   const auto suggest = [](const std::string& better) { return "did you mean \"" + better + "\"?"; };
+  if (std::string help = braces_help(text, true); !help.empty()) return help;
+  if (const std::string minus = plain_minus(text); minus != text)
+    return "the minus sign is \"-\": write \"" + minus + "\"";
   if (const std::size_t comma = text.find(','); comma != std::string_view::npos) {
     std::string pointed(text);
     pointed[comma] = '.';
@@ -324,6 +331,52 @@ std::string nearly_number_help(std::string_view text) {
   if (parse_unit(unit)) return suggest(number + " " + std::string(unit));
   const std::string near = nearest_unit(unit);
   return near.empty() ? "" : suggest(number + " " + near);
+}
+
+std::string plain_minus(std::string_view text) {
+  std::string out(text);
+  for (const char* dash : {"\u2212", "\u2013", "\u2014", "\uFF0D"}) {
+    for (std::size_t at = 0; (at = out.find(dash, at)) != std::string::npos; ++at)
+      out.replace(at, 3, "-");
+  }
+  return out;
+}
+
+std::string braces_help(std::string_view text, bool number) {
+  const auto in_name = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  std::string out;
+  bool changed = false;
+  for (std::size_t i = 0; i < text.size();) {
+    const bool dollar = text[i] == '$';
+    std::size_t begin = i + dollar, end = begin;
+    const char open = begin < text.size() ? text[begin] : '\0';
+    if (open == '{' || (dollar && open == '(')) {
+      end = text.find(open == '{' ? '}' : ')', ++begin);
+      if (end == std::string_view::npos) return {};
+    } else if (dollar) {
+      while (end < text.size() && in_name(text[end])) ++end;
+    }
+    if (end == begin) {
+      out += text[i++];
+      continue;
+    }
+    const std::string_view name = text.substr(begin, end - begin);
+    if (name.find_first_of("${(") != std::string_view::npos) return {};
+    changed = changed || !dollar || open != '{';
+    out += "${" + std::string(name) + "}";
+    i = end + (open == '{' || open == '(');
+  }
+  if (!changed) return {};
+  if (number && (out[0] != '$' || expression_end(out, 0) != out.size())) {
+    if (out.find("}$") != std::string::npos) return {};
+    out.erase(std::remove_if(out.begin(), out.end(),
+                             [](char c) { return c == '$' || c == '{' || c == '}'; }),
+              out.end());
+    out = "${" + out + "}";
+  }
+  return "write " + out;
 }
 
 std::size_t expression_end(std::string_view text, std::size_t begin) {

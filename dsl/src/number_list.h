@@ -38,9 +38,16 @@ struct NumberSyntax {
 /// Bytes of the longest beginning that is a number, 0 for none: of "2e3" all, of "2eV" one.
 std::size_t number_length(std::string_view text);
 
-/// What to say of a text where a number is wanted that is nearly one: "2m", "5 metres", "1,5"; ""
-/// for all others.
+/// What to say of a text where a number is wanted that is nearly one: "2m", "5 metres", "1,5", "$w",
+/// "−1"; "" for all others.
 std::string nearly_number_help(std::string_view text);
+
+/// What to say of a text with parameters that are not in ${…}: "write ${w}" for "$w", "{w}" and
+/// "$(w)"; "" for all others. `number`: all of it is one number, "2*$w" being ${2*w}.
+std::string braces_help(std::string_view text, bool number = false);
+
+/// The text with "-" for what only looks like it, U+2212 and the dashes of print.
+std::string plain_minus(std::string_view text);
 
 /// Takes a text apart. On a fault the entries are useless.
 std::vector<NumberEntry> parse_numbers(std::string_view text, const NumberSyntax& syntax,

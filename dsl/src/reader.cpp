@@ -107,7 +107,7 @@ Read<bool> Reader::boolean(std::string_view attribute) {
     return out;
   }
   const std::string word = to_text(v);
-  std::string help;
+  std::string help = braces_help(word);
   if (word == "yes" || word == "on" || word == "1" || word == "True" || word == "TRUE") {
     help = "did you mean \"true\"?";
   } else if (word == "no" || word == "off" || word == "0" || word == "False" || word == "FALSE") {
@@ -135,9 +135,11 @@ Read<Color> Reader::color(std::string_view attribute) {
     return out;
   }
   const std::string near = nearest_color(*text);
+  const std::string braces = braces_help(*text);
   source.report("CG0510", 0, source.text().size(), "\"" + *text + "\" is not a color",
-                near.empty() ? "write #rgb, #rrggbb, #rrggbbaa or a CSS color name"
-                             : "did you mean \"" + near + "\"?");
+                !braces.empty() ? braces
+                : near.empty()  ? "write #rgb, #rrggbb, #rrggbbaa or a CSS color name"
+                                : "did you mean \"" + near + "\"?");
   return out;
 }
 
@@ -158,7 +160,7 @@ Read<std::string> Reader::text(std::string_view attribute) {
     source.report(
         "CG0508", 0, source.text().size(),
         "\"" + std::string(attribute) + "\" is " + listed(choices) + ", found \"" + *text + "\"",
-        near.empty() ? "" : "did you mean \"" + near + "\"?");
+        near.empty() ? braces_help(*text) : "did you mean \"" + near + "\"?");
     return out;
   }
   out.value = std::move(*text);
@@ -183,9 +185,8 @@ Read<Word> Reader::word(std::string_view attribute) {
   if (!text) return out;
   const bool dotted = spec.kind == Kind::reference;
   if (!well_formed(*text, dotted)) {
-    std::string help;
-    if (text->empty()) {
-      help = "";
+    std::string help = braces_help(*text);
+    if (!help.empty() || text->empty()) {
     } else if (!dotted && text->find('.') != std::string::npos) {
       help = "dots only separate scopes, in references; did you mean \"" + repaired(*text) + "\"?";
     } else if (repaired(*text).find_first_not_of('_') == std::string::npos) {
@@ -217,7 +218,8 @@ Read<std::vector<Word>> Reader::words(std::string_view attribute) {
   if (spec.kind == Kind::references) {
     for (const Word& w : out.value) {
       if (well_formed(w.text, true)) continue;
-      context_.sink.report("CG0403", w.span, element_.trail, "\"" + w.text + "\" cannot be a name");
+      context_.sink.report("CG0403", w.span, element_.trail, "\"" + w.text + "\" cannot be a name")
+          .help(braces_help(w.text));
       return out;
     }
     if (count < spec.min_count || count > spec.max_count) {

@@ -95,7 +95,8 @@ constexpr Translation kAttributes[] = {{"origin", "xyz (and rpy)"},
                                        {"prototype", "of"},
                                        {"file", "href"},
                                        {"n", "count"},
-                                       {"times", "count"}};
+                                       {"times", "count"},
+                                       {"value", "default"}};
 
 /// Words that have no single counterpart.
 std::string element_advice(std::string_view word) {
@@ -131,6 +132,13 @@ std::string element_advice(std::string_view word) {
   return {};
 }
 
+/// The word in small letters, as those of the language are.
+std::string small(std::string_view word) {
+  std::string out(word);
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
 /// What an element means here.
 const ElementSpec* meaning(const Node& node) {
   if (node.name == "contact" && node.find("on") && !node.find("between")) return &contact_sensor();
@@ -148,8 +156,10 @@ class Checker {
       sink_
           .report("CG0208", root.span, nullptr,
                   "the root element is <" + std::string(root.name) + ">, expected <scene>")
-          .help(find_element(root.name) ? "put it into <scene name=\"…\" version=\"1\"> … </scene>"
-                                        : "files of other formats must be written anew");
+          .help(small(root.name) == "scene" ? "names are written in small letters: <scene>"
+                : find_element(root.name)
+                    ? "put it into <scene name=\"…\" version=\"1\"> … </scene>"
+                    : "files of other formats must be written anew");
       document.root = nullptr;
       return;
     }
@@ -199,18 +209,21 @@ class Checker {
   void unknown_element(const Node& node, const Node& where) {
     Report report = sink_.report("CG0201", node.span, nullptr,
                                  "unknown element <" + std::string(node.name) + ">");
-    std::string help = element_advice(node.name);
-    if (help.empty()) {
+    const std::string name = small(node.name);
+    std::string help = element_advice(name);
+    if (find_element(name)) {
+      help = "names are written in small letters: <" + name + ">";
+    } else if (help.empty()) {
       std::vector<std::string> known;
       for (const auto child : where.spec->children) known.emplace_back(child);
       for (const char* flow : {"repeat", "for", "if"}) known.emplace_back(flow);
       for (const std::string& engine : files_.engine_words()) {
         if (where.spec->engine_blocks) known.push_back(engine);
       }
-      std::string near = nearest_name(std::string(node.name), known);
+      std::string near = nearest_name(name, known);
       if (near.empty()) {
         for (const ElementSpec& e : vocabulary()) known.emplace_back(e.name);
-        near = nearest_name(std::string(node.name), known);
+        near = nearest_name(name, known);
       }
       if (!near.empty()) {
         help = "did you mean <" + near + ">?";
@@ -270,17 +283,22 @@ class Checker {
     Report report = sink_.report(
         "CG0203", a.name_span, nullptr,
         "<" + std::string(node.name) + "> has no attribute \"" + std::string(a.name) + "\"");
+    const std::string name = small(a.name);
+    if (spec.find(name)) {
+      report.help("names are written in small letters: " + name);
+      return;
+    }
     for (const Translation& t : kAttributes) {
-      if (a.name != t.theirs) continue;
+      if (name != t.theirs) continue;
       const std::string_view first = t.ours.substr(0, t.ours.find(' '));
       if (!spec.find(first)) continue;
       report.help("here it is called " + std::string(t.ours) +
-                  (a.name == "diameter" ? ", half of it" : ""));
+                  (name == "diameter" ? ", half of it" : ""));
       return;
     }
     std::vector<std::string> known;
     for (const AttributeSpec& k : spec.attributes) known.emplace_back(k.name);
-    std::string near = nearest_name(std::string(a.name), known);
+    std::string near = nearest_name(name, known);
     // A word with _ for -, or in camel case.
     std::string dashed;
     for (const char c : a.name) {
