@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/dsl/schema.h"
 #include "cogrsim/physics/backend.h"
 #include "options.h"
 #include "output_file.h"
-#include "plugin_catalog.h"
 #include "refuse.h"
 #include "scene_loading.h"
 #include "terminal.h"
@@ -130,7 +130,7 @@ int explain_command(const std::string& code) {
 
 int schema_command(bool reference, bool json, const std::vector<std::string>& plugin_paths) {
   if (reference) return print_or_fail(dsl::write_reference_markdown(), kGood);
-  LoaderCatalog catalog(std::make_shared<PluginLoader>(plugin_paths));
+  dsl::LoaderCatalog catalog(std::make_shared<PluginLoader>(plugin_paths));
   if (json) return print_or_fail(dsl::write_schema_json(&catalog) + "\n", kGood);
   return print_or_fail(dsl::write_xsd(&catalog), kGood);
 }

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/dsl/loader_catalog.h"
 #include "output_file.h"
-#include "plugin_catalog.h"
 #include "terminal.h"
 
 namespace cogrsim::cli {
@@ -46,7 +46,7 @@ Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr)
 LoadedScene load_scene(const SceneOptions& options) {
   LoadedScene scene;
   scene.loader = std::make_shared<PluginLoader>(options.plugin_paths);
-  LoaderCatalog catalog(scene.loader);
+  dsl::LoaderCatalog catalog(scene.loader);
   dsl::CompileOptions compile;
   compile.set_parameters = options.set;
   compile.seed = options.seed;

@@ -7,10 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "cogrsim/dsl/compiler.h"
-#include "cogrsim/plugin/loader.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "hash.h"
-#include "plugin_catalog.h"
 
 namespace cogrsim::share {
 namespace {
@@ -18,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 dsl::CompileResult compile(const std::string& scene, const std::vector<std::string>& plugin_paths) {
-  cli::LoaderCatalog catalog(std::make_shared<PluginLoader>(plugin_paths));
+  dsl::LoaderCatalog catalog(std::make_shared<PluginLoader>(plugin_paths));
   dsl::CompileOptions options;
   options.plugins = &catalog;
   return dsl::compile_file(scene, options);

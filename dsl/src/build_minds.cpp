@@ -5,47 +5,24 @@
 #include "build_scene.h"
 
 namespace cogrsim::dsl {
-namespace {
 
-// Without a catalog the declared type is unknown, and the value says itself what it is.
-std::optional<ParameterValue> plain_value(const Value& value) {
-  if (const Quantity* number = value.as_number()) return ParameterValue(number->value);
-  if (const bool* yes = value.as_boolean()) return ParameterValue(*yes);
-  if (const std::string* text = value.as_text()) return ParameterValue(*text);
-  if (const ValueList* list = value.as_list()) {
-    std::vector<double> numbers;
-    for (const Value& entry : *list) {
-      const Quantity* number = entry.as_number();
-      if (number == nullptr) return std::nullopt;
-      numbers.push_back(number->value);
-    }
-    return ParameterValue(std::move(numbers));
-  }
-  return std::nullopt;
-}
-
-}  // namespace
-
-// All attributes of one element, checked against `table` (nullptr: as they stand).
+// All attributes of one element, checked against `table`. Without one nobody knows their types and
+// units: "50 deg" may be an angle, or a mistake for a distance.
 bool Builder::take_parameters(const Element& element, const ParameterTable* table,
                               Parameters& given) {
   Reader r = reader(element);
   bool good = true;
+  if (table == nullptr && !element.node->attributes.empty()) {
+    fault("CG0909", element, "parameters of plugins cannot be checked without the plugins")
+        .help("compile with a plugin catalog, a dsl::LoaderCatalog in CompileOptions::plugins");
+    return false;
+  }
   for (const Attribute& attribute : element.node->attributes) {
     const std::string name(attribute.name);
     if (given.count(name) != 0) {
       good = false;
       sink().report("CG0904", attribute.name_span, element.trail,
                     "parameter '" + name + "' is set twice");
-      continue;
-    }
-    if (table == nullptr) {
-      const auto value = r.value(attribute);
-      const auto plain = value.given() ? plain_value(*value) : std::nullopt;
-      if (plain)
-        given.emplace(name, *plain);
-      else
-        good = false;
       continue;
     }
     const auto spec = std::find_if(table->begin(), table->end(),

@@ -168,6 +168,12 @@ std::vector<CodeInfo> scene_codes() {
       {"CG0908", error, "a controller that threw while being configured",
        "The plugin's configure() ended in an exception, so the run does not start.",
        "Mend the plugin; robot.fail(\"…\") reports a mistake without an exception.", ""},
+      {"CG0909", error, "a parameter that nobody can check",
+       "A program compiled the scene without a catalog of plugins. What a parameter's type and "
+       "unit "
+       "are, its plugin declares, so \"50 deg\" could be taken for a distance.",
+       "Give CompileOptions::plugins a catalog; dsl::LoaderCatalog asks a PluginLoader.",
+       "dsl::LoaderCatalog catalog(loader);\noptions.plugins = &catalog;"},
       // ---- CG10: placement
       {"CG1001", error, "a place that cannot be stood on",
        "`at` names something that has no place of its own, such as a material.",

@@ -1,7 +1,7 @@
 // The slalom in C++: on every backend it drives the same way, which is kept beside this file.
 // `slalom_test --update-golden` keeps a new one.
 #define CATCH_CONFIG_RUNNER
-#include "cogrsim/dsl/compiler.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/testing/catch.h"
 
 using namespace cogrsim;
@@ -12,7 +12,11 @@ int main(int argc, char** argv) {
 }
 
 TEST_CASE("the robot drives its slalom") {
-  const auto scene = dsl::compile_file("slalom.scene.xml");
+  dsl::LoaderCatalog plugins;
+  dsl::CompileOptions options;
+  options.plugins = &plugins;
+  const auto scene = dsl::compile_file("slalom.scene.xml", options);
+  INFO(dsl::to_text(scene.diagnostics));
   REQUIRE(scene.ok());
   const std::string backend = GENERATE(testing::backends());
   CAPTURE(backend);

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "../support/catalog.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/simulation/snapshot_file.h"
 #include "support.h"
 
@@ -14,7 +14,7 @@ namespace {
 /// Compiled from a file; the test fails with what the compiler says.
 SceneModelPtr scene_of(const std::string& path) {
   const auto plugins = loader();
-  LoadingCatalog catalog(*plugins);
+  dsl::LoaderCatalog catalog(plugins);
   dsl::CompileOptions options;
   options.plugins = &catalog;
   const auto compiled = dsl::compile_file(path, options);

@@ -122,19 +122,20 @@ TEST_CASE("signals of a plugin's sensor have its channels and units", "[sensors]
   dsl_test::FakeCatalog catalog;
   dsl::CompileOptions options;
   options.plugins = &catalog;
+  std::string set = "<set reach='2 m'/>";
   const auto codes = [&](const std::string& condition) {
-    return codes_of(
-        "<box name='b' size='1 1 1'/><sensor plugin='sonar' name='s' on='b'>"
-        "<set reach='2 m'/></sensor><test name='t' duration='1 s'>"
-        "<expect that='" +
-            condition + "'/></test><on when='" + condition + "'><end/></on>",
-        options);
+    return codes_of("<box name='b' size='1 1 1'/><sensor plugin='sonar' name='s' on='b'>" + set +
+                        "</sensor><test name='t' duration='1 s'><expect that='" + condition +
+                        "'/></test><on when='" + condition + "'><end/></on>",
+                    options);
   };
   CHECK(codes("s.distance lt 20 cm").empty());
   CHECK(codes("s.distance lt 20 deg") == "CG1102 CG1308");
   CHECK(codes("s.distnace lt 20 cm") == "CG1102 CG1308");
-  // Without a catalog they are taken on trust.
+  // Without a catalog they are taken on trust, and parameters are refused.
   options.plugins = nullptr;
+  CHECK(codes("s.distance lt 20 cm") == "CG0909");
+  set.clear();
   CHECK(codes("s.distnace lt 20 cm").empty());
 }
 

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <random>
+#include <regex>
 #include <sstream>
 
 #include "cogrsim/dsl/edit.h"
@@ -82,7 +83,8 @@ TEST_CASE("a random walk of edits never leaves a broken scene", "[edit][walk]") 
   const std::string name = GENERATE("001_first_steps/first_steps", "010_two_wheels/two_wheels",
                                     "030_pendulums/pendulums", "040_servo_arm/arm");
   const std::string path = std::string(COGRSIM_EXAMPLES) + "/" + name + ".scene.xml";
-  std::string text = read(path);
+  // Without plugins there is nobody to check their parameters.
+  std::string text = std::regex_replace(read(path), std::regex("<set [^>]*/>"), "");
   OutlinedScene scene = compile_outlined(text, path);
   REQUIRE(scene.result.ok());
   Walker walker(path, 42);

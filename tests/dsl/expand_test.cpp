@@ -33,7 +33,7 @@ const char* const kRobot = R"xml(
         <pose name="pose_${i}" on="chassis" xyz="12 0 0 cm" rpy="0 0 ${(i-2)*30 deg}" rate="50 Hz"
               noise="normal(0, 3 mm)"/>
       </repeat>
-      <controller plugin="wall_follower" rate="50 Hz"><set side="left" gain="1.5"/></controller>
+      <controller plugin="wall_follower" rate="50 Hz"/>
     </assembly>
   </prototype>
   <light name="sun" type="directional" direction="0.3 0.2 -1"/>
@@ -67,7 +67,6 @@ TEST_CASE("a robot from a prototype", "[dsl][expand]") {
   CHECK(model->sensors[4].noise.at(0).b == Approx(0.003));
   REQUIRE(model->controllers.size() == 1);
   CHECK(model->controllers[0].name == "bot.robot.wall_follower");
-  CHECK(std::get<double>(model->controllers[0].parameters.at("gain")) == 1.5);
   REQUIRE(model->assemblies.size() == 3);
   CHECK(model->assemblies[1].name == "bot.robot");
   CHECK(model->assemblies[1].parent == 0);

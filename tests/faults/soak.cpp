@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "cogrsim/dsl/compiler.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/simulation/simulation.h"
 
 using namespace cogrsim;
@@ -127,14 +127,18 @@ int main(int argc, char** argv) {
   app.add_flag("--quiet", quiet, "the verdict alone");
   CLI11_PARSE(app, argc, argv);
 
-  const auto scene = dsl::compile_text(kScene, "soak.scene.xml");
+  const auto loader = std::make_shared<PluginLoader>();
+  dsl::LoaderCatalog catalog(loader);
+  dsl::CompileOptions compile;
+  compile.plugins = &catalog;
+  const auto scene = dsl::compile_text(kScene, "soak.scene.xml", compile);
   if (!scene.ok()) {
     fmt::print(stderr, "{}", dsl::to_text(scene.diagnostics));
     return 2;
   }
   SimulationOptions options;
   options.backend = backend;
-  auto made = Simulation::create(scene.model, options, std::make_shared<PluginLoader>());
+  auto made = Simulation::create(scene.model, options, loader);
   if (!made) {
     fmt::print(stderr, "{}", dsl::to_text(made.error()));
     return 2;

@@ -2,14 +2,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "../support/catalog.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/model/surface.h"
 #include "cogrsim/rays/ray_caster.h"
 #include "cogrsim/rendering/renderer.h"
 #include "cogrsim/simulation/simulation.h"
 
 using namespace cogrsim;
-using cogrsim::test::LoadingCatalog;
 
 namespace {
 
@@ -55,7 +54,7 @@ struct Loaded {
   std::shared_ptr<PluginLoader> loader = std::make_shared<PluginLoader>();
   SceneModelPtr model;
   Loaded() {
-    LoadingCatalog catalog(*loader);
+    dsl::LoaderCatalog catalog(loader);
     dsl::CompileOptions options;
     options.plugins = &catalog;
     const auto result = dsl::compile_file(COGRSIM_PLUGIN_TEST_SCENES "/line.scene.xml", options);
@@ -65,9 +64,33 @@ struct Loaded {
   }
 };
 
+/// Codes of what is found when a sled with these settings of its sensor is compiled.
+std::string codes(const std::string& set, dsl::PluginCatalog* catalog) {
+  dsl::CompileOptions options;
+  options.plugins = catalog;
+  std::string out;
+  const auto result = dsl::compile_text(
+      "<scene version='1'><box name='sled' size='1 1 1' mass='1'/>"
+      "<sensor name='eye' plugin='reflectance' on='sled'>" +
+          set + "</sensor></scene>",
+      "sled.scene.xml", options);
+  for (const Diagnostic& d : result.diagnostics) out += (out.empty() ? "" : " ") + d.code;
+  return out;
+}
+
 constexpr double kHeight = 0.03;  // of the sled; its sensor is 2 cm above the floor
 
 }  // namespace
+
+TEST_CASE("a program's scenes have their parameters checked by the plugins, or not at all") {
+  dsl::LoaderCatalog catalog;
+  CHECK(codes("<set pitch='5 mm'/>", &catalog).empty());
+  CHECK(codes("<set pitch='50 deg'/>", &catalog) == "CG0502");
+  CHECK(codes("<set pich='5 mm'/>", &catalog) == "CG0904");
+  CHECK(codes("<set pitch='50 deg'/>", nullptr) == "CG0909");
+  CHECK(codes("<set pitch='5 mm'/>", nullptr) == "CG0909");
+  CHECK(codes("", nullptr).empty());
+}
 
 TEST_CASE("a reflectance array sees the line on the floor where it is") {
   const Loaded loaded;

@@ -236,3 +236,27 @@ TEST_CASE("wrong words and scenes are told", "[command]") {
   CHECK(unknown.status == 1);
   CHECK(has(unknown.text, "nowhere"));
 }
+
+TEST_CASE("a scene whose plugin is not here fails where it asks for tests", "[command]") {
+  const Folder folder;
+  const std::string robot =
+      "  <assembly name=\"robot\"><sphere name=\"s\" radius=\"10 cm\"/>\n"
+      "    <controller plugin=\"not_built_yet\"><set speed=\"1 m/s\"/></controller></assembly>\n";
+  folder.write("none.scene.xml", scene(robot));
+  const Outcome none = folder.run("none.scene.xml");
+  INFO(none.text);
+  CHECK(none.text.find("the scene has no tests, and its plugins are not here") !=
+        std::string::npos);
+  CHECK(none.text.find("CG0909") == std::string::npos);
+  folder.write("asks.scene.xml", scene(robot + kGood));
+  const Outcome asks = folder.run("asks.scene.xml");
+  INFO(asks.text);
+  CHECK(asks.status == 1);
+  CHECK(asks.text.find("CG0901") != std::string::npos);
+  // What else is wrong counts.
+  folder.write("wrong.scene.xml", scene(robot + "  <sphere name=\"b\" radius=\"10 deg\"/>\n"));
+  const Outcome wrong = folder.run("wrong.scene.xml");
+  INFO(wrong.text);
+  CHECK(wrong.status == 1);
+  CHECK(wrong.text.find("CG0502") != std::string::npos);
+}

@@ -11,13 +11,13 @@
 
 #include "bundle_data.h"
 #include "bundle_html.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/recording/recording.h"
 #include "document_file.h"
 #include "frames.h"
 #include "interrupt.h"
 #include "narrator.h"
 #include "output_file.h"
-#include "plugin_catalog.h"
 #include "progress.h"
 #include "refuse.h"
 #include "scene_loading.h"
@@ -118,7 +118,7 @@ Gathered run_scene(const BundleOptions& options) {
     return out;
   }
   auto loader = std::make_shared<PluginLoader>(source.plugin_paths);
-  cli::LoaderCatalog catalog(loader);
+  dsl::LoaderCatalog catalog(loader);
   dsl::CompileOptions compile;
   compile.set_parameters = source.set;
   compile.seed = source.seed;

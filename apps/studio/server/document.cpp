@@ -109,7 +109,7 @@ DocumentDesk::DocumentDesk(DocumentOptions options, SceneFile file,
       // A loader serves one thread; the same folders give the same plugins.
       loader_(
           std::make_shared<PluginLoader>(loader ? loader->folders() : std::vector<std::string>())),
-      catalog_(std::make_unique<cli::LoaderCatalog>(loader_)),
+      catalog_(std::make_unique<dsl::LoaderCatalog>(loader_)),
       sources_(file_.folder()),
       builder_(file_.folder()) {
   mail_->put([this] { compile(); });
@@ -461,7 +461,7 @@ Answer DocumentDesk::use_built(Result<Builder::Built> built, ClientId client) {
   for (const std::string& folder : loader_->folders())
     if (folder.find(builder_.mark()) == std::string::npos) folders.push_back(folder);
   loader_ = std::make_shared<PluginLoader>(folders);
-  catalog_ = std::make_unique<cli::LoaderCatalog>(loader_);
+  catalog_ = std::make_unique<dsl::LoaderCatalog>(loader_);
   schema_.reset();
   built_ = true;
   changed(client);  // what plugins say of themselves may be something else

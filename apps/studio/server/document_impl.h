@@ -13,10 +13,10 @@
 
 #include "build.h"
 #include "cogrsim/dsl/edit.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "document.h"
 #include "document_file.h"
 #include "document_history.h"
-#include "plugin_catalog.h"
 #include "sources.h"
 #include "turns.h"
 
@@ -103,7 +103,7 @@ class DocumentDesk final : public Document {
   TextHistory history_;
   std::shared_ptr<PluginLoader> loader_;  ///< of this thread alone
   bool built_ = false;                    ///< the run is to take plugins from loader_'s folders
-  std::unique_ptr<cli::LoaderCatalog> catalog_;
+  std::unique_ptr<dsl::LoaderCatalog> catalog_;
   std::uint64_t version_ = 1;
   ClientId by_ = 0;
   bool stale_ = true;  ///< the text is newer than scene_

@@ -59,8 +59,7 @@ std::string check_text(const ParameterSpec& spec, const std::string& text) {
 }
 
 /// A number where another of the numeric types is declared, as that type; what does not fit stays.
-/// A scene compiled without a catalog of plugins cannot know the types: "3" is a number there,
-/// whether an integer, a number or a list of one is wanted.
+/// Models that programs make need not tell 3 from 3.0 and from a list of one.
 void convert(ParameterType wanted, ParameterValue& value) {
   // Beyond 2^53 neighbouring whole numbers are the same double: who wrote one may mean another.
   constexpr double kLargestWhole = 9007199254740992.0;

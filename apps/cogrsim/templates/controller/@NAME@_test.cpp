@@ -1,14 +1,16 @@
 // What the scene cannot say: that the parameter `gap` is obeyed, whatever it is.
 // Catch2 2.13 or 3. COGRSIM_TEST_BACKENDS="a,b" in the environment limits it to some backends.
 #define CATCH_CONFIG_MAIN
-#include <cogrsim/dsl/compiler.h>
+#include <cogrsim/dsl/loader_catalog.h>
 #include <cogrsim/testing/catch.h>
 
 namespace {
 
 // Mean distance between robot and wall over the last second of a run [m].
 double final_distance(const std::string& gap, const std::string& backend) {
+  cogrsim::dsl::LoaderCatalog plugins;
   cogrsim::dsl::CompileOptions options;
+  options.plugins = &plugins;
   options.set_parameters["gap"] = gap;
   const auto scene = cogrsim::dsl::compile_file("@NAME@.scene.xml", options);
   INFO(cogrsim::dsl::to_text(scene.diagnostics));

@@ -1,13 +1,16 @@
 // What the scene cannot say: statistics of the noise, and what is out of range.
 // Catch2 2.13 or 3. COGRSIM_TEST_BACKENDS="a,b" in the environment limits it to some backends.
 #define CATCH_CONFIG_MAIN
-#include <cogrsim/dsl/compiler.h>
+#include <cogrsim/dsl/loader_catalog.h>
 #include <cogrsim/testing/catch.h>
 
 namespace {
 
 cogrsim::SceneModelPtr scene() {
-  const auto compiled = cogrsim::dsl::compile_file("@NAME@.scene.xml");
+  cogrsim::dsl::LoaderCatalog plugins;
+  cogrsim::dsl::CompileOptions options;
+  options.plugins = &plugins;
+  const auto compiled = cogrsim::dsl::compile_file("@NAME@.scene.xml", options);
   INFO(cogrsim::dsl::to_text(compiled.diagnostics));
   REQUIRE(compiled.ok());
   return compiled.model;

@@ -1,7 +1,7 @@
 // What the scene cannot say: how many balls are needed, with the parameter `spread` changed.
 // Catch2 2.13 or 3. COGRSIM_TEST_BACKENDS="a,b" in the environment limits it to some backends.
 #define CATCH_CONFIG_MAIN
-#include <cogrsim/dsl/compiler.h>
+#include <cogrsim/dsl/loader_catalog.h>
 #include <cogrsim/testing/catch.h>
 
 namespace {
@@ -12,7 +12,9 @@ struct Score {
 };
 
 Score play(const std::string& spread, const std::string& backend) {
+  cogrsim::dsl::LoaderCatalog plugins;
   cogrsim::dsl::CompileOptions options;
+  options.plugins = &plugins;
   options.set_parameters["spread"] = spread;
   const auto scene = cogrsim::dsl::compile_file("@NAME@.scene.xml", options);
   INFO(cogrsim::dsl::to_text(scene.diagnostics));

@@ -18,8 +18,9 @@
 
 namespace cogrsim::dsl {
 
-/// What the compiler asks about plugins, by name only. The command line answers with a plugin
-/// loader; a program without plugins passes none and then nothing about them is checked.
+/// What the compiler asks about plugins, by name only; LoaderCatalog (loader_catalog.h) answers with
+/// a plugin loader. A program without plugins passes none: scenes may then name plugins, and not
+/// set their parameters.
 class COGRSIM_API PluginCatalog {
  public:
   virtual ~PluginCatalog();
@@ -65,7 +66,8 @@ struct CompileOptions {
   std::map<std::string, std::string> set_parameters;
   /// Replaces the seed of `<physics>`.
   std::optional<std::uint64_t> seed;
-  /// Not owned; nullptr: plugins and engine blocks go unchecked.
+  /// Not owned; nullptr: names of plugins go unchecked, parameters of plugins and of engines are
+  /// refused (CG0909).
   PluginCatalog* plugins = nullptr;
   /// Folders beside the scene's own from which files may be imported.
   std::vector<std::string> library_folders;

@@ -1,4 +1,4 @@
-#include "plugin_catalog.h"
+#include "cogrsim/dsl/loader_catalog.h"
 
 #include <algorithm>
 #include <memory>
@@ -7,7 +7,7 @@
 #include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/sensing/sensor.h"
 
-namespace cogrsim::cli {
+namespace cogrsim::dsl {
 
 Result<ParameterTable> LoaderCatalog::parameters(PluginKind kind, const std::string& name) {
   if (kind == PluginKind::sensor) {
@@ -74,4 +74,4 @@ Result<ParameterTable> LoaderCatalog::assembly_options(const std::string& backen
   return (*engine)->assembly_options();
 }
 
-}  // namespace cogrsim::cli
+}  // namespace cogrsim::dsl
