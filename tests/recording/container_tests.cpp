@@ -1,6 +1,7 @@
 // The MCAP container alone: what is written is read, and nothing that is damaged does harm.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -42,10 +43,10 @@ class MemorySink final : public mcap::Sink {
 constexpr std::size_t kMessage = 25;  // bytes of a message
 
 // Chunks of ten messages on each of two topics, bytes that do not compress in each.
-Result<> write_sample(Disk& disk, int chunks) {
+Result<> write_sample(Disk& disk, int chunks, const std::string& note = "hello") {
   mcap::Writer writer(std::make_unique<MemorySink>(disk));
   if (auto done = writer.start("test", "tests"); !done) return done;
-  if (auto done = writer.attachment("note.txt", "text/plain", "hello", 5); !done) return done;
+  if (auto done = writer.attachment("note.txt", "text/plain", note, 5); !done) return done;
   const auto schema = writer.add_schema("S", "", "");
   const auto a = writer.add_channel(schema, "/a", "raw", {{"key", "value"}});
   const auto b = writer.add_channel(0, "/b", "raw");
@@ -62,7 +63,9 @@ Result<> write_sample(Disk& disk, int chunks) {
     }
     result = writer.flush();
   }
-  const auto end = writer.finish("end", {{"status", "done"}});
+  std::map<std::string, std::string> about = {{"status", "done"}};
+  if (note.size() > 100) about["note"] = note;
+  const auto end = writer.finish("end", about);
   return result ? end : result;
 }
 
@@ -79,6 +82,25 @@ std::size_t read_everything(mcap::Reader& reader) {
   }
   for (const auto& place : reader.attachments()) static_cast<void>(reader.attachment(place));
   return good;
+}
+
+struct RecordPlace {
+  mcap::Op op;
+  std::size_t begin = 0, end = 0;
+};
+
+// All records of a whole file, in order.
+std::vector<RecordPlace> records_of(const std::string& bytes) {
+  std::vector<RecordPlace> out;
+  std::size_t at = mcap::kMagic.size();
+  while (at + mcap::kRecordHead + mcap::kMagic.size() <= bytes.size()) {
+    std::size_t length = 0;
+    for (std::size_t i = 8; i > 0; --i)
+      length = length << 8 | static_cast<unsigned char>(bytes[at + i]);
+    out.push_back({static_cast<mcap::Op>(bytes[at]), at, at + mcap::kRecordHead + length});
+    at = out.back().end;
+  }
+  return out;
 }
 
 }  // namespace
@@ -212,5 +234,66 @@ TEST_CASE("a chunk that claims to be huge is not believed") {
     REQUIRE(reader);
     CHECK(read_everything(**reader) == 0);
     CHECK((*reader)->damage().find("1 damaged record left out") != std::string::npos);
+  }
+}
+
+TEST_CASE("a file without an index is unpacked up to a bound") {
+  const Folder folder;
+  Disk disk;
+  // 128 MiB of zeros are packed into some kilobytes.
+  constexpr std::size_t kZeros = std::size_t{128} << 20;
+  {
+    mcap::Writer writer(std::make_unique<MemorySink>(disk));
+    REQUIRE(writer.start("test", "tests"));
+    const auto channel = writer.add_channel(0, "/a", "raw");
+    writer.message(channel, 0, 0, [](std::string& out) { out.append(kZeros, '\0'); });
+    REQUIRE(writer.finish("end", {}));
+  }
+  const auto records = records_of(disk.bytes);
+  const auto chunk = std::find_if(records.begin(), records.end(), [](const RecordPlace& record) {
+    return record.op == mcap::Op::chunk;
+  });
+  REQUIRE(chunk != records.end());
+  const std::string packed = disk.bytes.substr(chunk->begin, chunk->end - chunk->begin);
+  std::string bytes = disk.bytes.substr(0, chunk->begin);
+  for (int i = 0; i < 20; ++i) bytes += packed;
+  REQUIRE(bytes.size() * mcap::kScanRatio < kZeros);
+  write_all(folder / "zeros.mcap", bytes);
+  const auto reader = mcap::Reader::open(folder / "zeros.mcap");
+  REQUIRE(reader);
+  CHECK((*reader)->chunks().size() == mcap::kScanBytes / kZeros);
+  CHECK((*reader)->damage().find("would unpack to too much") != std::string::npos);
+}
+
+TEST_CASE("an index that names the same place again and again is not believed") {
+  const Folder folder;
+  Disk disk;
+  REQUIRE(write_sample(disk, 2, std::string(1000, 'n')));
+  const auto records = records_of(disk.bytes);
+  for (const mcap::Op op :
+       {mcap::Op::attachment_index, mcap::Op::metadata_index, mcap::Op::chunk_index}) {
+    INFO(static_cast<int>(op));
+    const auto found = std::find_if(records.begin(), records.end(),
+                                    [&](const RecordPlace& record) { return record.op == op; });
+    REQUIRE(found != records.end());
+    std::string bytes = disk.bytes;
+    // Without its checksum, which need not be given.
+    bytes.replace(bytes.size() - mcap::kMagic.size() - 4, 4, 4, '\0');
+    std::string many;
+    for (int i = 0; i < 1000; ++i)
+      many += disk.bytes.substr(found->begin, found->end - found->begin);
+    write_all(folder / "plain.mcap", bytes);
+    bytes.insert(found->begin, many);
+    write_all(folder / "many.mcap", bytes);
+    const auto plain = mcap::Reader::open(folder / "plain.mcap");
+    REQUIRE(plain);
+    CHECK((*plain)->complete());
+    const auto reader = mcap::Reader::open(folder / "many.mcap");
+    REQUIRE(reader);
+    CHECK_FALSE((*reader)->complete());
+    CHECK((*reader)->damage().find("its index is damaged") == 0);
+    CHECK((*reader)->attachments().size() == 1);
+    CHECK((*reader)->chunks().size() == 2);
+    CHECK(read_everything(**reader) == 40);
   }
 }

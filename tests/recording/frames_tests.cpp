@@ -310,3 +310,25 @@ TEST_CASE("who took part in an event and what minds publish come back") {
   old.controller_outputs = {1.0};
   CHECK_FALSE(check_frame(old, model));
 }
+
+TEST_CASE("a recording shows its own textures, never a file of that name") {
+  const Folder folder;
+  ModelBuilder builder = busy_scene();
+  const std::string kept = folder / "kept.png", other = folder / "other.png";
+  write_all(kept, "kept");
+  builder.model.materials[0].texture = kept;
+  Material material;
+  material.texture = other;  // it is not there, so it is not in the recording
+  builder.model.materials.push_back(material);
+  const auto simulation = simulate(builder.build(), "bullet");
+  record(*simulation, to(folder / "run.mcap"), 2);
+  write_all(kept, "somebody's");
+  write_all(other, "secret");
+  const auto recording = opened(folder / "run.mcap");
+  const auto frame = recording->frame(0);
+  REQUIRE(frame);
+  const auto& materials = (*frame)->model->materials;
+  CHECK(materials.back().texture.empty());
+  CHECK(materials[0].texture != kept);
+  CHECK(read_all(materials[0].texture) == "kept");
+}

@@ -465,6 +465,36 @@ TEST_CASE("what a checksum does not find is refused, too", "[sweep][snapshot]") 
 
 // One value or entry is changed, and the sum made to fit: whatever it is, nothing may end the program.
 // COGRSIM_FORGED=2500 tries as many on each engine.
+TEST_CASE("a snapshot shows no file but the scene's textures", "[sweep][snapshot]") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> all = {COGRSIM_ENGINES};
+  const auto scene = scene_of("heap"), part = scene_of("part");
+  auto simulation = simulate(scene, all[0]);
+  simulation->send(AddAssembly{part.model, "one", {}});
+  simulation->run_until(0.1);
+  REQUIRE(write_snapshot(*simulation, folder / "a.snap"));
+  ordered_json file = ordered_json::parse(read_file(folder / "a.snap"));
+  ordered_json& materials = file["content"]["changes"]["now"]["materials"];
+  materials.push_back(materials.at(0));
+  materials.back()["texture"] = folder / "secret.png";
+  file["checksum"] = snapshot_sum(file["content"]);
+  std::ofstream(folder / "a.snap", std::ios::trunc) << file.dump();
+  const auto texture_after = [&](const SceneModelPtr& model, std::vector<std::string>* notes) {
+    const auto resumed = resume(read(folder / "a.snap"), model, on(all[0]), scene.loader);
+    REQUIRE(resumed);
+    if (notes != nullptr) *notes = resumed->notes;
+    return resumed->simulation->model()->materials.back().texture;
+  };
+  std::vector<std::string> notes;
+  CHECK(texture_after(scene.model, &notes).empty());
+  CHECK_THAT(joined(notes), Contains("secret.png' is none of the scene's"));
+  // One that the scene has is shown.
+  auto own = std::make_shared<SceneModel>(*scene.model);
+  own->materials.push_back({});
+  own->materials.back().texture = folder / "secret.png";
+  CHECK(texture_after(own, nullptr) == folder / "secret.png");
+}
+
 TEST_CASE("forged snapshots are refused or gone on from", "[sweep][snapshot]") {
   const std::string backend = GENERATE(values<std::string>({COGRSIM_ALL_ENGINES}));
   INFO(backend);

@@ -37,6 +37,13 @@ inline constexpr std::size_t kFooterSize = kRecordHead + 20;
 /// No chunk is larger once unpacked [byte]: what claims to be is damaged, or meant to be harmful.
 inline constexpr std::uint64_t kMaxChunkBytes = 1ull << 30;
 
+/// A file without an index is unpacked chunk by chunk up to this much: so many bytes, and so many times
+/// its own size; and has no more messages than these and one for each 8 of its bytes. zstd packs a
+/// gigabyte of zeros into 100 kB, and recordings to a fiftieth at most.
+inline constexpr std::uint64_t kScanBytes = 1ull << 30;
+inline constexpr std::uint64_t kScanRatio = 100;
+inline constexpr std::uint64_t kScanMessages = 4'000'000;
+
 struct Schema {
   std::uint16_t id = 0;
   std::string name, encoding, data;

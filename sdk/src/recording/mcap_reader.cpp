@@ -211,6 +211,13 @@ Result<> Reader::read_summary() {
       crc32(std::string_view(*end).substr(0, kFooterSize - 4), crc32(*summary)) != crc) {
     return damaged("its checksum does not fit");
   }
+  // Nothing is asked for twice: together they are no longer than the file.
+  std::uint64_t left = size_;
+  const auto within = [&left](std::uint64_t bytes) {
+    if (bytes > left) return false;
+    left -= bytes;
+    return true;
+  };
   std::vector<MetadataPlace> metadata;
   ByteReader in(*summary);
   while (!in.empty()) {
@@ -230,7 +237,7 @@ Result<> Reader::read_summary() {
       chunk.packed_size = fields.number<std::uint64_t>();
       chunk.size = fields.number<std::uint64_t>();
       if (chunk.size > kMaxChunkBytes || chunk.offset > size_ ||
-          chunk.length > size_ - chunk.offset) {
+          chunk.length > size_ - chunk.offset || !within(chunk.index_length)) {
         return damaged("a chunk lies outside the file");
       }
       chunks_.push_back(std::move(chunk));
@@ -243,6 +250,7 @@ Result<> Reader::read_summary() {
       place.size = fields.number<std::uint64_t>();
       place.name = std::string(fields.text());
       place.media_type = std::string(fields.text());
+      if (!within(place.length)) return damaged("an attachment lies outside the file");
       attachments_.push_back(std::move(place));
     } else if (kind == Op::metadata_index) {
       MetadataPlace place;
@@ -257,7 +265,8 @@ Result<> Reader::read_summary() {
   }
   for (const MetadataPlace& place : metadata) {
     const auto record = file_->record_at(place.offset);
-    if (!record || record->op != Op::metadata) return damaged("metadata are not where it says");
+    if (!record || record->op != Op::metadata || !within(record->length))
+      return damaged("metadata are not where it says");
     const auto content = file_->read(place.offset + kRecordHead, record->length);
     if (!content || !take_record(Op::metadata, *content, place.offset)) {
       return damaged("metadata are not where it says");
@@ -337,7 +346,7 @@ bool Reader::take_record(Op op, std::string_view content, std::uint64_t offset) 
   return in.good();
 }
 
-bool Reader::take_messages(const std::string& records) {
+bool Reader::take_messages(const std::string& records, std::uint64_t& room) {
   const auto number = static_cast<std::uint32_t>(chunks_.size());
   std::vector<std::pair<std::uint16_t, Place>> found;  // kept only if all of the chunk holds
   ByteReader in(records);
@@ -353,19 +362,25 @@ bool Reader::take_messages(const std::string& records) {
       const auto channel = fields.number<std::uint16_t>();
       const auto sequence = fields.number<std::uint32_t>();
       const auto time = fields.number<std::uint64_t>();
-      if (!fields.good()) return false;
+      if (!fields.good() || found.size() >= room) return false;
       found.push_back({channel, {time, number, static_cast<std::uint32_t>(offset), sequence}});
     }
   }
   for (const auto& [channel, place] : found) places_[channel].push_back(place);
+  room -= found.size();
   return true;
 }
 
-bool Reader::take_chunk(std::string_view content, std::uint64_t offset) {
+bool Reader::take_chunk(std::string_view content, std::uint64_t offset, ScanRoom& room) {
   const auto head = chunk_head(content, offset);
   if (!head) return false;
+  if (head->index.size > room.bytes) {
+    room.full = true;
+    return false;
+  }
+  room.bytes -= head->index.size;
   const auto records = unpacked(*head);
-  if (!records || !take_messages(*records)) return false;
+  if (!records || !take_messages(*records, room.messages)) return false;
   chunks_.push_back(head->index);
   return true;
 }
@@ -374,6 +389,7 @@ bool Reader::take_chunk(std::string_view content, std::uint64_t offset) {
 void Reader::scan() {
   std::uint64_t offset = kMagic.size();
   std::size_t bad = 0;
+  ScanRoom room{kScanBytes + kScanRatio * size_, kScanMessages + size_ / 8};
   const auto stop = [&](const std::string& why) {
     damage_ += fmt::format("; {} at byte {} of {}", why, offset, size_);
   };
@@ -394,8 +410,12 @@ void Reader::scan() {
         stop(content.error().message);
         break;
       }
-      const bool good = record->op == Op::chunk ? take_chunk(*content, offset)
+      const bool good = record->op == Op::chunk ? take_chunk(*content, offset, room)
                                                 : take_record(record->op, *content, offset);
+      if (room.full) {
+        stop("what follows would unpack to too much and is left out,");
+        break;
+      }
       if (!good) ++bad;
     }
     offset += kRecordHead + record->length;
@@ -409,7 +429,8 @@ Result<std::string> Reader::attachment(const AttachmentPlace& place) {
     return fail(fmt::format("attachment '{}' of the recording is damaged", place.name));
   };
   const auto record = file_->record_at(place.offset);
-  if (!record || record->op != Op::attachment) return damaged();
+  if (!record || record->op != Op::attachment || record->length + kRecordHead != place.length)
+    return damaged();
   const auto content = file_->read(place.offset + kRecordHead, record->length);
   if (!content || content->size() < 4) return damaged();
   ByteReader in(*content);

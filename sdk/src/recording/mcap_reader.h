@@ -64,8 +64,13 @@ class Reader {
   Result<> read_summary();
   void scan();
   bool take_record(Op op, std::string_view content, std::uint64_t offset);
-  bool take_chunk(std::string_view content, std::uint64_t offset);
-  bool take_messages(const std::string& records);
+  /// What may still be unpacked and kept while a file is scanned.
+  struct ScanRoom {
+    std::uint64_t bytes = 0, messages = 0;
+    bool full = false;
+  };
+  bool take_chunk(std::string_view content, std::uint64_t offset, ScanRoom& room);
+  bool take_messages(const std::string& records, std::uint64_t& room);
   bool read_message_indexes(std::uint32_t chunk);
   void clear();
 

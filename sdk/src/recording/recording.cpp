@@ -55,14 +55,6 @@ std::vector<Channel> channels_from(const std::string& text) {
   return out;
 }
 
-bool same_file(const std::string& path, const std::string& data) {
-  std::error_code error;
-  if (std::filesystem::file_size(path, error) != data.size() || error) return false;
-  std::ifstream in(path, std::ios::binary);
-  std::string there((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return there == data;
-}
-
 // No scene has more sensors; an index beyond is damaged.
 constexpr std::size_t kMaxSensors = 1'000'000;
 
@@ -183,7 +175,6 @@ std::size_t Recording::Impl::sensor_slot(const mcap::Channel& channel) {
 }
 
 void Recording::Impl::find_topics() {
-  std::uint64_t last_number = 0;
   const auto none = std::make_shared<const std::vector<Channel>>();
   SensorChannels all;
   for (const auto& [id, channel] : file->channels()) {
@@ -236,14 +227,11 @@ void Recording::Impl::find_topics() {
   for (std::size_t i = 1; i < frames.size(); ++i) {
     if (frames[i].time < frames[i - 1].time) in_order = false;
   }
-  // Frames are numbered as the run showed them: gaps are what was left out.
-  const auto chunk = file->chunk(frames.back().chunk);
-  if (!chunk) return;
-  const auto last = mcap::Reader::message_at(**chunk, frames.back().offset);
-  if (last) last_number = last->sequence;
-  if (last_number + 1 > frames.size()) {
-    info.dropped = std::max<std::uint64_t>(info.dropped, last_number + 1 - frames.size());
-  }
+  // Frames are numbered as the run showed them: gaps are what was left out. A whole file says so at
+  // its end, and nothing of it is unpacked for that.
+  if (file->complete()) return;
+  const std::uint64_t shown = std::uint64_t{frames.back().sequence} + 1;
+  if (shown > frames.size()) info.dropped = std::max(info.dropped, shown - frames.size());
 }
 
 const RecordingInfo& Recording::info() const { return impl_->info; }
@@ -286,12 +274,13 @@ Result<SceneModelPtr> Recording::Impl::model(std::uint32_t index) {
     const auto attached =
         std::find_if(info.attachments.begin(), info.attachments.end(),
                      [&](const Attachment& file_there) { return file_there.name == texture; });
-    if (texture.empty() || attached == info.attachments.end()) continue;
-    if (same_file(texture, attached->data)) continue;
-    const auto path = textures.put(texture, attached->data);
+    if (texture.empty()) continue;
+    // Never the file of that name: a recording from elsewhere could name any.
+    auto path = attached == info.attachments.end() ? Result<std::string>("")
+                                                   : textures.put(texture, attached->data);
     if (!path) return tl::unexpected(path.error());
     auto changed = std::make_shared<SceneModel>(*out);
-    changed->materials[i].texture = *path;
+    changed->materials[i].texture = std::move(*path);
     out = std::move(changed);
   }
   known_models[index] = out;

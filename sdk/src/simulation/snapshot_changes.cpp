@@ -92,6 +92,14 @@ class Rebuilder {
   static void mark_removed(Element& element) {
     element.removed = true;
   }
+  /// Whether the scene, or what it can add, shows this file.
+  static bool has_texture(const SceneModel& scene, const std::string& file) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [&](const Material& m) { return m.texture == file; }) ||
+           std::any_of(scene.templates.begin(), scene.templates.end(), [&](const TemplateModel& t) {
+             return t.fragment != nullptr && has_texture(*t.fragment, file);
+           });
+  }
   static bool to(const Renumbering& renumbering, int& index) {
     index = renumbering(index);
     return index != kMissing || (index = -1, false);
@@ -101,6 +109,11 @@ class Rebuilder {
     for (std::size_t i = original_.materials.size(); i < then_.materials.size(); ++i) {
       Material material = then_.materials[i];
       to(materials_, material.base);
+      // Files of the scene alone: a snapshot from elsewhere could name any.
+      if (!material.texture.empty() && !has_texture(*out_, material.texture)) {
+        notes_.push_back("the texture '" + material.texture + "' is none of the scene's: left out");
+        material.texture.clear();
+      }
       out_->materials.push_back(std::move(material));
     }
     for (std::size_t i = original_.material_pairs.size(); i < then_.material_pairs.size(); ++i) {
