@@ -260,7 +260,7 @@ std::string SourceFiles::locate(std::string_view href, const SourceSpan& at, con
   std::vector<fs::path> places;
   if (at.file >= 0) places.push_back(fs::path(file(at.file).path).parent_path() / shown);
   for (std::size_t i = 0; i < roots_.size(); ++i) places.push_back(fs::path(roots_[i]) / shown);
-  bool outside = false;
+  bool outside = false, other_kind = false;
   std::vector<std::string> tried;
   for (const fs::path& place : places) {
     std::error_code fault;
@@ -274,6 +274,7 @@ std::string SourceFiles::locate(std::string_view href, const SourceSpan& at, con
       continue;
     }
     if (fs::is_regular_file(path, fault)) return *read_.insert(path.string()).first;
+    other_kind = other_kind || fs::exists(path, fault);
     if (std::find(tried.begin(), tried.end(), path.string()) == tried.end()) {
       tried.push_back(path.string());
     }
@@ -283,6 +284,11 @@ std::string SourceFiles::locate(std::string_view href, const SourceSpan& at, con
         .report("CG0303", at, nullptr,
                 "\"" + shown + "\" lies outside of the scene's folder and the libraries")
         .help("copy it below the scene's folder");
+    return {};
+  }
+  if (other_kind) {
+    sink_.report("CG0301", at, nullptr, "\"" + shown + "\" is no regular file")
+        .help("a scene reads no folders, devices and pipes");
     return {};
   }
   // Where it was looked for, as seen from the scene: absolute paths differ between machines.

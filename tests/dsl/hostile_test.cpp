@@ -1,4 +1,5 @@
 // Hostile files end in a coded error, within bounded memory and time.
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
@@ -8,6 +9,7 @@
 #include <fstream>
 
 #include "cogrsim/dsl/compiler.h"
+#include "vocabulary.h"
 
 namespace fs = std::filesystem;
 using namespace cogrsim;
@@ -176,4 +178,94 @@ TEST_CASE("nothing is read from outside of the scene's folder", "[hostile]") {
   const std::string library =
       folder.write("scenes/d.scene.xml", "<scene><import href='secret.scene.xml'/></scene>");
   CHECK(codes(compile_file(library, options)) == "");
+}
+
+TEST_CASE("no attribute that names a file reads one outside of the scene's folder", "[hostile]") {
+  const Folder folder;
+  const std::string parts = std::string(COGRSIM_DSL_TEST_SCENES) + "/bad/parts/";
+  const auto copy = [&](const std::string& from, const std::string& name) {
+    fs::create_directories((folder.path / name).parent_path());
+    fs::copy_file(from, folder.path / name, fs::copy_options::overwrite_existing);
+  };
+  const auto scene = [](const ElementSpec& element, const std::string& attributes) {
+    std::string one = "<" + std::string(element.name);
+    for (const AttributeSpec& a : element.attributes) {
+      // A height field asks for a file where it has no heights.
+      const bool other_file = a.kind == Kind::file && a.name == "file";
+      if (!a.required && !other_file) continue;
+      if (attributes.find(" " + std::string(a.name) + "=") == 0) continue;
+      const std::string value = a.kind == Kind::name     ? "n"
+                                : element.name == "mesh" ? "own.obj"
+                                : a.kind == Kind::file   ? "own.pgm"
+                                : a.min_count == 3       ? "1 1 1"
+                                : a.min_count == 2       ? "1 1"
+                                                         : "1";
+      one += " " + std::string(a.name) + "=\"" + value + "\"";
+    }
+    one += attributes + ">" + (element.name == "maze" ? "\n+-+\n| |\n+-+\n" : "") + "</" +
+           std::string(element.name) + ">";
+    return "<scene name=\"a\" version=\"1\">" + one + "</scene>";
+  };
+  copy(parts + "tetrahedron.obj", "scenes/own.obj");
+  folder.write("scenes/own.pgm", "P2 2 2 9 0 1 2 3\n");
+  std::size_t attributes = 0;
+  for (const ElementSpec& element : vocabulary()) {
+    for (const AttributeSpec& a : element.attributes) {
+      if (a.kind != Kind::file) continue;
+      ++attributes;
+      INFO("<" << element.name << " " << a.name << "=…>");
+      const std::string kind = a.name == "texture"           ? "png"
+                               : element.name == "mesh"      ? "obj"
+                               : element.name == "heightmap" ? "pgm"
+                                                             : "xml";
+      const std::string good = "good." + kind, outside = (folder.path / "secret" / good).string();
+      const auto content = [&](const std::string& name) {
+        if (kind == "png") copy(COGRSIM_EXAMPLES "/045_eyes/textures/tiles.png", name);
+        if (kind == "obj") copy(parts + "tetrahedron.obj", name);
+        if (kind == "pgm") folder.write(name, "P2 2 2 9 0 1 2 3\n");
+        if (kind == "xml") folder.write(name, "<scene name=\"b\" version=\"1\"/>");
+      };
+      content("scenes/" + good);
+      content("secret/" + good);
+      const fs::path scenes = folder.path / "scenes";
+      for (const char* name : {"link", "folder_link", "zero", "pipe", "folder"})
+        fs::remove_all(scenes / (name + ("." + kind)));
+      fs::create_symlink(outside, scenes / ("link." + kind));
+      fs::remove(scenes / "elsewhere");
+      fs::create_symlink(folder.path / "secret", scenes / "elsewhere");
+      fs::create_symlink("/dev/zero", scenes / ("zero." + kind));
+      REQUIRE(::mkfifo((scenes / ("pipe." + kind)).c_str(), 0600) == 0);
+      fs::create_directory(scenes / ("folder." + kind));
+      const std::string mass = element.name == "mesh" ? " static=\"true\"" : "";
+      const auto compiled = [&](const std::string& file) {
+        const std::string value = " " + std::string(a.name) + "=\"" + file + "\"" + mass;
+        return compile_file(folder.write("scenes/a.scene.xml", scene(element, value)));
+      };
+      // What is refused would be taken, stood it beside the scene.
+      const CompileResult taken = compiled(good);
+      INFO(to_text(taken.diagnostics));
+      CHECK(taken.ok());
+      CHECK(taken.files_read.size() >= 2);
+      const auto refused = [&](const std::string& file, const std::string& code) {
+        const CompileResult result = compiled(file);
+        INFO(file << "\n" << to_text(result.diagnostics));
+        CHECK_FALSE(result.ok());
+        CHECK(codes(result) == code);
+        CHECK(result.files_read.size() + 1 == taken.files_read.size());
+      };
+      refused("../secret/" + good, "CG0303");
+      refused("../../../../../../../../../../" + outside, "CG0303");
+      refused("x/../../secret/" + good, "CG0303");
+      refused(outside, "CG0303");
+      refused("file://" + outside, "CG0303");
+      refused("link." + kind, "CG0303");
+      refused("elsewhere/" + good, "CG0303");
+      refused("zero." + kind, "CG0303");
+      refused("/dev/zero", "CG0303");
+      refused("pipe." + kind, "CG0301");
+      refused("folder." + kind, "CG0301");
+      refused(".", "CG0301");
+    }
+  }
+  CHECK(attributes > 10);
 }
