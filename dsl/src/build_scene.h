@@ -86,9 +86,10 @@ class Builder {
     const Element* source = nullptr;
   };
 
-  Note& note(const Element& element) { return notes_[static_cast<std::size_t>(element.index)]; }
-  const Note& note(const Element& element) const {
-    return notes_[static_cast<std::size_t>(element.index)];
+  /// Of a template, what is around it has notes, too.
+  Note& note(const Element& element) {
+    const auto at = static_cast<std::size_t>(element.index - scene_.index);
+    return at < notes_.size() ? notes_[at] : notes_around_[element.index];
   }
   Reader reader(const Element& element) { return Reader(context_, element); }
   DiagnosticSink& sink() { return context_.sink; }
@@ -250,12 +251,13 @@ class Builder {
   const Element& scene_;
   Names names_;
   SceneModel model_;
-  std::int64_t texture_pixels_ = 0;                                  // of all textures
-  std::vector<Note> notes_;                                          // by Element::index
-  std::vector<const Element*> body_elements_;                        // by body
-  std::vector<const Element*> joint_elements_;                       // by joint
-  std::vector<const Element*> motor_elements_;                       // by motor
-  std::vector<std::pair<const Element*, double>> rates_;             // asked for [Hz]
+  std::int64_t texture_pixels_ = 0;                       // of all textures
+  std::vector<Note> notes_;                               // by Element::index from the scene's on
+  std::unordered_map<int, Note> notes_around_;            // by Element::index
+  std::vector<const Element*> body_elements_;             // by body
+  std::vector<const Element*> joint_elements_;            // by joint
+  std::vector<const Element*> motor_elements_;            // by motor
+  std::vector<std::pair<const Element*, double>> rates_;  // asked for [Hz]
   std::vector<std::pair<const Element*, const char*>> idle_bounds_;  // attributes without effect
   std::vector<const Element*> sensor_elements_;                      // by sensor
   std::vector<std::vector<ShapeJob>> body_shapes_;                   // by body
