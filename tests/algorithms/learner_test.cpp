@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "../support/temporary_folder.h"
 #include "cogrsim/algorithms/learner.h"
 #include "support.h"
 
@@ -102,19 +103,7 @@ struct SmallProcess {
   }
 };
 
-/// A folder of its own that goes when the test ends.
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "cogrsim-learner-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
+using Folder = cogrsim::test::TemporaryFolder;
 
 std::string content(const fs::path& path) {
   std::ostringstream out;

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "../support/temporary_folder.h"
 #include "cogrsim/algorithms/grid_planner.h"
 #include "cogrsim/algorithms/learner.h"
 #include "cogrsim/algorithms/space_planner.h"
@@ -146,10 +147,8 @@ TEST_CASE("a controller's mistakes in asking fail the load", "[algorithms][loadi
 }
 
 TEST_CASE("a controller's table lies beside its scene", "[algorithms][loading]") {
-  namespace fs = std::filesystem;
-  std::string name = (fs::temp_directory_path() / "cogrsim-table-XXXXXX").string();
-  REQUIRE(::mkdtemp(name.data()) != nullptr);
-  const fs::path folder = name;
+  const cogrsim::test::TemporaryFolder there;
+  const std::filesystem::path& folder = there.path;
   ModelBuilder builder = two_askers("a_star", "table.txt");
   builder.model.controllers.pop_back();
   builder.model.files = {(folder / "some.scene.xml").string()};
@@ -161,7 +160,6 @@ TEST_CASE("a controller's table lies beside its scene", "[algorithms][loading]")
   CHECK(has(text.str(), "episodes 4\n"));  // two updates in each of two runs
   std::ofstream(folder / "table.txt") << "spoilt\n";
   CHECK(has(run(scene, 1), (folder / "table.txt").string() + ":1: not a learner's table"));
-  fs::remove_all(folder);
 }
 
 TEST_CASE("the document shows the sources that are built here", "[algorithms][loading]") {

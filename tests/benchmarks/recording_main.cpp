@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "../support/temporary_folder.h"
 #include "cogrsim/model/builder.h"
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/simulation/simulation.h"
@@ -80,8 +81,8 @@ int main(int argc, char** argv) {
       "| backend | plain [us/step] | recorded [us/step] | ratio | ratio of the thread | "
       "more [us/step] | share of 1 ms | "
       "bytes/step | left out |\n|---|---|---|---|---|---|---|---|---|\n");
-  const std::string path =
-      (std::filesystem::temp_directory_path() / "cogrsim_recording_benchmark.mcap").string();
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "benchmark.mcap";
   for (const char* backend : {"bullet", "simbody"}) {
     const auto plain = simulate(backend), recorded = simulate(backend);
     RecorderOptions options;

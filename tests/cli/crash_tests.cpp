@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "../support/sanitizers.h"
+#include "../support/skip.h"
 #include "process.h"
 
 using Catch::Contains;
@@ -56,7 +57,7 @@ std::string last_error(const std::string& text) {
 }  // namespace
 
 TEST_CASE("a controller that crashes is named with its robot and the time", "[cli][crash]") {
-  if (cogrsim::test::kSanitized) return;
+  if (cogrsim::test::kSanitized) COGRSIM_SKIP(cogrsim::test::kCatchesSignals);
   struct Case {
     const char* does;
     int signal;
@@ -78,7 +79,7 @@ TEST_CASE("a controller that crashes is named with its robot and the time", "[cl
 }
 
 TEST_CASE("whatever of a plugin crashes is named", "[cli][crash]") {
-  if (cogrsim::test::kSanitized) return;
+  if (cogrsim::test::kSanitized) COGRSIM_SKIP(cogrsim::test::kCatchesSignals);
   struct Case {
     const char* rascal;
     const char* who;
@@ -122,7 +123,7 @@ TEST_CASE("a plugin's exit() is told with its name", "[cli][crash]") {
 }
 
 TEST_CASE("tests, sweeps and readings that are computed again name who crashed", "[cli][crash]") {
-  if (cogrsim::test::kSanitized) return;
+  if (cogrsim::test::kSanitized) COGRSIM_SKIP(cogrsim::test::kCatchesSignals);
   const Yard yard("segv");
   const std::string who = "controller 'bot.mind' of 'bot' (plugin 'rascal')";
   const Outcome tested = yard.run({"test", yard.scene});

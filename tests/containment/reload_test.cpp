@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "../support/engines.h"
+#include "../support/temporary_folder.h"
 #include "support.h"
 
 using namespace cogrsim;
@@ -16,12 +18,7 @@ namespace {
 /// A folder with the library "counter", of which other versions can be built.
 class Workshop {
  public:
-  Workshop() : folder_(fs::temp_directory_path() / ("reload-" + std::to_string(::getpid()))) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-    build(1);
-  }
-  ~Workshop() { fs::remove_all(folder_); }
+  Workshop() { build(1); }
   void build(int version) {
     // As a linker does it: another file under the same name.
     fs::remove(library());
@@ -29,11 +26,11 @@ class Workshop {
         fs::path(COGRSIM_TEST_MINDS) / ("version_" + std::to_string(version)) / "counter.so",
         library());
   }
-  fs::path library() const { return folder_ / "counter.so"; }
-  std::string folder() const { return folder_.string(); }
+  fs::path library() const { return folder_.path / "counter.so"; }
+  std::string folder() const { return folder_.path.string(); }
 
  private:
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 std::unique_ptr<Simulation> counting(const Workshop& shop, Isolation isolation,
@@ -85,7 +82,7 @@ TEST_CASE("a new library goes on with the memory of the old one", "[reload]") {
 }
 
 TEST_CASE("reloading what has not changed changes nothing", "[reload]") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE(engines());
   const auto isolation = GENERATE(Isolation::none, Isolation::process);
   Workshop shop;
   auto plain = counting(shop, Isolation::none, backend);

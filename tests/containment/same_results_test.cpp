@@ -3,6 +3,8 @@
 #include <filesystem>
 
 #include "../support/catalog.h"
+#include "../support/engines.h"
+#include "../support/temporary_folder.h"
 #include "cogrsim/simulation/snapshot_file.h"
 #include "support.h"
 
@@ -57,7 +59,7 @@ const std::string kLaboratory = COGRSIM_TEST_SCENES "/laboratory.scene.xml";
 }  // namespace
 
 TEST_CASE("a controller that uses everything finds it all in its own process", "[containment]") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE(engines());
   const SceneModelPtr scene = scene_of(kLaboratory);
   const std::string here = traces(*simulate(scene, backend), 0.4);
   const std::string there = traces(*simulate(apart(scene), backend), 0.4);
@@ -70,7 +72,7 @@ TEST_CASE("a controller that uses everything finds it all in its own process", "
 }
 
 TEST_CASE("the controllers of the examples do the same in their own processes", "[containment]") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE(engines());
   const std::string example = GENERATE("010_two_wheels/two_wheels", "040_servo_arm/arm",
                                        "050_navigation/navigation", "060_transport/transport");
   const SceneModelPtr scene =
@@ -83,8 +85,8 @@ TEST_CASE("the controllers of the examples do the same in their own processes", 
 
 TEST_CASE("snapshots carry a controller's process over", "[containment]") {
   const SceneModelPtr scene = scene_of(kLaboratory);
-  const std::string file =
-      (std::filesystem::temp_directory_path() / "containment.snapshot").string();
+  const TemporaryFolder folder;
+  const std::string file = folder / "laboratory.snap";
   auto whole = simulate(apart(scene), "bullet");
   whole->run_until(0.2);
   REQUIRE(write_snapshot(*whole, file));
@@ -100,7 +102,6 @@ TEST_CASE("snapshots carry a controller's process over", "[containment]") {
     rest[own] = traces(*resumed->simulation, 0.3);
   }
   CHECK(rest[0] == rest[1]);
-  std::remove(file.c_str());
 }
 
 TEST_CASE("a run in memory goes back with its controller's random numbers", "[containment]") {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "../support/temporary_folder.h"
 #include "cogrsim/dsl/compiler.h"
 #include "cogrsim/physics/frame.h"
 #include "fake_catalog.h"
@@ -68,7 +69,8 @@ TEST_CASE("the vocabulary is consistent", "[documents]") {
 
 TEST_CASE("good scenes compile and obey the schema", "[documents]") {
   dsl_test::FakeCatalog catalog;
-  const fs::path schema = fs::temp_directory_path() / "cogrsim-test-scene.xsd";
+  const test::TemporaryFolder folder;
+  const fs::path schema = folder.path / "scene.xsd";
   std::ofstream(schema) << write_xsd(&catalog);
   int scenes = 0;
   for (const auto& entry : fs::directory_iterator(fs::path(COGRSIM_DSL_TEST_SCENES) / "good")) {
@@ -105,5 +107,4 @@ TEST_CASE("good scenes compile and obey the schema", "[documents]") {
                               schema.string() + " " + first.string() + " > /dev/null 2>&1";
   CHECK(std::system(command.c_str()) == 0);
 #endif
-  fs::remove(schema);
 }

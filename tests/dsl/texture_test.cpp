@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "../support/temporary_folder.h"
 #include "cogrsim/core/image.h"
 #include "cogrsim/core/output_file.h"
 #include "cogrsim/dsl/compiler.h"
@@ -15,21 +16,13 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A folder with a picture in it, that goes away with the object.
-struct Folder {
-  fs::path path;
+struct Folder : test::TemporaryFolder {
   Folder() {
-    std::string name = (fs::temp_directory_path() / "cogrsim-texture-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path = fs::canonical(name);
     Image image;
     image.width = image.height = 2;
     image.data = {255, 0, 0, 0, 255, 0, 0, 0, 255, 9, 9, 9};
     REQUIRE(write_output_file((path / "a.png").string(), OutputKind::png, *encode_png(image)));
     REQUIRE(write_output_file((path / "b.jpg").string(), OutputKind::jpeg, *encode_jpeg(image)));
-  }
-  ~Folder() {
-    std::error_code fault;
-    fs::remove_all(path, fault);
   }
 };
 

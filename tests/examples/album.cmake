@@ -1,12 +1,13 @@
 # Makes the album and looks whether all of it is there.
 file(REMOVE_RECURSE ${FOLDER})
 set(ENV{COGRSIM} ${PROGRAM})
-execute_process(COMMAND ${ALBUM} ${FOLDER} RESULT_VARIABLE status OUTPUT_VARIABLE said ERROR_VARIABLE said)
+execute_process(COMMAND ${ALBUM} --backends ${ENGINES} ${FOLDER} RESULT_VARIABLE status OUTPUT_VARIABLE said ERROR_VARIABLE said)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "the album was not made (${status}):\n${said}")
 endif()
 set(expected distances.png ranging_error.png path.png)
-foreach(backend bullet simbody)
+string(REPLACE "," ";" engines "${ENGINES}")
+foreach(backend IN LISTS engines)
   foreach(picture front mast under mast_depth room map figures/distances figures/ranging_error
       figures/speed figures/path)
     list(APPEND expected ${backend}/${picture}.png)

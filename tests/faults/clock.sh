@@ -8,7 +8,7 @@ backwards() { LD_PRELOAD=$shim timeout 120 "$@"; }
 first=$(backwards bash -c "printf '%(%s)T' -1")
 [ "$first" -lt "$(date +%s)" ] || wrong "the clock does not go backwards"
 
-for backend in bullet simbody; do
+for backend in $engines; do
   "$program" run "$scene" --backend $backend --json right.json >/dev/null 2>&1 || wrong "a run"
   status=0
   backwards "$program" run "$scene" --backend $backend --record run.mcap --json other.json >out 2>err || status=$?

@@ -25,7 +25,7 @@ needed() {
 }
 
 refused=0
-for backend in bullet simbody; do
+for backend in $engines; do
   command=("$program" run many.scene.xml --backend $backend --duration 0.02s --record run.mcap)
   most=$(needed "${command[@]}")
   [ "$most" -gt 100000 ] || wrong "the run on $backend seems to need $most kB only"

@@ -174,7 +174,7 @@ TEST_CASE("the script draws the same picture by itself", "[drawing]") {
     drawn(figure, folder / "it.png");
     const std::string before = content(folder / "it.png");
     std::filesystem::remove(folder / "it.png");
-    REQUIRE(std::system(("cd '" + folder.path() + "' && gnuplot it.gp 2>&1").c_str()) == 0);
+    REQUIRE(std::system(("cd '" + folder.path.string() + "' && gnuplot it.gp 2>&1").c_str()) == 0);
     CHECK(cogrsim::marked(cogrsim::OutputKind::png, content(folder / "it.png")) == before);
   }
 }
@@ -217,7 +217,7 @@ TEST_CASE("nothing in a file's name is run", "[drawing]") {
 TEST_CASE("without gnuplot the message names the package", "[drawing]") {
   const Folder folder;
   const std::string before = getenv("PATH");
-  setenv("PATH", folder.path().c_str(), 1);
+  setenv("PATH", folder.path.string().c_str(), 1);
   const auto none = draw(curve({0, 1}, {0, 1}), folder / "a.png");
   const auto json = draw(curve({0, 1}, {0, 1}), folder / "b.json");
   setenv("PATH", before.c_str(), 1);

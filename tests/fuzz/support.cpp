@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "../support/temporary_folder.h"
 #include "targets.h"
 
 namespace cogrsim::fuzz {
@@ -29,24 +30,10 @@ MemoryFile::~MemoryFile() { ::close(descriptor_); }
 
 std::string MemoryFile::path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
 
-namespace {
-
-struct ScratchFolder {
-  std::string path = (std::filesystem::temp_directory_path() / "cogrsim-fuzz-XXXXXX").string();
-  ScratchFolder() {
-    require(::mkdtemp(path.data()) != nullptr, "a folder for temporary files can be made");
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-};
-
-}  // namespace
-
 const std::string& scratch_folder() {
-  static const ScratchFolder folder;
-  return folder.path;
+  static const test::TemporaryFolder folder;
+  static const std::string path = folder.path.string();
+  return path;
 }
 
 }  // namespace cogrsim::fuzz

@@ -8,6 +8,7 @@
 #include <tinyxml2.h>
 #include <catch2/catch.hpp>
 
+#include "../support/temporary_folder.h"
 #include "cogrsim/core/image.h"
 #include "cogrsim/map/map.h"
 #include "cogrsim/model/builder.h"
@@ -74,15 +75,7 @@ std::shared_ptr<Renderer> renderer() {
   return made;
 }
 
-struct Folder {
-  Folder() {
-    char name[] = "/tmp/cogrsim-map-XXXXXX";
-    path = mkdtemp(name);
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  std::string operator/(const std::string& name) const { return path + "/" + name; }
-  std::string path;
-};
+using Folder = cogrsim::test::TemporaryFolder;
 
 }  // namespace
 

@@ -49,7 +49,7 @@ if(NOT output MATCHES "100% tests passed, 0 tests failed out of 3")
   message(SEND_ERROR "the scenes' tests:\n${output}")
 endif()
 
-foreach(backend bullet simbody)
+foreach(backend IN LISTS ENGINES)
   run("run on ${backend}" "${prefix}/bin/cogrsim" run project/slalom.scene.xml --backend ${backend}
     --plugin-path project/build/cogrsim_plugins --json ${backend}.json)
   file(READ "${WORK_DIR}/${backend}.json" json)
@@ -69,7 +69,7 @@ foreach(backend bullet simbody)
 endforeach()
 
 run("plugins" "${prefix}/bin/cogrsim" plugins --plugin-path project/build/cogrsim_plugins)
-foreach(name slalom diff_drive joint_pid trajectory_player bullet simbody)
+foreach(name slalom diff_drive joint_pid trajectory_player ${ENGINES})
   if(NOT output MATCHES "${name}")
     message(SEND_ERROR "cogrsim plugins does not list ${name}:\n${output}")
   endif()

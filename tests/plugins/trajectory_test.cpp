@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "../support/temporary_folder.h"
 #include "trajectory_player/trajectory.h"
 
 using namespace trajectory_player;
@@ -74,8 +75,8 @@ TEST_CASE("sampling is linear, holds or loops") {
 
 TEST_CASE("files are found below the scene's folder only") {
   namespace fs = std::filesystem;
-  const fs::path base =
-      fs::temp_directory_path() / ("cogrsim_trajectory_" + std::to_string(::getpid()));
+  const cogrsim::test::TemporaryFolder there;
+  const fs::path& base = there.path;
   fs::create_directories(base / "scene" / "data");
   fs::create_directories(base / "scene2");
   std::ofstream(base / "scene" / "data" / "a.csv") << "time,a\n0,1\n";
@@ -94,5 +95,4 @@ TEST_CASE("files are found below the scene's folder only") {
   CHECK(error("/etc/hostname").find("relative to the scene's folder") != std::string::npos);
   CHECK(error("none.csv").find("does not exist") != std::string::npos);
   CHECK(error("data").find("does not exist") != std::string::npos);
-  fs::remove_all(base);
 }

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "../support/engines.h"
+#include "../support/skip.h"
 #include "cogrsim/rendering/renderer.h"
 #include "recording/messages.h"
 #include "recording/model_json.h"
@@ -35,7 +37,7 @@ std::function<void(int)> interference(Simulation& simulation) {
 }  // namespace
 
 TEST_CASE("every frame comes back bit for bit") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE(engines());
   const Folder folder;
   const auto simulation = simulate(busy_scene().build(), backend);
   RecorderOptions options = to(folder / "run.mcap");
@@ -100,7 +102,7 @@ TEST_CASE("every frame comes back bit for bit") {
 }
 
 TEST_CASE("readings computed again equal those of the run") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE(engines());
   const Folder folder;
   const auto simulation = simulate(busy_scene().build(), backend, 99);
   const auto frames = record(*simulation, to(folder / "run.mcap"), 200, interference(*simulation));
@@ -130,10 +132,7 @@ TEST_CASE("contacts that were not kept are not made up") {
 }
 
 TEST_CASE("pictures come back, and can be taken again") {
-  if (!load_renderer(*loader())) {
-    WARN("no renderer in this tree: pictures are not tested");
-    return;
-  }
+  if (!load_renderer(*loader())) COGRSIM_SKIP("there is no renderer in this tree");
   const bool jpeg = GENERATE(false, true);
   const Folder folder;
   ModelBuilder builder = busy_scene();

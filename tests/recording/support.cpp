@@ -53,17 +53,6 @@ std::string difference(const Reading& a, const Reading& b) {
 
 }  // namespace
 
-Folder::Folder() {
-  std::string wanted = (std::filesystem::temp_directory_path() / "cogrsim_rec_XXXXXX").string();
-  REQUIRE(::mkdtemp(wanted.data()) != nullptr);
-  path = wanted;
-}
-
-Folder::~Folder() {
-  std::error_code error;
-  std::filesystem::remove_all(path, error);
-}
-
 std::string read_all(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   REQUIRE(in);

@@ -8,22 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "../support/temporary_folder.h"
 #include "cogrsim/model/builder.h"
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/simulation/simulation.h"
 
 namespace cogrsim::test {
 
-/// A new empty folder, removed with all in it at the end of the scope.
-class Folder {
- public:
-  Folder();
-  ~Folder();
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::string operator/(const std::string& name) const { return path + "/" + name; }
-  std::string path;
-};
+using Folder = TemporaryFolder;
 
 std::string read_all(const std::string& path);
 void write_all(const std::string& path, const std::string& bytes);

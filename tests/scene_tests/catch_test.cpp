@@ -1,5 +1,6 @@
 // The header for those who test in C++.
 #include "cogrsim/testing/catch.h"
+#include "../support/temporary_folder.h"
 
 #include "cogrsim/model/builder.h"
 
@@ -34,9 +35,8 @@ TEST_CASE("trajectories match and are kept on file", "[catch]") {
   CHECK(matcher.describe() ==
         "is not as expected: ball.x is 2.5 at 0.1 s, expected 2: 0.5 apart, 0.25 allowed");
 
-  const auto folder = std::filesystem::temp_directory_path();
-  const std::string beside = (folder / "test.cpp").string();
-  const std::string file = "cogrsim-golden-" + std::to_string(std::rand()) + ".csv";
+  const cogrsim::test::TemporaryFolder folder;
+  const std::string beside = folder / "test.cpp", file = "golden.csv";
   const ct::MatchesGolden missing(beside.c_str(), file, 0);
   CHECK_FALSE(missing.match(a));
   CHECK(missing.describe().find("write it with --update-golden") != std::string::npos);
@@ -45,7 +45,6 @@ TEST_CASE("trajectories match and are kept on file", "[catch]") {
   ct::update_golden() = false;
   CHECK_THAT(a, ct::MatchesGolden(beside.c_str(), file, 0));  // to the last bit
   CHECK_THAT(b, !ct::MatchesGolden(beside.c_str(), file, 0.25));
-  std::filesystem::remove(folder / file);
 }
 
 TEST_CASE("a run on every backend follows the parabola", "[catch]") {

@@ -9,6 +9,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "../support/temporary_folder.h"
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -18,14 +20,7 @@ struct Outcome {
   std::string text;
 };
 
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("cogrsim-scene-tests-" + std::to_string(getpid()));
-  Folder() {
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~Folder() { fs::remove_all(path); }
-
+struct Folder : cogrsim::test::TemporaryFolder {
   std::string write(const std::string& name, const std::string& content) const {
     std::ofstream(path / name) << content;
     return (path / name).string();

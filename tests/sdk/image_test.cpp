@@ -1,4 +1,5 @@
 #include "cogrsim/core/image.h"
+#include "../support/temporary_folder.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -43,20 +44,7 @@ Image gradient(int width, int height, int channels) {
   return image;
 }
 
-/// A folder of its own that goes away with the object.
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "cogrsim-image-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  ~Folder() {
-    std::error_code fault;
-    fs::permissions(path, fs::perms::owner_all, fault);
-    fs::remove_all(path, fault);
-  }
-};
+using Folder = cogrsim::test::TemporaryFolder;
 
 void append32(std::string& out, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(value >> shift & 0xFF);

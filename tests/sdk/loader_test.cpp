@@ -1,4 +1,5 @@
 #include "cogrsim/plugin/loader.h"
+#include "../support/temporary_folder.h"
 
 #include <link.h>
 #include <sys/stat.h>
@@ -21,20 +22,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// An empty folder, gone when the test is over.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "cogrsim_loader_XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    path_ = pattern;
-  }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  std::string path() const { return path_.string(); }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
+struct Folder : test::TemporaryFolder {
+  std::string file(const std::string& name) const { return *this / name; }
   void write(const std::string& name, const std::string& bytes) const {
     fs::remove(file(name));  // file systems flush when a file is cut and rewritten
     std::ofstream(file(name), std::ios::binary) << bytes;
@@ -43,9 +32,6 @@ class Folder {
   void put(const std::string& library) const {
     fs::copy_file(fs::path(COGRSIM_TEST_LIBRARIES) / library, file(library));
   }
-
- private:
-  fs::path path_;
 };
 
 /// Sets the trap that libraries/trap.h springs.
@@ -70,7 +56,7 @@ std::string library(const std::string& name) {
 
 /// The error of loading a sensor by this name from the folder.
 Error refusal(const Folder& folder, const std::string& name) {
-  PluginLoader loader({folder.path()});
+  PluginLoader loader({folder.path.string()});
   const auto got = loader.load(PluginKind::sensor, name);
   REQUIRE_FALSE(got);
   return got.error();
@@ -82,7 +68,7 @@ TEST_CASE("a plugin tells who it is", "[loader]") {
   const Folder folder;
   folder.put("good.so");
   const TrapWatch watch;
-  PluginLoader loader({folder.path()});
+  PluginLoader loader({folder.path.string()});
   const auto got = loader.load(PluginKind::sensor, "good");
   REQUIRE(got);
   CHECK(watch.sprung());  // the trap works at all
@@ -207,7 +193,7 @@ TEST_CASE("a stripped library still bears its mark", "[loader]") {
 TEST_CASE("an unknown name lists the places and what there is", "[loader]") {
   const Folder folder;
   folder.put("good.so");
-  PluginLoader loader({folder.path(), folder.file("not_there")});
+  PluginLoader loader({folder.path.string(), folder.file("not_there")});
   const auto got = loader.load(PluginKind::sensor, "god");
   REQUIRE_FALSE(got);
   CHECK(got.error().code == "CG0901");
@@ -220,7 +206,7 @@ TEST_CASE("an unknown name lists the places and what there is", "[loader]") {
 TEST_CASE("a plugin of another kind is named as such", "[loader]") {
   const Folder folder;
   folder.put("good.so");
-  PluginLoader loader({folder.path()});
+  PluginLoader loader({folder.path.string()});
   const auto got = loader.load(PluginKind::controller, "good");
   REQUIRE_FALSE(got);
   CHECK(got.error().code == "CG0903");
@@ -244,12 +230,12 @@ TEST_CASE("a scene cannot reach a file by its path", "[loader]") {
 TEST_CASE("folders come from the caller, the environment, and beside the library", "[loader]") {
   const Folder given, environment;
   environment.put("good.so");
-  setenv("COGRSIM_PLUGIN_PATH", (":" + environment.path() + ":").c_str(), 1);
-  PluginLoader loader({given.path()});
+  setenv("COGRSIM_PLUGIN_PATH", (":" + environment.path.string() + ":").c_str(), 1);
+  PluginLoader loader({given.path.string()});
   unsetenv("COGRSIM_PLUGIN_PATH");
   REQUIRE(loader.folders().size() == 4);
-  CHECK(loader.folders()[0] == given.path());
-  CHECK(loader.folders()[1] == environment.path());
+  CHECK(loader.folders()[0] == given.path.string());
+  CHECK(loader.folders()[1] == environment.path.string());
   CHECK_THAT(loader.folders()[2], Catch::Matchers::EndsWith("lib/cogrsim/backends"));
   CHECK_THAT(loader.folders()[3], Catch::Matchers::EndsWith("lib/cogrsim/plugins"));
   CHECK(loader.load(PluginKind::sensor, "good"));
@@ -260,11 +246,11 @@ TEST_CASE("all plugins are listed, and those refused with the reason", "[loader]
   for (const char* name : {"good.so", "tiny_engine.so", "foreign.so"}) folder.put(name);
   folder.write("notes.txt", "not looked at");
   second.put("good.so");
-  PluginLoader loader({folder.path(), second.path(), folder.path()});
+  PluginLoader loader({folder.path.string(), second.path.string(), folder.path.string()});
   std::vector<RefusedPlugin> refused;
   std::vector<std::string> mine;
   for (const PluginPtr& plugin : loader.all(&refused)) {
-    if (fs::path(plugin->path()).parent_path() == fs::canonical(folder.path())) {
+    if (fs::path(plugin->path()).parent_path() == fs::canonical(folder.path.string())) {
       mine.push_back(plugin->descriptor().name);
     }
   }

@@ -34,8 +34,8 @@ Pulled pull(const std::string& bytes) {
       run_program({"pull", folder / "evil-1.0.0.cogrsim.zip", "--into", folder / "into"});
   pulled.files = files_below(folder / "into");
   // Nothing beside it either.
-  CHECK(files_below(folder.path()).size() == 1 + pulled.files.size());
-  CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 2);
+  CHECK(files_below(folder.path).size() == 1 + pulled.files.size());
+  CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 2);
   CHECK(std::distance(fs::directory_iterator(folder / "into"), {}) ==
         (pulled.outcome.status == 0 ? 1 : 0));
   return pulled;
@@ -69,7 +69,7 @@ TEST_CASE("a scene is packed with all that it uses and nothing else", "[share]")
   Folder home;
   const std::string scene = write_scene(home / "arm");
   const Outcome packed =
-      run_program({"push", scene, "-o", home.path(), "--author", "Ada", "--licence", "CC0",
+      run_program({"push", scene, "-o", home.path, "--author", "Ada", "--licence", "CC0",
                    "--description", "an arm", "--version", "1.2"});
   CAPTURE(packed.err);
   REQUIRE(packed.status == 0);
@@ -119,25 +119,24 @@ TEST_CASE("a scene is packed with all that it uses and nothing else", "[share]")
 
 TEST_CASE("equal content gives an equal package: elsewhere and later", "[share]") {
   Folder one, two;
-  for (const Folder* folder : {&one, &two}) write_scene(folder->path() + "/arm");
-  for (const auto& item : fs::recursive_directory_iterator(two.path())) {
+  for (const Folder* folder : {&one, &two}) write_scene(*folder / "arm");
+  for (const auto& item : fs::recursive_directory_iterator(two.path)) {
     fs::last_write_time(item.path(), fs::file_time_type::clock::now() - std::chrono::hours(9999));
     if (item.is_regular_file()) fs::permissions(item.path(), fs::perms(0700));
   }
-  REQUIRE(run_program({"push", one / "arm/arm.scene.xml", "-o", one.path()}).status == 0);
-  REQUIRE(run_program({"push", two / "arm/arm.scene.xml", "-o", two.path()},
+  REQUIRE(run_program({"push", one / "arm/arm.scene.xml", "-o", one.path}).status == 0);
+  REQUIRE(run_program({"push", two / "arm/arm.scene.xml", "-o", two.path},
                       {{"TZ", "Pacific/Kiritimati"}, {"LC_ALL", "C.UTF-8"}})
               .status == 0);
   const std::string bytes = content_of(one / "arm-1.0.0.cogrsim.zip");
   CHECK(bytes.size() > 1000);
   CHECK(bytes == content_of(two / "arm-1.0.0.cogrsim.zip"));
   write_to(two / "arm/mind.h", "#pragma twice\n");
-  REQUIRE(run_program({"push", two / "arm/arm.scene.xml", "-o", two.path(), "--force"}).status ==
-          0);
+  REQUIRE(run_program({"push", two / "arm/arm.scene.xml", "-o", two.path, "--force"}).status == 0);
   CHECK(bytes != content_of(two / "arm-1.0.0.cogrsim.zip"));
 }
 
-TEST_CASE("a file that is there is replaced only when told so; dry runs write nothing", "[share]") {
+TEST_CASE("a file that is there is replaced only when told so, dry runs write nothing", "[share]") {
   Folder home;
   const std::string scene = write_scene(home / "arm");
   const std::string file = home / "arm.zip";
@@ -158,7 +157,7 @@ TEST_CASE("what cannot be packed is told", "[share]") {
   Folder home;
   const std::string scene = write_scene(home / "arm");
   const auto refused = [&](std::vector<std::string> more, const std::string& reason) {
-    std::vector<std::string> words = {"push", scene, "-o", home.path()};
+    std::vector<std::string> words = {"push", scene, "-o", home.path};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome outcome = run_program(words);
     CAPTURE(outcome.err, reason);

@@ -154,7 +154,7 @@ TEST_CASE("a WebDAV store's refusals are told", "[share][webdav]") {
 
   // What stands in ~/.netrc will do, without anything in the environment.
   write_to(home / ".netrc", "machine 127.0.0.1 login ada password \"engine number 1\"\n");
-  CHECK(run_program({"list", store.address}, {{"HOME", home.path()}}).status == 0);
+  CHECK(run_program({"list", store.address}, {{"HOME", home.path}}).status == 0);
 
   check_says(run_program({"list", "http://ada:secret@127.0.0.1/"}), "has a user in it");
   check_says(run_program({"list", "http://store.example/dav"}), "without TLS");
@@ -281,7 +281,7 @@ TEST_CASE("a large package goes there and back, or not at all", "[share][faults]
     CAPTURE(pushed.err);
     REQUIRE(pushed.status == 0);
     Folder into;
-    REQUIRE(pull(store, "arm", into.path()).status == 0);
+    REQUIRE(pull(store, "arm", into.path).status == 0);
     CHECK((content_of(into / "arm-1.0.0/noise.stl") == noise));
   }
   const FaultyProxy dying(webdav, "die:1000000");

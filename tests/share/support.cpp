@@ -68,7 +68,7 @@ Outcome run_program(const std::vector<std::string>& args, const Environment& env
   static const Folder home;
   std::vector<std::string> words = {COGRSIM_PROGRAM}, variables;
   words.insert(words.end(), args.begin(), args.end());
-  Environment all = {{"PATH", "/usr/bin:/bin"}, {"HOME", home.path()}, {"TMPDIR", home.path()}};
+  Environment all = {{"PATH", "/usr/bin:/bin"}, {"HOME", home.path}, {"TMPDIR", home.path}};
   for (const char* name : {"LD_LIBRARY_PATH", "ASAN_OPTIONS", "UBSAN_OPTIONS"}) {
     if (const char* value = std::getenv(name)) all[name] = value;
   }
@@ -108,17 +108,6 @@ Outcome run_program(const std::vector<std::string>& args, const Environment& env
   waitpid(child, &status, 0);
   outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return outcome;
-}
-
-Folder::Folder() {
-  std::string pattern = (fs::temp_directory_path() / "cogrsim-share-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  path_ = pattern;
-}
-
-Folder::~Folder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
 }
 
 std::string content_of(const std::string& path) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "../support/temporary_folder.h"
+
 /// How a program ended and what it said.
 struct Outcome {
   int status = -1;  ///< exit status; 128 + n: killed by signal n
@@ -19,19 +21,7 @@ using Environment = std::map<std::string, std::string>;
 /// .netrc) and what is given.
 Outcome run_program(const std::vector<std::string>& args, const Environment& environment = {});
 
-/// A new empty folder, removed with all in it at the end of the scope.
-class Folder {
- public:
-  Folder();
-  ~Folder();
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const std::string& path() const { return path_; }
-  std::string operator/(const std::string& name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
-};
+using Folder = cogrsim::test::TemporaryFolder;
 
 std::string content_of(const std::string& path);
 void write_to(const std::string& path, const std::string& content);

@@ -77,7 +77,7 @@ std::vector<std::uint64_t> hashes(Batch& batch) {
 
 TEST_CASE("worlds of a batch are single simulations bit for bit on any number of threads",
           "[batch]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   const int threads = GENERATE(1, 3, 4);
   constexpr int kWorlds = 8, kCalls = 40, kSteps = 25;
   std::vector<SceneModelPtr> scenes;
@@ -111,7 +111,7 @@ TEST_CASE("worlds of a batch are single simulations bit for bit on any number of
 }
 
 TEST_CASE("worlds that share a scene differ by their seeds alone", "[batch]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   BatchOptions options = knocker_options(backend, 2);
   options.seeds = {7, 8, 7};
   const auto batch = made(Batch::create(knocker(), 3, options, loader()));
@@ -127,7 +127,7 @@ TEST_CASE("worlds that share a scene differ by their seeds alone", "[batch]") {
 }
 
 TEST_CASE("a world of a batch that is reset equals a new simulation of that seed", "[batch]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   const auto scene = knocker();
   const auto batch = made(Batch::create(scene, 3, knocker_options(backend, 2), loader()));
   batch->actions().setConstant(0.5);
@@ -162,7 +162,7 @@ TEST_CASE("a world of a batch that is reset equals a new simulation of that seed
 }
 
 TEST_CASE("episodes of a batch end by condition and by time and begin anew", "[batch]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   BatchOptions options = knocker_options(backend, 2);
   options.done = "arm.slide.position gt 0.1";
   options.duration = 0.4;
@@ -201,7 +201,7 @@ TEST_CASE("episodes of a batch end by condition and by time and begin anew", "[b
 }
 
 TEST_CASE("a world of a batch that diverges does not stop the others", "[batch]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto wild = falling_ball();
   wild.model.bodies[0].V_WB.linear = Vec3(9e7, 0, 0);
   BatchOptions options;
@@ -227,7 +227,7 @@ TEST_CASE("a world of a batch that diverges does not stop the others", "[batch]"
 }
 
 TEST_CASE("controllers in a batch run and fault each in its own world", "[batch]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Flywheel good, bad;
   good.add_mind("drive", 100.0);
   bad.add_mind("throw-in-update", 100.0, FaultPolicy::end_run);
@@ -249,7 +249,7 @@ TEST_CASE("controllers in a batch run and fault each in its own world", "[batch]
 }
 
 TEST_CASE("a target that is no number leaves the motor as it is and is told", "[batch]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   const auto batch = made(Batch::create(knocker(), 2, knocker_options(backend, 1), loader()));
   batch->actions().setConstant(0.2);
   batch->step(10);
@@ -309,7 +309,7 @@ TEST_CASE("a batch that cannot be is refused with what is there", "[batch]") {
 }
 
 TEST_CASE("a restart takes another seed", "[batch]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   const auto scene = knocker();
   const auto reading_after = [&](Simulation& run) {
     run.run_until(0.1);

@@ -166,7 +166,7 @@ TEST_CASE("a camera that can take no picture is refused with the limit", "[senso
 
 #ifdef COGRSIM_TEST_RENDERER
 TEST_CASE("a camera on a moving cart sees the wall come nearer", "[sensors][camera]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   ModelBuilder builder("approach");
   builder.model.physics.gravity = Vec3::Zero();
   const Quat upright(1, 0, 0, 0);

@@ -7,7 +7,7 @@ using namespace cogrsim;
 using namespace cogrsim::test;
 
 TEST_CASE("a controller ticks k times in k periods, whatever the step", "[clock]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   const double rate = GENERATE(50.0, 30.0, 7.0, 400.0);
   const double dt = GENERATE(1e-3, 7e-3);
   Flywheel scene;
@@ -35,7 +35,7 @@ TEST_CASE("time does not drift over a hundred thousand steps", "[clock]") {
 }
 
 TEST_CASE("chopped runs, other speeds and watchers give bit-identical states", "[clock]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   const auto scene = [] {
     auto builder = falling_ball();
     builder.plane("floor");

@@ -22,7 +22,7 @@ SceneModelPtr floor_and_ball() {
 }  // namespace
 
 TEST_CASE("an assembly comes and goes while the rest stays", "[commands]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto simulation = simulate(floor_and_ball(), backend);
   simulation->run_until(0.2);
   const Vec3 ball = simulation->frame()->state.poses[0].p;
@@ -44,7 +44,7 @@ TEST_CASE("an assembly comes and goes while the rest stays", "[commands]") {
 }
 
 TEST_CASE("commands that cannot be carried out are reported and change nothing", "[commands]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto simulation = simulate(floor_and_ball(), backend);
   auto undisturbed = simulate(floor_and_ball(), backend);
   simulation->send(Remove{"bal"});
@@ -72,7 +72,7 @@ TEST_CASE("commands that cannot be carried out are reported and change nothing",
 }
 
 TEST_CASE("an added robot brings its controller", "[commands]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto simulation = simulate(floor_and_ball(), backend);
   simulation->run_until(0.05);
   Flywheel robot;
@@ -85,7 +85,7 @@ TEST_CASE("an added robot brings its controller", "[commands]") {
 }
 
 TEST_CASE("restart equals a fresh run, bit for bit", "[commands]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto simulation = simulate(floor_and_ball(), backend);
   simulation->run_until(0.3);
   const std::uint64_t hash = state_hash(simulation->frame()->state);
@@ -130,7 +130,7 @@ TEST_CASE("observers see the start of every run, after a restart too", "[command
 }
 
 TEST_CASE("a run goes on from a snapshot bit for bit, noise included", "[commands]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Flywheel scene;
   scene.add_mind("drive");
   scene.builder.model.sensors[0].noise = {{NoiseTerm::Kind::normal, 0.0, 0.1},
@@ -149,7 +149,7 @@ TEST_CASE("a run goes on from a snapshot bit for bit, noise included", "[command
 }
 
 TEST_CASE("a supervisor watches and ends the run", "[commands]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto builder = falling_ball();
   ControllerModel supervisor;
   supervisor.name = "referee";
@@ -164,7 +164,7 @@ TEST_CASE("a supervisor watches and ends the run", "[commands]") {
 }
 
 TEST_CASE("a motor takes its target from a command, within its limits", "[commands]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Flywheel scene;
   scene.builder.model.motors[0].max_speed = 3.0;
   auto simulation = simulate(scene.builder.build(), backend);

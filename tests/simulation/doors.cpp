@@ -50,7 +50,7 @@ const char* const kDrawing = R"(>
 }  // namespace
 
 TEST_CASE("a maze's door opens and closes when its motor is told", "[door]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto simulation = simulate(compiled(std::string(kMaze) + kDrawing), backend);
   TopSpeed speed(*simulation);
   const auto q = [&] { return simulation->frame()->state.joint_positions[0]; };
@@ -72,7 +72,7 @@ TEST_CASE("a maze's door opens and closes when its motor is told", "[door]") {
 }
 
 TEST_CASE("a closing door pushes what stands in its way", "[door]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto simulation = simulate(compiled(R"(
     <plane name="floor"/>
     <door name="gate" size="80 3 50 cm" xyz="0 0 25.5 cm" mass="4 kg" open="true"/>
@@ -94,7 +94,7 @@ TEST_CASE("a closing door pushes what stands in its way", "[door]") {
 }
 
 TEST_CASE("a maze's door that cannot close pushes on and nothing bursts", "[door]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto simulation = simulate(
       compiled(std::string(kMaze) + " open=\"A\"" + kDrawing +
                "<box name=\"crate\" size=\"10 10 10 cm\" mass=\"1 kg\" xyz=\"0.2 0.5 0.05\"/>"),
@@ -118,7 +118,7 @@ TEST_CASE("a maze's door that cannot close pushes on and nothing bursts", "[door
 }
 
 TEST_CASE("a closed door holds against pushes, along its way and across it", "[door]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   // Everything leans to the east, where the door would open to, and to the south, with 3 m/s^2:
   // 6 N on the leaf itself, and a ball of 5 kg comes rolling against it.
   auto simulation = simulate(

@@ -5,7 +5,7 @@ using namespace cogrsim;
 using namespace cogrsim::test;
 
 TEST_CASE("mistakes of configure are load errors that list what is there", "[faults]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Flywheel scene;
   scene.add_mind("missing-devices");
   const std::string said = refusal(scene.builder.build(), backend);
@@ -26,7 +26,7 @@ TEST_CASE("exceptions in configure are load errors", "[faults]") {
 }
 
 TEST_CASE("an exception in update stops that controller or the run", "[faults]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   const auto policy = GENERATE(FaultPolicy::stop_controller, FaultPolicy::end_run);
   Flywheel scene;
   scene.add_mind("throw-in-update", 100.0, policy);
@@ -39,7 +39,7 @@ TEST_CASE("an exception in update stops that controller or the run", "[faults]")
 }
 
 TEST_CASE("not-a-number sent to a motor is a fault and never reaches the physics", "[faults]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Flywheel scene;
   scene.add_mind("nan");
   auto simulation = simulate(scene.builder.build(), backend);
@@ -71,7 +71,7 @@ TEST_CASE("unknown plugins and bad parameters are refused with what there is", "
 }
 
 TEST_CASE("an exploding scene ends as diverged, with body and time", "[faults]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto builder = falling_ball();
   builder.model.bodies[0].V_WB.linear = Vec3(9e7, 0, 0);
   auto simulation = simulate(builder.build(), backend);

@@ -92,7 +92,7 @@ struct Diary {
 }  // namespace
 
 TEST_CASE("a door opens on an event and has arrived when it is there", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   yard.on("open it", "enter", "goal", {MoveDoor{"door", true}}).subject = "ball";
   auto simulation = simulate(yard.builder.build(), backend);
@@ -117,7 +117,7 @@ TEST_CASE("a door opens on an event and has arrived when it is there", "[living]
 }
 
 TEST_CASE("a door that is held back does not arrive", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   yard.builder.box("wall", Vec3(0.1, 1, 1), 0.0, at(1.05, 4, 1));  // 0.5 m from the leaf's edge
   auto simulation = simulate(yard.builder.build(), backend);
@@ -129,7 +129,7 @@ TEST_CASE("a door that is held back does not arrive", "[living]") {
 }
 
 TEST_CASE("who is in a region at the start has not come in", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   yard.builder.model.regions[0].X_BR = at(0, 0, 1);
   yard.builder.model.regions[0].who = {"ball"};
@@ -154,7 +154,7 @@ TEST_CASE("a period far below the step means every step, at once", "[living]") {
 }
 
 TEST_CASE("copies of a template come where there is room and go after their time", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard(true);
   yard.builder.model.bodies[3].V_WB = {};
   Spawn spawn;
@@ -254,7 +254,7 @@ TEST_CASE("a spawn into something is refused", "[living]") {
 }
 
 TEST_CASE("bodies and assemblies are removed by name", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   yard.rule("away", {Remove{"ball"}}).time = 1.0;
   auto simulation = simulate(yard.builder.build(), backend);
@@ -268,7 +268,7 @@ TEST_CASE("bodies and assemblies are removed by name", "[living]") {
 }
 
 TEST_CASE("conditions fire when they become true and guard what comes", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   yard.rule("half way", {Raise{"half", ""}}).when = "ball.y gt 0.5 m";
   RuleModel& guarded = yard.rule("tick", {Raise{"tick", ""}});
@@ -290,7 +290,7 @@ TEST_CASE("conditions fire when they become true and guard what comes", "[living
 }
 
 TEST_CASE("rules that set each other off are stopped and named", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   yard.on("first", "raised", "a", {Raise{"b", ""}});
   yard.on("second", "raised", "b", {Raise{"a", ""}, Raise{"a", ""}});
@@ -308,7 +308,7 @@ TEST_CASE("rules that set each other off are stopped and named", "[living]") {
 }
 
 TEST_CASE("a circle through the world is ended by the limit", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   yard.on("shut", "opened", "door", {MoveDoor{"door", false}}).limit = 2;
   yard.on("unshut", "closed", "door", {MoveDoor{"door", true}}).limit = 2;
@@ -323,7 +323,7 @@ TEST_CASE("a circle through the world is ended by the limit", "[living]") {
 }
 
 TEST_CASE("a rule may end the run and what came with it is seen", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   yard.on("done", "enter", "goal", {Raise{"success", ""}, EndRun{"in the goal"}});
   auto simulation = simulate(yard.builder.build(), backend);
@@ -356,7 +356,7 @@ SceneModelPtr busy_scene() {
 }  // namespace
 
 TEST_CASE("what happens by itself is the same however a run is cut", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   const SceneModelPtr scene = busy_scene();
   const auto whole = simulate(scene, backend);
   Diary expected(*whole);
@@ -419,7 +419,7 @@ SceneModelPtr flooded(int count) {
 }  // namespace
 
 TEST_CASE("a million spawns are refused at a limit and the run goes on", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto simulation = simulate(flooded(1000000), backend);
   Diary diary(*simulation);
   CHECK(simulation->run_until(4e-3) == RunStatus::completed);
@@ -444,7 +444,7 @@ TEST_CASE("only so many bodies can be there that came during a run", "[living]")
 }
 
 TEST_CASE("what a supervisor has sent is part of a snapshot", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   auto whole = simulate(flooded(2), backend);
   whole->run_until(0.03);
   auto cut = simulate(flooded(2), backend);
@@ -458,7 +458,7 @@ TEST_CASE("what a supervisor has sent is part of a snapshot", "[living]") {
 }
 
 TEST_CASE("a supervisor sees every event whoever else looks on", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   // Seldom, so that most events fall between two of its updates.
   const double rate = GENERATE(0.0, 10.0);
   const auto seen = [&](bool watched) {
@@ -484,7 +484,7 @@ TEST_CASE("a supervisor sees every event whoever else looks on", "[living]") {
 }
 
 TEST_CASE("a door that was driven elsewhere still obeys", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   auto simulation = simulate(yard.builder.build(), backend);
   Diary diary(*simulation);
@@ -497,7 +497,7 @@ TEST_CASE("a door that was driven elsewhere still obeys", "[living]") {
 }
 
 TEST_CASE("what is removed lets go of what it was attached to", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   auto simulation = simulate(yard.builder.build(), backend);
   Diary diary(*simulation);
@@ -596,7 +596,7 @@ TEST_CASE("the reach of an attachment is between surfaces", "[living]") {
 }
 
 TEST_CASE("things are attached where they are and let go", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard(true);
   yard.builder.model.bodies[3].V_WB = {};
   yard.builder.model.bodies[3].X_WB = at(5, 5, 0.31);  // 1 cm above the crate
@@ -629,7 +629,7 @@ TEST_CASE("things are attached where they are and let go", "[living]") {
 }
 
 TEST_CASE("limits change while a run goes on", "[living]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Yard yard;
   auto simulation = simulate(yard.builder.build(), backend);
   simulation->send(SetJointLimits{"slide", 0, std::nullopt, 0.3});

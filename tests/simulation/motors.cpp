@@ -14,7 +14,7 @@ double angle_of(Simulation& s) { return s.frame()->state.joint_positions[0]; }
 }  // namespace
 
 TEST_CASE("a torque motor accelerates evenly up to its speed limit", "[motors]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Flywheel scene(MotorMode::torque);
   scene.builder.model.motors[0].target = 0.1;
   scene.builder.model.motors[0].max_speed = 2.0;
@@ -26,7 +26,7 @@ TEST_CASE("a torque motor accelerates evenly up to its speed limit", "[motors]")
 }
 
 TEST_CASE("a position motor approaches at its speed limit, then exponentially", "[motors]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Flywheel scene(MotorMode::position);
   scene.builder.model.motors[0].target = 1.0;
   scene.builder.model.motors[0].max_speed = 2.0;
@@ -40,7 +40,7 @@ TEST_CASE("a position motor approaches at its speed limit, then exponentially", 
 }
 
 TEST_CASE("a DC motor runs up to its no-load speed with its own time constant", "[motors]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Flywheel scene(MotorMode::dc);
   Motor& motor = scene.builder.model.motors[0];
   motor.kt = motor.ke = 0.05;
@@ -57,7 +57,7 @@ TEST_CASE("a DC motor runs up to its no-load speed with its own time constant", 
 }
 
 TEST_CASE("the integral of a servo removes the error a load leaves", "[motors]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Flywheel scene(MotorMode::servo);
   Motor& motor = scene.builder.model.motors[0];
   motor.kp = 2.0;

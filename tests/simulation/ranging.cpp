@@ -42,7 +42,7 @@ FramePtr look(const SceneModelPtr& scene, const std::string& backend = "bullet")
 }  // namespace
 
 TEST_CASE("an infrared tells the distance to a wall under an angle", "[sensors][ranging]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   ModelBuilder builder("wall");
   add_wall(builder, 0.6);
   const double angles[] = {0.0, 0.3, -0.5, 0.9};
@@ -134,7 +134,7 @@ TEST_CASE("a GP2Y0A21 gives the volts of its data sheet and folds back when near
 }
 
 TEST_CASE("a lidar in a box room reads the room", "[sensors][ranging]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   ModelBuilder builder("room");
   // Inner faces at x = +-3, y = +-2.
   const auto wall = [&](const char* name, const Vec3& size, const Vec3& at) {

@@ -25,7 +25,7 @@ const std::vector<double>& values(const FramePtr& frame, int index) {
 }  // namespace
 
 TEST_CASE("an imu feels gravity at rest, nothing in free fall", "[sensors]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   ModelBuilder builder("imu");
   // Tilted by 90 degrees about y: the sensor's x points down.
   const Pose X_BS(Vec3::Zero(), Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitY())));
@@ -46,7 +46,7 @@ TEST_CASE("an imu feels gravity at rest, nothing in free fall", "[sensors]") {
 
 TEST_CASE("an imu off the axis of a spinning wheel feels the centripetal acceleration",
           "[sensors]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   Flywheel scene;
   scene.builder.model.motors[0].target = 4.0;
   scene.builder.model.sensors.push_back(

@@ -4,15 +4,11 @@
 #include <memory>
 #include <string>
 
+#include "../support/engines.h"
 #include "../support/flywheel.h"
 #include "../support/runs.h"
 
 namespace cogrsim::test {
-
-/// The engines every test here runs on.
-inline auto both_backends() {
-  return Catch::Generators::values<std::string>({"bullet", "simbody"});
-}
 
 std::shared_ptr<PluginLoader> loader();
 

@@ -19,7 +19,7 @@ SensorModel sensor(const std::string& name, const std::string& type, int body) {
 }  // namespace
 
 TEST_CASE("a contact sensor under a resting box carries its weight", "[sensors][touch]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   ModelBuilder builder("weight");
   const int floor = builder.plane("floor");
   const int crate =
@@ -74,7 +74,7 @@ TEST_CASE("a contact sensor of a whole assembly leaves out what touches within i
 }
 
 TEST_CASE("a force-torque sensor feels the weight and the moment of an arm", "[sensors][touch]") {
-  const std::string backend = GENERATE(both_backends());
+  const std::string backend = GENERATE(engines());
   ModelBuilder builder("arm");
   // Held level at its end by a weld: f = m g upwards, t = -c x m g about the joint, c = 0.25 m in
   // x.

@@ -16,6 +16,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "../support/temporary_folder.h"
 #include "bundle_html.h"
 #include "page.h"
 #include "payload.h"
@@ -27,22 +28,11 @@ using namespace cogrsim::studio;
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
 
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "bundle-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  ~Folder() { fs::remove_all(path_); }
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+struct Folder : cogrsim::test::TemporaryFolder {
   std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
+    std::ofstream(path / name, std::ios::binary) << text;
     return *this / name;
   }
-
- private:
-  fs::path path_;
 };
 
 std::string read(const std::string& path) {

@@ -68,20 +68,9 @@ std::vector<Scene> ShownRun::shown() const {
   return shown_;
 }
 
-Folder::Folder() {
-  std::string pattern = (fs::temp_directory_path() / "cogrsim-document-XXXXXX").string();
-  REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-  folder_ = pattern;
-}
-
-Folder::~Folder() {
-  std::error_code error;
-  fs::remove_all(folder_, error);
-}
-
 void Folder::write(const std::string& name, const std::string& text) const {
-  fs::create_directories((folder_ / name).parent_path());
-  std::ofstream(folder_ / name, std::ios::binary) << text;
+  fs::create_directories(fs::path(path(name)).parent_path());
+  std::ofstream(path(name), std::ios::binary) << text;
 }
 
 std::string Folder::read_file(const std::string& path) {

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "../support/temporary_folder.h"
 #include "document.h"
 
 namespace cogrsim::studio::testing {
@@ -56,17 +57,15 @@ class ShownRun final : public Run {
 /// A folder that is gone afterwards.
 class Folder {
  public:
-  Folder();
-  ~Folder();
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_ / name; }
   void write(const std::string& name, const std::string& text) const;
   std::string read(const std::string& name) const { return read_file(path(name)); }
   static std::string read_file(const std::string& path);
-  bool has(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
-  const std::filesystem::path& folder() const { return folder_; }
+  bool has(const std::string& name) const { return std::filesystem::exists(path(name)); }
+  const std::filesystem::path& folder() const { return folder_.path; }
 
  private:
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 struct Desk {

@@ -1,6 +1,7 @@
 // Play, pause, step and their like; who looks on does not matter.
 #include <catch2/catch.hpp>
 
+#include "../support/engines.h"
 #include "cogrsim/simulation/simulation.h"
 #include "run_support.h"
 
@@ -26,7 +27,7 @@ std::string bare_hash(const std::string& backend, int steps) {
 }  // namespace
 
 TEST_CASE("a run in the studio has the state hash of a bare one", "[studio][run]") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE(cogrsim::test::engines());
   const std::string expected = bare_hash(backend, 600);
   RunOptions options;
   options.backend = backend;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <thread>
 
+#include "../support/temporary_folder.h"
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/signals/signal.h"
 #include "cogrsim/simulation/simulation.h"
@@ -45,17 +46,6 @@ std::vector<float> pose_at(Page& page, double step, const std::string& body) {
   FAIL("there is no body " << body);
   return {};
 }
-
-/// A folder of its own, gone afterwards.
-struct Folder {
-  Folder() {
-    std::string wanted = (std::filesystem::temp_directory_path() / "studio-run-XXXXXX").string();
-    REQUIRE(::mkdtemp(wanted.data()) != nullptr);
-    path = wanted;
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  std::string path;
-};
 
 }  // namespace
 
@@ -171,10 +161,10 @@ TEST_CASE("one engine is compared at two steps at common times", "[studio][run]"
 }
 
 TEST_CASE("a recording is made beside the scene and can be looked at", "[studio][run]") {
-  const Folder folder;
+  const cogrsim::test::TemporaryFolder folder;
   RunOptions options;
   options.folder = folder.path;
-  const std::string file = folder.path + "/small.mcap";
+  const std::string file = folder / "small.mcap";
   {
     Page page(options);
     page.join(1);
@@ -182,7 +172,7 @@ TEST_CASE("a recording is made beside the scene and can be looked at", "[studio]
     for (const char* bad : {"../x", "/tmp/x", "a/b", ".hidden"}) {
       CHECK_THAT(page.error("record", {{"on", true}, {"file", bad}}), Catch::Contains("bare"));
     }
-    std::ofstream(folder.path + "/notes.mcap") << "shopping list";
+    std::ofstream(folder / "notes.mcap") << "shopping list";
     CHECK_THAT(page.error("record", {{"on", true}, {"file", "notes"}}),
                Catch::Contains("no recording"));
     page.get("step", {{"count", 20}});

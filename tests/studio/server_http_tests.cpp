@@ -6,6 +6,7 @@
 #include <unistd.h>
 #include <catch2/catch.hpp>
 
+#include "../support/temporary_folder.h"
 #include "server/page.h"
 #include "server_client.h"
 
@@ -184,10 +185,8 @@ TEST_CASE("no address leads into the file system", "[studio][server]") {
 }
 
 TEST_CASE("textures are files by number and regular files alone", "[studio][server]") {
-  const std::string folder =
-      std::filesystem::temp_directory_path() / ("cogrsim_assets_" + std::to_string(getpid()));
-  std::filesystem::create_directory(folder);
-  const std::string png = folder + "/a.png";
+  const cogrsim::test::TemporaryFolder folder;
+  const std::string png = folder / "a.png";
   std::ofstream(png) << "\x89PNG\r\n\x1a\n and what follows";
   Served served;
   served.inbox.asset_file = png;
@@ -210,13 +209,12 @@ TEST_CASE("textures are files by number and regular files alone", "[studio][serv
   CHECK(served.get(assets + "0").header("content-type") == "application/octet-stream");
   served.stop();
 
-  REQUIRE(mkfifo((folder + "/pipe").c_str(), 0600) == 0);
-  for (const std::string& other : Texts{folder, folder + "/pipe", folder + "/gone"}) {
+  REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  for (const std::string& other : Texts{folder.path, folder / "pipe", folder / "gone"}) {
     Served again;
     again.inbox.asset_file = other;
     CHECK(again.get(again.server().assets() + "0").status == 404);
   }
-  std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("every answer forbids what pages do not need", "[studio][server]") {

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "../support/engines.h"
 #include "document_support.h"
 #include "studio_process.h"
 
@@ -79,7 +80,7 @@ Size size_of(const std::string& picture, const std::string& name) {
 }  // namespace
 
 TEST_CASE("the scene's duration ends playing where it ends a headless run", "[studio][program]") {
-  const std::string backend = GENERATE("bullet", "simbody");
+  const std::string backend = GENERATE(cogrsim::test::engines());
   const Room room(scene("0.2 s"));
   const StudioProcess studio({room.file(), "--backend", backend}, room.home());
   LivePage page(studio);

@@ -16,4 +16,7 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = kThreadSanitized;
 #endif
 
+inline constexpr const char* kCatchesSignals =
+    "a sanitizer catches signals and takes more memory than any bound lets it";
+
 }  // namespace cogrsim::test

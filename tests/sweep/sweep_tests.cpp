@@ -13,7 +13,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "../support/engines.h"
 #include "../support/sanitizers.h"
+#include "../support/skip.h"
 #include "process.h"
 #include "sweep_command.h"
 
@@ -206,8 +208,8 @@ TEST_CASE("each measure takes its own of a signal", "[sweep][program]") {
 }
 
 TEST_CASE("measures speak of what comes during the run", "[sweep][program]") {
-  const std::vector<std::string> engines = {COGRSIM_ENGINES};
-  if (engines.empty()) return;
+  const auto& engines = cogrsim::test::all_engines();
+  if (engines.empty()) COGRSIM_SKIP("no engine was built");
   const std::string live = COGRSIM_SCENES "/live.scene.xml";
   const TemporaryFolder folder;
   const Outcome outcome = sweep({live, "--backends", engines[0], "-o", folder / "out", "--measure",
@@ -233,7 +235,7 @@ TEST_CASE("measures speak of what comes during the run", "[sweep][program]") {
 }
 
 TEST_CASE("a run that ends badly is a row with its cause", "[sweep][program]") {
-  if (cogrsim::test::kSanitized) return;
+  if (cogrsim::test::kSanitized) COGRSIM_SKIP(cogrsim::test::kCatchesSignals);
   const TemporaryFolder folder;
   const Outcome outcome =
       sweep({kTrial, "--vary", "what=nothing,crash,abort,exit,print,hang,eat,end", "--timeout",
@@ -393,10 +395,10 @@ TEST_CASE("figures are drawn from the table", "[sweep][plot]") {
   }
 }
 
-#ifdef COGRSIM_MPIRUN
 TEST_CASE("mpirun makes the same table", "[sweep][mpi]") {
+  if (std::string(COGRSIM_MPIRUN).empty()) COGRSIM_SKIP("there is no mpirun");
   if (cogrsim::test::kSanitized)
-    return;  // their dlopen() knows nothing of the caller's search path
+    COGRSIM_SKIP("a sanitizer's dlopen() knows nothing of the caller's search path");
   const TemporaryFolder folder;
   REQUIRE(sweep({COGRSIM_SCENES "/good_study.xml", "-o", folder / "local"}).status == 0);
   const std::string command = std::string(COGRSIM_MPIRUN) +
@@ -419,4 +421,3 @@ TEST_CASE("mpirun makes the same table", "[sweep][mpi]") {
   CHECK(refused != 0);
   CHECK(refused != 124);  // of timeout
 }
-#endif

@@ -1,0 +1,18 @@
+# What tests must not do, found by their text: names in the temporary folder that are not theirs alone, and cases that
+# pass where they could not be tried.
+file(GLOB_RECURSE sources ${SOURCE_DIR}/tests/*.cpp ${SOURCE_DIR}/tests/*.h)
+list(REMOVE_ITEM sources ${SOURCE_DIR}/tests/support/temporary_folder.h)
+list(LENGTH sources count)
+if(count LESS 100)
+  message(FATAL_ERROR "only ${count} sources were found in ${SOURCE_DIR}/tests")
+endif()
+foreach(source IN LISTS sources)
+  file(STRINGS ${source} found REGEX "temp_directory_path|mkdtemp|mkstemp|tmpnam|\"/tmp/cogrsim")
+  if(found)
+    message(SEND_ERROR "${source}: use TemporaryFolder of tests/support: ${found}")
+  endif()
+  file(STRINGS ${source} found REGEX "(anitized|geteuid|getuid).*\\) *return;")
+  if(found)
+    message(SEND_ERROR "${source}: say COGRSIM_SKIP(why) of tests/support/skip.h: ${found}")
+  endif()
+endforeach()

@@ -1,0 +1,15 @@
+# Every test carries the name of its suite as a label, and every suite has a test: `ctest -L SUITE` runs it.
+find_program(CTEST ctest REQUIRED)
+list(JOIN SUITES "|" any)
+execute_process(COMMAND ${CTEST} --test-dir ${BINARY_DIR} -N -LE "^(${any})$"
+  OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL " Test +#[^\n]*" without "${text}")
+foreach(test IN LISTS without)
+  message(SEND_ERROR "no suite's label, is its folder in COGRSIM_TEST_SUITES?${test}")
+endforeach()
+execute_process(COMMAND ${CTEST} --test-dir ${BINARY_DIR} --print-labels OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+foreach(suite IN LISTS SUITES)
+  if(NOT text MATCHES "\n *${suite}\n")
+    message(SEND_ERROR "no test has the label '${suite}': `ctest -L ${suite}` runs nothing")
+  endif()
+endforeach()
