@@ -32,6 +32,7 @@ inline void commit(const std::string& what) {
   if (what == "print") std::puts("error: a plugin may print what it likes");
   if (what == "throw") throw std::runtime_error("told to");
   volatile bool for_ever = what == "hang";
+  if (for_ever) std::fputs("the plugin hangs\n", stderr);
   while (for_ever) {
   }
 }

@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "../support/skip.h"
 #include "new_names.h"
 #include "process.h"
 
@@ -134,10 +135,23 @@ TEST_CASE("new says what cannot be written", "[cli][new]") {
   const Outcome below_file = cogrsim_run({"new", "sensor", "x", "--into", place / "file"});
   CHECK(below_file.status == 1);
   CHECK_THAT(below_file.err, Contains("cannot make"));
-  if (geteuid() == 0) return;  // to root nothing is read-only
-  REQUIRE(chmod((place / "").c_str(), 0500) == 0);
-  CHECK(make(place, "sensor", "x").status == 1);
-  chmod((place / "").c_str(), 0700);
+}
+
+TEST_CASE("new says that a folder is read-only", "[cli][new]") {
+  const TemporaryFolder place;
+  const auto make_as_nobody = [&](const char* name) {
+    return cogrsim_run_unprivileged({"new", "sensor", name, "--into", place / ""});
+  };
+  fs::permissions(place.path, fs::perms(0777));
+  const Outcome free = make_as_nobody("free");
+  if (free.status == 127) COGRSIM_SKIP("the user nobody cannot reach " COGRSIM_PROGRAM);
+  CHECK(free.status == 0);
+  fs::permissions(place.path, fs::perms(0555));
+  const Outcome closed = make_as_nobody("closed");
+  CHECK(closed.status == 1);
+  CHECK_THAT(closed.err,
+             Contains("cannot make the folder '" + place / "closed'") && Contains("ermission"));
+  CHECK_FALSE(fs::exists(place / "closed"));
 }
 
 TEST_CASE("new explains itself", "[cli][new]") {

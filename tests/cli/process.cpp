@@ -1,5 +1,6 @@
 #include "process.h"
 
+#include <grp.h>
 #include <poll.h>
 #include <pty.h>
 #include <sys/wait.h>
@@ -38,9 +39,14 @@ bool read_some(int descriptor, std::string& text) {
   return true;
 }
 
-}  // namespace
+// Gives up being root, for good.
+bool become_nobody() {
+  constexpr uid_t kNobody = 65534;
+  return geteuid() != 0 ||
+         (setgroups(0, nullptr) == 0 && setgid(kNobody) == 0 && setuid(kNobody) == 0);
+}
 
-Outcome cogrsim_run(const std::vector<std::string>& args, double interrupt_after) {
+Outcome run(const std::vector<std::string>& args, double interrupt_after, bool as_nobody) {
   int out[2], err[2];
   if (pipe(out) != 0 || pipe(err) != 0) throw std::runtime_error("no pipe");
   std::vector<char*> pointers = argument_pointers(args);
@@ -49,6 +55,7 @@ Outcome cogrsim_run(const std::vector<std::string>& args, double interrupt_after
     dup2(out[1], STDOUT_FILENO);
     dup2(err[1], STDERR_FILENO);
     for (const int end : {out[0], out[1], err[0], err[1]}) close(end);
+    if (as_nobody && !become_nobody()) _exit(127);
     execv(COGRSIM_PROGRAM, pointers.data());
     _exit(127);
   }
@@ -80,6 +87,16 @@ Outcome cogrsim_run(const std::vector<std::string>& args, double interrupt_after
   return outcome;
 }
 
+}  // namespace
+
+Outcome cogrsim_run(const std::vector<std::string>& args, double interrupt_after) {
+  return run(args, interrupt_after, false);
+}
+
+Outcome cogrsim_run_unprivileged(const std::vector<std::string>& args) {
+  return run(args, 0.0, true);
+}
+
 Outcome cogrsim_on_terminal(const std::vector<std::string>& args,
                             const std::vector<std::string>& environment) {
   std::vector<char*> pointers = argument_pointers(args);
@@ -101,25 +118,6 @@ Outcome cogrsim_on_terminal(const std::vector<std::string>& args,
   close(master);
   outcome.status = status_of(child);
   return outcome;
-}
-
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "cogrsim-cli-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-std::vector<std::string> TemporaryFolder::files() const {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(path_)) {
-    names.push_back(entry.path().filename().string());
-  }
-  return names;
 }
 
 std::string read_file(const std::string& path) {

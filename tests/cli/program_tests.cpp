@@ -156,7 +156,7 @@ TEST_CASE("a summary for people, and nothing on stderr when piped", "[cli][progr
   CHECK(outcome.err.find('%') == std::string::npos);
 }
 
-TEST_CASE("a terminal gets colours and a progress line; NO_COLOR is heeded", "[cli][program]") {
+TEST_CASE("a terminal gets colours and a progress line, NO_COLOR is heeded", "[cli][program]") {
   const Words words = {"run", kFlight, "--speed", "1", "--plugin-path", COGRSIM_TOYS};
   const Outcome live = cogrsim_on_terminal(words);
   CHECK(live.status == 0);

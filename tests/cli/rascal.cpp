@@ -28,4 +28,5 @@ class Rascal final : public cogrsim::Controller {
 
 COGRSIM_CONTROLLER(Rascal, "rascal", version("1.0.0"), summary("misbehaves"),
                    parameter("does", "nothing", "what it does, see misdeed.h"),
-                   parameter("from", 0.0, "s", "when it begins to"))
+                   parameter("from", 0.0, "s", "when it begins to"),
+                   parameter("notes", "", "a file it could read"))

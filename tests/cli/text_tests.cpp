@@ -34,7 +34,7 @@ TEST_CASE("times are read with and without units", "[cli][quantities]") {
   }
 }
 
-TEST_CASE("thresholds are lengths or angles; an angle needs its unit", "[cli][quantities]") {
+TEST_CASE("thresholds are lengths or angles, an angle needs its unit", "[cli][quantities]") {
   const auto length = parse_length_or_angle("5 mm");
   REQUIRE(length);
   CHECK(length->value == Approx(5e-3));

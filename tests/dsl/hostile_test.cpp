@@ -1,12 +1,15 @@
 // Hostile files end in a coded error, within bounded memory and time.
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 
-#include <cstdio>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
+#include "../support/sanitizers.h"
+#include "../support/temporary_folder.h"
 #include "cogrsim/dsl/compiler.h"
 
 namespace fs = std::filesystem;
@@ -21,15 +24,41 @@ std::string codes(const CompileResult& result) {
   return out;
 }
 
-/// A folder of its own that goes away.
-struct Folder {
-  // Cases run side by side, in processes of their own.
-  fs::path path = fs::temp_directory_path() / ("cogrsim-hostile-" + std::to_string(::getpid()));
-  Folder() {
-    fs::remove_all(path);
-    fs::create_directories(path);
+/// What a case may take beside what the program takes: beyond it an allocation fails, or SIGXCPU ends the program. The
+/// processor's time, as that of the clock is the machine's affair; the longest case takes a twentieth of it.
+class Bounded {
+ public:
+  Bounded() {
+    // Sanitizers reserve terabytes, and take ten times as long.
+    if (!test::kSanitized) REQUIRE(limit(RLIMIT_AS, size_now() + 500'000'000));
+    rusage used{};
+    ::getrusage(RUSAGE_SELF, &used);
+    const auto seconds = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec);
+    REQUIRE(limit(RLIMIT_CPU, seconds + (test::kSanitized ? 200 : 20)));
   }
-  ~Folder() { fs::remove_all(path); }
+  ~Bounded() {
+    limit(RLIMIT_AS, RLIM_INFINITY);
+    limit(RLIMIT_CPU, RLIM_INFINITY);
+  }
+  Bounded(const Bounded&) = delete;
+  Bounded& operator=(const Bounded&) = delete;
+
+ private:
+  static bool limit(__rlimit_resource_t what, rlim_t value) {
+    rlimit now{};
+    if (::getrlimit(what, &now) != 0) return false;
+    now.rlim_cur = std::min(value, now.rlim_max);
+    return ::setrlimit(what, &now) == 0;
+  }
+  /// Of this process's memory [byte].
+  static rlim_t size_now() {
+    rlim_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    return pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
+  }
+};
+
+struct Folder : test::TemporaryFolder {
   std::string write(const std::string& name, const std::string& text) const {
     const fs::path file = path / name;
     fs::create_directories(file.parent_path());
@@ -47,7 +76,7 @@ std::string repeated(const std::string& piece, int times) {
 
 }  // namespace
 
-TEST_CASE("a file of 100 MB is refused by its size", "[hostile]") {
+TEST_CASE_METHOD(Bounded, "a file of 100 MB is refused by its size", "[hostile]") {
   const Folder folder;
   const std::string path = folder.write("big.scene.xml", "<scene>");
   fs::resize_file(path, 100'000'000);  // sparse: nothing is written
@@ -56,7 +85,8 @@ TEST_CASE("a file of 100 MB is refused by its size", "[hostile]") {
   CHECK(codes(compile_text(std::string((16u << 20) + 1, ' '), "big")) == "CG0108");
 }
 
-TEST_CASE("text and lists that double are bounded, one by one and in sum", "[hostile]") {
+TEST_CASE_METHOD(Bounded, "text and lists that double are bounded, one by one and in sum",
+                 "[hostile]") {
   const auto doubling = [](const std::string& first, const std::string& next, int times) {
     std::string text =
         "<scene name=\"a\" version=\"1\">\n<param name=\"p0\" default=\"" + first + "\"/>\n";
@@ -81,7 +111,7 @@ TEST_CASE("text and lists that double are bounded, one by one and in sum", "[hos
   CHECK(codes(compile_text(sum + "</scene>", "sum")).find("CG0511") != std::string::npos);
 }
 
-TEST_CASE("one long line is as good as many short ones", "[hostile]") {
+TEST_CASE_METHOD(Bounded, "one long line is as good as many short ones", "[hostile]") {
   // Found by looking at each value's line to its end: 56 s for this file.
   const std::string text = "<scene name=\"a\" version=\"1\">" +
                            repeated("<contact between=\"a b\" friction=\"0.5\"/>", 20000) +
@@ -93,20 +123,21 @@ TEST_CASE("one long line is as good as many short ones", "[hostile]") {
   CHECK(codes(compile_text(params + "</scene>", "params")).substr(0, 6) == "CG2003");
 }
 
-TEST_CASE("billion laughs, external entities and other DOCTYPEs are refused", "[hostile]") {
+TEST_CASE_METHOD(Bounded, "billion laughs, external entities and other DOCTYPEs are refused",
+                 "[hostile]") {
   CHECK(codes(compile_text("<!DOCTYPE a [<!ENTITY x SYSTEM \"file:///etc/passwd\">]><scene "
                            "name=\"&x;\"/>",
                            "x")) == "CG0107");
 }
 
-TEST_CASE("10,000 nested elements are refused", "[hostile]") {
+TEST_CASE_METHOD(Bounded, "10,000 nested elements are refused", "[hostile]") {
   const std::string text =
       "<scene>" + repeated("<assembly>", 10000) + repeated("</assembly>", 10000) + "</scene>";
   CHECK(codes(compile_text(text, "deep")) == "CG0109");
   CHECK(codes(compile_text(repeated("<a>", 1000000), "deep")) == "CG0109");
 }
 
-TEST_CASE("floods of elements, attributes and errors are cut off", "[hostile]") {
+TEST_CASE_METHOD(Bounded, "floods of elements, attributes and errors are cut off", "[hostile]") {
   CHECK(codes(compile_text("<scene>" + repeated("<a/>", 500001) + "</scene>", "many")) == "CG0110");
   std::string attributes = "<scene";
   for (int i = 0; i < 100000; ++i) attributes += " a" + std::to_string(i) + "=''";
@@ -122,7 +153,7 @@ TEST_CASE("floods of elements, attributes and errors are cut off", "[hostile]") 
                            "line")) != "");
 }
 
-TEST_CASE("expressions cannot run away", "[hostile]") {
+TEST_CASE_METHOD(Bounded, "expressions cannot run away", "[hostile]") {
   const auto deep =
       compile_text("<scene><view xyz='${" + repeated("(", 50000) + "} 0 0'/></scene>", "deep");
   CHECK(codes(deep) == "CG0511");
@@ -139,14 +170,14 @@ TEST_CASE("expressions cannot run away", "[hostile]") {
   CHECK_FALSE(result.ok());
 }
 
-TEST_CASE("files that import each other are refused", "[hostile]") {
+TEST_CASE_METHOD(Bounded, "files that import each other are refused", "[hostile]") {
   const Folder folder;
   const std::string a = folder.write("a.scene.xml", "<scene><import href='b.scene.xml'/></scene>");
   folder.write("b.scene.xml", "<scene><import href='a.scene.xml'/></scene>");
   CHECK(codes(compile_file(a)).find("CG0302") != std::string::npos);
 }
 
-TEST_CASE("files that import the next one twice are given up soon", "[hostile]") {
+TEST_CASE_METHOD(Bounded, "files that import the next one twice are given up soon", "[hostile]") {
   const Folder folder;
   const auto name = [](int i) { return "f" + std::to_string(i) + ".scene.xml"; };
   for (int i = 0; i < 25; ++i) {
@@ -157,7 +188,7 @@ TEST_CASE("files that import the next one twice are given up soon", "[hostile]")
   CHECK(codes(compile_file((folder.path / name(0)).string())) == "CG0306");
 }
 
-TEST_CASE("nothing is read from outside of the scene's folder", "[hostile]") {
+TEST_CASE_METHOD(Bounded, "nothing is read from outside of the scene's folder", "[hostile]") {
   const Folder folder;
   folder.write("secret.scene.xml", "<scene/>");
   const std::string inside =

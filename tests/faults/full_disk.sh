@@ -5,7 +5,6 @@
 if [ "${COGRSIM_FAULTS_INSIDE:-}" != yes ]; then
   export COGRSIM_FAULTS_INSIDE=yes
   if unshare -rm true 2>/dev/null; then exec unshare -rm bash "$0" "$@"; fi
-  echo "no name spaces here: only a full standard output is tried"
   export COGRSIM_FAULTS_INSIDE=no
 fi
 source "$(dirname "$0")/lib.sh"
@@ -70,4 +69,8 @@ for command in "run $scene --duration 0.1s --json -" "schema" "plugins" "explain
   "$program" "${command[@]}" >/dev/full 2>err || status=$?
   must_refuse "$words" "${command[*]} into a full standard output"
 done
+[ "$COGRSIM_FAULTS_INSIDE" = yes ] || [ "$failures" -ne 0 ] || {
+  echo "no name spaces here: only a full standard output was tried"
+  exit $skipped
+}
 finish

@@ -56,7 +56,7 @@ TEST_CASE("a figure comes back from its JSON as it was", "[json]") {
   }
 }
 
-TEST_CASE("numbers come back to the last bit; gaps and infinities too", "[json]") {
+TEST_CASE("numbers come back to the last bit, gaps and infinities too", "[json]") {
   const auto back = figure_from_json(json_of(one_of_each().front()));
   REQUIRE(back);
   CHECK(back->series[0].y[0] == 1.0 / 3.0);

@@ -1,5 +1,6 @@
 // The one rule for what is written: docs/security.md.
 #include "cogrsim/core/output_file.h"
+#include "../support/temporary_folder.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,15 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "cogrsim_output_XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  ~Folder() { fs::remove_all(path); }
-  std::string operator/(const std::string& name) const { return (path / name).string(); }
+struct Folder : test::TemporaryFolder {
   std::size_t count() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), {}));
   }
@@ -141,7 +134,7 @@ TEST_CASE("inputs, links, devices, pipes and folders are never replaced", "[outp
   CHECK(fs::is_character_file("/dev/null"));
 }
 
-TEST_CASE("what is replaced keeps its rights; what is not committed leaves nothing", "[output]") {
+TEST_CASE("what is replaced keeps its rights, what is not committed leaves nothing", "[output]") {
   const Folder folder;
   const std::string path = folder / "a.json";
   REQUIRE(write_output_file(path, OutputKind::json, "{}"));
