@@ -52,11 +52,6 @@ std::vector<std::string> arguments(const std::string& path, double rate) {
   return words;
 }
 
-// Half a film is none.
-tl::unexpected<Error> interrupted_film(const std::string& path) {
-  return fail("interrupted: nothing was written", path);
-}
-
 }  // namespace
 
 bool is_film(const std::string& path) { return has_ending(path, {".gif", ".mp4", ".webm"}); }
@@ -120,7 +115,7 @@ Film::~Film() {
 Result<> Film::add(const std::string& png) {
   std::size_t done = 0;
   while (done < png.size()) {
-    if (interrupted()) return interrupted_film(path_);
+    if (interrupted()) return nothing_written(path_);
     const ssize_t n = write(pipe_, png.data() + done, png.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
@@ -138,11 +133,11 @@ Result<> Film::finish() {
   pipe_ = -1;
   int state = 0;
   while (waitpid(process_, &state, WNOHANG) == 0) {
-    if (interrupted()) return interrupted_film(path_);
+    if (interrupted()) return nothing_written(path_);
     usleep(5000);
   }
   process_ = 0;
-  if (interrupted()) return interrupted_film(path_);
+  if (interrupted()) return nothing_written(path_);
   if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return file_.commit();
   std::string said;
   if (errors_ >= 0 && lseek(errors_, 0, SEEK_SET) == 0) {

@@ -23,7 +23,7 @@ class RecordedFrames final : public FrameSource {
   std::string backend() const override { return recording_->info().backend; }
   double end() const override { return recording_->info().end; }
   Result<FramePtr> at(double time) override {
-    if (interrupted()) return fail("interrupted: nothing was written");
+    if (interrupted()) return nothing_written();
     // A frame counts as reached a millionth of a step early: times are read in decimals.
     return recording_->frame(recording_->index_at(time + 1e-6 * recording_->info().step));
   }

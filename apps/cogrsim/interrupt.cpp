@@ -61,6 +61,10 @@ bool interrupted() {
   return true;
 }
 
+tl::unexpected<Error> nothing_written(const std::string& where) {
+  return fail("interrupted: nothing was written", where);
+}
+
 std::function<bool()> later_interrupt() {
   return [before = interrupted()] { return interrupted() && !before; };
 }

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <string>
+
+#include "cogrsim/core/result.h"
 
 namespace cogrsim {
 class Simulation;
@@ -15,6 +18,8 @@ namespace cogrsim::cli {
 void catch_interrupts();
 /// Asked by long work, which then ends and writes what there is.
 bool interrupted();
+/// What work that leaves nothing behind ends with. `where`: the file it was for.
+tl::unexpected<Error> nothing_written(const std::string& where = {});
 /// Says whether an interrupt came after this call, as interrupted() does of all.
 std::function<bool()> later_interrupt();
 /// For commands that an interrupt ends as usual: they exit with their own status.

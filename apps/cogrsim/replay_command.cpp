@@ -318,7 +318,7 @@ Result<> numbers(Recording& recording, const ReplayOptions& options, PluginLoade
     if (tables) tables->add(frame, channels);
   });
   // Part of a run would pass for all of it.
-  if (interrupted()) return fail("interrupted: nothing was written");
+  if (interrupted()) return nothing_written();
   if (done && lines) done = lines->finish();
   if (done && tables) done = tables->finish();
   return done;

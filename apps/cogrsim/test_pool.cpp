@@ -150,10 +150,10 @@ Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& optio
   const auto end_all = [&] {
     constexpr double kGrace = 5.0;  // [s]
     for (const Child& child : children) kill(child.pid, SIGTERM);
-    const auto told_at = Clock::now();
+    const auto asked_at = Clock::now();
     for (const Child& child : children) {
       while (waitpid(child.pid, nullptr, WNOHANG) == 0) {
-        if (seconds_since(told_at) > kGrace) kill(child.pid, SIGKILL);
+        if (seconds_since(asked_at) > kGrace) kill(child.pid, SIGKILL);
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
       }
     }

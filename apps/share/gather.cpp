@@ -167,7 +167,7 @@ Result<Gathered> gather(const GatherOptions& options) { return Gatherer(options)
 Result<> stage(const Gathered& gathered, const std::string& folder, Manifest& manifest) {
   manifest.scene = gathered.scene;
   for (const Gathered::Source& file : gathered.files) {
-    if (cli::interrupted()) return fail("interrupted: nothing was written");
+    if (cli::interrupted()) return cli::nothing_written();
     const fs::path to = fs::path(folder) / file.path;
     std::error_code error;
     fs::create_directories(to.parent_path(), error);

@@ -169,7 +169,7 @@ class Reader {
     for (;;) {
       const la_ssize_t count = archive_read_data(archive_.get(), buffer.data(), buffer.size());
       if (count == 0) break;
-      if (cli::interrupted()) return fail("interrupted: nothing was written");
+      if (cli::interrupted()) return cli::nothing_written();
       if (count < 0) return refuse(fmt::format("'{}' is damaged: {}", name, reason()));
       got += static_cast<std::uint64_t>(count);
       total_ += static_cast<std::uint64_t>(count);

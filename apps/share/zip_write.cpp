@@ -79,7 +79,7 @@ Result<> write_file_into(Writer& writer, const PackagedFile& file, const std::st
   std::uint64_t size = 0;
   Sha256 hash;
   while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), in.get())) {
-    if (cli::interrupted()) return fail("interrupted: nothing was written");
+    if (cli::interrupted()) return cli::nothing_written();
     size += count;
     if (size > file.size) break;
     hash.feed({buffer.data(), count});

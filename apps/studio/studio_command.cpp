@@ -13,7 +13,6 @@
 #include "cogrsim/plugin/loader.h"
 #include "document.h"
 #include "frames.h"
-#include "journal.h"
 #include "kept_tokens.h"
 #include "options.h"
 #include "output_file.h"
@@ -21,6 +20,7 @@
 #include "server.h"
 #include "studio.h"
 #include "terminal.h"
+#include "user_folders.h"
 
 namespace cogrsim::studio {
 namespace {

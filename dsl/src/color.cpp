@@ -4,6 +4,7 @@
 
 #include "attribute_text.h"
 #include "cogrsim/core/parameter.h"
+#include "text.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -172,8 +173,7 @@ Color from_bytes(std::uint32_t r, std::uint32_t g, std::uint32_t b, std::uint32_
 std::optional<Color> parse_color(std::string_view text) {
   if (text.empty()) return std::nullopt;
   if (text[0] != '#') {
-    std::string lower(text);
-    for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const std::string lower = small_letters(text);
     for (const NamedColor& n : kColors) {
       if (lower == n.name) return from_bytes(n.rgb >> 16, (n.rgb >> 8) & 255, n.rgb & 255, 255);
     }

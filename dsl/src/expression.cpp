@@ -22,9 +22,6 @@ namespace {
 
 constexpr int kDeepest = 100;  // nested brackets and signs
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 class Parser {
  public:
   Parser(std::string_view text, const Environment& environment,

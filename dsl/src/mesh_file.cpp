@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "mesh_text.h"
+#include "text.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -30,10 +31,7 @@ Result<std::string> read_whole_file(const std::string& path, std::size_t limit) 
 std::string ending(const std::string& path) {
   const std::size_t dot = path.find_last_of("./");
   if (dot == std::string::npos || path[dot] != '.') return "";
-  std::string out = path.substr(dot + 1);
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return out;
+  return small_letters(path.substr(dot + 1));
 }
 
 /// Walks the header of a PGM: numbers between blanks and '#' comments.

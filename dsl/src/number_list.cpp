@@ -343,9 +343,7 @@ std::string plain_minus(std::string_view text) {
 }
 
 std::string braces_help(std::string_view text, bool number) {
-  const auto in_name = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-  };
+  const auto in_name = [](char c) { return is_letter(c) || is_digit(c); };
   std::string out;
   bool changed = false;
   for (std::size_t i = 0; i < text.size();) {

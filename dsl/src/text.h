@@ -1,9 +1,25 @@
-// What the language's several small scanners ask of a character.
+// What the language's several small scanners ask of characters.
 #pragma once
+
+#include <string>
+#include <string_view>
 
 namespace cogrsim::dsl {
 
 /// White space as XML has it.
 inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+/// What a name of the language begins with.
+inline bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// With small letters for the capitals of ASCII.
+inline std::string small_letters(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
 
 }  // namespace cogrsim::dsl

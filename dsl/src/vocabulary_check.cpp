@@ -3,6 +3,7 @@
 #include <array>
 
 #include "diagnostics.h"
+#include "text.h"
 #include "vocabulary.h"
 
 namespace cogrsim::dsl {
@@ -132,13 +133,6 @@ std::string element_advice(std::string_view word) {
   return {};
 }
 
-/// The word in small letters, as those of the language are.
-std::string small(std::string_view word) {
-  std::string out(word);
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
-}
-
 /// What an element means here.
 const ElementSpec* meaning(const Node& node) {
   if (node.name == "contact" && node.find("on") && !node.find("between")) return &contact_sensor();
@@ -156,7 +150,7 @@ class Checker {
       sink_
           .report("CG0208", root.span, nullptr,
                   "the root element is <" + std::string(root.name) + ">, expected <scene>")
-          .help(small(root.name) == "scene" ? "names are written in small letters: <scene>"
+          .help(small_letters(root.name) == "scene" ? "names are written in small letters: <scene>"
                 : find_element(root.name)
                     ? "put it into <scene name=\"…\" version=\"1\"> … </scene>"
                     : "files of other formats must be written anew");
@@ -209,7 +203,7 @@ class Checker {
   void unknown_element(const Node& node, const Node& where) {
     Report report = sink_.report("CG0201", node.span, nullptr,
                                  "unknown element <" + std::string(node.name) + ">");
-    const std::string name = small(node.name);
+    const std::string name = small_letters(node.name);
     std::string help = element_advice(name);
     if (find_element(name)) {
       help = "names are written in small letters: <" + name + ">";
@@ -283,7 +277,7 @@ class Checker {
     Report report = sink_.report(
         "CG0203", a.name_span, nullptr,
         "<" + std::string(node.name) + "> has no attribute \"" + std::string(a.name) + "\"");
-    const std::string name = small(a.name);
+    const std::string name = small_letters(a.name);
     if (spec.find(name)) {
       report.help("names are written in small letters: " + name);
       return;

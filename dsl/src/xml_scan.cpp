@@ -217,8 +217,7 @@ class Scanner {
   }
 
   void check_declared(std::size_t key, std::string_view value, std::size_t offset) {
-    std::string lower(value);
-    for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const std::string lower = small_letters(value);
     if (key == 0 && value != "1.0") {
       error("CG0113", offset, value.size(),
             "the file claims XML version \"" + std::string(value) + "\"", "write version=\"1.0\"");
@@ -278,9 +277,7 @@ class Scanner {
       stop("CG0103", begin, 2, "the processing instruction does not end", "close it with ?>");
       return;
     }
-    std::string lower(target);
-    for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    if (lower == "xml") {
+    if (small_letters(target) == "xml") {
       error("CG0103", begin, 5, "the XML declaration must be the first thing in the file",
             "delete what stands before it, blanks too");
     } else if (target.empty() || (at_ < end && !is_blank(text_[at_]))) {

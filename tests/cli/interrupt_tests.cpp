@@ -16,9 +16,11 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "../support/environment.h"
 #include "process.h"
 
 using Catch::Contains;
+using cogrsim::test::EnvironmentVariable;
 using nlohmann::json;
 
 namespace {
@@ -406,25 +408,6 @@ Outcome interrupt(const Case& c, const Attempt& attempt, int signal) {
       full);
 }
 
-// Sets a variable of the environment, for the programs that are started.
-class Variable {
- public:
-  Variable(const char* name, const std::string& value) : name_(name) {
-    const char* const before = std::getenv(name);
-    had_ = before != nullptr;
-    if (had_) before_ = before;
-    setenv(name, value.c_str(), 1);
-  }
-  ~Variable() { had_ ? setenv(name_, before_.c_str(), 1) : unsetenv(name_); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-  bool had_ = false;
-  std::string before_;
-};
-
 }  // namespace
 
 TEST_CASE("every command is interrupted in the next test", "[cli][interrupt]") {
@@ -441,15 +424,15 @@ TEST_CASE("every command is interrupted in the next test", "[cli][interrupt]") {
 TEST_CASE("an interrupted command leaves whole outputs, and ends by the signal",
           "[cli][interrupt]") {
   const Inputs in;
-  const Variable home("HOME", in.folder / "home"), cache("XDG_CACHE_HOME", in.folder / "cache"),
-      state("XDG_RUNTIME_DIR", in.folder / "state"),
+  const EnvironmentVariable home("HOME", in.folder / "home"),
+      cache("XDG_CACHE_HOME", in.folder / "cache"), state("XDG_RUNTIME_DIR", in.folder / "state"),
       path("PATH", in.programs + ":" + std::getenv("PATH"));
   const std::set<std::string> there = listed_commands();
   for (const Case& c : cases()) {
     if (there.count(c.words[0]) == 0) continue;  // built without the studio, or without sharing
     for (const int signal : {SIGINT, SIGTERM}) {
       const Attempt attempt{in};
-      const Variable rascal("RASCAL", c.rascal), mark("RASCAL_MARK", attempt.mark);
+      const EnvironmentVariable rascal("RASCAL", c.rascal), mark("RASCAL_MARK", attempt.mark);
       const Outcome outcome = interrupt(c, attempt, signal);
       INFO(c.title << ", signal " << signal << "\n" << outcome.err);
       CHECK(outcome.signal == (c.ends == Ends::by_signal ? signal : 0));

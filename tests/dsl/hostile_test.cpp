@@ -60,14 +60,7 @@ class Bounded {
   }
 };
 
-struct Folder : test::TemporaryFolder {
-  std::string write(const std::string& name, const std::string& text) const {
-    const fs::path file = path / name;
-    fs::create_directories(file.parent_path());
-    std::ofstream(file, std::ios::binary) << text;
-    return file.string();
-  }
-};
+using Folder = test::TemporaryFolder;
 
 std::string repeated(const std::string& piece, int times) {
   std::string out;

@@ -21,10 +21,6 @@ struct Outcome {
 };
 
 struct Folder : cogrsim::test::TemporaryFolder {
-  std::string write(const std::string& name, const std::string& content) const {
-    std::ofstream(path / name) << content;
-    return (path / name).string();
-  }
   Outcome run(const std::string& words) const {
     const std::string command =
         "cd " + path.string() + " && " COGRSIM_PROGRAM " test " + words + " 2>&1";

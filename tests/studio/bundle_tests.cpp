@@ -28,12 +28,7 @@ using namespace cogrsim::studio;
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
 
-struct Folder : cogrsim::test::TemporaryFolder {
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path / name, std::ios::binary) << text;
-    return *this / name;
-  }
-};
+using Folder = cogrsim::test::TemporaryFolder;
 
 std::string read(const std::string& path) {
   std::ifstream in(path, std::ios::binary);

@@ -68,11 +68,6 @@ std::vector<Scene> ShownRun::shown() const {
   return shown_;
 }
 
-void Folder::write(const std::string& name, const std::string& text) const {
-  fs::create_directories(fs::path(path(name)).parent_path());
-  std::ofstream(path(name), std::ios::binary) << text;
-}
-
 std::string Folder::read_file(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream out;

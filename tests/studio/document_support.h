@@ -58,7 +58,7 @@ class ShownRun final : public Run {
 class Folder {
  public:
   std::string path(const std::string& name) const { return folder_ / name; }
-  void write(const std::string& name, const std::string& text) const;
+  void write(const std::string& name, const std::string& text) const { folder_.write(name, text); }
   std::string read(const std::string& name) const { return read_file(path(name)); }
   static std::string read_file(const std::string& path);
   bool has(const std::string& name) const { return std::filesystem::exists(path(name)); }

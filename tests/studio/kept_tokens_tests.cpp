@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include "../support/environment.h"
 #include "document_support.h"
 #include "server/kept_tokens.h"
 #include "server_client.h"
@@ -17,6 +18,7 @@ using namespace cogrsim;
 using namespace cogrsim::studio;
 using Catch::Matchers::Contains;
 using cogrsim::studio::testing::Folder;
+using cogrsim::test::EnvironmentVariable;
 namespace fs = std::filesystem;
 
 namespace {
@@ -215,15 +217,7 @@ TEST_CASE("the first free port of those preferred is taken", "[studio][server]")
 }
 
 TEST_CASE("tokens are kept where the system says", "[studio][token]") {
-  struct Variable {
-    explicit Variable(const char* which) : name(which) {
-      if (const char* value = std::getenv(name)) before = value;
-    }
-    ~Variable() { before ? ::setenv(name, before->c_str(), 1) : ::unsetenv(name); }
-    const char* name;
-    std::optional<std::string> before;
-  };
-  const Variable runtime("XDG_RUNTIME_DIR"), state("XDG_STATE_HOME"), home("HOME");
+  const EnvironmentVariable runtime("XDG_RUNTIME_DIR"), state("XDG_STATE_HOME"), home("HOME");
   ::setenv("XDG_RUNTIME_DIR", "/run/user/7", 1);
   ::setenv("XDG_STATE_HOME", "/state", 1);
   ::setenv("HOME", "/home/me", 1);

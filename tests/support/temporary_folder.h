@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -25,6 +26,14 @@ struct TemporaryFolder {
   }
 
   std::string operator/(const std::string& name) const { return (path / name).string(); }
+
+  /// Returns the path; folders on the way are made.
+  std::string write(const std::string& name, const std::string& bytes) const {
+    const std::filesystem::path file = path / name;
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file, std::ios::binary) << bytes;
+    return file.string();
+  }
 
   /// Names of what is in it, sorted.
   std::vector<std::string> files() const {

@@ -15,6 +15,8 @@
 #include <functional>
 #include <optional>
 
+#include "user_folders.h"
+
 extern char** environ;
 
 namespace cogrsim::studio {
@@ -26,14 +28,6 @@ namespace {
 constexpr std::size_t kMostLog = 1u << 20;  // [byte] kept of what is written
 constexpr auto kLongest = std::chrono::minutes(15);
 constexpr std::size_t kMostProblems = 200;
-
-std::string cache_folder() {
-  if (const char* given = std::getenv("XDG_CACHE_HOME"); given != nullptr && given[0] == '/')
-    return given;
-  if (const char* home = std::getenv("HOME"); home != nullptr && home[0] == '/')
-    return std::string(home) + "/.cache";
-  return {};
-}
 
 /// The CMake package that lies with this program, installed or in its build tree; empty: none does.
 std::string own_package() {
@@ -201,7 +195,7 @@ Result<Builder::Built> Builder::build() {
                   "write one beside the scene that adds them all");
     project = found.front();
   }
-  const std::string cache = cache_folder();
+  const std::string cache = user_folder("XDG_CACHE_HOME", ".cache");
   if (cache.empty()) return fail("there is no folder for builds", "", "set XDG_CACHE_HOME");
   const fs::path place = fs::path(cache) / "cogrsim" / "studio" / mark();
   fs::create_directories(place, error);

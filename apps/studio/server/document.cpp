@@ -14,7 +14,7 @@
 namespace cogrsim::studio {
 namespace {
 
-constexpr double kNoticed = 0.05;  // [s] a page is told before a longer compilation
+constexpr double kNoticed = 0.05;  // [s] a longer compilation is announced to the pages
 
 std::string dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -5,12 +5,15 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <vector>
+
+#include <fmt/format.h>
+
+#include "cogrsim/core/random.h"
+#include "descriptor.h"
 
 namespace cogrsim::studio {
 
@@ -19,14 +22,6 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string reason() { return std::strerror(errno); }
-
-/// Closes what it holds.
-struct Descriptor {
-  int number = -1;
-  ~Descriptor() {
-    if (number >= 0) ::close(number);
-  }
-};
 
 }  // namespace
 
@@ -58,11 +53,11 @@ Result<std::string> read_text_file(const std::string& path, std::size_t most) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return fail("it is no ordinary file", path);
   Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.number < 0) return fail("it cannot be read: " + reason(), path);
+  if (file < 0) return fail("it cannot be read: " + reason(), path);
   std::string text;
   std::vector<char> buffer(1 << 16);
   while (true) {
-    const ssize_t count = ::read(file.number, buffer.data(), buffer.size());
+    const ssize_t count = ::read(file, buffer.data(), buffer.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return fail("it cannot be read: " + reason(), path);
     if (count == 0) break;
@@ -85,7 +80,7 @@ Result<> write_text_file(const std::string& path, const std::string& text) {
   std::string pattern = (target.parent_path().empty() ? fs::path(".") : target.parent_path()) /
                         ("." + target.filename().string() + ".XXXXXX");
   Descriptor file{::mkostemp(pattern.data(), O_CLOEXEC)};
-  if (file.number < 0)
+  if (file < 0)
     return fail("nothing can be written beside it: " + reason(), path,
                 "look at the permissions of its folder");
   const auto give_up = [&](const std::string& what) -> Result<> {
@@ -95,36 +90,31 @@ Result<> write_text_file(const std::string& path, const std::string& text) {
   };
   struct stat old {};
   if (::stat(target.c_str(), &old) == 0) {
-    if (::fchmod(file.number, old.st_mode & 07777) != 0) return give_up("permissions");
+    if (::fchmod(file, old.st_mode & 07777) != 0) return give_up("permissions");
     // Best effort: only root may give files away.
-    if (::fchown(file.number, old.st_uid, old.st_gid) != 0) errno = 0;
+    if (::fchown(file, old.st_uid, old.st_gid) != 0) errno = 0;
   } else {
     const mode_t mask = ::umask(0);
     ::umask(mask);
-    if (::fchmod(file.number, 0666 & ~mask) != 0) return give_up("permissions");
+    if (::fchmod(file, 0666 & ~mask) != 0) return give_up("permissions");
   }
   for (std::size_t done = 0; done < text.size();) {
-    const ssize_t count = ::write(file.number, text.data() + done, text.size() - done);
+    const ssize_t count = ::write(file, text.data() + done, text.size() - done);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return give_up("it cannot be written");
     done += static_cast<std::size_t>(count);
   }
-  if (::fsync(file.number) != 0) return give_up("it cannot be written");
+  if (::fsync(file) != 0) return give_up("it cannot be written");
   if (::rename(pattern.c_str(), target.c_str()) != 0) return give_up("it cannot be replaced");
   const std::string folder =
       target.parent_path().empty() ? std::string(".") : target.parent_path().string();
   const Descriptor place{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-  if (place.number >= 0) ::fsync(place.number);
+  if (place >= 0) ::fsync(place);
   return {};
 }
 
 std::string version_of(const std::string& text) {
-  // FNV-1a
-  std::uint64_t hash = 14695981039346656037ull;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  char out[24];
-  std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(hash));
-  return out;
+  return fmt::format("{:016x}", hash_bytes(text.data(), text.size()));
 }
 
 Result<> check_bare_name(const std::string& name, const std::string& ending) {

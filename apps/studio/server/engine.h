@@ -29,7 +29,7 @@ using Refusal = std::vector<Diagnostic>;
 /// The first error of them, with how many more there are.
 Error to_error(const Refusal& found);
 
-/// "controller 'mind' of 'bot'".
+/// "controller 'bot.pilot' of 'bot'".
 std::string described(const PluginWatch::Call& call);
 
 class Engine {

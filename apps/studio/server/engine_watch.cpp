@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kSmallScene = 64;
 constexpr double kBetweenKept = 0.01;  // [s]
 constexpr auto kBetweenPublished = std::chrono::microseconds(15'000);
-/// A call that lasts so long is told, and looked for so often.
+/// A call that lasts longer is reported.
 constexpr double kLong = 0.5;  // [s]
 constexpr auto kBetweenLooks = std::chrono::milliseconds(200);
 

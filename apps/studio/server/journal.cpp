@@ -112,36 +112,15 @@ void remove_remains(const fs::path& journal) {
   for (const fs::path& path : remains) fs::remove(path, error);
 }
 
-}  // namespace
-
-std::string user_state_folder() {
-  const auto absolute = [](const char* variable) -> std::string {
-    const char* value = std::getenv(variable);
-    return value && value[0] == '/' ? value : "";
-  };
-  if (std::string folder = absolute("XDG_STATE_HOME"); !folder.empty()) return folder;
-  const std::string home = absolute("HOME");
-  return home.empty() ? "" : home + "/.local/state";
-}
-
-Journal::Held::Held(Held&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-Journal::Held& Journal::Held::operator=(Held&& other) noexcept {
-  std::swap(descriptor_, other.descriptor_);
-  return *this;
-}
-
-Journal::Held::~Held() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-bool Journal::Held::is(const std::string& path) const {
+// Whether `path` is still the file that is open.
+bool is_at(const Descriptor& file, const std::string& path) {
   struct stat mine {
   }, there{};
-  return descriptor_ >= 0 && ::fstat(descriptor_, &mine) == 0 &&
-         ::lstat(path.c_str(), &there) == 0 && mine.st_dev == there.st_dev &&
-         mine.st_ino == there.st_ino;
+  return file >= 0 && ::fstat(file, &mine) == 0 && ::lstat(path.c_str(), &there) == 0 &&
+         mine.st_dev == there.st_dev && mine.st_ino == there.st_ino;
 }
+
+}  // namespace
 
 Journal::Journal(const std::string& scene_path, const std::string& state_folder,
                  std::size_t most_bytes)
@@ -149,11 +128,12 @@ Journal::Journal(const std::string& scene_path, const std::string& state_folder,
   std::error_code error;
   const fs::path scene = fs::absolute(scene_path, error).lexically_normal();
   const std::string name = "." + scene.filename().string() + ".journal";
-  places_.push_back({(scene.parent_path() / name).string(), {}});
+  places_.push_back({(scene.parent_path() / name).string(), Descriptor()});
   if (!state_folder.empty()) {
     // One name for each scene there is.
     const fs::path folder = fs::path(state_folder) / "cogrsim/studio/unsaved";
-    places_.push_back({(folder / ("." + version_of(scene.string()) + name)).string(), {}});
+    places_.push_back(
+        {(folder / ("." + version_of(scene.string()) + name)).string(), Descriptor()});
   }
   for (Place& place : places_) take(place);
   std::stable_sort(found_.begin(), found_.end(),
@@ -169,11 +149,11 @@ void Journal::take(Place& place) {
   struct stat about {};
   if (::lstat(place.path.c_str(), &about) != 0) return;
   if (!S_ISREG(about.st_mode)) return complain("it is no regular file");
-  Held file(::open(place.path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-  if (file.descriptor() < 0) return complain(std::strerror(errno));
-  if (::flock(file.descriptor(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return;
-  if (!file.is(place.path)) return;  // its studio has just written another
-  const auto bytes = content(file.descriptor(), kMostBytes + kMostHead);
+  Descriptor file(::open(place.path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (file < 0) return complain(std::strerror(errno));
+  if (::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return;
+  if (!is_at(file, place.path)) return;  // its studio has just written another
+  const auto bytes = content(file, kMostBytes + kMostHead);
   if (!bytes) return complain(bytes.error().message);
   auto texts = texts_in(*bytes, most_bytes_);
   if (!texts) return complain(texts.error().message);
@@ -184,15 +164,17 @@ void Journal::take(Place& place) {
 
 bool Journal::is_free(const Place& place) {
   struct stat about {};
-  return place.held.is(place.path) || (::lstat(place.path.c_str(), &about) != 0 && errno == ENOENT);
+  return is_at(place.held, place.path) ||
+         (::lstat(place.path.c_str(), &about) != 0 && errno == ENOENT);
 }
 
 Result<> Journal::write(Place& place, const std::string& bytes) {
   if (!is_free(place)) return fail("'" + place.path + "' is another studio's, or something else");
   if (auto done = write_output_file(place.path, OutputKind::journal, bytes); !done) return done;
-  place.held = Held(::open(place.path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  place.held =
+      Descriptor(::open(place.path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   // Where locks are not offered, two studios of one scene do not see each other.
-  if (place.held.descriptor() >= 0) ::flock(place.held.descriptor(), LOCK_EX | LOCK_NB);
+  if (place.held >= 0) ::flock(place.held, LOCK_EX | LOCK_NB);
   return {};
 }
 
@@ -218,8 +200,8 @@ Result<> Journal::keep(const std::vector<UnsavedText>& texts) {
   }
   for (Place& place : places_) {
     if (&place == into) continue;
-    if (place.held.is(place.path)) ::unlink(place.path.c_str());
-    place.held = Held();
+    if (is_at(place.held, place.path)) ::unlink(place.path.c_str());
+    place.held = Descriptor();
   }
   path_ = into ? into->path : "";
   return {};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cogrsim/core/result.h"
+#include "descriptor.h"
 
 namespace cogrsim::studio {
 
@@ -15,9 +16,6 @@ struct UnsavedText {
   std::string base;  ///< version_of() the file's text when it was edited; "": there was no file
   std::int64_t time = 0;  ///< of the edit [s since 1970]
 };
-
-/// The user's folder for state that outlives a session, $XDG_STATE_HOME or ~/.local/state; "": none.
-std::string user_state_folder();
 
 /// The file `.NAME.journal` beside a scene. Where it cannot be written, is something else, or another
 /// studio has it, one in `cogrsim/studio/unsaved` below the user's state folder is used instead. One
@@ -46,24 +44,9 @@ class Journal {
   const std::string& path() const { return path_; }
 
  private:
-  /// A file that is open, and locked for other studios.
-  class Held {
-   public:
-    Held() = default;
-    explicit Held(int descriptor) : descriptor_(descriptor) {}
-    Held(Held&& other) noexcept;
-    Held& operator=(Held&& other) noexcept;
-    ~Held();
-    int descriptor() const { return descriptor_; }
-    /// Whether `path` is still this file.
-    bool is(const std::string& path) const;
-
-   private:
-    int descriptor_ = -1;
-  };
   struct Place {
     std::string path;
-    Held held;
+    Descriptor held;  ///< locked for other studios
   };
 
   void take(Place& place);

@@ -2,19 +2,19 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <optional>
 #include <string_view>
-#include <utility>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "descriptor.h"
 #include "token.h"
+#include "user_folders.h"
 
 namespace cogrsim::studio {
 
@@ -26,25 +26,6 @@ constexpr std::time_t kDay = 24 * 60 * 60;  // [s]
 constexpr std::size_t kToken = 32;          // digits
 // "operator\nviewer\n"
 constexpr std::size_t kContent = 2 * (kToken + 1);
-
-class Descriptor {
- public:
-  explicit Descriptor(int number = -1) : number_(number) {}
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  operator int() const { return number_; }
-
- private:
-  int number_;
-};
 
 tl::unexpected<Error> failed(const std::string& what, const std::string& where) {
   return fail(what + ": " + std::strerror(errno), where);
@@ -111,15 +92,8 @@ std::optional<KeptTokens> read_tokens(int folder, const std::string& name, bool 
 }  // namespace
 
 std::string kept_tokens_base() {
-  const auto absolute = [](const char* variable) -> std::string {
-    const char* value = std::getenv(variable);
-    return value && value[0] == '/' ? value : "";
-  };
-  for (const char* variable : {"XDG_RUNTIME_DIR", "XDG_STATE_HOME"}) {
-    if (std::string folder = absolute(variable); !folder.empty()) return folder;
-  }
-  const std::string home = absolute("HOME");
-  return home.empty() ? "" : home + "/.local/state";
+  const std::string runtime = user_folder("XDG_RUNTIME_DIR");
+  return runtime.empty() ? user_state_folder() : runtime;
 }
 
 Result<KeptTokens> kept_tokens(const std::string& base, const std::string& name) {

@@ -24,8 +24,8 @@ struct Followed {
 
 std::vector<Followed> followed(const SceneModel& model) {
   std::set<int> steered, seen;
-  for (const ControllerModel& mind : model.controllers) {
-    if (!mind.removed) steered.insert(top_level_assembly(model, mind.assembly));
+  for (const ControllerModel& controller : model.controllers) {
+    if (!controller.removed) steered.insert(top_level_assembly(model, controller.assembly));
   }
   std::vector<Followed> out;
   for (const Body& body : model.bodies) {

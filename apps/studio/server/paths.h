@@ -41,7 +41,7 @@ struct Path {
 /// any all that move; what has a controller comes first. At most 64. From any thread.
 class Paths {
  public:
-  /// The next moment of the run; an earlier one than the last begins anew.
+  /// The next frame of the run; one with an earlier time than the last begins anew.
   void take(const Frame& frame);
   void clear();
 
@@ -50,7 +50,7 @@ class Paths {
   /// of each), `last` (x y z at `until`)}]. `counts`: points known of each; of another revision
   /// nothing is known.
   Json since(std::uint64_t revision, const std::vector<std::size_t>& counts) const;
-  /// Whole, up to the last moment.
+  /// Whole, up to the last frame.
   std::vector<Path> all() const;
 
  private:

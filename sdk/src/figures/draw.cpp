@@ -55,7 +55,7 @@ bool listen(int pipe, pid_t process, const std::function<bool()>& cancelled, std
   constexpr int kInterval = 50;  // between questions whether it is cancelled [ms]
   const auto deadline = Clock::now() + kPatience;
   while (true) {
-    if (Clock::now() > deadline || (cancelled && cancelled())) {
+    if (Clock::now() > deadline || cancelled()) {
       kill(process, SIGKILL);
       return false;
     }
@@ -102,7 +102,7 @@ Result<> run_gnuplot(const fs::path& folder, const std::string& script,
   while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
   const std::string place = (folder / script).string();
-  if (!finished && cancelled && cancelled()) return fail("interrupted: nothing was drawn");
+  if (!finished && cancelled()) return fail("interrupted: nothing was drawn");
   if (!finished)
     return fail(fmt::format("gnuplot was ended after {} s", kPatience.count()), place,
                 "draw fewer samples: every=\"…\" in the scene, --every on the command line");
@@ -221,7 +221,7 @@ Result<std::vector<std::string>> draw(Figure figure, const std::string& path,
   }
   if (const auto good = run_gnuplot(work.path, job.script.name, options.cancelled); !good) {
     // The figure itself needs no gnuplot.
-    if (!is_input && !(options.cancelled && options.cancelled()))
+    if (!is_input && !options.cancelled())
       static_cast<void>(write_output_file(data.string(), OutputKind::figure, *json, options.rules));
     return tl::unexpected(good.error());
   }

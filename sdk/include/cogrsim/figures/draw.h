@@ -13,10 +13,11 @@
 namespace cogrsim::figures {
 
 struct DrawOptions {
-  int width = 960, height = 640;    ///< of PNG and SVG [pixel], 100 to 10000; PDF: 1/150 inch
-  double font_size = 12.0;          ///< 4 to 100, in points at 960 pixels' width
-  OutputRules rules;                ///< what may be replaced
-  std::function<bool()> cancelled;  ///< asked while gnuplot draws; true: it is ended
+  int width = 960, height = 640;  ///< of PNG and SVG [pixel], 100 to 10000; PDF: 1/150 inch
+  double font_size = 12.0;        ///< 4 to 100, in points at 960 pixels' width
+  OutputRules rules;              ///< what may be replaced
+  /// Asked while gnuplot draws; true: it is ended. Never empty.
+  std::function<bool()> cancelled = [] { return false; };
 };
 
 /// Draws `figure` to `path`, whose ending decides: .png, .svg or .pdf; or .json, which draws

@@ -2,6 +2,7 @@
 import { effect } from "@preact/signals-core";
 import type { RunEvent, Scene, Waiting } from "../core/protocol";
 import type { Studio } from "../core/studio";
+import type { Control } from "./commands";
 
 /** "controller 'bot.mind' of robot 'bot'" */
 function who(kind: string, name: string, robot: string): string {
@@ -58,8 +59,8 @@ export function notify_faults(studio: Studio): void {
 }
 
 /** Says what is waited for, as long as that is so. */
-export function waiting_bar(studio: Studio): HTMLElement {
-  const { state } = studio;
+export function waiting_bar(control: Control): HTMLElement {
+  const { state } = control.studio;
   const node = document.createElement("div");
   node.className = "cg-waiting";
   node.dataset.testid = "waiting";
@@ -70,9 +71,7 @@ export function waiting_bar(studio: Studio): HTMLElement {
   const end = document.createElement("button");
   end.textContent = "End controller";
   end.dataset.testid = "end-controller";
-  end.addEventListener("click", () => {
-    studio.link.request("end-controller").catch((error: unknown) => studio.notify(error instanceof Error ? error.message : String(error), "error"));
-  });
+  end.addEventListener("click", () => void control.ask("end-controller"));
   node.append(seconds, words, end);
   effect(() => {
     const waiting = state.open.value ? state.status.value?.waiting : null;

@@ -79,7 +79,7 @@ export class App implements Studio {
     menus.className = "cg-head";
     const bar = document.createElement("div");
     header.append(menus, bar, new Timeline(control).node);
-    shell.append(header, unsaved.node, waiting_bar(this));
+    shell.append(header, unsaved.node, waiting_bar(control));
     notify_faults(this);
     Widget.attach(make_menus(this.commands), menus);
     menus.append(this.layout_choice(), this.theme_button());
