@@ -21,6 +21,8 @@ struct Token {
 /// Splits at blanks, expressions staying whole.
 std::vector<Token> split(std::string_view text, std::optional<ExpressionFault>& fault) {
   std::vector<Token> out;
+  // Lists may be long, and growing them costs more than reading them.
+  out.reserve(1 + static_cast<std::size_t>(std::count_if(text.begin(), text.end(), is_blank)));
   std::size_t i = 0;
   while (true) {
     while (i < text.size() && is_blank(text[i])) ++i;
@@ -80,6 +82,7 @@ class ListParser {
 
   std::vector<NumberEntry> run() {
     const std::vector<Token> tokens = split(text_, fault_);
+    entries_.reserve(tokens.size());
     for (const Token& t : tokens) {
       if (fault_) return {};
       take(t);
