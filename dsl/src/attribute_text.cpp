@@ -42,10 +42,11 @@ void AttributeText::report(const char* code, std::size_t begin, std::size_t leng
 
 Value AttributeText::evaluate(std::size_t begin, std::size_t length,
                               std::optional<ExpressionFault>& fault) {
+  if (!spend(200 + 16 * length)) return Value::poison();
   if (!random_) {
     random_.emplace(context_.seed, std::string(path_) + '@' + std::string(attribute_.name));
   }
-  const Environment environment{scope_, &*random_, &context_.expression_budget};
+  const Environment environment{scope_, &*random_, &context_.work};
   Value v = dsl::evaluate(text().substr(begin, length), environment, fault);
   if (fault) {
     fault->begin += begin;
@@ -61,7 +62,10 @@ std::optional<std::string> AttributeText::interpolate() {
   while (true) {
     const std::size_t begin = all.find("${", at);
     out += all.substr(at, std::min(begin, all.size()) - at);
-    if (begin == std::string_view::npos) return out;
+    if (begin == std::string_view::npos) {
+      if (!spend(16 * out.size())) return std::nullopt;
+      return out;
+    }
     const std::size_t end = expression_end(all, begin);
     if (end == std::string_view::npos) {
       report("CG0511", begin, 2, "the expression's closing } is missing");
@@ -101,15 +105,24 @@ Value AttributeText::expression() {
 
 std::optional<std::vector<NumberEntry>> AttributeText::numbers(const NumberSyntax& syntax) {
   std::optional<ExpressionFault> fault;
+  auto entries = parse(syntax, fault);
+  if (context_.work == 0) return std::nullopt;
+  if (!fault) return entries;
+  report(*fault);
+  return std::nullopt;
+}
+
+std::vector<NumberEntry> AttributeText::parse(const NumberSyntax& syntax,
+                                              std::optional<ExpressionFault>& fault) {
+  if (!spend(2 * text().size())) return {};
   auto entries = parse_numbers(
       text(), syntax,
       [this](std::string_view inside, std::size_t begin, std::optional<ExpressionFault>& f) {
         return evaluate(begin, inside.size(), f);
       },
       fault);
-  if (!fault) return entries;
-  report(*fault);
-  return std::nullopt;
+  if (!spend(32 * entries.size())) return {};
+  return entries;
 }
 
 Value AttributeText::any() {
@@ -122,12 +135,8 @@ Value AttributeText::any() {
   }
   // Numbers where everything is one; else text. What only looks like a number is an error.
   std::optional<ExpressionFault> fault;
-  auto entries = parse_numbers(
-      text(), {},
-      [this](std::string_view in, std::size_t at, std::optional<ExpressionFault>& f) {
-        return evaluate(at, in.size(), f);
-      },
-      fault);
+  auto entries = parse({}, fault);
+  if (context_.work == 0) return Value::poison();
   const char c = inside[0];
   const bool digit = (c >= '0' && c <= '9') || c == '-' || c == '+' || c == '.';
   if (!fault && !entries.empty()) {

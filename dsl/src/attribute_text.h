@@ -39,6 +39,10 @@ class AttributeText {
   Value any();
 
  private:
+  bool spend(std::size_t work) { return dsl::spend(context_, work, attribute_.value_span, trail_); }
+  /// Numbers of any(): the fault is returned.
+  std::vector<NumberEntry> parse(const NumberSyntax& syntax, std::optional<ExpressionFault>& fault);
+
   CompileContext& context_;
   const Attribute& attribute_;
   const Scope* scope_;

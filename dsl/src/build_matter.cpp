@@ -62,7 +62,7 @@ bool Builder::texture(const Element& element, Material& material) {
   const auto file = r.text("texture");
   if (!file.given()) return changed;
   const SourceSpan& at = element.find("texture")->value_span;
-  const std::string path = context_.files.resolve_asset(*file, at);
+  const std::string path = asset(*file, at, element.trail);
   if (path.empty()) return changed;
   // Looked into now: what cannot be shown must not come up in the middle of a run.
   const auto [known, is_new] = textures_.try_emplace(path);

@@ -62,17 +62,38 @@ ChannelLookup Builder::channels() {
 /// The signal with names in full; nullopt: reported, or the fault of something that failed.
 std::optional<std::string> Builder::signal(const Element& element, std::string_view attribute,
                                            const std::string& text) {
-  return with_signals("CG1201", element, attribute, {}, [&](const SignalScope& scope) {
+  return with_signals("CG1201", element, attribute, text, {}, [&](const SignalScope& scope) {
     return Signal::parse(scope, text).map([](const Signal& signal) { return signal.text(); });
   });
 }
 
-/// What `parse` makes of names as they are written in `element`; what goes by one of the names in
+/// Names by which what is spawned may go.
+const std::vector<std::string>& Builder::spawned_names() {
+  if (spawned_names_) return *spawned_names_;
+  std::vector<std::string>& names = spawned_names_.emplace();
+  for_each(scene_, [&](const Element& spawn) {
+    if (spawn.tag() != "spawn") return;
+    if (spawn.find("name") == nullptr) {  // it goes by its template and a number
+      if (const auto of = reader(spawn).text("of"); of.given()) names.push_back(*of + "_");
+      return;
+    }
+    names.push_back(spawn.path);
+    names.push_back(spawn.path.substr(spawn.path.rfind('.') + 1));
+  });
+  return names;
+}
+
+/// What `parse` makes of `text`, with names as they are written in `element`; what goes by one of the names in
 /// `added`, or the name of something that is spawned, may come during the run.
 std::optional<std::string> Builder::with_signals(
     std::string_view code, const Element& element, std::string_view attribute,
-    const std::vector<std::string>& added,
+    const std::string& text, const std::vector<std::string>& added,
     const std::function<Result<std::string>(const SignalScope&)>& parse) {
+  // Each operator keeps its text, and each name is looked for among all.
+  const std::size_t names = static_cast<std::size_t>(context_.element_count) + added.size();
+  if (!spend(context_, 2 * names + text.size() * (64 + text.size() / 8), element.span(),
+             element.trail))
+    return std::nullopt;
   bool lost = false;
   const Element* without = nullptr;  // found, but there are no signals of it
   SignalScope scope{model_, channels(), {}};
@@ -83,16 +104,8 @@ std::optional<std::string> Builder::with_signals(
     if (!in_model(model_, found.element->path)) without = found.element;
     return found.element->path;
   };
-  std::vector<std::string> coming = added;
-  for_each(scene_, [&](const Element& spawn) {
-    if (spawn.tag() != "spawn") return;
-    if (spawn.find("name") == nullptr) {  // it goes by its template and a number
-      if (const auto of = reader(spawn).text("of"); of.given()) coming.push_back(*of + "_");
-      return;
-    }
-    coming.push_back(spawn.path);
-    coming.push_back(spawn.path.substr(spawn.path.rfind('.') + 1));
-  });
+  std::vector<std::string> coming = spawned_names();
+  coming.insert(coming.end(), added.begin(), added.end());
   scope.may_come = [coming](const std::string& name) {
     return std::any_of(coming.begin(), coming.end(), [&](const std::string& one) {
       if (one.empty() || name.compare(0, one.size(), one) != 0) return false;

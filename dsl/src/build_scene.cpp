@@ -7,11 +7,19 @@
 
 namespace cogrsim::dsl {
 
+namespace {
+
+// Elements are numbered parents first, in the order of their children.
+std::size_t size_of_tree(const Element& root) {
+  const Element* last = &root;
+  while (!last->children.empty()) last = last->children.back();
+  return static_cast<std::size_t>(last->index - root.index + 1);
+}
+
+}  // namespace
+
 Builder::Builder(CompileContext& context, const Element& scene)
-    : context_(context),
-      scene_(scene),
-      names_(context, scene),
-      notes_(static_cast<std::size_t>(context.element_count)) {}
+    : context_(context), scene_(scene), names_(context, scene), notes_(size_of_tree(scene)) {}
 
 bool Builder::knows(const Element& element, std::string_view attribute) {
   return element.node->spec != nullptr && element.node->spec->find(attribute) != nullptr;

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -86,9 +87,10 @@ class Builder {
     const Element* source = nullptr;
   };
 
-  Note& note(const Element& element) { return notes_[static_cast<std::size_t>(element.index)]; }
-  const Note& note(const Element& element) const {
-    return notes_[static_cast<std::size_t>(element.index)];
+  /// Of a template, what is around it has notes, too.
+  Note& note(const Element& element) {
+    const auto at = static_cast<std::size_t>(element.index - scene_.index);
+    return at < notes_.size() ? notes_[at] : notes_around_[element.index];
   }
   Reader reader(const Element& element) { return Reader(context_, element); }
   DiagnosticSink& sink() { return context_.sink; }
@@ -149,6 +151,8 @@ class Builder {
   // build_shapes.cpp
   void shapes();
   bool geometry(const Element& element, Shape& shape);
+  std::string asset(const std::string& file, const SourceSpan& at, const Trail* trail);
+  bool copied(const std::string& path, std::size_t work, const SourceSpan& at, const Trail* trail);
   bool mesh(const Element& element, Shape& shape);
   bool heightmap(const Element& element, Shape& shape);
 
@@ -225,9 +229,10 @@ class Builder {
   ChannelLookup channels();
   std::optional<std::string> signal(const Element& element, std::string_view attribute,
                                     const std::string& text);
+  const std::vector<std::string>& spawned_names();
   std::optional<std::string> with_signals(
       std::string_view code, const Element& element, std::string_view attribute,
-      const std::vector<std::string>& added,
+      const std::string& text, const std::vector<std::string>& added,
       const std::function<Result<std::string>(const SignalScope&)>& parse);
 
   // build_tests.cpp
@@ -250,12 +255,16 @@ class Builder {
   const Element& scene_;
   Names names_;
   SceneModel model_;
-  std::int64_t texture_pixels_ = 0;                                  // of all textures
-  std::vector<Note> notes_;                                          // by Element::index
-  std::vector<const Element*> body_elements_;                        // by body
-  std::vector<const Element*> joint_elements_;                       // by joint
-  std::vector<const Element*> motor_elements_;                       // by motor
-  std::vector<std::pair<const Element*, double>> rates_;             // asked for [Hz]
+  std::optional<std::vector<std::string>> spawned_names_;  // once somebody asks
+  std::unordered_set<std::string> test_names_;
+  std::unordered_set<std::string> asset_files_;           // meshes and heights that were read
+  std::int64_t texture_pixels_ = 0;                       // of all textures
+  std::vector<Note> notes_;                               // by Element::index from the scene's on
+  std::unordered_map<int, Note> notes_around_;            // by Element::index
+  std::vector<const Element*> body_elements_;             // by body
+  std::vector<const Element*> joint_elements_;            // by joint
+  std::vector<const Element*> motor_elements_;            // by motor
+  std::vector<std::pair<const Element*, double>> rates_;  // asked for [Hz]
   std::vector<std::pair<const Element*, const char*>> idle_bounds_;  // attributes without effect
   std::vector<const Element*> sensor_elements_;                      // by sensor
   std::vector<std::vector<ShapeJob>> body_shapes_;                   // by body

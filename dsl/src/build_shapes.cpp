@@ -11,6 +11,19 @@ std::string number_key(const Vec3& v) {
 
 }  // namespace
 
+/// The path of a file that the scene names; empty: not there, which is reported.
+std::string Builder::asset(const std::string& file, const SourceSpan& at, const Trail* trail) {
+  std::string path = context_.files.resolve_asset(file, at);
+  if (path.empty()) spend(context_, 20000, at, trail);  // it was looked for in all folders
+  return path;
+}
+
+/// What is made of a file is bounded by its size; what is made of it again is work.
+bool Builder::copied(const std::string& path, std::size_t work, const SourceSpan& at,
+                     const Trail* trail) {
+  return asset_files_.insert(path).second || spend(context_, work, at, trail);
+}
+
 bool Builder::mesh(const Element& element, Shape& shape) {
   Reader r = reader(element);
   const auto convex = r.boolean("convex");
@@ -28,7 +41,7 @@ bool Builder::mesh(const Element& element, Shape& shape) {
   }
   if (convex.failed() || scale.failed() || !file.given()) return false;
   const SourceSpan& at = element.find("file")->value_span;
-  const std::string path = context_.files.resolve_asset(*file, at);
+  const std::string path = asset(*file, at, element.trail);
   if (path.empty()) return false;
   const auto [known, is_new] = mesh_indices_.try_emplace(path + "|" + number_key(factor), -1);
   if (is_new) {
@@ -39,6 +52,9 @@ bool Builder::mesh(const Element& element, Shape& shape) {
           .help("meshes are read from OBJ and STL files, in metres");
       return false;
     }
+    if (!copied(path, 128 * (loaded->vertices.size() + loaded->triangles.size()), at,
+                element.trail))
+      return false;
     for (Vec3& vertex : loaded->vertices) vertex = vertex.cwiseProduct(factor);
     known->second = static_cast<int>(model_.meshes.size());
     mesh_open_edges_.push_back(open_edges(*loaded));
@@ -72,7 +88,7 @@ bool Builder::heightmap(const Element& element, Shape& shape) {
       fault("CG0608", element, "columns", "a file says itself how many columns it has");
     if (!file.given() || height.failed()) return false;
     const SourceSpan& at = element.find("file")->value_span;
-    const std::string path = context_.files.resolve_asset(*file, at);
+    const std::string path = asset(*file, at, element.trail);
     if (path.empty()) return false;
     auto loaded =
         load_heightmap(path, *file, size_x, size_y, *height, context_.options.limits.asset_bytes);
@@ -82,6 +98,7 @@ bool Builder::heightmap(const Element& element, Shape& shape) {
           .help("heightmaps are read from PGM pictures and from lines of numbers");
       return false;
     }
+    if (!copied(path, 16 * loaded->heights.size(), at, element.trail)) return false;
     grid = std::move(*loaded);
   } else {
     const auto heights = r.numbers("heights");

@@ -51,10 +51,9 @@ void Builder::test(const Element& element) {
   Reader r = reader(element);
   const auto name = r.text("name");
   test.name = *name;
-  const auto same = [&](const TestModel& other) { return other.name == test.name; };
   if (name.given() && test.name.empty()) {
     fault("CG1107", element, "name", "the name of the test is empty");
-  } else if (name.given() && std::any_of(model_.tests.begin(), model_.tests.end(), same)) {
+  } else if (name.given() && !test_names_.insert(test.name).second) {
     fault("CG1107", element, "name", "there is another test '" + test.name + "'");
   }
   const auto duration = r.number("duration");
@@ -67,6 +66,7 @@ void Builder::test(const Element& element) {
   const auto seeds = r.text("seeds");
   if (seeds.given()) {
     auto list = parse_seeds(*seeds);
+    if (list && !spend(context_, 32 * list->size(), element.span(), element.trail)) return;
     if (list && list->size() <= kMostSeeds)
       test.seeds = std::move(*list);
     else
@@ -124,7 +124,7 @@ void Builder::expectation(const Element& element, TestModel& test, double length
   const auto text = r.text(attribute);
   if (!text.given()) return;
   std::string unit;
-  const auto full = with_signals("CG1102", element, attribute, added,
+  const auto full = with_signals("CG1102", element, attribute, *text, added,
                                  [&](const SignalScope& scope) -> Result<std::string> {
                                    if (agree) {
                                      auto signals = parse_agreement(scope, *text);
@@ -175,7 +175,7 @@ void Builder::measure(const Element& element) {
   const auto text = r.text("signal");
   if (!text.given() || take.failed()) return;
   const auto full = with_signals(
-      "CG1102", element, "signal", words_of(*r.text("added")),
+      "CG1102", element, "signal", *text, words_of(*r.text("added")),
       [&](const SignalScope& scope) -> Result<std::string> {
         if (out.take == Take::first_time)
           return Condition::parse(scope, *text).map([](const Condition& condition) {

@@ -94,7 +94,9 @@ std::vector<CodeInfo> language_codes() {
        "deep.",
        "Break the circle; `repeat` and `if` do not need recursion.", ""},
       {"CG0306", error, "a scene that grows too large",
-       "Prototypes and repeats make more elements than are allowed.", "Lower the counts.",
+       "Prototypes and repeats make more elements than are allowed, or have long values read again "
+       "and again.",
+       "Lower the counts, or give long values once: as a <param> or in a file.",
        "<repeat count=\"1000000\"> … </repeat>"},
       {"CG0307", error, "an unknown parameter",
        "An instance, or --set on the command line, gives a parameter that is not declared.",

@@ -12,6 +12,19 @@ std::vector<OutputModel> PluginCatalog::outputs(PluginKind, const std::string&) 
 
 std::vector<Channel> PluginCatalog::channels(const SceneModel&, const SensorModel&) { return {}; }
 
+bool spend(CompileContext& context, std::size_t work, const SourceSpan& at, const Trail* trail) {
+  if (work < context.work) {
+    context.work -= work;
+    return true;
+  }
+  if (context.work > 0)
+    context.sink
+        .report("CG0306", at, trail, "there is too much to read and to compute in this scene")
+        .help("look for long values that stand in a repeat or in many instances");
+  context.work = 0;
+  return false;
+}
+
 namespace {
 
 template <class Open>

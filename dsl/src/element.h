@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -43,13 +44,12 @@ class Scope {
 
  private:
   struct Entry {
-    std::string name;
     Value value;
     mutable bool used = false;
   };
   const Scope* parent_;
   bool opaque_;
-  std::vector<Entry> entries_;
+  std::map<std::string, Entry, std::less<>> entries_;
 };
 
 /// An element of the expanded scene. Made by expansion, read by everything after it.
@@ -82,13 +82,18 @@ struct ParamUse {
 
 struct OutlineNotes;  // outline_notes.h
 
+/// All that may be read and computed for a scene, in units of some nanoseconds: a byte of a number is
+/// 2, a byte of a text or an expression 16, an entry of a list 32. What stands in a repeat counts in
+/// each round.
+inline constexpr std::size_t kMostWork = std::size_t{512} << 20;
+
 /// Everything one compilation shares. Deques keep addresses valid.
 struct CompileContext {
   const CompileOptions& options;
   SourceFiles& files;
   DiagnosticSink& sink;
   std::uint64_t seed = 1;  ///< set before the first random draw: options.seed, else physics seed=
-  std::size_t expression_budget = kExpressionBudget;
+  std::size_t work = kMostWork;  ///< that may still be done, see spend()
   std::deque<Element> elements = {};
   std::deque<Scope> scopes = {};
   std::deque<Trail> trails = {};
@@ -106,6 +111,10 @@ struct CompileContext {
   /// World poses that were drawn for things of a scatter; empty: not drawn yet.
   std::unordered_map<const Element*, Pose> drawn_places = {};
 };
+
+/// Takes work from what may still be done. False: none is left, which is reported once; what needed it
+/// has failed.
+bool spend(CompileContext& context, std::size_t work, const SourceSpan& at, const Trail* trail);
 
 /// Expansion (expand_*.cpp): imports, parameters, prototypes, repeats, conditions. Returns the root
 /// `<scene>`; what failed was reported and left out. nullptr only when nothing is left to look at.

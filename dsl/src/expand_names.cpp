@@ -7,7 +7,7 @@
 namespace cogrsim::dsl {
 namespace {
 
-constexpr std::size_t kMaxPathBytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxPathBytes = std::size_t{64} << 20;
 
 // Things, materials and so on have names of their own: a crate may be called "wood".
 int name_space(std::string_view tag) { return tag == "material" ? 1 : 0; }

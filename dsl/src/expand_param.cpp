@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "expand_scene.h"
 #include "number_list.h"
@@ -145,6 +146,7 @@ void Expander::define_params(const Node& container, Scope& scope, const Place& p
   const ElementSpec* instance_spec = find_element("instance");
   for (const Node* node : container.children) {
     if (node->name != "param") continue;
+    if (!spend(context_, 1000, node->span, place.trail)) return;
     if (node->spec == nullptr) {  // stands where none may: said once, and not of its every use
       if (const Attribute* name = node->find("name");
           name != nullptr && !scope.has_own(name->value))
@@ -256,12 +258,12 @@ void Expander::define_params(const Node& container, Scope& scope, const Place& p
 void Expander::check_given_names(const Node& container, const Element* instance, bool is_scene) {
   if (instance == nullptr && !is_scene) return;
   std::vector<std::string> known;
+  std::set<std::string_view> names;
   for (const Node* node : container.children)
     if (node->name == "param")
-      if (const Attribute* name = node->find("name")) known.emplace_back(name->value);
-  const auto is_known = [&](std::string_view name) {
-    return std::find(known.begin(), known.end(), name) != known.end();
-  };
+      if (const Attribute* name = node->find("name"); name && names.insert(name->value).second)
+        known.emplace_back(name->value);
+  const auto is_known = [&](std::string_view name) { return names.count(name) != 0; };
   const std::string none = is_scene ? "the scene has no parameters" : "it has no parameters";
   if (is_scene) {
     for (const auto& [name, text] : context_.options.set_parameters)

@@ -75,6 +75,7 @@ Element* Expander::run(const Document& scene) {
 }
 
 bool Expander::room(const Node& node, const Place& place, std::size_t cost) {
+  full_ = full_ || context_.work == 0;  // which was reported
   if (full_) return false;
   made_ += cost;
   if (made_ > static_cast<std::size_t>(context_.options.limits.expanded_elements)) {
@@ -129,6 +130,7 @@ void Expander::define(const Node& node, const Place& place, Definitions& definit
     if (c->name == "import" && c->spec != nullptr) import(*c, place, definitions);
   for (const Node* c : node.children) {
     if (c->name != "prototype" || c->spec == nullptr) continue;
+    if (!spend(context_, 2000, c->span, place.trail)) return;
     Element& element = context_.elements.emplace_back();
     element.node = c;
     element.scope = place.scope;
@@ -160,6 +162,7 @@ void Expander::children(const Node& node, const Place& outer, Definitions* own) 
     place.definitions = own;
     define(node, place, *own);
   }
+  if (!spend(context_, 16 * node.children.size(), node.span, place.trail)) return;
   std::map<std::string_view, int> ordinals;
   for (const Node* c : node.children) {
     if (full_) return;

@@ -126,12 +126,13 @@ class Parser {
                   "it has at most 100000 entries, with those of the lists inside");
     }
     if (environment_.budget == nullptr) return value;
-    if (size > *environment_.budget) {
+    if (kWorkOfValue * size > *environment_.budget) {
+      *environment_.budget = 0;
       return fail("CG0511", begin, at_ - begin,
                   "the expressions of this scene make too much text and too many lists",
                   "64 MB in all are the limit");
     }
-    *environment_.budget -= size;
+    *environment_.budget -= kWorkOfValue * size;
     return value;
   }
   std::size_t here() {

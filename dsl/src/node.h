@@ -117,6 +117,12 @@ class SourceFiles {
   std::unordered_map<std::string, std::size_t> by_path_;
   std::vector<std::string> roots_;  // canonical folders that files may lie below
   std::set<std::string> read_;      // absolute paths
+  /// Where span_in_value() stood in the value that begins at `start`.
+  struct Cursor {
+    SourceSpan start, span;
+    std::size_t at = 0, decoded = 0;  ///< bytes of the file, bytes of the value
+  };
+  mutable Cursor cursor_;
   mutable std::optional<std::vector<std::string>> engine_words_;  ///< once somebody asks
 };
 

@@ -350,10 +350,14 @@ SourceSpan SourceFiles::span_in_value(const Attribute& attribute, std::size_t be
   if (span.file < 0) return span;
   const std::string_view text = file(span.file).text;
   const std::size_t end = attribute.raw_begin + attribute.raw_length;
-  std::size_t at = attribute.raw_begin;
-  std::size_t decoded = 0;
+  // Words of a value are mostly asked for in their order.
+  if (cursor_.start.file != span.file || cursor_.start.line != span.line ||
+      cursor_.start.column != span.column || cursor_.decoded > begin)
+    cursor_ = {span, span, attribute.raw_begin, 0};
   // Walks source and decoded value side by side; an entity is several source bytes for few others.
-  const auto advance = [&](std::size_t target, bool count_lines, int& columns) {
+  const auto advance = [&](std::size_t& at, std::size_t& decoded, std::size_t target,
+                           SourceSpan* lines) {
+    int columns = 0;
     while (decoded < target && at < end) {
       if (text[at] == '&') {
         const std::size_t semicolon = std::min(text.find(';', at), end - 1);
@@ -375,9 +379,9 @@ SourceSpan SourceFiles::span_in_value(const Attribute& attribute, std::size_t be
       }
       const char c = text[at];
       if (c == '\r' && at + 1 < end && text[at + 1] == '\n') ++at;
-      if ((c == '\n' || c == '\r') && count_lines) {
-        ++span.line;
-        span.column = 1;
+      if ((c == '\n' || c == '\r') && lines != nullptr) {
+        ++lines->line;
+        lines->column = 1;
         columns = 0;
       } else if ((static_cast<unsigned char>(c) & 0xC0) != 0x80) {
         ++columns;
@@ -385,16 +389,15 @@ SourceSpan SourceFiles::span_in_value(const Attribute& attribute, std::size_t be
       ++at;
       ++decoded;
     }
+    return columns;
   };
-  int before = 0;
-  advance(begin, true, before);
-  span.column += before;
-  int marked = 0;
-  // Not beyond the value: a file may be one long line.
-  const std::size_t line_end = std::min(text.substr(0, end).find_first_of("\r\n", at), end);
-  advance(begin + length, false, marked);
-  if (at > line_end) {  // underline to the end of its first line only
-    at = line_end;
+  const int columns = advance(cursor_.at, cursor_.decoded, begin, &cursor_.span);
+  cursor_.span.column += columns;
+  span = cursor_.span;
+  std::size_t at = cursor_.at, decoded = cursor_.decoded;
+  int marked = advance(at, decoded, begin + length, nullptr);
+  const std::size_t line_end = text.substr(0, at).find_first_of("\r\n", cursor_.at);
+  if (line_end < at) {  // underline to the end of its first line only
     marked = std::max(1, static_cast<int>(line_end) - static_cast<int>(attribute.raw_begin));
   }
   span.length = std::max(1, marked);

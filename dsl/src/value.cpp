@@ -43,38 +43,25 @@ std::size_t size_of(const Value& value, std::size_t most) {
 }
 
 void Scope::set(std::string name, Value value) {
-  for (Entry& e : entries_) {
-    if (e.name == name) {
-      e.value = std::move(value);
-      return;
-    }
-  }
-  entries_.push_back({std::move(name), std::move(value)});
+  entries_[std::move(name)].value = std::move(value);
 }
 
 const Value* Scope::find(std::string_view name) const {
   for (const Scope* s = this; s; s = s->opaque_ ? nullptr : s->parent_) {
-    for (const Entry& e : s->entries_) {
-      if (e.name == name) {
-        e.used = true;
-        return &e.value;
-      }
-    }
+    const auto found = s->entries_.find(name);
+    if (found == s->entries_.end()) continue;
+    found->second.used = true;
+    return &found->second.value;
   }
   return nullptr;
 }
 
-bool Scope::has_own(std::string_view name) const {
-  for (const Entry& e : entries_) {
-    if (e.name == name) return true;
-  }
-  return false;
-}
+bool Scope::has_own(std::string_view name) const { return entries_.find(name) != entries_.end(); }
 
 std::vector<std::string> Scope::unused() const {
   std::vector<std::string> out;
-  for (const Entry& e : entries_) {
-    if (!e.used) out.push_back(e.name);
+  for (const auto& [name, entry] : entries_) {
+    if (!entry.used) out.push_back(name);
   }
   return out;
 }
@@ -82,7 +69,7 @@ std::vector<std::string> Scope::unused() const {
 std::vector<std::string> Scope::names() const {
   std::vector<std::string> out;
   for (const Scope* s = this; s; s = s->opaque_ ? nullptr : s->parent_) {
-    for (const Entry& e : s->entries_) out.push_back(e.name);
+    for (const auto& [name, entry] : s->entries_) out.push_back(name);
   }
   return out;
 }

@@ -69,8 +69,8 @@ std::string to_text(const Value& value);
 /// Longest text an expression makes [byte], and most entries of a list with the lists inside it.
 inline constexpr std::size_t kLongestText = 1 << 16;
 inline constexpr std::size_t kLongestList = 100000;
-/// All that the expressions of one compilation may make: bytes of text, and 64 for an entry of a list.
-inline constexpr std::size_t kExpressionBudget = std::size_t{64} << 20;
+/// Work (see kMostWork in element.h) of a byte that an expression makes.
+inline constexpr std::size_t kWorkOfValue = 8;
 
 /// Bytes of text and 64 for each entry, of lists with the lists inside; counts no further than
 /// `most`.
@@ -80,7 +80,7 @@ std::size_t size_of(const Value& value, std::size_t most);
 struct Environment {
   const Scope* scope = nullptr;
   RandomStream* random = nullptr;  ///< nullptr: uniform and normal are refused here
-  /// What the expressions of one compilation may still make, see kExpressionBudget; nullptr: no end.
+  /// Work that may still be done; nullptr: no end.
   std::size_t* budget = nullptr;
 };
 

@@ -73,6 +73,8 @@ struct Binary final : Signal::Node {
     quantity = a->quantity == b->quantity ? a->quantity : text;
     unit = std::move(unit_text);
     needs = a->needs | b->needs;
+    all_bare = a->bare() && b->bare();
+    of = combined();
   }
   double value(const Frame& frame) const override {
     const double x = a->value(frame), y = b->value(frame);
@@ -90,7 +92,8 @@ struct Binary final : Signal::Node {
   std::uint64_t revision(const Frame& frame) const override {
     return a->revision(frame) * 0x9e3779b97f4a7c15u + b->revision(frame);
   }
-  std::optional<units::Dimension> dimension() const override {
+  std::optional<units::Dimension> dimension() const override { return of; }
+  std::optional<units::Dimension> combined() const {
     const auto left = a->dimension(), right = b->dimension();
     if (!product()) return a->bare() || !left ? right : left;
     if (!left || !right) return std::nullopt;
@@ -103,10 +106,12 @@ struct Binary final : Signal::Node {
                             sum(left->angle, right->angle), sum(left->byte, right->byte)};
   }
   bool constant() const override { return a->constant() && b->constant(); }
-  bool bare() const override { return a->bare() && b->bare(); }
+  bool bare() const override { return all_bare; }
   bool product() const { return sign == '*' || sign == '/'; }
   SignalNode a, b;
   char sign;
+  bool all_bare = false;  // kept: asked at each operator of a long expression
+  std::optional<units::Dimension> of;
 };
 
 Operation operation_of(const SignalNode& node) {

@@ -1,5 +1,5 @@
-// What several tests do: a server and a page shared by the tests of a file, a second client inside the page, pixels.
-import { expect, type Browser, type Locator, type Page } from "@playwright/test";
+// What several tests do: a server and a page for each test of a file, a second client inside the page, pixels.
+import { expect, type Locator, type Page } from "@playwright/test";
 import { cpSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, dirname, join } from "node:path";
@@ -31,23 +31,20 @@ export async function dismiss(server: StudioServer): Promise<void> {
   rmSync(dirname(server.file), { recursive: true, force: true });
 }
 
-export interface Shared {
+export interface Fresh {
   server: StudioServer;
   page: Page;
 }
 
-/** One server and one page for all tests of a file; each test leaves them as it can use them itself. */
-export function shared(scene: string, ...words: string[]): Shared {
-  const both = {} as Shared;
-  test.beforeAll(async ({ browser }: { browser: Browser }) => {
+/** A server and a page of its own for each test of a file: none finds what another left. */
+export function fresh(scene: string, ...words: string[]): Fresh {
+  const both = {} as Fresh;
+  test.beforeEach(async ({ page }) => {
     both.server = await serve(scene, words);
-    both.page = await (await browser.newContext()).newPage();
-    await visit(both.page, both.server);
+    both.page = page;
+    await visit(page, both.server);
   });
-  test.afterAll(async () => {
-    await both.page?.context().close();
-    if (both.server) await dismiss(both.server);
-  });
+  test.afterEach(async () => dismiss(both.server));
   return both;
 }
 

@@ -3,7 +3,7 @@ import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { expect, keep, program, StudioServer, test } from "./harness";
-import { ask, layout, look, read_png, row, shared, still, until } from "./acts";
+import { ask, fresh, layout, look, read_png, row, still, until } from "./acts";
 
 const kScene = `<scene name="fall" version="1">
   <physics backend="bullet" step="5 ms" gravity="0 0 -10" duration="3 s"/>
@@ -18,7 +18,7 @@ const kScene = `<scene name="fall" version="1">
   <on time="500 ms"><raise event="half" message="half a second"/></on>
 </scene>
 `;
-const its = shared(kScene);
+const its = fresh(kScene);
 const kEnd = 1.2;
 
 /** Runs to 1.2 s: 240 steps. */

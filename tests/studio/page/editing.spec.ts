@@ -1,6 +1,6 @@
 // Editing as a user does it: what is edited stays, one undo brings everything back, the text and the picture are one.
 import { expect, keep, test } from "./harness";
-import { ask, edit, kOften, row, shared, text_of, told, tree, until, write, type Json } from "./acts";
+import { ask, edit, fresh, kOften, row, text_of, told, tree, until, type Json } from "./acts";
 
 const kScene = `<?xml version="1.0" encoding="UTF-8"?>
 <!-- What is written here, and how, stays. -->
@@ -21,15 +21,8 @@ const kScene = `<?xml version="1.0" encoding="UTF-8"?>
   </assembly>
 </scene>
 `;
-const its = shared(kScene);
+const its = fresh(kScene);
 const of = (elements: Json[], name: string): number => elements.find((e) => e.name === name).id;
-
-test.beforeEach(async () => {
-  const { page } = its;
-  await ask(page, "stop");
-  if ((await text_of(page)) !== kScene) await write(page, kScene);
-  await page.keyboard.press("Escape");
-});
 
 test("an edit is kept when the run is stopped", async () => {
   const { page } = its;

@@ -1,6 +1,6 @@
 // What is seen: tree, 3D view and map show and select the same things at the same places.
 import { expect, keep, test } from "./harness";
-import { ask, blue, green, layout, look, red, row, shared, still, until } from "./acts";
+import { ask, blue, fresh, green, layout, look, red, row, still, until } from "./acts";
 
 // Three flat things at one height, seen from above: the outer two are known places in any picture of them.
 const kScene = `<scene name="three" version="1">
@@ -10,7 +10,7 @@ const kScene = `<scene name="three" version="1">
   <box name="puck" size="20 20 2 cm" xyz="-0.6 0.3 0" mass="1 kg" linear-velocity="0.5 -0.2 0" color="#e00000"/>
 </scene>
 `;
-const its = shared(kScene);
+const its = fresh(kScene);
 
 test("a click in the tree highlights in 3D and on the map, and a pixel that is clicked selects in the tree", async () => {
   const { page } = its;

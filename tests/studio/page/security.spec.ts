@@ -25,10 +25,10 @@ const kNamed = `<scene name="${kWritten}" version="1">
 </scene>
 `;
 
-test.beforeAll(async () => {
+test.beforeEach(async () => {
   server = await serve(kPlain);
 });
-test.afterAll(async () => dismiss(server));
+test.afterEach(async () => dismiss(server));
 
 /** Says `text` on a connection of its own; what comes back until the other side ends it or a header and a moment have come. */
 function say(text: string): Promise<string> {

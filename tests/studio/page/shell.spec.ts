@@ -1,7 +1,7 @@
 // The window: panels, layouts, keys, roles, and what assistive technology finds in it.
 import axe from "axe-core";
 import { expect, keep, test, visit } from "./harness";
-import { ask, layout, row, shared, until } from "./acts";
+import { ask, fresh, layout, row, until } from "./acts";
 
 const kScene = `<scene name="window" version="1">
   <physics backend="bullet" step="5 ms" gravity="0 0 -9.81" duration="3600 s"/>
@@ -11,11 +11,10 @@ const kScene = `<scene name="window" version="1">
   <plot name="height" kind="curve" title="Height" y="crate.z"/>
 </scene>
 `;
-const its = shared(kScene);
+const its = fresh(kScene);
 
 test.beforeEach(async () => {
   const { page } = its;
-  await page.keyboard.press("Escape");
   await layout(page, "Edit");
   await page.getByTestId("view3d").click({ position: { x: 5, y: 5 } });
 });

@@ -17,10 +17,10 @@ const kScene = `<scene name="watched" version="1">
 </scene>
 `;
 let server: StudioServer;
-test.beforeAll(async () => {
+test.beforeEach(async () => {
   server = await serve(kScene);
 });
-test.afterAll(async () => dismiss(server));
+test.afterEach(async () => dismiss(server));
 
 test("three tabs that come and go while it runs leave the state hash as without", async ({ page }) => {
   await visit(page, server);
