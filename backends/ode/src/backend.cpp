@@ -10,6 +10,18 @@ class OdeBackend final : public Backend {
  public:
   const char* name() const override { return "ode"; }
   const char* engine_version() const override { return COGRSIM_ODE_VERSION; }
+  Provenance provenance(const Parameters&) const override {
+    Provenance out;
+    out.engine = "Open Dynamics Engine";
+    out.solver = "ODE's Dantzig LCP on rows of CogRSim";
+    out.formulation = "maximal coordinates";
+    out.integrator = "cogrsim: midpoint";
+    for (const Stage stage : kStages) out[stage] = {ComputedBy::cogrsim, "cogrsim::ode"};
+    out[Stage::broad_phase] = {ComputedBy::engine, "dSpaceCollide2"};
+    out[Stage::narrow_phase] = {ComputedBy::engine, "dCollide, points moved by CogRSim"};
+    out[Stage::contact_law] = {ComputedBy::engine, "dxSolveLCP"};
+    return out;
+  }
   const Capabilities& capabilities() const override { return capabilities_; }
   const ParameterTable& world_options() const override { return world_option_table(); }
   const ParameterTable& assembly_options() const override {

@@ -110,6 +110,29 @@ class SimbodyBackend final : public Backend {
     }();
     return version.c_str();
   }
+  Provenance provenance(const Parameters& options) const override {
+    Provenance out;
+    out.engine = "Simbody";
+    out.solver = "cogrsim: projected Gauss-Seidel over islands, direct where it can";
+    out.formulation = "reduced coordinates";
+    out.integrator = std::get<std::string>(options.at("integrator")) == "midpoint"
+                         ? "cogrsim: Moreau's midpoint scheme"
+                         : "cogrsim: Moreau's midpoint scheme, Runge-Kutta 4 in free motion";
+    const auto ours = [&](Stage stage, const char* name) {
+      out[stage] = {ComputedBy::cogrsim, name};
+    };
+    ours(Stage::broad_phase, "Detector");
+    ours(Stage::narrow_phase, "Detector, with Bullet's btGjkPairDetector for hulls");
+    ours(Stage::contact_memory, "Manifold");
+    ours(Stage::contact_law, "Solver, impulses of non-penetration");
+    ours(Stage::friction, "Solver, Coulomb's cone");
+    ours(Stage::restitution, "Solver, Newton's law");
+    ours(Stage::joints, "Mechanism on SimTK::SimbodyMatterSubsystem, loops by rows of Solver");
+    ours(Stage::limits, "Rows");
+    ours(Stage::motors, "Drives, implicit");
+    ours(Stage::integrator, "Stepper");
+    return out;
+  }
   const Capabilities& capabilities() const override { return capabilities_; }
   const ParameterTable& world_options() const override { return options_; }
   const ParameterTable& assembly_options() const override { return assembly_options_; }

@@ -116,6 +116,14 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   auto settled = settled_model(*scene, options, *impl->backend, *impl->loader);
   if (!settled) return Failure(settled.error());
   impl->original = impl->model = *settled;
+  auto provenance = provenance_of(*impl->backend, *impl->model);
+  if (!provenance) {
+    Error error = provenance.error();
+    error.message = fmt::format("backend '{}' does not say who computes its results:\n{}", name,
+                                error.message);
+    return Failure(std::vector<Diagnostic>{from_error(error, "CG0901")});
+  }
+  impl->provenance = std::move(*provenance);
   impl->dt = impl->model->physics.step;
   impl->living.reset(*impl->model, impl->model->physics.seed);
   impl->speed = options.speed;
