@@ -27,7 +27,7 @@ const char* to_string(RunStatus status) {
 
 namespace {
 
-constexpr const char* kDefaultBackend = "bullet";
+constexpr const char* kDefaultBackend = "cogrsim";
 
 Diagnostic from_error(const Error& error, const std::string& default_code) {
   Diagnostic d;
@@ -119,8 +119,8 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   auto provenance = provenance_of(*impl->backend, *impl->model);
   if (!provenance) {
     Error error = provenance.error();
-    error.message = fmt::format("backend '{}' does not say who computes its results:\n{}", name,
-                                error.message);
+    error.message =
+        fmt::format("backend '{}' does not say who computes its results:\n{}", name, error.message);
     return Failure(std::vector<Diagnostic>{from_error(error, "CG0901")});
   }
   impl->provenance = std::move(*provenance);
