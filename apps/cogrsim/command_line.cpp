@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cogrsim/core/parameter.h"
+#include "cogrsim/physics/backend_choice.h"
 #include "new_command.h"
 #include "options.h"
 #include "output_file.h"
@@ -176,9 +177,7 @@ CompareCommandOptions compare_from(const Words& words) {
   CompareCommandOptions options;
   options.scene = scene_from(words);
   for (const std::string& list : words.backends) {
-    for (const std::string& name : split(list, ',')) {
-      if (!name.empty()) options.backends.push_back(name);
-    }
+    for (const std::string& choice : split_backend_choices(list)) options.backends.push_back(choice);
   }
   if (!words.backends.empty() && options.backends.size() < 2) {
     throw UsageError("--backends", Problem("a comparison needs at least two", "",

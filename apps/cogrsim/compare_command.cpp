@@ -167,6 +167,8 @@ int compare_command(const CompareCommandOptions& options) {
   if (!scene.model) return deliver(options, report, kFailed);
   report.scene = scene.model->name;
   report.duration = duration_of(*scene.model, options.scene);
+  report.seed = options.scene.seed.value_or(scene.model->physics.seed);
+  report.set = options.scene.set;
   report.backends = chosen_backends(options, scene);
   if (report.backends.size() < 2) {
     const std::string problem =

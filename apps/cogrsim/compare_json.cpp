@@ -38,6 +38,7 @@ Json to_json(const RunEnd& run, const RunFigures& figures) {
       {"backend", run.backend},
       {"label", run.label},
       {"engine_version", run.engine_version},
+      {"provenance", to_json(run.provenance)},
       {"status", to_string(run.status)},
       {"step", run.step},
       {"steps", run.steps},
@@ -100,6 +101,8 @@ Json to_json(const CompareReport& report) {
   out["status"] = report.status;
   out["backends"] = report.backends;
   out["duration"] = report.duration;
+  out["seed"] = report.seed;
+  out["set"] = report.set;
   out["time"] = comparison.end_time;
   out["samples"] = comparison.samples;
   out["thresholds"] = {{"position", comparison.options.position_threshold},

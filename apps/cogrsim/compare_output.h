@@ -1,6 +1,9 @@
 // A comparison as a table for the terminal, as JSON, and as a page for a browser.
 #pragma once
 
+#include <cstdint>
+#include <map>
+
 #include <string>
 #include <vector>
 
@@ -17,6 +20,8 @@ struct CompareReport {
   std::string file;
   std::string status = "failed";  ///< completed, stopped, diverged, fault; failed: never started
   double duration = 0.0;          ///< asked for [s]
+  std::uint64_t seed = 0;
+  std::map<std::string, std::string> set;  ///< `--set`
   std::vector<std::string> backends;  ///< asked for
   std::optional<LockstepResult> result;
   std::vector<ConvergenceSeries> convergence;  ///< empty: one step only

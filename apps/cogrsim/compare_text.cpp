@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "compare_output.h"
+#include "provenance_text.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -76,7 +77,7 @@ std::string figures_table(const LockstepResult& result, const Style& style) {
   std::vector<std::string> head = {""};
   for (const RunEnd& run : result.runs) {
     columns.push_back(Align::right);
-    head.push_back(fmt::format("{} {}", run.label, run.engine_version));
+    head.push_back(run.label);
   }
   TextTable table(columns);
   table.row(head);
@@ -160,6 +161,15 @@ std::string compare_text(const CompareReport& report, int rows, const Style& sty
                        time_text(*comparison.first_over), comparison.first_over_name, style.off);
   } else {
     out += fmt::format("  {}never apart by more than {}{}\n", style.green, limits, style.off);
+  }
+  out += fmt::format("  seed {}", report.seed);
+  for (const auto& [name, value] : report.set) {
+    out += fmt::format(", {}={}", one_line(name), one_line(value));
+  }
+  out += fmt::format(", CogRSim {}\n\n", result.runs.front().provenance.cogrsim_version);
+  for (const RunEnd& run : result.runs) {
+    out += fmt::format("  {}{}{}\n", style.bold, one_line(run.label), style.off) +
+           provenance_lines(run.provenance);
   }
   out += difference_table("body, worst first", "position", comparison.bodies, report, rows, style);
   out += difference_table("joint, worst first", "travel", comparison.joints, report, rows, style);

@@ -17,13 +17,14 @@ constexpr std::uint64_t kTrailPoints = 1000;  // of a robot's way, or a few more
 
 struct Lane {
   std::unique_ptr<Simulation> simulation;
+  std::string choice;  ///< as it was asked for
   RunEnd end;
 };
 
-std::string label_of(const std::string& backend, const std::vector<Lane>& lanes) {
+std::string label_of(const std::string& choice, const std::vector<Lane>& lanes) {
   const auto before = std::count_if(lanes.begin(), lanes.end(),
-                                    [&](const Lane& lane) { return lane.end.backend == backend; });
-  return before == 0 ? backend : fmt::format("{} ({})", backend, before + 1);
+                                    [&](const Lane& lane) { return lane.choice == choice; });
+  return before == 0 ? choice : fmt::format("{} ({})", choice, before + 1);
 }
 
 bool goes_on(RunStatus status) {
@@ -54,7 +55,9 @@ tl::expected<std::vector<Lane>, std::vector<Diagnostic>> create_lanes(
     lane.simulation = std::move(*created);
     lane.end.backend = lane.simulation->backend().name();
     lane.end.engine_version = lane.simulation->backend().engine_version();
-    lane.end.label = label_of(lane.end.backend, lanes);
+    lane.end.provenance = lane.simulation->provenance();
+    lane.choice = backend;
+    lane.end.label = label_of(backend, lanes);
     lanes.push_back(std::move(lane));
   }
   if (!problems.empty()) return tl::unexpected(std::move(problems));

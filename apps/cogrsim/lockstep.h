@@ -30,9 +30,11 @@ struct LockstepOptions {
 
 /// How one backend's run ended.
 struct RunEnd {
-  std::string label;  ///< the backend's name; "bullet (2)" when one is asked for twice
+  std::string label;  ///< the backend as it was asked for, with its options; "bullet (2)" when one
+                      ///< is asked for twice
   std::string backend;
   std::string engine_version;
+  Provenance provenance;
   RunStatus status = RunStatus::running;
   double step = 0.0;  ///< [s]
   std::uint64_t steps = 0;

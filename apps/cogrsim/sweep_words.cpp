@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "cogrsim/physics/backend_choice.h"
 #include "quantities.h"
 #include "scene_loading.h"
 #include "sweep_case.h"
@@ -139,8 +140,7 @@ void take_words(const SweepWords& words, SweepOptions& options) {
     options.seeds = std::move(*seeds);
   }
   for (const std::string& list : words.backends) {
-    for (const std::string& name : split(list, ',')) {
-      if (name.empty()) continue;
+    for (const std::string& name : split_backend_choices(list)) {
       if (std::count(options.backends.begin(), options.backends.end(), name) > 0) {
         throw UsageError("--backends", Problem(fmt::format("'{}' is given twice", name)));
       }

@@ -11,6 +11,7 @@
 
 #include "cogrsim/dsl/edit.h"
 #include "cogrsim/dsl/study.h"
+#include "cogrsim/physics/backend_choice.h"
 #include "interrupt.h"
 #include "options.h"
 #include "output_file.h"
@@ -305,8 +306,7 @@ void add_test(CLI::App& app, int& status) {
     TestCommandOptions options;
     options.scenes = words->scenes;
     for (const std::string& list : words->backends)
-      for (const std::string& name : split(list, ',')) {
-        if (name.empty()) continue;
+      for (const std::string& name : split_backend_choices(list)) {
         const auto& there = options.backends;
         if (std::find(there.begin(), there.end(), name) != there.end())
           throw UsageError("--backends", Problem("'" + name + "' is given twice"));

@@ -135,8 +135,8 @@ class ToyBackend final : public Backend {
     out.engine = "a toy";
     out.solver = out.formulation = "none";
     out.integrator = "explicit Euler";
-    for (const Stage stage : kStages) out[stage] = {ComputedBy::nobody, "bodies fly freely"};
-    out[Stage::integrator] = {ComputedBy::engine, "ToyWorld::step"};
+    for (const StepStage stage : kStepStages) out[stage] = {ComputedBy::nobody, "bodies fly freely"};
+    out[StepStage::integrator] = {ComputedBy::engine, "ToyWorld::step"};
     return out;
   }
   const Capabilities& capabilities() const override { return capabilities_; }

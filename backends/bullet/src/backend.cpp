@@ -30,8 +30,8 @@ class BulletBackend final : public Backend {
     out.solver = "cogrsim: sequential impulses in groups";
     out.formulation = std::get<std::string>(options.at("formulation"));
     out.integrator = "cogrsim: midpoint";
-    for (const Stage stage : kStages) out[stage] = {ComputedBy::cogrsim, "cogrsim::bullet"};
-    out[Stage::broad_phase] = {ComputedBy::engine, "btDbvtBroadphase"};
+    for (const StepStage stage : kStepStages) out[stage] = {ComputedBy::cogrsim, "cogrsim::bullet"};
+    out[StepStage::broad_phase] = {ComputedBy::engine, "btDbvtBroadphase"};
     return out;
   }
   const Capabilities& capabilities() const override { return capabilities_; }

@@ -111,19 +111,19 @@ class DynamicsBackend final : public Backend {
     out.integrator = std::get<std::string>(options.at("integrator")) == "midpoint"
                          ? "Moreau's midpoint scheme"
                          : "Moreau's midpoint scheme, Runge-Kutta 4 in free motion";
-    const auto ours = [&](Stage stage, const char* name) {
+    const auto ours = [&](StepStage stage, const char* name) {
       out[stage] = {ComputedBy::cogrsim, name};
     };
-    ours(Stage::broad_phase, "Detector");
-    ours(Stage::narrow_phase, "Detector, with Bullet's btGjkPairDetector for hulls");
-    ours(Stage::contact_memory, "Manifold");
-    ours(Stage::contact_law, "Solver, impulses of non-penetration");
-    ours(Stage::friction, "Solver, Coulomb's cone");
-    ours(Stage::restitution, "Solver, Newton's law");
-    ours(Stage::joints, "Mechanism on SimTK::SimbodyMatterSubsystem, loops by rows of Solver");
-    ours(Stage::limits, "Rows");
-    ours(Stage::motors, "Drives, implicit");
-    ours(Stage::integrator, "Stepper");
+    ours(StepStage::broad_phase, "Detector");
+    ours(StepStage::narrow_phase, "Detector, with Bullet's btGjkPairDetector for hulls");
+    ours(StepStage::contact_memory, "Manifold");
+    ours(StepStage::contact_law, "Solver, impulses of non-penetration");
+    ours(StepStage::friction, "Solver, Coulomb's cone");
+    ours(StepStage::restitution, "Solver, Newton's law");
+    ours(StepStage::joints, "Mechanism on SimTK::SimbodyMatterSubsystem, loops by rows of Solver");
+    ours(StepStage::limits, "Rows");
+    ours(StepStage::motors, "Drives, implicit");
+    ours(StepStage::integrator, "Stepper");
     return out;
   }
   const Capabilities& capabilities() const override { return capabilities_; }

@@ -16,10 +16,10 @@ class OdeBackend final : public Backend {
     out.solver = "ODE's Dantzig LCP on rows of CogRSim";
     out.formulation = "maximal coordinates";
     out.integrator = "cogrsim: midpoint";
-    for (const Stage stage : kStages) out[stage] = {ComputedBy::cogrsim, "cogrsim::ode"};
-    out[Stage::broad_phase] = {ComputedBy::engine, "dSpaceCollide2"};
-    out[Stage::narrow_phase] = {ComputedBy::engine, "dCollide, points moved by CogRSim"};
-    out[Stage::contact_law] = {ComputedBy::engine, "dxSolveLCP"};
+    for (const StepStage stage : kStepStages) out[stage] = {ComputedBy::cogrsim, "cogrsim::ode"};
+    out[StepStage::broad_phase] = {ComputedBy::engine, "dSpaceCollide2"};
+    out[StepStage::narrow_phase] = {ComputedBy::engine, "dCollide, points moved by CogRSim"};
+    out[StepStage::contact_law] = {ComputedBy::engine, "dxSolveLCP"};
     return out;
   }
   const Capabilities& capabilities() const override { return capabilities_; }

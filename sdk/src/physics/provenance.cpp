@@ -48,27 +48,27 @@ Parameters block_of(const std::map<std::string, Parameters>& blocks, const char*
 
 }  // namespace
 
-const char* to_string(Stage stage) {
+const char* to_string(StepStage stage) {
   switch (stage) {
-    case Stage::broad_phase:
+    case StepStage::broad_phase:
       return "broad-phase";
-    case Stage::narrow_phase:
+    case StepStage::narrow_phase:
       return "narrow-phase";
-    case Stage::contact_memory:
+    case StepStage::contact_memory:
       return "contact-memory";
-    case Stage::contact_law:
+    case StepStage::contact_law:
       return "contact-law";
-    case Stage::friction:
+    case StepStage::friction:
       return "friction";
-    case Stage::restitution:
+    case StepStage::restitution:
       return "restitution";
-    case Stage::joints:
+    case StepStage::joints:
       return "joints";
-    case Stage::limits:
+    case StepStage::limits:
       return "limits";
-    case Stage::motors:
+    case StepStage::motors:
       return "motors";
-    case Stage::integrator:
+    case StepStage::integrator:
       return "integrator";
   }
   return "?";
@@ -116,7 +116,7 @@ Result<> check_provenance(const Provenance& provenance) {
   for (const TextField& field : kTexts) {
     if ((provenance.*field.text).empty()) note(fmt::format("its {} is not named", field.key));
   }
-  for (const Stage stage : kStages) {
+  for (const StepStage stage : kStepStages) {
     const StageOrigin& origin = provenance[stage];
     if (origin.by == ComputedBy::unanswered) {
       note(fmt::format("it does not answer who computes {}", to_string(stage)));
@@ -150,7 +150,7 @@ std::string summary_text(const Provenance& p) {
 std::string to_json_text(const Provenance& provenance) {
   Json out;
   for (const TextField& field : kTexts) out[field.key] = provenance.*field.text;
-  for (const Stage stage : kStages) {
+  for (const StepStage stage : kStepStages) {
     const StageOrigin& origin = provenance[stage];
     out["stages"][to_string(stage)] = {{"by", to_string(origin.by)}, {"name", origin.name}};
   }
@@ -167,7 +167,7 @@ Result<Provenance> parse_provenance(const std::string& text) {
     const Json json = Json::parse(text);
     Provenance out;
     for (const TextField& field : kTexts) out.*field.text = json.at(field.key).get<std::string>();
-    for (const Stage stage : kStages) {
+    for (const StepStage stage : kStepStages) {
       const Json& entry = json.at("stages").at(to_string(stage));
       const auto by = entry.at("by").get<std::string>();
       const auto* const found =

@@ -66,10 +66,10 @@ class @CLASS@Backend final : public cogrsim::Backend {
     out.engine = "flight";
     out.solver = out.formulation = "none";
     out.integrator = "exact free flight";
-    for (const cogrsim::Stage stage : cogrsim::kStages) {
+    for (const cogrsim::StepStage stage : cogrsim::kStepStages) {
       out[stage] = {cogrsim::ComputedBy::nobody, "bodies fly freely"};
     }
-    out[cogrsim::Stage::integrator] = {cogrsim::ComputedBy::engine, "adapter::FlightWorld"};
+    out[cogrsim::StepStage::integrator] = {cogrsim::ComputedBy::engine, "adapter::FlightWorld"};
     return out;
   }
   const Capabilities& capabilities() const override { return capabilities_; }

@@ -17,7 +17,7 @@ class Backend;
 struct SceneModel;
 
 /// The parts of a step, in the order in which an engine usually goes through them.
-enum class Stage {
+enum class StepStage {
   broad_phase,     ///< which bodies are near each other
   narrow_phase,    ///< contact points, normals, depths
   contact_memory,  ///< what is kept of contacts from step to step
@@ -29,13 +29,14 @@ enum class Stage {
   motors,  ///< motors, springs, dampers and dry friction of joints
   integrator
 };
-inline constexpr std::array kStages = {
-    Stage::broad_phase, Stage::narrow_phase, Stage::contact_memory, Stage::contact_law,
-    Stage::friction,    Stage::restitution,  Stage::joints,         Stage::limits,
-    Stage::motors,      Stage::integrator};
+inline constexpr std::array kStepStages = {StepStage::broad_phase,    StepStage::narrow_phase,
+                                           StepStage::contact_memory, StepStage::contact_law,
+                                           StepStage::friction,       StepStage::restitution,
+                                           StepStage::joints,         StepStage::limits,
+                                           StepStage::motors,         StepStage::integrator};
 
 /// "broad-phase", "contact-memory", ….
-COGRSIM_API const char* to_string(Stage stage);
+COGRSIM_API const char* to_string(StepStage stage);
 
 enum class ComputedBy {
   unanswered,
@@ -62,13 +63,13 @@ struct Provenance {
   std::string formulation;      ///< "maximal coordinates", "reduced coordinates"
   std::string integrator;       ///< "semi-implicit Euler"
   std::string cogrsim_version;  ///< of this library
-  std::array<StageOrigin, kStages.size()> stages;
+  std::array<StageOrigin, kStepStages.size()> stages;
   Parameters options;  ///< every option of the world in force, defaults included
   /// By assembly name, where a scene sets options of an assembly.
   std::map<std::string, Parameters> assembly_options;
 
-  StageOrigin& operator[](Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
-  const StageOrigin& operator[](Stage stage) const {
+  StageOrigin& operator[](StepStage stage) { return stages[static_cast<std::size_t>(stage)]; }
+  const StageOrigin& operator[](StepStage stage) const {
     return stages[static_cast<std::size_t>(stage)];
   }
 };
