@@ -290,7 +290,7 @@ void add_run(CLI::App& app, Words& words, int& status) {
   command.footer(
       "Examples:\n"
       "  cogrsim run robot.scene.xml\n"
-      "  cogrsim run robot.scene.xml --backend simbody --duration 5s --step \"0.5 ms\"\n"
+      "  cogrsim run robot.scene.xml --backend cogrsim --duration 5s --step \"0.5 ms\"\n"
       "  cogrsim run robot.scene.xml --set wheel_r=\"5 cm\" --seed 7 --json result.json\n"
       "  cogrsim run robot.scene.xml --speed 1      as fast as the clock on the wall\n"
       "  cogrsim run robot.scene.xml --json - | jq .energy\n"
@@ -346,7 +346,7 @@ void add_plot(CLI::App& app, Words& words, int& status) {
       "  cogrsim plot run.mcap                          the scene's plots, into the folder plots\n"
       "  cogrsim plot run.mcap --plot path -o path.pdf\n"
       "  cogrsim plot run.mcap --y robot.speed -o speed.svg\n"
-      "  cogrsim plot bullet.mcap simbody.mcap --kind map --x robot.x --y robot.y -o path.png\n"
+      "  cogrsim plot bullet.mcap cogrsim.mcap --kind map --x robot.x --y robot.y -o path.png\n"
       "  cogrsim plot run.mcap --kind surface --x robot.x --y robot.y --z robot.speed -o "
       "floor.png\n"
       "  cogrsim plot path.json -o path.svg             a figure drawn before\n"
@@ -390,7 +390,7 @@ void add_compare(CLI::App& app, Words& words, int& status) {
       ->type_name("FILE.html");
   command.footer(
       "Examples:\n"
-      "  cogrsim compare robot.scene.xml --backends bullet,simbody\n"
+      "  cogrsim compare robot.scene.xml --backends bullet,cogrsim\n"
       "  cogrsim compare robot.scene.xml --duration 3s --threshold 5mm,2deg\n"
       "  cogrsim compare robot.scene.xml --report robot.html --json robot.json\n"
       "  cogrsim compare robot.scene.xml --step 4ms --step 2ms --step 1ms      with convergence\n"
@@ -555,7 +555,7 @@ int run_command_line(int argc, char** argv, const std::vector<AddWords>& more) {
       "Examples:\n"
       "  cogrsim check robot.scene.xml\n"
       "  cogrsim run robot.scene.xml\n"
-      "  cogrsim compare robot.scene.xml --backends bullet,simbody --report robot.html\n"
+      "  cogrsim compare robot.scene.xml --backends bullet,cogrsim --report robot.html\n"
       "  cogrsim run --help      each subcommand has examples of its own\n"
       "Exit status: 0 good, 1 the scene or run failed, 2 wrong usage.");
   if (argc < 2) {

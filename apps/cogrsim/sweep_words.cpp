@@ -220,7 +220,7 @@ void add_sweep(CLI::App& app, int& status) {
       "Examples:\n"
       "  cogrsim sweep robot.scene.xml --vary r=3cm..5cm:5 --seeds 1..20 -o study\n"
       "  cogrsim sweep robot.scene.xml --vary r=3cm,4cm --vary load=1kg,2kg --backends "
-      "bullet,simbody \\\n      --measure far=robot.x@max --measure \"crash=contacts(robot, wall) "
+      "bullet,cogrsim \\\n      --measure far=robot.x@max --measure \"crash=contacts(robot, wall) "
       "gt 0@first\" -o study\n"
       "  cogrsim sweep study.xml -o study --jobs 4      a study file, see docs/sweeps.md\n"
       "  mpirun -n 8 cogrsim sweep study.xml -o study   spread over processes and hosts\n"

@@ -300,7 +300,7 @@ void add_test(CLI::App& app, int& status) {
   command.footer(
       "Examples:\n"
       "  cogrsim test examples\n"
-      "  cogrsim test robot.scene.xml --backends bullet,simbody --seeds 1..5 --junit results.xml\n"
+      "  cogrsim test robot.scene.xml --backends bullet,cogrsim --seeds 1..5 --junit results.xml\n"
       "Exit status 0 all passed, 1 something failed, 2 wrong usage.");
   command.callback([&status, words] {
     TestCommandOptions options;

@@ -13,7 +13,7 @@ class Backend {
  public:
   virtual ~Backend() = default;
 
-  /// "bullet", "simbody".
+  /// "bullet", "cogrsim".
   virtual const char* name() const = 0;
   /// Of the engine, asked of its library when it runs: "3.24".
   virtual const char* engine_version() const = 0;
