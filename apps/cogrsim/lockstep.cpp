@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "progress.h"
+#include "shake.h"
+#include "terminal.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -31,12 +33,32 @@ bool goes_on(RunStatus status) {
   return status == RunStatus::running || status == RunStatus::completed;
 }
 
+Result<> shake_start(Simulation& simulation, const LockstepOptions& options, bool twin) {
+  if (options.shake <= 0.0 && !twin) return {};
+  WorldState state = simulation.frame()->state;
+  const SceneModel& model = *simulation.model();
+  int count = 0;
+  if (options.shake > 0.0) count += shake(model, options.shake, options.shake_seed, state);
+  // Another direction than that of all.
+  if (twin) count += shake(model, options.twin, ~options.shake_seed, state);
+  if (count == 0) {
+    return fail("nothing in this scene can be shaken: no body or joint is free to be elsewhere", "",
+                "leave out --shake, --chaos and --seeds");
+  }
+  simulation.send(SetState{std::move(state)});
+  return {};
+}
+
 tl::expected<std::vector<Lane>, std::vector<Diagnostic>> create_lanes(
     const SceneModelPtr& scene, const LockstepOptions& options,
     const std::shared_ptr<PluginLoader>& loader) {
   std::vector<Lane> lanes;
   std::vector<Diagnostic> problems;
-  for (const std::string& backend : options.backends) {
+  std::vector<std::string> backends = options.backends;
+  if (options.twin > 0.0) backends.push_back(backends.front());
+  for (std::size_t i = 0; i < backends.size(); ++i) {
+    const std::string& backend = backends[i];
+    const bool twin = i == options.backends.size();
     SimulationOptions settings;
     settings.backend = backend;
     settings.step = options.step;
@@ -57,7 +79,13 @@ tl::expected<std::vector<Lane>, std::vector<Diagnostic>> create_lanes(
     lane.end.engine_version = lane.simulation->backend().engine_version();
     lane.end.provenance = lane.simulation->provenance();
     lane.choice = backend;
-    lane.end.label = label_of(backend, lanes);
+    lane.end.label =
+        twin ? fmt::format("{}, shaken by {}", lanes.front().end.label, length_text(options.twin))
+             : label_of(backend, lanes);
+    if (auto done = shake_start(*lane.simulation, options, twin); !done) {
+      problems.push_back(to_diagnostic(done.error()));
+      break;
+    }
     lanes.push_back(std::move(lane));
   }
   if (!problems.empty()) return tl::unexpected(std::move(problems));
