@@ -38,7 +38,7 @@ Json to_json(const RunEnd& run, const RunFigures& figures) {
       {"backend", run.backend},
       {"label", run.label},
       {"engine_version", run.engine_version},
-      {"provenance", to_json(run.provenance)},
+      {"provenance", cli::to_json(run.provenance)},
       {"status", to_string(run.status)},
       {"step", run.step},
       {"steps", run.steps},

@@ -9,7 +9,6 @@
 namespace cogrsim::cli {
 namespace {
 
-using Align = TextTable::Align;
 constexpr std::size_t kNameWidth = 28;
 
 std::string spread_cell(const std::optional<Spread>& spread, double Spread::*part, bool angle) {
@@ -28,21 +27,21 @@ std::string difference_table(const std::string& kind, const char* distance,
                        [&](const Difference& d) { return (d.*part).has_value(); });
   };
   const bool distances = any(&Difference::distance), angles = any(&Difference::angle);
-  std::vector<Align> columns = {Align::left};
+  std::vector<TextTable::Align> columns = {TextTable::Align::left};
   std::vector<std::string> head = {kind};
-  const auto column = [&](Align align, const std::string& title) {
+  const auto column = [&](TextTable::Align align, const std::string& title) {
     columns.push_back(align);
     head.push_back(title);
   };
   const auto columns_of = [&](const std::string& quantity) {
-    column(Align::right, quantity + " max");
-    column(Align::right, "rms");
-    column(Align::right, "at end");
+    column(TextTable::Align::right, quantity + " max");
+    column(TextTable::Align::right, "rms");
+    column(TextTable::Align::right, "at end");
   };
-  if (several) column(Align::left, "backend");
+  if (several) column(TextTable::Align::left, "backend");
   if (distances) columns_of(distance);
   if (angles) columns_of("angle");
-  column(Align::right, "apart from");
+  column(TextTable::Align::right, "apart from");
   TextTable table(columns);
   table.row(head);
   const std::size_t shown = std::min(differences.size(), static_cast<std::size_t>(rows));
@@ -73,10 +72,10 @@ std::string extreme_cell(const Extreme& extreme, bool angle) {
 
 // Backends side by side: one column each, so that figures to compare stand beside each other.
 std::string figures_table(const LockstepResult& result, const Style& style) {
-  std::vector<Align> columns = {Align::left};
+  std::vector<TextTable::Align> columns = {TextTable::Align::left};
   std::vector<std::string> head = {""};
   for (const RunEnd& run : result.runs) {
-    columns.push_back(Align::right);
+    columns.push_back(TextTable::Align::right);
     head.push_back(run.label);
   }
   TextTable table(columns);
@@ -116,7 +115,8 @@ std::string figures_table(const LockstepResult& result, const Style& style) {
 
 std::string convergence_table(const CompareReport& report, const Style& style) {
   if (report.convergence.empty()) return {};
-  TextTable table({Align::left, Align::right, Align::right, Align::right});
+  TextTable table({TextTable::Align::left, TextTable::Align::right, TextTable::Align::right,
+                   TextTable::Align::right});
   table.row({"convergence", "step", "rms change", "order"});
   for (const ConvergenceSeries& series : report.convergence) {
     for (const ConvergencePoint& point : series.points) {
@@ -141,8 +141,9 @@ std::string estimate_cell(const Estimate& estimate, std::string (*text)(double))
 std::string study_table(const CompareReport& report, int rows, const Style& style) {
   const CompareStudy& study = report.study;
   if (study.seeds.size() < 2) return {};
-  TextTable table({Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
-                   Align::right});
+  TextTable table({TextTable::Align::left, TextTable::Align::left, TextTable::Align::right,
+                   TextTable::Align::right, TextTable::Align::right, TextTable::Align::right,
+                   TextTable::Align::right});
   table.row({fmt::format("{} repetitions", study.seeds.size()), "run", "position max", "at end",
              "σ at end", "apart from", "apart"});
   const std::size_t shown = std::min(study.rows.size(), static_cast<std::size_t>(rows));

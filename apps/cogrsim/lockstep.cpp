@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "progress.h"
+#include "scene_loading.h"
 #include "shake.h"
 #include "terminal.h"
 

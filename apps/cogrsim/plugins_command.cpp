@@ -206,7 +206,7 @@ Json to_json(const Inventory& inventory) {
     if (entry.backend) {
       item["engine_version"] = entry.backend->engine_version();
       if (const auto provenance = provenance_of(*entry.backend, SceneModel())) {
-        item["provenance"] = to_json(*provenance);
+        item["provenance"] = cli::to_json(*provenance);
       }
       item["world_options"] = to_json(entry.backend->world_options());
       item["assembly_options"] = to_json(entry.backend->assembly_options());
