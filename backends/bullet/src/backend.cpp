@@ -86,8 +86,8 @@ Provenance BulletBackend::provenance(const Parameters& complete) const {
   by(StepStage::friction, solver + ", coefficient of a pair by gContactAddedCallback");
   by(StepStage::restitution, solver + "::restitutionCurve, coefficient by gContactAddedCallback");
   by(StepStage::joints, reduced ? "btMultiBody, btTypedConstraint" : "btTypedConstraint");
-  by(StepStage::limits, reduced ? "btMultiBodyJointLimitConstraint, btTypedConstraint"
-                                : "btTypedConstraint");
+  by(StepStage::limits,
+     reduced ? "btMultiBodyJointLimitConstraint, btTypedConstraint" : "btTypedConstraint");
   by(StepStage::motors,
      "motors of btTypedConstraint and btMultiBodyJointMotor; soft springs, dampers, servos and "
      "torque motors as applyTorque before the step");

@@ -52,8 +52,8 @@ ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody
       main_ = std::make_unique<btSliderConstraint>(a, b, x_to_z(frame_a), x_to_z(frame_b), true);
       break;
     case JointType::ball:
-      main_ = std::make_unique<btPoint2PointConstraint>(a, b, frame_a.getOrigin(),
-                                                        frame_b.getOrigin());
+      main_ =
+          std::make_unique<btPoint2PointConstraint>(a, b, frame_a.getOrigin(), frame_b.getOrigin());
       break;
     case JointType::fixed:
       main_ = std::make_unique<btFixedConstraint>(a, b, frame_a, frame_b);
@@ -283,8 +283,8 @@ void ConstraintJoint::drive(const Axis& axis, Row& row, double dt, double veloci
     slider.setParam(BT_CONSTRAINT_CFM, softness, 0);
     return;
   }
-  auto& six = row.extra ? *row.extra->constraint
-                        : static_cast<btGeneric6DofSpring2Constraint&>(*main_);
+  auto& six =
+      row.extra ? *row.extra->constraint : static_cast<btGeneric6DofSpring2Constraint&>(*main_);
   const double part = slant(axis);
   six.enableMotor(axis.dof, true);
   six.setTargetVelocity(axis.dof, -velocity * part);
@@ -387,9 +387,8 @@ void ConstraintJoint::apply_ball(double dt, const double* q) {
   const btMatrix3x3 R = X_A.getBasis() * frame_a_.getBasis();
   const Eigen::AngleAxisd turned(Quat(q[0], q[1], q[2], q[3]));
   const double angle = std::remainder(turned.angle(), 2.0 * kPi);
-  const btVector3 torque =
-      R * to_bt(turned.axis()) * (-axis.law.stiffness * angle) -
-      (b_.getAngularVelocity() - a_.getAngularVelocity()) * axis.law.damping;
+  const btVector3 torque = R * to_bt(turned.axis()) * (-axis.law.stiffness * angle) -
+                           (b_.getAngularVelocity() - a_.getAngularVelocity()) * axis.law.damping;
   double stiffest = 0.0;
   for (int i = 0; i < 3; ++i) stiffest = std::max(stiffest, inverse_mass(axis, R.getColumn(i)));
   const double s = dt * AxisLaw::of(axis.law).gain(dt) * stiffest;

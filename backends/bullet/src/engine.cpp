@@ -14,7 +14,6 @@
 #include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
 
 #include "cogrsim/model/joint_kinematics.h"
-#include "cogrsim/physics/scene_change.h"
 #include "convert.h"
 
 namespace cogrsim::bullet {
@@ -64,24 +63,35 @@ Pose principal_frame(const Body& body, btVector3& moments) {
 
 }  // namespace
 
-Result<std::unique_ptr<Engine>> Engine::create(const SceneModelPtr& model, const Options& options) {
-  auto out = std::unique_ptr<Engine>(new Engine(options));
+WorldState initial_state(const SceneModel& model) {
   WorldState start;
-  for (const Body& body : model->bodies) {
+  for (const Body& body : model.bodies) {
     start.poses.push_back(body.X_WB);
     start.twists.push_back(body.V_WB);
   }
-  for (const Joint& joint : model->joints) {
+  for (const Joint& joint : model.joints) {
     start.joint_positions.insert(start.joint_positions.end(), joint.position.begin(),
                                  joint.position.end());
     start.joint_velocities.insert(start.joint_velocities.end(), joint.velocity.begin(),
                                   joint.velocity.end());
   }
-  if (auto done = out->adopt(model, start); !done) return tl::unexpected<Error>(done.error());
+  return start;
+}
+
+Result<std::unique_ptr<Engine>> Engine::create(const SceneModelPtr& model, const Options& options,
+                                               const WorldState& state) {
+  auto out = std::unique_ptr<Engine>(new Engine(model, options));
+  if (auto done = out->build(state); !done) return tl::unexpected<Error>(done.error());
   return out;
 }
 
-Engine::~Engine() { drop_world(); }
+Engine::~Engine() {
+  for (const auto& joint : joints_) joint->remove_from(*world_);
+  for (const auto& tree : trees_) tree->remove_from(*reduced_world_);
+  for (const Part& part : parts_) {
+    if (part.rigid) world_->removeRigidBody(part.rigid.get());
+  }
+}
 
 void Engine::make_world(bool reduced) {
   btDefaultCollisionConstructionInfo info;
@@ -118,130 +128,39 @@ void Engine::make_world(bool reduced) {
   if (options_.friction_directions == 1) solver.m_solverMode &= ~SOLVER_USE_2_FRICTION_DIRECTIONS;
   if (options_.friction_directions == 2) solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   if (mlcp_) solver.m_minimumSolverBatchSize = 1;  // its cost grows with the cube of a batch
+  world_->setGravity(to_bt(model_->physics.gravity));
+  solver.m_restitutionVelocityThreshold = model_->physics.bounce_threshold;
   ground_ = std::make_unique<btRigidBody>(
       btRigidBody::btRigidBodyConstructionInfo(0.0, nullptr, nullptr));
 }
 
-void Engine::drop_world() {
-  for (std::size_t i = joints_.size(); i-- > 0;) remove_joint(i);
-  for (std::size_t i = trees_.size(); i-- > 0;) remove_tree(i);
-  for (std::size_t b = parts_.size(); b-- > 0;) remove_body(static_cast<int>(b));
-  ignored_.clear();
-  world_.reset();
-}
-
-bool Engine::keeps_joint(const SceneModel& next, int joint, const std::vector<char>& kept) const {
-  const Joint& is = next.joints[at(joint)];
-  if (is.removed || at(joint) >= model_->joints.size() || model_->joints[at(joint)].removed) {
-    return false;
-  }
-  for (const int end : {is.parent, is.child}) {
-    if (end != kWorld && !kept[at(end)]) return false;
-  }
-  const auto motors = [&](const SceneModel& model) {
-    return std::count_if(model.motors.begin(), model.motors.end(), [&](const Motor& motor) {
-      return motor.joint == joint && !motor.removed;
-    });
-  };
-  return detail::same_axes(is, model_->joints[at(joint)]) && motors(next) == motors(*model_);
-}
-
-Result<> Engine::adopt(const SceneModelPtr& next, const WorldState& state) {
-  const auto plans = plan_trees(*next, options_);
+Result<> Engine::build(const WorldState& state) {
+  const auto plans = plan_trees(*model_, options_);
   if (!plans) return tl::unexpected<Error>(plans.error());
-  const bool other_world = !world_ || (!plans->empty() && !reduced_world_);
-  const std::size_t count = next->bodies.size(), old = parts_.size();
-
-  // What stays as it is: bodies of the same kind, in the same tree or in none.
-  std::vector<char> kept(count, 0), in_tree(count, 0);
-  std::vector<char> tree_kept(trees_.size(), 0);
-  for (std::size_t b = 0; b < old; ++b) {
-    const Body &was = model_->bodies[b], &is = next->bodies[b];
-    kept[b] = !other_world && !was.removed && !is.removed && was.kind == is.kind;
-  }
+  make_world(!plans->empty());
+  const std::size_t count = model_->bodies.size();
+  std::vector<char> in_tree(count, 0);
   for (const TreePlan& plan : *plans) {
     for (const int b : plan.bodies) in_tree[at(b)] = 1;
-    for (std::size_t t = 0; t < trees_.size(); ++t) {
-      if (!trees_[t]->plan().same(plan)) continue;
-      const auto same_body = [&](int b) { return kept[at(b)] != 0; };
-      const std::vector<char> all(count, 1);
-      const auto same_joint = [&](int j) { return keeps_joint(*next, j, all); };
-      tree_kept[t] = std::all_of(plan.bodies.begin(), plan.bodies.end(), same_body) &&
-                     std::all_of(plan.joints.begin(), plan.joints.end(), same_joint);
-    }
   }
-  for (std::size_t b = 0; b < old; ++b) {
-    const Tree* const tree = parts_[b].tree;
-    if (!kept[b]) continue;
-    bool stays = !tree && !in_tree[b];
-    for (std::size_t t = 0; t < trees_.size(); ++t) {
-      if (trees_[t].get() == tree) stays = tree_kept[t] != 0;
-    }
-    kept[b] = stays;
-  }
-
-  // All that may fail comes before anything is touched.
-  std::vector<Part> made(count);
+  parts_.resize(count);
   for (std::size_t b = 0; b < count; ++b) {
-    const Body& body = next->bodies[b];
-    if (kept[b] || body.removed) continue;
-    Part& part = made[b];
+    const Body& body = model_->bodies[b];
+    if (body.removed) continue;
+    Part& part = parts_[b];
+    part.place = state.poses[b];
     if (body.kind == BodyKind::dynamic) part.X_BG = principal_frame(body, part.inertia);
-    auto shape = make_body_shape(*next, body, options_, part.X_BG);
+    auto shape = make_body_shape(*model_, body, options_, part.X_BG);
     if (!shape) return tl::unexpected<Error>(shape.error());
     part.shape = std::move(*shape);
     part.centred = part.X_BG.p == Vec3::Zero() && part.X_BG.q.coeffs() == Quat(1, 0, 0, 0).coeffs();
-  }
-
-  if (other_world) {
-    drop_world();
-    make_world(!plans->empty());
-  } else {
-    for (std::size_t i = joints_.size(); i-- > 0;) {
-      if (!keeps_joint(*next, joints_[i]->joint(), kept)) remove_joint(i);
-    }
-    for (std::size_t t = trees_.size(); t-- > 0;) {
-      if (!tree_kept[t]) remove_tree(t);
-    }
-    for (std::size_t b = 0; b < old; ++b) {
-      if (!kept[b]) remove_body(static_cast<int>(b));
-    }
-  }
-  const bool first = !model_;
-  model_ = next;
-  if (first) {
-    surfaces_ = std::make_unique<Surfaces>(next);
-  } else {
-    surfaces_->set_model(next);
-  }
-  world_->setGravity(to_bt(next->physics.gravity));
-  world_->getSolverInfo().m_restitutionVelocityThreshold = next->physics.bounce_threshold;
-  parts_.resize(count);
-  for (std::size_t b = 0; b < count; ++b) {
-    if (kept[b] || next->bodies[b].removed) continue;
-    parts_[b] = std::move(made[b]);
-    parts_[b].place = state.poses[b];
     if (!in_tree[b]) add_body(static_cast<int>(b), state);
   }
-  positions_.resize(at(next->joint_positions));
-  for (std::size_t j = 0; j < next->joints.size(); ++j) {
-    const Joint& joint = next->joints[j];
-    if (joint.removed) continue;
-    const auto from = state.joint_positions.begin() + joint.position_offset;
-    std::copy(from, from + position_count(joint.type), positions_.begin() + joint.position_offset);
-  }
-  for (const TreePlan& plan : *plans) {
-    const auto is_there = [&](const auto& tree) { return tree->plan().same(plan); };
-    if (std::none_of(trees_.begin(), trees_.end(), is_there)) add_tree(plan, state);
-  }
-  std::sort(trees_.begin(), trees_.end(), [](const auto& a, const auto& b) {
-    return a->plan().joints.front() < b->plan().joints.front();
-  });
+  positions_ = state.joint_positions;
+  for (const TreePlan& plan : *plans) add_tree(plan, state);
   trees_before_.resize(trees_.size());
   for (std::size_t t = 0; t < trees_.size(); ++t) trees_[t]->save(trees_before_[t]);
-  for (std::size_t j = 0; j < next->joints.size(); ++j) add_joint(static_cast<int>(j));
-  std::sort(joints_.begin(), joints_.end(),
-            [](const auto& a, const auto& b) { return a->joint() < b->joint(); });
+  for (std::size_t j = 0; j < model_->joints.size(); ++j) add_joint(static_cast<int>(j));
   set_ignored_pairs();
   list_movers();
   return {};
@@ -297,7 +216,8 @@ void Engine::add_tree(const TreePlan& plan, const WorldState& state) {
   Tree& tree = *trees_.back();
   Motion root;
   if (plan.root != kWorld) {
-    root = motion_of(parts_[at(plan.root)], state.poses[at(plan.root)], state.twists[at(plan.root)]);
+    root =
+        motion_of(parts_[at(plan.root)], state.poses[at(plan.root)], state.twists[at(plan.root)]);
   }
   tree.set_state(state, root.X, root.velocity, root.spin);
   tree.add_to(*reduced_world_, bodies);
@@ -307,9 +227,6 @@ void Engine::add_tree(const TreePlan& plan, const WorldState& state) {
 void Engine::add_joint(int joint) {
   const Joint& made = model_->joints[at(joint)];
   if (made.removed || made.type == JointType::free) return;
-  for (const auto& there : joints_) {
-    if (there->joint() == joint) return;
-  }
   const auto is_free = [&](int body) { return body != kWorld && moves(model_->bodies[at(body)]); };
   if (!is_free(made.parent) && !is_free(made.child)) return;
   for (const int end : {made.parent, made.child}) {
@@ -322,36 +239,7 @@ void Engine::add_joint(int joint) {
       *model_, joint, rigid(made.parent), rigid(made.child), frame_of(made.parent, made.X_PF),
       frame_of(made.child, made.X_CM));
   constraint->add_to(*world_);
-  if (!made.bodies_collide) forget_contacts(made.parent, made.child);
   joints_.push_back(std::move(constraint));
-}
-
-void Engine::remove_joint(std::size_t index) {
-  joints_[index]->remove_from(*world_);
-  joints_.erase(joints_.begin() + static_cast<std::ptrdiff_t>(index));
-}
-
-void Engine::remove_tree(std::size_t index) {
-  Tree* const tree = trees_[index].get();
-  for (const int b : tree->plan().bodies) remove_body(b);
-  tree->remove_from(*reduced_world_);
-  trees_.erase(trees_.begin() + static_cast<std::ptrdiff_t>(index));
-}
-
-void Engine::remove_body(int body) {
-  Part& part = parts_[at(body)];
-  if (btCollisionObject* const gone = object(body)) {
-    for (std::size_t i = ignored_.size(); i-- > 0;) {
-      const auto [a, b] = ignored_[i];
-      if (a != body && b != body) continue;
-      btCollisionObject* const other = object(a == body ? b : a);
-      if (other) other->setIgnoreCollisionCheck(gone, false);
-      ignored_.erase(ignored_.begin() + static_cast<std::ptrdiff_t>(i));
-    }
-  }
-  if (part.rigid) world_->removeRigidBody(part.rigid.get());
-  if (!part.tree) part = Part();
-  part.tree = nullptr;
 }
 
 /// Pairs that the scene keeps apart, and the ends of a link's joint. A constraint's ends are kept
@@ -366,16 +254,11 @@ void Engine::set_ignored_pairs() {
       }
     }
   }
-  std::sort(ignored_.begin(), ignored_.end());
-  const auto old = ignored_;
-  for (const auto& pair : wanted) {
-    if (std::binary_search(old.begin(), old.end(), pair)) continue;
-    btCollisionObject *const a = object(pair.first), *const b = object(pair.second);
+  for (const auto& [first, second] : wanted) {
+    btCollisionObject *const a = object(first), *const b = object(second);
     if (!a || !b) continue;
     a->setIgnoreCollisionCheck(b, true);
     b->setIgnoreCollisionCheck(a, true);
-    forget_contacts(pair.first, pair.second);
-    ignored_.push_back(pair);
   }
 }
 
@@ -392,19 +275,11 @@ void Engine::list_movers() {
   before_ = now_;
 }
 
-/// Of one pair, or of all.
-void Engine::forget_contacts(int body_a, int body_b) {
+void Engine::forget_contacts() {
   btOverlappingPairCache& cache = *broadphase_->getOverlappingPairCache();
-  if (body_a < 0 && body_b < 0) {
-    for (int i = 0; i < cache.getNumOverlappingPairs(); ++i) {
-      cache.cleanOverlappingPair(cache.getOverlappingPairArray()[i], dispatcher_.get());
-    }
-    return;
+  for (int i = 0; i < cache.getNumOverlappingPairs(); ++i) {
+    cache.cleanOverlappingPair(cache.getOverlappingPairArray()[i], dispatcher_.get());
   }
-  if (body_a < 0 || body_b < 0 || !object(body_a) || !object(body_b)) return;
-  btBroadphasePair* const pair = cache.findPair(object(body_a)->getBroadphaseHandle(),
-                                                object(body_b)->getBroadphaseHandle());
-  if (pair) cache.cleanOverlappingPair(*pair, dispatcher_.get());
 }
 
 btCollisionObject* Engine::object(int body) const {

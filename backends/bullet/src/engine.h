@@ -32,15 +32,15 @@ struct Motion {
 /// Everything that a step depends on, in the order of the model; see Engine::save().
 struct Memory;
 
+/// Where a scene begins.
+WorldState initial_state(const SceneModel& model);
+
 class Engine {
  public:
-  /// Errors as adopt().
-  static Result<std::unique_ptr<Engine>> create(const SceneModelPtr& model, const Options& options);
+  /// The scene as it is in `state`. Errors: what Bullet cannot take, with its place.
+  static Result<std::unique_ptr<Engine>> create(const SceneModelPtr& model, const Options& options,
+                                                const WorldState& state);
   ~Engine();
-
-  /// Puts in what `next` has and the engine has not, takes out what it no longer has, and makes
-  /// anew what has changed; the new begins where `state` says. Errors leave all as it was.
-  Result<> adopt(const SceneModelPtr& next, const WorldState& state);
 
   const SceneModelPtr& model() const { return model_; }
 
@@ -63,7 +63,8 @@ class Engine {
   /// What running on needs: places and velocities, the contact points with their impulses, the
   /// broadphase's boxes and pairs, and all orders that its solver goes by.
   std::shared_ptr<const Memory> save() const;
-  /// Into an engine that create() has just made of the memory's model.
+  /// Into an engine that create() has just made: all of it where the memory is of the same model,
+  /// else the contacts between bodies that both have.
   void restore(const Memory& memory);
 
  private:
@@ -77,20 +78,19 @@ class Engine {
     btVector3 inertia{0, 0, 0};
   };
 
-  explicit Engine(const Options& options) : options_(options) {}
+  Engine(const SceneModelPtr& model, const Options& options)
+      : options_(options), model_(model), surfaces_(std::make_unique<Surfaces>(model)) {}
+  Result<> build(const WorldState& state);
   void make_world(bool reduced);
-  void drop_world();
   void add_body(int body, const WorldState& state);
   void add_tree(const TreePlan& plan, const WorldState& state);
   void add_joint(int joint);
-  void remove_body(int body);
-  void remove_joint(std::size_t index);
-  void remove_tree(std::size_t index);
   void set_ignored_pairs();
+  void restore_broadphase(const Memory& memory);
+  void restore_contacts(const Memory& memory);
   void list_movers();
-  void forget_contacts(int body_a = -1, int body_b = -1);
+  void forget_contacts();
   void set_motion(btRigidBody& body, const Motion& motion);
-  bool keeps_joint(const SceneModel& next, int joint, const std::vector<char>& kept) const;
 
   btCollisionObject* object(int body) const;
   btTransform frame_of(int body, const Pose& X_BF) const;
@@ -99,9 +99,6 @@ class Engine {
   void count_turns(int joint) const;
   void apply_joints(double dt, const std::vector<Drive>& drives);
   int find_diverged();
-
-  std::vector<btCollisionObject*> canonical_objects() const;
-  std::vector<btTypedConstraint*> canonical_constraints() const;
 
   Options options_;
   SceneModelPtr model_;
@@ -118,7 +115,6 @@ class Engine {
   std::vector<Part> parts_;              // by body
   std::vector<std::unique_ptr<Tree>> trees_;
   std::vector<std::unique_ptr<ConstraintJoint>> joints_;  // in the order of the model
-  std::vector<std::pair<int, int>> ignored_;              // pairs that we keep apart
 
   std::vector<int> movers_;  // rigid bodies that forces move
   std::vector<Motion> now_, before_;

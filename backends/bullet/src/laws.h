@@ -29,8 +29,8 @@ struct AxisLaw {
     return {drive.bias, drive.kp, drive.position, drive.kd, drive.velocity, drive.max_effort};
   }
   static AxisLaw of(const JointAxis& axis) {
-    return {0.0, axis.stiffness, axis.rest, axis.damping, 0.0,
-            std::numeric_limits<double>::infinity()};
+    return {
+        0.0, axis.stiffness, axis.rest, axis.damping, 0.0, std::numeric_limits<double>::infinity()};
   }
 
   bool needs_state() const { return kp != 0.0 || kd != 0.0; }

@@ -12,11 +12,11 @@ namespace cogrsim::bullet {
 struct Memory {
   /// Of one collision object in the broadphase.
   struct Proxy {
-    int uid = 0, stage = 0;
+    int stage = 0;
     btVector3 low, high, volume_low, volume_high;
     btTransform detected;  ///< where it was when contacts were last looked for
   };
-  /// Two objects whose boxes overlap; `manifolds` are those of their collision algorithm.
+  /// Two bodies whose boxes overlap; `manifolds` are those of their collision algorithm.
   struct Pair {
     int a = -1, b = -1;
     bool looked_at = false;
@@ -24,13 +24,11 @@ struct Memory {
   };
   SceneModelPtr model;
   std::vector<Motion> now, before;
-  std::vector<Pose> places;                     ///< by body
-  std::vector<std::vector<double>> trees;
+  std::vector<Pose> places;  ///< by body
+  std::vector<std::vector<double>> trees, trees_before;
   std::vector<double> positions;
-  // Orders of Bullet's arrays, as indices into the engine's own order.
-  std::vector<int> objects, movers, constraints, multibodies, multibody_constraints;
-  std::vector<Proxy> proxies;                      ///< in the engine's own order
-  std::vector<Pair> pairs;                         ///< in Bullet's order
+  std::vector<Proxy> proxies;                       ///< by body
+  std::vector<Pair> pairs;                          ///< in Bullet's order
   std::vector<std::pair<int, int>> manifold_order;  ///< pair, number in it
   int broadphase[9] = {};
 };

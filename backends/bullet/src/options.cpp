@@ -51,7 +51,8 @@ const ParameterTable& world_option_table() {
 const ParameterTable& assembly_option_table() {
   static const ParameterTable table = {
       parameter("formulation", "inherit",
-                "rigid bodies and constraints, or btMultiBody; inherit: as said around it, at last under <physics>")
+                "rigid bodies and constraints, or btMultiBody; inherit: as said around it, at last "
+                "under <physics>")
           .one_of({"inherit", "constraints", "reduced"}),
   };
   return table;

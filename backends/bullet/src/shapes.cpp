@@ -93,9 +93,8 @@ class Maker {
                                                 : std::min<double>(CONVEX_DISTANCE_MARGIN,
                                                                    0.05 * (high - low).minCoeff());
     btConvexHullComputer computer;
-    const double shrunk =
-        computer.compute(mesh.vertices.front().data(), 3 * sizeof(double),
-                         static_cast<int>(mesh.vertices.size()), margin, 0.25);
+    const double shrunk = computer.compute(mesh.vertices.front().data(), 3 * sizeof(double),
+                                           static_cast<int>(mesh.vertices.size()), margin, 0.25);
     if (computer.vertices.size() < 4 || shrunk < 0.0) return nullptr;
     auto shape = std::make_unique<btConvexHullShape>();
     for (int i = 0; i < computer.vertices.size(); ++i) {
@@ -226,10 +225,7 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
   return out;
 }
 
-void Surfaces::set_model(const SceneModelPtr& model) {
-  model_ = model;
-  count_ = model->materials.size();
-  table_.clear();
+Surfaces::Surfaces(const SceneModelPtr& model) : model_(model), count_(model->materials.size()) {
   if (count_ > kLargestTable) return;
   for (std::size_t a = 0; a < count_; ++a) {
     for (std::size_t b = 0; b < count_; ++b) {

@@ -36,8 +36,7 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
 /// per world; collision objects point to it (user pointer).
 class Surfaces {
  public:
-  explicit Surfaces(const SceneModelPtr& model) { set_model(model); }
-  void set_model(const SceneModelPtr& model);
+  explicit Surfaces(const SceneModelPtr& model);
   SurfacePair pair(int material_a, int material_b) const;
 
   /// Puts our function into Bullet's global pointer. It minds only objects that carry

@@ -11,31 +11,10 @@ namespace cogrsim::bullet {
 
 namespace {
 
-/// The freedoms of a joint as hinges and sliders, from the parent to the child.
-struct Freedom {
-  bool turns;
-  btVector3 along;  // in F, as in M
-};
-
-std::vector<Freedom> freedoms(JointType type) {
-  const btVector3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
-  switch (type) {
-    case JointType::hinge:
-      return {{true, z}};
-    case JointType::slider:
-      return {{false, z}};
-    case JointType::cylindrical:
-      return {{true, z}, {false, z}};
-    case JointType::universal:
-      return {{true, x}, {true, y}};
-    case JointType::planar:
-      return {{false, x}, {false, y}, {true, z}};
-    default:
-      return {};
-  }
+bool is_link(JointType type) {
+  return type == JointType::hinge || type == JointType::slider || type == JointType::ball ||
+         type == JointType::fixed;
 }
-
-int links_of(JointType type) { return std::max(1, static_cast<int>(freedoms(type).size())); }
 
 btEmptyShape& no_shape() {
   static btEmptyShape shape;
@@ -88,9 +67,7 @@ class Planner {
     return body != kWorld && model_.bodies[at(body)].kind == BodyKind::dynamic &&
            !model_.bodies[at(body)].removed;
   }
-  static bool counts(const Joint& joint) {
-    return !joint.removed && joint.type != JointType::free;
-  }
+  static bool counts(const Joint& joint) { return !joint.removed && joint.type != JointType::free; }
 
   /// `reduced`: an assembly asks for it; `unsaid`: where it can be.
   Result<Formulation> is_wanted(const std::vector<int>& joints) {
@@ -100,9 +77,10 @@ class Planner {
       const Formulation own = formulation_of(model_, joint.assembly);
       if (own == Formulation::unsaid || own == said) continue;
       if (said != Formulation::unsaid) {
-        return fail("bullet: joint '" + joint.name +
-                        "': assemblies that are joined to each other ask for different formulations",
-                    place_of(model_, joint.origin), "give both the same");
+        return fail(
+            "bullet: joint '" + joint.name +
+                "': assemblies that are joined to each other ask for different formulations",
+            place_of(model_, joint.origin), "give both the same");
       }
       said = own;
     }
@@ -118,9 +96,8 @@ class Planner {
       origin_ = joint.origin;
       const std::string what = "joint '" + joint.name + "'";
       if (joint.closes_loop) return what + " closes a loop";
-      if (joint.type == JointType::screw) return what + " is a screw";
-      if (joint.type == JointType::ball && !joint.axes.empty() && joint.axes[0].friction > 0) {
-        return what + ": a ball joint with dry friction";
+      if (!is_link(joint.type)) {
+        return what + ": a btMultiBody has no " + std::string(to_string(joint.type)) + " joint";
       }
       for (const int end : {joint.parent, joint.child}) {
         if (end != kWorld && model_.bodies[at(end)].kind == BodyKind::kinematic) {
@@ -165,25 +142,21 @@ Result<std::vector<TreePlan>> plan_trees(const SceneModel& model, const Options&
 Tree::Tree(const SceneModelPtr& model, TreePlan plan, const std::vector<LinkBody>& bodies,
            void* user_pointer)
     : model_(model), plan_(std::move(plan)), link_of_(model->bodies.size(), -2) {
-  for (const int j : plan_.joints) {
-    first_link_.push_back(links_);
-    links_ += links_of(model_->joints[at(j)].type);
-  }
+  links_ = static_cast<int>(plan_.joints.size());
   const bool floats = plan_.root != kWorld;
   const LinkBody* const root = floats ? &bodies[at(plan_.root)] : nullptr;
-  multibody_ = std::make_unique<btMultiBody>(links_, floats ? model_->bodies[at(plan_.root)].mass : 0,
-                                             floats ? root->inertia : btVector3(0, 0, 0), !floats,
-                                             false);
+  multibody_ =
+      std::make_unique<btMultiBody>(links_, floats ? model_->bodies[at(plan_.root)].mass : 0,
+                                    floats ? root->inertia : btVector3(0, 0, 0), !floats, false);
   multibody_->setBaseWorldTransform(btTransform::getIdentity());
   multibody_->setLinearDamping(0);
   multibody_->setAngularDamping(0);
   multibody_->setMaxCoordinateVelocity(kUnbounded);
   multibody_->setMaxAppliedImpulse(kUnbounded);
   if (floats) link_of_[at(plan_.root)] = -1;
-  links_ = 0;
   bool collides = floats && root->collides;
-  for (const int j : plan_.joints) {
-    const Joint& joint = model_->joints[at(j)];
+  for (int link = 0; link < links_; ++link) {
+    const Joint& joint = model_->joints[at(plan_.joints[at(link)])];
     const LinkBody& child = bodies[at(joint.child)];
     const int parent = joint.parent == kWorld ? -2 : link_of_[at(joint.parent)];
     Pose X_PF = joint.X_PF;  // in the parent's G, or the world
@@ -192,9 +165,8 @@ Tree::Tree(const SceneModelPtr& model, TreePlan plan, const std::vector<LinkBody
       X_PF = (parent < -1 ? held.X_WB : held.X_BG.inverse()) * X_PF;
     }
     const Pose X_CM = child.X_BG.inverse() * joint.X_CM;
-    add_joint(joint, std::max(parent, -1), X_PF, X_CM, child.inertia,
-              model_->bodies[at(joint.child)].mass);
-    link_of_[at(joint.child)] = links_ - 1;
+    add_link(link, std::max(parent, -1), X_PF, X_CM, child.inertia);
+    link_of_[at(joint.child)] = link;
     collides |= child.collides;
   }
   multibody_->finalizeMultiDof();
@@ -222,81 +194,59 @@ Tree::Tree(const SceneModelPtr& model, TreePlan plan, const std::vector<LinkBody
 
 Tree::~Tree() = default;
 
-void Tree::add_joint(const Joint& joint, int parent_link, const Pose& X_PF, const Pose& X_CM,
-                     const btVector3& inertia, double mass) {
+void Tree::add_link(int link, int parent, const Pose& X_PF, const Pose& X_CM,
+                    const btVector3& inertia) {
+  const Joint& joint = model_->joints[at(plan_.joints[at(link)])];
+  const double mass = model_->bodies[at(joint.child)].mass;
   const btTransform F = to_bt(X_PF), M = to_bt(X_CM);
-  const btVector3 none(0, 0, 0);
-  const std::vector<Freedom> parts = freedoms(joint.type);
-  const int last = static_cast<int>(parts.size()) - 1;
-  for (int i = 0; i <= std::max(last, 0); ++i, ++links_) {
-    const bool first = i == 0, final = i >= last;
-    // Frames between are F's; the child's is its own. Rotations turn the parent's axes to the link's.
-    btQuaternion turn = btQuaternion::getIdentity();
-    if (first && final) {
-      turn = (F.getRotation() * M.getRotation().inverse()).inverse();
-    } else if (first) {
-      turn = F.getRotation().inverse();
-    } else if (final) {
-      turn = M.getRotation();
-    }
-    const int parent = first ? parent_link : links_ - 1;
-    const btVector3 to_pivot = first ? F.getOrigin() : none;
-    const btVector3 to_com = final ? -M.getOrigin() : none;
-    const btVector3 moments = final ? inertia : none;
-    const double weight = final ? mass : 0.0;
-    if (joint.type == JointType::ball) {
-      multibody_->setupSpherical(links_, weight, moments, parent, turn, to_pivot, to_com,
-                                 !joint.bodies_collide);
-    } else if (parts.empty()) {
-      multibody_->setupFixed(links_, weight, moments, parent, turn, to_pivot, to_com);
-    } else {
-      const Freedom& part = parts[at(i)];
-      const btVector3 along = final ? M.getBasis() * part.along : part.along;
-      if (part.turns) {
-        multibody_->setupRevolute(links_, weight, moments, parent, turn, along, to_pivot, to_com,
-                                  !joint.bodies_collide);
-      } else {
-        multibody_->setupPrismatic(links_, weight, moments, parent, turn, along, to_pivot, to_com,
-                                   !joint.bodies_collide);
-      }
-    }
+  // Turns the parent's axes to the link's.
+  const btQuaternion turn = (F.getRotation() * M.getRotation().inverse()).inverse();
+  const btVector3 to_pivot = F.getOrigin(), to_com = -M.getOrigin();
+  const btVector3 along = M.getBasis().getColumn(2);
+  const bool apart = !joint.bodies_collide;
+  switch (joint.type) {
+    case JointType::hinge:
+      multibody_->setupRevolute(link, mass, inertia, parent, turn, along, to_pivot, to_com, apart);
+      break;
+    case JointType::slider:
+      multibody_->setupPrismatic(link, mass, inertia, parent, turn, along, to_pivot, to_com, apart);
+      break;
+    case JointType::ball:
+      multibody_->setupSpherical(link, mass, inertia, parent, turn, to_pivot, to_com, apart);
+      break;
+    default:
+      multibody_->setupFixed(link, mass, inertia, parent, turn, to_pivot, to_com);
   }
 }
 
 void Tree::add_laws() {
-  for (std::size_t k = 0; k < plan_.joints.size(); ++k) {
-    const int j = plan_.joints[k];
+  for (int link = 0; link < links_; ++link) {
+    const int j = plan_.joints[at(link)];
     const Joint& joint = model_->joints[at(j)];
-    const auto add = [&](int axis, int motor, bool has_row) {
-      Law law;
-      law.joint = j;
-      law.axis = axis;
-      law.link = first_link_[k] + axis;
-      law.law = at(axis) < joint.axes.size() ? joint.axes[at(axis)] : JointAxis();
-      law.motor = motor;
+    if (joint.type != JointType::hinge && joint.type != JointType::slider) continue;
+    const auto add = [&](int motor, bool has_row) {
+      Law law{link, joint.axes.empty() ? JointAxis() : joint.axes.front(), motor, {}, {}, 0.0};
       if (has_row) {
-        law.row = std::make_unique<btMultiBodyJointMotor>(multibody_.get(), law.link, 0.0, 0.0);
+        law.row = std::make_unique<btMultiBodyJointMotor>(multibody_.get(), link, 0.0, 0.0);
         law.row->finalizeMultiDof();
       }
       laws_.push_back(std::move(law));
     };
-    for (std::size_t i = 0; i < joint.axes.size(); ++i) {
-      const JointAxis& axis = joint.axes[i];
+    for (const JointAxis& axis : joint.axes) {
       const bool acts = axis.stiffness > 0.0 || axis.damping > 0.0 || axis.friction > 0.0;
       if (!acts && !axis.has_limit()) continue;
-      const bool ball = joint.type == JointType::ball;
-      add(static_cast<int>(i), -1, axis.friction > 0.0);
-      if (ball || !axis.has_limit()) continue;
+      add(-1, axis.friction > 0.0);
+      if (!axis.has_limit()) continue;
       auto& limit = laws_.back().limit;
-      limit = std::make_unique<btMultiBodyJointLimitConstraint>(
-          multibody_.get(), laws_.back().link, std::max(axis.lower, -kUnbounded),
-          std::min(axis.upper, kUnbounded));
+      limit = std::make_unique<btMultiBodyJointLimitConstraint>(multibody_.get(), link,
+                                                                std::max(axis.lower, -kUnbounded),
+                                                                std::min(axis.upper, kUnbounded));
       limit->setMaxAppliedImpulse(kUnbounded);
       limit->finalizeMultiDof();
     }
     for (std::size_t m = 0; m < model_->motors.size(); ++m) {
       const Motor& motor = model_->motors[m];
-      if (!motor.removed && motor.joint == j) add(motor.axis, static_cast<int>(m), true);
+      if (!motor.removed && motor.joint == j) add(static_cast<int>(m), true);
     }
   }
 }
@@ -366,11 +316,10 @@ void Tree::set_state(const WorldState& state, const btTransform& X_WR, const btV
     multibody_->setBaseVel(velocity);
     multibody_->setBaseOmega(spin);
   }
-  for (std::size_t k = 0; k < plan_.joints.size(); ++k) {
-    const Joint& joint = model_->joints[at(plan_.joints[k])];
+  for (int link = 0; link < links_; ++link) {
+    const Joint& joint = model_->joints[at(plan_.joints[at(link)])];
     const double* const q = state.joint_positions.data() + joint.position_offset;
     const double* const u = state.joint_velocities.data() + joint.speed_offset;
-    const int link = first_link_[k];
     if (joint.type == JointType::ball) {
       // Bullet keeps the inverse of the turn from where the joint began, in the child's axes; so
       // is its velocity.
@@ -384,12 +333,11 @@ void Tree::set_state(const WorldState& state, const btTransform& X_WR, const btV
       multibody_->setJointVelMultiDof(link, rates);
       continue;
     }
-    for (std::size_t i = 0; i < freedoms(joint.type).size(); ++i) {
-      multibody_->setJointPos(link + static_cast<int>(i), q[i]);
-      multibody_->setJointVel(link + static_cast<int>(i), u[i]);
-    }
+    if (joint.type == JointType::fixed) continue;
+    multibody_->setJointPos(link, *q);
+    multibody_->setJointVel(link, *u);
   }
-  fresh_ = weighed_ = false;
+  fresh_ = false;
   multibody_->updateCollisionObjectWorldTransforms(turns_, origins_);
 }
 
@@ -416,72 +364,32 @@ void Tree::get_velocity(int body, btVector3& velocity, btVector3& spin) const {
   spin = R * spins_[link + 1];
 }
 
-/// Of the speed of a link, all other joints free: (M^-1)_ii.
-double Tree::inverse_mass(int link) {
-  btMultiBody& body = *multibody_;
-  const int count = 6 + body.getNumDofs();
-  if (!weighed_) {
-    scratch_r_.resize(links_ + 1);
-    scratch_v_.resize(links_ + 1);
-    scratch_m_.resize(links_ + 1);
-    refresh();
-    body.computeAccelerationsArticulatedBodyAlgorithmMultiDof(0.0, scratch_r_, scratch_v_,
-                                                              scratch_m_, false, false, false);
-    weighed_ = true;
-  }
-  std::vector<double> force(at(count)), answer(at(count));
-  const std::size_t own = at(6 + body.getLink(link).m_dofOffset);
-  force[own] = 1.0;
-  body.calcAccelerationDeltasMultiDof(force.data(), answer.data(), scratch_r_, scratch_v_);
-  return answer[own];
-}
-
 void Tree::apply(double dt, const std::vector<Drive>& drives) {
   note_places();
   for (Law& law : laws_) {
+    double velocity = 0.0, bound = law.law.friction;
     law.effort = 0.0;
     if (law.limit) {
       law.limit->internalSetAppliedImpulse(0, 0.0);
       law.limit->internalSetAppliedImpulse(1, 0.0);
     }
-    if (model_->joints[at(law.joint)].type == JointType::ball) {
-      const double* const q = multibody_->getJointPosMultiDof(law.link);
-      const double* const u = multibody_->getJointVelMultiDof(law.link);
-      const btQuaternion turn(q[0], q[1], q[2], q[3]);
-      const double angle = std::remainder(turn.getAngle(), SIMD_2_PI);
-      const btVector3 axis = turn.getAxis();
-      for (int i = 0; i < 3; ++i) {
-        multibody_->addJointTorqueMultiDof(
-            law.link, i, -law.law.stiffness * angle * axis[i] - law.law.damping * u[i]);
-      }
-      continue;
-    }
-    double velocity = 0.0, bound = 0.0;
-    const bool motor = law.motor >= 0;
-    if (motor && drives[at(law.motor)].is_speed_source()) {
+    if (law.motor >= 0 && drives[at(law.motor)].is_speed_source()) {
       velocity = drives[at(law.motor)].velocity;
       bound = drives[at(law.motor)].max_effort;
     } else {
-      if (!motor) bound = law.law.friction;
-      const AxisLaw axis = motor ? AxisLaw::of(drives[at(law.motor)]) : AxisLaw::of(law.law);
-      const double q = multibody_->getJointPos(law.link), u = multibody_->getJointVel(law.link);
-      const double w = axis.needs_state() ? inverse_mass(law.link) : 0.0;
-      const double s = dt * axis.gain(dt) * w;
-      if (s >= kStiff && motor) {
-        // Its motor knows no softness: the speed at which the law alone would arrive.
-        velocity = (u / s + axis.source(q, dt)) / (1.0 / s + 1.0);
-        bound = axis.bound;
-      } else {
-        law.effort = axis.effort(q, u) / (s >= kStiff ? 1.0 + s : 1.0);
-        multibody_->addJointTorque(law.link, law.effort);
-      }
+      if (law.motor >= 0) bound = 0.0;
+      const AxisLaw axis =
+          law.motor >= 0 ? AxisLaw::of(drives[at(law.motor)]) : AxisLaw::of(law.law);
+      law.effort =
+          axis.effort(multibody_->getJointPos(law.link), multibody_->getJointVel(law.link));
+      multibody_->addJointTorque(law.link, law.effort);
     }
     if (!law.row) continue;
     law.row->internalSetAppliedImpulse(0, 0.0);
     law.row->setVelocityTarget(velocity);
     law.row->setMaxAppliedImpulse(std::min(bound, kUnbounded) * dt);
   }
-  fresh_ = weighed_ = false;
+  fresh_ = false;
 }
 
 void Tree::get_efforts(double dt, std::vector<double>& joints, std::vector<double>& motors) const {
@@ -492,7 +400,7 @@ void Tree::get_efforts(double dt, std::vector<double>& joints, std::vector<doubl
     if (law.limit) {
       effort += (law.limit->getAppliedImpulse(0) - law.limit->getAppliedImpulse(1)) / dt;
     }
-    joints[at(model_->joints[at(law.joint)].speed_offset + law.axis)] += effort;
+    joints[at(model_->joints[at(plan_.joints[at(law.link)])].speed_offset)] += effort;
   }
 }
 
@@ -547,7 +455,7 @@ void Tree::restore(const std::vector<double>& saved) {
     body.setJointVelMultiDof(link, from);
     from += body.getLink(link).m_dofCount;
   }
-  fresh_ = weighed_ = false;
+  fresh_ = false;
   body.updateCollisionObjectWorldTransforms(turns_, origins_);
 }
 

@@ -10,6 +10,7 @@
 
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/physics/state.h"
+#include "convert.h"
 #include "laws.h"
 #include "options.h"
 
@@ -21,10 +22,9 @@ namespace cogrsim::bullet {
 
 /// What becomes one btMultiBody.
 struct TreePlan {
-  int root = kWorld;         ///< body that floats; kWorld: hangs on the world or a static body
-  std::vector<int> bodies;   ///< without the ground, by index
-  std::vector<int> joints;   ///< each after the one of its parent
-  bool same(const TreePlan& other) const { return bodies == other.bodies && joints == other.joints; }
+  int root = kWorld;        ///< body that floats; kWorld: hangs on the world or a static body
+  std::vector<int> bodies;  ///< without the ground, by index
+  std::vector<int> joints;  ///< each after the one of its parent
 };
 
 /// Which bodies are to be in reduced coordinates. Errors: an assembly that asks for it has joints
@@ -49,8 +49,6 @@ struct LinkBody {
   bool collides = false;
 };
 
-/// Universal, cylindrical and planar joints are strings of hinges and sliders with links without
-/// mass between them.
 class Tree {
  public:
   /// `bodies`: by model index. Links get collision objects when one of them collides or a joint
@@ -65,9 +63,8 @@ class Tree {
   void remove_from(btMultiBodyDynamicsWorld& world);
   /// Of a body; nullptr: none.
   LinkCollider* collider(int body) const;
-  const std::vector<std::unique_ptr<LinkCollider>>& colliders() const { return colliders_; }
-  /// Where colliders() were when the last step began.
-  const std::vector<btTransform>& detected() const { return detected_; }
+  /// Where collider(body) was when the last step began.
+  const btTransform& detected(int body) const { return detected_[at(link_of_[at(body)] + 1)]; }
   /// In the order in which add_to() adds them.
   std::vector<btMultiBodyConstraint*> constraints() const;
 
@@ -89,18 +86,16 @@ class Tree {
 
  private:
   struct Law {
-    int joint, axis, link;
+    int link;
     JointAxis law;
-    int motor = -1;  // of the model; -1: spring, damper and friction
+    int motor;  // of the model; -1: spring, damper and friction
     std::unique_ptr<btMultiBodyJointMotor> row;
     std::unique_ptr<btMultiBodyJointLimitConstraint> limit;
-    double effort = 0.0;
+    double effort;
   };
 
-  void add_joint(const Joint& joint, int parent_link, const Pose& X_PF, const Pose& X_CM,
-                 const btVector3& inertia, double mass);
+  void add_link(int link, int parent, const Pose& X_PF, const Pose& X_CM, const btVector3& inertia);
   void add_laws();
-  double inverse_mass(int link);
   void note_places();
   void refresh() const;
 
@@ -109,17 +104,12 @@ class Tree {
   std::unique_ptr<btMultiBody> multibody_;
   std::vector<std::unique_ptr<LinkCollider>> colliders_;  // of the base, then by link
   std::vector<btTransform> detected_;
-  std::vector<int> link_of_;                              // by model body; -2: not here
-  std::vector<int> first_link_;                           // by plan_.joints
+  std::vector<int> link_of_;  // by model body; -2: not here
   std::vector<Law> laws_;
   int links_ = 0;
-  bool weighed_ = false;        // Bullet has the articulated inertias of these coordinates
   mutable bool fresh_ = false;  // places and velocities of links are up to date
   mutable btAlignedObjectArray<btQuaternion> turns_;
   mutable btAlignedObjectArray<btVector3> origins_, spins_, velocities_;  // in links' axes
-  btAlignedObjectArray<btScalar> scratch_r_;
-  btAlignedObjectArray<btVector3> scratch_v_;
-  btAlignedObjectArray<btMatrix3x3> scratch_m_;
 };
 
 }  // namespace cogrsim::bullet

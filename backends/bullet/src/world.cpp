@@ -3,6 +3,7 @@
 #include "cogrsim/model/mass_properties.h"
 #include "cogrsim/physics/backend_checks.h"
 #include "convert.h"
+#include "memory.h"
 
 namespace cogrsim::bullet {
 
@@ -60,7 +61,6 @@ void place_by_joints(const SceneModel& model, WorldState& state) {
 struct BulletWorld::Snapshot final : WorldSnapshot {
   SceneModelPtr initial;
   std::shared_ptr<const Memory> memory;
-  SceneModelPtr model;
   double time = 0.0, last_dt = 0.0;
   std::vector<Twist> twists;
   Reports reports;
@@ -84,7 +84,7 @@ Result<std::unique_ptr<World>> BulletWorld::create(const SceneModelPtr& model) {
   if (auto fine = check_scene(*model); !fine) return tl::unexpected<Error>(fine.error());
   const auto options = read_options(*model);
   if (!options) return tl::unexpected<Error>(options.error());
-  auto engine = Engine::create(model, *options);
+  auto engine = Engine::create(model, *options, initial_state(*model));
   if (!engine) return tl::unexpected<Error>(engine.error());
   return std::unique_ptr<World>(new BulletWorld(model, *options, std::move(*engine)));
 }
@@ -167,8 +167,7 @@ void BulletWorld::get_state(WorldState& out) const {
     };
     copy(gone_.joint_positions, joint.position_offset, position_count(joint.type),
          out.joint_positions);
-    copy(gone_.joint_velocities, joint.speed_offset, speed_count(joint.type),
-         out.joint_velocities);
+    copy(gone_.joint_velocities, joint.speed_offset, speed_count(joint.type), out.joint_velocities);
   }
   if (!held_) {
     engine_->get_efforts(last_dt_, out.joint_efforts, out.motor_efforts);
@@ -223,13 +222,11 @@ Result<> BulletWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   get_state(state);
   const auto pose = [&](int body) {
     if (body == kWorld) return Pose();
-    return at(body) < model()->bodies.size() ? state.poses[at(body)]
-                                             : next->bodies[at(body)].X_WB;
+    return at(body) < model()->bodies.size() ? state.poses[at(body)] : next->bodies[at(body)].X_WB;
   };
   const auto twist = [&](int body) {
     if (body == kWorld) return Twist();
-    return at(body) < model()->bodies.size() ? state.twists[at(body)]
-                                             : next->bodies[at(body)].V_WB;
+    return at(body) < model()->bodies.size() ? state.twists[at(body)] : next->bodies[at(body)].V_WB;
   };
   for (const int j : change->attached) {
     const Joint& joint = next->joints[at(j)];
@@ -257,7 +254,10 @@ Result<> BulletWorld::change_to(const SceneModelPtr& next, SceneStep step) {
                    begin.joint_velocities.data() + joint.speed_offset);
   }
   Reports told = reports();
-  if (auto done = engine_->adopt(next, begin); !done) return done;
+  auto engine = Engine::create(next, options_, begin);
+  if (!engine) return tl::unexpected<Error>(engine.error());
+  (*engine)->restore(*engine_->save());
+  engine_ = std::move(*engine);
   for (std::size_t b = twists_.size(); b < next->bodies.size(); ++b) {
     const Body& body = next->bodies[b];
     twists_.push_back(body.kind == BodyKind::kinematic ? body.V_WB : Twist());
@@ -289,7 +289,6 @@ SnapshotPtr BulletWorld::save() const {
   auto out = std::make_shared<Snapshot>();
   out->initial = initial_;
   out->memory = engine_->save();
-  out->model = model();
   out->time = time_;
   out->last_dt = last_dt_;
   out->twists = twists_;
@@ -304,7 +303,8 @@ Result<> BulletWorld::restore(const SnapshotPtr& snapshot) {
   if (!same_names(*saved->initial, *initial_)) {
     return fail("the snapshot is of another scene than '" + initial_->name + "'");
   }
-  auto engine = Engine::create(saved->model, options_);
+  auto engine =
+      Engine::create(saved->memory->model, options_, initial_state(*saved->memory->model));
   if (!engine) return tl::unexpected<Error>(engine.error());
   (*engine)->restore(*saved->memory);
   engine_ = std::move(*engine);
@@ -317,7 +317,7 @@ Result<> BulletWorld::restore(const SnapshotPtr& snapshot) {
 }
 
 Result<> BulletWorld::reset() {
-  auto engine = Engine::create(initial_, options_);
+  auto engine = Engine::create(initial_, options_, initial_state(*initial_));
   if (!engine) return tl::unexpected<Error>(engine.error());
   start(std::move(*engine));
   return {};
