@@ -20,6 +20,10 @@ Capabilities make_capabilities() {
     out.set(std::string(feature) + "screw", Support::unsupported,
             "Bullet has no screw: no constraint of its own couples turning and sliding");
   }
+  for (const char* feature :
+       {"joint.damping.ball", "joint.friction.ball", "joint.stiffness.ball"}) {
+    out.set(feature, Support::unsupported, "btPoint2PointConstraint has neither motor nor spring");
+  }
   out.set("joint.limit.ball", Support::unsupported,
           "Bullet limits swing and twist apart, not the whole angle of turning");
   for (const char* feature :

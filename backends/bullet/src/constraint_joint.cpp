@@ -3,7 +3,6 @@
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
-#include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
 #include "cogrsim/core/constants.h"
@@ -13,13 +12,6 @@
 namespace cogrsim::bullet {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// btSliderConstraint slides along x.
-btTransform x_to_z(const btTransform& frame) {
-  return frame * btTransform(btQuaternion(btVector3(0, 1, 0), -SIMD_HALF_PI));
-}
 
 void zero(btJointFeedback& feedback) {
   feedback.m_appliedForceBodyA.setZero();
@@ -48,9 +40,6 @@ ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody
     case JointType::hinge:
       main_ = std::make_unique<btHingeConstraint>(a, b, frame_a, frame_b, true);
       break;
-    case JointType::slider:
-      main_ = std::make_unique<btSliderConstraint>(a, b, x_to_z(frame_a), x_to_z(frame_b), true);
-      break;
     case JointType::ball:
       main_ =
           std::make_unique<btPoint2PointConstraint>(a, b, frame_a.getOrigin(), frame_b.getOrigin());
@@ -65,7 +54,7 @@ ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody
   main_->setJointFeedback(&feedback_);
   make_axes(made);
   make_rows(model);
-  clear_reports();
+  zero(feedback_);
   if (auto* six = dynamic_cast<btGeneric6DofSpring2Constraint*>(main_.get())) {
     for (int dof = 0; dof < 6; ++dof) six->setLimit(dof, 0.0, 0.0);
     for (const Axis& axis : axes_) six->setLimit(axis.dof, 1.0, -1.0);
@@ -133,18 +122,6 @@ void ConstraintJoint::make_rows(const SceneModel& model) {
     if (!axis.angular || !axis.law.has_limit()) continue;
     turning_limits_ |= !is_within_turn(axis.law);
   }
-  const Joint& joint = model.joints[at(joint_)];
-  if (type_ == JointType::ball && !joint.axes.empty()) {
-    const JointAxis& law = joint.axes.front();
-    Axis all;
-    all.law = law;
-    if (law.friction > 0.0) {
-      all.rows.resize(1);
-      all.rows.front().extra = make_extra();
-    }
-    has_laws_ = law.friction > 0.0 || law.stiffness > 0.0 || law.damping > 0.0;
-    axes_.push_back(all);
-  }
   has_laws_ |= turning_limits_;
 }
 
@@ -154,6 +131,7 @@ ConstraintJoint::Extra* ConstraintJoint::make_extra() {
       std::make_unique<btGeneric6DofSpring2Constraint>(a_, b_, frame_a_, frame_b_, RO_ZYX);
   for (int dof = 0; dof < 6; ++dof) extra->constraint->setLimit(dof, 1.0, -1.0);
   extra->constraint->setJointFeedback(&extra->feedback);
+  zero(extra->feedback);
   extras_.push_back(std::move(extra));
   return extras_.back().get();
 }
@@ -161,7 +139,7 @@ ConstraintJoint::Extra* ConstraintJoint::make_extra() {
 void ConstraintJoint::set_limits(const double* q) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const JointAxis& law = axes_[i].law;
-    if (type_ == JointType::ball || !law.has_limit()) continue;
+    if (!law.has_limit()) continue;
     if (!axes_[i].angular || is_within_turn(law)) {
       set_window(axes_[i], std::max(law.lower, -kUnbounded), std::min(law.upper, kUnbounded));
       continue;
@@ -181,10 +159,6 @@ void ConstraintJoint::set_window(const Axis& axis, double lower, double upper) {
   if (type_ == JointType::hinge) {
     // Bias 1 and relaxation 0: the stop takes its error back as any joint does, and nothing bounces.
     static_cast<btHingeConstraint&>(*main_).setLimit(lower, upper, 0.9, 1.0, 0.0);
-  } else if (type_ == JointType::slider) {
-    auto& slider = static_cast<btSliderConstraint&>(*main_);
-    slider.setLowerLinLimit(lower);
-    slider.setUpperLinLimit(upper);
   } else if (!axis.angular) {
     static_cast<btGeneric6DofSpring2Constraint&>(*main_).setLimit(axis.dof, lower, upper);
   } else {
@@ -214,7 +188,7 @@ std::vector<btTypedConstraint*> ConstraintJoint::constraints() const {
 }
 
 bool ConstraintJoint::needs_position(const std::vector<Drive>& drives) const {
-  if (turning_limits_ || type_ == JointType::ball) return has_laws_;
+  if (turning_limits_) return true;
   for (const Axis& axis : axes_) {
     for (const Row& row : axis.rows) {
       if (row.kind == Kind::passive) return true;
@@ -246,8 +220,6 @@ double ConstraintJoint::inverse_mass(const Axis& axis, const btVector3& along) c
       continue;
     }
     sum += body->getInvMass();
-    // btSliderConstraint leaves the turning out where one body is static.
-    if (type_ == JointType::slider && (a_.getInvMass() == 0 || b_.getInvMass() == 0)) continue;
     const btVector3 arm =
         (b_.getWorldTransform() * frame_b_.getOrigin() - body->getCenterOfMassPosition())
             .cross(along);
@@ -275,14 +247,6 @@ void ConstraintJoint::drive(const Axis& axis, Row& row, double dt, double veloci
     hinge.setParam(BT_CONSTRAINT_CFM, softness);
     return;
   }
-  if (!row.extra && type_ == JointType::slider) {
-    auto& slider = static_cast<btSliderConstraint&>(*main_);
-    slider.setPoweredLinMotor(true);
-    slider.setTargetLinMotorVelocity(velocity);
-    slider.setMaxLinMotorForce(bound);
-    slider.setParam(BT_CONSTRAINT_CFM, softness, 0);
-    return;
-  }
   auto& six =
       row.extra ? *row.extra->constraint : static_cast<btGeneric6DofSpring2Constraint&>(*main_);
   const double part = slant(axis);
@@ -299,8 +263,6 @@ void ConstraintJoint::stop(const Axis& axis, Row& row) {
     row.extra->constraint->enableMotor(axis.dof, false);
   } else if (type_ == JointType::hinge) {
     static_cast<btHingeConstraint&>(*main_).enableMotor(false);
-  } else if (type_ == JointType::slider) {
-    static_cast<btSliderConstraint&>(*main_).setPoweredLinMotor(false);
   } else {
     static_cast<btGeneric6DofSpring2Constraint&>(*main_).enableMotor(axis.dof, false);
   }
@@ -336,10 +298,6 @@ void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives, const d
   force_.setZero();
   torque_.setZero();
   if (turning_limits_) set_limits(q);
-  if (type_ == JointType::ball) {
-    apply_ball(dt, q);
-    return;
-  }
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& axis = axes_[i];
     double effort = 0.0;
@@ -369,42 +327,6 @@ void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives, const d
   }
 }
 
-/// Spring and damper are torques, no stiffer than the step can take. Friction is bounded along each
-/// of three axes that are laid anew in every step.
-void ConstraintJoint::apply_ball(double dt, const double* q) {
-  Axis& axis = axes_.front();
-  const btTransform &X_A = a_.getWorldTransform(), &X_B = b_.getWorldTransform();
-  if (!axis.rows.empty()) {
-    auto& six = *axis.rows.front().extra->constraint;
-    six.setFrames(frame_a_, X_B.inverse() * X_A * frame_a_);
-    for (int dof = 3; dof < 6; ++dof) {
-      six.enableMotor(dof, true);
-      six.setTargetVelocity(dof, 0.0);
-      six.setMaxMotorForce(dof, axis.law.friction);
-    }
-  }
-  if (axis.law.stiffness == 0.0 && axis.law.damping == 0.0) return;
-  const btMatrix3x3 R = X_A.getBasis() * frame_a_.getBasis();
-  const Eigen::AngleAxisd turned(Quat(q[0], q[1], q[2], q[3]));
-  const double angle = std::remainder(turned.angle(), 2.0 * kPi);
-  const btVector3 torque = R * to_bt(turned.axis()) * (-axis.law.stiffness * angle) -
-                           (b_.getAngularVelocity() - a_.getAngularVelocity()) * axis.law.damping;
-  double stiffest = 0.0;
-  for (int i = 0; i < 3; ++i) stiffest = std::max(stiffest, inverse_mass(axis, R.getColumn(i)));
-  const double s = dt * AxisLaw::of(axis.law).gain(dt) * stiffest;
-  push(btVector3(0, 0, 0), torque / std::max(1.0, s));
-}
-
-void ConstraintJoint::clear_reports() {
-  zero(feedback_);
-  for (const auto& extra : extras_) zero(extra->feedback);
-  force_.setZero();
-  torque_.setZero();
-  for (Axis& axis : axes_) {
-    for (Row& row : axis.rows) row.effort = 0.0;
-  }
-}
-
 void ConstraintJoint::get_reaction(const btTransform& X_B, btVector3& force,
                                    btVector3& torque) const {
   const btVector3 arm = X_B.getBasis() * frame_b_.getOrigin();
@@ -421,13 +343,6 @@ void ConstraintJoint::get_reaction(const btTransform& X_B, btVector3& force,
 void ConstraintJoint::get_efforts(const btTransform& X_A, const btTransform& X_B, double* joint,
                                   std::vector<double>& motors) const {
   const btVector3 arm = X_B.getBasis() * frame_b_.getOrigin();
-  if (type_ == JointType::ball) {
-    btVector3 force, torque;
-    get_reaction(X_B, force, torque);
-    const btMatrix3x3 R = X_A.getBasis() * frame_a_.getBasis();
-    for (int i = 0; i < 3; ++i) joint[i] = has_laws_ ? torque.dot(R.getColumn(i)) : 0.0;
-    return;
-  }
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const Axis& axis = axes_[i];
     joint[i] = 0.0;

@@ -15,8 +15,8 @@ namespace cogrsim::bullet {
 
 /// | joint | constraint |
 /// |---|---|
-/// | hinge, slider, fixed, ball | btHinge, btSlider, btFixed, btPoint2PointConstraint |
-/// | universal, cylindrical, planar | btGeneric6DofSpring2Constraint, order ZYX |
+/// | hinge, fixed, ball | btHinge, btFixed, btPoint2PointConstraint |
+/// | slider, universal, cylindrical, planar | btGeneric6DofSpring2Constraint, order ZYX |
 ///
 /// Limits are the constraint's. The first motor of an axis is the constraint's own; further
 /// motors, dry friction (a motor towards rest, bounded by the friction) and stiff springs and
@@ -48,7 +48,6 @@ class ConstraintJoint {
   /// Efforts along the joint's speeds and of its motors (by model index) in the last step.
   void get_efforts(const btTransform& X_A, const btTransform& X_B, double* joint,
                    std::vector<double>& motors) const;
-  void clear_reports();
 
  private:
   enum class Kind { passive, friction, motor };
@@ -81,7 +80,6 @@ class ConstraintJoint {
   void drive(const Axis& axis, Row& row, double dt, double velocity, double softness);
   void stop(const Axis& axis, Row& row);
   void apply_law(const Axis& axis, Row& row, const AxisLaw& law, double dt, double q, double u);
-  void apply_ball(double dt, const double* q);
   void push(const btVector3& force, const btVector3& torque);
 
   btVector3 direction(const Axis& axis, const btTransform& X_A, const btTransform& X_B) const;
