@@ -16,10 +16,12 @@ using namespace cogrsim::bench;
 
 /// Newton's method factors a matrix of as many rows as there are degrees of freedom that contact
 /// binds together; its manual has conjugate gradients for heaps.
-constexpr std::size_t kMostForNewton = 100;  // free bodies
+constexpr std::ptrdiff_t kMostForNewton = 100;  // free bodies
 
 bool wants_newton(const Scene& scene) {
-  return !scene.hinges.empty() || scene.things.size() <= kMostForNewton;
+  const auto moving = std::count_if(scene.things.begin(), scene.things.end(),
+                                    [](const Thing& thing) { return thing.mass > 0; });
+  return !scene.hinges.empty() || moving <= kMostForNewton;
 }
 
 using Vector = Eigen::Vector3d;
@@ -45,8 +47,7 @@ Vector axis_in(const Thing& thing, const Triple& axis) {
 
 /// Where `b` is in the frame of `a`.
 ThingState relative(const Thing& a, const Thing& b) {
-  const Rotation turn =
-      (rotation(a.turn).conjugate() * rotation(b.turn)).normalized();
+  const Rotation turn = (rotation(a.turn).conjugate() * rotation(b.turn)).normalized();
   return {triple(place_in(a, vector(b.place))), {turn.w(), turn.x(), turn.y(), turn.z()}};
 }
 
@@ -112,8 +113,7 @@ std::string geoms(const Scene& scene, const Thing& thing) {
         "<geom {} pos=\"{}\" friction=\"{} 0.005 0.0001\" condim=\"{}\" solref=\"{}\" "
         "priority=\"{}\" {}/>\n",
         form, numbers(at), friction, friction > 0 ? 3 : 1, solref(restitution, scene.step),
-        moves ? (friction > 0 ? 1 : 2) : 0,
-        scene.contact ? "" : "contype=\"0\" conaffinity=\"0\"");
+        moves ? (friction > 0 ? 1 : 2) : 0, scene.contact ? "" : "contype=\"0\" conaffinity=\"0\"");
   }
   return out;
 }
@@ -133,13 +133,12 @@ std::string describe(const Scene& scene) {
     // It closes a loop, outside of the tree: two points of its pin are held together.
     const auto parent = static_cast<std::size_t>(hinge.parent);
     const Thing &one = scene.things[parent], &other = scene.things[child];
-    const double half = std::sqrt(
-        *std::max_element(other.moments.begin(), other.moments.end()) / other.mass);
+    const double half =
+        std::sqrt(*std::max_element(other.moments.begin(), other.moments.end()) / other.mass);
     for (const double side : {half, -half}) {
-      const Vector anchor =
-          place_in(one, vector(hinge.anchor)) + side * axis_in(one, hinge.axis);
-      loops += fmt::format("<connect body1=\"t{}\" body2=\"t{}\" anchor=\"{}\"/>\n", parent,
-                           child, numbers(triple(anchor)));
+      const Vector anchor = place_in(one, vector(hinge.anchor)) + side * axis_in(one, hinge.axis);
+      loops += fmt::format("<connect body1=\"t{}\" body2=\"t{}\" anchor=\"{}\"/>\n", parent, child,
+                           numbers(triple(anchor)));
     }
   }
   for (std::size_t a = 0; a < count; ++a) {
@@ -155,37 +154,36 @@ std::string describe(const Scene& scene) {
       roots.push_back(i);
     }
   }
-  const std::function<std::string(std::size_t, const Thing*)> body =
-      [&](std::size_t i, const Thing* above) {
-        const Thing& thing = scene.things[i];
-        const ThingState X =
-            above ? relative(*above, thing) : ThingState{thing.place, thing.turn};
-        std::string out = fmt::format("<body name=\"t{}\" pos=\"{}\" quat=\"{}\">\n", i,
-                                      numbers(X.place), numbers(X.turn));
-        if (joint[i]) {
-          const Hinge& hinge = *joint[i];
-          out += fmt::format("<joint name=\"j{}\" type=\"hinge\" pos=\"{}\" axis=\"{}\"/>\n", i,
-                             numbers(triple(place_in(thing, vector(hinge.anchor)))),
-                             numbers(triple(axis_in(thing, hinge.axis))));
-          if (hinge.driven) {
-            motors += fmt::format(
-                "<velocity joint=\"j{}\" kv=\"1\" forcelimited=\"true\" forcerange=\"{} {}\"/>\n",
-                i, -hinge.max_torque, hinge.max_torque);
-          }
-        } else {
-          out += "<freejoint/>\n";
-        }
-        out += fmt::format("<inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"{}\"/>\n", thing.mass,
-                           numbers(thing.moments));
-        out += geoms(scene, thing);
-        for (const std::size_t child : children[i]) out += body(child, &thing);
-        return out + "</body>\n";
-      };
+  const std::function<std::string(std::size_t, const Thing*)> body = [&](std::size_t i,
+                                                                         const Thing* above) {
+    const Thing& thing = scene.things[i];
+    const ThingState X = above ? relative(*above, thing) : ThingState{thing.place, thing.turn};
+    std::string out = fmt::format("<body name=\"t{}\" pos=\"{}\" quat=\"{}\">\n", i,
+                                  numbers(X.place), numbers(X.turn));
+    if (joint[i]) {
+      const Hinge& hinge = *joint[i];
+      out += fmt::format("<joint name=\"j{}\" type=\"hinge\" pos=\"{}\" axis=\"{}\"/>\n", i,
+                         numbers(triple(place_in(thing, vector(hinge.anchor)))),
+                         numbers(triple(axis_in(thing, hinge.axis))));
+      if (hinge.driven) {
+        motors += fmt::format(
+            "<velocity joint=\"j{}\" kv=\"1\" forcelimited=\"true\" forcerange=\"{} {}\"/>\n", i,
+            -hinge.max_torque, hinge.max_torque);
+      }
+    } else {
+      out += "<freejoint/>\n";
+    }
+    out += fmt::format("<inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"{}\"/>\n", thing.mass,
+                       numbers(thing.moments));
+    out += geoms(scene, thing);
+    for (const std::size_t child : children[i]) out += body(child, &thing);
+    return out + "</body>\n";
+  };
   const long rows = rows_of(scene);
   std::string out = fmt::format(
       "<mujoco><compiler angle=\"radian\"/><size nconmax=\"{0}\" njmax=\"{1}\"/>\n"
       "<option timestep=\"{2}\" gravity=\"{3}\" solver=\"{4}\"/><worldbody>\n",
-      rows / 4, rows, scene.step, numbers(scene.gravity), getenv("RAWS") ? getenv("RAWS") : wants_newton(scene) ? "Newton" : "CG");
+      rows / 4, rows, scene.step, numbers(scene.gravity), wants_newton(scene) ? "Newton" : "CG");
   for (const Thing& thing : scene.things) {
     if (thing.mass == 0) out += geoms(scene, thing);
   }

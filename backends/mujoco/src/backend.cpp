@@ -17,17 +17,19 @@ class MujocoBackend final : public Backend {
     const std::string solver = text("solver"), integrator = text("integrator");
     Provenance out;
     out.engine = "MuJoCo";
-    out.solver = solver == "PGS" ? "projected Gauss-Seidel"
-                 : solver == "CG" ? "conjugate gradients"
-                                  : "Newton's method";
+    out.solver = solver == "PGS"      ? "projected Gauss-Seidel"
+                 : solver == "CG"     ? "conjugate gradients"
+                 : solver == "Newton" ? "Newton's method"
+                                      : "Newton's method, conjugate gradients for heaps";
     out.solver += ", " + text("cone") + " cones";
     out.formulation = "generalized coordinates, soft constraints";
     out.integrator = integrator == "RK4"        ? "Runge-Kutta 4"
                      : integrator == "implicit" ? "implicit in velocity"
                                                 : "semi-implicit Euler";
-    const std::string solve = solver == "PGS"  ? "mj_solPGS"
-                              : solver == "CG" ? "mj_solCG"
-                                               : "mj_solNewton";
+    const std::string solve = solver == "PGS"      ? "mj_solPGS"
+                              : solver == "CG"     ? "mj_solCG"
+                              : solver == "Newton" ? "mj_solNewton"
+                                                   : "mj_solNewton or mj_solCG";
     const auto engine = [&](StepStage stage, const std::string& name) {
       out[stage] = {ComputedBy::engine, name};
     };

@@ -26,6 +26,9 @@ inline Quat rotation_by(const Vec3& phi) {
   return {std::cos(half), v.x(), v.y(), v.z()};
 }
 
+/// A coordinate that came out of poses: what differs from zero by rounding is zero.
+inline double settled(double q) { return std::abs(q) < 1e-15 ? 0.0 : q; }
+
 /// A unit vector that came out of a quaternion: what differs from an axis of its frame by rounding
 /// is that axis.
 inline Vec3 cleaned(Vec3 v) {

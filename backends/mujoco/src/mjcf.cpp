@@ -18,9 +18,9 @@ namespace cogrsim::mujoco {
 
 namespace {
 
-constexpr int kMostBodies = 65534;     // MuJoCo's signature of a pair has 16 bits for each
-constexpr double kFarthest = 1e9;      // [m]; beyond mjMAXVAL, 1e10, MuJoCo resets
-constexpr double kSmallest = mjMINVAL; // mass, moment
+constexpr int kMostBodies = 65534;      // MuJoCo's signature of a pair has 16 bits for each
+constexpr double kFarthest = 1e9;       // [m]; beyond mjMAXVAL, 1e10, MuJoCo resets
+constexpr double kSmallest = mjMINVAL;  // mass, moment
 
 /// Against what a kinematic body meets: no force moves it.
 constexpr double kHeavier = 1e8;
@@ -111,11 +111,12 @@ Result<> Writer::check_loop(const Joint& joint) const {
   const bool lawless = std::all_of(joint.axes.begin(), joint.axes.end(), [](const JointAxis& a) {
     return !a.has_limit() && a.damping == 0 && a.friction == 0 && a.stiffness == 0;
   });
-  const auto driven = std::find_if(
-      scene_.motors.begin(), scene_.motors.end(),
-      [&](const Motor& m) { return !m.removed && &this->joint(m.joint) == &joint; });
+  const auto driven = std::find_if(scene_.motors.begin(), scene_.motors.end(), [&](const Motor& m) {
+    return !m.removed && &this->joint(m.joint) == &joint;
+  });
   if (lawless && driven == scene_.motors.end()) return {};
-  return fail(name + "it closes a loop, and where MuJoCo closes one there are no limits, springs, " +
+  return fail(name +
+                  "it closes a loop, and where MuJoCo closes one there are no limits, springs, " +
                   "dampers, friction or motors",
               place, way_out);
 }
@@ -222,10 +223,9 @@ std::string Writer::inertial(int b) const {
   Eigen::Index largest = 0;
   const double rest = moments.sum() - moments.maxCoeff(&largest);
   if (moments[largest] > rest) moments[largest] = rest * (1.0 - 1e-15);
-  return fmt::format("<inertial pos=\"{}\" {}mass=\"{}\" diaginertia=\"{}\"/>\n",
-                     text(Vec3(it.com - origin(b))),
-                     principal.w() == 1 ? "" : "quat=\"" + text(principal) + "\" ", it.mass,
-                     text(moments));
+  return fmt::format(
+      "<inertial pos=\"{}\" {}mass=\"{}\" diaginertia=\"{}\"/>\n", text(Vec3(it.com - origin(b))),
+      principal.w() == 1 ? "" : "quat=\"" + text(principal) + "\" ", it.mass, text(moments));
 }
 
 Result<std::string> Writer::geom_form(const Shape& shape, Pose& X) {
@@ -261,16 +261,17 @@ Result<std::string> Writer::geom_form(const Shape& shape, Pose& X) {
       const double rise = std::max(*high - *low, 1e-6), base = std::max(1.0, rise);
       X = X * Pose(Vec3(0, 0, *low), Quat(1, 0, 0, 0));
       const std::string name = "h" + std::to_string(out_.geoms.size());
-      assets_ += fmt::format(
-          "<hfield name=\"{}\" nrow=\"{}\" ncol=\"{}\" size=\"{} {} {} {}\"/>\n", name, grid.rows,
-          grid.columns, 0.5 * grid.size_x, 0.5 * grid.size_y, rise, base);
+      assets_ +=
+          fmt::format("<hfield name=\"{}\" nrow=\"{}\" ncol=\"{}\" size=\"{} {} {} {}\"/>\n", name,
+                      grid.rows, grid.columns, 0.5 * grid.size_x, 0.5 * grid.size_y, rise, base);
       return "type=\"hfield\" hfield=\"" + name + '"';
     }
     case ShapeType::mesh:
       break;
   }
-  return fail("shape '" + shape.name + "': MuJoCo has meshes as their convex hulls only, and this " +
-                  "one " + (shape.type == ShapeType::mesh ? "is not convex" : "has no volume"),
+  return fail("shape '" + shape.name +
+                  "': MuJoCo has meshes as their convex hulls only, and this " + "one " +
+                  (shape.type == ShapeType::mesh ? "is not convex" : "has no volume"),
               place_of(scene_, shape.origin), "make it of convex meshes");
 }
 
@@ -332,9 +333,8 @@ void Writer::write_joint(int j) {
       axes = {{"hinge", 0, along(x, true)}, {"hinge", 1, along(y, false)}};
       break;
     case JointType::planar:
-      axes = {{"slide", 0, along(x, true)},
-              {"slide", 1, along(y, true)},
-              {"hinge", 2, along(z, back)}};
+      axes = {
+          {"slide", 0, along(x, true)}, {"slide", 1, along(y, true)}, {"hinge", 2, along(z, back)}};
       break;
     case JointType::ball:
       axes = {{"ball", 0, z}};
@@ -353,21 +353,20 @@ void Writer::write_joint(int j) {
                            text(anchor));
     if (!ball) {
       const double q = at.q[static_cast<std::size_t>(axis.coordinate)];
-      bodies_ +=
-          fmt::format("axis=\"{}\" ref=\"{}\" ", text(axis.along), slave ? slope * q : q);
+      bodies_ += fmt::format("axis=\"{}\" ref=\"{}\" ", text(axis.along), slave ? slope * q : q);
     }
     const JointAxis& law = it.axes[static_cast<std::size_t>(axis.coordinate)];
     if (!slave) {
-      bodies_ += fmt::format(
-          "damping=\"{}\" frictionloss=\"{}\" stiffness=\"{}\" {} {} ", law.damping, law.friction,
-          law.stiffness, out_.options.limit, out_.options.friction);
+      bodies_ +=
+          fmt::format("damping=\"{}\" frictionloss=\"{}\" stiffness=\"{}\" {} {} ", law.damping,
+                      law.friction, law.stiffness, out_.options.limit, out_.options.friction);
       if (!ball) bodies_ += fmt::format("springref=\"{}\" ", law.rest);
       // The bounds themselves may be one number, or infinite, and are set in the compiled model.
       if (law.has_limit()) bodies_ += "limited=\"true\" range=\"0 1\" ";
     } else {
-      equalities_ += fmt::format(
-          "<joint joint1=\"j{0}_1\" joint2=\"j{0}_0\" polycoef=\"0 {1} 0 0 0\" {2}/>\n", j, slope,
-          out_.options.equality);
+      equalities_ +=
+          fmt::format("<joint joint1=\"j{0}_1\" joint2=\"j{0}_0\" polycoef=\"0 {1} 0 0 0\" {2}/>\n",
+                      j, slope, out_.options.equality);
     }
     bodies_ += "/>\n";
   }
@@ -402,7 +401,9 @@ Result<> Writer::write_body(int b) {
 
 void Writer::write_equality(int j) {
   const Joint& it = joint(j);
-  const auto name = [](int b) { return b == kWorld ? std::string("world") : fmt::format("b{}", b); };
+  const auto name = [](int b) {
+    return b == kWorld ? std::string("world") : fmt::format("b{}", b);
+  };
   const std::string ends = fmt::format("body1=\"{}\" body2=\"{}\" {}", name(it.parent),
                                        name(it.child), out_.options.equality);
   if (it.type == JointType::fixed) {
@@ -432,7 +433,8 @@ void Writer::write_actuators() {
     if (place.body < 0) continue;  // both its bodies are part of the ground
     // Gains and bounds are given in every step.
     actuators_ += fmt::format(
-        "<general joint=\"j{}_{}\" biastype=\"affine\" forcelimited=\"true\" forcerange=\"-1 1\"/>\n",
+        "<general joint=\"j{}_{}\" biastype=\"affine\" forcelimited=\"true\" forcerange=\"-1 "
+        "1\"/>\n",
         motor.joint, place.axis[static_cast<std::size_t>(motor.axis)]);
     out_.actuators[m] = count++;
   }

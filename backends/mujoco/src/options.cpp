@@ -20,6 +20,17 @@ bool fits_solimp(const Numbers& v) {
          v[3] < 1 && v[4] >= 1;
 }
 
+/// MuJoCo's manual has conjugate gradients for heaps: Newton's method factors a matrix of as many
+/// rows as there are speeds that contact binds together.
+bool is_heap(const SceneModel& model) {
+  constexpr std::ptrdiff_t kMostForNewton = 100;
+  return std::all_of(model.joints.begin(), model.joints.end(),
+                     [](const Joint& joint) { return joint.removed; }) &&
+         std::count_if(model.bodies.begin(), model.bodies.end(), [](const Body& body) {
+           return !body.removed && body.kind == BodyKind::dynamic;
+         }) > kMostForNewton;
+}
+
 }  // namespace
 
 std::string numbers(const double* values, std::size_t count) {
@@ -44,17 +55,19 @@ const ParameterTable& world_option_table() {
                 "Euler: semi-implicit, joints' damping implicit; RK4: Runge-Kutta of fourth order, "
                 "explicit; implicit: implicit in the velocity")
           .one_of({"Euler", "RK4", "implicit"}),
-      parameter("solver", "Newton",
+      parameter("solver", "auto",
                 "of the constraints' forces: PGS: projected Gauss-Seidel; CG: conjugate gradients; "
-                "Newton: exact, costs the cube of what touches")
-          .one_of({"PGS", "CG", "Newton"}),
+                "Newton: exact, costs the cube of what touches; auto: Newton, but CG in scenes of "
+                "more than 100 moving bodies without a joint")
+          .one_of({"auto", "PGS", "CG", "Newton"}),
       parameter("cone", "pyramidal", "of friction; the pyramid is inside the cone")
           .one_of({"pyramidal", "elliptic"}),
       parameter("jacobian", "auto", "dense or sparse matrices; auto: sparse from 60 speeds on")
           .one_of({"dense", "sparse", "auto"}),
       parameter("iterations", 100, "of the solver, at most").range(1, 100000),
       parameter("tolerance", 1e-8, "at which the solver stops early").range(0, 1),
-      parameter("noslip-iterations", 0, "sweeps after the solver that take back slip").range(0, 1e5),
+      parameter("noslip-iterations", 0, "sweeps after the solver that take back slip")
+          .range(0, 1e5),
       parameter("noslip-tolerance", 1e-6, "at which they stop early").range(0, 1),
       parameter("mpr-iterations", 50, "of the collision of convex shapes, at most").range(1, 1e5),
       parameter("mpr-tolerance", 1e-6, "at which it stops").range(0, 1),
@@ -104,16 +117,20 @@ Result<Options> read_options(const SceneModel& model) {
                   place);
     }
   }
+  const std::string solver = text("solver");
   Options out;
   const Vec3& g = model.physics.gravity;
   out.option = fmt::format(
       "timestep=\"{}\" gravity=\"{}\" integrator=\"{}\" solver=\"{}\" cone=\"{}\" jacobian=\"{}\" "
       "iterations=\"{}\" tolerance=\"{}\" noslip_iterations=\"{}\" noslip_tolerance=\"{}\" "
       "mpr_iterations=\"{}\" mpr_tolerance=\"{}\" impratio=\"{}\"",
-      model.physics.step, numbers(g.data(), 3), text("integrator"), text("solver"), text("cone"),
-      text("jacobian"), whole("iterations"), number("tolerance"), whole("noslip-iterations"),
-      number("noslip-tolerance"), whole("mpr-iterations"), number("mpr-tolerance"),
-      number("impratio"));
+      model.physics.step, numbers(g.data(), 3), text("integrator"),
+      solver != "auto" ? solver
+      : is_heap(model) ? "CG"
+                       : "Newton",
+      text("cone"), text("jacobian"), whole("iterations"), number("tolerance"),
+      whole("noslip-iterations"), number("noslip-tolerance"), whole("mpr-iterations"),
+      number("mpr-tolerance"), number("impratio"));
   out.flag = fmt::format("filterparent=\"disable\" multiccd=\"{}\"",
                          std::get<bool>(options->at("multiccd")) ? "enable" : "disable");
   out.solref = list("solref");

@@ -13,12 +13,12 @@ const ParameterTable& world_option_table();
 
 /// Options in force. What only the text for MuJoCo needs stays a text.
 struct Options {
-  std::string option;                   ///< attributes of <option>
-  std::string flag;                     ///< attributes of <flag>
-  std::string solref, solimp;           ///< of contacts without restitution
-  std::string contact;                  ///< other attributes of geoms and pairs
+  std::string option;                     ///< attributes of <option>
+  std::string flag;                       ///< attributes of <flag>
+  std::string solref, solimp;             ///< of contacts without restitution
+  std::string contact;                    ///< other attributes of geoms and pairs
   std::string limit, friction, equality;  ///< attributes solreflimit …
-  bool damps_implicitly = true;         ///< joints' damping; false: Runge-Kutta
+  bool damps_implicitly = true;           ///< joints' damping; false: Runge-Kutta
 };
 
 /// Errors: what complete_parameters() finds; lists of another length or of mixed signs; with place.

@@ -37,6 +37,12 @@ void find_places(Program& out) {
     out.free_qpos[b] = m.jnt_qposadr[joint];
     out.free_dof[b] = m.jnt_dofadr[joint];
   }
+  // MuJoCo numbers geoms by body, the world's first.
+  const auto written = std::exchange(out.geoms, {});
+  out.geoms.resize(written.size());
+  for (std::size_t g = 0; g < written.size(); ++g) {
+    out.geoms[static_cast<std::size_t>(id(mjOBJ_GEOM, fmt::format("g{}", g)))] = written[g];
+  }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     TreeJoint& place = out.joints[j];
     const Joint& joint = scene.joints[j];
@@ -132,8 +138,8 @@ Result<> find_motions(Program& out) {
     mj_solveM(&m, &d, response.data(), response.data(), 1);
     double coupling = 0.0;
     for (std::size_t k = 0; k < count; ++k) {
-      coupling += std::abs(response[dof(k)]) / std::sqrt(out.motions[i].inverse_inertia *
-                                                         out.motions[k].inverse_inertia);
+      coupling += std::abs(response[dof(k)]) /
+                  std::sqrt(out.motions[i].inverse_inertia * out.motions[k].inverse_inertia);
     }
     if (coupling > kFreeCoupling) out.motions[i].share = 1.0 / coupling;
   }
@@ -145,14 +151,16 @@ Result<> find_motions(Program& out) {
 Reference reference_of(const SceneModel& scene, std::size_t j, const std::vector<Pose>& poses,
                        bool attached) {
   const Joint& joint = scene.joints[j];
-  const auto pose = [&](int b) { return b == kWorld ? Pose() : poses[static_cast<std::size_t>(b)]; };
+  const auto pose = [&](int b) {
+    return b == kWorld ? Pose() : poses[static_cast<std::size_t>(b)];
+  };
   const Pose X_WP = pose(joint.parent), X_WC = pose(joint.child);
   Reference out;
   double q[7] = {};
   std::copy(joint.position.begin(), joint.position.end(), q);
   if (attached) joint_position(joint, relative_pose(joint, X_WP, X_WC), joint.position.data(), q);
   if (joint.type != JointType::ball && joint.type != JointType::free) {
-    std::copy_n(q, position_count(joint.type), out.q.begin());
+    std::transform(q, q + position_count(joint.type), out.q.begin(), settled);
   }
   if (joint.type == JointType::ball) {
     out.X_PC = joint.X_PF * joint.X_CM.inverse();  // where its quaternion is one, as MuJoCo's is

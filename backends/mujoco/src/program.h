@@ -36,8 +36,9 @@ struct TreeJoint {
 };
 
 struct Motion {
-  int joint = -1;           ///< MuJoCo's, one axis
-  double inverse_inertia = 0.0;  ///< of the axis in the reference configuration [1/(kg m^2)], [1/kg]
+  int joint = -1;  ///< MuJoCo's, one axis
+  double inverse_inertia =
+      0.0;             ///< of the axis in the reference configuration [1/(kg m^2)], [1/kg]
   double share = 1.0;  ///< of the gain that a motor alone could have, with the others of its tree
 };
 

@@ -90,8 +90,8 @@ Result<Surfaces> choose_surfaces(const SceneModel& model, const Options& options
   std::vector<Group> groups;
   std::vector<int> group_of;
   for (const SurfaceGeom& geom : geoms) {
-    const auto [entry, is_new] = numbers_of.try_emplace({geom.material, geom.mobile},
-                                                        static_cast<int>(groups.size()));
+    const auto [entry, is_new] =
+        numbers_of.try_emplace({geom.material, geom.mobile}, static_cast<int>(groups.size()));
     if (is_new) groups.push_back({geom.material, geom.mobile, 0.0, -1, {}});
     groups[static_cast<std::size_t>(entry->second)].count += 1.0;
     group_of.push_back(entry->second);
@@ -117,8 +117,9 @@ Result<Surfaces> choose_surfaces(const SceneModel& model, const Options& options
                             : void(vote->second += weight);
         all += weight;
       }
-      const auto best = std::max_element(
-          votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+      const auto best =
+          std::max_element(votes.begin(), votes.end(),
+                           [](const auto& a, const auto& b) { return a.second < b.second; });
       const double lost = best == votes.end() ? 0.0 : all - best->second;
       if (least >= 0.0 && lost >= least) continue;
       least = lost;
@@ -151,8 +152,8 @@ Result<Surfaces> choose_surfaces(const SceneModel& model, const Options& options
                         " pairs of shapes, each of which MuJoCo must be told",
                     place_of(model, model.physics.origin), "use fewer materials, or fewer bodies");
       }
-      out.pairs += fmt::format("<pair geom1=\"g{}\" geom2=\"g{}\" {}/>\n", a, b,
-                               terms.text(wanted, true));
+      out.pairs +=
+          fmt::format("<pair geom1=\"g{}\" geom2=\"g{}\" {}/>\n", a, b, terms.text(wanted, true));
     }
   }
   return out;

@@ -13,9 +13,9 @@ namespace cogrsim::mujoco {
 
 /// A geom as far as surfaces go.
 struct SurfaceGeom {
-  int body = -1;         ///< SceneModel::bodies
-  int material = -1;     ///< SceneModel::materials
-  bool mobile = false;   ///< of a body moved by forces
+  int body = -1;        ///< SceneModel::bodies
+  int material = -1;    ///< SceneModel::materials
+  bool mobile = false;  ///< of a body moved by forces
 };
 
 /// Priorities and surfaces of geoms, and what they cannot express.

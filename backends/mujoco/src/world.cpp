@@ -48,7 +48,8 @@ Result<> MujocoWorld::adopt(const ProgramPtr& program) {
   std::swap(before, model_);
   int contacts = 16, rows = 16 + copy->nemax + copy->nv;
   for (const auto& [b, s] : program->geoms) {
-    contacts += program->scene->bodies[static_cast<std::size_t>(b)].kind == BodyKind::dynamic ? 2 : 0;
+    contacts +=
+        program->scene->bodies[static_cast<std::size_t>(b)].kind == BodyKind::dynamic ? 2 : 0;
   }
   rows += 4 * contacts;
   if (auto made = make_room(contacts, rows, 0); !made) {
@@ -112,11 +113,11 @@ void MujocoWorld::start() {
   kept_.joint_velocities.resize(static_cast<std::size_t>(scene.joint_speeds));
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
-    std::copy(joint.position.begin(), joint.position.end(),
-              kept_.joint_positions.begin() + joint.position_offset);
+    double* const q = kept_.joint_positions.data() + joint.position_offset;
+    std::transform(joint.position.begin(), joint.position.end(), q, settled);
     std::copy(joint.velocity.begin(), joint.velocity.end(),
               kept_.joint_velocities.begin() + joint.speed_offset);
-    put_joint(j, joint.position.data(), joint.velocity.data());
+    put_joint(j, q, joint.velocity.data());
   }
   forget_reports();
 }
@@ -233,8 +234,9 @@ StepResult MujocoWorld::step(double dt, const std::vector<Drive>& drives) {
       const bool full = found[mjWARN_CONTACTFULL].number > 0;
       if (!full && found[mjWARN_CNSTRFULL].number == 0) break;
       if (!make_more_room(full ? "contacts" : "rows")) {
-        return diverged(-1, "MuJoCo has no room for more contacts: it counts the bytes of its "
-                            "matrices in 31 bits");
+        return diverged(-1,
+                        "MuJoCo has no room for more contacts: it counts the bytes of its "
+                        "matrices in 31 bits");
       }
     }
     put_back(before_);
@@ -264,10 +266,11 @@ StepResult MujocoWorld::diverged(int body, const std::string& what) {
     }
   }
   if (!what.empty()) return {StepStatus::diverged, body, what};
-  return {StepStatus::diverged, body,
-          "body '" + (body < 0 ? std::string() : scene.bodies[static_cast<std::size_t>(body)].name) +
-              "' has left MuJoCo's bounds (1e10 of its place, velocity, acceleration or effort) or " +
-              "is not a number"};
+  return {
+      StepStatus::diverged, body,
+      "body '" + (body < 0 ? std::string() : scene.bodies[static_cast<std::size_t>(body)].name) +
+          "' has left MuJoCo's bounds (1e10 of its place, velocity, acceleration or effort) or " +
+          "is not a number"};
 }
 
 int MujocoWorld::find_bad() const {
@@ -291,8 +294,8 @@ int MujocoWorld::body_of_dof(int dof) const {
 }
 
 int MujocoWorld::body_of_motor(int actuator) const {
-  return program_->owners[static_cast<std::size_t>(
-      model_->jnt_bodyid[model_->actuator_trnid[2 * actuator]])];
+  return program_
+      ->owners[static_cast<std::size_t>(model_->jnt_bodyid[model_->actuator_trnid[2 * actuator]])];
 }
 
 void* MujocoWorld::extension(std::string_view id) {

@@ -82,10 +82,10 @@ class MujocoWorld final : public World, public JointReactions, public KinematicD
   ModelOwner model_;  ///< stepped: its step, gains and bounds are those of the last step
   DataOwner data_;
   double time_ = 0.0;
-  double dt_ = 0.0;  ///< of the last step
-  Coordinates before_;  ///< the last step
-  bool stepped_ = false;    ///< mjData holds what the last step found
-  bool unchecked_ = true;   ///< its coordinates did not come from a step
+  double dt_ = 0.0;        ///< of the last step
+  Coordinates before_;     ///< the last step
+  bool stepped_ = false;   ///< mjData holds what the last step found
+  bool unchecked_ = true;  ///< its coordinates did not come from a step
   mutable Kinematics seen_ = Kinematics::none;
   mutable std::vector<double> scratch_;
   std::vector<Twist> kinematic_;  ///< by body, what it was told

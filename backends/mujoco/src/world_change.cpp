@@ -68,7 +68,8 @@ Result<> MujocoWorld::become(const SceneModelPtr& next, const std::vector<int>& 
   now.joint_efforts.resize(static_cast<std::size_t>(scene.joint_speeds));
   for (std::size_t j = before; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
-    const bool there = std::find(attached.begin(), attached.end(), static_cast<int>(j)) != attached.end();
+    const bool there =
+        std::find(attached.begin(), attached.end(), static_cast<int>(j)) != attached.end();
     references.push_back(reference_of(scene, j, now.poses, there));
     double* const q = now.joint_positions.data() + joint.position_offset;
     std::copy(joint.position.begin(), joint.position.end(), q);

@@ -199,9 +199,8 @@ void MujocoWorld::read_efforts(WorldState& out) const {
       const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
       const Vec3 in_N = q_BN.conjugate() * vec_at(effort.data() + dof);
       const Vec3 in_F =
-          place.reversed
-              ? Vec3(-in_N)
-              : Vec3(quat_at(out.joint_positions.data() + joint.position_offset) * in_N);
+          place.reversed ? Vec3(-in_N)
+                         : Vec3(quat_at(out.joint_positions.data() + joint.position_offset) * in_N);
       std::copy_n(in_F.data(), 3, to);
       continue;
     }
@@ -275,8 +274,7 @@ Wrench MujocoWorld::loop_reaction(std::size_t j) const {
   const int first = program_->equalities[j];
   const int count = joint.type == JointType::hinge ? 2 : 1;
   const auto place_in = [&](int body, const double* point) {
-    return Vec3(vec_at(d.xpos + 3 * body) +
-                quat_at(d.xquat + 4 * body) * vec_at(point));
+    return Vec3(vec_at(d.xpos + 3 * body) + quat_at(d.xquat + 4 * body) * vec_at(point));
   };
   Wrench out;
   for (int row = 0; row < d.ne; ++row) {
