@@ -375,7 +375,7 @@ void Writer::write_joint(int j) {
 Result<> Writer::write_body(int b) {
   const auto i = static_cast<std::size_t>(b);
   const Body& it = body(b);
-  Pose X = it.X_WB;
+  Pose X = it.kind == BodyKind::fixed ? out_.places[i] : it.X_WB;
   if (tree_[i] >= 0) {
     const Reference& at = out_.references[static_cast<std::size_t>(tree_[i])];
     X = joint(tree_[i]).child == b ? at.X_PC : at.X_PC.inverse();

@@ -172,10 +172,12 @@ Reference reference_of(const SceneModel& scene, std::size_t j, const std::vector
   return out;
 }
 
-Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Reference> references) {
+Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Reference> references,
+                                std::vector<Pose> places) {
   auto out = std::make_shared<Program>();
   out->scene = scene;
   out->references = std::move(references);
+  out->places = std::move(places);
   auto options = read_options(*scene);
   if (!options) return tl::unexpected(options.error());
   out->options = *options;

@@ -46,6 +46,7 @@ struct Program {
   SceneModelPtr scene;
   Options options;
   std::vector<Reference> references;  ///< by joint
+  std::vector<Pose> places;           ///< by body, of static ones
   ModelOwner model;                   ///< as it came from the compiler; never stepped
   std::vector<int> bodies;            ///< MuJoCo's, by body; 0: a part of the world; -1: not there
   std::vector<int> owners;            ///< the other way round; -1: the world
@@ -64,6 +65,7 @@ struct Program {
 using ProgramPtr = std::shared_ptr<const Program>;
 
 /// Errors: what MuJoCo cannot have, with its place, and what its compiler says.
-Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Reference> references);
+Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Reference> references,
+                                std::vector<Pose> places);
 
 }  // namespace cogrsim::mujoco

@@ -31,7 +31,7 @@ Result<std::unique_ptr<World>> MujocoWorld::create(const SceneModelPtr& model) {
   for (std::size_t j = 0; j < model->joints.size(); ++j) {
     references.push_back(reference_of(*model, j, poses, false));
   }
-  const auto program = make_program(model, std::move(references));
+  const auto program = make_program(model, std::move(references), std::move(poses));
   if (!program) return tl::unexpected(program.error());
   std::unique_ptr<MujocoWorld> world(new MujocoWorld);
   world->initial_ = *program;

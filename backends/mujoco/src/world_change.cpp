@@ -83,7 +83,7 @@ Result<> MujocoWorld::become(const SceneModelPtr& next, const std::vector<int>& 
                    joint.position.data(), q);
   }
 
-  const auto program = make_program(next, std::move(references));
+  const auto program = make_program(next, std::move(references), now.poses);
   if (!program) return tl::unexpected(program.error());
   const ProgramPtr old = program_;
   const Coordinates was = coordinates();
