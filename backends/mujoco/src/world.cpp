@@ -68,7 +68,7 @@ Result<> MujocoWorld::make_room(int contacts, int rows, int stack) {
   if (stack == 0) {
     // MuJoCo's own rule, as long as that is not much; where it is not enough there will be more.
     const double size = static_cast<double>(rows) + m.neq + m.nv, bodies = m.nbody;
-    stack = clamped(std::min(5 * size * size, 3e7) + bodies * bodies +
+    stack = clamped(std::min(5 * size * size, 3e6) + bodies * bodies +
                     20.0 * (m.nq + m.nv + m.nu + m.nbody + m.njnt + m.ngeom + m.neq) + 1000);
   }
   m.nstack = stack;
