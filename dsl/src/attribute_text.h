@@ -40,7 +40,7 @@ class AttributeText {
 
  private:
   bool spend(std::size_t work) { return dsl::spend(context_, work, attribute_.value_span, trail_); }
-  /// Numbers of any(): the fault is returned.
+  /// As numbers(), but a fault is left to the caller.
   std::vector<NumberEntry> parse(const NumberSyntax& syntax, std::optional<ExpressionFault>& fault);
 
   CompileContext& context_;

@@ -163,7 +163,7 @@ void Builder::templates() {
   for_each(scene_, [&](const Element& element) {
     if (element.tag() != "template") return;
     // Each looks for materials among all that is around it.
-    if (!spend(context_, 10 * scene_.children.size(), element.span(), element.trail)) return;
+    if (!spend(element, 10 * scene_.children.size())) return;
     const int errors = sink().error_count();
     TemplateModel made;
     made.name = element.path;
@@ -184,7 +184,7 @@ void Builder::templates() {
       const auto name = reader(element).word("name");
       if (!of.given() || name.failed()) return;
       const std::string full = full_name(element, (*of).text, Thing::templates);
-      if (!spend(context_, 8 * model_.templates.size(), element.span(), element.trail)) return;
+      if (!spend(element, 8 * model_.templates.size())) return;
       for (const TemplateModel& known : model_.templates)
         if (known.name == full) coming.fragment = known.fragment;
       coming.numbered = !name.given();

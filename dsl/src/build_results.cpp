@@ -6,6 +6,7 @@
 #include "cogrsim/core/output_file.h"
 #include "cogrsim/figures/plot_sampler.h"
 #include "cogrsim/signals/signal.h"
+#include "text.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -91,9 +92,7 @@ std::optional<std::string> Builder::with_signals(
     const std::function<Result<std::string>(const SignalScope&)>& parse) {
   // Each operator keeps its text, and each name is looked for among all.
   const std::size_t names = static_cast<std::size_t>(context_.element_count) + added.size();
-  if (!spend(context_, 2 * names + text.size() * (64 + text.size() / 8), element.span(),
-             element.trail))
-    return std::nullopt;
+  if (!spend(element, 2 * names + text.size() * (64 + text.size() / 8))) return std::nullopt;
   bool lost = false;
   const Element* without = nullptr;  // found, but there are no signals of it
   SignalScope scope{model_, channels(), {}};
@@ -104,16 +103,16 @@ std::optional<std::string> Builder::with_signals(
     if (!in_model(model_, found.element->path)) without = found.element;
     return found.element->path;
   };
-  std::vector<std::string> coming = spawned_names();
-  coming.insert(coming.end(), added.begin(), added.end());
-  scope.may_come = [coming](const std::string& name) {
-    return std::any_of(coming.begin(), coming.end(), [&](const std::string& one) {
+  scope.may_come = [&added, &spawned = spawned_names()](const std::string& name) {
+    const auto is_it = [&name](const std::string& one) {
       if (one.empty() || name.compare(0, one.size(), one) != 0) return false;
       // The second of a name gets a number behind it.
       std::size_t end = one.size();
-      while (end < name.size() && name[end] >= '0' && name[end] <= '9') ++end;
+      while (end < name.size() && is_digit(name[end])) ++end;
       return end == name.size() || name[end] == '.';
-    });
+    };
+    return std::any_of(spawned.begin(), spawned.end(), is_it) ||
+           std::any_of(added.begin(), added.end(), is_it);
   };
   const auto parsed = parse(scope);
   if (parsed) return *parsed;

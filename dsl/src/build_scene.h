@@ -94,6 +94,9 @@ class Builder {
   }
   Reader reader(const Element& element) { return Reader(context_, element); }
   DiagnosticSink& sink() { return context_.sink; }
+  bool spend(const Element& element, std::size_t work) {
+    return dsl::spend(context_, work, element.span(), element.trail);
+  }
   Report fault(std::string_view code, const Element& element, std::string message);
   Report fault(std::string_view code, const Element& element, std::string_view attribute,
                std::string message);

@@ -14,14 +14,14 @@ std::string number_key(const Vec3& v) {
 /// The path of a file that the scene names; empty: not there, which is reported.
 std::string Builder::asset(const std::string& file, const SourceSpan& at, const Trail* trail) {
   std::string path = context_.files.resolve_asset(file, at);
-  if (path.empty()) spend(context_, 20000, at, trail);  // it was looked for in all folders
+  if (path.empty()) dsl::spend(context_, 20000, at, trail);  // it was looked for in all folders
   return path;
 }
 
 /// What is made of a file is bounded by its size; what is made of it again is work.
 bool Builder::copied(const std::string& path, std::size_t work, const SourceSpan& at,
                      const Trail* trail) {
-  return asset_files_.insert(path).second || spend(context_, work, at, trail);
+  return asset_files_.insert(path).second || dsl::spend(context_, work, at, trail);
 }
 
 bool Builder::mesh(const Element& element, Shape& shape) {

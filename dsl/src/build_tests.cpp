@@ -66,7 +66,7 @@ void Builder::test(const Element& element) {
   const auto seeds = r.text("seeds");
   if (seeds.given()) {
     auto list = parse_seeds(*seeds);
-    if (list && !spend(context_, 32 * list->size(), element.span(), element.trail)) return;
+    if (list && !spend(element, 32 * list->size())) return;
     if (list && list->size() <= kMostSeeds)
       test.seeds = std::move(*list);
     else

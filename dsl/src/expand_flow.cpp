@@ -62,7 +62,7 @@ void Expander::repeat(const Node& node, const Place& place, const std::string& k
   const double limit = context_.options.limits.expanded_elements;
   const auto rounds = static_cast<std::size_t>(std::min(number->value, limit + 1.0));
   for (std::size_t i = 0; i < rounds; ++i) {
-    if (!room(node, place) || !spend(context_, 4 * name.size(), node.span, place.trail)) return;
+    if (!room(node, place) || !spend(node, place, 4 * name.size())) return;
     Scope& scope = context_.scopes.emplace_back(place.scope);
     scope.set(name, Value::number(static_cast<double>(i)));
     Place inner = place;
@@ -80,7 +80,7 @@ void Expander::for_each(const Node& node, const Place& place, const std::string&
     place.into->incomplete = true;
     return;
   }
-  if (!spend(context_, 16 * var->value.size(), node.span, place.trail)) return;
+  if (!spend(node, place, 16 * var->value.size())) return;
   const auto names = words_of(var->value);
   for (const std::string_view name : names)
     if (!is_identifier(name)) {
@@ -106,7 +106,7 @@ void Expander::for_each(const Node& node, const Place& place, const std::string&
     return;
   }
   for (std::size_t i = 0; i < list->size(); ++i) {
-    if (!room(node, place) || !spend(context_, 100 * names.size(), node.span, place.trail)) return;
+    if (!room(node, place) || !spend(node, place, 100 * names.size())) return;
     const Value& item = (*list)[i];
     Scope& scope = context_.scopes.emplace_back(place.scope);
     if (names.size() == 1) {

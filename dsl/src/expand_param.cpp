@@ -146,7 +146,7 @@ void Expander::define_params(const Node& container, Scope& scope, const Place& p
   const ElementSpec* instance_spec = find_element("instance");
   for (const Node* node : container.children) {
     if (node->name != "param") continue;
-    if (!spend(context_, 1000, node->span, place.trail)) return;
+    if (!spend(*node, place, 1000)) return;
     if (node->spec == nullptr) {  // stands where none may: said once, and not of its every use
       if (const Attribute* name = node->find("name");
           name != nullptr && !scope.has_own(name->value))

@@ -20,7 +20,7 @@ void Expander::scatter(const Node& node, const Place& place, const std::string& 
   plan.element = element;
   for (std::int64_t i = 0; i < *count; ++i) {
     const std::size_t texts = element->name.size() + (var.given() ? (*var).text.size() : 0);
-    if (!room(node, place) || !spend(context_, 4 * texts, node.span, place.trail)) return;
+    if (!room(node, place) || !spend(node, place, 4 * texts)) return;
     const std::string number = std::to_string(i);
     Scope& scope = context_.scopes.emplace_back(place.scope);
     if (var.given()) scope.set((*var).text, Value::number(static_cast<double>(i)));

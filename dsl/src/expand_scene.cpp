@@ -130,7 +130,7 @@ void Expander::define(const Node& node, const Place& place, Definitions& definit
     if (c->name == "import" && c->spec != nullptr) import(*c, place, definitions);
   for (const Node* c : node.children) {
     if (c->name != "prototype" || c->spec == nullptr) continue;
-    if (!spend(context_, 2000, c->span, place.trail)) return;
+    if (!spend(*c, place, 2000)) return;
     Element& element = context_.elements.emplace_back();
     element.node = c;
     element.scope = place.scope;
@@ -162,7 +162,7 @@ void Expander::children(const Node& node, const Place& outer, Definitions* own) 
     place.definitions = own;
     define(node, place, *own);
   }
-  if (!spend(context_, 16 * node.children.size(), node.span, place.trail)) return;
+  if (!spend(node, place, 16 * node.children.size())) return;
   std::map<std::string_view, int> ordinals;
   for (const Node* c : node.children) {
     if (full_) return;

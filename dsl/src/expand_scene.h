@@ -92,6 +92,9 @@ class Expander {
   const Trail* step(const Place& place, std::string text, const SourceSpan& at);
   /// False, once and for all, when `cost` more elements would be too many.
   bool room(const Node& node, const Place& place, std::size_t cost = 1);
+  bool spend(const Node& node, const Place& place, std::size_t work) {
+    return dsl::spend(context_, work, node.span, place.trail);
+  }
 
   // expand_flow.cpp
   void repeat(const Node& node, const Place& place, const std::string& key);

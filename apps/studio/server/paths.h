@@ -41,7 +41,7 @@ struct Path {
 /// any all that move; what has a controller comes first. At most 64. From any thread.
 class Paths {
  public:
-  /// The next frame of the run; one with an earlier time than the last begins anew.
+  /// The next frame of the run. A frame with an earlier time than the last clears the paths first.
   void take(const Frame& frame);
   void clear();
 
