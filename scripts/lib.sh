@@ -102,8 +102,8 @@ run_demo() {
   local example=examples/050_navigation album=$build_dir/navigation
   say "$example/experiment --short --seeds 3 ${album#"$repo"/}"
   COGRSIM=$build_dir/bin/cogrsim "$repo/$example/experiment" --short --seeds 3 "$album" || return
-  say "cogrsim compare $example/navigation.scene.xml --backends bullet,simbody"
-  "$build_dir/bin/cogrsim" compare "$repo/$example/navigation.scene.xml" --backends bullet,simbody \
+  say "cogrsim compare $example/navigation.scene.xml --backends bullet,cogrsim"
+  "$build_dir/bin/cogrsim" compare "$repo/$example/navigation.scene.xml" --backends bullet,cogrsim \
     --report "$album/report.html" || return
   printf '\nOver three seeds:\n'
   cat "$album/summary.txt"

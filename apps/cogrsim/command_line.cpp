@@ -11,6 +11,8 @@
 #include <CLI/CLI.hpp>
 
 #include "cogrsim/core/parameter.h"
+#include "cogrsim/dsl/study.h"
+#include "cogrsim/physics/backend_choice.h"
 #include "new_command.h"
 #include "options.h"
 #include "output_file.h"
@@ -40,8 +42,12 @@ struct Words {
   std::string snapshot, plots_folder, kind, title, every, from, to, output = "plots",
                                                                     picture = "png";
   int rows = 10;
+  std::string seeds, shake, table;
+  bool chaos = false;
   bool json_flag = false, reference = false, events = false, watch = false;
 };
+
+constexpr std::size_t kMostRepetitions = 10000;  // of a comparison
 
 double duration_from(const std::string& word) {
   const auto time = parse_time(word);
@@ -176,9 +182,8 @@ CompareCommandOptions compare_from(const Words& words) {
   CompareCommandOptions options;
   options.scene = scene_from(words);
   for (const std::string& list : words.backends) {
-    for (const std::string& name : split(list, ',')) {
-      if (!name.empty()) options.backends.push_back(name);
-    }
+    for (const std::string& choice : split_backend_choices(list))
+      options.backends.push_back(choice);
   }
   if (!words.backends.empty() && options.backends.size() < 2) {
     throw UsageError("--backends", Problem("a comparison needs at least two", "",
@@ -207,9 +212,38 @@ CompareCommandOptions compare_from(const Words& words) {
       (angle ? options.angle_threshold : options.position_threshold) = threshold->value;
     }
   }
+  if (!words.seeds.empty()) {
+    const auto seeds = dsl::parse_seeds(words.seeds);
+    if (!seeds) throw UsageError("--seeds", seeds.error());
+    if (seeds->size() > kMostRepetitions) {
+      throw UsageError("--seeds", Problem(fmt::format("more than {} seeds", kMostRepetitions)));
+    }
+    if (!words.seed.empty()) throw UsageError("--seeds", Problem("--seed is one of them already"));
+    if (options.steps.size() > 1) {
+      throw UsageError("--seeds", Problem("several seeds and several steps are two studies", "",
+                                          "give one --step, or leave out --seeds"));
+    }
+    options.seeds = *seeds;
+  }
+  if (!words.shake.empty()) {
+    const auto size = parse_length_or_angle(words.shake);
+    if (!size || size->dimension == Dimension::angle || size->value <= 0.0) {
+      throw UsageError("--shake", Problem(fmt::format("'{}' is no length", words.shake), "",
+                                          "write a length greater than zero, such as 1mm"));
+    }
+    options.shake = size->value;
+  }
+  options.chaos = words.chaos;
   options.rows = words.rows;
   options.json = words.json;
   options.report = words.report;
+  options.table = words.table;
+  const auto ending =
+      options.table.substr(std::min(options.table.rfind('.'), options.table.size()));
+  if (!options.table.empty() && ending != ".md" && ending != ".tex") {
+    throw UsageError("--table",
+                     Problem(fmt::format("'{}' ends neither in .md nor in .tex", options.table)));
+  }
   if (!options.json.empty() && options.json == options.report) {
     throw UsageError("--report", Problem("--json and --report name the same file"));
   }
@@ -291,7 +325,7 @@ void add_run(CLI::App& app, Words& words, int& status) {
   command.footer(
       "Examples:\n"
       "  cogrsim run robot.scene.xml\n"
-      "  cogrsim run robot.scene.xml --backend simbody --duration 5s --step \"0.5 ms\"\n"
+      "  cogrsim run robot.scene.xml --backend cogrsim --duration 5s --step \"0.5 ms\"\n"
       "  cogrsim run robot.scene.xml --set wheel_r=\"5 cm\" --seed 7 --json result.json\n"
       "  cogrsim run robot.scene.xml --speed 1      as fast as the clock on the wall\n"
       "  cogrsim run robot.scene.xml --json - | jq .energy\n"
@@ -347,7 +381,7 @@ void add_plot(CLI::App& app, Words& words, int& status) {
       "  cogrsim plot run.mcap                          the scene's plots, into the folder plots\n"
       "  cogrsim plot run.mcap --plot path -o path.pdf\n"
       "  cogrsim plot run.mcap --y robot.speed -o speed.svg\n"
-      "  cogrsim plot bullet.mcap simbody.mcap --kind map --x robot.x --y robot.y -o path.png\n"
+      "  cogrsim plot bullet.mcap cogrsim.mcap --kind map --x robot.x --y robot.y -o path.png\n"
       "  cogrsim plot run.mcap --kind surface --x robot.x --y robot.y --z robot.speed -o "
       "floor.png\n"
       "  cogrsim plot path.json -o path.svg             a figure drawn before\n"
@@ -389,12 +423,33 @@ void add_compare(CLI::App& app, Words& words, int& status) {
       ->type_name("FILE|-");
   command.add_option("--report", words.report, "Write a page with curves for a browser")
       ->type_name("FILE.html");
+  command
+      .add_option(
+          "--seeds", words.seeds,
+          "Repeat with each of these: mean, standard deviation and 95 % confidence interval "
+          "of the differences; 1..20, or 1 3 7")
+      ->type_name("SEEDS");
+  command
+      .add_option("--shake", words.shake,
+                  "Displace the start of each repetition at random by at most this, alike on all "
+                  "backends; joints by as many radians as it has metres")
+      ->type_name("SIZE");
+  command.add_flag(
+      "--chaos", words.chaos,
+      "Run the reference once more, its start shaken by 1 nm: when the two part, chaos "
+      "decides and not the engine; always with --seeds and --shake");
+  command
+      .add_option("--table", words.table,
+                  "Write the differences as a table for a paper, markdown or LaTeX by the ending")
+      ->type_name("FILE.md|FILE.tex");
   command.footer(
       "Examples:\n"
-      "  cogrsim compare robot.scene.xml --backends bullet,simbody\n"
+      "  cogrsim compare robot.scene.xml --backends bullet,cogrsim\n"
       "  cogrsim compare robot.scene.xml --duration 3s --threshold 5mm,2deg\n"
       "  cogrsim compare robot.scene.xml --report robot.html --json robot.json\n"
       "  cogrsim compare robot.scene.xml --step 4ms --step 2ms --step 1ms      with convergence\n"
+      "  cogrsim compare robot.scene.xml --backends \"bullet,bullet(iterations=50),cogrsim\"\n"
+      "  cogrsim compare robot.scene.xml --seeds 1..20 --shake 1mm --table robot.tex\n"
       "Differences are a finding, not a failure: exit status 0 unless a scene or a run failed.");
   command.callback([&] { status = compare_command(compare_from(words)); });
 }
@@ -556,7 +611,7 @@ int run_command_line(int argc, char** argv, const std::vector<AddWords>& more) {
       "Examples:\n"
       "  cogrsim check robot.scene.xml\n"
       "  cogrsim run robot.scene.xml\n"
-      "  cogrsim compare robot.scene.xml --backends bullet,simbody --report robot.html\n"
+      "  cogrsim compare robot.scene.xml --backends bullet,cogrsim --report robot.html\n"
       "  cogrsim run --help      each subcommand has examples of its own\n"
       "Exit status: 0 good, 1 the scene or run failed, 2 wrong usage.");
   if (argc < 2) {

@@ -204,7 +204,8 @@ void Comparison::note_over(Difference& difference, double time, double distance,
   difference.severity = std::max(difference.severity, excess);
   if (excess <= 1.0 || difference.first_over) return;
   difference.first_over = time;
-  if (!result_.first_over) {
+  const bool counts = difference.run + result_.options.twins < result_.runs.size();
+  if (counts && !result_.first_over) {
     result_.first_over = time;
     result_.first_over_name = difference.name;
   }

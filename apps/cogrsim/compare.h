@@ -21,6 +21,8 @@ struct CompareOptions {
   /// Curves have this many intervals, or up to twice as many; each keeps the largest difference in
   /// it, so that no peak is lost.
   int curve_points = 400;
+  /// So many of the last runs are no engines of their own: CompareResult::first_over leaves them out.
+  std::size_t twins = 0;
 };
 
 /// A difference over time: never negative.

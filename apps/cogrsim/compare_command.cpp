@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -59,6 +60,38 @@ double trajectory_instants(const SceneModel& model) {
   return static_cast<double>(std::clamp<std::size_t>(200000 / bodies, 10, 200));
 }
 
+constexpr double kTwin = 1e-9;  // [m, rad]
+
+// Runs the scene with every seed; the first one's result is the comparison that is shown.
+bool run_seeds(const CompareCommandOptions& options, const LoadedScene& scene,
+               LockstepOptions lockstep, CompareReport& report) {
+  const std::vector<std::uint64_t> seeds =
+      options.seeds.empty() ? std::vector<std::uint64_t>{report.seed} : options.seeds;
+  CompareStatistics statistics(options.shake);
+  Progress progress("compare", report.duration * static_cast<double>(seeds.size()));
+  for (std::size_t i = 0; i < seeds.size() && !interrupted(); ++i) {
+    lockstep.seed = lockstep.shake_seed = seeds[i];
+    lockstep.keep_frames = i == 0 && !options.report.empty();
+    lockstep.on_step = [&](double time) {
+      progress.show(report.duration * static_cast<double>(i) + time);
+    };
+    auto result = run_lockstep(scene.model, lockstep, scene.loader);
+    if (!result) {
+      progress.finish();
+      print_diagnostics(result.error());
+      report.diagnostics.insert(report.diagnostics.end(), result.error().begin(),
+                                result.error().end());
+      return false;
+    }
+    // What was interrupted is no repetition; a first one is shown as far as it came.
+    if (!interrupted() || i == 0) statistics.add(seeds[i], *result);
+    if (i == 0) report.result = std::move(*result);
+  }
+  progress.finish();
+  report.study = statistics.finish();
+  return true;
+}
+
 // Runs the scene at every step; the first one's result is the comparison.
 bool run_all(const CompareCommandOptions& options, const LoadedScene& scene,
              CompareReport& report) {
@@ -77,15 +110,19 @@ bool run_all(const CompareCommandOptions& options, const LoadedScene& scene,
   lockstep.compare.angle_threshold = options.angle_threshold;
   lockstep.compare.curve_points = curve_points(*scene.model);
   lockstep.interrupted = interrupted;
+  lockstep.shake = options.shake;
+  lockstep.shake_seed = report.seed;
+  lockstep.twin = report.twin;
+  lockstep.compare.twins = report.twin > 0.0 ? 1 : 0;
+  lockstep.step = steps.front();
+  if (!converge) return run_seeds(options, scene, lockstep, report);
 
   std::vector<std::pair<double, std::vector<Trajectory>>> trajectories;
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const std::string title =
-        converge ? fmt::format("compare, step {}", step_text(steps[i])) : "compare";
-    Progress progress(title, report.duration);
+    Progress progress(fmt::format("compare, step {}", step_text(steps[i])), report.duration);
     lockstep.step = steps[i];
     lockstep.trajectory_every =
-        converge ? static_cast<std::uint64_t>(std::llround(largest / steps[i] * stride)) : 0;
+        static_cast<std::uint64_t>(std::llround(largest / steps[i] * stride));
     lockstep.keep_frames = i == 0 && !options.report.empty();
     lockstep.on_step = [&](double time) { progress.show(time); };
     auto result = run_lockstep(scene.model, lockstep, scene.loader);
@@ -96,8 +133,13 @@ bool run_all(const CompareCommandOptions& options, const LoadedScene& scene,
                                 result.error().end());
       return false;
     }
-    if (converge) trajectories.emplace_back(steps[i], std::move(result->trajectories));
-    if (i == 0) report.result = std::move(*result);
+    trajectories.emplace_back(steps[i], std::move(result->trajectories));
+    if (i == 0) {
+      CompareStatistics statistics(options.shake);
+      statistics.add(report.seed, *result);
+      report.study = statistics.finish();
+      report.result = std::move(*result);
+    }
     if (interrupted()) break;
   }
   if (trajectories.size() < 2) return true;
@@ -131,6 +173,12 @@ int deliver(const CompareCommandOptions& options, const CompareReport& report, i
   if (!report.result) return status;
   if (!options.report.empty())
     check(write_output(options.report, OutputKind::html, compare_html(report)));
+  if (!options.table.empty()) {
+    const bool latex = std::filesystem::path(options.table).extension() == ".tex";
+    const TableFormat format = latex ? TableFormat::latex : TableFormat::markdown;
+    check(write_output(options.table, OutputKind::text_table,
+                       compare_table(report, format, options.rows)));
+  }
   if (options.json == "-" || options.report == "-") {
     std::fputs(compare_text(report, options.rows, style_of(STDERR_FILENO)).c_str(), stderr);
   } else {
@@ -144,7 +192,8 @@ int deliver(const CompareCommandOptions& options, const CompareReport& report, i
 int compare_command(const CompareCommandOptions& options) {
   add_input(options.scene.scene);
   for (const auto& [path, kind] :
-       {std::pair(options.json, OutputKind::json), std::pair(options.report, OutputKind::html)}) {
+       {std::pair(options.json, OutputKind::json), std::pair(options.report, OutputKind::html),
+        std::pair(options.table, OutputKind::text_table)}) {
     if (path.empty()) continue;
     if (const auto writable = check_writable(path, kind); !writable) {
       return refuse(writable.error());
@@ -167,6 +216,10 @@ int compare_command(const CompareCommandOptions& options) {
   if (!scene.model) return deliver(options, report, kFailed);
   report.scene = scene.model->name;
   report.duration = duration_of(*scene.model, options.scene);
+  report.seed = options.scene.seed.value_or(scene.model->physics.seed);
+  report.set = options.scene.set;
+  if (!options.seeds.empty()) report.seed = options.seeds.front();
+  if (options.chaos || options.shake > 0.0 || options.seeds.size() > 1) report.twin = kTwin;
   report.backends = chosen_backends(options, scene);
   if (report.backends.size() < 2) {
     const std::string problem =

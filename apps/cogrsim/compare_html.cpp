@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "compare_output.h"
+#include "provenance_text.h"
 #include "zoom_chart.h"
 
 namespace cogrsim::cli {
@@ -91,7 +92,7 @@ std::string figures_table(const LockstepResult& result) {
   std::string out =
       "<h2>Backends</h2>\n<div class=\"scroll\"><table class=\"wrap\"><thead><tr><th></th>";
   for (const RunEnd& run : result.runs) {
-    out += "<th>" + html_escaped(run.label + " " + run.engine_version) + "</th>";
+    out += "<th>" + html_escaped(run.label) + "</th>";
   }
   out += "</tr></thead><tbody>\n";
   const auto line = [&](const char* title, auto text) {
@@ -132,6 +133,24 @@ std::string figures_table(const LockstepResult& result) {
   line("largest joint error, distance",
        [&](Run, Figures f) { return extreme(f.joint_distance, false); });
   line("largest joint error, angle", [&](Run, Figures f) { return extreme(f.joint_angle, true); });
+  return out + "</tbody></table></div>\n";
+}
+
+std::string provenance_table(const LockstepResult& result) {
+  std::string out =
+      "<h2>Who computed what</h2>\n<div class=\"scroll\"><table "
+      "class=\"wrap\"><thead><tr><th></th>";
+  std::vector<Provenance> runs;
+  for (const RunEnd& run : result.runs) {
+    out += "<th>" + html_escaped(run.label) + "</th>";
+    runs.push_back(run.provenance);
+  }
+  out += "</tr></thead><tbody>\n";
+  for (const auto& row : provenance_rows(runs)) {
+    out += "<tr>";
+    for (const std::string& text : row) out += cell(text);
+    out += "</tr>\n";
+  }
   return out + "</tbody></table></div>\n";
 }
 
@@ -307,6 +326,7 @@ std::string compare_html(const CompareReport& report) {
   out += difference_chart("jointtravel", "Joint travel difference", "m", 1.0, comparison.joints,
                           &Difference::distance, comparison);
   out += energy_chart(comparison);
+  out += provenance_table(result);
   out += figures_table(result);
   out += difference_table("Bodies", comparison.bodies, comparison);
   out += difference_table("Joints", comparison.joints, comparison);

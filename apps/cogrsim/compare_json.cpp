@@ -38,6 +38,7 @@ Json to_json(const RunEnd& run, const RunFigures& figures) {
       {"backend", run.backend},
       {"label", run.label},
       {"engine_version", run.engine_version},
+      {"provenance", cli::to_json(run.provenance)},
       {"status", to_string(run.status)},
       {"step", run.step},
       {"steps", run.steps},
@@ -89,6 +90,38 @@ Json convergence_json(const std::vector<ConvergenceSeries>& all) {
   return out;
 }
 
+Json to_json(const Estimate& estimate) {
+  if (estimate.count == 0) return nullptr;
+  return {{"count", estimate.count},
+          {"mean", estimate.mean},
+          {"deviation", number_or_null(estimate.deviation)},
+          {"half_width", number_or_null(estimate.half_width)}};
+}
+
+Json to_json(const CompareStudy& study) {
+  Json rows = Json::array(), runs = Json::array();
+  for (const StudyRow& row : study.rows) {
+    rows.push_back({{"name", row.body},
+                    {"other", row.run},
+                    {"max", to_json(row.max)},
+                    {"rms", to_json(row.rms)},
+                    {"end", to_json(row.end)},
+                    {"angle_end", to_json(row.angle_end)},
+                    {"apart", to_json(row.apart)}});
+  }
+  for (const StudyRun& run : study.runs) {
+    runs.push_back({{"run", run.run},
+                    {"completed", run.completed},
+                    {"energy_drift", to_json(run.energy_drift)},
+                    {"deepest_penetration", to_json(run.penetration)}});
+  }
+  return {{"seeds", study.seeds},
+          {"shake", study.shake},
+          {"confidence", 0.95},
+          {"bodies", std::move(rows)},
+          {"runs", std::move(runs)}};
+}
+
 }  // namespace
 
 Json to_json(const CompareReport& report) {
@@ -100,6 +133,8 @@ Json to_json(const CompareReport& report) {
   out["status"] = report.status;
   out["backends"] = report.backends;
   out["duration"] = report.duration;
+  out["seed"] = report.seed;
+  out["set"] = report.set;
   out["time"] = comparison.end_time;
   out["samples"] = comparison.samples;
   out["thresholds"] = {{"position", comparison.options.position_threshold},
@@ -122,6 +157,14 @@ Json to_json(const CompareReport& report) {
   out["joints"] = differences_json(comparison.joints, comparison, "distance");
   out["only_in_some"] = comparison.only_in_some;
   out["convergence"] = convergence_json(report.convergence);
+  out["chaos"] = nullptr;
+  if (const auto chaos = chaos_of(report)) {
+    out["chaos"] = {{"run", chaos->run},
+                    {"shake", report.twin},
+                    {"first_over", number_or_null(chaos->first_over)},
+                    {"largest", chaos->largest}};
+  }
+  out["study"] = to_json(report.study);
   out["diagnostics"] = diagnostics_json(report.diagnostics, messages);
   return out;
 }

@@ -1,9 +1,13 @@
 // A comparison as a table for the terminal, as JSON, and as a page for a browser.
 #pragma once
 
+#include <cstdint>
+#include <map>
+
 #include <string>
 #include <vector>
 
+#include "compare_study.h"
 #include "convergence.h"
 #include "json_text.h"
 #include "lockstep.h"
@@ -17,9 +21,13 @@ struct CompareReport {
   std::string file;
   std::string status = "failed";  ///< completed, stopped, diverged, fault; failed: never started
   double duration = 0.0;          ///< asked for [s]
-  std::vector<std::string> backends;  ///< asked for
+  std::uint64_t seed = 0;
+  std::map<std::string, std::string> set;  ///< `--set`
+  std::vector<std::string> backends;       ///< asked for
   std::optional<LockstepResult> result;
   std::vector<ConvergenceSeries> convergence;  ///< empty: one step only
+  CompareStudy study;                          ///< of all repetitions; `result` is the first
+  double twin = 0.0;                           ///< see LockstepOptions
   ReportPictures pictures;                     ///< for the page
   std::vector<Diagnostic> diagnostics;
 };
@@ -27,8 +35,22 @@ struct CompareReport {
 /// `rows`: of each table, the rest is counted.
 std::string compare_text(const CompareReport& report, int rows, const Style& style);
 
+/// When two runs of the reference that hardly differ part: from then on chaos decides, not the engine.
+struct Chaos {
+  std::string run;                   ///< label of the twin
+  std::optional<double> first_over;  ///< [s]; empty: never
+  double largest = 0.0;              ///< distance [m]
+};
+/// Empty: there is no twin.
+std::optional<Chaos> chaos_of(const CompareReport& report);
+
+enum class TableFormat { markdown, latex };
+/// The differences as a table for a paper, below a comment that says what it takes to make them
+/// again. `rows`: at most.
+std::string compare_table(const CompareReport& report, TableFormat format, int rows);
+
 /// Keys: scene, file, status, duration, time, samples, thresholds, first_over, ended_early, runs
-/// (one per backend), bodies, joints, convergence, diagnostics.
+/// (one per backend), bodies, joints, convergence, chaos, study, diagnostics.
 Json to_json(const CompareReport& report);
 
 /// One HTML file that needs nothing else: figures, tables and curves, light and dark.

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include "compare_output.h"
+#include "provenance_text.h"
 
 namespace cogrsim::cli {
 namespace {
 
-using Align = TextTable::Align;
 constexpr std::size_t kNameWidth = 28;
 
 std::string spread_cell(const std::optional<Spread>& spread, double Spread::*part, bool angle) {
@@ -27,21 +27,21 @@ std::string difference_table(const std::string& kind, const char* distance,
                        [&](const Difference& d) { return (d.*part).has_value(); });
   };
   const bool distances = any(&Difference::distance), angles = any(&Difference::angle);
-  std::vector<Align> columns = {Align::left};
+  std::vector<TextTable::Align> columns = {TextTable::Align::left};
   std::vector<std::string> head = {kind};
-  const auto column = [&](Align align, const std::string& title) {
+  const auto column = [&](TextTable::Align align, const std::string& title) {
     columns.push_back(align);
     head.push_back(title);
   };
   const auto columns_of = [&](const std::string& quantity) {
-    column(Align::right, quantity + " max");
-    column(Align::right, "rms");
-    column(Align::right, "at end");
+    column(TextTable::Align::right, quantity + " max");
+    column(TextTable::Align::right, "rms");
+    column(TextTable::Align::right, "at end");
   };
-  if (several) column(Align::left, "backend");
+  if (several) column(TextTable::Align::left, "backend");
   if (distances) columns_of(distance);
   if (angles) columns_of("angle");
-  column(Align::right, "apart from");
+  column(TextTable::Align::right, "apart from");
   TextTable table(columns);
   table.row(head);
   const std::size_t shown = std::min(differences.size(), static_cast<std::size_t>(rows));
@@ -72,11 +72,11 @@ std::string extreme_cell(const Extreme& extreme, bool angle) {
 
 // Backends side by side: one column each, so that figures to compare stand beside each other.
 std::string figures_table(const LockstepResult& result, const Style& style) {
-  std::vector<Align> columns = {Align::left};
+  std::vector<TextTable::Align> columns = {TextTable::Align::left};
   std::vector<std::string> head = {""};
   for (const RunEnd& run : result.runs) {
-    columns.push_back(Align::right);
-    head.push_back(fmt::format("{} {}", run.label, run.engine_version));
+    columns.push_back(TextTable::Align::right);
+    head.push_back(run.label);
   }
   TextTable table(columns);
   table.row(head);
@@ -115,7 +115,8 @@ std::string figures_table(const LockstepResult& result, const Style& style) {
 
 std::string convergence_table(const CompareReport& report, const Style& style) {
   if (report.convergence.empty()) return {};
-  TextTable table({Align::left, Align::right, Align::right, Align::right});
+  TextTable table({TextTable::Align::left, TextTable::Align::right, TextTable::Align::right,
+                   TextTable::Align::right});
   table.row({"convergence", "step", "rms change", "order"});
   for (const ConvergenceSeries& series : report.convergence) {
     for (const ConvergencePoint& point : series.points) {
@@ -131,7 +132,72 @@ std::string convergence_table(const CompareReport& report, const Style& style) {
          "  the difference between them. Positions, root mean square over bodies and time.\n";
 }
 
+std::string estimate_cell(const Estimate& estimate, std::string (*text)(double)) {
+  if (estimate.count == 0) return "-";
+  const std::string mean = text(estimate.mean);
+  return estimate.half_width ? mean + " ± " + text(*estimate.half_width) : mean;
+}
+
+std::string study_table(const CompareReport& report, int rows, const Style& style) {
+  const CompareStudy& study = report.study;
+  if (study.seeds.size() < 2) return {};
+  TextTable table({TextTable::Align::left, TextTable::Align::left, TextTable::Align::right,
+                   TextTable::Align::right, TextTable::Align::right, TextTable::Align::right,
+                   TextTable::Align::right});
+  table.row({fmt::format("{} repetitions", study.seeds.size()), "run", "position max", "at end",
+             "σ at end", "apart from", "apart"});
+  const std::size_t shown = std::min(study.rows.size(), static_cast<std::size_t>(rows));
+  for (std::size_t i = 0; i < shown; ++i) {
+    const StudyRow& row = study.rows[i];
+    table.row({shortened(row.body, kNameWidth), row.run, estimate_cell(row.max, length_text),
+               estimate_cell(row.end, length_text),
+               row.end.deviation ? length_text(*row.end.deviation) : "-",
+               estimate_cell(row.apart, time_text),
+               fmt::format("{} of {}", row.apart.count, row.max.count)});
+  }
+  std::string out = "\n" + table.text("  ", style.bold, style.off);
+  if (shown < study.rows.size()) {
+    out += fmt::format("  and {} more, see --json\n", study.rows.size() - shown);
+  }
+  return out +
+         "  Mean ± half of its 95 % confidence interval (Student's t); σ: standard deviation of "
+         "one "
+         "repetition.\n";
+}
+
+std::string chaos_line(const CompareReport& report, const Style& style) {
+  const auto chaos = chaos_of(report);
+  if (!chaos) return {};
+  const CompareResult& comparison = report.result->comparison;
+  const std::string begin = fmt::format("two runs of {} that begin {} apart",
+                                        one_line(comparison.runs[0]), length_text(report.twin));
+  if (!chaos->first_over) {
+    return fmt::format("  {} stay within {}: what is larger is the engines\n", begin,
+                       length_text(chaos->largest));
+  }
+  return fmt::format(
+      "  {}{} are apart by more than {} from {} on: what comes later is chaos, not the engines{}\n",
+      style.yellow, begin, thresholds_text(comparison.options), time_text(*chaos->first_over),
+      style.off);
+}
+
 }  // namespace
+
+std::optional<Chaos> chaos_of(const CompareReport& report) {
+  if (!report.result || report.twin <= 0.0) return std::nullopt;
+  const CompareResult& comparison = report.result->comparison;
+  const std::size_t twin = comparison.runs.size() - 1;
+  Chaos out;
+  out.run = comparison.runs[twin];
+  for (const Difference& difference : comparison.bodies) {
+    if (difference.run != twin) continue;
+    if (difference.distance) out.largest = std::max(out.largest, difference.distance->max);
+    if (!difference.first_over) continue;
+    out.first_over =
+        std::min(out.first_over.value_or(*difference.first_over), *difference.first_over);
+  }
+  return out;
+}
 
 std::string thresholds_text(const CompareOptions& options) {
   const double metres = options.position_threshold;
@@ -145,8 +211,9 @@ std::string compare_text(const CompareReport& report, int rows, const Style& sty
   if (!report.result) return {};
   const LockstepResult& result = *report.result;
   const CompareResult& comparison = result.comparison;
+  const std::size_t engines = comparison.runs.size() - comparison.options.twins;
   std::string others = comparison.runs[1];
-  for (std::size_t i = 2; i < comparison.runs.size(); ++i) others += ", " + comparison.runs[i];
+  for (std::size_t i = 2; i < engines; ++i) others += ", " + comparison.runs[i];
   std::string out = fmt::format("{}{}{}: {} against {}, {} in steps of {}\n", style.bold,
                                 report.scene, style.off, others, comparison.runs[0],
                                 time_text(comparison.end_time), step_text(result.runs[0].step));
@@ -161,6 +228,19 @@ std::string compare_text(const CompareReport& report, int rows, const Style& sty
   } else {
     out += fmt::format("  {}never apart by more than {}{}\n", style.green, limits, style.off);
   }
+  out += chaos_line(report, style);
+  out += fmt::format("  seed {}", report.seed);
+  if (report.study.shake > 0.0)
+    out += fmt::format(", shaken by {}", length_text(report.study.shake));
+  for (const auto& [name, value] : report.set) {
+    out += fmt::format(", {}={}", one_line(name), one_line(value));
+  }
+  out += fmt::format(", CogRSim {}\n\n", result.runs.front().provenance.cogrsim_version);
+  for (std::size_t i = 0; i < engines; ++i) {
+    const RunEnd& run = result.runs[i];
+    out += fmt::format("  {}{}{}\n", style.bold, one_line(run.label), style.off) +
+           provenance_lines(run.provenance);
+  }
   out += difference_table("body, worst first", "position", comparison.bodies, report, rows, style);
   out += difference_table("joint, worst first", "travel", comparison.joints, report, rows, style);
   if (!comparison.only_in_some.empty()) {
@@ -172,7 +252,8 @@ std::string compare_text(const CompareReport& report, int rows, const Style& sty
     }
     out += "\n";
   }
-  return out + figures_table(result, style) + convergence_table(report, style);
+  return out + figures_table(result, style) + study_table(report, rows, style) +
+         convergence_table(report, style);
 }
 
 }  // namespace cogrsim::cli

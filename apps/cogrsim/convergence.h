@@ -34,7 +34,7 @@ struct ConvergencePoint {
 };
 
 struct ConvergenceSeries {
-  std::string name;  ///< "bullet" or "bullet and simbody"
+  std::string name;  ///< "bullet" or "bullet and cogrsim"
   bool between = false;
   std::vector<ConvergencePoint> points;  ///< largest step first
 };

@@ -11,6 +11,7 @@
 #include "json_text.h"
 #include "options.h"
 #include "output_file.h"
+#include "provenance_text.h"
 #include "recording_words.h"
 #include "refuse.h"
 #include "terminal.h"
@@ -40,6 +41,7 @@ Json info_json(const RecordingInfo& info) {
   out["backend"] = info.backend;
   out["engine_version"] = info.engine_version;
   out["library_version"] = info.library_version;
+  out["provenance"] = info.provenance ? to_json(*info.provenance) : Json(nullptr);
   out["status"] = text_or_null(info.status);
   out["complete"] = info.complete;
   out["damage"] = text_or_null(info.damage);
@@ -75,6 +77,7 @@ std::string info_text(const RecordingInfo& info, const Style& style) {
       style.off, one_line(info.backend), one_line(info.engine_version),
       info.status.empty() ? style.red : style.green, one_line(status), style.off,
       time_text(info.start), time_text(info.end), step_text(info.step));
+  if (info.provenance) out += provenance_lines(*info.provenance);
   out += fmt::format("  frames    {}", info.frames);
   if (info.dropped > 0) out += fmt::format(", {} left out", info.dropped);
   out += fmt::format("\n  seed      {}\n  written   by CogRSim {}, {}\n", info.seed,

@@ -72,6 +72,8 @@ std::string json_text(const Json& value) {
 
 Json to_json(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
+Json to_json(const Provenance& provenance) { return Json::parse(to_json_text(provenance)); }
+
 Json to_json(const Quat& q) { return Json::array({q.w(), q.x(), q.y(), q.z()}); }
 
 }  // namespace cogrsim::cli

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cogrsim/core/types.h"
+#include "cogrsim/physics/provenance.h"
 
 namespace cogrsim::cli {
 
@@ -19,5 +20,7 @@ std::string json_text(const Json& value);
 
 Json to_json(const Vec3& v);  ///< [x, y, z]
 Json to_json(const Quat& q);  ///< [w, x, y, z]
+
+Json to_json(const Provenance& provenance);
 
 }  // namespace cogrsim::cli

@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 
 #include "progress.h"
+#include "scene_loading.h"
+#include "shake.h"
+#include "terminal.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -17,17 +20,34 @@ constexpr std::uint64_t kTrailPoints = 1000;  // of a robot's way, or a few more
 
 struct Lane {
   std::unique_ptr<Simulation> simulation;
+  std::string choice;  ///< as it was asked for
   RunEnd end;
 };
 
-std::string label_of(const std::string& backend, const std::vector<Lane>& lanes) {
+std::string label_of(const std::string& choice, const std::vector<Lane>& lanes) {
   const auto before = std::count_if(lanes.begin(), lanes.end(),
-                                    [&](const Lane& lane) { return lane.end.backend == backend; });
-  return before == 0 ? backend : fmt::format("{} ({})", backend, before + 1);
+                                    [&](const Lane& lane) { return lane.choice == choice; });
+  return before == 0 ? choice : fmt::format("{} ({})", choice, before + 1);
 }
 
 bool goes_on(RunStatus status) {
   return status == RunStatus::running || status == RunStatus::completed;
+}
+
+Result<> shake_start(Simulation& simulation, const LockstepOptions& options, bool twin) {
+  if (options.shake <= 0.0 && !twin) return {};
+  WorldState state = simulation.frame()->state;
+  const SceneModel& model = *simulation.model();
+  int count = 0;
+  if (options.shake > 0.0) count += shake(model, options.shake, options.shake_seed, state);
+  // Another direction than that of all.
+  if (twin) count += shake(model, options.twin, ~options.shake_seed, state);
+  if (count == 0) {
+    return fail("nothing in this scene can be shaken: no body or joint is free to be elsewhere", "",
+                "leave out --shake, --chaos and --seeds");
+  }
+  simulation.send(SetState{std::move(state)});
+  return {};
 }
 
 tl::expected<std::vector<Lane>, std::vector<Diagnostic>> create_lanes(
@@ -35,7 +55,11 @@ tl::expected<std::vector<Lane>, std::vector<Diagnostic>> create_lanes(
     const std::shared_ptr<PluginLoader>& loader) {
   std::vector<Lane> lanes;
   std::vector<Diagnostic> problems;
-  for (const std::string& backend : options.backends) {
+  std::vector<std::string> backends = options.backends;
+  if (options.twin > 0.0) backends.push_back(backends.front());
+  for (std::size_t i = 0; i < backends.size(); ++i) {
+    const std::string& backend = backends[i];
+    const bool twin = i == options.backends.size();
     SimulationOptions settings;
     settings.backend = backend;
     settings.step = options.step;
@@ -54,7 +78,15 @@ tl::expected<std::vector<Lane>, std::vector<Diagnostic>> create_lanes(
     lane.simulation = std::move(*created);
     lane.end.backend = lane.simulation->backend().name();
     lane.end.engine_version = lane.simulation->backend().engine_version();
-    lane.end.label = label_of(lane.end.backend, lanes);
+    lane.end.provenance = lane.simulation->provenance();
+    lane.choice = backend;
+    lane.end.label =
+        twin ? fmt::format("{}, shaken by {}", lanes.front().end.label, length_text(options.twin))
+             : label_of(backend, lanes);
+    if (auto done = shake_start(*lane.simulation, options, twin); !done) {
+      problems.push_back(to_diagnostic(done.error()));
+      break;
+    }
     lanes.push_back(std::move(lane));
   }
   if (!problems.empty()) return tl::unexpected(std::move(problems));

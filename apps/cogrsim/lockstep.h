@@ -19,6 +19,11 @@ struct LockstepOptions {
   double step = 0.0;                  ///< [s]; 0: the scene's
   double duration = 10.0;             ///< [s]
   std::optional<std::uint64_t> seed;
+  double shake = 0.0;            ///< of the start, see shake(); 0: none [m, rad]
+  std::uint64_t shake_seed = 0;  ///< of that
+  /// One more run, the last: the reference's backend once more, its start shaken by this beyond
+  /// what all are; 0: none [m, rad].
+  double twin = 0.0;
   CompareOptions compare;
   /// Keeps the bodies' positions after every so many steps; 0: keeps none.
   std::uint64_t trajectory_every = 0;
@@ -30,9 +35,11 @@ struct LockstepOptions {
 
 /// How one backend's run ended.
 struct RunEnd {
-  std::string label;  ///< the backend's name; "bullet (2)" when one is asked for twice
+  std::string label;  ///< the backend as it was asked for, with its options; "bullet (2)" when one
+                      ///< is asked for twice; "bullet, shaken by 1 nm" of a twin
   std::string backend;
   std::string engine_version;
+  Provenance provenance;
   RunStatus status = RunStatus::running;
   double step = 0.0;  ///< [s]
   std::uint64_t steps = 0;
@@ -55,7 +62,7 @@ struct LockstepResult {
 
 /// Takes every backend one step, then compares; wall time is counted around the steps alone. Ends
 /// for all when one ends. Errors: what Simulation::create found, with a note that names the
-/// backend.
+/// backend; nothing that could be shaken.
 tl::expected<LockstepResult, std::vector<Diagnostic>> run_lockstep(
     const SceneModelPtr& scene, const LockstepOptions& options,
     const std::shared_ptr<PluginLoader>& loader);

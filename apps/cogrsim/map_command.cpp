@@ -20,7 +20,7 @@ namespace cogrsim::cli {
 namespace {
 
 // Trails are drawn through this many points at most.
-constexpr double kTrailPoints = 2000.0;
+constexpr double kMapTrailPoints = 2000.0;
 
 struct Job {
   const MapCommandOptions& options;
@@ -39,7 +39,7 @@ int draw_one(Job& job) {
   auto trails = Trails::of(*(*frame)->model, job.options.trails);
   if (!trails) return refuse(trails.error());
   trails->add(**frame);
-  const double every = std::max(at / kTrailPoints, (*frame)->model->physics.step);
+  const double every = std::max(at / kMapTrailPoints, (*frame)->model->physics.step);
   const double start = (*frame)->time;
   for (double k = 1.0; start + k * every < at; ++k) {
     frame = job.source.at(start + k * every);

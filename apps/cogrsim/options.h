@@ -57,9 +57,13 @@ struct CompareCommandOptions {
   std::vector<double> steps;                                ///< [s]; empty: the scene's
   double position_threshold = 0.01;                         ///< [m]
   double angle_threshold = 3.14159265358979323846 / 180.0;  ///< [rad]
+  std::vector<std::uint64_t> seeds;  ///< one repetition each; empty: one, with the scene's seed
+  double shake = 0.0;                ///< of the start [m, rad]; 0: none
+  bool chaos = false;                ///< the reference once more, shaken by a nanometre
   int rows = 10;
   std::string json;
   std::string report;
+  std::string table;  ///< .md or .tex
 };
 
 struct PlotCommandOptions {

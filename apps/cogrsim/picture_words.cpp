@@ -140,7 +140,7 @@ void add_map(CLI::App& app, int& status) {
       "Examples:\n"
       "  cogrsim map run.mcap -o map.svg\n"
       "  cogrsim map run.mcap --at 12.5 -o map.png\n"
-      "  cogrsim map robot.scene.xml --backend simbody --at 3 -o map.pdf\n"
+      "  cogrsim map robot.scene.xml --backend cogrsim --at 3 -o map.pdf\n"
       "  cogrsim map run.mcap --every 0.1 --speed 4 -o run.gif      (or .mp4, .webm)\n"
       "A scene is run up to the time asked for.");
   command.callback([words, &status] {

@@ -12,6 +12,7 @@
 #include "json_text.h"
 #include "options.h"
 #include "output_file.h"
+#include "provenance_text.h"
 #include "refuse.h"
 #include "terminal.h"
 
@@ -113,6 +114,20 @@ std::string capability_table(const Capabilities& capabilities, const Style& styl
   return table.text("    ", style.dim, style.off);
 }
 
+// With the default options.
+std::string provenance_table(const Backend& backend, const Style& style) {
+  const auto provenance = provenance_of(backend, SceneModel());
+  if (!provenance) {
+    return fmt::format("    {}does not say who computes its results:{} {}\n", style.red, style.off,
+                       provenance.error().message);
+  }
+  using Align = TextTable::Align;
+  TextTable table({Align::left, Align::left});
+  table.row({"stage", "computed by"});
+  for (auto& row : provenance_rows({*provenance})) table.row(std::move(row));
+  return table.text("    ", style.dim, style.off);
+}
+
 std::string inventory_text(const Inventory& inventory, const Style& style) {
   std::string out;
   for (const Entry& entry : inventory.entries) {
@@ -122,13 +137,12 @@ std::string inventory_text(const Inventory& inventory, const Style& style) {
     if (!d.summary.empty()) out += fmt::format("    {}\n", d.summary);
     if (!entry.family.empty()) out += fmt::format("    family: {}\n", entry.family);
     out += fmt::format("    found: {}\n", entry.path.empty() ? "built in" : entry.path);
-    if (entry.backend)
-      out += fmt::format("    engine version: {}\n", entry.backend->engine_version());
     out += parameter_table("parameter", d.parameters, style);
     out += output_table(d.outputs, style);
     if (entry.backend) {
       out += parameter_table("world option", entry.backend->world_options(), style);
       out += parameter_table("assembly option", entry.backend->assembly_options(), style);
+      out += provenance_table(*entry.backend, style);
       out += capability_table(entry.backend->capabilities(), style);
     }
     out += "\n";
@@ -191,6 +205,9 @@ Json to_json(const Inventory& inventory) {
     if (!entry.family.empty()) item["family"] = entry.family;
     if (entry.backend) {
       item["engine_version"] = entry.backend->engine_version();
+      if (const auto provenance = provenance_of(*entry.backend, SceneModel())) {
+        item["provenance"] = cli::to_json(*provenance);
+      }
       item["world_options"] = to_json(entry.backend->world_options());
       item["assembly_options"] = to_json(entry.backend->assembly_options());
       Json& capabilities = item["capabilities"] = Json::object();

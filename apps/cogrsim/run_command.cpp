@@ -207,6 +207,9 @@ int run_command(const RunOptions& given, WatchLink* watcher) {
   result.backend = simulation.backend().name();
   if (watcher) watcher->rests_on(plugin_files(*scene.loader, result.backend), false);
   result.engine_version = simulation.backend().engine_version();
+  result.provenance = simulation.provenance();
+  result.seed = simulation.model()->physics.seed;
+  result.set = options.scene.set;
 
   std::unique_ptr<Recorder> recorder;
   if (wants_recording(*scene.model, options)) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "frame_json.h"
+#include "provenance_text.h"
 #include "scene_loading.h"
 
 namespace cogrsim::cli {
@@ -97,6 +98,9 @@ Json to_json(const RunResult& result) {
   out["backend"] = result.backend.empty() ? Json(nullptr) : Json(result.backend);
   out["engine_version"] =
       result.engine_version.empty() ? Json(nullptr) : Json(result.engine_version);
+  out["provenance"] = result.provenance ? to_json(*result.provenance) : Json(nullptr);
+  out["seed"] = result.provenance ? Json(result.seed) : Json(nullptr);
+  out["set"] = result.set;
   out["step"] = ran ? Json(result.step) : Json(nullptr);
   out["steps"] = result.steps;
   out["time"] = result.time;
@@ -130,6 +134,7 @@ std::string summary_text(const RunResult& result, const Style& style) {
       "{}{}{} on {} {}: {}{}{}, {} in {} steps of {}\n", style.bold, one_line(result.scene),
       style.off, result.backend, result.engine_version, failed ? style.red : style.green,
       result.status, style.off, time_text(result.time), result.steps, step_text(result.step));
+  if (result.provenance) out += provenance_lines(*result.provenance);
   out += fmt::format("  wall time {}, {} real time\n", elapsed_text(result.wall_time),
                      factor_text(result.time / result.wall_time));
   const Energy energy = energy_of(*frame.model, frame.state);

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cogrsim/physics/frame.h"
+#include "cogrsim/physics/provenance.h"
 #include "cogrsim/simulation/simulation.h"
 #include "json_text.h"
 #include "run_measures.h"
@@ -18,8 +21,11 @@ struct RunResult {
   std::string file;
   std::string backend;
   std::string engine_version;
-  std::string status = "failed";  ///< to_string(RunStatus), or "failed": it never started
-  double step = 0.0;              ///< [s]
+  std::optional<Provenance> provenance;  ///< empty: it never started
+  std::uint64_t seed = 0;
+  std::map<std::string, std::string> set;  ///< `--set`
+  std::string status = "failed";           ///< to_string(RunStatus), or "failed": it never started
+  double step = 0.0;                       ///< [s]
   std::uint64_t steps = 0;
   double time = 0.0;       ///< [s]
   double wall_time = 0.0;  ///< of stepping alone [s]

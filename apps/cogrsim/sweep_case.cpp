@@ -100,6 +100,7 @@ Json run(const Json& input) {
     result["cause"] = message.source + ": it needed more memory than there was";
     break;
   }
+  result["provenance"] = to_json(simulation.provenance());
   result["end_time"] = simulation.time();
   result["wall_time"] = wall;
   result["state_hash"] = fmt::format("{:016x}", state_hash(simulation.frame()->state));

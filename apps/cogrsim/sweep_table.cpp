@@ -156,6 +156,12 @@ Result<std::set<std::string>> SweepTable::peek(const SweepPlan& plan) {
 Result<> SweepTable::prepare(const SweepPlan& plan) {
   Statement tables(db_, "SELECT name FROM sqlite_master WHERE name = 'study'");
   if (!tables) return fail(fmt::format("'{}': {}", path_, tables.error()));
+  if (auto good = execute("CREATE TABLE IF NOT EXISTS provenance (backend TEXT PRIMARY KEY, "
+                          "engine TEXT, version TEXT, solver TEXT, formulation TEXT, integrator "
+                          "TEXT, cogrsim_version TEXT, options TEXT, stages TEXT)");
+      !good) {
+    return good;
+  }
   return tables.row() ? read_existing(plan) : create(plan);
 }
 
@@ -296,6 +302,23 @@ Result<> SweepTable::add_measure_column(const std::string& name, const std::stri
   return {};
 }
 
+Result<> SweepTable::add_provenance(const SweepCase& one, const Json& provenance) {
+  Statement insert(db_, "INSERT OR REPLACE INTO provenance VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  if (!insert) return fail(fmt::format("'{}': {}", path_, insert.error()));
+  const auto text = [&](const char* key) { return provenance.at(key).get<std::string>(); };
+  int i = 0;
+  insert.bind(++i, one.backend);
+  for (const char* key :
+       {"engine", "version", "solver", "formulation", "integrator", "cogrsim_version"}) {
+    insert.bind(++i, text(key));
+  }
+  insert.bind(++i, provenance.at("options").dump());
+  insert.bind(++i, provenance.at("stages").dump());
+  insert.row();
+  if (!insert.done()) return fail(fmt::format("'{}': {}", path_, insert.error()));
+  return {};
+}
+
 Result<> SweepTable::add(const SweepPlan& plan, const SweepCase& one, const Json& result) {
   if (auto good = execute("BEGIN IMMEDIATE"); !good) return good;
   const auto undo = [&](const Error& error) -> Result<> {
@@ -349,6 +372,9 @@ Result<> SweepTable::add(const SweepPlan& plan, const SweepCase& one, const Json
       insert.bind(++i, number_from(entry.value()));
     insert.row();
     if (!insert.done()) return undo(Error(fmt::format("'{}': {}", path_, insert.error())));
+  }
+  if (result.contains("provenance")) {
+    if (auto good = add_provenance(one, result["provenance"]); !good) return undo(good.error());
   }
   if (auto good = execute("COMMIT"); !good) return undo(good.error());
   done_.insert(plan.key(one));

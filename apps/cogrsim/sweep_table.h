@@ -50,6 +50,8 @@ class SweepTable {
   Result<> prepare(const SweepPlan& plan);
   Result<> read_existing(const SweepPlan& plan);
   Result<> create(const SweepPlan& plan);
+  /// Who computed the runs of a backend; options and stages as JSON.
+  Result<> add_provenance(const SweepCase& one, const Json& provenance);
   Result<> add_measure_column(const std::string& name, const std::string& unit);
   Result<> execute(const std::string& sql);
 

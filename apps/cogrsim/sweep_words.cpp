@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "cogrsim/physics/backend_choice.h"
 #include "quantities.h"
 #include "scene_loading.h"
 #include "sweep_case.h"
@@ -139,8 +140,7 @@ void take_words(const SweepWords& words, SweepOptions& options) {
     options.seeds = std::move(*seeds);
   }
   for (const std::string& list : words.backends) {
-    for (const std::string& name : split(list, ',')) {
-      if (name.empty()) continue;
+    for (const std::string& name : split_backend_choices(list)) {
       if (std::count(options.backends.begin(), options.backends.end(), name) > 0) {
         throw UsageError("--backends", Problem(fmt::format("'{}' is given twice", name)));
       }
@@ -220,7 +220,7 @@ void add_sweep(CLI::App& app, int& status) {
       "Examples:\n"
       "  cogrsim sweep robot.scene.xml --vary r=3cm..5cm:5 --seeds 1..20 -o study\n"
       "  cogrsim sweep robot.scene.xml --vary r=3cm,4cm --vary load=1kg,2kg --backends "
-      "bullet,simbody \\\n      --measure far=robot.x@max --measure \"crash=contacts(robot, wall) "
+      "bullet,cogrsim \\\n      --measure far=robot.x@max --measure \"crash=contacts(robot, wall) "
       "gt 0@first\" -o study\n"
       "  cogrsim sweep study.xml -o study --jobs 4      a study file, see docs/sweeps.md\n"
       "  mpirun -n 8 cogrsim sweep study.xml -o study   spread over processes and hosts\n"

@@ -11,6 +11,7 @@
 
 #include "cogrsim/dsl/edit.h"
 #include "cogrsim/dsl/study.h"
+#include "cogrsim/physics/backend_choice.h"
 #include "interrupt.h"
 #include "options.h"
 #include "output_file.h"
@@ -299,14 +300,13 @@ void add_test(CLI::App& app, int& status) {
   command.footer(
       "Examples:\n"
       "  cogrsim test examples\n"
-      "  cogrsim test robot.scene.xml --backends bullet,simbody --seeds 1..5 --junit results.xml\n"
+      "  cogrsim test robot.scene.xml --backends bullet,cogrsim --seeds 1..5 --junit results.xml\n"
       "Exit status 0 all passed, 1 something failed, 2 wrong usage.");
   command.callback([&status, words] {
     TestCommandOptions options;
     options.scenes = words->scenes;
     for (const std::string& list : words->backends)
-      for (const std::string& name : split(list, ',')) {
-        if (name.empty()) continue;
+      for (const std::string& name : split_backend_choices(list)) {
         const auto& there = options.backends;
         if (std::find(there.begin(), there.end(), name) != there.end())
           throw UsageError("--backends", Problem("'" + name + "' is given twice"));

@@ -4,6 +4,7 @@
 
 #include "build_scene.h"
 #include "cogrsim/dsl/study.h"
+#include "cogrsim/physics/backend_choice.h"
 #include "cogrsim/signals/condition.h"
 #include "cogrsim/testing/judge.h"
 
@@ -58,7 +59,7 @@ void Builder::test(const Element& element) {
   }
   const auto duration = r.number("duration");
   if (duration.given()) test.duration = *duration;
-  test.backends = words_of(*r.text("backends"));
+  test.backends = split_backend_choices(*r.text("backends"));
   for (std::size_t i = 1; i < test.backends.size(); ++i)
     if (std::find(test.backends.begin(), test.backends.begin() + static_cast<std::ptrdiff_t>(i),
                   test.backends[i]) != test.backends.begin() + static_cast<std::ptrdiff_t>(i))

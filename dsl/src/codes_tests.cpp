@@ -30,7 +30,7 @@ std::vector<CodeInfo> test_codes() {
        "`agree` compares engines with each other, and the test names one alone; or one is named "
        "twice.",
        "Name two different ones, or none for all there are.",
-       "good: <test name=\"a\" backends=\"bullet simbody\"> <agree …/> </test>"},
+       "good: <test name=\"a\" backends=\"bullet cogrsim\"> <agree …/> </test>"},
       {"CG1106", error, "seeds that are no list of numbers",
        "Seeds are whole numbers from 0, one by one or from the first to the last.",
        "Write \"1 3 7\" or \"1 .. 5\".", "bad:  seeds=\"five\"\ngood: seeds=\"1 .. 5\""},

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 
+#include "cogrsim/physics/backend_choice.h"
 #include "diagnostics.h"
 #include "node.h"
 #include "value.h"
@@ -115,18 +116,10 @@ class StudyReader {
         refuse(*a, seeds.error());
     }
     if (const Attribute* a = root.find("backends")) {
-      std::string word;
-      for (const char c : std::string(a->value) + " ") {
-        if (c != ' ' && c != ',') {
-          word += c;
-          continue;
-        }
-        if (!word.empty()) {
-          if (std::count(study_.backends.begin(), study_.backends.end(), word) > 0)
-            refuse(*a, Error("the backend '" + word + "' is given twice"));
-          study_.backends.push_back(word);
-        }
-        word.clear();
+      for (std::string& choice : split_backend_choices(std::string(a->value))) {
+        if (std::count(study_.backends.begin(), study_.backends.end(), choice) > 0)
+          refuse(*a, Error("the backend '" + choice + "' is given twice"));
+        study_.backends.push_back(std::move(choice));
       }
       if (study_.backends.empty()) refuse(*a, Error("there is no backend in backends="));
     }

@@ -20,13 +20,18 @@ struct Options {
   int count = 0;
   double dt = 0.0;
   int steps = 0;
+  std::string trace;
 };
 
 int usage(const char* program, const std::string& wrong) {
-  std::fprintf(stderr,
-               "%s\nusage: %s --scene NAME [--count N] [--dt SECONDS] [--steps N]\nscenes:\n",
-               wrong.c_str(), program);
+  std::fprintf(
+      stderr,
+      "%s\nusage: %s --scene NAME [--count N] [--dt SECONDS] [--steps N] [--trace FILE]\nscenes:\n",
+      wrong.c_str(), program);
   for (const SceneInfo& info : scene_list()) {
+    std::fprintf(stderr, "  %-16s %s\n", info.name, info.what);
+  }
+  for (const FaithfulScene& info : faithful_list()) {
     std::fprintf(stderr, "  %-16s %s\n", info.name, info.what);
   }
   return 2;
@@ -100,6 +105,23 @@ void serve(const Scene& scene, Runner& runner, double dt, double memory_before, 
   }
 }
 
+/// Positions and orientations of all things after each step, seven numbers each.
+void trace(const Scene& scene, Runner& runner, int steps, double dt, const std::string& path) {
+  std::FILE* const file = std::fopen(path.c_str(), "wb");
+  if (!file) throw std::runtime_error("cannot write '" + path + "'");
+  std::vector<ThingState> states(scene.things.size());
+  bool written = true;
+  for (int i = 0; i < steps; ++i) {
+    runner.step(dt);
+    runner.get_states(states);
+    for (const ThingState& state : states) {
+      written = std::fwrite(state.place.data(), sizeof(double), 3, file) == 3 &&
+                std::fwrite(state.turn.data(), sizeof(double), 4, file) == 4 && written;
+    }
+  }
+  if (std::fclose(file) != 0 || !written) throw std::runtime_error("cannot write '" + path + "'");
+}
+
 int run(const Options& options, EngineProgram& program, Voice& voice) {
   const Scene scene = make_scene(options.scene, options.count);
   const double dt = options.dt > 0 ? options.dt : scene.step;
@@ -109,6 +131,13 @@ int run(const Options& options, EngineProgram& program, Voice& voice) {
   const double built = processor_time() - start;
   int moving = 0;
   for (const Thing& thing : scene.things) moving += thing.mass > 0;
+  if (!options.trace.empty()) {
+    trace(scene, *runner, options.steps, dt, options.trace);
+    voice.say({{"engine", program.name()},
+               {"version", program.version()},
+               {"settings", program.settings()}});
+    return 0;
+  }
   if (options.steps > 0) {
     const double us = microseconds(*runner, options.steps, dt);
     Json state = state_of(scene, *runner);
@@ -142,6 +171,8 @@ int engine_main(int argc, char** argv, EngineProgram& program) {
       options.dt = std::atof(value);
     } else if (word == "--steps") {
       options.steps = std::atoi(value);
+    } else if (word == "--trace") {
+      options.trace = value;
     } else {
       return usage(argv[0], "there is no option '" + word + "'");
     }

@@ -39,7 +39,10 @@ class EngineProgram {
   virtual std::unique_ptr<Runner> make(const Scene& scene) = 0;
 };
 
-/// main() of such a program. Options: --scene NAME [--count N] [--dt S] [--steps N].
+/// main() of such a program. Options: --scene NAME [--count N] [--dt S] [--steps N] [--trace FILE].
+///
+/// With --trace it writes after each of the --steps what Runner::get_states() gives (nthing x 7
+/// doubles: place, turn) and prints who computed it.
 ///
 /// With --steps it runs alone and prints what it measured. Without, it answers lines on its
 /// standard input by lines of JSON on its standard output (what an engine prints itself goes to

@@ -265,7 +265,7 @@ void write_markdown(const Results& results, const std::string& path, const std::
       "quartiles of the processor time of all threads; a ratio is that of neighbouring rounds, so "
       "that whatever else the machine does "
       "hits\nboth. `cogrsim-X` is our backend X, its ratio is to `raw-X`; that of "
-      "`ignition-bullet` is to `raw-bullet`, that of\n`raw-simbody-mesh` to `cogrsim-simbody`. An "
+      "`ignition-bullet` is to `raw-bullet`, that of\n`raw-simbody-mesh` to `cogrsim-cogrsim`. An "
       "engine that cannot do a scene says why.\n\n"
       "So that nobody is fast by doing something else, a value is compared after the warm-up:\n\n" +
       scenes_part() +

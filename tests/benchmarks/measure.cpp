@@ -154,7 +154,7 @@ std::vector<Engine> find_engines(const std::string& folder) {
         "libignition-physics-dev libignition-physics5-" + engine + "-plugin5",
         engine == "bullet" ? "raw-bullet" : "");
   }
-  add("raw-simbody-mesh", {"cogrsim_raw_simbody_mesh"}, "libsimbody-dev", "cogrsim-simbody");
+  add("raw-simbody-mesh", {"cogrsim_raw_simbody_mesh"}, "libsimbody-dev", "cogrsim-cogrsim");
   return engines;
 }
 

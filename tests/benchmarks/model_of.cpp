@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 
 #include "cogrsim/model/builder.h"
 
@@ -28,6 +29,11 @@ Shape shape_of(const Part& part, int material) {
       break;
     case Form::cylinder:
       shape.type = ShapeType::cylinder;
+      shape.radius = part.size[0];
+      shape.length = part.size[1];
+      break;
+    case Form::capsule:
+      shape.type = ShapeType::capsule;
       shape.radius = part.size[0];
       shape.length = part.size[1];
       break;
@@ -57,7 +63,7 @@ class Translator {
   void add(std::size_t index) {
     const Thing& thing = scene_.things[index];
     const std::string name = "t" + std::to_string(index);
-    const int material = material_of(thing.friction);
+    const int material = material_of(thing.friction, thing.restitution);
     const Pose X_WB = pose(thing.place, thing.turn);
     if (thing.mass == 0) {
       const Part& part = thing.parts.front();
@@ -77,7 +83,8 @@ class Translator {
       shape.collides = scene_.contact;
       builder_.add_shape(body, shape, 0.0);
     }
-    builder_.model.bodies[static_cast<std::size_t>(body)].V_WB.angular = vector(thing.spin);
+    builder_.model.bodies[static_cast<std::size_t>(body)].V_WB = {vector(thing.velocity),
+                                                                  vector(thing.spin)};
   }
 
   void add(const Hinge& hinge) {
@@ -122,18 +129,18 @@ class Translator {
     builder_.model.sensors.push_back(sensor);
   }
 
-  int material_of(double friction) {
-    for (const auto& [value, index] : materials_) {
-      if (value == friction) return index;
+  int material_of(double friction, double restitution) {
+    const auto [entry, is_new] = materials_.try_emplace({friction, restitution}, 0);
+    if (is_new) {
+      entry->second =
+          builder_.material("m" + std::to_string(materials_.size()), friction, restitution);
     }
-    const int made = builder_.material("m" + std::to_string(materials_.size()), friction);
-    materials_.emplace_back(friction, made);
-    return made;
+    return entry->second;
   }
 
   const Scene& scene_;
   ModelBuilder builder_;
-  std::vector<std::pair<double, int>> materials_;
+  std::map<std::pair<double, double>, int> materials_;  ///< by friction and restitution
 };
 
 }  // namespace

@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
       "bytes/step | left out |\n|---|---|---|---|---|---|---|---|---|\n");
   const test::TemporaryFolder folder;
   const std::string path = folder / "benchmark.mcap";
-  for (const char* backend : {"bullet", "simbody"}) {
+  for (const char* backend : {"bullet", "cogrsim"}) {
     const auto plain = simulate(backend), recorded = simulate(backend);
     RecorderOptions options;
     options.path = path;

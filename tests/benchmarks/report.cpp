@@ -110,7 +110,7 @@ Claim worst_ratio(const std::string& what, const std::vector<Row>& rows, const s
 }
 
 void claim_real_time(const Results& results, std::vector<Claim>& claims) {
-  for (const char* engine : {"cogrsim-bullet", "cogrsim-simbody"}) {
+  for (const char* engine : {"cogrsim-bullet", "cogrsim-cogrsim"}) {
     const Row* row = find(results.table, engine, "robots-infrared");
     const double speed = row ? row->dt * 1e6 / row->time.median : kNan;
     Claim claim{fmt::format("100 robots with infrareds on {}: times real time, above 1", engine),
@@ -190,11 +190,11 @@ std::vector<Claim> claims_of(const Results& results) {
   claims.push_back(at_most("Bullet backend against ignition-physics' bullet plugin: below 1", worst,
                            1.0, where));
   claims.push_back(worst_ratio(
-      "Simbody backend against raw Simbody on trees: at most 1.05", all, "cogrsim-simbody", 1.05,
+      "`cogrsim` backend against raw Simbody on trees: at most 1.05", all, "cogrsim-cogrsim", 1.05,
       [](const Row& row) { return row.scene == "chain" || starts_with(row.scene, "robots"); }));
   const Row* mesh = find(results.table, "raw-simbody-mesh", "stack");
   Claim faster{
-      "Simbody backend against Simbody's mesh contact on a stack: at least 50 times faster",
+      "`cogrsim` backend against Simbody's mesh contact on a stack: at least 50 times faster",
       "not measured", Claim::unknown};
   if (mesh && mesh->ratio) {
     faster.measured = fmt::format("{:.0f} times", mesh->ratio->median);
@@ -202,7 +202,7 @@ std::vector<Claim> claims_of(const Results& results) {
   }
   claims.push_back(faster);
   claim_real_time(results, claims);
-  for (const char* engine : {"cogrsim-bullet", "cogrsim-simbody"}) {
+  for (const char* engine : {"cogrsim-bullet", "cogrsim-cogrsim"}) {
     int most = 0;
     for (const Row& row : results.growth_boxes) {
       if (row.engine == engine && row.missing.empty()) most = std::max(most, row.bodies);

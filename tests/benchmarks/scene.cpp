@@ -255,6 +255,66 @@ void add_tumbling(Scene& scene) {
   scene.why_expected = "the median of all engines";
 }
 
+/// A box slides over the floor at `angle` to the axes [rad].
+void add_sliding(Scene& scene, double angle) {
+  constexpr double kSize = 0.2, kSpeed = 2.0;
+  scene.things.push_back(floor_plane(0.5));
+  Thing thing = box({kSize, kSize, kSize / 2}, 1.0, {0, 0, kSize / 4}, 0.5);
+  thing.velocity = {kSpeed * std::cos(angle), kSpeed * std::sin(angle), 0};
+  scene.things.push_back(thing);
+}
+
+void add_bouncing(Scene& scene) {
+  scene.things.push_back(floor_plane(0.5));
+  scene.things.front().restitution = 0.5;
+  Thing ball;
+  ball.mass = 1.0;
+  ball.moments = {4e-3, 4e-3, 4e-3};
+  ball.place = {0, 0, 1.1};
+  ball.friction = ball.restitution = 0.5;
+  ball.parts.push_back({Form::sphere, {0.1, 0, 0}, {}});
+  scene.things.push_back(ball);
+}
+
+/// A ring of capsules, joined end to end by hinges along the ring's axis, falls upright on the floor.
+void add_ring(Scene& scene, int count) {
+  constexpr double kRadius = 0.03, kLength = 0.2, kMass = 0.5, kFriction = 0.5;
+  const double turn = 2 * std::acos(-1.0) / count;
+  // Of the middles; a corner, where two capsules meet, is farther out.
+  const double middle = kLength / 2 / std::tan(turn / 2), corner = kLength / 2 / std::sin(turn / 2);
+  const double centre = corner + kRadius + 0.2;
+  scene.things.push_back(floor_plane(kFriction));
+  for (int i = 0; i < count; ++i) {
+    const double angle = turn * i;
+    Thing link;
+    link.mass = kMass;
+    const double across = kMass * kLength * kLength / 12;
+    link.moments = {across, across, kMass * kRadius * kRadius / 2};
+    link.place = {middle * std::cos(angle), 0, centre + middle * std::sin(angle)};
+    link.turn = turn_about(1, -angle);  // its own z is the tangent
+    link.friction = kFriction;
+    link.family = 0;
+    link.parts.push_back({Form::capsule, {kRadius, kLength, 0}, {}});
+    scene.things.push_back(link);
+  }
+  for (int i = 0; i < count; ++i) {
+    const double angle = turn * (i + 0.5);
+    Hinge hinge;
+    hinge.parent = i + 1;
+    hinge.child = (i + 1) % count + 1;
+    hinge.anchor = {corner * std::cos(angle), 0, centre + corner * std::sin(angle)};
+    hinge.axis = {0, 1, 0};
+    scene.hinges.push_back(hinge);
+  }
+}
+
+void add_heavy_on_light(Scene& scene) {
+  constexpr double kSize = 0.2, kFriction = 0.6;
+  scene.things.push_back(floor_plane(kFriction));
+  scene.things.push_back(box({kSize, kSize, kSize}, 1.0, {0, 0, 0.5 * kSize}, kFriction));
+  scene.things.push_back(box({kSize, kSize, kSize}, 300.0, {0, 0, 1.5 * kSize}, kFriction));
+}
+
 /// The height of the end of the body's own z axis.
 double height_of_z(const Turn& q) { return 1 - 2 * (q[1] * q[1] + q[2] * q[2]); }
 
@@ -271,6 +331,24 @@ const std::vector<SceneInfo>& scene_list() {
       {"tumbling", "a box without forces", 1},
       {"stack", "boxes on top of each other", 5},
       {"grid", "boxes that lie on the floor", 200},
+  };
+  return list;
+}
+
+const std::vector<FaithfulScene>& faithful_list() {
+  static const std::vector<FaithfulScene> list = {
+      {"tumbling", "a box without forces", 10000},
+      {"slide-0", "a box slides along x", 1000},
+      {"slide-22", "a box slides at 22.5 degrees to x", 1000},
+      {"slide-45", "a box slides at 45 degrees to x", 1000},
+      {"bounce", "a ball falls 1 m, restitution 0.5", 3000},
+      {"stack-10", "ten boxes on top of each other", 2000},
+      {"spheres", "6 x 6 x 6 spheres of 10 kg fall into a bin", 1000},
+      {"chain", "30 links on hinges, without contact", 2000},
+      {"double-pendulum", "two links on hinges", 3000},
+      {"ring", "a ring of 20 hinged capsules falls on the floor", 2000},
+      {"heavy", "300 kg on 1 kg", 2000},
+      {"robot", "a robot on two driven wheels and a caster drives an arc", 3000},
   };
   return list;
 }
@@ -306,6 +384,33 @@ Scene make_scene(const std::string& name, int count) {
   } else if (name == "grid") {
     scene.title = number + " boxes on the floor";
     add_grid(scene, count);
+  } else if (name == "slide-0") {
+    scene.title = "sliding box";
+    add_sliding(scene, 0);
+  } else if (name == "slide-22") {
+    scene.title = "box sliding at 22.5 degrees";
+    add_sliding(scene, std::acos(-1.0) / 8);
+  } else if (name == "slide-45") {
+    scene.title = "box sliding at 45 degrees";
+    add_sliding(scene, std::acos(-1.0) / 4);
+  } else if (name == "bounce") {
+    scene.title = "bouncing ball";
+    add_bouncing(scene);
+  } else if (name == "stack-10") {
+    scene.title = "stack of 10 boxes";
+    add_stack(scene, 10);
+  } else if (name == "double-pendulum") {
+    scene.title = "double pendulum";
+    add_chain(scene, 2);
+  } else if (name == "ring") {
+    scene.title = "ring of 20 capsules";
+    add_ring(scene, 20);
+  } else if (name == "heavy") {
+    scene.title = "300 kg on 1 kg";
+    add_heavy_on_light(scene);
+  } else if (name == "robot") {
+    scene.title = "two-wheel robot";
+    add_robots(scene, 1, false);
   } else {
     return scene;
   }

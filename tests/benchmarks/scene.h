@@ -11,12 +11,13 @@ namespace cogrsim::bench {
 using Triple = std::array<double, 3>;
 using Turn = std::array<double, 4>;  ///< unit quaternion, w x y z
 
-enum class Form { box, sphere, cylinder, plane };
+enum class Form { box, sphere, cylinder, capsule, plane };
 
 /// A shape of a body, axes along the body's. Plane: z = 0, solid below.
 struct Part {
   Form form = Form::box;
-  Triple size{};  ///< [m] box: edges; sphere: radius; cylinder: radius, length (along z)
+  Triple size{};  ///< [m] box: edges; sphere: radius; cylinder, capsule: radius, length (along z,
+                  ///< a capsule's without its ends)
   Triple at{};    ///< centre in the body's frame [m]
 };
 
@@ -26,13 +27,15 @@ struct Thing {
   Triple moments{};   ///< of inertia [kg m^2]
   Triple place{};     ///< [m]
   Turn turn{1, 0, 0, 0};
-  Triple spin{};          ///< angular velocity at the start, world axes [rad/s]
-  double friction = 0.0;  ///< of a pair: sqrt(a b)
-  int family = -1;        ///< things of one family >= 0 do not touch each other
+  Triple velocity{};         ///< at the start [m/s]
+  Triple spin{};             ///< angular velocity at the start, world axes [rad/s]
+  double friction = 0.0;     ///< of a pair: sqrt(a b)
+  double restitution = 0.0;  ///< of a pair: the larger one
+  int family = -1;           ///< things of one family >= 0 do not touch each other
   std::vector<Part> parts;
 };
 
-/// Parents come before their children.
+/// Parents come before their children, but for hinges that close a loop, which come last.
 struct Hinge {
   int parent = -1, child = -1;  ///< Scene::things; parent -1: the world
   Triple anchor{}, axis{};      ///< world, at the start
@@ -81,10 +84,18 @@ struct SceneInfo {
   int count;  ///< what `count` means here by default
 };
 
-/// "spheres", "pyramid", … with what they are.
+/// The scenes of the benchmark: "spheres", "pyramid", … with what they are.
 const std::vector<SceneInfo>& scene_list();
 
-/// `count` 0: the usual number. Returns a scene without a name for one that is not in the list.
+/// The scenes on which a backend is compared with its bare engine, see tests/faithful.
+struct FaithfulScene {
+  const char* name;
+  const char* what;
+  int steps;  ///< of 1 ms
+};
+const std::vector<FaithfulScene>& faithful_list();
+
+/// Of either list. `count` 0: the usual number. Returns a scene without a name for one that is not in the list.
 Scene make_scene(const std::string& name, int count = 0);
 
 /// The value that Scene::check asks for.

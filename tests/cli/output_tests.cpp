@@ -83,6 +83,10 @@ const std::vector<Case>& cases() {
       {"--report",
        ".html",
        {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--report", "OUT"}},
+      {"--table", ".md", {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--table", "OUT"}},
+      {"--table",
+       ".tex",
+       {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--table", "OUT"}},
       {"-o,--output", ".json", {"plot", "RUN", "-o", "OUT"}},
       {"-o,--output", ".png", {"plot", "RUN", "-o", "OUT"}},
       {"-o,--output", ".json", {"plot", "FIGURE", "-o", "OUT"}},
@@ -206,7 +210,7 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
       "X",       "K",        "TEXT",      "SIGNAL", "COLUMN",  "F",        "CAMERA|VIEW", "LIST",
       "SIZE",    "1..5|1,3", "text|json", "PIXELS", "X,Y,X,Y", "NAME,...", "WHAT,...",    "WxH",
       "ADDRESS", "MB",       "STORE",     "V",      "URL",     "S",        "Excludes",
-      "process|none"};
+      "process|none", "SEEDS"};
   const std::set<std::string> inputs = {"--plugin-path", "--from", "--include"};
   std::set<std::string> tried;
   for (const Case& c : cases()) tried.insert(c.words[0] + " " + c.option);

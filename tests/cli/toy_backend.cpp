@@ -130,6 +130,15 @@ class ToyBackend final : public Backend {
   }
   const char* name() const override { return TOY_NAME; }
   const char* engine_version() const override { return "0"; }
+  Provenance provenance(const Parameters&) const override {
+    Provenance out;
+    out.engine = "a toy";
+    out.solver = out.formulation = "none";
+    out.integrator = "explicit Euler";
+    for (const StepStage stage : kStepStages) out[stage] = {ComputedBy::nobody, "bodies fly freely"};
+    out[StepStage::integrator] = {ComputedBy::engine, "ToyWorld::step"};
+    return out;
+  }
   const Capabilities& capabilities() const override { return capabilities_; }
   const ParameterTable& world_options() const override { return options_; }
   const ParameterTable& assembly_options() const override { return none_; }

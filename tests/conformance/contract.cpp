@@ -68,6 +68,20 @@ TEST_CASE("a backend introduces itself", "[contract]") {
   CHECK(std::string(backend().engine_version()).find('.') != std::string::npos);
 }
 
+TEST_CASE("a backend says who computes each stage of a step", "[contract]") {
+  const SceneModel nothing;
+  const auto provenance = provenance_of(backend(), nothing);
+  INFO((provenance ? std::string() : provenance.error().message));
+  REQUIRE(provenance);
+  CHECK(provenance->backend == backend().name());
+  CHECK(provenance->version == backend().engine_version());
+  CHECK(provenance->options.size() == backend().world_options().size());
+  // What is written is what is read back.
+  const auto again = parse_provenance(to_json_text(*provenance));
+  REQUIRE(again);
+  CHECK(to_json_text(*again) == to_json_text(*provenance));
+}
+
 TEST_CASE("a world starts as its scene says", "[contract]") {
   Playground place = playground();
   place.builder.model.bodies[3].V_WB = {Vec3(1, 2, 3), Vec3(4, 5, 6)};

@@ -203,6 +203,15 @@ bool load_backends(const Options& options) {
     }
     loaded[0] = mutated(loaded[0], *mutation);
   }
+  for (const auto& backend : loaded) {
+    if (!backend) continue;
+    const auto provenance = cogrsim::provenance_of(*backend, cogrsim::SceneModel());
+    if (!provenance) {
+      std::fprintf(stderr, "backend '%s' does not say who computes its results: %s\n",
+                   backend->name(), provenance.error().text().c_str());
+      return false;
+    }
+  }
   set_backends(loaded[0], loaded[1]);
   return true;
 }

@@ -15,6 +15,9 @@ class OptionedBackend final : public Backend {
 
   const char* name() const override { return backend_->name(); }
   const char* engine_version() const override { return backend_->engine_version(); }
+  Provenance provenance(const Parameters& options) const override {
+    return backend_->provenance(options);
+  }
   const Capabilities& capabilities() const override { return backend_->capabilities(); }
   const ParameterTable& world_options() const override { return backend_->world_options(); }
   const ParameterTable& assembly_options() const override { return backend_->assembly_options(); }

@@ -7,7 +7,7 @@ rm -rf "$work"
 mkdir -p "$work"
 cd "$work" || exit 1
 failures=0
-engines=${COGRSIM_TEST_ENGINES:-bullet simbody}
+engines=${COGRSIM_TEST_ENGINES:-bullet cogrsim}
 
 # What a test that cannot be held here exits with; ctest then says "skipped".
 skipped=77

@@ -128,11 +128,11 @@ TEST_CASE("several runs become several series", "[plot]") {
   const Run run;
   const PlotSampler a = run.sampled("map", {xy("ball.x", "ball.y")});
   const PlotSampler b = run.sampled("map", {xy("ball.x", "ball.y")});
-  auto figure = figure_of({&a, &b}, {"bullet", "simbody"});
+  auto figure = figure_of({&a, &b}, {"bullet", "cogrsim"});
   REQUIRE(figure);
   REQUIRE(figure->series.size() == 2);
   CHECK(figure->series[0].label == "bullet");
-  CHECK(figure->series[1].label == "simbody");
+  CHECK(figure->series[1].label == "cogrsim");
   CHECK(figure->y.label == "ball.y");
   const PlotSampler c = run.sampled("curve", {xy("", "ball.x"), xy("", "ball.y")});
   figure = figure_of({&c, &c}, {"1", "2"});

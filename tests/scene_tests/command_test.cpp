@@ -65,7 +65,7 @@ TEST_CASE("tests that pass are told in order and end with status 0", "[command]"
   const Folder folder;
   folder.write("a.scene.xml", scene(kGood));
   folder.write("b.scene.xml", scene(""));
-  const Outcome out = folder.run(". --jobs 4 --backends bullet,simbody");
+  const Outcome out = folder.run(". --jobs 4 --backends bullet,cogrsim");
   INFO(out.text);
   CHECK(out.status == 0);
   // Two backends and the two in lockstep, with two seeds each.
@@ -73,8 +73,8 @@ TEST_CASE("tests that pass are told in order and end with status 0", "[command]"
   CHECK(has(out.text, "b.scene.xml: the scene has no tests"));
   std::size_t last = 0;
   for (const char* title : {"falls [bullet, seed 1]", "falls [bullet, seed 2]",
-                            "falls [simbody, seed 1]", "falls [simbody, seed 2]",
-                            "falls [bullet+simbody, seed 1]", "falls [bullet+simbody, seed 2]"}) {
+                            "falls [cogrsim, seed 1]", "falls [cogrsim, seed 2]",
+                            "falls [bullet+cogrsim, seed 1]", "falls [bullet+cogrsim, seed 2]"}) {
     const auto at = out.text.find(title);
     INFO(title);
     REQUIRE(at != std::string::npos);

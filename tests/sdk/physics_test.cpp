@@ -69,12 +69,12 @@ TEST_CASE("what a backend lacks is an error at the element", "[capabilities]") {
   caps.set("joint.screw", Support::unsupported, "the engine has no screw");
   caps.set("joint.limit.screw", Support::approximate, "limits are springs");
   caps.set("motor.dc", Support::exact);
-  const auto found = check_capabilities(*b.build(), "simbody", caps);
+  const auto found = check_capabilities(*b.build(), "cogrsim", caps);
   REQUIRE(found.size() == 2);
   CHECK(found[0].severity == Severity::error);
   CHECK(found[0].code == "CG0801");
   CHECK(found[0].message ==
-        "backend 'simbody' does not support joint type 'screw' (joint 'robot.lift')");
+        "backend 'cogrsim' does not support joint type 'screw' (joint 'robot.lift')");
   CHECK(found[0].file == "lift.scene.xml");
   CHECK(found[0].line == 27);
   CHECK(found[0].column == 48);

@@ -61,7 +61,7 @@ TEST_CASE("chopped runs, other speeds and watchers give bit-identical states", "
 }
 
 TEST_CASE("paused time stands still, single steps pass, resume goes on", "[clock]") {
-  auto simulation = simulate(falling_ball().build(), "simbody");
+  auto simulation = simulate(falling_ball().build(), "cogrsim");
   simulation->send(Pause{});
   CHECK(simulation->run_until(1.0) == RunStatus::running);
   CHECK(simulation->step_count() == 0);
@@ -76,7 +76,7 @@ TEST_CASE("paused time stands still, single steps pass, resume goes on", "[clock
 }
 
 TEST_CASE("a changed step keeps the time continuous", "[clock]") {
-  auto simulation = simulate(falling_ball().build(), "simbody");
+  auto simulation = simulate(falling_ball().build(), "cogrsim");
   simulation->run_until(0.1);
   simulation->send(SetStep{5e-4});
   simulation->run_until(0.2);

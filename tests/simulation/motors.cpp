@@ -74,7 +74,7 @@ TEST_CASE("the integral of a servo removes the error a load leaves", "[motors]")
 }
 
 TEST_CASE("a velocity motor with and without a bound stays at a stop", "[motors]") {
-  const std::string backend = GENERATE("bullet", "simbody", "ode");
+  const std::string backend = GENERATE("bullet", "cogrsim", "ode");
   const double bound = GENERATE(0.3, std::numeric_limits<double>::infinity());
   INFO(backend << " " << bound);
   Flywheel scene(MotorMode::velocity);

@@ -197,10 +197,10 @@ TEST_CASE("backends give the same reading for the same state", "[sensors][rangin
     }
     return look(builder.build(), backend);
   };
-  const FramePtr bullet = start("bullet"), simbody = start("simbody");
+  const FramePtr bullet = start("bullet"), cogrsim = start("cogrsim");
   for (std::size_t i = 0; i < 4; ++i) {
     CHECK(bullet->readings[i].valid);
-    CHECK(bullet->readings[i].values == simbody->readings[i].values);  // to the last bit
+    CHECK(bullet->readings[i].values == cogrsim->readings[i].values);  // to the last bit
   }
 }
 

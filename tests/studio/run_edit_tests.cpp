@@ -101,7 +101,7 @@ TEST_CASE("the backend is switched in place", "[studio][run]") {
   const auto rod = pose_at(page, 100, "swing.rod");
   const auto ball = pose_at(page, 100, "ball");
   const std::string before = page.status().at("backend");
-  const std::string other = before == "bullet" ? "simbody" : "bullet";
+  const std::string other = before == "bullet" ? "cogrsim" : "bullet";
   CHECK(page.get("backend", {{"name", other}}).at("notes").is_array());
   REQUIRE(page.outbox().wait([&] { return page.status().at("backend") == other; }));
   CHECK(page.status().at("time").get<double>() == Approx(0.1));
@@ -119,11 +119,11 @@ TEST_CASE("two engines run side by side until they part", "[studio][run]") {
   page.join(1);
   page.show(small_scene());
   CHECK_THAT(page.error("divergence"), Catch::Contains("nothing is compared"));
-  page.get("compare", {{"backend", "simbody"}, {"step", nullptr}});
+  page.get("compare", {{"backend", "bullet"}, {"step", nullptr}});
   page.get("step", {{"count", 2000}});
   page.hash_after(2000);
   const Json status = page.status();
-  CHECK(status.at("compare").at("labels") == Json({"bullet", "simbody"}));
+  CHECK(status.at("compare").at("labels") == Json({"cogrsim", "bullet"}));
   // A ball that bounces: no two engines agree on that to a centimetre for two seconds.
   REQUIRE(status.at("compare").at("first_over").is_number());
   const Json parted = page.get("divergence");

@@ -175,6 +175,7 @@ Gathered run_scene(const BundleOptions& options) {
   BundleAbout& about = out.about;
   about.backend = simulation.backend().name();
   about.engine_version = simulation.backend().engine_version();
+  about.provenance = simulation.provenance();
   about.step = simulation.dt();
   about.messages = simulation.messages();
   about.ending = ending_of(status, about.messages);
@@ -252,6 +253,7 @@ Gathered read_recording(const BundleOptions& options) {
   out.samples->finish();
   about.backend = info.backend;
   about.engine_version = info.engine_version;
+  about.provenance = info.provenance;
   about.step = info.step;
   about.ending = info.complete ? info.status : "it breaks off: " + info.damage;
   about.messages = recording.messages();

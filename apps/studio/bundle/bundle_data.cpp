@@ -33,6 +33,7 @@ class BundleWriter {
                  {"file", std::filesystem::path(about_.file).filename().string()},
                  {"backend", about_.backend},
                  {"engine_version", about_.engine_version},
+                 {"provenance", about_.provenance ? to_json(*about_.provenance) : Json(nullptr)},
                  {"ending", about_.ending},
                  {"state_hash", fmt::format("{:016x}", state_hash(samples_.last()->state))},
                  {"dt", about_.step}};

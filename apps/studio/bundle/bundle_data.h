@@ -8,6 +8,7 @@
 
 #include "cogrsim/core/diagnostic.h"
 #include "cogrsim/dsl/edit.h"
+#include "cogrsim/physics/provenance.h"
 #include "run_samples.h"
 #include "talk.h"
 
@@ -25,6 +26,7 @@ struct BundleText {
 struct BundleAbout {
   std::string file;  ///< path of the scene or recording
   std::string backend, engine_version;
+  std::optional<Provenance> provenance;
   std::string ending;  ///< how it ended, with the reason
   double step = 0.0;   ///< [s]
   std::vector<RunMessage> messages;

@@ -112,7 +112,7 @@ void add_bundle(CLI::App& app, int& status) {
   command.footer(
       "Examples:\n"
       "  cogrsim bundle robot.scene.xml -o robot.html\n"
-      "  cogrsim bundle robot.scene.xml --backend simbody --duration 30s --set load=2kg\n"
+      "  cogrsim bundle robot.scene.xml --backend cogrsim --duration 30s --set load=2kg\n"
       "  cogrsim bundle robot.scene.xml --every 0         every step\n"
       "  cogrsim bundle robot.mcap                        a run that was recorded, with its "
       "pictures\n"

@@ -47,7 +47,7 @@ struct SecondRun {
   std::optional<double> first_over;  ///< [s]
 };
 
-/// "bullet" and "simbody"; "bullet 1 ms" and "bullet 0.5 ms"; …
+/// "bullet" and "cogrsim"; "bullet 1 ms" and "bullet 0.5 ms"; …
 std::array<std::string, 2> labels_of(const Simulation& first, const Simulation& second);
 
 }  // namespace cogrsim::studio

@@ -129,6 +129,7 @@ class Engine {
   std::optional<double> speed_ = 1.0;
 
   std::unique_ptr<Simulation> simulation_;
+  std::shared_ptr<const Provenance> provenance_;  ///< of it
   FramePtr latest_;            ///< of the last step
   SceneModelPtr told_model_;   ///< the one that has a number
   bool same_lineage_ = false;  ///< the next number is for the same scene

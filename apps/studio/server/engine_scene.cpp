@@ -90,6 +90,7 @@ void Engine::adopt(std::unique_ptr<Simulation> simulation) {
   end_recording("the run goes on as another one");
   latest_.reset();
   simulation_ = std::move(simulation);
+  provenance_ = std::make_shared<const Provenance>(simulation_->provenance());
   messages_seen_ = 0;
   latest_ = simulation_->frame();
   told_model_.reset();

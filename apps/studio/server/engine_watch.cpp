@@ -208,6 +208,7 @@ void Engine::publish(bool urgent) {
     s.step_count = simulation_->step_count();
     s.backend = simulation_->backend().name();
     s.engine_version = simulation_->backend().engine_version();
+    s.provenance = provenance_;
   }
   if (recorder_) s.recording = recording_;
   s.scene = scene_number_;

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -27,6 +28,7 @@ struct Situation {
   std::optional<double> speed = 1.0;  ///< empty: as fast as possible
   double factor = 0.0;                ///< simulated per wall second, measured
   std::string backend, engine_version;
+  std::shared_ptr<const Provenance> provenance;  ///< nullptr: there is no run, or it is not known
   std::optional<std::string> recording;  ///< file
   std::uint32_t scene = 0;
   std::string state_hash;  ///< of the newest state, as the command line has it; empty while playing

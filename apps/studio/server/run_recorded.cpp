@@ -104,6 +104,9 @@ class RecordedRun final : public Run {
     s.ending = info_.complete ? info_.status : "it breaks off: " + info_.damage;
     s.backend = info_.backend;
     s.engine_version = info_.engine_version;
+    if (info_.provenance) {
+      s.provenance = std::make_shared<const Provenance>(*info_.provenance);
+    }
     s.dt = s.scene_dt = info_.step;
     board_.add_messages(messages_);
     if (Moment last = frames_.at(info_.end)) {

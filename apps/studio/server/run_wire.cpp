@@ -114,6 +114,8 @@ Json to_json(const RunMessage& message) {
           {"message", message.message}};
 }
 
+Json to_json(const Provenance& provenance) { return Json::parse(to_json_text(provenance)); }
+
 Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t viewers) {
   Json out = {{"tell", "status"},
               {"state", s.state},
@@ -126,6 +128,7 @@ Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t v
               {"factor", s.waiting ? 0.0 : s.factor},
               {"backend", s.backend},
               {"engine_version", s.engine_version},
+              {"provenance", s.provenance ? to_json(*s.provenance) : Json(nullptr)},
               {"recording", nullptr},
               {"first", extent.first},
               {"last", extent.last},

@@ -19,7 +19,21 @@ class BulletBackend final : public Backend {
                             static_cast<void (*)(void*)>(::operator delete));
   }
   const char* name() const override { return "bullet"; }
-  const char* engine_version() const override { return "3.24"; }
+  const char* engine_version() const override {
+    static const std::string version =
+        std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);
+    return version.c_str();
+  }
+  Provenance provenance(const Parameters& options) const override {
+    Provenance out;
+    out.engine = "Bullet Physics";
+    out.solver = "cogrsim: sequential impulses in groups";
+    out.formulation = std::get<std::string>(options.at("formulation"));
+    out.integrator = "cogrsim: midpoint";
+    for (const StepStage stage : kStepStages) out[stage] = {ComputedBy::cogrsim, "cogrsim::bullet"};
+    out[StepStage::broad_phase] = {ComputedBy::engine, "btDbvtBroadphase"};
+    return out;
+  }
   const Capabilities& capabilities() const override { return capabilities_; }
   const ParameterTable& world_options() const override { return world_option_table(); }
   const ParameterTable& assembly_options() const override { return assembly_option_table(); }

@@ -56,7 +56,7 @@ struct Format {
 };
 
 // By OutputKind.
-constexpr std::array<Format, 17> kFormats = {{{"a JSON file", {".json", ".jsonl"}},
+constexpr std::array<Format, 18> kFormats = {{{"a JSON file", {".json", ".jsonl"}},
                                               {"an XML file", {".xml"}},
                                               {"a CSV table", {".csv"}},
                                               {"a PNG picture", {".png"}},
@@ -72,6 +72,7 @@ constexpr std::array<Format, 17> kFormats = {{{"a JSON file", {".json", ".jsonl"
                                               {"a learner's table", {".table", ".txt"}},
                                               {"a study's table", {".sqlite"}},
                                               {"a journal of the studio", {".journal"}},
+                                              {"a table", {".md", ".tex"}},
                                               {"such a file", {}}}};
 
 // What is there to survive what comes.
@@ -149,6 +150,8 @@ bool is_ours(OutputKind kind, std::string_view head, std::string_view tail) {
       return begins_with(head, "SQLite format 3"sv);
     case OutputKind::journal:
       return begins_with(head, kJournalMark);
+    case OutputKind::text_table:
+      return ends_with(tail, kXmlMark) || ends_with(tail, kPdfMark);
     case OutputKind::other:
       return false;
   }

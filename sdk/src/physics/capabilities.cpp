@@ -17,7 +17,7 @@ struct ShapePair {
 };
 
 /// One body's shape among those of a type.
-struct Candidate {
+struct ModelShape {
   int body;
   const Shape* shape;
 };
@@ -102,13 +102,13 @@ void Check::check_bodies() {
 
 void Check::check_pairs() {
   const CollisionFilter filter(model_);
-  std::array<std::vector<Candidate>, kShapeTypes> all, mobile;
+  std::array<std::vector<ModelShape>, kShapeTypes> all, mobile;
   for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
     const Body& body = model_.bodies[i];
     if (body.removed) continue;
     for (const Shape& shape : body.shapes) {
       if (!shape.collides) continue;
-      const Candidate candidate{static_cast<int>(i), &shape};
+      const ModelShape candidate{static_cast<int>(i), &shape};
       all[static_cast<std::size_t>(shape.type)].push_back(candidate);
       if (body.kind == BodyKind::dynamic) {
         mobile[static_cast<std::size_t>(shape.type)].push_back(candidate);
@@ -117,10 +117,10 @@ void Check::check_pairs() {
   }
   // Only pairs the filter excludes are passed over before the first hit, so the search is as long
   // as the list of exclusions, not as the square of the bodies.
-  const auto first_meeting = [&filter](const std::vector<Candidate>& movers,
-                                       const std::vector<Candidate>& others) -> ShapePair {
-    for (const Candidate& a : movers) {
-      for (const Candidate& b : others) {
+  const auto first_meeting = [&filter](const std::vector<ModelShape>& movers,
+                                       const std::vector<ModelShape>& others) -> ShapePair {
+    for (const ModelShape& a : movers) {
+      for (const ModelShape& b : others) {
         if (filter.collide(a.body, b.body)) return {a.shape, b.shape};
       }
     }

@@ -1,5 +1,7 @@
 #include "cogrsim/plugin/loader.h"
 
+#include "cogrsim/physics/backend_choice.h"
+
 #include <unistd.h>
 
 #include <algorithm>
@@ -320,13 +322,19 @@ namespace {
 constexpr const char* kDefaultRenderer = "osmesa";
 }
 
-Result<std::shared_ptr<const Backend>> PluginLoader::backend(const std::string& name) {
+Result<std::shared_ptr<const Backend>> PluginLoader::backend(const std::string& text) {
+  const auto choice = parse_backend_choice(text);
+  if (!choice) return tl::unexpected<Error>(choice.error());
+  const std::string& name = choice->name;
   const Result<PluginPtr> plugin = load(PluginKind::backend, name);
   if (!plugin) return tl::unexpected<Error>(plugin.error());
   const auto* entry = static_cast<const BackendEntry*>((*plugin)->descriptor().factory);
   const PluginCall call("backend", name.c_str(), "", "", "while it was started");
   try {
     if (const Backend* backend = entry->get()) {
+      if (const auto fine = option_values(*choice, backend->world_options()); !fine) {
+        return tl::unexpected<Error>(fine.error());
+      }
       return std::shared_ptr<const Backend>(*plugin, backend);  // keeps the library, not the object
     }
   } catch (const std::exception& e) {

@@ -261,6 +261,7 @@ Result<std::unique_ptr<Recorder>> Recorder::start(Simulation& simulation, Record
       {"backend", simulation.backend().name()},
       {"engine_version", simulation.backend().engine_version()},
       {"library_version", COGRSIM_VERSION},
+      {"provenance", to_json_text(simulation.provenance())},
       {"seed", std::to_string(model->physics.seed)},
       {"step", fmt::format("{}", simulation.dt())},
       {"every", fmt::format("{}", options.every)},

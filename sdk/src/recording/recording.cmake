@@ -32,7 +32,7 @@ target_sources(cogrsim_sdk PRIVATE
   ${here}/run_writer.cpp
   ${here}/scene_messages.cpp
   ${made}/schemas.cpp)
-set_property(SOURCE ${here}/recorder.cpp ${here}/run_writer.cpp APPEND PROPERTY
+set_property(SOURCE src/physics/provenance.cpp ${here}/recorder.cpp ${here}/run_writer.cpp APPEND PROPERTY
   COMPILE_DEFINITIONS COGRSIM_VERSION="${PROJECT_VERSION}")
 target_include_directories(cogrsim_sdk SYSTEM PRIVATE ${PROTOZERO_INCLUDE})
 target_link_libraries(cogrsim_sdk

@@ -138,6 +138,8 @@ Result<> Recording::Impl::read_info() {
       info.backend = entry(entries, "backend");
       info.engine_version = entry(entries, "engine_version");
       info.library_version = entry(entries, "library_version");
+      // Recordings of version 0.1 have none; a damaged one is as good as none.
+      if (auto read = parse_provenance(entry(entries, "provenance"))) info.provenance = *read;
       info.seed = number_of<std::uint64_t>(entry(entries, "seed"));
       info.step = number_of<double>(entry(entries, "step"));
       every_step = number_of<double>(entry(entries, "every")) == 0.0;

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include <fmt/format.h>
+
+#include "cogrsim/physics/backend_choice.h"
 #include "cogrsim/sensing/instruments.h"
 #include "model/diagnose.h"
 #include "simulation/impl.h"
@@ -27,7 +30,7 @@ const char* to_string(RunStatus status) {
 
 namespace {
 
-constexpr const char* kDefaultBackend = "bullet";
+constexpr const char* kDefaultBackend = "cogrsim";
 
 Diagnostic from_error(const Error& error, const std::string& default_code) {
   Diagnostic d;
@@ -40,6 +43,7 @@ Diagnostic from_error(const Error& error, const std::string& default_code) {
 // The options a run overrules, and the engine's own options with their defaults filled in.
 tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneModel& scene,
                                                                    const SimulationOptions& options,
+                                                                   const BackendChoice& choice,
                                                                    const Backend& backend,
                                                                    PluginLoader& loader) {
   auto model = std::make_shared<SceneModel>(scene);
@@ -63,6 +67,12 @@ tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneMo
     locate(d, scene, origin);
     found.push_back(std::move(d));
   };
+  if (auto overruled = option_values(choice, backend.world_options()); overruled) {
+    Parameters& world = model->physics.engine_options[backend.name()];
+    for (const auto& [name, value] : *overruled) world[name] = value;
+  } else {
+    return tl::unexpected(std::vector<Diagnostic>{from_error(overruled.error(), "CG0904")});
+  }
   complete(model->physics.engine_options, backend.world_options(), "", model->physics.origin);
   for (AssemblyInfo& info : model->assemblies) {
     complete(info.engine_options, backend.assembly_options(), " in assembly '" + info.name + "'",
@@ -113,16 +123,26 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   }
   impl->backend = *backend;
 
-  auto settled = settled_model(*scene, options, *impl->backend, *impl->loader);
+  // The loader has taken the name apart before: it is one.
+  const BackendChoice choice = *parse_backend_choice(name);
+  auto settled = settled_model(*scene, options, choice, *impl->backend, *impl->loader);
   if (!settled) return Failure(settled.error());
   impl->original = impl->model = *settled;
+  auto provenance = provenance_of(*impl->backend, *impl->model);
+  if (!provenance) {
+    Error error = provenance.error();
+    error.message =
+        fmt::format("backend '{}' does not say who computes its results:\n{}", name, error.message);
+    return Failure(std::vector<Diagnostic>{from_error(error, "CG0901")});
+  }
+  impl->provenance = std::move(*provenance);
   impl->dt = impl->model->physics.step;
   impl->living.reset(*impl->model, impl->model->physics.seed);
   impl->speed = options.speed;
   impl->isolation = options.isolation;
 
   std::vector<Diagnostic> found =
-      check_capabilities(*impl->model, name, impl->backend->capabilities());
+      check_capabilities(*impl->model, choice.name, impl->backend->capabilities());
   const auto is_error = [](const Diagnostic& d) { return d.severity == Severity::error; };
   if (std::none_of(found.begin(), found.end(), is_error)) {
     const PluginCall call("backend", impl->backend->name(), "", "", "while the world was made");

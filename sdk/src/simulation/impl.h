@@ -125,6 +125,7 @@ struct Simulation::Impl {
 
   std::shared_ptr<PluginLoader> loader;
   std::shared_ptr<const Backend> backend;
+  Provenance provenance;
   std::unique_ptr<World> world;
   SceneModelPtr original;     ///< as given, with the options' seed and step
   SceneModelPtr model;        ///< as it is now

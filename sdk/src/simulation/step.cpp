@@ -214,6 +214,7 @@ Simulation::~Simulation() {
 }
 
 const Backend& Simulation::backend() const { return *impl_->backend; }
+const Provenance& Simulation::provenance() const { return impl_->provenance; }
 const SceneModelPtr& Simulation::model() const { return impl_->model; }
 double Simulation::time() const { return impl_->time(); }
 double Simulation::dt() const { return impl_->dt; }

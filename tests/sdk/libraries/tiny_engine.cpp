@@ -5,6 +5,7 @@ class TinyEngine final : public cogrsim::Backend {
  public:
   const char* name() const override { return "tiny_engine"; }
   const char* engine_version() const override { return "0.1"; }
+  cogrsim::Provenance provenance(const cogrsim::Parameters&) const override { return {}; }
   const cogrsim::Capabilities& capabilities() const override { return capabilities_; }
   const cogrsim::ParameterTable& world_options() const override { return none_; }
   const cogrsim::ParameterTable& assembly_options() const override { return none_; }

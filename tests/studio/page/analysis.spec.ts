@@ -129,7 +129,7 @@ test("two engines side by side: a ghost, how far they are apart, and where they 
   await layout(page, "Compare");
   await ask(page, "stop");
   const view = page.getByTestId("view3d");
-  await page.getByRole("combobox", { name: "Other backend" }).selectOption("simbody");
+  await page.getByRole("combobox", { name: "Other backend" }).selectOption("cogrsim");
   await page.getByRole("button", { name: "Compare", exact: true }).click();
   await until(page, "status", (s) => s.compare !== null && s.compare.labels.length === 2, "two runs");
   const alike = await still(view);

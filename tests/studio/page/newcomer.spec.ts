@@ -203,8 +203,8 @@ test("from an empty scene to a run that agrees with the program", async ({ studi
   await page.getByRole("button", { name: "Layout Run" }).click();
   await page.getByTestId("play").click();
   await hands.reach(0.5);
-  await page.getByTestId("backend").selectOption("simbody");
-  await expect(page.getByTestId("engine")).toContainText("simbody");
+  await page.getByTestId("backend").selectOption("cogrsim");
+  await expect(page.getByTestId("engine")).toContainText("cogrsim");
   await hands.reach(1);
   await page.getByTestId("pause").click();
   await stage(page, "backend");
@@ -224,7 +224,7 @@ test("from an empty scene to a run that agrees with the program", async ({ studi
   await page.getByRole("button", { name: "Save divergence as SVG" }).click();
   const figure = readFileSync(await (await saved).path(), "utf8");
   expect(figure).toContain("<svg");
-  expect(figure).toContain("simbody");
+  expect(figure).toContain("cogrsim");
   await page.getByRole("button", { name: "End comparison" }).click();
 
   // A run that ends by itself; save; and the same run without the page.
@@ -246,5 +246,5 @@ test("from an empty scene to a run that agrees with the program", async ({ studi
   await stage(page, "ended");
   expect(shown).toBe(`Step 4000, state ${hash_of(server.file, "bullet")}`);
   // Another engine comes to another state: the hash says something.
-  expect(shown).not.toContain(hash_of(server.file, "simbody"));
+  expect(shown).not.toContain(hash_of(server.file, "cogrsim"));
 });

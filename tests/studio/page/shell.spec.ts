@@ -179,8 +179,8 @@ test("speed, step, backend and recording from the control bar", async () => {
   await until(page, "status", (s) => s.recording !== null, "it records");
   await page.getByTestId("play").click();
   await until(page, "status", (s) => s.time > 0.3, "it runs");
-  await page.getByTestId("backend").selectOption("simbody");
-  await until(page, "status", (s) => s.backend === "simbody" && s.time > 0.3, "it goes on there");
+  await page.getByTestId("backend").selectOption("cogrsim");
+  await until(page, "status", (s) => s.backend === "cogrsim" && s.time > 0.3, "it goes on there");
   await keep(page, "backend_switched");
   await page.getByTestId("pause").click();
   await until(page, "status", (s) => s.state === "paused", "it rests");

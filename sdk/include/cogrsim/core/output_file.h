@@ -31,6 +31,7 @@ enum class OutputKind {
   learner,
   study,
   journal,
+  text_table,
   other
 };
 

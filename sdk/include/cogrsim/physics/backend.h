@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "cogrsim/physics/capabilities.h"
+#include "cogrsim/physics/provenance.h"
 #include "cogrsim/physics/world.h"
 
 namespace cogrsim {
@@ -12,10 +13,14 @@ class Backend {
  public:
   virtual ~Backend() = default;
 
-  /// "bullet", "simbody".
+  /// "bullet", "cogrsim".
   virtual const char* name() const = 0;
-  /// Of the engine: "3.24".
+  /// Of the engine, asked of its library when it runs: "3.24".
   virtual const char* engine_version() const = 0;
+  /// Who computes what with these options (complete): engine, solver, formulation, integrator and
+  /// all stages. The rest is filled in by provenance_of(). What CogRSim's code computes is never
+  /// called the engine's.
+  virtual Provenance provenance(const Parameters& options) const = 0;
 
   virtual const Capabilities& capabilities() const = 0;
 

@@ -12,7 +12,7 @@
 #include "cogrsim/core/parameter.h"
 
 /// Raised whenever an interface that plugins see changes its layout or meaning.
-#define COGRSIM_ABI_VERSION 4
+#define COGRSIM_ABI_VERSION 5
 
 #if defined(__clang__)
 #define COGRSIM_COMPILER_TAG clang

@@ -55,7 +55,9 @@ class COGRSIM_API PluginLoader {
   void replace(PluginPtr fresh);
 
   /// Loads a backend and returns its factory; keeps the library loaded with the returned pointer.
-  Result<std::shared_ptr<const Backend>> backend(const std::string& name);
+  /// `choice` may carry options, see cogrsim/physics/backend_choice.h; they are checked, and
+  /// Simulation::create applies them. Errors: CG0901, CG0902; options that it does not take.
+  Result<std::shared_ptr<const Backend>> backend(const std::string& choice);
 
   /// Everything that can be loaded from the folders, sorted by kind and name, and what was refused.
   std::vector<PluginPtr> all(std::vector<RefusedPlugin>* refused = nullptr);

@@ -62,7 +62,8 @@ class COGRSIM_API Recorder {
 
 struct RecordingInfo {
   std::string scene, backend, engine_version, library_version;
-  std::string status;  ///< how the run ended; empty: it was cut off
+  std::optional<Provenance> provenance;  ///< empty: the recording does not say
+  std::string status;                    ///< how the run ended; empty: it was cut off
   std::uint64_t seed = 0;
   double step = 0.0;              ///< [s]
   double start = 0.0, end = 0.0;  ///< times of the first and last frame [s]

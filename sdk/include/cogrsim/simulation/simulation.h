@@ -87,6 +87,8 @@ class COGRSIM_API Simulation {
   ~Simulation();
 
   const Backend& backend() const;
+  /// Who computes what in this run, with every option in force.
+  const Provenance& provenance() const;
   const SceneModelPtr& model() const;
   double time() const;
   double dt() const;

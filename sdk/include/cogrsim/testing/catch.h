@@ -50,7 +50,7 @@ using MatcherBase = Catch::MatcherBase<T>;
 namespace cogrsim::testing {
 
 /// For GENERATE: the backends that can be found, or those named in the environment's
-/// COGRSIM_TEST_BACKENDS ("bullet,simbody").
+/// COGRSIM_TEST_BACKENDS ("bullet,cogrsim").
 inline Catch::Generators::GeneratorWrapper<std::string> backends() {
   std::vector<std::string> names;
   if (const char* given = std::getenv("COGRSIM_TEST_BACKENDS")) {

@@ -1,5 +1,5 @@
 // The data of a bundle, as the program wrote it (bundle/payload.h): JSON, and blocks of numbers behind it.
-import { kProtocol, type Frame, type FrameTail, type Picture, type Problem, type RunEvent, type RunMessage, type Scene, type TreeElement } from "../core/protocol";
+import { kProtocol, type Frame, type FrameTail, type Picture, type Problem, type Provenance, type RunEvent, type RunMessage, type Scene, type TreeElement } from "../core/protocol";
 import type { MemoryRun, MemorySignal } from "../core/memory_link";
 
 /** Bytes from the first block on. */
@@ -33,6 +33,7 @@ interface Head {
   file: string;
   backend: string;
   engine_version: string;
+  provenance: Provenance | null;
   ending: string;
   state_hash: string;
   dt: number;
@@ -201,6 +202,7 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
     frame: (frame) => new BundleFrame(part_of(frame), frame, time[frame]!, step[frame]!, contacts),
     backend: head.backend,
     engine_version: head.engine_version,
+    provenance: head.provenance,
     ending: head.ending,
     state_hash: head.state_hash,
     dt: head.dt,

@@ -12,7 +12,7 @@ const data: Divergence = {
     { name: "gone", distance: [null, null, null] },
   ],
   first: { time: 0.1, name: "far" },
-  labels: ["bullet", "simbody"],
+  labels: ["bullet", "cogrsim"],
 };
 
 test("rows: the worst first, apart from 1 cm on", () => {
@@ -37,8 +37,8 @@ test("the figure has the worst bodies on the left, the turn on the right, and th
 });
 
 test("what differs is read from the labels", () => {
-  const backends = ["bullet", "simbody"];
-  assert.equal(difference_of(["bullet", "simbody"], backends), "backend");
+  const backends = ["bullet", "cogrsim"];
+  assert.equal(difference_of(["bullet", "cogrsim"], backends), "backend");
   assert.equal(difference_of(["bullet, 1 ms", "bullet, 0.5 ms"], backends), "step");
   assert.match(explanation("step", ["a", "b"]).join(" "), /Solid is a, the ghost is b/);
 });

@@ -13,6 +13,7 @@ import type {
   Status,
   Tells,
   TreeElement,
+  Provenance,
 } from "./protocol";
 import { divergence_of, pose_signals } from "./pose_signals";
 import { index_at, low_high } from "./series";
@@ -38,6 +39,7 @@ export interface MemoryRun {
   frame(index: number): Frame;
   backend: string;
   engine_version: string;
+  provenance?: Provenance | null;
   ending: string;
   /** of the last frame, as the command line prints it; "" is not known */
   state_hash?: string;
@@ -152,6 +154,7 @@ export class MemoryLink implements Link {
       factor: 0,
       backend: run.backend,
       engine_version: run.engine_version,
+      provenance: run.provenance ?? null,
       recording: null,
       first: run.time_of(0),
       last,

@@ -25,6 +25,23 @@ export interface Hello {
   backends: string[];
 }
 
+export interface StageOrigin {
+  by: "engine" | "cogrsim" | "nobody" | "unanswered";
+  name: string;
+}
+/** Who computes a run. */
+export interface Provenance {
+  engine: string;
+  version: string;
+  solver: string;
+  formulation: string;
+  integrator: string;
+  cogrsim_version: string;
+  /** "broad-phase", "contact-law", … */
+  stages: Record<string, StageOrigin>;
+  options: Record<string, string>;
+}
+
 export type RunState = "stopped" | "playing" | "paused" | "ended" | "recording";
 
 export interface Status {
@@ -40,6 +57,8 @@ export interface Status {
   factor: number;
   backend: string;
   engine_version: string;
+  /** null: there is no run, or a recording does not say */
+  provenance: Provenance | null;
   recording: string | null;
   first: number;
   last: number;

@@ -175,7 +175,7 @@ test("searching signals: all words, beginnings first", () => {
 test("the second run is asked for by itself, up to the same time, and drawn dashed", async () => {
   const { asked, run, studio } = run_of(4);
   const status = studio.state.status as unknown as { value: object };
-  status.value = { ...status.value, compare: { labels: ["bullet", "simbody"], first_over: null } };
+  status.value = { ...status.value, compare: { labels: ["bullet", "cogrsim"], first_over: null } };
   const feed = new Feed(studio, () => spec({}));
   // frames that came since are for the next time
   run.frames = 9;
@@ -191,7 +191,7 @@ test("the second run is asked for by itself, up to the same time, and drawn dash
     feed.data.value!.series.map((s) => [s.label, s.dashed, s.y]),
     [
       ["a.x (bullet)", false, [0, 1, 2, 3]],
-      ["a.x (simbody)", true, [0, 1, 2, 3]],
+      ["a.x (cogrsim)", true, [0, 1, 2, 3]],
     ],
   );
   const part = (time: number[]) => ({ time, series: [{ signal: "a", unit: "m", low: time, high: time }] });

@@ -2,6 +2,7 @@
 import "@preact/signals";
 import { render } from "preact";
 import { waiting_text } from "../control/waiting";
+import type { Provenance } from "../core/protocol";
 import type { Studio } from "../core/studio";
 
 const kStates: Record<string, string> = {
@@ -11,6 +12,38 @@ const kStates: Record<string, string> = {
   ended: "Ended",
   recording: "Recording of a run",
 };
+
+/** What stands in the table of who computes a run, line by line. */
+export function provenance_rows(p: Provenance): [string, string][] {
+  const kBy: Record<string, string> = { engine: p.engine, cogrsim: "CogRSim", nobody: "nobody" };
+  const options = Object.entries(p.options).map(([name, value]) => `${name}=${value}`);
+  return [
+    ["engine", `${p.engine} ${p.version}`],
+    ["solver", p.solver],
+    ["formulation", p.formulation],
+    ["integrator", p.integrator],
+    ...Object.entries(p.stages).map(([stage, { by, name }]): [string, string] => [stage.replace("-", " "), `${kBy[by] ?? by}: ${name}`]),
+    ["options", options.length > 0 ? options.join(" ") : "none"],
+    ["CogRSim", p.cogrsim_version],
+  ];
+}
+
+function show_provenance(studio: Studio): void {
+  const p = studio.state.status.value?.provenance;
+  if (!p) return;
+  const table = document.createElement("table");
+  table.className = "cg-provenance";
+  table.dataset.testid = "provenance";
+  for (const [name, value] of provenance_rows(p)) {
+    const row = table.insertRow();
+    const head = document.createElement("th");
+    head.scope = "row";
+    head.textContent = name;
+    row.append(head);
+    row.insertCell().textContent = value;
+  }
+  void studio.dialog({ title: "Who computes this run", fields: [], preview: () => Promise.resolve(table), accept: "Close" });
+}
 
 export function show_status_line(studio: Studio, node: HTMLElement): void {
   const { state } = studio;
@@ -52,9 +85,15 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
           </span>
         )}
         {status && (
-          <span data-testid="engine">
+          <button
+            class="cg-status-engine"
+            data-testid="engine"
+            title={status.provenance ? "Who computes this run: engine, solver, options" : undefined}
+            disabled={!status.provenance}
+            onClick={() => show_provenance(studio)}
+          >
             {status.backend} {status.engine_version}
-          </span>
+          </button>
         )}
         {document && (
           <span data-testid="file">

@@ -1,0 +1,178 @@
+// The backend as plugin: what it can do, its options, and its worlds.
+#include <LinearMath/btAlignedAllocator.h>
+
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+
+#include "cogrsim/model/mass_properties.h"
+#include "cogrsim/physics/backend_plugin.h"
+#include "world.h"
+
+namespace cogrsim::dynamics {
+namespace {
+
+constexpr ShapeType kShapes[] = {ShapeType::box,     ShapeType::sphere,   ShapeType::cylinder,
+                                 ShapeType::capsule, ShapeType::plane,    ShapeType::convex_mesh,
+                                 ShapeType::mesh,    ShapeType::heightmap};
+constexpr JointType kJoints[] = {JointType::fixed,  JointType::hinge,       JointType::slider,
+                                 JointType::screw,  JointType::cylindrical, JointType::universal,
+                                 JointType::planar, JointType::ball,        JointType::free};
+
+bool is_open(ShapeType type) {
+  return type == ShapeType::plane || type == ShapeType::mesh || type == ShapeType::heightmap;
+}
+
+Capabilities make_capabilities() {
+  Capabilities c;
+  for (ShapeType shape : kShapes) c.set(std::string("shape.") + to_string(shape), Support::exact);
+  for (ShapeType a : kShapes) {
+    for (ShapeType b : kShapes) {
+      if (is_open(a) && is_open(b))
+        c.set(pair_feature(a, b), Support::unsupported,
+              "surfaces without thickness do not meet each other");
+      else
+        c.set(pair_feature(a, b), Support::exact);
+    }
+  }
+  c.set("shape.mesh", Support::approximate,
+        "a surface, solid below: what gets under it is let through; convex pieces are exact");
+  c.set("shape.heightmap", Support::approximate,
+        "a surface, solid below: what gets under it is let through");
+  for (JointType joint : kJoints) {
+    const std::string name = to_string(joint);
+    c.set("joint." + name, Support::exact);
+    c.set("loop." + name, Support::exact);
+    if (joint == JointType::fixed || joint == JointType::free) continue;
+    for (const char* what : {"limit", "damping", "friction", "stiffness"})
+      c.set(std::string("joint.") + what + "." + name, Support::exact);
+  }
+  for (const char* mode : {"velocity", "torque", "position", "servo", "dc"})
+    c.set(std::string("motor.") + mode, Support::exact);
+  for (const char* feature :
+       {"body.static", "body.kinematic", "contact.stiffness", "runtime.add", "runtime.remove",
+        "runtime.save", "runtime.set_state", "runtime.attach", "runtime.body_kind",
+        "runtime.joint_axes", "report.contact_force", "report.joint_reaction",
+        "report.joint_effort"})
+    c.set(feature, Support::exact);
+  return c;
+}
+
+ParameterTable make_options() {
+  return {
+      parameter("integrator", "auto",
+                "auto: Runge-Kutta of fourth order while nothing touches, midpoint otherwise; "
+                "midpoint: always, one evaluation a step")
+          .one_of({"auto", "midpoint"}),
+      parameter("substeps", 1, "equal parts that each step is split into").range(1, 1000),
+      parameter("iterations", 60, "most sweeps of the contact solver").range(1, 10000),
+      parameter("tolerance", 1e-7, "m/s",
+                "the contact solver stops when no velocity changes by more")
+          .range(0.0, 1.0),
+  };
+}
+
+Result<StepperOptions> read_options(const SceneModel& model, const ParameterTable& table) {
+  Parameters given;
+  const auto found = model.physics.engine_options.find("cogrsim");
+  if (found != model.physics.engine_options.end()) given = found->second;
+  auto complete = complete_parameters(table, given);
+  if (!complete) {
+    Error error = complete.error();
+    error.where = place_of(model, model.physics.origin);
+    return tl::unexpected<Error>(error);
+  }
+  StepperOptions out;
+  const Parameters& p = *complete;
+  if (std::get<std::string>(p.at("integrator")) == "midpoint") out.scheme = Scheme::midpoint;
+  out.substeps = int(std::get<std::int64_t>(p.at("substeps")));
+  out.solver.iterations = int(std::get<std::int64_t>(p.at("iterations")));
+  out.solver.tolerance = std::get<double>(p.at("tolerance"));
+  return out;
+}
+
+class DynamicsBackend final : public Backend {
+ public:
+  DynamicsBackend() {
+    // Bullet's collision detection does not look whether malloc gave it memory, and would write
+    // through a null pointer. It keeps these for the whole process, so they must be functions that
+    // are never unloaded.
+    btAlignedAllocSetCustom(static_cast<void* (*)(std::size_t)>(::operator new),
+                            static_cast<void (*)(void*)>(::operator delete));
+  }
+  const char* name() const override { return "cogrsim"; }
+  const char* engine_version() const override { return COGRSIM_VERSION; }
+  Provenance provenance(const Parameters& options) const override {
+    Provenance out;
+    out.engine = "CogRSim dynamics";
+    out.solver = "projected Gauss-Seidel over islands, direct where it can";
+    out.formulation = "reduced coordinates";
+    out.integrator = std::get<std::string>(options.at("integrator")) == "midpoint"
+                         ? "Moreau's midpoint scheme"
+                         : "Moreau's midpoint scheme, Runge-Kutta 4 in free motion";
+    const auto ours = [&](StepStage stage, const char* name) {
+      out[stage] = {ComputedBy::cogrsim, name};
+    };
+    ours(StepStage::broad_phase, "Detector");
+    ours(StepStage::narrow_phase, "Detector, with Bullet's btGjkPairDetector for hulls");
+    ours(StepStage::contact_memory, "Manifold");
+    ours(StepStage::contact_law, "Solver, impulses of non-penetration");
+    ours(StepStage::friction, "Solver, Coulomb's cone");
+    ours(StepStage::restitution, "Solver, Newton's law");
+    ours(StepStage::joints, "Mechanism on SimTK::SimbodyMatterSubsystem, loops by rows of Solver");
+    ours(StepStage::limits, "Rows");
+    ours(StepStage::motors, "Drives, implicit");
+    ours(StepStage::integrator, "Stepper");
+    return out;
+  }
+  const Capabilities& capabilities() const override { return capabilities_; }
+  const ParameterTable& world_options() const override { return options_; }
+  const ParameterTable& assembly_options() const override { return assembly_options_; }
+
+  Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
+    if (!model) return fail("no scene given");
+    if (auto r = check_scene(*model); !r) return tl::unexpected<Error>(r.error());
+    const auto options = read_options(*model, options_);
+    if (!options) return tl::unexpected<Error>(options.error());
+    try {
+      return std::make_unique<DynamicsWorld>(model, *options);
+    } catch (const std::exception& e) {
+      return fail("Simbody: " + words_of(e), place_of(*model, model->physics.origin));
+    }
+  }
+
+ private:
+  Capabilities capabilities_ = make_capabilities();
+  ParameterTable options_ = make_options();
+  ParameterTable assembly_options_;
+};
+
+}  // namespace
+
+Result<> check_scene(const SceneModel& model) {
+  for (const Motor& motor : model.motors) {
+    if (motor.removed || motor.joint < 0) continue;
+    const Joint& joint = model.joints[std::size_t(motor.joint)];
+    const bool spherical = joint.type == JointType::ball || joint.type == JointType::free;
+    if (spherical || motor.axis < 0 || motor.axis >= speed_count(joint.type))
+      return fail("motor '" + motor.name + "': a " + to_string(joint.type) + " joint has no axis " +
+                      std::to_string(motor.axis) + " to drive",
+                  place_of(model, motor.origin),
+                  "drive a hinge, slider, screw, cylindrical, universal or planar joint");
+  }
+  for (const Body& body : model.bodies) {
+    if (body.removed || body.kind != BodyKind::dynamic) continue;
+    if (auto r = check_mass_properties(body.mass, body.inertia); !r)
+      return fail("body '" + body.name + "': " + r.error().message, place_of(model, body.origin),
+                  r.error().hint);
+  }
+  return {};
+}
+
+}  // namespace cogrsim::dynamics
+
+using cogrsim::dynamics::DynamicsBackend;
+COGRSIM_BACKEND(DynamicsBackend, "cogrsim", version("0.1.0"), author("CogRSim"),
+                summary("CogRSim's own dynamics: reduced coordinates, time stepping with exact "
+                        "friction and limits"))

@@ -1,0 +1,244 @@
+#include "colliders.h"
+
+#include <LinearMath/btConvexHullComputer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "cogrsim/core/constants.h"
+
+namespace cogrsim::dynamics {
+namespace {
+
+constexpr double kMostMargin = 1e-3;      // rounding of edges in distance queries [m]
+constexpr double kMarginFraction = 0.05;  // of the smallest half extent
+constexpr int kCapCorners = 16;
+// Leaning less than this, a standing cylinder's corners stay with the cylinder [rad]: the direction
+// of its lean is noise then, and what the polygon misses, (1 - cos(pi / 16)) R 3e-3, is nothing.
+constexpr double kUpright = 3e-3;
+
+btVector3 bt(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+double margin_for(double smallest_half_extent) {
+  return std::min(kMostMargin, kMarginFraction * smallest_half_extent);
+}
+
+// The hull for distance queries: shrunk by its margin, which gives the faces their place back.
+std::shared_ptr<btConvexShape> make_rounded_hull(const std::vector<Vec3>& points) {
+  Vec3 low = points[0], high = points[0];
+  for (const Vec3& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  std::vector<double> flat;
+  for (const Vec3& p : points) flat.insert(flat.end(), {p[0], p[1], p[2]});
+  btConvexHullComputer computer;
+  const double wanted = margin_for(0.5 * (high - low).minCoeff());
+  const double margin =
+      computer.compute(flat.data(), int(3 * sizeof(double)), int(points.size()), wanted, 0.2);
+  auto shape = std::make_shared<btConvexHullShape>();
+  for (int i = 0; i < computer.vertices.size(); ++i) shape->addPoint(computer.vertices[i], false);
+  shape->recalcLocalAabb();
+  shape->setMargin(std::max(margin, 0.0));
+  return shape;
+}
+
+void make_mesh(const TriangleMesh& mesh, Collider& c) {
+  c.triangles = std::make_shared<btTriangleMesh>(true, false);
+  for (const Eigen::Vector3i& t : mesh.triangles)
+    c.triangles->addTriangle(bt(mesh.vertices[std::size_t(t[0])]),
+                             bt(mesh.vertices[std::size_t(t[1])]),
+                             bt(mesh.vertices[std::size_t(t[2])]));
+  c.bvh = std::make_shared<btBvhTriangleMeshShape>(c.triangles.get(), true);
+  c.bvh->setMargin(0.0);
+  for (const Vec3& v : mesh.vertices) c.reach = std::max(c.reach, v.norm());
+}
+
+Collider make_collider(const SceneModel& model, int body, int index) {
+  const Shape& shape = model.bodies[std::size_t(body)].shapes[std::size_t(index)];
+  Collider c;
+  c.body = body;
+  c.shape = index;
+  c.type = shape.type;
+  c.material = shape.material;
+  c.moves = model.bodies[std::size_t(body)].kind != BodyKind::fixed;
+  c.X_BS = Placement(shape.X_BS);
+  c.half = 0.5 * shape.size;
+  c.radius = shape.radius;
+  c.half_length = 0.5 * shape.length;
+  switch (shape.type) {
+    case ShapeType::box:
+      c.convex = std::make_shared<btBoxShape>(bt(c.half));
+      c.convex->setMargin(margin_for(c.half.minCoeff()));
+      c.reach = c.half.norm();
+      break;
+    case ShapeType::sphere:
+      c.convex = std::make_shared<btSphereShape>(c.radius);
+      c.reach = c.radius;
+      break;
+    case ShapeType::cylinder:
+      c.convex = std::make_shared<btCylinderShapeZ>(btVector3(c.radius, c.radius, c.half_length));
+      c.convex->setMargin(margin_for(std::min(c.radius, c.half_length)));
+      c.reach = std::hypot(c.radius, c.half_length);
+      break;
+    case ShapeType::capsule:
+      c.convex = std::make_shared<btCapsuleShapeZ>(c.radius, 2.0 * c.half_length);
+      c.reach = c.radius + c.half_length;
+      break;
+    case ShapeType::convex_mesh: {
+      const TriangleMesh& mesh = model.meshes[std::size_t(shape.mesh)];
+      c.hull = std::make_shared<HullFaces>(hull_faces(mesh, Feature::kMost));
+      if (c.hull->normals.empty())
+        throw std::runtime_error("shape '" + shape.name + "': its convex hull has no volume");
+      c.convex = make_rounded_hull(mesh.vertices);
+      for (const Vec3& v : c.hull->vertices) c.reach = std::max(c.reach, v.norm());
+      break;
+    }
+    case ShapeType::plane:
+      c.reach = std::numeric_limits<double>::infinity();
+      break;
+    case ShapeType::mesh:
+      make_mesh(model.meshes[std::size_t(shape.mesh)], c);
+      break;
+    case ShapeType::heightmap: {
+      c.grid = std::make_shared<HeightGrid>(model.heightmaps[std::size_t(shape.heightmap)]);
+      const auto range = std::minmax_element(c.grid->heights.begin(), c.grid->heights.end());
+      const double z = std::max(std::abs(*range.first), std::abs(*range.second));
+      c.reach = Vec3(0.5 * c.grid->size_x, 0.5 * c.grid->size_y, z).norm();
+      break;
+    }
+  }
+  return c;
+}
+
+std::size_t most_along(const HullFaces& hull, const Vec3& d) {
+  std::size_t best = 0;
+  double most = -2.0;
+  for (std::size_t f = 0; f < hull.normals.size(); ++f) {
+    const double along = hull.normals[f].dot(d);
+    if (along > most) {
+      most = along;
+      best = f;
+    }
+  }
+  return best;
+}
+
+void cylinder_feature(const Collider& c, const Vec3& d, Feature& out) {
+  const Placement& X = c.X_WS;
+  if (std::abs(d[2]) > 0.7) {
+    // One corner where the rim reaches farthest, so that a coin rolls on it as on a circle.
+    const double z = d[2] > 0 ? c.half_length : -c.half_length;
+    const double first = std::hypot(d[0], d[1]) > kUpright ? std::atan2(d[1], d[0]) : 0.0;
+    for (int k = 0; k < kCapCorners; ++k) {
+      const double angle = first + 2.0 * kPi * k / kCapCorners;
+      out.add(X * Vec3(c.radius * std::cos(angle), c.radius * std::sin(angle), z));
+    }
+    return;
+  }
+  const double length = std::hypot(d[0], d[1]);
+  const double x = c.radius * d[0] / length, y = c.radius * d[1] / length;
+  out.add(X * Vec3(x, y, -c.half_length));
+  out.add(X * Vec3(x, y, c.half_length));
+}
+
+}  // namespace
+
+std::vector<Collider> make_colliders(const SceneModel& model) {
+  std::vector<Collider> out;
+  std::size_t shapes = 0;
+  for (const Body& body : model.bodies) shapes += body.shapes.size();
+  out.reserve(shapes);
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const Body& body = model.bodies[b];
+    for (std::size_t s = 0; s < body.shapes.size(); ++s) {
+      const bool used = !body.removed && body.shapes[s].collides;
+      out.push_back(used ? make_collider(model, int(b), int(s)) : Collider());
+    }
+  }
+  return out;
+}
+
+void support_feature(const Collider& c, const Vec3& direction, Feature& out) {
+  out.count = 0;
+  const Placement& X = c.X_WS;
+  const Vec3 d = X.R.transpose() * direction;
+  switch (c.type) {
+    case ShapeType::box: {
+      int axis = 0;
+      d.cwiseAbs().maxCoeff(&axis);
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      Vec3 p;
+      p[axis] = d[axis] > 0 ? c.half[axis] : -c.half[axis];
+      for (int k = 0; k < 4; ++k) {
+        p[u] = (k == 1 || k == 2) ? c.half[u] : -c.half[u];
+        p[v] = k >= 2 ? c.half[v] : -c.half[v];
+        out.add(X * p);
+      }
+      return;
+    }
+    case ShapeType::sphere:
+      out.add(X.p + c.radius * direction);
+      return;
+    case ShapeType::cylinder:
+      cylinder_feature(c, d, out);
+      return;
+    case ShapeType::capsule:
+      for (double end : {-c.half_length, c.half_length})
+        out.add(X * Vec3(0, 0, end) + c.radius * direction);
+      return;
+    case ShapeType::convex_mesh: {
+      for (int v : c.hull->corners[most_along(*c.hull, d)])
+        out.add(X * c.hull->vertices[std::size_t(v)]);
+      return;
+    }
+    case ShapeType::plane:
+    case ShapeType::mesh:
+    case ShapeType::heightmap:
+      return;
+  }
+}
+
+bool face_normal(const Collider& c, const Vec3& direction, Vec3& normal) {
+  const Mat3& R = c.X_WS.R;
+  const Vec3 d = R.transpose() * direction;
+  int axis = 2;
+  switch (c.type) {
+    case ShapeType::convex_mesh:
+      normal = R * c.hull->normals[most_along(*c.hull, d)];
+      return true;
+    case ShapeType::box:
+      d.cwiseAbs().maxCoeff(&axis);
+      [[fallthrough]];
+    case ShapeType::cylinder:
+      normal = d[axis] > 0.0 ? Vec3(R.col(axis)) : Vec3(-R.col(axis));
+      return true;
+    default:
+      return false;
+  }
+}
+
+double support_extent(const Collider& c, const Vec3& direction) {
+  const Vec3 d = c.X_WS.R.transpose() * direction;
+  switch (c.type) {
+    case ShapeType::box:
+      return d.cwiseAbs().dot(c.half);
+    case ShapeType::sphere:
+      return c.radius;
+    case ShapeType::cylinder:
+      return c.radius * std::hypot(d[0], d[1]) + c.half_length * std::abs(d[2]);
+    case ShapeType::capsule:
+      return c.radius + c.half_length * std::abs(d[2]);
+    case ShapeType::convex_mesh: {
+      double most = -std::numeric_limits<double>::infinity();
+      for (const Vec3& v : c.hull->vertices) most = std::max(most, v.dot(d));
+      return most;
+    }
+    default:
+      return c.reach;
+  }
+}
+
+}  // namespace cogrsim::dynamics

@@ -1,0 +1,64 @@
+// The shapes of a scene, prepared for distance queries.
+#pragma once
+
+#include <btBulletCollisionCommon.h>
+
+#include <memory>
+#include <vector>
+
+#include "cogrsim/model/hull_faces.h"
+#include "cogrsim/model/scene_model.h"
+#include "placement.h"
+
+namespace cogrsim::dynamics {
+
+/// A convex polygon (3 or more), segment (2) or point (1) of a surface, in order around.
+struct Feature {
+  static constexpr int kMost = 32;
+  Vec3 points[kMost];
+  int count = 0;
+  void add(const Vec3& p) { points[count++] = p; }
+};
+
+/// One collision shape of one body.
+struct Collider {
+  int body = -1, shape = -1;  ///< model indices
+  ShapeType type = ShapeType::box;
+  int material = 0;
+  bool moves = false;
+  Placement X_BS;
+  Vec3 half = Vec3::Zero();  ///< box [m]
+  double radius = 0.0;       ///< sphere, cylinder, capsule [m]
+  double half_length = 0.0;  ///< cylinder, capsule (without caps) [m]
+  double reach = 0.0;        ///< no point is farther from the shape's origin [m]; plane: infinite
+  std::shared_ptr<const HullFaces> hull;        ///< at most Feature::kMost corners a face
+  std::shared_ptr<btConvexShape> convex;        ///< all convex types
+  std::shared_ptr<btTriangleMesh> triangles;    ///< mesh
+  std::shared_ptr<btBvhTriangleMeshShape> bvh;  ///< mesh
+  std::shared_ptr<const HeightGrid> grid;       ///< heightmap
+
+  // At the time of the query.
+  Placement X_WS;
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< axis-aligned bounds, margin included [m]
+  double margin = 0.0;  ///< how far ahead this body's surface may matter [m]
+
+  bool is_convex() const { return type != ShapeType::plane && !is_concave(); }
+  bool is_concave() const { return type == ShapeType::mesh || type == ShapeType::heightmap; }
+};
+
+/// Colliders of all shapes that collide, in model order; the index of one is stable for as long as
+/// the model only grows, because shapes that do not collide keep an empty place (body -1).
+std::vector<Collider> make_colliders(const SceneModel& model);
+
+/// What the shape turns towards `direction` (world, unit): a face, an edge or a corner, in the
+/// world.
+void support_feature(const Collider& collider, const Vec3& direction, Feature& out);
+
+/// Outward normal (world, unit) of the flat face that looks most along `direction` (world, unit);
+/// false: the shape has none.
+bool face_normal(const Collider& collider, const Vec3& direction, Vec3& normal);
+
+/// Farthest extent along a world direction beyond the shape's origin [m].
+double support_extent(const Collider& collider, const Vec3& direction);
+
+}  // namespace cogrsim::dynamics

@@ -1,0 +1,125 @@
+#include "collision/detector.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/narrowphase.h"
+
+namespace cogrsim::dynamics {
+
+Detector::Detector(const SceneModel& model) : filter_(model), colliders_(make_colliders(model)) {
+  std::size_t next = 0;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    first_.push_back(int(next));
+    double reach = 0.0;
+    for (std::size_t s = 0; s < model.bodies[b].shapes.size(); ++s, ++next) {
+      const Collider& c = colliders_[next];
+      if (c.body < 0) continue;
+      if (c.type == ShapeType::plane) {
+        unbounded_.push_back(int(next));
+        reach = std::max(reach, 1e-3);
+      } else {
+        sorted_.push_back(int(next));
+        reach = std::max(reach, c.X_BS.p.norm() + c.reach);
+      }
+    }
+    reach_.push_back(reach);
+  }
+  first_.push_back(int(next));
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    place(int(b), Placement(model.bodies[b].X_WB), 0.0);
+}
+
+void Detector::place(int body, const Placement& X_WB, double margin) {
+  for (int i = first_[std::size_t(body)]; i < first_[std::size_t(body) + 1]; ++i) {
+    Collider& c = colliders_[std::size_t(i)];
+    if (c.body < 0) continue;
+    c.X_WS = X_WB * c.X_BS;
+    c.margin = margin;
+    if (c.type == ShapeType::plane) continue;
+    Vec3 extent;
+    if (c.type == ShapeType::box) {
+      extent = c.X_WS.R.cwiseAbs() * c.half;
+    } else if (c.type == ShapeType::cylinder) {
+      for (int k = 0; k < 3; ++k) {
+        const double z = std::abs(c.X_WS.R(k, 2));
+        extent[k] = c.half_length * z + c.radius * std::sqrt(std::max(0.0, 1.0 - z * z));
+      }
+    } else if (c.type == ShapeType::capsule) {
+      extent = c.half_length * c.X_WS.R.col(2).cwiseAbs() + Vec3::Constant(c.radius);
+    } else {
+      extent = Vec3::Constant(c.reach);
+    }
+    extent += Vec3::Constant(margin);
+    c.low = c.X_WS.p - extent;
+    c.high = c.X_WS.p + extent;
+  }
+}
+
+void Detector::detect(std::vector<ContactPoint>& out) {
+  out.clear();
+  pairs_.clear();
+  // Sweep along x; equal bounds fall back on the index, so that the order is a function of places.
+  std::sort(sorted_.begin(), sorted_.end(), [this](int a, int b) {
+    const double la = colliders_[std::size_t(a)].low[0], lb = colliders_[std::size_t(b)].low[0];
+    return la < lb || (la == lb && a < b);
+  });
+  open_.clear();
+  for (int i : sorted_) {
+    const Collider& c = colliders_[std::size_t(i)];
+    std::size_t kept = 0;
+    for (int k : open_) {
+      const Collider& o = colliders_[std::size_t(k)];
+      if (o.high[0] < c.low[0]) continue;
+      open_[kept++] = k;
+      if (!(c.moves || o.moves) || o.high[1] < c.low[1] || c.high[1] < o.low[1] ||
+          o.high[2] < c.low[2] || c.high[2] < o.low[2])
+        continue;
+      pairs_.emplace_back(std::min(i, k), std::max(i, k));
+    }
+    open_.resize(kept);
+    open_.push_back(i);
+  }
+  for (int p : unbounded_) {
+    const Collider& plane = colliders_[std::size_t(p)];
+    const Vec3 n = plane.X_WS.R.col(2);
+    for (int i : sorted_) {
+      const Collider& c = colliders_[std::size_t(i)];
+      if (!(c.moves || plane.moves)) continue;
+      const Vec3 middle = 0.5 * (c.low + c.high), extent = 0.5 * (c.high - c.low);
+      if (n.dot(middle - plane.X_WS.p) - n.cwiseAbs().dot(extent) > plane.margin) continue;
+      pairs_.emplace_back(std::min(i, p), std::max(i, p));
+    }
+  }
+  std::sort(pairs_.begin(), pairs_.end());
+  for (const auto& [a, b] : pairs_) test_pair(a, b, out);
+}
+
+void Detector::test_pair(int ia, int ib, std::vector<ContactPoint>& out) {
+  const Collider& a = colliders_[std::size_t(ia)];
+  const Collider& b = colliders_[std::size_t(ib)];
+  if (!filter_.collide(a.body, b.body)) return;
+  const double margin = a.margin + b.margin;
+  const std::size_t first = out.size();
+  bool swapped = false;
+  if (a.is_convex() && b.is_convex()) {
+    convex_contacts(a, b, margin, out);
+  } else if (a.is_convex() || b.is_convex()) {
+    // Planes and meshes come first in their functions.
+    swapped = a.is_convex();
+    const Collider& fixed_side = swapped ? b : a;
+    const Collider& convex = swapped ? a : b;
+    if (fixed_side.type == ShapeType::plane)
+      plane_contacts(fixed_side, convex, margin, out);
+    else
+      concave_contacts(fixed_side, convex, margin, out);
+  }
+  for (std::size_t i = first; i < out.size(); ++i) {
+    ContactPoint& c = out[i];
+    c.collider_a = ia;
+    c.collider_b = ib;
+    if (swapped) c.normal = -c.normal;
+  }
+}
+
+}  // namespace cogrsim::dynamics

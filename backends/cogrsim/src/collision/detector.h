@@ -1,0 +1,40 @@
+// Which shapes are near each other, and where.
+#pragma once
+
+#include <vector>
+
+#include "collision/colliders.h"
+#include "collision/contact_point.h"
+
+namespace cogrsim::dynamics {
+
+/// Collision detection without memory: the contact points are a function of the placements.
+class Detector {
+ public:
+  explicit Detector(const SceneModel& model);
+
+  /// Shapes as prepared; `body` -1 where a shape does not take part.
+  const std::vector<Collider>& colliders() const { return colliders_; }
+
+  /// Moves a body's shapes. `margin` [m]: how far its surface may get within what is being planned.
+  void place(int body, const Placement& X_WB, double margin);
+  /// Radius around the body's origin that holds all its shapes [m]; 0 without shapes.
+  double reach(int body) const { return reach_[std::size_t(body)]; }
+
+  /// All contact points with a gap below the sum of both margins, ordered by bodies and shapes.
+  void detect(std::vector<ContactPoint>& out);
+
+ private:
+  void test_pair(int a, int b, std::vector<ContactPoint>& out);
+
+  CollisionFilter filter_;
+  std::vector<Collider> colliders_;
+  std::vector<int> first_;  ///< first collider of each body (nbody + 1)
+  std::vector<double> reach_;
+  std::vector<int> sorted_;     ///< bounded colliders by lower x
+  std::vector<int> unbounded_;  ///< planes
+  std::vector<std::pair<int, int>> pairs_;
+  std::vector<int> open_;
+};
+
+}  // namespace cogrsim::dynamics

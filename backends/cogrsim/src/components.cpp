@@ -1,0 +1,307 @@
+#include "components.h"
+
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "mechanism.h"
+#include "products.h"
+
+namespace cogrsim::dynamics {
+namespace {
+
+// Up to so many degrees of freedom M^-1 is formed where several rows need it.
+constexpr int kLargestInverse = 12;
+
+Inertia world_inertia(const Link& link, const Placement& X, const Vec3& origin) {
+  Inertia out;
+  const Vec3 c = X * link.com - origin;
+  out.mass = link.mass;
+  out.moment = link.mass * c;
+  out.second = X.R * link.inertia * X.R.transpose() +
+               link.mass * (c.squaredNorm() * Mat3::Identity() - c * c.transpose());
+  return out;
+}
+
+// In place, lower triangle, row-major; the diagonal is inverted.
+void factorize(std::vector<double>& a, int n) {
+  for (int i = 0; i < n; ++i) {
+    double* const ai = &a[std::size_t(i * n)];
+    for (int j = 0; j <= i; ++j) {
+      const double* const aj = &a[std::size_t(j * n)];
+      const double rest = ai[j] - product(ai, aj, j);
+      ai[j] = i == j ? 1.0 / std::sqrt(std::max(rest, 1e-300)) : rest * aj[j];
+    }
+  }
+}
+
+// (L L^T)^-1 = X^T X with X = L^-1, row by row, zeros left out. `factor` as factorize() leaves it.
+void form_inverse(const std::vector<double>& factor, int n, std::vector<double>& inverse) {
+  assert(n <= kLargestInverse);
+  std::array<double, std::size_t(kLargestInverse * kLargestInverse)> rows{};
+  inverse.assign(std::size_t(n * n), 0.0);
+  for (int i = 0; i < n; ++i) {
+    const double* const li = &factor[std::size_t(i * n)];
+    double* const xi = &rows[std::size_t(i * n)];
+    for (int k = 0; k < i; ++k) {
+      if (li[k] != 0.0) add_scaled(-li[k], &rows[std::size_t(k * n)], k + 1, xi);
+    }
+    xi[i] = 1.0;
+    for (int k = 0; k <= i; ++k) xi[k] *= li[i];
+    for (int k = 0; k <= i; ++k) {
+      if (xi[k] != 0.0) add_scaled(xi[k], xi, i + 1, &inverse[std::size_t(k * n)]);
+    }
+  }
+}
+
+// Motion columns of one link: velocity, at the origin, per unit of each of its speeds.
+void find_columns(const Mechanism& mechanism, const Link& link, const Placement& X,
+                  const Vec3& origin, Spatial* column) {
+  const Mounting& mounting = link.mounting;
+  if (!mechanism.closed_form()) {
+    for (int k = 0; k < link.nu; ++k) {
+      const SimTK::SpatialVec h = link.mobod.getHCol(mechanism.state, SimTK::MobilizerUIndex(k));
+      column[k].angular = from_simtk(h[0]);
+      column[k].linear = from_simtk(h[1]) + column[k].angular.cross(origin - X.p);
+    }
+    return;
+  }
+  if (mounting.kind == Mounting::Kind::base) {
+    const Vec3 arm = origin - X * mounting.centre;
+    for (int k = 0; k < 3; ++k) {
+      column[k] = {Vec3::Unit(k), Vec3::Unit(k).cross(arm)};
+      column[3 + k] = {Vec3::Zero(), Vec3::Unit(k)};
+    }
+    return;
+  }
+  if (link.nu == 0) return;
+  // The axis is a line of the body inboard.
+  Vec3 axis = mounting.X_PI.R.col(2), at = mounting.X_PI.p;
+  if (link.plan.parent >= 0) {
+    const Placement& X_WP = mechanism.motions()[std::size_t(link.plan.parent)].X;
+    axis = X_WP.R * axis;
+    at = X_WP * at;
+  }
+  axis *= mounting.sign;
+  if (mounting.turns) column[0] = {axis, axis.cross(origin - at) + mounting.lead * axis};
+  if (mounting.slide >= 0) column[mounting.slide] = {Vec3::Zero(), axis};
+}
+
+void update_loops(const Mechanism& mechanism, Component& c) {
+  const int n = c.size(), m = 6 * int(c.welds.size());
+  c.loop_rows.setZero(m, n);
+  std::vector<double> row;
+  for (std::size_t w = 0; w < c.welds.size(); ++w) {
+    const Weld& weld = c.welds[w];
+    const Placement X = mechanism.placement(mechanism.links()[std::size_t(weld.ghost)]);
+    const Vec3 r = X.p - c.origin;
+    for (int axis = 0; axis < 6; ++axis) {
+      const Vec3 d = Vec3::Unit(axis % 3);
+      const Spatial wrench = axis < 3 ? Spatial{d, Vec3::Zero()} : Spatial{r.cross(d), d};
+      row.assign(std::size_t(n), 0.0);
+      fill_row(c, c.find(weld.ghost), wrench, 1.0, row.data());
+      const int master = c.find(weld.master);
+      if (master >= 0) fill_row(c, master, wrench, -1.0, row.data());
+      for (int k = 0; k < n; ++k) c.loop_rows(6 * int(w) + axis, k) = row[std::size_t(k)];
+    }
+  }
+  c.loop_response.resize(n, m);
+  for (int i = 0; i < m; ++i) {
+    Eigen::VectorXd x = c.loop_rows.row(i).transpose();
+    solve_mass(c, x.data());
+    c.loop_response.col(i) = x;
+  }
+  // A planar loop of hinges forbids three of its six rows twice: the pseudo-inverse shares alike.
+  const Eigen::MatrixXd A = c.loop_rows * c.loop_response;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (A + A.transpose()));
+  const double cut = 1e-9 * eigen.eigenvalues().cwiseAbs().maxCoeff();
+  Eigen::VectorXd inverse = eigen.eigenvalues();
+  for (int i = 0; i < m; ++i) inverse[i] = inverse[i] > cut ? 1.0 / inverse[i] : 0.0;
+  c.loop_solve = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+int Component::find(int link) const {
+  for (std::size_t i = 0; i < links.size(); ++i)
+    if (links[i] == link) return int(i);
+  return -1;
+}
+
+void update_component(const Mechanism& mechanism, Component& c) {
+  if (c.current) return;
+  c.current = true;
+  c.has_inverse = false;
+  const int n = c.size();
+  const auto link_of = [&](std::size_t i) -> const Link& {
+    return mechanism.links()[std::size_t(c.links[i])];
+  };
+
+  const std::vector<LinkMotion>& motions = mechanism.motions();
+  if (c.lone) {
+    const Link& link = link_of(0);
+    const Placement& X = motions[std::size_t(c.links[0])].X;
+    c.origin = X * link.com;
+    c.inverse_mass = 1.0 / link.mass;
+    c.inverse_inertia = X.R * link.inverse_inertia * X.R.transpose();
+    for (int k = 0; k < 3; ++k) {
+      c.motion[std::size_t(k)] = {Vec3::Unit(k), Vec3::Zero()};
+      c.motion[std::size_t(k + 3)] = {Vec3::Zero(), Vec3::Unit(k)};
+    }
+    return;
+  }
+
+  if (!mechanism.closed_form()) mechanism.system.realize(mechanism.state, SimTK::Stage::Position);
+  static thread_local std::vector<Inertia> composite;
+  composite.resize(c.links.size());
+  c.inertias.resize(c.links.size());
+  c.origin = motions[std::size_t(c.links[0])].X.p;
+  for (std::size_t i = 0; i < c.links.size(); ++i) {
+    const Link& link = link_of(i);
+    const Placement& X = motions[std::size_t(c.links[i])].X;
+    composite[i] = c.inertias[i] = world_inertia(link, X, c.origin);
+    find_columns(mechanism, link, X, c.origin, c.motion.data() + c.first[i]);
+  }
+  for (std::size_t i = c.links.size(); i-- > 0;)
+    if (c.inboard[i] >= 0) composite[std::size_t(c.inboard[i])] += composite[i];
+
+  c.factor.assign(std::size_t(n * n), 0.0);
+  for (std::size_t i = 0; i < c.links.size(); ++i) {
+    for (int k = 0; k < link_of(i).nu; ++k) {
+      const int row = c.first[i] + k;
+      const Spatial momentum = composite[i] * c.motion[std::size_t(row)];
+      for (int on_path = int(i); on_path >= 0; on_path = c.inboard[std::size_t(on_path)]) {
+        const int first = c.first[std::size_t(on_path)];
+        const int end = first + link_of(std::size_t(on_path)).nu;
+        for (int col = first; col < end; ++col) {
+          const double value = dot(c.motion[std::size_t(col)], momentum);
+          c.factor[std::size_t(std::max(row, col) * n + std::min(row, col))] = value;
+        }
+      }
+    }
+  }
+  factorize(c.factor, n);
+  if (!c.welds.empty()) update_loops(mechanism, c);
+}
+
+void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>& forces,
+               double* x) {
+  const std::vector<LinkMotion>& motions = mechanism.motions();
+  if (c.lone) {
+    const std::size_t index = std::size_t(c.links[0]);
+    const Link& link = mechanism.links()[index];
+    const LinkMotion& motion = motions[index];
+    const Vec3 momentum = motion.X.R * (link.inertia * (motion.X.R.transpose() * motion.angular));
+    Eigen::Map<Vec3>{x} = motion.angular.cross(momentum);
+    Eigen::Map<Vec3>{x + 3} = -forces[index];
+    return;
+  }
+  update_component(mechanism, c);
+  const auto velocity_of = [&](const LinkMotion& motion) -> Spatial {
+    return {motion.angular, motion.velocity_at(c.origin)};
+  };
+  static thread_local std::vector<Spatial> velocity, acceleration, force;
+  const std::size_t count = c.links.size();
+  velocity.resize(count);
+  acceleration.resize(count);
+  force.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t index = std::size_t(c.links[i]);
+    const Link& link = mechanism.links()[index];
+    const LinkMotion& motion = motions[index];
+    const Spatial v = velocity[i] = velocity_of(motion);
+    Spatial& a = acceleration[i];
+    a = Spatial();
+    if (link.mounting.kind == Mounting::Kind::base) {
+      // Its centre and its spin have none; the point of it at the origin has.
+      a.linear = -v.angular.cross(motion.velocity_at(motion.X * link.mounting.centre));
+    } else if (link.plan.parent >= 0) {
+      // The joint's axes are those of the body inboard, so they change by its velocity.
+      Spatial inboard;
+      if (c.inboard[i] >= 0) {
+        inboard = velocity[std::size_t(c.inboard[i])];
+        a = acceleration[std::size_t(c.inboard[i])];
+      } else {
+        const LinkMotion& carrier = motions[std::size_t(link.plan.parent)];
+        inboard = velocity_of(carrier);
+        a.linear = -carrier.angular.cross(carrier.linear);
+      }
+      a.linear += inboard.angular.cross(v.linear) + inboard.linear.cross(v.angular);
+      a.angular += inboard.angular.cross(v.angular);
+    }
+    const Inertia& inertia = c.inertias[i];
+    const Spatial momentum = inertia * v;
+    force[i] = inertia * a;
+    force[i].angular += v.angular.cross(momentum.angular) + v.linear.cross(momentum.linear);
+    force[i].linear += v.angular.cross(momentum.linear);
+    const Vec3 arm = motion.X * link.com - c.origin;
+    force[i].angular -= arm.cross(forces[index]);
+    force[i].linear -= forces[index];
+  }
+  for (std::size_t i = count; i-- > 0;) {
+    const int end = i + 1 < count ? c.first[i + 1] : c.size();
+    for (int k = c.first[i]; k < end; ++k) x[k] = dot(c.motion[std::size_t(k)], force[i]);
+    if (c.inboard[i] < 0) continue;
+    Spatial& inboard = force[std::size_t(c.inboard[i])];
+    inboard.angular += force[i].angular;
+    inboard.linear += force[i].linear;
+  }
+}
+
+void solve_mass(const Component& c, double* x) {
+  assert(c.current);
+  if (c.lone) {
+    Eigen::Map<Vec3> angular(x), linear(x + 3);
+    angular = (c.inverse_inertia * angular).eval();
+    linear *= c.inverse_mass;
+    return;
+  }
+  const int n = c.size();
+  const double* const L = c.factor.data();
+  for (int i = 0; i < n; ++i) x[i] = (x[i] - product(L + i * n, x, i)) * L[i * n + i];
+  for (int i = n; i-- > 0;) {
+    const double xi = x[i] *= L[i * n + i];
+    add_scaled(-xi, L + i * n, i, x);
+  }
+}
+
+void solve_mass_often(Component& c, const double* j, double* w) {
+  const int n = c.size();
+  if (c.lone || n > kLargestInverse) {
+    std::copy(j, j + n, w);
+    solve_mass(c, w);
+    return;
+  }
+  if (!c.has_inverse) {
+    c.has_inverse = true;
+    form_inverse(c.factor, n, c.inverse);
+  }
+  std::fill(w, w + n, 0.0);
+  for (int i = 0; i < n; ++i) {
+    if (j[i] != 0.0) add_scaled(j[i], &c.inverse[std::size_t(i * n)], n, w);
+  }
+}
+
+void close_loop_velocities(const Component& c, double* x, double* loop_impulse) {
+  if (c.welds.empty()) return;
+  Eigen::Map<Eigen::VectorXd> v(x, c.size());
+  const Eigen::VectorXd impulse = -(c.loop_solve * (c.loop_rows * v));
+  v += c.loop_response * impulse;
+  if (loop_impulse) Eigen::Map<Eigen::VectorXd>(loop_impulse, impulse.size()) += impulse;
+}
+
+void fill_row(const Component& c, int position_of_link, const Spatial& wrench, double sign,
+              double* row) {
+  if (c.lone) {
+    Eigen::Map<Vec3>(row) += sign * wrench.angular;
+    Eigen::Map<Vec3>(row + 3) += sign * wrench.linear;
+    return;
+  }
+  for (int i = position_of_link; i >= 0; i = c.inboard[std::size_t(i)]) {
+    const int end = std::size_t(i) + 1 < c.links.size() ? c.first[std::size_t(i) + 1] : c.size();
+    for (int k = c.first[std::size_t(i)]; k < end; ++k)
+      row[k] += sign * dot(c.motion[std::size_t(k)], wrench);
+  }
+}
+
+}  // namespace cogrsim::dynamics

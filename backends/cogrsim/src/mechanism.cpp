@@ -1,0 +1,287 @@
+#include "mechanism.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+namespace cogrsim::dynamics {
+namespace {
+
+constexpr double kLoopTolerance = 1e-10;  // [m], [rad]: what project() brings closed loops to
+
+// Simbody slides along x where the scene language slides along z.
+const SimTK::Rotation& x_to_z() {
+  static const SimTK::Rotation R(-SimTK::Pi / 2, SimTK::YAxis);
+  return R;
+}
+
+SimTK::Body::Rigid rigid_body(const Body& body, const PlannedLink& plan) {
+  if (body.kind == BodyKind::kinematic)
+    return SimTK::Body::Rigid(SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::UnitInertia(1)));
+  const Mat3 I = plan.share * body.inertia;
+  const double m = plan.share * body.mass;
+  const SimTK::Vec3 c = to_simtk(body.com);
+  const SimTK::Inertia central(SimTK::Vec3(I(0, 0), I(1, 1), I(2, 2)),
+                               SimTK::Vec3(I(0, 1), I(0, 2), I(1, 2)));
+  return SimTK::Body::Rigid(SimTK::MassProperties(m, c, central.shiftFromMassCenter(c, m)));
+}
+
+}  // namespace
+
+Mechanism::Mechanism(SceneModelPtr model)
+    : matter(system), model_(std::move(model)), plan_(plan_tree(*model_)) {
+  matter.setShowDefaultGeometry(false);
+  links_.reserve(plan_.links.size());
+  for (const PlannedLink& plan : plan_.links) add_link(plan);
+  close_loops();
+
+  state = system.realizeTopology();
+  system.realizeModel(state);
+  for (Link& link : links_) {
+    link.first_q = int(link.mobod.getFirstQIndex(state));
+    link.first_u = int(link.mobod.getFirstUIndex(state));
+    link.nq = link.mobod.getNumQ(state);
+    link.nu = link.mobod.getNumU(state);
+    const bool base = link.plan.joint < 0;
+    const JointType type =
+        base ? JointType::free : model_->joints[std::size_t(link.plan.joint)].type;
+    if (type == JointType::ball) quaternions_.push_back(link.first_q);
+    if (type == JointType::free) quaternions_.push_back(link.first_q);
+  }
+  make_components();
+
+  for (const Link& link : links_) {
+    if (link.plan.joint < 0) {
+      const Body& body = model_->bodies[std::size_t(link.plan.body)];
+      set_base(link, body.X_WB, body.V_WB);
+    } else {
+      const Joint& joint = model_->joints[std::size_t(link.plan.joint)];
+      set_joint(link, joint.position.data(), joint.velocity.data());
+    }
+  }
+  if (has_loops_) project();
+  realize_velocity();
+}
+
+void Mechanism::add_link(const PlannedLink& plan) {
+  using SimTK::MobilizedBody;
+  const Body& body = model_->bodies[std::size_t(plan.body)];
+  Link link;
+  link.plan = plan;
+  link.mounting = mount(*model_, plan);
+  link.kinematic = body.kind == BodyKind::kinematic;
+  link.mass = plan.share * body.mass;
+  link.com = body.com;
+  link.inertia = plan.share * body.inertia;
+  std::iota(link.q_map.begin(), link.q_map.end(), 0);
+  std::iota(link.u_map.begin(), link.u_map.end(), 0);
+  const SimTK::Body::Rigid rigid = rigid_body(body, plan);
+  if (!link.kinematic) {
+    // As Simbody has them: both ways to accelerations speak of the same body.
+    const SimTK::MassProperties& properties = rigid.getDefaultRigidBodyMassProperties();
+    const SimTK::Inertia central = properties.calcCentralInertia();
+    link.mass = properties.getMass();
+    link.com = from_simtk(properties.getMassCenter());
+    link.inertia = from_simtk(central.asSymMat33());
+  }
+  link.inverse_inertia = link.inertia.inverse();
+
+  if (plan.joint < 0) {
+    const SimTK::Vec3 at = link.kinematic ? SimTK::Vec3(0) : to_simtk(body.com);
+    link.mobod = MobilizedBody::Free(matter.Ground(), SimTK::Transform(), rigid, at);
+    // What is prescribed has no acceleration; the velocity itself is set before each step.
+    if (link.kinematic) SimTK::Motion::Steady(link.mobod, SimTK::Vec6(0));
+    links_.push_back(link);
+    return;
+  }
+
+  const Joint& joint = model_->joints[std::size_t(plan.joint)];
+  MobilizedBody inboard =
+      plan.parent < 0 ? MobilizedBody(matter.Ground()) : links_[std::size_t(plan.parent)].mobod;
+  SimTK::Transform in = to_simtk(plan.reversed ? joint.X_CM : joint.X_PF);
+  SimTK::Transform out = to_simtk(plan.reversed ? joint.X_PF : joint.X_CM);
+  if (plan.parent < 0 && plan.anchor >= 0)
+    in = to_simtk(model_->bodies[std::size_t(plan.anchor)].X_WB) * in;
+  const MobilizedBody::Direction direction =
+      plan.reversed ? MobilizedBody::Reverse : MobilizedBody::Forward;
+  switch (joint.type) {
+    case JointType::fixed:
+      link.mobod = MobilizedBody::Weld(inboard, in, rigid, out);
+      break;
+    case JointType::hinge:
+      link.mobod = MobilizedBody::Pin(inboard, in, rigid, out, direction);
+      break;
+    case JointType::slider:
+      in.updR() = in.R() * x_to_z();
+      out.updR() = out.R() * x_to_z();
+      link.mobod = MobilizedBody::Slider(inboard, in, rigid, out, direction);
+      break;
+    case JointType::screw:
+      link.mobod =
+          MobilizedBody::Screw(inboard, in, rigid, out, joint.pitch / (2 * SimTK::Pi), direction);
+      break;
+    case JointType::cylindrical:
+      link.mobod = MobilizedBody::Cylinder(inboard, in, rigid, out, direction);
+      break;
+    case JointType::universal:
+      link.mobod = MobilizedBody::Universal(inboard, in, rigid, out, direction);
+      break;
+    case JointType::planar:
+      link.mobod = MobilizedBody::Planar(inboard, in, rigid, out, direction);
+      link.q_map = {1, 2, 0};
+      link.u_map = {1, 2, 0};
+      break;
+    case JointType::ball:
+      link.mobod = MobilizedBody::Ball(inboard, in, rigid, out, direction);
+      break;
+    case JointType::free:
+      link.mobod = MobilizedBody::Free(inboard, in, rigid, out, direction);
+      link.q_map = {4, 5, 6, 0, 1, 2, 3};
+      link.u_map = {3, 4, 5, 0, 1, 2};
+      break;
+  }
+  links_.push_back(link);
+}
+
+void Mechanism::close_loops() {
+  for (Link& link : links_) {
+    if (!link.plan.ghost) continue;
+    Link& master = links_[std::size_t(plan_.body_link[std::size_t(link.plan.body)])];
+    SimTK::Constraint::Weld(master.mobod, link.mobod);
+    has_loops_ = true;
+  }
+}
+
+void Mechanism::make_components() {
+  // Trees are numbered by their first link; welds then tie trees together.
+  std::vector<int> root(links_.size());
+  const auto find = [&](int i) {
+    while (root[std::size_t(i)] != i) i = root[std::size_t(i)];
+    return i;
+  };
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const int parent = links_[i].plan.parent;
+    const bool inside = parent >= 0 && !links_[std::size_t(parent)].kinematic;
+    root[i] = inside ? find(parent) : int(i);
+  }
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (!links_[i].plan.ghost) continue;
+    const int a = find(int(i)), b = find(body_link(links_[i].plan.body));
+    root[std::size_t(std::max(a, b))] = std::min(a, b);
+  }
+
+  std::vector<int> component_of(links_.size(), -1);
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    Link& link = links_[i];
+    if (link.kinematic) continue;
+    int& number = component_of[std::size_t(find(int(i)))];
+    if (number < 0) {
+      number = int(components_.size());
+      components_.emplace_back();
+    }
+    Component& c = components_[std::size_t(number)];
+    link.component = number;
+    c.first.push_back(c.size());
+    c.inboard.push_back(link.plan.parent < 0 ? -1 : c.find(link.plan.parent));
+    c.links.push_back(int(i));
+    for (int k = 0; k < link.nu; ++k) c.speeds.push_back(link.first_u + k);
+    if (link.plan.ghost) c.welds.push_back({int(i), body_link(link.plan.body)});
+  }
+  int offset = 0;
+  for (Component& c : components_) {
+    c.offset = offset;
+    offset += c.size();
+    c.lone = c.links.size() == 1 && links_[std::size_t(c.links[0])].plan.joint < 0;
+    c.motion.resize(std::size_t(c.size()));
+    largest_ = std::max(largest_, c.size());
+  }
+  closed_form_ = !has_loops_ && largest_ <= kLargestDense &&
+                 std::none_of(links_.begin(), links_.end(), [](const Link& link) {
+                   return link.mounting.kind == Mounting::Kind::other;
+                 });
+}
+
+int Mechanism::axis_speed(int joint, int axis) const {
+  const int index = joint_link(joint);
+  if (index < 0) return -1;
+  const Link& link = links_[std::size_t(index)];
+  return link.first_u + link.u_map[std::size_t(axis)];
+}
+
+int Mechanism::axis_position(int joint, int axis) const {
+  const int index = joint_link(joint);
+  if (index < 0) return -1;
+  const Link& link = links_[std::size_t(index)];
+  return link.first_q + link.q_map[std::size_t(axis)];
+}
+
+const std::vector<LinkMotion>& Mechanism::motions() const {
+  const SimTK::ValueVersion q = state.getQValueVersion(), u = state.getUValueVersion();
+  if (q == q_version_ && u == u_version_) return motions_;
+  const double* const coordinates = numbers(state.getQ());
+  if (q != q_version_) find_places(*model_, links_, coordinates, motions_);
+  find_velocities(*model_, links_, coordinates, numbers(state.getU()), motions_);
+  q_version_ = q;
+  u_version_ = u;
+  return motions_;
+}
+
+void Mechanism::multiply_by_n(const SimTK::Vector& u, SimTK::Vector& out) const {
+  if (out.size() != state.getNQ()) out.resize(state.getNQ());
+  find_rates(links_, numbers(state.getQ()), numbers(u), numbers(out));
+}
+
+void Mechanism::normalize_quaternions() {
+  SimTK::Vector& q = state.updQ();
+  for (int first : quaternions_) {
+    double* const p = &q[first];
+    const double norm = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
+    for (int k = 0; k < 4; ++k) p[k] /= norm;
+  }
+}
+
+void Mechanism::project() {
+  normalize_quaternions();
+  if (!has_loops_) return;
+  SimTK::ProjectOptions options(kLoopTolerance);
+  options.setOption(SimTK::ProjectOptions::DontThrow);
+  SimTK::ProjectResults result;
+  SimTK::Vector none;
+  system.realize(state, SimTK::Stage::Position);
+  system.projectQ(state, none, options, result);
+  if (result.getExitStatus() != SimTK::ProjectResults::Succeeded && result.getNormOnExit() > 1e-6)
+    throw std::runtime_error("joints that close a loop cannot all be satisfied");
+  system.realize(state, SimTK::Stage::Velocity);
+  system.projectU(state, none, options, result);
+}
+
+void Mechanism::set_base(const Link& link, const Pose& X_WB, const Twist& V_WB) {
+  SimTK::Vector& q = state.updQ();
+  SimTK::Vector& u = state.updU();
+  const Vec3 r = link.kinematic ? Vec3::Zero() : Vec3(X_WB.q * link.com);
+  const Vec3 p = X_WB.p + r, v = V_WB.at(r);
+  q[link.first_q] = X_WB.q.w();
+  for (int k = 0; k < 3; ++k) {
+    q[link.first_q + 1 + k] = X_WB.q.vec()[k];
+    q[link.first_q + 4 + k] = p[k];
+    u[link.first_u + k] = V_WB.angular[k];
+    u[link.first_u + 3 + k] = v[k];
+  }
+}
+
+void Mechanism::set_joint(const Link& link, const double* q, const double* u) {
+  SimTK::Vector& all_q = state.updQ();
+  SimTK::Vector& all_u = state.updU();
+  for (int k = 0; k < link.nq; ++k) all_q[link.first_q + link.q_map[std::size_t(k)]] = q[k];
+  for (int k = 0; k < link.nu; ++k) all_u[link.first_u + link.u_map[std::size_t(k)]] = u[k];
+}
+
+void Mechanism::get_joint(const Link& link, double* q, double* u) const {
+  const SimTK::Vector& all_q = state.getQ();
+  const SimTK::Vector& all_u = state.getU();
+  for (int k = 0; k < link.nq; ++k) q[k] = all_q[link.first_q + link.q_map[std::size_t(k)]];
+  for (int k = 0; k < link.nu; ++k) u[k] = all_u[link.first_u + link.u_map[std::size_t(k)]];
+}
+
+}  // namespace cogrsim::dynamics

@@ -1,0 +1,99 @@
+// The scene as a Simbody system: bodies, mobilizers, welds that close loops.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "components.h"
+#include "convert.h"
+#include "kinematics.h"
+#include "tree_plan.h"
+
+namespace cogrsim::dynamics {
+
+/// A mobilized body. Simbody's body frame is the model's body frame; a base moves in its centre of
+/// mass (kinematic: in its origin), so that its generalized speeds are angular velocity and
+/// velocity of that point, in world axes.
+struct Link {
+  PlannedLink plan;
+  Mounting mounting;
+  bool kinematic = false;
+  SimTK::MobilizedBody mobod;
+  int first_q = 0, nq = 0, first_u = 0, nu = 0;
+  std::array<int, 7> q_map{};  ///< q_map[i]: place, among the mobilizer's q, of the model's q_i
+  std::array<int, 6> u_map{};
+  double mass = 0.0;                ///< its share
+  Vec3 com = Vec3::Zero();          ///< body frame
+  Mat3 inertia = Mat3::Identity();  ///< its share, about com, body axes
+  Mat3 inverse_inertia = Mat3::Identity();
+  int component = -1;  ///< -1: kinematic
+};
+
+class Mechanism {
+ public:
+  /// Throws what Simbody throws, and std::runtime_error when loops cannot be closed.
+  explicit Mechanism(SceneModelPtr model);
+
+  const SceneModel& model() const { return *model_; }
+  const SceneModelPtr& model_ptr() const { return model_; }
+  const std::vector<Link>& links() const { return links_; }
+  int body_link(int body) const { return body < 0 ? -1 : plan_.body_link[std::size_t(body)]; }
+  int joint_link(int joint) const { return plan_.joint_link[std::size_t(joint)]; }
+  std::vector<Component>& components() { return components_; }
+  bool has_loops() const { return has_loops_; }
+  int largest_component() const { return largest_; }
+  /// Beyond this many degrees of freedom in one tree the recursion beats the dense block.
+  static constexpr int kLargestDense = 48;
+  /// Small trees of joints with fixed axes, no loops: mass matrix and bias forces are found without
+  /// Simbody, whose stages cost several times as much.
+  bool closed_form() const { return closed_form_; }
+
+  /// u index of an axis of a joint; -1: the joint moves nothing. Not for ball and free joints.
+  int axis_speed(int joint, int axis) const;
+  int axis_position(int joint, int axis) const;
+
+  SimTK::MultibodySystem system;
+  SimTK::SimbodyMatterSubsystem matter;
+  SimTK::State state;
+
+  void realize_velocity() { system.realize(state, SimTK::Stage::Velocity); }
+  /// Rates of the coordinates at the state.
+  void calc_qdot(SimTK::Vector& out) const { multiply_by_n(state.getU(), out); }
+  /// out := N(q) u.
+  void multiply_by_n(const SimTK::Vector& u, SimTK::Vector& out) const;
+
+  /// Quaternions back to unit length and, with loops, coordinates and speeds back onto them.
+  void project();
+  void normalize_quaternions();
+
+  // Of one link's own coordinates, without touching the others.
+  void set_base(const Link& link, const Pose& X_WB, const Twist& V_WB);
+  void set_joint(const Link& link, const double* q, const double* u);
+  void get_joint(const Link& link, double* q, double* u) const;
+
+  /// Of every link, at the state, which need not be realized. Found once for each state.
+  const std::vector<LinkMotion>& motions() const;
+  Placement placement(const Link& link) const {
+    return motions()[std::size_t(&link - links_.data())].X;
+  }
+
+ private:
+  void add_link(const PlannedLink& plan);
+  void close_loops();
+  void make_components();
+
+  SceneModelPtr model_;
+  TreePlan plan_;
+  std::vector<Link> links_;
+  std::vector<Component> components_;
+  std::vector<int> quaternions_;  ///< first q of each
+  bool has_loops_ = false, closed_form_ = false;
+  int largest_ = 0;
+  // What `motions_` holds is of these versions of q and u.
+  mutable std::vector<LinkMotion> motions_;
+  mutable SimTK::ValueVersion q_version_ = -1, u_version_ = -1;
+};
+
+}  // namespace cogrsim::dynamics

@@ -1,0 +1,150 @@
+#include "reactions.h"
+
+namespace cogrsim::dynamics {
+namespace {
+
+// Force and torque about the world's origin; or momentum in the same sense.
+struct Momenta {
+  Vec3 linear = Vec3::Zero();
+  Vec3 angular = Vec3::Zero();
+};
+
+struct LinkState {
+  Momenta momentum;
+  Vec3 com = Vec3::Zero();
+};
+
+LinkState state_of(const Mechanism& m, const Link& link) {
+  const Placement X = m.placement(link);
+  const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(m.state);
+  LinkState out;
+  out.com = X * link.com;
+  const Vec3 omega = from_simtk(V[0]);
+  const Vec3 v = from_simtk(V[1]) + omega.cross(out.com - X.p);
+  out.momentum.linear = link.mass * v;
+  out.momentum.angular =
+      X.R * (link.inertia * (X.R.transpose() * omega)) + out.com.cross(out.momentum.linear);
+  return out;
+}
+
+void add_contacts(const Mechanism& m, const StepRecord& record, std::vector<Momenta>& gained) {
+  for (const ContactRecord& c : *record.contacts) {
+    const int bodies[2] = {(*record.colliders)[std::size_t(c.collider_a)].body,
+                           (*record.colliders)[std::size_t(c.collider_b)].body};
+    for (int side = 0; side < 2; ++side) {
+      const int link = m.body_link(bodies[side]);
+      if (link < 0) continue;
+      const Vec3 impulse = side == 0 ? Vec3(-c.impulse) : c.impulse;
+      gained[std::size_t(link)].linear -= impulse;
+      gained[std::size_t(link)].angular -= c.point.cross(impulse);
+    }
+  }
+}
+
+// Adds the welds' wrenches of one component to the momenta their links gained otherwise.
+void share_loops(Mechanism& m, Component& c, const StepRecord& record,
+                 const std::vector<Momenta>& through, std::vector<Momenta>& own) {
+  const SceneModel& model = m.model();
+  c.current = false;
+  update_component(m, c);
+  // s . (wrench through the joint) is the joint's effort along s.
+  Eigen::VectorXd excess = Eigen::VectorXd::Zero(c.size());
+  for (std::size_t i = 0; i < c.links.size(); ++i) {
+    const Link& link = m.links()[std::size_t(c.links[i])];
+    const Momenta& w = through[std::size_t(c.links[i])];
+    const Spatial about_origin{w.angular / record.dt - c.origin.cross(w.linear / record.dt),
+                               w.linear / record.dt};
+    for (int k = 0; k < link.nu; ++k) {
+      const int local = c.first[i] + k;
+      excess[local] = dot(c.motion[std::size_t(local)], about_origin);
+      if (link.plan.joint < 0) continue;
+      const Joint& joint = model.joints[std::size_t(link.plan.joint)];
+      for (int model_axis = 0; model_axis < link.nu; ++model_axis)
+        if (link.u_map[std::size_t(model_axis)] == k)
+          excess[local] -= (*record.joint_efforts)[std::size_t(joint.speed_offset + model_axis)];
+    }
+  }
+  const Eigen::MatrixXd Gt = c.loop_rows.transpose();
+  const Eigen::VectorXd f = Gt.completeOrthogonalDecomposition().solve(excess);
+  for (std::size_t w = 0; w < c.welds.size(); ++w) {
+    const Vec3 torque = f.segment<3>(Eigen::Index(6 * w)) * record.dt;
+    const Vec3 force = f.segment<3>(Eigen::Index(6 * w + 3)) * record.dt;
+    const Vec3 at = m.placement(m.links()[std::size_t(c.welds[w].ghost)]).p;
+    const Vec3 moment = torque + at.cross(force);
+    Momenta& ghost = own[std::size_t(c.welds[w].ghost)];
+    ghost.linear -= force;
+    ghost.angular -= moment;
+    if (c.welds[w].master < 0) continue;
+    Momenta& master = own[std::size_t(c.welds[w].master)];
+    master.linear += force;
+    master.angular += moment;
+  }
+}
+
+std::vector<Momenta> sum_outboard(const Mechanism& m, std::vector<Momenta> own) {
+  for (std::size_t i = own.size(); i-- > 0;) {
+    const int parent = m.links()[i].plan.parent;
+    if (parent < 0) continue;
+    own[std::size_t(parent)].linear += own[i].linear;
+    own[std::size_t(parent)].angular += own[i].angular;
+  }
+  return own;
+}
+
+}  // namespace
+
+void calc_joint_reactions(Mechanism& m, const StepRecord& record, std::vector<Wrench>& out) {
+  const SceneModel& model = m.model();
+  out.assign(model.joints.size(), Wrench());
+  if (record.dt <= 0.0) return;
+  const std::vector<Link>& links = m.links();
+  std::vector<Momenta> own(links.size());
+  std::vector<Vec3> start_com(links.size());
+
+  const SimTK::Vector q = m.state.getQ(), u = m.state.getU();
+  m.state.updQ() = *record.start_q;
+  m.state.updU() = *record.start_u;
+  m.realize_velocity();
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const LinkState s = state_of(m, links[i]);
+    own[i].linear = -s.momentum.linear;
+    own[i].angular = -s.momentum.angular;
+    start_com[i] = s.com;
+  }
+  m.state.updQ() = q;
+  m.state.updU() = u;
+  m.realize_velocity();
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (links[i].kinematic) continue;
+    const LinkState s = state_of(m, links[i]);
+    const Vec3 weight = links[i].mass * model.physics.gravity * record.dt;
+    own[i].linear += s.momentum.linear - weight;
+    own[i].angular += s.momentum.angular - (0.5 * (start_com[i] + s.com)).cross(weight);
+  }
+  add_contacts(m, record, own);
+
+  std::vector<Momenta> through = sum_outboard(m, own);
+  if (m.has_loops()) {
+    for (Component& c : m.components())
+      if (!c.welds.empty()) share_loops(m, c, record, through, own);
+    through = sum_outboard(m, own);
+  }
+
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const Link& link = links[i];
+    if (link.plan.joint < 0) continue;
+    const Joint& joint = model.joints[std::size_t(link.plan.joint)];
+    const double sign = (link.plan.reversed ? -1.0 : 1.0) / record.dt;
+    Vec3 at = joint.X_CM.p;  // in the child, wherever that is
+    const int child = link.plan.reversed ? link.plan.parent : int(i);
+    if (child >= 0)
+      at = m.placement(links[std::size_t(child)]) * joint.X_CM.p;
+    else if (joint.child >= 0)
+      at = model.bodies[std::size_t(joint.child)].X_WB * joint.X_CM.p;
+    Wrench& wrench = out[std::size_t(link.plan.joint)];
+    wrench.force = sign * through[i].linear;
+    wrench.torque = sign * (through[i].angular - at.cross(through[i].linear));
+  }
+}
+
+}  // namespace cogrsim::dynamics

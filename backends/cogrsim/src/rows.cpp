@@ -1,0 +1,403 @@
+#include "rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cogrsim/core/constants.h"
+
+namespace cogrsim::dynamics {
+namespace {
+
+// A gap that closes to less than this by the end of the step counts as touching [m], [rad].
+constexpr double kTouching = 1e-5;
+// Speed at which bodies that overlap at the start of a run are pushed apart [m/s].
+constexpr double kRecoverySpeed = 1.0;
+// A contact point with less than this part of its bodies' own inverse mass is held by joints.
+constexpr double kHeld = 1e-10;
+// Slower than this, what lands needs no pull onto the surface [m/s].
+constexpr double kLandingSpeed = 1e-3;
+
+// Where and how fast it hits: gap + speed t + acceleration t^2 / 2 = 0.
+struct Hit {
+  double time = 0.0;
+  double speed = 0.0;
+};
+Hit find_hit(const Approach& a, double h) {
+  if (a.gap <= 0.0) return {0.0, a.speed};
+  const double square = a.speed * a.speed - 2.0 * a.acceleration * a.gap;
+  const double speed = -std::sqrt(std::max(square, 0.0));
+  const double sum = a.speed + speed;
+  const double time = sum < 0.0 ? std::min(-2.0 * a.gap / sum, h) : h;
+  return {time, std::min(speed, 0.0)};
+}
+
+// A contact that yields: spring and dashpot solved at the time theta of the step.
+void make_soft(const StepContext& context, const Approach& a, double stiffness, Row& row) {
+  const double h = context.h;
+  const double inverse_mass = row.diagonal;
+  // Damping ratio of a linear spring-dashpot with this restitution (critical when it is 0).
+  double ratio = 1.0;
+  if (a.restitution > 0.0) {
+    const double log_e = std::log(std::min(a.restitution, 1.0));
+    ratio = -log_e / std::hypot(kPi, log_e);
+  }
+  const double c = 2.0 * ratio * std::sqrt(stiffness / std::max(inverse_mass, 1e-300));
+  const double theta = fitted_theta((c * h + stiffness * h * h) * inverse_mass);
+  const double K = 0.5 * theta * h * stiffness + theta * c;
+  const double start = a.gap + 0.5 * theta * h * a.speed;
+  row.target = (-stiffness * start - c * (1.0 - theta) * a.speed) / K;
+  row.gamma = 1.0 / (h * K);
+  row.has_gap = false;
+}
+
+}  // namespace
+
+void aim_unilateral(const StepContext& context, const Approach& a, Row& row) {
+  const double h = context.h;
+  row.low = 0.0;
+  row.has_gap = true;
+  row.gap = a.gap + 0.5 * h * (a.speed + row.now);
+  row.gap_target = 0.0;
+  const double end_speed = a.speed + h * a.acceleration;
+  const double end_gap = a.gap + 0.5 * h * (a.speed + end_speed);
+  if (end_gap > kTouching) {
+    row.target = end_speed - 2.0 * end_gap / h;
+    return;
+  }
+  const Hit hit = find_hit(a, h);
+  const double rest = h - hit.time;
+  row.target = 0.0;
+  if (a.restitution > 0.0 && -hit.speed > context.bounce_threshold) {
+    const double away = -a.restitution * hit.speed;
+    row.target = std::max(away + a.acceleration * rest, 0.0);
+    row.gap_target = std::max(away * rest + 0.5 * a.acceleration * rest * rest, 0.0);
+    row.pull = true;
+  } else if (-hit.speed > kLandingSpeed) {
+    row.pull = true;
+  }
+  if (a.gap < 0.0) {
+    row.gap_target = std::min(row.gap_target, a.gap + (kRecoverySpeed + std::abs(a.speed)) * h);
+    row.pull = false;
+  }
+}
+
+void RowSet::clear() {
+  rows.clear();
+  scalars.clear();
+  balls.clear();
+  ball_limits.clear();
+  contacts.clear();
+  pool.clear();
+}
+
+int RowBuilder::slot_of(const SceneModel& model, SlotKind kind, int index) {
+  return int(kind) * model.joint_speeds + index;
+}
+int RowBuilder::slot_count(const SceneModel& model) {
+  return int(SlotKind::motor) * model.joint_speeds + int(model.motors.size());
+}
+
+int RowBuilder::local_of(int component, int speed) const {
+  const std::vector<int>& speeds = mechanism_.components()[std::size_t(component)].speeds;
+  return int(std::find(speeds.begin(), speeds.end(), speed) - speeds.begin());
+}
+
+Vec3 RowBuilder::point_velocity(int link, const Vec3& point) const {
+  return link < 0 ? Vec3::Zero() : motions_[std::size_t(link)].velocity_at(point);
+}
+
+// J and W of a free body in closed form.
+void RowBuilder::add_lone_side(Row& row, const Component& c, const Spatial& wrench, double sign) {
+  RowSide& side = row.side[row.sides++];
+  side.component = int(&c - mechanism_.components().data());
+  side.size = 6;
+  side.speeds = c.offset;
+  side.j = set_.pool.size();
+  side.w = side.j + 6;
+  set_.pool.resize(side.j + 12);
+  double* const j = &set_.pool[side.j];
+  const Vec3 spin = c.inverse_inertia * wrench.angular;
+  for (int k = 0; k < 3; ++k) {
+    j[k] = sign * wrench.angular[k];
+    j[3 + k] = sign * wrench.linear[k];
+    j[6 + k] = sign * spin[k];
+    j[9 + k] = sign * c.inverse_mass * wrench.linear[k];
+  }
+  row.diagonal += wrench.angular.dot(spin) + c.inverse_mass * wrench.linear.squaredNorm();
+}
+
+void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
+                          const Vec3& direction, double sign) {
+  Component& c = mechanism_.components()[std::size_t(component)];
+  if (c.size() == 0) return;
+  update_component(mechanism_, c);
+  const Spatial wrench = point ? Spatial{(*point - c.origin).cross(direction), direction}
+                               : Spatial{direction, Vec3::Zero()};
+  if (c.lone) {
+    add_lone_side(row, c, wrench, sign);
+    return;
+  }
+  // Two bodies of one component share a side.
+  const bool shared = row.sides == 1 && row.side[0].component == component;
+  if (!shared) {
+    RowSide& side = row.side[row.sides++];
+    side.component = component;
+    side.size = c.size();
+    side.speeds = c.offset;
+    side.j = set_.pool.size();
+    side.w = side.j + std::size_t(side.size);
+    set_.pool.resize(side.w + std::size_t(side.size));
+  }
+  fill_row(c, c.find(link), wrench, sign, &set_.pool[row.side[row.sides - 1].j]);
+}
+
+void RowBuilder::finish_row(Row& row) {
+  for (int s = 0; s < row.sides; ++s) {
+    const RowSide& side = row.side[s];
+    Component& c = mechanism_.components()[std::size_t(side.component)];
+    const double* const j = &set_.pool[side.j];
+    double* const w = &set_.pool[side.w];
+    if (c.lone) continue;  // add_lone_side did it
+    solve_mass_often(c, j, w);
+    close_loop_velocities(c, w, nullptr);
+    for (int k = 0; k < side.size; ++k) row.diagonal += j[k] * w[k];
+  }
+}
+
+Row& RowBuilder::add_point_row(int link_a, int link_b, const Vec3& point, const Vec3& direction) {
+  set_.rows.emplace_back();
+  Row& row = set_.rows.back();
+  const std::vector<Link>& links = mechanism_.links();
+  const int ca = link_a < 0 ? -1 : links[std::size_t(link_a)].component;
+  const int cb = link_b < 0 ? -1 : links[std::size_t(link_b)].component;
+  if (ca >= 0) add_side(row, ca, link_a, &point, direction, -1.0);
+  if (cb >= 0) add_side(row, cb, link_b, &point, direction, 1.0);
+  row.now = direction.dot(point_velocity(link_b, point) - point_velocity(link_a, point));
+  finish_row(row);
+  return row;
+}
+
+Row& RowBuilder::add_twist_row(int link_a, int link_b, const Vec3& axis) {
+  set_.rows.emplace_back();
+  Row& row = set_.rows.back();
+  for (int side = 0; side < 2; ++side) {
+    const int index = side == 0 ? link_a : link_b;
+    if (index < 0) continue;
+    const Link& link = mechanism_.links()[std::size_t(index)];
+    const double sign = side == 0 ? -1.0 : 1.0;
+    if (link.component >= 0) add_side(row, link.component, index, nullptr, axis, sign);
+    row.now += sign * axis.dot(motions_[std::size_t(index)].angular);
+  }
+  finish_row(row);
+  row.inverse_diagonal = row.diagonal > 0.0 ? 1.0 / row.diagonal : 0.0;
+  return row;
+}
+
+Row& RowBuilder::add_axis_row(const StepContext& context, int component, int local, double sign) {
+  Component& c = mechanism_.components()[std::size_t(component)];
+  update_component(mechanism_, c);
+  set_.scalars.push_back(int(set_.rows.size()));
+  set_.rows.emplace_back();
+  Row& row = set_.rows.back();
+  RowSide& side = row.side[row.sides++];
+  side.component = component;
+  side.size = c.size();
+  side.speeds = c.offset;
+  side.j = set_.pool.size();
+  side.w = side.j + std::size_t(side.size);
+  set_.pool.resize(side.w + std::size_t(side.size));
+  if (local >= 0) {
+    set_.pool[side.j + std::size_t(local)] = sign;
+    row.effort_sign = sign;
+    row.now = set_.along(row, context.u);
+    finish_row(row);
+  }
+  return row;
+}
+
+void RowBuilder::add_joint_rows(const StepContext& context, const std::vector<AxisLaw>& laws) {
+  const SceneModel& model = mechanism_.model();
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    if (joint.removed || mechanism_.joint_link(int(j)) < 0 || joint.axes.empty()) continue;
+    if (joint.type == JointType::ball)
+      add_ball_limit(context, int(j));
+    else
+      add_limits(context, int(j));
+    add_friction(context, int(j));
+  }
+  for (const AxisLaw& law : laws)
+    if (law.implicit) add_law(context, law);
+  for (int index : set_.scalars) {
+    Row& row = set_.rows[std::size_t(index)];
+    row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
+  }
+}
+
+void RowBuilder::add_limits(const StepContext& context, int joint_index) {
+  const Joint& joint = mechanism_.model().joints[std::size_t(joint_index)];
+  const SimTK::State& state = mechanism_.state;
+  for (int a = 0; a < int(joint.axes.size()); ++a) {
+    const JointAxis& axis = joint.axes[std::size_t(a)];
+    if (!axis.has_limit()) continue;
+    const double q = state.getQ()[mechanism_.axis_position(joint_index, a)];
+    const int speed = mechanism_.axis_speed(joint_index, a);
+    const double u = state.getU()[speed];
+    const double reach = kTouching * 10.0 + 2.0 * context.h * std::abs(u);
+    for (int end = 0; end < 2; ++end) {
+      const double gap = end == 0 ? q - axis.lower : axis.upper - q;
+      if (!(gap < reach)) continue;
+      const int component =
+          mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
+      Row& row =
+          add_axis_row(context, component, local_of(component, speed), end == 0 ? 1.0 : -1.0);
+      const double h = context.h;
+      Approach approach;
+      approach.speed = row.now - 0.5 * h * set_.along(row, context.start_udot);
+      approach.gap = gap - 0.5 * h * approach.speed;
+      approach.acceleration = set_.along(row, context.udot);
+      aim_unilateral(context, approach, row);
+      row.effort = joint.speed_offset + a;
+      row.slot = slot_of(mechanism_.model(),
+                         end == 0 ? SlotKind::lower_limit : SlotKind::upper_limit, row.effort);
+      row.inverse_diagonal = 1.0 / row.diagonal;
+    }
+  }
+}
+
+void RowBuilder::add_ball_limit(const StepContext& context, int joint_index) {
+  const Joint& joint = mechanism_.model().joints[std::size_t(joint_index)];
+  const JointAxis& axis = joint.axes[0];
+  if (!std::isfinite(axis.upper)) return;
+  const SimTK::State& state = mechanism_.state;
+  const Vec3 rotation = rotation_vector(state.getQ(), mechanism_.axis_position(joint_index, 0));
+  const double angle = rotation.norm();
+  const int first = mechanism_.axis_speed(joint_index, 0);
+  const Vec3 u(state.getU()[first], state.getU()[first + 1], state.getU()[first + 2]);
+  const double gap = axis.upper - angle;
+  if (gap > kTouching * 10.0 + 2.0 * context.h * u.norm() || angle < 1e-9) return;
+  const Vec3 direction = -rotation / angle;
+  const int component =
+      mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
+  Row& row = add_axis_row(context, component, -1, 1.0);
+  const int local = local_of(component, first);
+  for (int k = 0; k < 3; ++k) set_.pool[row.side[0].j + std::size_t(local + k)] = direction[k];
+  row.now = set_.along(row, context.u);
+  finish_row(row);
+  Approach approach;
+  approach.speed = row.now - 0.5 * context.h * set_.along(row, context.start_udot);
+  approach.gap = gap - 0.5 * context.h * approach.speed;
+  approach.acceleration = set_.along(row, context.udot);
+  aim_unilateral(context, approach, row);
+  row.slot = slot_of(mechanism_.model(), SlotKind::upper_limit, joint.speed_offset);
+  row.inverse_diagonal = 1.0 / row.diagonal;
+  set_.ball_limits.push_back({int(set_.rows.size()) - 1, joint.speed_offset, direction});
+}
+
+void RowBuilder::add_friction(const StepContext& context, int joint_index) {
+  const Joint& joint = mechanism_.model().joints[std::size_t(joint_index)];
+  const bool ball = joint.type == JointType::ball;
+  const int count = ball ? 3 : int(joint.axes.size());
+  const int component =
+      mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
+  if (ball && joint.axes[0].friction > 0.0)
+    set_.balls.push_back({int(set_.rows.size()), joint.axes[0].friction * context.h});
+  for (int a = 0; a < count; ++a) {
+    const double friction = joint.axes[std::size_t(ball ? 0 : a)].friction;
+    if (friction <= 0.0) continue;
+    Row& row = add_axis_row(context, component,
+                            local_of(component, mechanism_.axis_speed(joint_index, a)), 1.0);
+    if (ball) set_.scalars.pop_back();
+    row.high = friction * context.h;
+    row.low = -row.high;
+    row.effort = joint.speed_offset + a;
+    row.slot = slot_of(mechanism_.model(), SlotKind::friction, row.effort);
+    row.inverse_diagonal = 1.0 / row.diagonal;
+  }
+  if (!ball || joint.axes[0].friction <= 0.0) return;
+  // One step length for all three: else the effort at the bound would not oppose the motion.
+  Row* const rows = &set_.rows[set_.rows.size() - 3];
+  const double most = std::max({rows[0].diagonal, rows[1].diagonal, rows[2].diagonal});
+  for (int k = 0; k < 3; ++k) rows[k].inverse_diagonal = 1.0 / most;
+}
+
+void RowBuilder::add_law(const StepContext& context, const AxisLaw& law) {
+  const double h = context.h;
+  Row& row = add_axis_row(context, law.component, law.local, 1.0);
+  row.effort = law.effort;
+  row.motor = law.motor;
+  row.slot = law.motor >= 0 ? slot_of(mechanism_.model(), SlotKind::motor, law.motor)
+                            : slot_of(mechanism_.model(), SlotKind::passive, law.effort);
+  row.high = law.law.max_effort * h;
+  row.low = -row.high;
+  if (law.law.is_speed_source()) {
+    row.target = law.law.velocity;
+    return;
+  }
+  // effort = bias + kp (position - q_theta) + kd (velocity - u_theta), with u_theta between the
+  // speeds at start and end, and q_theta between the coordinates, the step being a trapezoid.
+  const double theta = law.theta, kp = law.law.kp, kd = law.law.kd;
+  const double q0 = law.coordinate(*context.start_q);
+  const double u0 = (*context.start_u)[law.speed];
+  const double K = theta * (0.5 * h * kp + kd);
+  const double at_rest = law.law.bias + kp * (law.law.position - q0 - 0.5 * theta * h * u0) +
+                         kd * (law.law.velocity - (1.0 - theta) * u0);
+  row.target = at_rest / K;
+  row.gamma = 1.0 / (h * K);
+}
+
+void RowBuilder::add_contact(const StepContext& context, const ContactPoint& point, int body_a,
+                             int body_b, const SurfacePair& surface, const Line& line) {
+  const int link_a = mechanism_.body_link(body_a), link_b = mechanism_.body_link(body_b);
+  ContactRows contact;
+  contact.first = int(set_.rows.size());
+  contact.friction = surface.friction;
+  contact.point = point;
+  // Tangents depend on the normal alone.
+  const Vec3& n = point.normal;
+  const Vec3 least = std::abs(n[0]) < 0.6 ? Vec3::UnitX() : Vec3::UnitY();
+  contact.tangent1 = (least - n * n.dot(least)).normalized();
+  contact.tangent2 = n.cross(contact.tangent1);
+
+  Row& row = add_point_row(link_a, link_b, point.point, n);
+  // Joints may hold a body such that it cannot yield: what is left is rounding, not a mass.
+  double free = 0.0;
+  for (const int link : {link_a, link_b}) {
+    if (link < 0 || mechanism_.links()[std::size_t(link)].component < 0) continue;
+    free += 1.0 / mechanism_.links()[std::size_t(link)].mass;
+  }
+  if (row.sides == 0 || row.diagonal <= kHeld * free) {
+    set_.rows.pop_back();
+    return;
+  }
+  Approach approach;
+  const double h = context.h;
+  approach.restitution = surface.restitution;
+  approach.speed = row.now - 0.5 * h * set_.along(row, context.start_udot);
+  approach.gap = point.gap - 0.5 * h * approach.speed;
+  approach.acceleration = set_.along(row, context.udot);
+  aim_unilateral(context, approach, row);
+  if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
+  row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
+  const int index = int(set_.contacts.size());
+  Vec3 at = point.point;
+  if (line.other) {
+    contact.kind = line.second ? FrictionKind::twist : FrictionKind::patch;
+    contact.partner = line.second ? index - 1 : index + 1;
+    at = 0.5 * (point.point + line.other->point);
+    // A load spread evenly along the line: the mean distance from its middle.
+    contact.lever = 0.25 * (point.point - line.other->point).norm();
+  }
+  if (contact.friction > 0.0 && contact.kind == FrictionKind::twist) {
+    add_twist_row(link_a, link_b, n);
+  } else if (contact.friction > 0.0) {
+    for (const Vec3& t : {contact.tangent1, contact.tangent2}) add_point_row(link_a, link_b, at, t);
+    // One step length for both: else the impulse at the bound would not oppose the sliding.
+    Row* const rows = &set_.rows[std::size_t(contact.first)];
+    const double most = std::max(rows[1].diagonal, rows[2].diagonal);
+    rows[1].inverse_diagonal = rows[2].inverse_diagonal = most > 0.0 ? 1.0 / most : 0.0;
+  }
+  set_.contacts.push_back(contact);
+}
+
+}  // namespace cogrsim::dynamics

@@ -1,0 +1,184 @@
+// The unilateral and bounded conditions on velocities in one step, each with its impulse.
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "collision/contact_point.h"
+#include "drives.h"
+#include "mechanism.h"
+
+namespace cogrsim::dynamics {
+
+/// Numbers of a row that concern one component: J and W = M^-1 J^T, in the pool of the set.
+struct RowSide {
+  int component = -1;
+  int size = 0;
+  int speeds = 0;     ///< first entry in arrays over all components
+  std::size_t j = 0;  ///< in RowSet::pool
+  std::size_t w = 0;
+};
+
+/// J v + gamma lambda = target, with low <= lambda <= high; v is the velocity at the end of the
+/// step.
+struct Row {
+  RowSide side[2];
+  int sides = 0;
+  double now = 0.0;       ///< J u at the middle of the step, motion of kinematic bodies included
+  double diagonal = 0.0;  ///< J M^-1 J^T + gamma
+  double inverse_diagonal = 0.0;
+  double gamma = 0.0;
+  double target = 0.0;
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  double lambda = 0.0;  ///< impulse [N s] or [N m s]
+
+  // Position stage: the gap at the end of the step is `gap` + J (h/2 dv + p), p a displacement.
+  bool has_gap = false;
+  bool pull = false;  ///< brought to `gap_target` from above, too, when it pressed
+  double gap = 0.0;
+  double gap_target = 0.0;
+  double push = 0.0;     ///< impulse-like multiplier of the displacement; before: to start from
+  double settled = 0.0;  ///< what the displacement adds to the gap
+
+  // A joint's rows: where efforts and warm starts are kept.
+  int effort = -1;  ///< flat speed index
+  double effort_sign = 1.0;
+  int motor = -1;
+  int slot = -1;  ///< of the warm-start memory
+};
+
+/// How the friction of a contact point is made up.
+enum class FrictionKind {
+  point,  ///< two tangents at the point, |lambda_t| <= friction lambda_n
+  patch,  ///< first of the two points of a line: two tangents in the middle, bounded by both loads
+  twist   ///< second of the two: one row against turning about the normal
+};
+
+/// Rows of one point: the normal, then those of its friction, if there is any.
+struct ContactRows {
+  int first = 0;
+  double friction = 0.0;
+  FrictionKind kind = FrictionKind::point;
+  int partner = -1;    ///< contact with the other point of the line; patch and twist only
+  double lever = 0.0;  ///< twist: torque per load and friction [m]
+  ContactPoint point;
+  Vec3 tangent1 = Vec3::Zero(), tangent2 = Vec3::Zero();
+};
+
+/// Friction of a ball joint: three rows with |lambda| <= bound.
+struct BallFriction {
+  int first = 0;
+  double bound = 0.0;
+};
+
+/// Limit of a ball joint: its effort has three components.
+struct BallLimit {
+  int row = 0;
+  int effort = 0;  ///< the first of three
+  Vec3 direction = Vec3::Zero();
+};
+
+/// Slots of the warm-start memory of joints' rows.
+enum class SlotKind { lower_limit, upper_limit, friction, passive, motor };
+
+class RowSet {
+ public:
+  void clear();
+  std::vector<Row> rows;     ///< all
+  std::vector<int> scalars;  ///< joints' rows, solved one by one
+  std::vector<BallFriction> balls;
+  std::vector<BallLimit> ball_limits;
+  std::vector<ContactRows> contacts;
+  std::vector<double> pool;
+  bool empty() const { return rows.empty(); }
+
+  /// J v for v over all components.
+  double along(const Row& row, const double* v) const {
+    double sum = 0.0;
+    for (int s = 0; s < row.sides; ++s) {
+      const RowSide& side = row.side[s];
+      const double* const j = &pool[side.j];
+      const double* const x = v + side.speeds;
+      for (int k = 0; k < side.size; ++k) sum += j[k] * x[k];
+    }
+    return sum;
+  }
+  /// v += W impulse.
+  void apply(const Row& row, double impulse, double* v) const {
+    for (int s = 0; s < row.sides; ++s) {
+      const RowSide& side = row.side[s];
+      const double* const w = &pool[side.w];
+      double* const x = v + side.speeds;
+      for (int k = 0; k < side.size; ++k) x[k] += w[k] * impulse;
+    }
+  }
+};
+
+/// What the rows of a step are made from. All at the middle of the step.
+struct StepContext {
+  double h = 0.0;  ///< length of the step [s]
+  double bounce_threshold = 0.05;
+  const double* u = nullptr;           ///< speeds, over all components
+  const double* start_udot = nullptr;  ///< estimate that led to the middle, likewise
+  const double* udot = nullptr;        ///< smooth, at the middle, likewise
+  const SimTK::Vector* start_q = nullptr;
+  const SimTK::Vector* start_u = nullptr;
+};
+
+/// Gap and speed along a unilateral row, and what the step shall make of them.
+struct Approach {
+  double gap = 0.0;           ///< at the start [m]
+  double speed = 0.0;         ///< its rate at the start, bodies apart when positive [m/s]
+  double acceleration = 0.0;  ///< of the smooth motion [m/s^2]
+  double restitution = 0.0;
+};
+
+/// Fills target and position goal of a unilateral row; see README, "Unilateral conditions".
+void aim_unilateral(const StepContext& context, const Approach& approach, Row& row);
+
+class RowBuilder {
+ public:
+  /// The mechanism's state is realized to Velocity, and stays, while rows are added.
+  RowBuilder(Mechanism& mechanism, RowSet& set)
+      : mechanism_(mechanism), set_(set), motions_(mechanism.motions()) {}
+
+  /// Adds the joints' rows: limits about to be reached, friction, implicit laws.
+  void add_joint_rows(const StepContext& context, const std::vector<AxisLaw>& laws);
+
+  /// Adds the rows of one contact between two bodies of the model. `line`: the pair touches along a
+  /// line of which this is one end, `other` the other, and `second` tells that the other went
+  /// before.
+  struct Line {
+    const ContactPoint* other = nullptr;
+    bool second = false;
+  };
+  void add_contact(const StepContext& context, const ContactPoint& point, int body_a, int body_b,
+                   const SurfacePair& surface, const Line& line);
+
+  /// Place in the warm-start memory; `index`: flat speed index, or motor.
+  static int slot_of(const SceneModel& model, SlotKind kind, int index);
+  static int slot_count(const SceneModel& model);
+
+ private:
+  Row& add_axis_row(const StepContext& context, int component, int local, double sign);
+  Row& add_point_row(int link_a, int link_b, const Vec3& point, const Vec3& direction);
+  // Velocity along `direction` of the body's point, or, without a point, spin about it.
+  void add_side(Row& row, int component, int link, const Vec3* point, const Vec3& direction,
+                double sign);
+  Row& add_twist_row(int link_a, int link_b, const Vec3& axis);
+  void add_lone_side(Row& row, const Component& c, const Spatial& wrench, double sign);
+  void finish_row(Row& row);
+  Vec3 point_velocity(int link, const Vec3& point) const;
+  void add_limits(const StepContext& context, int joint);
+  void add_ball_limit(const StepContext& context, int joint);
+  void add_friction(const StepContext& context, int joint);
+  void add_law(const StepContext& context, const AxisLaw& law);
+  int local_of(int component, int speed) const;
+
+  Mechanism& mechanism_;
+  RowSet& set_;
+  const std::vector<LinkMotion>& motions_;
+};
+
+}  // namespace cogrsim::dynamics

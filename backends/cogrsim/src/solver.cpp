@@ -1,0 +1,146 @@
+#include "solver.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace cogrsim::dynamics {
+
+int Solver::find(int i) {
+  while (root_[std::size_t(i)] != i) {
+    root_[std::size_t(i)] = root_[std::size_t(root_[std::size_t(i)])];
+    i = root_[std::size_t(i)];
+  }
+  return i;
+}
+
+// Which island each component belongs to; islands are numbered by their first row.
+void Solver::partition(const RowSet& set) {
+  int components = 0;
+  for (const Row& row : set.rows)
+    for (int s = 0; s < row.sides; ++s)
+      components = std::max(components, row.side[s].component + 1);
+  root_.resize(std::size_t(components));
+  std::iota(root_.begin(), root_.end(), 0);
+  for (const Row& row : set.rows) {
+    if (row.sides < 2) continue;
+    const int a = find(row.side[0].component), b = find(row.side[1].component);
+    root_[std::size_t(std::max(a, b))] = std::min(a, b);
+  }
+  number_.assign(std::size_t(components), -1);
+  count_ = 0;
+  for (const Row& row : set.rows) {
+    int& number = number_[std::size_t(find(row.side[0].component))];
+    if (number < 0) number = count_++;
+  }
+  for (int c = 0; c < components; ++c) number_[std::size_t(c)] = number_[std::size_t(find(c))];
+}
+
+Island& Solver::island_of(const RowSet& set, int row) {
+  const int component = set.rows[std::size_t(row)].side[0].component;
+  return islands_[std::size_t(number_[std::size_t(component)])];
+}
+
+int Solver::add_line(const RowSet& set, int index, Island& island) {
+  const Row& row = set.rows[std::size_t(index)];
+  island.lines.emplace_back();
+  Line& line = island.lines.back();
+  line.numbers = &set.pool[row.side[0].j];
+  line.lone = true;
+  for (int s = 0; s < row.sides; ++s) {
+    const RowSide& side = row.side[s];
+    int& first = start_[std::size_t(side.component)];
+    if (first < 0) {
+      first = int(island.speeds.size());
+      for (int k = 0; k < side.size; ++k) island.speeds.push_back(side.speeds + k);
+    }
+    line.at[s] = first;
+    line.size[s] = side.size;
+    line.lone = line.lone && side.size == 6;
+  }
+  line.row = index;
+  line.bias = row.now - row.target;
+  line.gamma = row.gamma;
+  line.inverse = row.inverse_diagonal;
+  line.diagonal = row.diagonal;
+  line.low = row.low;
+  line.high = row.high;
+  line.lambda = row.lambda;
+  return place_[std::size_t(index)] = int(island.lines.size()) - 1;
+}
+
+void Solver::fill_islands(const RowSet& set) {
+  if (islands_.size() < std::size_t(count_)) islands_.resize(std::size_t(count_));
+  for (int i = 0; i < count_; ++i) islands_[std::size_t(i)].clear();
+  start_.assign(root_.size(), -1);
+  place_.assign(set.rows.size(), 0);
+  for (int index : set.scalars) {
+    Island& island = island_of(set, index);
+    Block block;
+    block.line = add_line(set, index, island);
+    island.blocks.push_back(block);
+  }
+  for (const BallFriction& ball : set.balls) {
+    Island& island = island_of(set, ball.first);
+    Block block;
+    block.kind = Block::Kind::ball;
+    block.friction = ball.bound;
+    block.line = add_line(set, ball.first, island);
+    for (int k = 1; k < 3; ++k) add_line(set, ball.first + k, island);
+    island.blocks.push_back(block);
+  }
+  for (int i = 0; i < count_; ++i)
+    islands_[std::size_t(i)].contacts = islands_[std::size_t(i)].blocks.size();
+  const ContactPoint* last = nullptr;
+  int pair = 0;
+  for (const ContactRows& contact : set.contacts) {
+    Island& island = island_of(set, contact.first);
+    Block block;
+    block.kind = Block::Kind::contact;
+    block.friction = contact.friction;
+    block.friction_kind = contact.kind;
+    block.lever = contact.lever;
+    block.line = add_line(set, contact.first, island);
+    if (contact.friction > 0.0)
+      for (int k = 1; k < (contact.kind == FrictionKind::twist ? 2 : 3); ++k)
+        add_line(set, contact.first + k, island);
+    island.blocks.push_back(block);
+    const ContactPoint& point = contact.point;
+    pair += last && (last->collider_a != point.collider_a || last->collider_b != point.collider_b);
+    last = &point;
+    island.pairs.push_back(pair);
+  }
+  // Both ends of a line touch the same pair, so they are in the same island.
+  next_.assign(std::size_t(count_), 0);
+  for (const ContactRows& contact : set.contacts) {
+    Island& island = island_of(set, contact.first);
+    Block& block = island.blocks[island.contacts + next_[std::size_t(&island - islands_.data())]++];
+    if (contact.partner >= 0)
+      block.partner = place_[std::size_t(set.contacts[std::size_t(contact.partner)].first)];
+  }
+}
+
+int Solver::solve_velocities(RowSet& set, double* dv) {
+  partition(set);
+  fill_islands(set);
+  int most = 0;
+  for (int i = 0; i < count_; ++i) {
+    Island& island = islands_[std::size_t(i)];
+    island.find_bearings();
+    island.v.resize(island.speeds.size());
+    for (std::size_t k = 0; k < island.speeds.size(); ++k) island.v[k] = dv[island.speeds[k]];
+    most = std::max(most, island.solve_velocities(options_));
+    for (std::size_t k = 0; k < island.speeds.size(); ++k) dv[island.speeds[k]] = island.v[k];
+    for (const Line& line : island.lines) set.rows[std::size_t(line.row)].lambda = line.lambda;
+  }
+  return most;
+}
+
+void Solver::solve_positions(RowSet& set, double h, double* p) {
+  for (int i = 0; i < count_; ++i) {
+    Island& island = islands_[std::size_t(i)];
+    island.solve_positions(options_, h, set.rows);
+    for (std::size_t k = 0; k < island.p.size(); ++k) p[island.speeds[k]] = island.p[k];
+  }
+}
+
+}  // namespace cogrsim::dynamics

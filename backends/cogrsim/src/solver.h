@@ -1,0 +1,47 @@
+// Impulses and displacements that make all rows hold, island by island.
+#pragma once
+
+#include <vector>
+
+#include "islands.h"
+
+namespace cogrsim::dynamics {
+
+/// Projected Gauss-Seidel, one contact at a time (normal, then friction on the disc of Coulomb);
+/// Anitescu and Potra, Nonlinear Dynamics 14, 1997; Catto, GDC 2005. Sweeps alternate in direction.
+/// Components that no row ties together are solved each for itself and stop each in its own time.
+/// The normals of a resting pair are solved at once. Small islands take conjugate steps between
+/// sweeps (after Silcowitz, Niebe and Erleben, The Visual Computer 26, 2010; theirs after every
+/// sweep, ours after each pair of sweeps there and back, a symmetric preconditioner).
+/// What one call leaves for the next is memory to work in.
+class Solver {
+ public:
+  explicit Solver(const SolverOptions& options) : options_(options) {}
+
+  /// Velocity stage: finds the impulses of all rows, starting from those in the rows, and adds what
+  /// they do to `dv` (over all components), which the warm starts must not be in yet. Returns the
+  /// most sweeps that an island took.
+  int solve_velocities(RowSet& set, double* dv);
+
+  /// Position stage ("split impulse"), right after the other: displacements `p`, along W of the
+  /// unilateral rows, that bring gaps at the end of the step `h` [s] to their targets. Adds no
+  /// energy of motion. `p` is zero (over all components) before.
+  void solve_positions(RowSet& set, double h, double* p);
+
+ private:
+  void partition(const RowSet& set);
+  int find(int component);
+  Island& island_of(const RowSet& set, int row);
+  void fill_islands(const RowSet& set);
+  int add_line(const RowSet& set, int index, Island& island);
+
+  SolverOptions options_;
+  std::vector<Island> islands_;  ///< the first `count_` are in use
+  int count_ = 0;
+  std::vector<int> root_, number_;  ///< by component
+  std::vector<int> start_;          ///< by component: its first speed in the island
+  std::vector<int> place_;          ///< by row: its line
+  std::vector<std::size_t> next_;   ///< by island
+};
+
+}  // namespace cogrsim::dynamics

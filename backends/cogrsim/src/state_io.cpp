@@ -1,0 +1,316 @@
+// Reading and writing the state of a world, and carrying it over when the scene changes.
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <string>
+
+#include "cogrsim/model/joint_kinematics.h"
+#include "joining.h"
+#include "world.h"
+
+namespace cogrsim::dynamics {
+namespace {
+
+template <class T>
+void copy_entries(const std::vector<T>& from, std::size_t first, int count, std::vector<T>& to) {
+  for (std::size_t i = first; i < first + std::size_t(count) && i < from.size(); ++i)
+    to[i] = from[i];
+}
+
+bool all_finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+Result<> check_state(const SceneModel& model, const WorldState& s) {
+  const auto sized = [](const char* what, std::size_t have, std::size_t want) -> Result<> {
+    if (have == want) return {};
+    return fail("the state has " + std::to_string(have) + " " + what + ", the scene " +
+                std::to_string(want));
+  };
+  if (auto r = sized("poses", s.poses.size(), model.bodies.size()); !r) return r;
+  if (auto r = sized("twists", s.twists.size(), model.bodies.size()); !r) return r;
+  if (auto r =
+          sized("joint positions", s.joint_positions.size(), std::size_t(model.joint_positions));
+      !r)
+    return r;
+  if (auto r =
+          sized("joint velocities", s.joint_velocities.size(), std::size_t(model.joint_speeds));
+      !r)
+    return r;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    if (model.bodies[b].removed) continue;
+    const Pose& X = s.poses[b];
+    const Twist& V = s.twists[b];
+    if (!X.p.allFinite() || !X.q.coeffs().allFinite() || !(X.q.norm() > 0.5) ||
+        !V.linear.allFinite() || !V.angular.allFinite())
+      return fail("body '" + model.bodies[b].name + "': its pose or twist is not finite");
+  }
+  if (!all_finite(s.joint_positions)) return fail("a joint position is not finite");
+  if (!all_finite(s.joint_velocities)) return fail("a joint velocity is not finite");
+  return {};
+}
+
+}  // namespace
+
+void DynamicsWorld::get_state(WorldState& out) const {
+  const SceneModel& model = *progress_.model;
+  Mechanism& m = engine_->mechanism;
+  const Stepper& stepper = engine_->stepper;
+  const WorldState& gone = progress_.last_seen;
+  const std::vector<LinkMotion>& motions = m.motions();
+  out.poses.resize(model.bodies.size());
+  out.twists.resize(model.bodies.size());
+  out.joint_positions.resize(std::size_t(model.joint_positions));
+  out.joint_velocities.resize(std::size_t(model.joint_speeds));
+  out.joint_efforts.resize(std::size_t(model.joint_speeds));
+  out.motor_efforts.resize(model.motors.size());
+
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const int link = m.body_link(int(b));
+    if (link >= 0) {
+      const LinkMotion& motion = motions[std::size_t(link)];
+      out.poses[b] = pose_of(motion.X);
+      out.twists[b] = {motion.linear, motion.angular};
+    } else if (model.bodies[b].removed && b < gone.poses.size()) {
+      out.poses[b] = gone.poses[b];
+      out.twists[b] = gone.twists[b];
+    } else {
+      out.poses[b] = progress_.placed->bodies[b].X_WB;
+      out.twists[b] = Twist();
+    }
+  }
+
+  const double per_step = progress_.last_dt > 0.0 ? 1.0 / progress_.last_dt : 0.0;
+  for (std::size_t i = 0; i < out.joint_efforts.size(); ++i)
+    out.joint_efforts[i] = per_step * stepper.impulses.joints[i];
+  for (std::size_t i = 0; i < out.motor_efforts.size(); ++i)
+    out.motor_efforts[i] = per_step * stepper.impulses.motors[i];
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    const int link = m.joint_link(int(j));
+    if (link >= 0) {
+      m.get_joint(m.links()[std::size_t(link)], out.joint_positions.data() + joint.position_offset,
+                  out.joint_velocities.data() + joint.speed_offset);
+    } else if (joint.removed &&
+               gone.joint_positions.size() >=
+                   std::size_t(joint.position_offset + position_count(joint.type))) {
+      copy_entries(gone.joint_positions, std::size_t(joint.position_offset),
+                   position_count(joint.type), out.joint_positions);
+      copy_entries(gone.joint_velocities, std::size_t(joint.speed_offset), speed_count(joint.type),
+                   out.joint_velocities);
+    } else {
+      fill_unmoved_joint(j, out);
+    }
+  }
+}
+
+// Between bodies that no force moves: what their motion makes of it.
+void DynamicsWorld::fill_unmoved_joint(std::size_t index, WorldState& out) const {
+  const SceneModel& model = *progress_.model;
+  const Joint& joint = model.joints[index];
+  const auto pose = [&](int b) { return b < 0 ? Pose() : out.poses[std::size_t(b)]; };
+  const auto twist = [&](int b) { return b < 0 ? Twist() : out.twists[std::size_t(b)]; };
+  const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
+  const Twist V_FM = relative_twist(joint, pose(joint.parent), twist(joint.parent),
+                                    pose(joint.child), twist(joint.child));
+  double* const q = out.joint_positions.data() + joint.position_offset;
+  double* const u = out.joint_velocities.data() + joint.speed_offset;
+  // Turns that were counted while it moved stay counted.
+  const std::vector<double>& seen = progress_.last_seen.joint_positions;
+  const std::size_t first = std::size_t(joint.position_offset);
+  const bool known = first + std::size_t(position_count(joint.type)) <= seen.size();
+  joint_position(joint, X_FM, known ? seen.data() + first : nullptr, q);
+  joint_velocity(joint, X_FM, V_FM, q, u);
+}
+
+Result<> DynamicsWorld::set_state(const WorldState& state) {
+  const SceneModel& model = *progress_.model;
+  if (auto r = check_state(model, state); !r) return r;
+  Mechanism& m = engine_->mechanism;
+  const SimTK::Vector q = m.state.getQ(), u = m.state.getU();
+  try {
+    for (const Link& link : m.links()) {
+      const std::size_t body = std::size_t(link.plan.body);
+      if (link.plan.joint < 0) {
+        const Pose X(state.poses[body].p, state.poses[body].q.normalized());
+        m.set_base(link, X, state.twists[body]);
+        if (link.kinematic) progress_.twists[body] = state.twists[body];
+      } else {
+        const Joint& joint = model.joints[std::size_t(link.plan.joint)];
+        m.set_joint(link, state.joint_positions.data() + joint.position_offset,
+                    state.joint_velocities.data() + joint.speed_offset);
+      }
+    }
+    m.project();
+    m.realize_velocity();
+  } catch (const std::exception& e) {
+    m.state.updQ() = q;
+    m.state.updU() = u;
+    return fail("Simbody: " + words_of(e));
+  }
+  engine_->stepper.memory.clear();
+  progress_.reactions_kept = false;
+  return {};
+}
+
+Result<> DynamicsWorld::add(const SceneModelPtr& next) { return rebuild(next, SceneStep::add); }
+Result<> DynamicsWorld::remove(const SceneModelPtr& next) {
+  return rebuild(next, SceneStep::remove);
+}
+Result<> DynamicsWorld::change(const SceneModelPtr& next) {
+  return rebuild(next, SceneStep::change);
+}
+
+SceneModelPtr DynamicsWorld::place_static(const SceneModelPtr& next, const WorldState& now) const {
+  const SceneModel& old = *progress_.placed;
+  std::shared_ptr<SceneModel> moved;
+  for (std::size_t b = 0; b < old.bodies.size(); ++b) {
+    const Body& body = next->bodies[b];
+    if (body.removed || body.kind != BodyKind::fixed) continue;
+    const Pose& X = old.bodies[b].kind == BodyKind::fixed ? old.bodies[b].X_WB : now.poses[b];
+    if (X.p == body.X_WB.p && X.q.coeffs() == body.X_WB.q.coeffs()) continue;
+    if (!moved) moved = std::make_shared<SceneModel>(*next);
+    moved->bodies[b].X_WB = X;
+  }
+  return moved ? SceneModelPtr(std::move(moved)) : next;
+}
+
+Result<> DynamicsWorld::rebuild(const SceneModelPtr& next, SceneStep step) {
+  if (!next) return fail("no scene given");
+  const auto change = find_scene_change(*progress_.model, *next, step);
+  if (!change) return tl::unexpected<Error>(change.error());
+  if (auto r = check_scene(*next); !r) return r;
+  WorldState before;
+  get_state(before);
+  const auto pose = [&](int b) { return b < 0 ? Pose() : before.poses[std::size_t(b)]; };
+  for (const int j : change->attached) {
+    const Joint& joint = next->joints[std::size_t(j)];
+    if (auto r = check_attachment(joint, pose(joint.parent), pose(joint.child)); !r) return r;
+  }
+  std::vector<Wrench> reactions;
+  if (!progress_.model->joints.empty()) get_joint_reactions(reactions);
+  reactions.resize(next->joints.size());
+  for (std::size_t j = 0; j < next->joints.size(); ++j)
+    if (next->joints[j].removed) reactions[j] = {};
+
+  Progress old;
+  capture(old);
+  std::unique_ptr<Engine> engine;
+  bool swapped = false;
+  try {
+    std::vector<int> stopped;
+    for (const int b : change->kinds)
+      if (next->bodies[std::size_t(b)].kind == BodyKind::fixed) stopped.push_back(b);
+    join_suddenly(engine_->mechanism, *next, change->attached, stopped);
+    get_state(before);
+    const SceneModelPtr placed = place_static(next, before);
+    engine = std::make_unique<Engine>(placed, options_);
+    engine_.swap(engine);
+    swapped = true;
+    progress_.model = next;
+    progress_.placed = placed;
+    carry_over(*engine, before);
+    const bool other_loops =
+        !change->attached.empty() || !change->removed_joints.empty() || !change->kinds.empty();
+    if (other_loops && engine_->mechanism.has_loops()) engine_->mechanism.project();
+    engine_->mechanism.realize_velocity();
+  } catch (const std::exception& e) {
+    if (swapped) engine_.swap(engine);
+    engine_->mechanism.state.updU() = old.u;
+    progress_ = old;
+    return fail("Simbody: " + words_of(e));
+  }
+  progress_.reactions = std::move(reactions);
+  progress_.reactions_kept = true;
+  return {};
+}
+
+void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
+  Engine& to = *engine_;
+  const SceneModel& model = *progress_.model;
+  const Mechanism& old = from.mechanism;
+  Mechanism& m = to.mechanism;
+  const std::size_t old_bodies = before.poses.size();
+  const SceneModel& old_model = old.model();
+
+  const bool carry_udot = from.stepper.memory.udot.size() == old.state.getNU();
+  SimTK::Vector udot(m.state.getNU(), 0.0);
+  for (const Link& link : m.links()) {
+    const std::size_t body = std::size_t(link.plan.body);
+    if (body >= old_bodies || old_model.bodies[body].removed) continue;
+    // The same mobilizer as before: bit for bit.
+    const int old_index =
+        link.plan.joint >= 0 && std::size_t(link.plan.joint) < old_model.joints.size()
+            ? old.joint_link(link.plan.joint)
+            : (link.plan.joint < 0 ? old.body_link(int(body)) : -1);
+    const Link* const was = old_index < 0 ? nullptr : &old.links()[std::size_t(old_index)];
+    if (was && was->plan.joint == link.plan.joint && was->plan.reversed == link.plan.reversed &&
+        was->plan.body == link.plan.body) {
+      for (int k = 0; k < link.nq; ++k)
+        m.state.updQ()[link.first_q + k] = old.state.getQ()[was->first_q + k];
+      for (int k = 0; k < link.nu; ++k) {
+        m.state.updU()[link.first_u + k] = old.state.getU()[was->first_u + k];
+        if (carry_udot) udot[link.first_u + k] = from.stepper.memory.udot[was->first_u + k];
+      }
+      continue;
+    }
+    if (link.plan.joint < 0) {
+      m.set_base(link, before.poses[body], before.twists[body]);
+      continue;
+    }
+    const Joint& joint = model.joints[std::size_t(link.plan.joint)];
+    if (std::size_t(link.plan.joint) < old_model.joints.size()) {
+      m.set_joint(link, before.joint_positions.data() + joint.position_offset,
+                  before.joint_velocities.data() + joint.speed_offset);
+      continue;
+    }
+    // A new joint on an old body: what the bodies' places make of it.
+    const auto pose = [&](int b) {
+      return b < 0                         ? Pose()
+             : std::size_t(b) < old_bodies ? before.poses[std::size_t(b)]
+                                           : model.bodies[std::size_t(b)].X_WB;
+    };
+    const auto twist = [&](int b) {
+      return b < 0                         ? Twist()
+             : std::size_t(b) < old_bodies ? before.twists[std::size_t(b)]
+                                           : model.bodies[std::size_t(b)].V_WB;
+    };
+    std::vector<double> q(std::size_t(position_count(joint.type)));
+    std::vector<double> u(std::size_t(speed_count(joint.type)));
+    const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
+    joint_position(joint, X_FM, nullptr, q.data());
+    joint_velocity(joint, X_FM,
+                   relative_twist(joint, pose(joint.parent), twist(joint.parent), pose(joint.child),
+                                  twist(joint.child)),
+                   q.data(), u.data());
+    m.set_joint(link, q.data(), u.data());
+  }
+  m.realize_velocity();
+
+  // Efforts and impulses: the flat arrays only grew.
+  Stepper& stepper = to.stepper;
+  const Stepper& was = from.stepper;
+  copy_entries(was.impulses.joints, 0, old_model.joint_speeds, stepper.impulses.joints);
+  copy_entries(was.impulses.motors, 0, int(old_model.motors.size()), stepper.impulses.motors);
+  stepper.records = was.records;
+  stepper.memory = was.memory;
+  stepper.memory.udot = udot;
+  if (!carry_udot) stepper.memory.had_rows = false;
+  if (!was.memory.efforts.empty()) {
+    stepper.memory.efforts.assign(std::size_t(RowBuilder::slot_count(model)), 0.0);
+    for (int kind = 0; kind <= int(SlotKind::motor); ++kind) {
+      const int count =
+          kind == int(SlotKind::motor) ? int(old_model.motors.size()) : old_model.joint_speeds;
+      for (int i = 0; i < count; ++i)
+        stepper.memory.efforts[std::size_t(RowBuilder::slot_of(model, SlotKind(kind), i))] =
+            was.memory.efforts[std::size_t(RowBuilder::slot_of(old_model, SlotKind(kind), i))];
+    }
+  }
+
+  for (std::size_t b = old_bodies; b < model.bodies.size(); ++b)
+    progress_.twists.push_back(model.bodies[b].kind == BodyKind::kinematic ? model.bodies[b].V_WB
+                                                                           : Twist());
+  progress_.last_seen = before;
+}
+
+}  // namespace cogrsim::dynamics

@@ -1,0 +1,322 @@
+#include "stepper.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cogrsim::dynamics {
+namespace {
+
+// Two surfaces nearer than twice this are watched even when nothing moves [m].
+constexpr double kWatch = 1e-4;
+
+// One tree on a free base, tied to nothing else.
+bool is_free(const Mechanism& mechanism, const Component& c) {
+  for (std::size_t i = 0; i < c.links.size(); ++i) {
+    const PlannedLink& plan = mechanism.links()[std::size_t(c.links[i])].plan;
+    if ((c.inboard[i] < 0) != (i == 0) || (i == 0 && plan.joint >= 0)) return false;
+  }
+  for (const Weld& weld : c.welds)
+    if (c.find(weld.master) < 0) return false;
+  return true;
+}
+
+}  // namespace
+
+void StepMemory::clear() {
+  contacts.clear();
+  efforts.clear();
+  udot.clear();
+  had_rows = false;
+}
+
+Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions& options)
+    : mechanism_(mechanism),
+      detector_(detector),
+      options_(options),
+      model_(mechanism.model()),
+      accelerations_(mechanism),
+      solver_(options.solver),
+      laws_(make_laws(mechanism)),
+      untouched_(mechanism.components().size(), 0),
+      margins_(mechanism.links().size(), 0.0) {
+  for (std::size_t i = 0; i < mechanism.components().size(); ++i) {
+    const Component& c = mechanism.components()[i];
+    if (c.lone || !is_free(mechanism, c)) continue;
+    momenta_.emplace_back();
+    momenta_.back().component = int(i);
+  }
+  for (const Link& link : mechanism.links())
+    has_shapes_ = has_shapes_ || detector.reach(link.plan.body) > 0.0;
+  const int n = int(model_.materials.size());
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b) surfaces_.push_back(surface_pair(model_, a, b));
+  impulses.joints.assign(std::size_t(model_.joint_speeds), 0.0);
+  impulses.motors.assign(model_.motors.size(), 0.0);
+}
+
+void Stepper::set(const SimTK::Vector& q, const SimTK::Vector& u) {
+  copy(q, mechanism_.state.updQ());
+  copy(u, mechanism_.state.updU());
+  for (Component& c : mechanism_.components()) c.current = false;
+}
+
+void Stepper::advance(double dt, const std::vector<Drive>& drives,
+                      const std::vector<Twist>& twists) {
+  drives_ = &drives;
+  std::fill(impulses.joints.begin(), impulses.joints.end(), 0.0);
+  std::fill(impulses.motors.begin(), impulses.motors.end(), 0.0);
+  records.clear();
+  for (const Link& link : mechanism_.links()) {
+    if (!link.kinematic) continue;
+    const Twist& twist = twists[std::size_t(link.plan.body)];
+    double* const u = &mechanism_.state.updU()[link.first_u];
+    for (int k = 0; k < 3; ++k) {
+      u[k] = twist.angular[k];
+      u[3 + k] = twist.linear[k];
+    }
+  }
+  if (mechanism_.state.getNU() == 0) return;
+  for (int i = 0; i < options_.substeps; ++i) move(dt / options_.substeps);
+  const auto by_pair = [](const ContactRecord& a, const ContactRecord& b) {
+    return a.collider_a != b.collider_a ? a.collider_a < b.collider_a : a.collider_b < b.collider_b;
+  };
+  // They come in this order; only where a step has parts may some be out of it.
+  if (std::is_sorted(records.begin(), records.end(), by_pair)) return;
+  std::stable_sort(records.begin(), records.end(), by_pair);
+}
+
+void Stepper::sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double weight,
+                          bool untouched) {
+  for (const AxisLaw& law : laws_) {
+    if (law.implicit || bool(untouched_[std::size_t(law.component)]) != untouched) continue;
+    const double impulse = weight * law.effort_at(q, u);
+    impulses.joints[std::size_t(law.effort)] += impulse;
+    if (law.motor >= 0) impulses.motors[std::size_t(law.motor)] += impulse;
+  }
+}
+
+// How far each body's surface may get in the time h, from speeds at the state.
+void Stepper::measure_speeds(double h) {
+  const double fall = 0.5 * h * h * model_.physics.gravity.norm();
+  const std::vector<LinkMotion>& motions = mechanism_.motions();
+  for (std::size_t i = 0; i < margins_.size(); ++i) {
+    const Link& link = mechanism_.links()[i];
+    const double reach = detector_.reach(link.plan.body);
+    if (link.plan.ghost || reach == 0.0) continue;
+    const LinkMotion& motion = motions[i];
+    const double spin = std::isfinite(reach) ? reach * motion.angular.norm() : 0.0;
+    margins_[i] = kWatch + fall + h * (motion.linear.norm() + spin);
+  }
+}
+
+void Stepper::detect() {
+  points_.clear();
+  if (!has_shapes_) return;
+  const std::vector<Link>& links = mechanism_.links();
+  const std::vector<LinkMotion>& motions = mechanism_.motions();
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const int body = links[i].plan.body;
+    if (links[i].plan.ghost || detector_.reach(body) == 0.0) continue;
+    detector_.place(body, motions[i].X, margins_[i]);
+  }
+  detector_.detect(points_);
+}
+
+RowBuilder::Line Stepper::find_line(std::size_t index) const {
+  const auto pair_with = [&](std::size_t other) {
+    return other < points_.size() && points_[other].collider_a == points_[index].collider_a &&
+           points_[other].collider_b == points_[index].collider_b;
+  };
+  const auto round = [&](int collider) {
+    const ShapeType type = detector_.colliders()[std::size_t(collider)].type;
+    return type == ShapeType::cylinder || type == ShapeType::capsule;
+  };
+  RowBuilder::Line line;
+  if (!round(points_[index].collider_a) && !round(points_[index].collider_b)) return line;
+  const bool before = pair_with(index - 1), after = pair_with(index + 1);
+  if (before == after || (before && pair_with(index - 2)) || (after && pair_with(index + 2)))
+    return line;
+  // A line lies across the normal; two ends of a pair with different normals are no line.
+  const ContactPoint& other = points_[before ? index - 1 : index + 1];
+  if (other.normal.dot(points_[index].normal) < 0.9999) return line;
+  line.other = &other;
+  line.second = before;
+  return line;
+}
+
+void Stepper::flatten(const SimTK::Vector& by_speed, std::vector<double>& out) const {
+  const double* const in = by_speed.size() > 0 ? &by_speed[0] : nullptr;
+  out.clear();
+  for (const Component& c : mechanism_.components())
+    for (int u : c.speeds) out.push_back(in[u]);
+}
+
+bool Stepper::build_rows(double h) {
+  StepContext context;
+  context.h = h;
+  context.bounce_threshold = model_.physics.bounce_threshold;
+  flatten(mechanism_.state.getU(), row_u_);
+  flatten(start_udot_, row_start_);
+  flatten(udot_, row_udot_);
+  context.u = row_u_.data();
+  context.start_udot = row_start_.data();
+  context.udot = row_udot_.data();
+  context.start_q = &q0_;
+  context.start_u = &u0_;
+  set_.clear();
+  RowBuilder builder(mechanism_, set_);
+  builder.add_joint_rows(context, laws_);
+  const std::vector<Collider>& colliders = detector_.colliders();
+  const std::size_t materials = model_.materials.size();
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const ContactPoint& point = points_[i];
+    const Collider& a = colliders[std::size_t(point.collider_a)];
+    const Collider& b = colliders[std::size_t(point.collider_b)];
+    builder.add_contact(context, point, a.body, b.body,
+                        surfaces_[std::size_t(a.material) * materials + std::size_t(b.material)],
+                        find_line(i));
+  }
+  std::fill(untouched_.begin(), untouched_.end(), 1);
+  for (const Row& row : set_.rows)
+    for (int k = 0; k < row.sides; ++k) untouched_[std::size_t(row.side[k].component)] = 0;
+  return !set_.empty();
+}
+
+void Stepper::move(double h) {
+  Mechanism& m = mechanism_;
+  copy(m.state.getQ(), q0_);
+  copy(m.state.getU(), u0_);
+  m.calc_qdot(qdot0_);
+  for (Component& c : m.components()) c.current = false;
+  classify_laws(m, *drives_, h, laws_);
+  measure_speeds(h);
+  measure_momenta(false);
+
+  // To the middle of the step: positions by the speeds at the start; speeds by the acceleration of
+  // the last step where contact was on then, so that steps with contact cost one evaluation.
+  const bool remembered = memory.had_rows && memory.udot.size() == u0_.size();
+  if (remembered) {
+    copy(memory.udot, start_udot_);
+  } else {
+    accelerations_.compute(laws_, start_udot_);
+    copy(start_udot_, k_[0]);
+  }
+  add(q0_, 0.5 * h, qdot0_, qm_);
+  add(u0_, 0.5 * h, start_udot_, um_);
+  set(qm_, um_);
+  accelerations_.compute(laws_, udot_);
+  detect();
+  const bool rows = build_rows(h);
+
+  if (!rows && options_.scheme != Scheme::midpoint) {
+    runge_kutta(h, !remembered);
+    memory.clear();
+    set(displaced_, stage_);
+    m.project();
+    return;
+  }
+  // Mechanisms that nothing concerns are integrated as if the rest were not there.
+  bool apart = false;
+  for (const Component& c : m.components())
+    apart =
+        apart || (untouched_[std::size_t(&c - m.components().data())] && !c.lone && c.size() > 0);
+  apart = apart && options_.scheme != Scheme::midpoint;
+  if (!apart) std::fill(untouched_.begin(), untouched_.end(), 0);
+  solve_rows(h);
+  if (apart) {
+    copy(displaced_, smooth_q_);
+    copy(end_u_, smooth_u_);
+    runge_kutta(h, false);
+    for (const Link& link : m.links()) {
+      if (link.component < 0 || !untouched_[std::size_t(link.component)]) continue;
+      for (int k = 0; k < link.nq; ++k) smooth_q_[link.first_q + k] = displaced_[link.first_q + k];
+      for (int k = 0; k < link.nu; ++k) smooth_u_[link.first_u + k] = stage_[link.first_u + k];
+    }
+    set(smooth_q_, smooth_u_);
+  } else {
+    set(displaced_, end_u_);
+  }
+  m.project();
+  conserve_momentum(h);
+}
+
+void Stepper::runge_kutta(double h, bool have_first) {
+  Mechanism& m = mechanism_;
+  const auto evaluate = [&](int stage) {
+    accelerations_.compute(laws_, k_[stage]);
+    m.calc_qdot(qk_[stage]);
+  };
+  const auto go_to = [&](double step, int from) {
+    add(q0_, step, qk_[from], displaced_);
+    add(u0_, step, k_[from], stage_);
+    set(displaced_, stage_);
+  };
+  copy(qdot0_, qk_[0]);
+  if (have_first) {
+    copy(udot_, k_[1]);
+    m.calc_qdot(qk_[1]);
+  } else {
+    set(q0_, u0_);
+    evaluate(0);
+    go_to(0.5 * h, 0);
+    evaluate(1);
+  }
+  sum_efforts(q0_, u0_, h / 6, true);
+  sum_efforts(m.state.getQ(), m.state.getU(), h / 3, true);
+  go_to(0.5 * h, 1);
+  evaluate(2);
+  sum_efforts(m.state.getQ(), m.state.getU(), h / 3, true);
+  go_to(h, 2);
+  evaluate(3);
+  sum_efforts(m.state.getQ(), m.state.getU(), h / 6, true);
+
+  copy(q0_, displaced_);
+  copy(u0_, stage_);
+  for (int i = 0; i < 4; ++i) {
+    const double weight = (i == 0 || i == 3) ? h / 6 : h / 3;
+    add(displaced_, weight, qk_[i], displaced_);
+    add(stage_, weight, k_[i], stage_);
+  }
+}
+
+void Stepper::solve_rows(double h) {
+  Mechanism& m = mechanism_;
+  int speeds = 0;
+  for (const Component& c : m.components()) speeds += c.size();
+  dv_.assign(std::size_t(speeds), 0.0);
+  displacement_.assign(std::size_t(speeds), 0.0);
+  const double* const udot = numbers(udot_);
+  const double* const start_udot = numbers(start_udot_);
+  for (const Component& c : m.components())
+    for (int k = 0; k < c.size(); ++k) {
+      const int u = c.speeds[std::size_t(k)];
+      dv_[std::size_t(c.offset + k)] = h * (udot[u] - 0.5 * start_udot[u]);
+    }
+  warm_start(h);
+  balance_pairs();
+  solver_.solve_velocities(set_, dv_.data());
+  solver_.solve_positions(set_, h, displacement_.data());
+  sum_efforts(m.state.getQ(), m.state.getU(), h, false);
+
+  // u at the end; q over the second half with it, and the displacement of the position stage.
+  copy(u0_, end_u_);
+  copy(u0_, stage_);
+  const double* const middle_u = numbers(um_);
+  double* const end_u = numbers(end_u_);
+  double* const second_half = numbers(stage_);
+  for (int u = 0, size = stage_.size(); u < size; ++u) second_half[u] *= 0.5 * h;
+  for (const Component& c : m.components())
+    for (int k = 0; k < c.size(); ++k) {
+      const int u = c.speeds[std::size_t(k)];
+      end_u[u] = middle_u[u] + dv_[std::size_t(c.offset + k)];
+      second_half[u] = 0.5 * h * end_u[u] + displacement_[std::size_t(c.offset + k)];
+    }
+  m.multiply_by_n(stage_, displaced_);
+  add(displaced_, 1.0, qm_, displaced_);
+  contact_impulses_.clear();
+  for (const ContactRows& contact : set_.contacts) contact_impulses_.push_back(impulse_of(contact));
+  remember(h);
+  report();
+}
+
+}  // namespace cogrsim::dynamics

@@ -1,0 +1,135 @@
+// Advances a mechanism by one step.
+#pragma once
+
+#include <vector>
+
+#include "accelerations.h"
+#include "collision/detector.h"
+#include "solver.h"
+
+namespace cogrsim::dynamics {
+
+enum class Scheme { automatic, midpoint };
+
+struct StepperOptions {
+  Scheme scheme = Scheme::automatic;
+  int substeps = 1;
+  SolverOptions solver;
+};
+
+/// Sums of effort times time; one entry per speed and per motor of the model.
+struct EffortSums {
+  std::vector<double> joints;
+  std::vector<double> motors;
+};
+
+/// Impulse of one contact point over the step. By colliders, see Detector.
+struct ContactRecord {
+  int collider_a = -1, collider_b = -1;
+  Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ();  ///< world
+  double gap = 0.0;                                   ///< [m]
+  Vec3 impulse = Vec3::Zero();                        ///< on b, world [N s]
+};
+
+/// What a step takes from the one before, beside the state. All of it is part of a snapshot.
+struct StepMemory {
+  struct WarmContact {
+    int collider_a = -1, collider_b = -1;
+    Vec3 place = Vec3::Zero();  ///< of the point, in body b's frame
+    Vec3 force = Vec3::Zero();  ///< on b, world [N]
+    Vec3 push = Vec3::Zero();   ///< multipliers of the position stage, likewise [N s^2]
+  };
+  std::vector<WarmContact> contacts;  ///< in the order of the colliders
+  std::vector<double> efforts;        ///< see RowBuilder::slot_of; empty: none
+  SimTK::Vector udot;                 ///< mean over the last step, impulses included
+  bool had_rows = false;              ///< `udot` and the rest are worth something
+  void clear();
+};
+
+/// Momentum of an articulated component that no joint ties to the world.
+struct FreeMomentum {
+  int component = -1;
+  double mass = 0.0;
+  Vec3 com = Vec3::Zero();
+  Vec3 linear = Vec3::Zero();
+  Vec3 angular = Vec3::Zero();  ///< about the world's origin
+  Mat3 inertia = Mat3::Zero();  ///< of all together, about com
+};
+
+class Stepper {
+ public:
+  Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions& options);
+
+  /// One step of `dt` [s]. Kinematic bodies move with `twists` (nbody, of their origins). Throws
+  /// what Simbody throws; the state is then anywhere.
+  void advance(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists);
+
+  StepMemory memory;
+  EffortSums impulses;                 ///< of the last step: effort times time
+  std::vector<ContactRecord> records;  ///< of the last step
+
+ private:
+  void move(double h);
+  // The smooth motion, from q0_, u0_, qdot0_, to displaced_ and stage_; with `have_first`, k_[0],
+  // udot_ and the state hold the first two stages. Sums the efforts in `untouched_` components.
+  void runge_kutta(double h, bool have_first);
+  // The motion with all rows, to displaced_ and stage_; the state is at the middle.
+  void solve_rows(double h);
+  void detect();
+  // At the middle of the step. False when no row came out of it.
+  bool build_rows(double h);
+  // The line, if any, that a point of points_ is an end of: of a cylinder or capsule on its side.
+  RowBuilder::Line find_line(std::size_t index) const;
+  // Momentum of what floats free is kept to rounding, see README; the state is at the end.
+  void conserve_momentum(double h);
+  // `inertia` tells whether that is wanted, too.
+  void measure_momenta(bool inertia);
+
+  void set(const SimTK::Vector& q, const SimTK::Vector& u);
+  // Of the components whose mark in `untouched_` is `untouched`.
+  void sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double weight, bool untouched);
+  void measure_speeds(double h);
+  // From the order of the state to that over all components.
+  void flatten(const SimTK::Vector& by_speed, std::vector<double>& out) const;
+  Vec3 impulse_of(const ContactRows& contact) const;  ///< on b
+  // What the position stage found for a contact, its friction's only where that is of the point.
+  Vec3 push_of(const ContactRows& contact) const;
+  void warm_start(double h);
+  void share_warm_friction();
+  // Shares the load of a resting pair among its points: makes each yield a little to what it bears
+  // beyond the mean of the last step. Without it rigid contact leaves the shares to chance, and a
+  // wheel rolls on one of its rims.
+  void balance_pairs();
+  void remember(double h);
+  // Adds the rows' impulses to `impulses` and `records`.
+  void report();
+
+  Mechanism& mechanism_;
+  Detector& detector_;
+  StepperOptions options_;
+  const SceneModel& model_;
+  Accelerations accelerations_;
+  Solver solver_;
+  std::vector<AxisLaw> laws_;
+  bool has_shapes_ = false;
+  const std::vector<Drive>* drives_ = nullptr;
+  std::vector<SurfacePair> surfaces_;  ///< (nmaterial x nmaterial)
+
+  RowSet set_;
+  std::vector<char> untouched_;  ///< (ncomponent): no row concerns it in this step
+  struct Gain {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  };
+  std::vector<FreeMomentum> momenta_, start_momenta_;
+  std::vector<Gain> gained_;  ///< (ncomponent)
+  std::vector<Vec3> warm_;    ///< impulses to start from, by contact
+  std::vector<ContactPoint> points_;
+  std::vector<double> margins_;  ///< (nlink)
+  SimTK::Vector q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_,
+      end_u_, smooth_q_, smooth_u_;
+  std::vector<double> dv_, displacement_;             ///< over all components
+  std::vector<double> row_u_, row_start_, row_udot_;  ///< likewise: what rows are made from
+  std::vector<Vec3> contact_impulses_;                ///< on b, by contact
+};
+
+}  // namespace cogrsim::dynamics

@@ -1,0 +1,230 @@
+// What contacts and joints' rows take from the step before and leave to the next, and what is
+// reported of them.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cogrsim/physics/friction_share.h"
+#include "stepper.h"
+
+namespace cogrsim::dynamics {
+namespace {
+
+// Contact points of successive steps that are nearer than this are the same point [m].
+constexpr double kSamePoint = 0.02;
+
+}  // namespace
+
+Vec3 Stepper::impulse_of(const ContactRows& contact) const {
+  const Row* const rows = &set_.rows[std::size_t(contact.first)];
+  Vec3 impulse = rows[0].lambda * contact.point.normal;
+  if (contact.friction <= 0.0) return impulse;
+  if (contact.kind == FrictionKind::point)
+    return impulse + rows[1].lambda * contact.tangent1 + rows[2].lambda * contact.tangent2;
+  // Friction of a line as forces at its two ends: half of what slides each, and the twist as a
+  // couple.
+  const ContactRows& partner = set_.contacts[std::size_t(contact.partner)];
+  const bool second = contact.kind == FrictionKind::twist;
+  const ContactRows& patch = second ? partner : contact;
+  const ContactRows& twist = second ? contact : partner;
+  const Row* const slide = &set_.rows[std::size_t(patch.first)];
+  impulse += 0.5 * (slide[1].lambda * patch.tangent1 + slide[2].lambda * patch.tangent2);
+  const Vec3 r = contact.point.point - partner.point.point;
+  const double couple = set_.rows[std::size_t(twist.first + 1)].lambda;
+  return impulse + couple / std::max(r.squaredNorm(), 1e-18) * contact.point.normal.cross(r);
+}
+
+Vec3 Stepper::push_of(const ContactRows& contact) const {
+  const Row* const rows = &set_.rows[std::size_t(contact.first)];
+  const Vec3 push = rows[0].push * contact.point.normal;
+  if (contact.friction <= 0.0 || contact.kind != FrictionKind::point) return push;
+  return push + rows[1].push * contact.tangent1 + rows[2].push * contact.tangent2;
+}
+
+void Stepper::warm_start(double h) {
+  if (!memory.had_rows) return;
+  if (!memory.efforts.empty()) {
+    for (Row& row : set_.rows)
+      if (row.slot >= 0)
+        row.lambda = std::clamp(h * memory.efforts[std::size_t(row.slot)], row.low, row.high);
+  }
+  warm_.assign(set_.contacts.size(), Vec3::Zero());
+  std::size_t at = 0;
+  static thread_local std::vector<char> taken;
+  taken.assign(memory.contacts.size(), 0);
+  for (const ContactRows& contact : set_.contacts) {
+    const ContactPoint& point = contact.point;
+    const auto before = [&](const StepMemory::WarmContact& w) {
+      return w.collider_a != point.collider_a ? w.collider_a < point.collider_a
+                                              : w.collider_b < point.collider_b;
+    };
+    while (at < memory.contacts.size() && before(memory.contacts[at])) ++at;
+    const Placement& X_b = detector_.colliders()[std::size_t(point.collider_b)].X_WS;
+    const Vec3 place = X_b.to_local(point.point);
+    double nearest = kSamePoint * kSamePoint;
+    std::size_t best = memory.contacts.size();
+    for (std::size_t i = at; i < memory.contacts.size(); ++i) {
+      const StepMemory::WarmContact& w = memory.contacts[i];
+      if (w.collider_a != point.collider_a || w.collider_b != point.collider_b) break;
+      const double d = (w.place - place).squaredNorm();
+      if (!taken[i] && d < nearest) {
+        nearest = d;
+        best = i;
+      }
+    }
+    if (best == memory.contacts.size()) continue;
+    taken[best] = 1;
+    warm_[std::size_t(&contact - set_.contacts.data())] = h * memory.contacts[best].force;
+    const Vec3& push = memory.contacts[best].push;
+    Row* const rows = &set_.rows[std::size_t(contact.first)];
+    rows[0].push = push.dot(point.normal);
+    if (contact.friction <= 0.0 || contact.kind != FrictionKind::point) continue;
+    rows[1].push = push.dot(contact.tangent1);
+    rows[2].push = push.dot(contact.tangent2);
+  }
+  share_warm_friction();
+  for (std::size_t i = 0; i < set_.contacts.size(); ++i) {
+    const ContactRows& contact = set_.contacts[i];
+    Row* const rows = &set_.rows[std::size_t(contact.first)];
+    rows[0].lambda = std::max(warm_[i].dot(contact.point.normal), 0.0);
+    if (contact.friction <= 0.0) continue;
+    Vec3 impulse = warm_[i];
+    if (contact.kind != FrictionKind::point) {
+      const std::size_t partner = std::size_t(contact.partner);
+      if (contact.kind == FrictionKind::twist) {
+        const Vec3 arm = 0.5 * (contact.point.point - set_.contacts[partner].point.point);
+        rows[1].lambda = contact.point.normal.dot(arm.cross(warm_[i] - warm_[partner]));
+        continue;
+      }
+      impulse += warm_[partner];
+    }
+    rows[1].lambda = impulse.dot(contact.tangent1);
+    rows[2].lambda = impulse.dot(contact.tangent2);
+  }
+}
+
+// What the sweeps leave of forces that only press the points of a face against each other would
+// stay for ever: the start is made without it.
+void Stepper::share_warm_friction() {
+  constexpr double kSameNormal = 1.0 - 1e-6;  // cosine
+  constexpr std::size_t kMost = 16;
+  const std::vector<ContactRows>& contacts = set_.contacts;
+  std::size_t end = 0;
+  for (std::size_t first = 0; first < contacts.size(); first = end) {
+    const ContactPoint& leader = contacts[first].point;
+    bool flat = true;
+    for (end = first; end < contacts.size(); ++end) {
+      const ContactPoint& point = contacts[end].point;
+      if (point.collider_a != leader.collider_a || point.collider_b != leader.collider_b) break;
+      flat = flat && contacts[end].kind == FrictionKind::point &&
+             point.normal.dot(leader.normal) > kSameNormal;
+    }
+    const std::size_t count = end - first;
+    if (!flat || count < 2 || count > kMost || contacts[first].friction <= 0.0) continue;
+    std::array<double, kMost> loads;
+    std::array<Vec3, kMost> points, friction;
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3& impulse = warm_[first + k];
+      loads[k] = std::max(impulse.dot(leader.normal), 0.0);
+      points[k] = contacts[first + k].point.point;
+      friction[k] = impulse - loads[k] * leader.normal;
+    }
+    share_friction(count, leader.normal, loads.data(), points.data(), friction.data());
+    for (std::size_t k = 0; k < count; ++k) {
+      warm_[first + k] = loads[k] * leader.normal + friction[k];
+    }
+  }
+}
+
+void Stepper::balance_pairs() {
+  constexpr double kYield = 5e-3;  // of the inverse mass that the point feels
+  std::vector<ContactRows>& contacts = set_.contacts;
+  for (std::size_t first = 0, end = 0; first < contacts.size(); first = end) {
+    double sum = 0.0;
+    int resting = 0;
+    const auto row_of = [&](std::size_t i) -> Row& {
+      return set_.rows[std::size_t(contacts[i].first)];
+    };
+    const auto rests = [&](std::size_t i) {
+      const Row& row = row_of(i);
+      return row.has_gap && row.target == 0.0 && !row.pull;
+    };
+    for (end = first; end < contacts.size() &&
+                      contacts[end].point.collider_a == contacts[first].point.collider_a &&
+                      contacts[end].point.collider_b == contacts[first].point.collider_b;
+         ++end) {
+      if (!rests(end)) continue;
+      sum += row_of(end).lambda;
+      ++resting;
+    }
+    if (resting < 2) continue;
+    for (std::size_t i = first; i < end; ++i) {
+      if (!rests(i)) continue;
+      Row& row = row_of(i);
+      row.gamma = kYield * row.diagonal;
+      row.target = row.gamma * sum / resting;
+      row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
+    }
+  }
+}
+
+void Stepper::remember(double h) {
+  memory.contacts.clear();
+  memory.efforts.assign(std::size_t(RowBuilder::slot_count(model_)), 0.0);
+  for (const Row& row : set_.rows)
+    if (row.slot >= 0) memory.efforts[std::size_t(row.slot)] = row.lambda / h;
+  for (const ContactRows& contact : set_.contacts) {
+    const Row* const rows = &set_.rows[std::size_t(contact.first)];
+    if (rows[0].lambda <= 0.0 && contact.kind == FrictionKind::point) continue;
+    StepMemory::WarmContact w;
+    w.collider_a = contact.point.collider_a;
+    w.collider_b = contact.point.collider_b;
+    const Placement& X_b = detector_.colliders()[std::size_t(w.collider_b)].X_WS;
+    w.place = X_b.to_local(contact.point.point);
+    w.force = contact_impulses_[std::size_t(&contact - set_.contacts.data())] / h;
+    w.push = push_of(contact);
+    memory.contacts.push_back(w);
+  }
+  add(end_u_, -1.0, u0_, memory.udot);
+  double* const udot = numbers(memory.udot);
+  for (int u = 0, size = memory.udot.size(); u < size; ++u) udot[u] *= 1.0 / h;
+  memory.had_rows = true;
+}
+
+void Stepper::report() {
+  for (const Row& row : set_.rows) {
+    if (row.effort < 0) continue;
+    impulses.joints[std::size_t(row.effort)] += row.effort_sign * row.lambda;
+    if (row.motor >= 0) impulses.motors[std::size_t(row.motor)] += row.lambda;
+  }
+  for (const BallLimit& limit : set_.ball_limits)
+    for (int k = 0; k < 3; ++k)
+      impulses.joints[std::size_t(limit.effort + k)] +=
+          limit.direction[k] * set_.rows[std::size_t(limit.row)].lambda;
+  const std::size_t earlier = records.size();
+  for (const ContactRows& contact : set_.contacts) {
+    const Row* const rows = &set_.rows[std::size_t(contact.first)];
+    const Vec3 impulse = contact_impulses_[std::size_t(&contact - set_.contacts.data())];
+    if (rows[0].lambda <= 0.0 && contact.point.gap > 0.0) continue;
+    // A step in parts touches the same point several times.
+    ContactRecord* same = nullptr;
+    for (std::size_t i = 0; i < earlier && !same; ++i) {
+      ContactRecord& r = records[i];
+      if (r.collider_a == contact.point.collider_a && r.collider_b == contact.point.collider_b &&
+          (r.point - contact.point.point).norm() < kSamePoint)
+        same = &r;
+    }
+    if (!same) {
+      records.emplace_back();
+      same = &records.back();
+    }
+    same->collider_a = contact.point.collider_a;
+    same->collider_b = contact.point.collider_b;
+    same->point = contact.point.point;
+    same->normal = contact.point.normal;
+    same->gap = rows[0].has_gap ? rows[0].gap + rows[0].settled : contact.point.gap;
+    same->impulse += impulse;
+  }
+}
+
+}  // namespace cogrsim::dynamics

@@ -1,0 +1,80 @@
+// Momentum of what floats free, kept to rounding.
+#include "stepper.h"
+
+namespace cogrsim::dynamics {
+
+void Stepper::measure_momenta(bool inertia) {
+  const Mechanism& m = mechanism_;
+  if (momenta_.empty()) return;
+  const std::vector<LinkMotion>& motions = m.motions();
+  for (FreeMomentum& f : momenta_) {
+    const Component& c = mechanism_.components()[std::size_t(f.component)];
+    f.mass = 0.0;
+    f.com = f.linear = f.angular = Vec3::Zero();
+    Mat3 about_origin = Mat3::Zero();
+    for (int index : c.links) {
+      const Link& link = m.links()[std::size_t(index)];
+      const LinkMotion& motion = motions[std::size_t(index)];
+      const Placement& X = motion.X;
+      const Vec3 p = X * link.com, omega = motion.angular;
+      const Vec3 momentum = link.mass * motion.velocity_at(p);
+      const Mat3& R = X.R;
+      f.mass += link.mass;
+      f.com += link.mass * p;
+      f.linear += momentum;
+      f.angular += R * (link.inertia * (R.transpose() * omega)) + p.cross(momentum);
+      if (inertia)
+        about_origin += R * link.inertia * R.transpose() +
+                        link.mass * (p.squaredNorm() * Mat3::Identity() - p * p.transpose());
+    }
+    f.com /= f.mass;
+    if (!inertia) continue;
+    f.inertia = about_origin -
+                f.mass * (f.com.squaredNorm() * Mat3::Identity() - f.com * f.com.transpose());
+  }
+}
+
+void Stepper::conserve_momentum(double h) {
+  Mechanism& m = mechanism_;
+  if (momenta_.empty()) return;
+  start_momenta_ = momenta_;
+  measure_momenta(true);
+  // Impulses of contact.
+  gained_.assign(m.components().size(), Gain());
+  for (std::size_t index = 0; index < set_.contacts.size(); ++index) {
+    const ContactRows& contact = set_.contacts[index];
+    const int bodies[2] = {detector_.colliders()[std::size_t(contact.point.collider_a)].body,
+                           detector_.colliders()[std::size_t(contact.point.collider_b)].body};
+    for (int side = 0; side < 2; ++side) {
+      const int link = m.body_link(bodies[side]);
+      const int component = link < 0 ? -1 : m.links()[std::size_t(link)].component;
+      if (component < 0) continue;
+      const Vec3 impulse = (side == 0 ? -1.0 : 1.0) * contact_impulses_[index];
+      gained_[std::size_t(component)].linear += impulse;
+      gained_[std::size_t(component)].angular += contact.point.point.cross(impulse);
+    }
+  }
+  const std::vector<LinkMotion>& motions = m.motions();
+  for (std::size_t i = 0; i < momenta_.size(); ++i) {
+    const FreeMomentum& end = momenta_[i];
+    if (untouched_[std::size_t(end.component)]) continue;
+    const Vec3 weight = h * end.mass * model_.physics.gravity;
+    Vec3 linear = start_momenta_[i].linear + weight - end.linear;
+    Vec3 angular = start_momenta_[i].angular +
+                   (0.5 * (start_momenta_[i].com + end.com)).cross(weight) - end.angular;
+    linear += gained_[std::size_t(end.component)].linear;
+    angular += gained_[std::size_t(end.component)].angular;
+    const Vec3 omega = end.inertia.inverse() * (angular - end.com.cross(linear));
+    const int first = m.components()[std::size_t(end.component)].links[0];
+    const Link& base = m.links()[std::size_t(first)];
+    const Vec3 at = motions[std::size_t(first)].X * base.com;
+    const Vec3 v = linear / end.mass + omega.cross(at - end.com);
+    double* const u = &m.state.updU()[base.first_u];
+    for (int k = 0; k < 3; ++k) {
+      u[k] += omega[k];
+      u[3 + k] += v[k];
+    }
+  }
+}
+
+}  // namespace cogrsim::dynamics
