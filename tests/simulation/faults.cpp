@@ -70,6 +70,23 @@ TEST_CASE("unknown plugins and bad parameters are refused with what there is", "
   CHECK(refusal(falling_ball().build(), "bulet").find("bullet") != std::string::npos);
 }
 
+TEST_CASE("a spin that is too fast for the step is reported once", "[faults]") {
+  const std::string backend = GENERATE(engines());
+  for (const bool fast : {false, true}) {
+    ModelBuilder builder("rotor");
+    const int rotor = builder.cylinder("rotor", 0.1, 0.02, 1.0, Pose());
+    builder.model.physics.gravity = Vec3::Zero();
+    builder.model.bodies[static_cast<std::size_t>(rotor)].V_WB.angular =
+        Vec3(0, 0, fast ? 1000.0 : 100.0);
+    auto simulation = simulate(builder.build(), backend);
+    simulation->run_until(0.2);
+    const auto& messages = simulation->messages();
+    CHECK(std::count_if(messages.begin(), messages.end(), [](const RunMessage& message) {
+            return message.message.find("'rotor' turns by") != std::string::npos;
+          }) == (fast ? 1 : 0));
+  }
+}
+
 TEST_CASE("an exploding scene ends as diverged, with body and time", "[faults]") {
   const std::string backend = GENERATE(engines());
   auto builder = falling_ball();

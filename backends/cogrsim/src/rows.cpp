@@ -66,14 +66,15 @@ void aim_unilateral(const StepContext& context, const Approach& a, Row& row) {
   }
   const Hit hit = find_hit(a, h);
   const double rest = h - hit.time;
+  row.hits = -hit.speed > kLandingSpeed;
   row.target = 0.0;
   if (a.restitution > 0.0 && -hit.speed > context.bounce_threshold) {
     const double away = -a.restitution * hit.speed;
     row.target = std::max(away + a.acceleration * rest, 0.0);
     row.gap_target = std::max(away * rest + 0.5 * a.acceleration * rest * rest, 0.0);
     row.pull = true;
-  } else if (-hit.speed > kLandingSpeed) {
-    row.pull = true;
+  } else {
+    row.pull = row.hits;
   }
   if (a.gap < 0.0) {
     row.gap_target = std::min(row.gap_target, a.gap + (kRecoverySpeed + std::abs(a.speed)) * h);
@@ -380,11 +381,17 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
   row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
   const int index = int(set_.contacts.size());
+  // Friction acts where the surfaces meet in the impact. Of what is moved by nobody's forces that is
+  // the other's surface; between two that yield it is taken halfway, which keeps angular momentum.
+  const auto yields = [&](int link) {
+    return link >= 0 && mechanism_.links()[std::size_t(link)].component >= 0;
+  };
   Vec3 at = point.point;
+  if (yields(link_a) != yields(link_b)) at += (yields(link_b) ? 0.5 : -0.5) * point.gap * n;
   if (line.other) {
     contact.kind = line.second ? FrictionKind::twist : FrictionKind::patch;
     contact.partner = line.second ? index - 1 : index + 1;
-    at = 0.5 * (point.point + line.other->point);
+    at += 0.5 * (line.other->point - point.point);
     // A load spread evenly along the line: the mean distance from its middle.
     contact.lever = 0.25 * (point.point - line.other->point).norm();
   }

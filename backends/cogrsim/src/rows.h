@@ -36,6 +36,7 @@ struct Row {
   // Position stage: the gap at the end of the step is `gap` + J (h/2 dv + p), p a displacement.
   bool has_gap = false;
   bool pull = false;  ///< brought to `gap_target` from above, too, when it pressed
+  bool hits = false;  ///< its impulse, if there is one, is an impact's
   double gap = 0.0;
   double gap_target = 0.0;
   double push = 0.0;     ///< impulse-like multiplier of the displacement; before: to start from

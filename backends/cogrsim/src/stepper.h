@@ -75,7 +75,9 @@ class Stepper {
   void runge_kutta(double h, bool have_first);
   // The motion with all rows, to displaced_ and stage_; the state is at the middle.
   void solve_rows(double h);
-  void detect();
+  // Where the bodies are at the middle of the step, of length h; what would have moved by more than
+  // its own thickness is looked at where it started, lest it be beyond a wall by then.
+  void detect(double h);
   // At the middle of the step. False when no row came out of it.
   bool build_rows(double h);
   // The line, if any, that a point of points_ is an end of: of a cylinder or capsule on its side.
@@ -125,6 +127,7 @@ class Stepper {
   std::vector<Vec3> warm_;    ///< impulses to start from, by contact
   std::vector<ContactPoint> points_;
   std::vector<double> margins_;  ///< (nlink)
+  std::vector<Vec3> ahead_;      ///< (nbody) way from where it is looked at to the middle [m]
   SimTK::Vector q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_,
       end_u_, smooth_q_, smooth_u_;
   std::vector<double> dv_, displacement_;             ///< over all components

@@ -188,6 +188,13 @@ void Stepper::remember(double h) {
   add(end_u_, -1.0, u0_, memory.udot);
   double* const udot = numbers(memory.udot);
   for (int u = 0, size = memory.udot.size(); u < size; ++u) udot[u] *= 1.0 / h;
+  // An impact's acceleration lasts no further step: what it met is carried to the next middle by its
+  // speed alone.
+  for (const Row& row : set_.rows) {
+    if (!row.hits || row.lambda <= 0.0) continue;
+    for (int s = 0; s < row.sides; ++s)
+      for (int u : mechanism_.components()[std::size_t(row.side[s].component)].speeds) udot[u] = 0.0;
+  }
   memory.had_rows = true;
 }
 

@@ -150,6 +150,7 @@ struct Simulation::Impl {
   std::vector<SupervisorSlot> supervisors;
   SceneForMinds scene_for_minds;
   std::vector<RunMessage> messages;
+  bool spin_reported = false;
   std::vector<Event> events;         ///< since the last frame
   std::vector<Causes> event_causes;  ///< of each of them
   Causes causes;                     ///< of the action that is being applied
@@ -210,6 +211,7 @@ struct Simulation::Impl {
   void show_start();
   void show_frame();  ///< the present one, to the watchers
   void report(Severity severity, const std::string& source, const std::string& message);
+  void watch_spin();
 
   // rules.cpp: what happens by itself
   void happen(Event event);  ///< into the next frame, caused by what is being applied

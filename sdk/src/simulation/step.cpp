@@ -4,6 +4,8 @@
 #include <cmath>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "simulation/impl.h"
 
 namespace cogrsim {
@@ -132,6 +134,25 @@ void Simulation::Impl::read_sensors() {
   sensing.hide();
 }
 
+// Once a run. Schemes of any order lose their way where a step is a good part of a turn; wheels on the
+// ground slip. Looked at from time to time only, as the state is not free of cost.
+void Simulation::Impl::watch_spin() {
+  constexpr std::uint64_t kEvery = 64;  // steps
+  constexpr double kMost = 0.5;         // [rad] in a step
+  if (spin_reported || steps % kEvery != 1) return;
+  const WorldState& now = present_state();
+  for (std::size_t i = 0; i < now.twists.size(); ++i) {
+    const double turned = now.twists[i].angular.norm() * dt;
+    if (model->bodies[i].removed || !(turned > kMost)) continue;
+    spin_reported = true;
+    report(Severity::advice, model->bodies[i].name,
+           fmt::format("body '{}' turns by {:.2g} rad in a step of {} ms: beyond {} rad engines "
+                       "gain or lose energy; a step of {:.2g} ms keeps it below",
+                       model->bodies[i].name, turned, 1e3 * dt, kMost, 1e3 * dt * kMost / turned));
+    return;
+  }
+}
+
 void Simulation::Impl::show_frame() {
   watchers.erase(std::remove_if(watchers.begin(), watchers.end(),
                                 [](const auto& watcher) { return watcher->ended; }),
@@ -194,6 +215,7 @@ RunStatus Simulation::Impl::step() {
   ++steps;
   ++steps_since_base;
   last_dt = dt;
+  watch_spin();
   look_around();
   show_frame();
   events.clear();

@@ -2,10 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "collision/narrowphase.h"
 
 namespace cogrsim::dynamics {
+
+namespace {
+
+// Half of a shape's least extent along its axes [m].
+double thinness_of(const Collider& c) {
+  double least = c.reach;
+  for (int k = 0; k < 3 && c.is_convex(); ++k) {
+    const Vec3 axis = c.X_WS.R.col(k);
+    least = std::min(least, 0.5 * (support_extent(c, axis) + support_extent(c, -axis)));
+  }
+  return least;
+}
+
+}  // namespace
 
 Detector::Detector(const SceneModel& model) : filter_(model), colliders_(make_colliders(model)) {
   std::size_t next = 0;
@@ -26,8 +41,15 @@ Detector::Detector(const SceneModel& model) : filter_(model), colliders_(make_co
     reach_.push_back(reach);
   }
   first_.push_back(int(next));
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     place(int(b), Placement(model.bodies[b].X_WB), 0.0);
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = first_[b]; i < first_[b + 1]; ++i) {
+      const Collider& c = colliders_[std::size_t(i)];
+      if (c.body >= 0) least = std::min(least, thinness_of(c));
+    }
+    thinness_.push_back(least);
+  }
 }
 
 void Detector::place(int body, const Placement& X_WB, double margin) {

@@ -21,6 +21,9 @@ class Detector {
   /// Radius around the body's origin that holds all its shapes [m]; 0 without shapes.
   double reach(int body) const { return reach_[std::size_t(body)]; }
 
+  /// Half of the least extent of its shapes [m]; what moves farther may be beyond what it meets.
+  double thinness(int body) const { return thinness_[std::size_t(body)]; }
+
   /// All contact points with a gap below the sum of both margins, ordered by bodies and shapes.
   void detect(std::vector<ContactPoint>& out);
 
@@ -30,7 +33,7 @@ class Detector {
   CollisionFilter filter_;
   std::vector<Collider> colliders_;
   std::vector<int> first_;  ///< first collider of each body (nbody + 1)
-  std::vector<double> reach_;
+  std::vector<double> reach_, thinness_;
   std::vector<int> sorted_;     ///< bounded colliders by lower x
   std::vector<int> unbounded_;  ///< planes
   std::vector<std::pair<int, int>> pairs_;
