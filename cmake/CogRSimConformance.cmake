@@ -1,12 +1,13 @@
 # cogrsim_add_conformance_tests(BACKEND EXPECTATIONS table.json [GROUPS g…] [MUTATIONS m…]
-#                               [VARIANT name OPTION option=value])
+#                               [VARIANT name OPTION option=value] [CONFORMANCE_ONLY])
 #
 # Makes CTest cases of the conformance suite for a backend: conformance.BACKEND.GROUP for each theme,
 # compared with the table of what the backend is known to do, and conformance.BACKEND.mutation.FAULT for each fault that
 # the suite must notice when it is planted in the backend's answers. A relative path starts at the
 # current source folder. Without GROUPS: all themes. MUTATIONS: none unless named; `all` is all.
 # A VARIANT is the backend with an option of its world set in every scene; its cases are
-# conformance.BACKEND-VARIANT.GROUP.
+# conformance.BACKEND-VARIANT.GROUP. CONFORMANCE_ONLY keeps the backend out of the suites of this repository that run on
+# all engines.
 set(COGRSIM_CONFORMANCE_GROUPS contract free pendulum loop friction bounce stack heap pairs terrain
   joints limits motors robot momentum determinism runtime kinematic metamorphic reports faults)
 # With the tests that have to notice, the cheap ones of their theme.
@@ -17,7 +18,7 @@ set(COGRSIM_CONFORMANCE_MUTATION_TESTS "[free]" "projectile*,rod pendulum*" "[fr
   "[reports]" "a run goes on*")
 
 function(cogrsim_add_conformance_tests backend)
-  cmake_parse_arguments(arg "" "EXPECTATIONS;VARIANT;OPTION" "GROUPS;MUTATIONS" ${ARGN})
+  cmake_parse_arguments(arg "CONFORMANCE_ONLY" "EXPECTATIONS;VARIANT;OPTION" "GROUPS;MUTATIONS" ${ARGN})
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR
       "cogrsim_add_conformance_tests(${backend}): unknown words: ${arg_UNPARSED_ARGUMENTS}")
@@ -43,7 +44,7 @@ function(cogrsim_add_conformance_tests backend)
     list(APPEND words --option ${arg_OPTION})
   endif()
   if(CogRSim_SOURCE_DIR)
-    if(NOT arg_VARIANT)
+    if(NOT arg_VARIANT AND NOT arg_CONFORMANCE_ONLY)
       set_property(GLOBAL APPEND PROPERTY COGRSIM_ENGINES ${backend})
     endif()
     # Where the program looks when nobody names a table.

@@ -119,7 +119,8 @@ class BackendProgram final : public EngineProgram {
            "are sensors";
   }
   std::unique_ptr<Runner> make(const Scene& scene) override {
-    const SceneModelPtr model = model_of(scene);
+    const bool world_anchors = std::strcmp(backend_->name(), "ode") == 0;
+    const SceneModelPtr model = model_of(scene, world_anchors);
     for (const Diagnostic& problem :
          check_capabilities(*model, backend_->name(), backend_->capabilities())) {
       if (problem.severity == Severity::error) throw Unsupported(problem.message);

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "cogrsim/model/builder.h"
@@ -44,16 +46,42 @@ Shape shape_of(const Part& part, int material) {
   return shape;
 }
 
+/// Moves `X_BJ.p` by a few last digits of the anchor, so that X_WB puts it exactly there, if any do.
+void round_to(const Pose& X_WB, const Vec3& anchor, Pose& X_BJ) {
+  constexpr int kMost = 20;
+  const Vec3 p = X_BJ.p;
+  if (X_WB * p == anchor) return;
+  const double digit = 0.1 * std::numeric_limits<double>::epsilon() * anchor.norm();
+  for (int x = -kMost; x <= kMost; ++x) {
+    for (int y = -kMost; y <= kMost; ++y) {
+      for (int z = -kMost; z <= kMost; ++z) {
+        const Vec3 tried = p + digit * Vec3(x, y, z);
+        if (X_WB * tried != anchor) continue;
+        X_BJ.p = tried;
+        return;
+      }
+    }
+  }
+}
+
 class Translator {
  public:
-  explicit Translator(const Scene& scene) : scene_(scene), builder_(scene.title) {
+  Translator(const Scene& scene, bool world_anchors)
+      : scene_(scene), world_anchors_(world_anchors), builder_(scene.title) {
     builder_.model.physics.step = scene.step;
     builder_.model.physics.gravity = vector(scene.gravity);
+    // As MuJoCo's manual advises for heaps; see raw_mujoco.cpp.
+    const auto moving = std::count_if(scene.things.begin(), scene.things.end(),
+                                      [](const Thing& thing) { return thing.mass > 0; });
+    if (scene.hinges.empty() && moving > 100) {
+      builder_.model.physics.engine_options["mujoco"]["solver"] = std::string("CG");
+    }
   }
 
   SceneModelPtr translate() {
     for (std::size_t i = 0; i < scene_.things.size(); ++i) add(i);
     for (const Hinge& hinge : scene_.hinges) add(hinge);
+    keep_families_apart();
     add_assemblies();
     for (const Eye& eye : scene_.eyes) add(eye);
     return builder_.build();
@@ -92,11 +120,28 @@ class Translator {
     const std::string name = "j" + std::to_string(builder_.model.joints.size());
     const int parent = hinge.parent < 0 ? kWorld : hinge.parent;
     const int joint = builder_.joint(name, JointType::hinge, parent, hinge.child, X_WJ);
+    Joint& held = builder_.model.joints[static_cast<std::size_t>(joint)];
+    for (const bool of_parent : {true, false}) {
+      const int body = of_parent ? held.parent : held.child;
+      Pose& X_BJ = of_parent ? held.X_PF : held.X_CM;
+      if (!world_anchors_ || body == kWorld || X_BJ.p.isZero(0.0)) continue;
+      round_to(builder_.model.bodies[static_cast<std::size_t>(body)].X_WB, X_WJ.p, X_BJ);
+    }
     if (!hinge.driven) return;
     const int motor = builder_.motor(name + ".motor", joint, MotorMode::velocity);
     Motor& made = builder_.model.motors[static_cast<std::size_t>(motor)];
     made.target = hinge.speed;
     made.max_effort = hinge.max_torque;
+  }
+
+  void keep_families_apart() {
+    for (std::size_t a = 0; a < scene_.things.size(); ++a) {
+      for (std::size_t b = a + 1; b < scene_.things.size(); ++b) {
+        const int family = scene_.things[a].family;
+        if (family < 0 || scene_.things[b].family != family) continue;
+        builder_.model.no_collide.emplace_back(static_cast<int>(a), static_cast<int>(b));
+      }
+    }
   }
 
   /// What hangs together is an assembly.
@@ -139,13 +184,16 @@ class Translator {
   }
 
   const Scene& scene_;
+  const bool world_anchors_;
   ModelBuilder builder_;
   std::map<std::pair<double, double>, int> materials_;  ///< by friction and restitution
 };
 
 }  // namespace
 
-SceneModelPtr model_of(const Scene& scene) { return Translator(scene).translate(); }
+SceneModelPtr model_of(const Scene& scene, bool world_anchors) {
+  return Translator(scene, world_anchors).translate();
+}
 
 std::string scene_text(int count) {
   std::string out =

@@ -1,10 +1,9 @@
 // The benchmark scenes on bare Bullet in double precision, the way its manual does it: rigid bodies
-// with constraints, and reduced coordinates where links form a long chain.
-#include <BulletDynamics/Featherstone/btMultiBody.h>
-#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
-#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+// with constraints, Bullet's own margins, solver and defaults.
 #include <btBulletDynamicsCommon.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "engine_program.h"
@@ -18,12 +17,22 @@ btQuaternion quaternion(const Turn& q) { return {q[1], q[2], q[3], q[0]}; }
 Triple triple(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 Turn turn(const btQuaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
-/// Things of one family are kept from each other through the constraints between them.
-class Rigid : public Runner {
+class Rigid final : public Runner {
  public:
   explicit Rigid(const Scene& scene) : scene_(scene) {
     // Several points per convex-plane pair in one pass: wheels need them.
     configuration_.setPlaneConvexMultipointIterations(4, 4);
+    // Runs repeat: pairs in order of their bodies, not of addresses.
+    world_.getDispatchInfo().m_deterministicOverlappingPairs = true;
+    world_.getSolverInfo().m_restitutionVelocityThreshold = 0.05;
+    gCalculateCombinedFrictionCallback = [](const btCollisionObject* a,
+                                            const btCollisionObject* b) {
+      return std::sqrt(a->getFriction() * b->getFriction());
+    };
+    gCalculateCombinedRestitutionCallback = [](const btCollisionObject* a,
+                                               const btCollisionObject* b) {
+      return std::max(a->getRestitution(), b->getRestitution());
+    };
     world_.setGravity(vector(scene.gravity));
     for (const Thing& thing : scene_.things) add(thing);
     for (const Hinge& hinge : scene_.hinges) add(hinge);
@@ -83,11 +92,13 @@ class Rigid : public Runner {
         made = std::make_unique<btCylinderShapeZ>(
             btVector3(part.size[0], part.size[0], part.size[1] / 2));
         break;
+      case Form::capsule:
+        made = std::make_unique<btCapsuleShapeZ>(part.size[0], part.size[1]);
+        break;
       case Form::plane:
         made = std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0);
         break;
     }
-    if (part.form != Form::sphere) made->setMargin(1e-3);
     shapes_.push_back(std::move(made));
     return shapes_.back().get();
   }
@@ -123,31 +134,53 @@ class Rigid : public Runner {
     btRigidBody::btRigidBodyConstructionInfo info(thing.mass, nullptr, shape(thing),
                                                   vector(thing.moments));
     info.m_startWorldTransform = btTransform(quaternion(thing.turn), vector(thing.place));
-    info.m_friction = std::sqrt(thing.friction);  // of a pair: the product
+    info.m_friction = thing.friction;
+    info.m_restitution = thing.restitution;
     auto body = std::make_unique<btRigidBody>(info);
     body->setActivationState(DISABLE_DEACTIVATION);
+    body->setLinearVelocity(vector(thing.velocity));
     body->setAngularVelocity(vector(thing.spin));
     if (scene_.contact) {
       world_.addRigidBody(body.get());
     } else {
       world_.addRigidBody(body.get(), 0, 0);
     }
+    for (std::size_t i = 0; thing.family >= 0 && i < bodies_.size(); ++i) {
+      if (scene_.things[i].family != thing.family) continue;
+      bodies_[i]->setIgnoreCollisionCheck(body.get(), true);
+      body->setIgnoreCollisionCheck(bodies_[i].get(), true);
+    }
     bodies_.push_back(std::move(body));
   }
 
+  const Thing& thing(int index) const { return scene_.things[static_cast<std::size_t>(index)]; }
+
+  /// The frame whose z is the hinge's axis, in a body's own axes; numbers that a user of Bullet
+  /// would bring along. Eigen's rounding is that of the project's models, which hold such frames,
+  /// too: computed by btTransform, they differ by 1e-16.
+  static btTransform frame_in(const Thing& thing, const Hinge& hinge) {
+    using Eigen::Quaterniond, Eigen::Vector3d;
+    const Vector3d axis = Vector3d(hinge.axis.data()).normalized();
+    const Quaterniond z_to_axis = Quaterniond(1 + axis.z(), -axis.y(), axis.x(), 0).normalized();
+    const Quaterniond to_body =
+        Quaterniond(thing.turn[0], thing.turn[1], thing.turn[2], thing.turn[3]).conjugate();
+    const Vector3d p =
+        -(to_body * Vector3d(thing.place.data())) + to_body * Vector3d(hinge.anchor.data());
+    const Quaterniond q = (to_body * z_to_axis).normalized();
+    return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), btVector3(p.x(), p.y(), p.z()));
+  }
+
+  /// Both bodies hold the same frame.
   void add(const Hinge& hinge) {
-    btRigidBody& parent = *bodies_[static_cast<std::size_t>(hinge.parent)];
+    btRigidBody& parent = hinge.parent < 0 ? btTypedConstraint::getFixedBody()
+                                           : *bodies_[static_cast<std::size_t>(hinge.parent)];
     btRigidBody& child = *bodies_[static_cast<std::size_t>(hinge.child)];
-    const btTransform to_parent = parent.getWorldTransform().inverse();
-    const btTransform to_child = child.getWorldTransform().inverse();
-    const btVector3 anchor = vector(hinge.anchor), axis = vector(hinge.axis);
-    auto made = std::make_unique<btHingeConstraint>(parent, child, to_parent * anchor,
-                                                    to_child * anchor, to_parent.getBasis() * axis,
-                                                    to_child.getBasis() * axis, true);
-    if (hinge.driven) {
-      // Its sense is that of the parent against the child; the bound is an impulse.
-      made->enableAngularMotor(true, -hinge.speed, hinge.max_torque * scene_.step);
-    }
+    auto made = std::make_unique<btHingeConstraint>(
+        parent, child,
+        hinge.parent < 0 ? frame_in(Thing(), hinge) : frame_in(thing(hinge.parent), hinge),
+        frame_in(thing(hinge.child), hinge), true);
+    // Of the child against the parent; the bound is an impulse.
+    if (hinge.driven) made->enableAngularMotor(true, hinge.speed, hinge.max_torque * scene_.step);
     world_.addConstraint(made.get(), true);
     constraints_.push_back(std::move(made));
   }
@@ -166,51 +199,6 @@ class Rigid : public Runner {
   int steps_ = 0;
 };
 
-/// A chain of hinges from the world, in reduced coordinates.
-class Chain final : public Runner {
- public:
-  explicit Chain(const Scene& scene)
-      : count_(static_cast<int>(scene.things.size())),
-        body_(count_, 0, btVector3(0, 0, 0), true, false) {
-    world_.setGravity(vector(scene.gravity));
-    body_.setBaseWorldTransform(btTransform::getIdentity());
-    btTransform above = btTransform::getIdentity();
-    for (int i = 0; i < count_; ++i) {
-      const Thing& thing = scene.things[static_cast<std::size_t>(i)];
-      const Hinge& hinge = scene.hinges[static_cast<std::size_t>(i)];
-      const btTransform here(quaternion(thing.turn), vector(thing.place));
-      const btTransform relative = above.inverse() * here;
-      body_.setupRevolute(
-          i, thing.mass, vector(thing.moments), i - 1, relative.getRotation().inverse(),
-          here.getBasis().transpose() * vector(hinge.axis), above.inverse() * vector(hinge.anchor),
-          here.getBasis().transpose() * (vector(thing.place) - vector(hinge.anchor)), true);
-      above = here;
-    }
-    body_.finalizeMultiDof();
-    body_.setLinearDamping(0);
-    body_.setAngularDamping(0);
-    body_.setCanSleep(false);
-    world_.addMultiBody(&body_);
-  }
-  ~Chain() override { world_.removeMultiBody(&body_); }
-  void step(double dt) override { world_.stepSimulation(dt, 0); }
-  void get_states(std::vector<ThingState>& states) override {
-    for (int i = 0; i < count_; ++i) {
-      states[static_cast<std::size_t>(i)].place =
-          triple(body_.localPosToWorld(i, btVector3(0, 0, 0)));
-    }
-  }
-
- private:
-  int count_;
-  btDefaultCollisionConfiguration configuration_;
-  btCollisionDispatcher dispatcher_{&configuration_};
-  btDbvtBroadphase broadphase_;
-  btMultiBodyConstraintSolver solver_;
-  btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
-  btMultiBody body_;
-};
-
 class Bullet final : public EngineProgram {
  public:
   std::string name() const override { return "raw-bullet"; }
@@ -219,11 +207,9 @@ class Bullet final : public EngineProgram {
     return std::to_string(version / 100) + "." + std::to_string(version % 100);
   }
   std::string settings() const override {
-    return "double precision; sequential impulses, 10 iterations; hinges are constraints, a chain "
-           "from the world is one btMultiBody";
+    return "double precision; sequential impulses, 10 iterations; hinges are constraints";
   }
   std::unique_ptr<Runner> make(const Scene& scene) override {
-    if (scene.name == "chain") return std::make_unique<Chain>(scene);
     return std::make_unique<Rigid>(scene);
   }
 };

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -15,21 +16,54 @@ using namespace cogrsim::bench;
 
 /// Newton's method factors a matrix of as many rows as there are degrees of freedom that contact
 /// binds together; its manual has conjugate gradients for heaps.
-constexpr std::size_t kMostForNewton = 100;  // free bodies
+constexpr std::ptrdiff_t kMostForNewton = 100;  // free bodies
 
 bool wants_newton(const Scene& scene) {
-  return !scene.hinges.empty() || scene.things.size() <= kMostForNewton;
+  const auto moving = std::count_if(scene.things.begin(), scene.things.end(),
+                                    [](const Thing& thing) { return thing.mass > 0; });
+  return !scene.hinges.empty() || moving <= kMostForNewton;
 }
 
-/// X_AB of two poses, as MuJoCo wants those of nested bodies.
-ThingState relative(const ThingState& a, const ThingState& b) {
-  ThingState out;
-  mjtNum inverse[4],
-      difference[3] = {b.place[0] - a.place[0], b.place[1] - a.place[1], b.place[2] - a.place[2]};
-  mju_negQuat(inverse, a.turn.data());
-  mju_rotVecQuat(out.place.data(), difference, inverse);
-  mju_mulQuat(out.turn.data(), inverse, b.turn.data());
+using Vector = Eigen::Vector3d;
+using Rotation = Eigen::Quaterniond;
+
+Vector vector(const Triple& v) { return {v[0], v[1], v[2]}; }
+Triple triple(const Vector& v) { return {v.x(), v.y(), v.z()}; }
+Rotation rotation(const Turn& q) { return {q[0], q[1], q[2], q[3]}; }
+
+/// A place and a direction of the world in a thing's frame. MuJoCo wants all in the frames of
+/// bodies.
+Vector place_in(const Thing& thing, const Vector& p) {
+  const Rotation inverse = rotation(thing.turn).conjugate();
+  return -(inverse * vector(thing.place)) + inverse * p;
+}
+Vector axis_in(const Thing& thing, const Triple& axis) {
+  Vector out = rotation(thing.turn).conjugate() * vector(axis);
+  for (double& x : out) {
+    if (std::abs(x - std::round(x)) < 1e-15) x = std::round(x);  // as a person would write it
+  }
   return out;
+}
+
+/// Where `b` is in the frame of `a`.
+ThingState relative(const Thing& a, const Thing& b) {
+  const Rotation turn = (rotation(a.turn).conjugate() * rotation(b.turn)).normalized();
+  return {triple(place_in(a, vector(b.place))), {turn.w(), turn.x(), turn.y(), turn.z()}};
+}
+
+/// The manual's chapter on restitution: stiffness and damping of the contact itself. A spring of
+/// angular frequency w with damping ratio z that never pulls bounces with
+/// e = exp(-z / s atan2(2 z s, 2 z^2 - 1)), s = sqrt(1 - z^2); it is to take some dozen steps.
+std::string solref(double restitution, double step) {
+  if (restitution == 0) return "0.02 1";
+  double low = 0, high = 1;
+  while (high - low > 1e-16 * high) {
+    const double z = 0.5 * (low + high), s = std::sqrt(1 - z * z);
+    if (z == low || z == high) break;
+    (std::exp(-z / s * std::atan2(2 * z * s, 2 * z * z - 1)) > restitution ? low : high) = z;
+  }
+  const double frequency = 1 / (4 * step);
+  return fmt::format("{} {}", -frequency * frequency, -2 * low * frequency);
 }
 
 /// Room for the contacts, four rows each; what the scenes have at most.
@@ -46,11 +80,13 @@ std::string numbers(const Triple& v) { return fmt::format("{} {} {}", v[0], v[1]
 std::string numbers(const Turn& q) { return fmt::format("{} {} {} {}", q[0], q[1], q[2], q[3]); }
 
 std::string geoms(const Scene& scene, const Thing& thing) {
-  // Of a pair the larger friction holds, unless one has priority: that of what moves.
+  // Of a pair the larger friction holds, unless one has priority: that of what moves. What is slick
+  // has contacts without friction, and priority over all.
   const bool moves = thing.mass > 0;
+  const Thing& ground = scene.things.front();
   const double friction =
-      moves ? std::sqrt(thing.friction * (scene.contact ? scene.things.front().friction : 0.0))
-            : thing.friction;
+      moves ? std::sqrt(thing.friction * (scene.contact ? ground.friction : 0.0)) : thing.friction;
+  const double restitution = std::max(thing.restitution, ground.restitution);
   std::string out;
   for (const Part& part : thing.parts) {
     const Triple& s = part.size;
@@ -65,14 +101,19 @@ std::string geoms(const Scene& scene, const Thing& thing) {
       case Form::cylinder:
         form = fmt::format("type=\"cylinder\" size=\"{} {}\"", s[0], s[1] / 2);
         break;
+      case Form::capsule:
+        form = fmt::format("type=\"capsule\" size=\"{} {}\"", s[0], s[1] / 2);
+        break;
       case Form::plane:
         form = "type=\"plane\" size=\"0 0 1\"";
         break;
     }
     const Triple at = moves ? part.at : thing.place;
-    out += fmt::format("<geom {} pos=\"{}\" friction=\"{} 0.005 0.0001\" priority=\"{}\" {}/>\n",
-                       form, numbers(at), friction, moves ? 1 : 0,
-                       scene.contact ? "" : "contype=\"0\" conaffinity=\"0\"");
+    out += fmt::format(
+        "<geom {} pos=\"{}\" friction=\"{} 0.005 0.0001\" condim=\"{}\" solref=\"{}\" "
+        "priority=\"{}\" {}/>\n",
+        form, numbers(at), friction, friction > 0 ? 3 : 1, solref(restitution, scene.step),
+        moves ? (friction > 0 ? 1 : 2) : 0, scene.contact ? "" : "contype=\"0\" conaffinity=\"0\"");
   }
   return out;
 }
@@ -82,7 +123,30 @@ std::string describe(const Scene& scene) {
   std::vector<std::vector<std::size_t>> children(count);
   std::vector<const Hinge*> joint(count, nullptr);
   std::vector<std::size_t> roots;
-  for (const Hinge& hinge : scene.hinges) joint[static_cast<std::size_t>(hinge.child)] = &hinge;
+  std::string motors, loops, exclusions;
+  for (const Hinge& hinge : scene.hinges) {
+    const auto child = static_cast<std::size_t>(hinge.child);
+    if (hinge.parent < hinge.child) {
+      joint[child] = &hinge;
+      continue;
+    }
+    // It closes a loop, outside of the tree: two points of its pin are held together.
+    const auto parent = static_cast<std::size_t>(hinge.parent);
+    const Thing &one = scene.things[parent], &other = scene.things[child];
+    const double half =
+        std::sqrt(*std::max_element(other.moments.begin(), other.moments.end()) / other.mass);
+    for (const double side : {half, -half}) {
+      const Vector anchor = place_in(one, vector(hinge.anchor)) + side * axis_in(one, hinge.axis);
+      loops += fmt::format("<connect body1=\"t{}\" body2=\"t{}\" anchor=\"{}\"/>\n", parent, child,
+                           numbers(triple(anchor)));
+    }
+  }
+  for (std::size_t a = 0; a < count; ++a) {
+    for (std::size_t b = a + 1; b < count; ++b) {
+      if (scene.things[a].family < 0 || scene.things[a].family != scene.things[b].family) continue;
+      exclusions += fmt::format("<exclude body1=\"t{}\" body2=\"t{}\"/>\n", a, b);
+    }
+  }
   for (std::size_t i = 0; i < count; ++i) {
     if (joint[i] && joint[i]->parent >= 0) {
       children[static_cast<std::size_t>(joint[i]->parent)].push_back(i);
@@ -90,36 +154,31 @@ std::string describe(const Scene& scene) {
       roots.push_back(i);
     }
   }
-  std::string motors;
-  const std::function<std::string(std::size_t, const ThingState&)> body =
-      [&](std::size_t i, const ThingState& above) {
-        const Thing& thing = scene.things[i];
-        const ThingState here{thing.place, thing.turn}, X = relative(above, here);
-        std::string out = fmt::format("<body name=\"t{}\" pos=\"{}\" quat=\"{}\">\n", i,
-                                      numbers(X.place), numbers(X.turn));
-        if (joint[i]) {
-          const Hinge& hinge = *joint[i];
-          const ThingState anchor = relative(here, {hinge.anchor, {1, 0, 0, 0}});
-          Triple axis;
-          mjtNum inverse[4];
-          mju_negQuat(inverse, thing.turn.data());
-          mju_rotVecQuat(axis.data(), hinge.axis.data(), inverse);
-          out += fmt::format("<joint name=\"j{}\" type=\"hinge\" pos=\"{}\" axis=\"{}\"/>\n", i,
-                             numbers(anchor.place), numbers(axis));
-          if (hinge.driven) {
-            motors += fmt::format(
-                "<velocity joint=\"j{}\" kv=\"0.1\" forcelimited=\"true\" forcerange=\"{} {}\"/>\n",
-                i, -hinge.max_torque, hinge.max_torque);
-          }
-        } else {
-          out += "<freejoint/>\n";
-        }
-        out += fmt::format("<inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"{}\"/>\n", thing.mass,
-                           numbers(thing.moments));
-        out += geoms(scene, thing);
-        for (const std::size_t child : children[i]) out += body(child, here);
-        return out + "</body>\n";
-      };
+  const std::function<std::string(std::size_t, const Thing*)> body = [&](std::size_t i,
+                                                                         const Thing* above) {
+    const Thing& thing = scene.things[i];
+    const ThingState X = above ? relative(*above, thing) : ThingState{thing.place, thing.turn};
+    std::string out = fmt::format("<body name=\"t{}\" pos=\"{}\" quat=\"{}\">\n", i,
+                                  numbers(X.place), numbers(X.turn));
+    if (joint[i]) {
+      const Hinge& hinge = *joint[i];
+      out += fmt::format("<joint name=\"j{}\" type=\"hinge\" pos=\"{}\" axis=\"{}\"/>\n", i,
+                         numbers(triple(place_in(thing, vector(hinge.anchor)))),
+                         numbers(triple(axis_in(thing, hinge.axis))));
+      if (hinge.driven) {
+        motors += fmt::format(
+            "<velocity joint=\"j{}\" kv=\"1\" forcelimited=\"true\" forcerange=\"{} {}\"/>\n", i,
+            -hinge.max_torque, hinge.max_torque);
+      }
+    } else {
+      out += "<freejoint/>\n";
+    }
+    out += fmt::format("<inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"{}\"/>\n", thing.mass,
+                       numbers(thing.moments));
+    out += geoms(scene, thing);
+    for (const std::size_t child : children[i]) out += body(child, &thing);
+    return out + "</body>\n";
+  };
   const long rows = rows_of(scene);
   std::string out = fmt::format(
       "<mujoco><compiler angle=\"radian\"/><size nconmax=\"{0}\" njmax=\"{1}\"/>\n"
@@ -128,8 +187,9 @@ std::string describe(const Scene& scene) {
   for (const Thing& thing : scene.things) {
     if (thing.mass == 0) out += geoms(scene, thing);
   }
-  for (const std::size_t root : roots) out += body(root, ThingState{});
-  return out + "</worldbody><actuator>" + motors + "</actuator></mujoco>\n";
+  for (const std::size_t root : roots) out += body(root, nullptr);
+  return out + "</worldbody><contact>" + exclusions + "</contact><equality>" + loops +
+         "</equality><actuator>" + motors + "</actuator></mujoco>\n";
 }
 
 class MujocoRunner final : public Runner {
@@ -153,17 +213,23 @@ class MujocoRunner final : public Runner {
       if (body < 0) continue;
       const int joint = model_->body_jntadr[body];
       if (joint < 0 || model_->jnt_type[joint] != mjJNT_FREE) continue;
-      // Free joints turn in the body's frame; the scenes' boxes that spin start unturned.
-      for (int k = 0; k < 3; ++k) {
-        data_->qvel[model_->jnt_dofadr[joint] + 3 + k] =
-            scene_.things[i].spin[static_cast<std::size_t>(k)];
-      }
+      // Free joints turn in the body's frame.
+      const Thing& thing = scene_.things[i];
+      const Triple spin = triple(rotation(thing.turn).conjugate() * vector(thing.spin));
+      std::copy_n(thing.velocity.data(), 3, data_->qvel + model_->jnt_dofadr[joint]);
+      std::copy_n(spin.data(), 3, data_->qvel + model_->jnt_dofadr[joint] + 3);
     }
     int motor = 0;
     for (const Hinge& hinge : scene_.hinges) {
-      if (hinge.driven) data_->ctrl[motor++] = hinge.speed;
+      if (!hinge.driven) continue;
+      // Explicit: no more gain than stops the wheel within a step.
+      const int dof = model_->jnt_dofadr[model_->actuator_trnid[2 * motor]];
+      const double gain = 1 / (scene_.step * model_->dof_invweight0[dof]);
+      model_->actuator_gainprm[mjNGAIN * motor] = gain;
+      model_->actuator_biasprm[mjNBIAS * motor + 2] = -gain;
+      data_->ctrl[motor++] = hinge.speed;
     }
-    mj_forward(model_, data_);
+    see();
   }
   ~MujocoRunner() override {
     mj_deleteData(data_);
@@ -180,7 +246,7 @@ class MujocoRunner final : public Runner {
     }
   }
   void get_states(std::vector<ThingState>& states) override {
-    mj_kinematics(model_, data_);
+    see();
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (bodies_[i] < 0) {
         states[i] = {scene_.things[i].place, scene_.things[i].turn};
@@ -193,6 +259,13 @@ class MujocoRunner final : public Runner {
   double seen() override { return seen_; }
 
  private:
+  /// Finds the bodies' poses. MuJoCo normalises quaternions in place when it does; what is looked at
+  /// shall go on as if it had not been.
+  void see() {
+    const std::vector<mjtNum> qpos(data_->qpos, data_->qpos + model_->nq);
+    mj_kinematics(model_, data_);
+    std::copy(qpos.begin(), qpos.end(), data_->qpos);
+  }
   void look() {
     seen_ = 0;
     for (const Eye& eye : scene_.eyes) {

@@ -1,8 +1,8 @@
 // The benchmark scenes on bare ODE, the way its manual does it.
 #include <ode/ode.h>
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine_program.h"
 
@@ -15,7 +15,7 @@ class OdeRunner final : public Runner {
   explicit OdeRunner(const Scene& scene) : scene_(scene) {
     dInitODE2(0);
     world_ = dWorldCreate();
-    space_ = dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XYZ);
+    space_ = dHashSpaceCreate(nullptr);
     contacts_ = dJointGroupCreate(0);
     dWorldSetGravity(world_, scene.gravity[0], scene.gravity[1], scene.gravity[2]);
     for (std::size_t i = 0; i < scene_.things.size(); ++i) add(i);
@@ -69,12 +69,20 @@ class OdeRunner final : public Runner {
     if (!body_a && !body_b) return;
     const Thing &thing_a = thing_of(a), &thing_b = thing_of(b);
     if (thing_a.family >= 0 && thing_a.family == thing_b.family) return;
-    constexpr int kMost = 8;
+    constexpr int kMost = 32;
+    constexpr double kBounceThreshold = 0.05;  // [m/s]
     dContact contacts[kMost];
     const int count = dCollide(a, b, kMost, &contacts[0].geom, sizeof(dContact));
+    const double bounce = std::max(thing_a.restitution, thing_b.restitution);
     for (int i = 0; i < count; ++i) {
-      contacts[i].surface.mode = dContactApprox1;  // the friction's bound follows the load
-      contacts[i].surface.mu = std::sqrt(thing_a.friction * thing_b.friction);
+      dSurfaceParameters& surface = contacts[i].surface;
+      surface.mode = dContactApprox1;  // the friction's bound follows the load
+      surface.mu = std::sqrt(thing_a.friction * thing_b.friction);
+      if (bounce > 0) {
+        surface.mode |= dContactBounce;
+        surface.bounce = bounce;
+        surface.bounce_vel = kBounceThreshold;
+      }
       dJointAttach(dJointCreateContact(world_, contacts_, &contacts[i]), body_a, body_b);
     }
   }
@@ -115,6 +123,8 @@ class OdeRunner final : public Runner {
         return dCreateSphere(space_, part.size[0]);
       case Form::cylinder:
         return dCreateCylinder(space_, part.size[0], part.size[1]);
+      case Form::capsule:
+        return dCreateCapsule(space_, part.size[0], part.size[1]);
       case Form::plane:
         return dCreatePlane(space_, 0, 0, 1, 0);
     }
@@ -133,6 +143,7 @@ class OdeRunner final : public Runner {
       dBodySetMass(body, &mass);
       dBodySetPosition(body, thing.place[0], thing.place[1], thing.place[2]);
       dBodySetQuaternion(body, turn);
+      dBodySetLinearVel(body, thing.velocity[0], thing.velocity[1], thing.velocity[2]);
       dBodySetAngularVel(body, thing.spin[0], thing.spin[1], thing.spin[2]);
     }
     for (const Part& part : thing.parts) {
@@ -140,7 +151,7 @@ class OdeRunner final : public Runner {
       dGeomSetData(made, reinterpret_cast<void*>(index));
       if (body) {
         dGeomSetBody(made, body);
-        if (thing.parts.size() > 1) {
+        if (part.at != Triple{}) {
           dGeomSetOffsetPosition(made, part.at[0], part.at[1], part.at[2]);
         }
       } else if (part.form != Form::plane) {

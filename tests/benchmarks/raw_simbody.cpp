@@ -1,381 +1,295 @@
-// The benchmark scenes as programs on bare Simbody. It has no contact of its own for these shapes,
-// so the programs do what such programs do: Bullet's detection, once per step and fresh, frozen in
-// the bodies' frames; springs and dashpots with friction springs on top; symplectic Euler substeps.
+// The benchmark scenes as programs on bare Simbody, with an error-controlled integrator. It has no
+// contact of its own for these shapes, so the programs take contact points from CogRSim's geometry and
+// push there as Simbody's own elements would: Hunt and Crossley's normal force, Hollars' friction.
 #include <Simbody.h>
-#include <btBulletCollisionCommon.h>
 
+#include <algorithm>
 #include <cmath>
-#include <unordered_map>
+#include <map>
 
+#include "collision/detector.h"
 #include "engine_program.h"
+#include "model_of.h"
 
 namespace {
 
 using namespace cogrsim::bench;
+namespace geometry = cogrsim::dynamics;
 
 using SimTK::MobilizedBody;
 using SimTK::Real;
 using SimTK::Rotation;
+using SimTK::SpatialVec;
 using SimTK::State;
 using SimTK::Transform;
 using STVec3 = SimTK::Vec3;
 
-STVec3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-
-/// Stiffness and damping of every contact point, and of its friction spring.
-struct ContactLaw {
-  Real stiffness = 1e5, damping_ratio = 0.1, tangential = 0.3;
-};
-
-class SpringContact final : public SimTK::Force::Custom::Implementation {
- public:
-  SpringContact(const ContactLaw& law, Real substep) : law_(law), substep_(substep) {
-    configuration_.setPlaneConvexMultipointIterations(4, 4);
-    world_.getPairCache()->setOverlapFilterCallback(&families_);
-  }
-
-  /// Objects of one family do not collide with each other.
-  void add(const MobilizedBody& body, btCollisionShape* shape, Real friction, int family) {
-    auto object = std::make_unique<btCollisionObject>();
-    object->setCollisionShape(shape);
-    object->setUserIndex(static_cast<int>(bodies_.size()));
-    object->setUserIndex2(family);
-    if (body.isGround()) object->setCollisionFlags(btCollisionObject::CF_STATIC_OBJECT);
-    world_.addCollisionObject(object.get());
-    bodies_.push_back({body, friction,
-                       body.isGround() ? 0.0 : 1.0 / body.getDefaultMassProperties().getMass(),
-                       std::move(object)});
-  }
-  btCollisionObject& last_object() { return *bodies_.back().object; }
-
-  /// Distance to the nearest object but that of index `self` along a ray [m], at most `range`.
-  /// Uses the places of the last detection.
-  Real look(std::size_t self, const btVector3& from, const btVector3& along, Real range) {
-    struct NotItself final : btCollisionWorld::ClosestRayResultCallback {
-      using ClosestRayResultCallback::ClosestRayResultCallback;
-      bool needsCollision(btBroadphaseProxy* proxy) const override {
-        return proxy->m_clientObject != self && ClosestRayResultCallback::needsCollision(proxy);
-      }
-      const void* self = nullptr;
-    } result(from, from + along * range);
-    result.self = bodies_[self].object.get();
-    world_.rayTest(from, from + along * range, result);
-    return range * (result.hasHit() ? result.m_closestHitFraction : 1.0);
-  }
-
-  void detect(const State& state) {
-    for (Body& b : bodies_) {
-      if (b.body.isGround()) continue;
-      const Transform& X = b.body.getBodyTransform(state);
-      const Rotation& R = X.R();
-      b.object->setWorldTransform(
-          btTransform(btMatrix3x3(R[0][0], R[0][1], R[0][2], R[1][0], R[1][1], R[1][2], R[2][0],
-                                  R[2][1], R[2][2]),
-                      btVector3(X.p()[0], X.p()[1], X.p()[2])));
-    }
-    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
-      dispatcher_.getManifoldByIndexInternal(i)->clearManifold();
-    }
-    world_.performDiscreteCollisionDetection();
-    old_.clear();
-    for (const Point& p : points_) old_.emplace(key(p), p);
-    points_.clear();
-    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
-      take(state, *dispatcher_.getManifoldByIndexInternal(i));
-    }
-  }
-
-  void calcForce(const State& state, SimTK::Vector_<SimTK::SpatialVec>& forces,
-                 SimTK::Vector_<STVec3>&, SimTK::Vector&) const override {
-    for (Point& p : points_) {
-      const MobilizedBody& a = bodies_[p.a].body;
-      const MobilizedBody& b = bodies_[p.b].body;
-      const STVec3 ra = a.getBodyRotation(state) * p.on_a, rb = b.getBodyRotation(state) * p.on_b;
-      const STVec3 n = b.getBodyRotation(state) * p.normal;
-      const STVec3 gap = a.getBodyOriginLocation(state) + ra - b.getBodyOriginLocation(state) - rb;
-      const Real depth = -SimTK::dot(gap, n);
-      if (depth <= 0) {
-        p.stretch = STVec3(0);
-        continue;
-      }
-      const SimTK::SpatialVec &Va = a.getBodyVelocity(state), &Vb = b.getBodyVelocity(state);
-      const STVec3 v = Va[1] + Va[0] % ra - Vb[1] - Vb[0] % rb;
-      const Real approach = SimTK::dot(v, n);
-      const Real push = law_.stiffness * depth - p.damping * approach;
-      if (push <= 0) continue;
-      const STVec3 force = push * n + friction(p, v - approach * n, n, push);
-      forces[a.getMobilizedBodyIndex()] += SimTK::SpatialVec(ra % force, force);
-      forces[b.getMobilizedBodyIndex()] -= SimTK::SpatialVec(rb % force, force);
-    }
-  }
-  Real calcPotentialEnergy(const State&) const override { return 0; }
-
- private:
-  struct Body {
-    MobilizedBody body;
-    Real friction, inverse_mass;
-    std::unique_ptr<btCollisionObject> object;
-  };
-  struct Point {
-    std::size_t a, b;
-    STVec3 on_a, on_b, normal;  // in the bodies' frames; the normal in b's
-    STVec3 stretch{0};
-    Real friction, damping;
-  };
-  struct Families : btOverlapFilterCallback {
-    bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
-      const int first = static_cast<btCollisionObject*>(a->m_clientObject)->getUserIndex2();
-      const int second = static_cast<btCollisionObject*>(b->m_clientObject)->getUserIndex2();
-      return first < 0 || first != second;
-    }
-  };
-
-  static std::size_t key(const Point& p) { return p.a * 1000003 + p.b; }
-
-  void take(const State& state, const btPersistentManifold& manifold) {
-    for (int j = 0; j < manifold.getNumContacts(); ++j) {
-      const btManifoldPoint& m = manifold.getContactPoint(j);
-      if (m.getDistance() > 2e-3) continue;
-      Point p;
-      p.a = static_cast<std::size_t>(manifold.getBody0()->getUserIndex());
-      p.b = static_cast<std::size_t>(manifold.getBody1()->getUserIndex());
-      const Body &a = bodies_[p.a], &b = bodies_[p.b];
-      p.on_a = ~a.body.getBodyTransform(state) * from_bullet(m.getPositionWorldOnA());
-      p.on_b = ~b.body.getBodyTransform(state) * from_bullet(m.getPositionWorldOnB());
-      p.normal = ~b.body.getBodyRotation(state) * from_bullet(m.m_normalWorldOnB);
-      p.friction = a.friction * b.friction;
-      p.damping =
-          2 * law_.damping_ratio * std::sqrt(law_.stiffness / (a.inverse_mass + b.inverse_mass));
-      // The friction spring's stretch is that of the nearest old point of the pair.
-      Real nearest = 0.02;
-      const auto range = old_.equal_range(key(p));
-      for (auto it = range.first; it != range.second; ++it) {
-        const Real distance = (it->second.on_b - p.on_b).norm();
-        if (distance < nearest) {
-          nearest = distance;
-          p.stretch = it->second.stretch;
-        }
-      }
-      points_.push_back(p);
-    }
-  }
-
-  STVec3 friction(Point& p, const STVec3& slip, const STVec3& n, Real push) const {
-    if (p.friction <= 0) return STVec3(0);
-    p.stretch += substep_ * slip;
-    p.stretch -= SimTK::dot(p.stretch, n) * n;
-    const Real k = law_.tangential * law_.stiffness, cap = p.friction * push;
-    STVec3 force = -k * p.stretch - p.damping * slip;
-    if (force.norm() > cap) {
-      force *= cap / force.norm();
-      p.stretch = -(force + p.damping * slip) / k;
-    }
-    return force;
-  }
-
-  ContactLaw law_;
-  Real substep_;
-  Families families_;
-  btDefaultCollisionConfiguration configuration_;
-  btCollisionDispatcher dispatcher_{&configuration_};
-  btDbvtBroadphase broadphase_;
-  btCollisionWorld world_{&dispatcher_, &broadphase_, &configuration_};
-  std::vector<Body> bodies_;
-  mutable std::vector<Point> points_;
-  std::unordered_multimap<std::size_t, Point> old_;
-};
-
-/// Velocity motor with a torque limit on a pin joint.
-class SpeedMotor final : public SimTK::Force::Custom::Implementation {
- public:
-  SpeedMotor(const MobilizedBody& body, const Hinge& hinge)
-      : body_(body), target_(hinge.speed), bound_(hinge.max_torque) {}
-  void calcForce(const State& state, SimTK::Vector_<SimTK::SpatialVec>&, SimTK::Vector_<STVec3>&,
-                 SimTK::Vector& mobility) const override {
-    constexpr Real kGain = 0.1;  // [N m s/rad], as stiff as the substep allows
-    const Real torque = SimTK::clamp(-bound_, kGain * (target_ - body_.getOneU(state, 0)), bound_);
-    body_.applyOneMobilityForce(state, 0, torque, mobility);
-  }
-  Real calcPotentialEnergy(const State&) const override { return 0; }
-
- private:
-  MobilizedBody body_;
-  Real target_, bound_;
-};
-
 STVec3 vector(const Triple& v) { return {v[0], v[1], v[2]}; }
-btVector3 bullet(const Triple& v) { return {v[0], v[1], v[2]}; }
+STVec3 vector(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 Triple triple(const STVec3& v) { return {v[0], v[1], v[2]}; }
 Rotation rotation(const Turn& q) { return Rotation(SimTK::Quaternion(q[0], q[1], q[2], q[3])); }
 
-/// As stiff as the loads want, so that nothing sinks in far; the frequency of the whole heap times
-/// the substep stays well below 1.
-ContactLaw law_of(const Scene& scene) {
-  ContactLaw law;
-  if (scene.name == "spheres") law.stiffness = 1e6;  // ten times the mass of the others
-  return law;
+/// Damping c of f = k x (1 + c v) from which what comes with 1 m/s leaves with `restitution` m/s: its
+/// two sides' first integrals are equal.
+Real damping_for(Real restitution) {
+  const Real e = std::max(restitution, 0.04);
+  Real low = 0, high = 1 / e;
+  for (int i = 0; i < 200; ++i) {
+    const Real c = (low + high) / 2;
+    (c - std::log1p(c) > -e * c - std::log1p(-e * c) ? low : high) = c;
+  }
+  return (low + high) / 2;
 }
-int substeps_of(const Scene& scene) { return scene.hinges.empty() ? 2 : 1; }
+
+class PointContacts final : public SimTK::Force::Custom::Implementation {
+ public:
+  explicit PointContacts(const cogrsim::SceneModelPtr& model) : model_(model), detector_(*model) {}
+
+  /// Bodies in the order of the scene's things.
+  void set_bodies(const std::vector<MobilizedBody>& bodies) { bodies_ = bodies; }
+
+  void calcForce(const State& state, SimTK::Vector_<SpatialVec>& forces, SimTK::Vector_<STVec3>&,
+                 SimTK::Vector&) const override {
+    detect(state);
+    for (const geometry::ContactPoint& point : points_) {
+      const geometry::Collider& ca = detector_.colliders()[std::size_t(point.collider_a)];
+      const geometry::Collider& cb = detector_.colliders()[std::size_t(point.collider_b)];
+      const MobilizedBody& a = bodies_[std::size_t(ca.body)];
+      const MobilizedBody& b = bodies_[std::size_t(cb.body)];
+      const STVec3 at = vector(point.point), n = vector(point.normal);
+      const STVec3 ra = at - a.getBodyOriginLocation(state);
+      const STVec3 rb = at - b.getBodyOriginLocation(state);
+      const SpatialVec &V_a = a.getBodyVelocity(state), &V_b = b.getBodyVelocity(state);
+      const STVec3 v = V_b[1] + V_b[0] % rb - V_a[1] - V_a[0] % ra;
+      const Real apart = SimTK::dot(v, n);
+      const Law& law = law_of(ca, cb);
+      const Real push = law.stiffness * -point.gap * (1 - law.damping * apart);
+      if (point.gap >= 0 || push <= 0) continue;
+      constexpr Real kTransition = 0.01;  // [m/s], Simbody's default
+      const STVec3 slip = v - apart * n;
+      const STVec3 force =
+          push * n - (law.friction * push / std::max(slip.norm(), kTransition)) * slip;
+      forces[a.getMobilizedBodyIndex()] -= SpatialVec(ra % force, force);
+      forces[b.getMobilizedBodyIndex()] += SpatialVec(rb % force, force);
+    }
+  }
+  Real calcPotentialEnergy(const State&) const override { return 0; }
+
+ private:
+  struct Law {
+    Real stiffness, damping, friction;
+  };
+
+  void detect(const State& state) const {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (bodies_[i].isGround()) continue;
+      const Transform& X = bodies_[i].getBodyTransform(state);
+      Eigen::Matrix3d R;
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) R(r, c) = X.R().asMat33()(r, c);
+      detector_.place(static_cast<int>(i), {R, Eigen::Vector3d(X.p()[0], X.p()[1], X.p()[2])}, 0.0);
+    }
+    detector_.detect(points_);
+  }
+
+  const Law& law_of(const geometry::Collider& a, const geometry::Collider& b) const {
+    constexpr Real kFrequency = 400;  // of the pair's reduced mass on one point [rad/s]
+    const auto [entry, is_new] = laws_.try_emplace({a.body, b.body});
+    if (is_new) {
+      const cogrsim::SurfacePair pair = cogrsim::surface_pair(*model_, a.material, b.material);
+      entry->second.damping = damping_for(pair.restitution);
+      entry->second.friction = pair.friction;
+      const auto inverse_mass = [&](int body) {
+        const bool fixed = bodies_[std::size_t(body)].isGround();
+        return fixed ? 0 : 1 / model_->bodies[std::size_t(body)].mass;
+      };
+      entry->second.stiffness =
+          kFrequency * kFrequency / (inverse_mass(a.body) + inverse_mass(b.body));
+    }
+    return entry->second;
+  }
+
+  const cogrsim::SceneModelPtr model_;
+  mutable geometry::Detector detector_;
+  mutable std::vector<geometry::ContactPoint> points_;
+  mutable std::map<std::pair<int, int>, Law> laws_;  // by bodies
+  std::vector<MobilizedBody> bodies_;
+};
+
+/// Speed motors with bounded torque. Found at the start of each step is what brings the pins to their
+/// speeds at its end.
+class SpeedMotors {
+ public:
+  void add(SimTK::GeneralForceSubsystem& forces, const MobilizedBody& pin, const Hinge& hinge) {
+    motors_.push_back({SimTK::Force::MobilityDiscreteForce(forces, pin), pin, hinge.speed,
+                       hinge.max_torque, hinge.parent});
+  }
+  bool empty() const { return motors_.empty(); }
+
+  void set(const SimTK::MultibodySystem& system, State& state, Real dt) const {
+    const SimTK::SimbodyMatterSubsystem& matter = system.getMatterSubsystem();
+    for (const Motor& motor : motors_) motor.force.setMobilityForce(state, 0);
+    system.realize(state, SimTK::Stage::Acceleration);
+    const SimTK::Vector u = state.getU(), free = state.getUDot();
+    // The two of a robot, and no two robots, feel each other: one column for all first motors, one
+    // for all second ones.
+    SimTK::Vector unit(u.size()), columns[2];
+    std::vector<int> at;
+    for (const Motor& motor : motors_) at.push_back(motor.pin.getFirstUIndex(state));
+    for (std::size_t k = 0; k < 2; ++k) {
+      unit = 0;
+      for (std::size_t i = k; i < at.size(); i += 2) unit[at[i]] = 1;
+      matter.multiplyByMInv(state, unit, columns[k]);
+    }
+    std::vector<Real> torques(at.size(), 0.0);
+    for (int sweep = 0; sweep < 50; ++sweep) {
+      Real change = 0, largest = 0;
+      for (std::size_t i = 0; i < at.size(); ++i) {
+        const std::size_t other = i ^ 1;
+        const Real own = columns[i % 2][at[i]];
+        const Real speed =
+            u[at[i]] + dt * free[at[i]] + dt * columns[other % 2][at[i]] * torques[other];
+        const Real torque = std::clamp((motors_[i].speed - speed) / (dt * own), -motors_[i].bound,
+                                       motors_[i].bound);
+        change = std::max(change, std::abs(torque - torques[i]));
+        largest = std::max(largest, std::abs(torque));
+        torques[i] = torque;
+      }
+      if (change <= 1e-12 * largest) break;
+    }
+    for (std::size_t i = 0; i < at.size(); ++i)
+      motors_[i].force.setMobilityForce(state, torques[i]);
+  }
+
+ private:
+  struct Motor {
+    SimTK::Force::MobilityDiscreteForce force;
+    MobilizedBody pin;
+    Real speed, bound;
+    int parent;
+  };
+  std::vector<Motor> motors_;
+};
 
 class SimbodyRunner final : public Runner {
  public:
-  explicit SimbodyRunner(const Scene& scene)
-      : scene_(scene), gravity_(forces_, matter_, vector(scene.gravity)) {
+  explicit SimbodyRunner(const Scene& scene) : scene_(scene), model_(model_of(scene)) {
+    if (!scene.eyes.empty()) throw Unsupported("Simbody has no rays");
     forces_.setNumberOfThreads(1);
-    if (scene.contact) {
-      substeps_ = substeps_of(scene);
-      contact_ = new SpringContact(law_of(scene), scene.step / substeps_);
-      SimTK::Force::Custom(forces_, contact_);  // which takes it over
-    }
     for (std::size_t i = 0; i < scene_.things.size(); ++i) add(static_cast<int>(i));
-    state_ = system_.realizeTopology();
-    system_.realizeModel(state_);
+    close_loops();
+    SimTK::Force::Gravity(forces_, matter_, vector(scene.gravity));
+    if (scene.contact) {
+      contacts_ = new PointContacts(model_);
+      contacts_->set_bodies(bodies_);
+      SimTK::Force::Custom(forces_, contacts_);  // which takes it over
+    }
+    State state = system_.realizeTopology();
+    system_.realizeModel(state);
     for (std::size_t i = 0; i < scene_.things.size(); ++i) {
       const Thing& thing = scene_.things[i];
       if (thing.mass == 0 || hinged_[i]) continue;
-      bodies_[i].setQToFitTransform(state_, Transform(rotation(thing.turn), vector(thing.place)));
-      bodies_[i].setUToFitAngularVelocity(state_, vector(thing.spin));
+      bodies_[i].setQToFitTransform(state, Transform(rotation(thing.turn), vector(thing.place)));
+      bodies_[i].setUToFitVelocity(state, SpatialVec(vector(thing.spin), vector(thing.velocity)));
     }
-    if (contact_) return;
+    for (std::size_t i = 0; i < pins_.size(); ++i)
+      pins_[i].setOneQ(state, 0, model_->joints[pin_joints_[i]].position[0]);
+    system_.project(state, 1e-10);
     integrator_ = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(system_);
-    integrator_->setAccuracy(1e-6);
+    integrator_->setAccuracy(1e-3);
+    integrator_->setMaximumStepSize(scene.step);
+    integrator_->initialize(state);
   }
 
   void step(double dt) override {
-    time_ += dt;
-    if (integrator_) {
-      if (!started_) {
-        integrator_->setMaximumStepSize(dt);
-        integrator_->initialize(state_);
-        started_ = true;
-      }
-      while (integrator_->getTime() < time_ - 1e-12) integrator_->stepTo(time_);
-      return;
+    State& state = integrator_->updAdvancedState();
+    system_.realize(state, SimTK::Stage::Velocity);
+    if (!motors_.empty()) {
+      motors_.set(system_, state, dt);
+      integrator_->reinitialize(SimTK::Stage::Dynamics, false);
     }
-    const Real h = dt / substeps_;
-    system_.realize(state_, SimTK::Stage::Velocity);
-    contact_->detect(state_);
-    if (!scene_.eyes.empty() && steps_++ % scene_.eye_period == 0) look();
-    for (int i = 0; i < substeps_; ++i) {
-      system_.realize(state_, SimTK::Stage::Acceleration);
-      const SimTK::Vector acceleration = state_.getUDot();
-      state_.updU() += h * acceleration;
-      system_.realize(state_, SimTK::Stage::Velocity);
-      const SimTK::Vector rate = state_.getQDot();
-      state_.updQ() += h * rate;
-      state_.updTime() += h;
-      system_.realize(state_, SimTK::Stage::Time);
-      matter_.normalizeQuaternions(state_);
-    }
+    const Real end = state.getTime() + dt;
+    while (integrator_->getTime() < end) integrator_->stepTo(end, end);
   }
 
   void get_states(std::vector<ThingState>& states) override {
-    const State& state = integrator_ && started_ ? integrator_->getState() : state_;
+    const State& state = integrator_->getState();
     system_.realize(state, SimTK::Stage::Position);
     for (std::size_t i = 0; i < states.size(); ++i) {
-      const MobilizedBody& body = bodies_[i];
-      if (scene_.things[i].mass == 0) {
-        states[i].place = scene_.things[i].place;
+      const Thing& thing = scene_.things[i];
+      if (thing.mass == 0) {
+        states[i] = {thing.place, thing.turn};
         continue;
       }
-      const SimTK::Quaternion q = body.getBodyRotation(state).convertRotationToQuaternion();
-      states[i] = {triple(body.getBodyOriginLocation(state)), {q[0], q[1], q[2], q[3]}};
+      const SimTK::Quaternion q = bodies_[i].getBodyRotation(state).convertRotationToQuaternion();
+      states[i] = {triple(bodies_[i].getBodyOriginLocation(state)), {q[0], q[1], q[2], q[3]}};
     }
   }
-  double seen() override { return seen_; }
 
  private:
-  void look() {
-    seen_ = 0;
-    for (const Eye& eye : scene_.eyes) {
-      const MobilizedBody& body = bodies_[static_cast<std::size_t>(eye.thing)];
-      const STVec3 from = body.findStationLocationInGround(state_, vector(eye.at));
-      const STVec3 along = body.getBodyRotation(state_) * vector(eye.along);
-      seen_ +=
-          contact_->look(static_cast<std::size_t>(eye.thing), btVector3(from[0], from[1], from[2]),
-                         btVector3(along[0], along[1], along[2]), scene_.eye_range);
-    }
+  static bool closes_loop(const Hinge& hinge) { return hinge.child < hinge.parent; }
+
+  SimTK::Body::Rigid body_of(int index) const {
+    const Thing& thing = scene_.things[std::size_t(index)];
+    int parts = 1;
+    for (const Hinge& hinge : scene_.hinges) parts += closes_loop(hinge) && hinge.child == index;
+    return SimTK::Body::Rigid(SimTK::MassProperties(thing.mass / parts, STVec3(0),
+                                                    SimTK::Inertia(vector(thing.moments) / parts)));
   }
 
-  btCollisionShape* keep(std::unique_ptr<btCollisionShape> shape) {
-    shapes_.push_back(std::move(shape));
-    return shapes_.back().get();
-  }
-  btCollisionShape* shape(const Part& part) {
-    switch (part.form) {
-      case Form::box:
-        return keep(std::make_unique<btBoxShape>(bullet(part.size) / 2));
-      case Form::sphere:
-        return keep(std::make_unique<btSphereShape>(part.size[0]));
-      case Form::cylinder:
-        return keep(std::make_unique<btCylinderShapeZ>(
-            btVector3(part.size[0], part.size[0], part.size[1] / 2)));
-      case Form::plane:
-        return keep(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0));
-    }
-    return nullptr;
-  }
-  btCollisionShape* shape(const Thing& thing) {
-    if (thing.parts.size() == 1) return shape(thing.parts.front());
-    auto compound = std::make_unique<btCompoundShape>();
-    for (const Part& part : thing.parts) {
-      compound->addChildShape(btTransform(btQuaternion::getIdentity(), bullet(part.at)),
-                              shape(part));
-    }
-    return keep(std::move(compound));
+  /// Frames and angles have the model's numbers: computed otherwise they differ by rounding.
+  MobilizedBody pin(const Hinge& hinge) {
+    const std::size_t index = std::size_t(&hinge - scene_.hinges.data());
+    const auto frame = [](const cogrsim::Pose& X) {
+      return Transform(rotation({X.q.w(), X.q.x(), X.q.y(), X.q.z()}), vector(X.p));
+    };
+    const cogrsim::Joint& joint = model_->joints[index];
+    MobilizedBody parent = matter_.Ground();
+    if (hinge.parent >= 0) parent = bodies_[std::size_t(hinge.parent)];
+    pins_.push_back(
+        MobilizedBody::Pin(parent, frame(joint.X_PF), body_of(hinge.child), frame(joint.X_CM)));
+    pin_joints_.push_back(index);
+    return pins_.back();
   }
 
-  /// A hinge is a pin mobilizer: the tree has no constraints.
+  /// A hinge is a pin mobilizer.
   void add(int index) {
-    const Thing& thing = scene_.things[static_cast<std::size_t>(index)];
-    const Transform here(rotation(thing.turn), vector(thing.place));
+    const Thing& thing = scene_.things[std::size_t(index)];
     MobilizedBody made = matter_.Ground();
     bool hinged = false;
-    if (thing.mass > 0) {
-      const SimTK::Body::Rigid body(
-          SimTK::MassProperties(thing.mass, STVec3(0), SimTK::Inertia(vector(thing.moments))));
-      for (const Hinge& hinge : scene_.hinges) {
-        if (hinge.child != index) continue;
-        hinged = true;
-        const Transform frame(Rotation(SimTK::UnitVec3(vector(hinge.axis)), SimTK::ZAxis),
-                              vector(hinge.anchor));
-        MobilizedBody parent = matter_.Ground();
-        Transform above;
-        if (hinge.parent >= 0) {
-          const Thing& of = scene_.things[static_cast<std::size_t>(hinge.parent)];
-          parent = bodies_[static_cast<std::size_t>(hinge.parent)];
-          above = Transform(rotation(of.turn), vector(of.place));
-        }
-        made = MobilizedBody::Pin(parent, ~above * frame, body, ~here * frame);
-        if (hinge.driven) SimTK::Force::Custom(forces_, new SpeedMotor(made, hinge));
-      }
-      if (!hinged) made = MobilizedBody::Free(matter_.Ground(), Transform(), body, Transform());
+    for (const Hinge& hinge : scene_.hinges) {
+      if (hinge.child != index || closes_loop(hinge)) continue;
+      hinged = true;
+      made = pin(hinge);
+      if (hinge.driven) motors_.add(forces_, made, hinge);
     }
+    if (thing.mass > 0 && !hinged)
+      made = MobilizedBody::Free(matter_.Ground(), Transform(), body_of(index), Transform());
     bodies_.push_back(made);
     hinged_.push_back(hinged);
-    if (!contact_) return;
-    contact_->add(made, shape(thing), std::sqrt(thing.friction), thing.family);
-    if (thing.mass > 0) return;
-    const Turn& q = thing.turn;
-    contact_->last_object().setWorldTransform(
-        btTransform(btQuaternion(q[1], q[2], q[3], q[0]), bullet(thing.place)));
+  }
+
+  /// The child is cut in two parts that are welded together, as MultibodyGraphMaker advises.
+  void close_loops() {
+    for (const Hinge& hinge : scene_.hinges) {
+      if (!closes_loop(hinge)) continue;
+      MobilizedBody part = pin(hinge);
+      SimTK::Constraint::Weld(bodies_[std::size_t(hinge.child)], part);
+    }
   }
 
   const Scene scene_;
+  const cogrsim::SceneModelPtr model_;
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_{system_};
   SimTK::GeneralForceSubsystem forces_{system_};
-  SimTK::Force::UniformGravity gravity_;
-  SpringContact* contact_ = nullptr;  // owned by the force subsystem
-  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  PointContacts* contacts_ = nullptr;  // owned by the force subsystem
+  SpeedMotors motors_;
   std::vector<MobilizedBody> bodies_;
   std::vector<bool> hinged_;
+  std::vector<MobilizedBody> pins_;
+  std::vector<std::size_t> pin_joints_;  // SceneModel::joints
   std::unique_ptr<SimTK::Integrator> integrator_;
-  State state_;
-  Real time_ = 0;
-  double seen_ = 0;
-  int substeps_ = 1, steps_ = 0;
-  bool started_ = false;
 };
 
 class Simbody final : public EngineProgram {
@@ -387,10 +301,11 @@ class Simbody final : public EngineProgram {
     return std::to_string(major) + "." + std::to_string(minor);
   }
   std::string settings() const override {
-    return "trees of mobilizers; without contact Runge-Kutta-Merson, accuracy 1e-6, steps no "
-           "longer "
-           "than asked for; with contact springs of 1e5 N/m (spheres of 10 kg: 1e6) at points from "
-           "Bullet's narrowphase, symplectic Euler, 1 substep for robots, else 2";
+    return "trees of mobilizers, loops closed by welds; Runge-Kutta-Merson, accuracy 1e-3, steps "
+           "no "
+           "longer than asked for; contact points by CogRSim's geometry, Hunt and Crossley's force "
+           "of "
+           "the reduced mass at 400 rad/s, friction with a transition velocity of 1 cm/s";
   }
   std::unique_ptr<Runner> make(const Scene& scene) override {
     return std::make_unique<SimbodyRunner>(scene);

@@ -3,7 +3,7 @@
 //   cogrsim_conformance --backend bullet                     compare; exit 0: as the table says
 //   cogrsim_conformance --backend bullet --figures [pendulum]   show what was measured
 //   cogrsim_conformance --backend bullet --update            rewrite the table
-//   cogrsim_conformance --backend bullet --option formulation=reduced   with that set in all scenes
+//   cogrsim_conformance --backend bullet --option solver=dantzig   with that set in all scenes
 //   cogrsim_conformance --backend bullet --mutate gravity=1.01  exit 0: some test turned red
 //
 // Exit status: 0 as expected, 1 something differs, 2 wrong usage or no such backend.

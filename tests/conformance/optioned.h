@@ -9,7 +9,7 @@
 
 namespace conformance {
 
-/// `text`: "formulation=reduced", a text option of `backend`. Errors: no '=', no such option.
+/// `text`: "solver=dantzig", a text option of `backend`. Errors: no '=', no such option.
 cogrsim::Result<std::shared_ptr<const cogrsim::Backend>> with_option(
     std::shared_ptr<const cogrsim::Backend> backend, const std::string& text);
 

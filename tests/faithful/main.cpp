@@ -10,8 +10,6 @@
 //
 // and is to be corrected, too, where a scene has become the same or ten times nearer than it says.
 // Exit status: 0 as the table says, 1 something differs, 2 wrong usage.
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,6 +22,7 @@
 #include <vector>
 
 #include "scene.h"
+#include "temporary_folder.h"
 
 namespace {
 
@@ -191,15 +190,13 @@ int main(int argc, char** argv) try {
       return usage("the table gives no reason for '" + name + "'");
     }
   }
-  char folder[] = "/tmp/cogrsim-faithful-XXXXXX";
-  if (!mkdtemp(folder)) return usage("cannot make a folder in /tmp");
+  const cogrsim::test::TemporaryFolder folder;
   int failed = 0, seen = 0;
   for (const FaithfulScene& scene : faithful_list()) {
     if (!options.scene.empty() && options.scene != scene.name) continue;
     ++seen;
-    failed += !check(options, scene, table, folder);
+    failed += !check(options, scene, table, folder.path);
   }
-  std::filesystem::remove_all(folder);
   if (seen == 0) return usage("there is no scene '" + options.scene + "'");
   std::printf("%s: %d scenes, %d not as the table says\n", options.engine.c_str(), seen, failed);
   return failed == 0 ? 0 : 1;

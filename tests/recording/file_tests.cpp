@@ -114,7 +114,7 @@ TEST_CASE("a full disk is told and leaves a recording that can be read") {
   const SceneModelPtr scene = busy_scene().build();
   const int status = in_child([&] {
     ::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit fails then like a full disk
-    const rlimit limit{400000, 400000};
+    const rlimit limit{800000, 800000};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     SimulationOptions settings;
     settings.backend = "bullet";
@@ -132,7 +132,7 @@ TEST_CASE("a full disk is told and leaves a recording that can be read") {
     return 0;
   });
   REQUIRE(status == 0);
-  CHECK(std::filesystem::file_size(path) <= 400000);
+  CHECK(std::filesystem::file_size(path) <= 800000);
   const auto recording = opened(path);
   CHECK(recording->info().complete);
   CHECK(recording->frame_count() > 20);

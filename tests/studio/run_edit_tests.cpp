@@ -117,7 +117,7 @@ TEST_CASE("the backend is switched in place", "[studio][run]") {
 TEST_CASE("two engines run side by side until they part", "[studio][run]") {
   Page page;
   page.join(1);
-  page.show(small_scene());
+  page.show(replaced(small_scene(), "radius=\"5 cm\" xyz", "radius=\"5 cm\" restitution=\"0.8\" xyz"));
   CHECK_THAT(page.error("divergence"), Catch::Contains("nothing is compared"));
   page.get("compare", {{"backend", "bullet"}, {"step", nullptr}});
   page.get("step", {{"count", 2000}});

@@ -16,10 +16,8 @@ inline Quat from_bt(const btQuaternion& q) { return {q.w(), q.x(), q.y(), q.z()}
 inline Pose from_bt(const btTransform& X) {
   return {from_bt(X.getOrigin()), from_bt(X.getRotation())};
 }
-inline Mat3 from_bt(const btMatrix3x3& m) {
-  Mat3 out;
-  for (int r = 0; r < 3; ++r) out.row(r) = from_bt(m[r]).transpose();
-  return out;
-}
+
+/// Index of a vector of the model's.
+inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace cogrsim::bullet

@@ -1,102 +1,276 @@
 #include "engine.h"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
-#include <cstring>
-#include <mutex>
-#include <new>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "cogrsim/core/constants.h"
+#include "cogrsim/physics/backend_checks.h"
 
 namespace cogrsim::ode {
 
-namespace {
-
-void throw_error(int number, const char* format, va_list arguments) {
-  char text[400];
-  std::vsnprintf(text, sizeof text, format, arguments);
-  throw EngineError("ODE error " + std::to_string(number) + ": " + text);
-}
-
-// Without the size, which ODE does not promise to be that of the request.
-void release(void* memory, dsizeint) { ::operator delete(memory); }
-
-void* reallocate(void* old, dsizeint old_size, dsizeint size) {
-  void* fresh = ::operator new(size);
-  if (old != nullptr) std::memcpy(fresh, old, std::min(old_size, size));
-  ::operator delete(old);
-  return fresh;
-}
-
-// The LCP solver reports singular systems so, and goes on with what it has; whether the result is
-// any good is seen by the step itself.
-void ignore_message(int, const char*, va_list) {}
-
-// ODE keeps caches of its mesh collision per thread and wants to be told when a thread ends.
-struct ThreadData {
-  ThreadData() { ready = dAllocateODEDataForThread(dAllocateMaskAll) != 0; }
-  ~ThreadData() {
-    if (ready) dCleanupODEAllDataForThread();
-  }
-  bool ready = false;
-};
-
-// Of the process, until this library is unloaded: that waits for the data of all threads.
-struct Library {
-  Library() {
-    // ODE itself uses what malloc gives without a look at it: these throw.
-    dSetAllocHandler(static_cast<void* (*)(dsizeint)>(::operator new));
-    dSetReallocHandler(&reallocate);
-    dSetFreeHandler(&release);
-    ready = dInitODE2(dInitFlagManualThreadCleanup) != 0;
-    dSetErrorHandler(&throw_error);
-    dSetDebugHandler(&throw_error);
-    dSetMessageHandler(&ignore_message);
-  }
-  ~Library() {
-    if (ready) dCloseODE();
-  }
-  bool ready = false;
-};
-
-}  // namespace
-
-void prepare_thread() {
-  static const Library library;
-  if (!library.ready) throw EngineError("ODE cannot be initialised");
-  thread_local const ThreadData data;
-  if (!data.ready) throw EngineError("ODE has no memory for another thread");
-}
-
-Engine::Engine() {
+Engine::Engine(const SceneModelPtr& model, const Options& options)
+    : model_(model), options_(options), filter_(*model) {
   prepare_thread();
   world_ = dWorldCreate();
-  rows_ = dJointGroupCreate(0);
+  space_ = dHashSpaceCreate(nullptr);
+  dSpaceSetCleanup(space_, 0);
+  contacts_ = dJointGroupCreate(0);
+  // The default one is shared by all worlds of the process without a lock.
   threading_ = dThreadingAllocateSelfThreadedImplementation();
   dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_),
                                        threading_);
-  dWorldSetGravity(world_, 0, 0, 0);
+  const Vec3& g = model->physics.gravity;
+  dWorldSetGravity(world_, g.x(), g.y(), g.z());
+  dWorldSetERP(world_, options.erp);
+  dWorldSetCFM(world_, options.cfm);
+  dWorldSetQuickStepNumIterations(world_, options.iterations);
+  dWorldSetQuickStepW(world_, options.sor);
+  if (options.contact_max_correcting_velocity > 0.0) {
+    dWorldSetContactMaxCorrectingVel(world_, options.contact_max_correcting_velocity);
+  }
+  dWorldSetContactSurfaceLayer(world_, options.contact_surface_layer);
   dWorldSetAutoDisableFlag(world_, 0);
-  dWorldSetLinearDamping(world_, 0);
-  dWorldSetAngularDamping(world_, 0);
-  dWorldSetERP(world_, 1.0);  // only point rows use it, see rows.cpp
-  dWorldSetCFM(world_, 0.0);  // rows bring their own
-  dWorldSetContactSurfaceLayer(world_, 0);
+  bodies_.resize(model->bodies.size());
+  add_surfaces();
 }
 
 Engine::~Engine() {
-  dJointGroupDestroy(rows_);
+  // ODE refuses to take anything out of a space in use, and would complain of jobs that are left:
+  // what an exception broke off is lost memory.
+  if (broken_off_) return;
+  for (const Geom& geom : geoms_) {
+    if (geom.id) dGeomDestroy(geom.id);
+  }
+  dSpaceDestroy(space_);
+  dJointGroupDestroy(contacts_);
   dWorldSetStepThreadingImplementation(world_, nullptr, nullptr);
   dWorldDestroy(world_);
-  // With jobs left in it, ODE would complain of them, and end the program.
-  if (!broken_off_) dThreadingFreeImplementation(threading_);
+  dThreadingFreeImplementation(threading_);
 }
 
-void Engine::solve(int (*method)(dWorldID, dReal), double dt) {
+Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const Options& options,
+                                             const std::vector<Pose>& poses, ShapeData& shapes) {
+  std::unique_ptr<Engine> out(new Engine(model, options));
+  for (std::size_t b = 0; b < model->bodies.size(); ++b) {
+    if (auto added = out->add_body(b); !added) return tl::unexpected(added.error());
+  }
+  const auto end = [&](int b) {
+    JointEnd made;
+    if (b == kWorld) return made;
+    const auto i = static_cast<std::size_t>(b);
+    if (out->bodies_[i].exists()) made.body = &out->bodies_[i];
+    made.start = made.body ? model->bodies[i].X_WB : poses[i];
+    return made;
+  };
+  for (std::size_t j = 0; j < model->joints.size(); ++j) {
+    const Joint& joint = model->joints[j];
+    // From where the scene has them: what a joint is must not depend on when it is made.
+    for (const int b : {joint.parent, joint.child}) {
+      if (b == kWorld || joint.removed) continue;
+      const auto i = static_cast<std::size_t>(b);
+      if (out->bodies_[i].exists()) out->bodies_[i].set_pose(model->bodies[i].X_WB);
+    }
+    const JointEnd nothing;
+    out->joints_.emplace_back(out->world_, *model, static_cast<int>(j),
+                              joint.removed ? nothing : end(joint.parent),
+                              joint.removed ? nothing : end(joint.child), options);
+  }
+  for (std::size_t b = 0; b < model->bodies.size(); ++b) {
+    if (out->bodies_[b].exists()) out->bodies_[b].set_pose(model->bodies[b].X_WB);
+    if (auto added = out->add_geoms(b, poses[b], shapes); !added) {
+      return tl::unexpected(added.error());
+    }
+  }
+  return out;
+}
+
+Result<> Engine::add_body(std::size_t b) {
+  const Body& body = model_->bodies[b];
+  if (body.removed || body.kind == BodyKind::fixed) return {};
   try {
-    method(world_, dt);
-  } catch (...) {
-    broken_off_ = true;
-    throw;
+    bodies_[b].create(world_, body);
+  } catch (const EngineError& error) {
+    return fail("body '" + body.name + "': " + error.what(), place_of(*model_, body.origin),
+                "look at its mass and inertia");
+  }
+  return {};
+}
+
+Result<> Engine::add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes) {
+  const Body& body = model_->bodies[b];
+  if (body.removed) return {};
+  for (std::size_t s = 0; s < body.shapes.size(); ++s) {
+    const Shape& shape = body.shapes[s];
+    // ODE's space counts cells of 1/8 m and more in an int: what nothing gets to is left out.
+    const bool out_of_reach =
+        !bodies_[b].exists() && shape.type != ShapeType::plane && pose.p.norm() > 10.0 * kFarthest;
+    if (!shape.collides || out_of_reach) continue;
+    Geom& geom = geoms_.emplace_back();
+    geom.body = static_cast<int>(b);
+    geom.shape = static_cast<int>(s);
+    geom.index = static_cast<int>(geoms_.size()) - 1;
+    if (const bool plane = shape.type == ShapeType::plane;
+        (plane && bodies_[b].exists()) ||
+        (is_surface(shape.type) && body.kind == BodyKind::dynamic)) {
+      return fail(
+          "shape '" + shape.name + "': a " + std::string(to_string(shape.type)) +
+              (plane ? " cannot be moved" : " cannot be moved by forces"),
+          place_of(*model_, shape.origin),
+          plane ? "make its body static, or use a box" : "make its body static or kinematic");
+    }
+    if (auto made = make_geom(space_, *model_, shape, shapes, geom); !made) return made;
+    dGeomSetData(geom.id, &geom);
+    if (!bodies_[b].exists()) {
+      place_geom(geom, shape.type, pose);
+      continue;
+    }
+    geom.holder = bodies_[b].id();
+    dGeomSetBody(geom.id, geom.holder);
+    Pose X = geom.X_BG;
+    if (body.kind == BodyKind::dynamic && !body.com.isZero(0.0)) X.p -= body.com;
+    if (!X.p.isZero(0.0)) dGeomSetOffsetPosition(geom.id, X.p.x(), X.p.y(), X.p.z());
+    if (!X.q.vec().isZero(0.0)) {
+      const dQuaternion q = {X.q.w(), X.q.x(), X.q.y(), X.q.z()};
+      dGeomSetOffsetQuaternion(geom.id, q);
+    }
+  }
+  return {};
+}
+
+void Engine::add_surfaces() {
+  const std::size_t n = model_->materials.size();
+  surfaces_.resize(n * n);
+  stiffness_.resize(n * n);
+  damping_.resize(n * n);
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = 0; b < n; ++b) {
+      const SurfacePair pair = surface_pair(*model_, static_cast<int>(a), static_cast<int>(b));
+      dSurfaceParameters& surface = surfaces_[a * n + b];
+      surface = {};
+      surface.mode = options_.pyramid ? dContactApprox1 : dContactApprox0;
+      surface.mu = pair.friction;
+      const double e = pair.restitution;
+      if (pair.stiffness) {
+        surface.mode |= dContactSoftERP | dContactSoftCFM;
+        stiffness_[a * n + b] = *pair.stiffness;
+        damping_[a * n + b] = e > 0.0 ? -std::log(e) / std::hypot(kPi, std::log(e)) : 1.0;
+      } else if (e > 0.0) {
+        surface.mode |= dContactBounce;
+        surface.bounce = e;
+        surface.bounce_vel = model_->physics.bounce_threshold;
+      }
+    }
+  }
+}
+
+void Engine::soften(dSurfaceParameters& surface, std::size_t pair, const Geom& a,
+                    const Geom& b) const {
+  // ODE's spring k and damper d: erp = h k / (h k + d), cfm = 1 / (h k + d).
+  double mobility = 0.0;  // [1/kg]
+  for (const dBodyID body : {a.holder, b.holder}) {
+    dMass mass{};
+    if (body) dBodyGetMass(body, &mass);
+    if (body && !dBodyIsKinematic(body)) mobility += 1.0 / mass.mass;
+  }
+  const double k = stiffness_[pair], d = 2.0 * damping_[pair] * std::sqrt(k / mobility);
+  surface.soft_erp = h_ * k / (h_ * k + d);
+  surface.soft_cfm = 1.0 / (h_ * k + d);
+}
+
+void Engine::near(void* self, dGeomID a, dGeomID b) {
+  static_cast<Engine*>(self)->near(*static_cast<const Geom*>(dGeomGetData(a)),
+                                   *static_cast<const Geom*>(dGeomGetData(b)));
+}
+
+void Engine::near(const Geom& a, const Geom& b) {
+  if (!filter_.collide(a.body, b.body)) return;
+  constexpr int kMost = 32;
+  dContact found[kMost];
+  const int count = dCollide(a.id, b.id, kMost, &found[0].geom, static_cast<int>(sizeof(dContact)));
+  const std::size_t pair = static_cast<std::size_t>(a.material) * model_->materials.size() +
+                           static_cast<std::size_t>(b.material);
+  for (int i = 0; i < count; ++i) {
+    dContact& contact = found[i];
+    // Without a direction no contact can be made: libccd gives none where two just touch.
+    if (contact.geom.normal[0] == 0 && contact.geom.normal[1] == 0 && contact.geom.normal[2] == 0) {
+      continue;
+    }
+    contact.surface = surfaces_[pair];
+    if (stiffness_[pair] > 0.0) soften(contact.surface, pair, a, b);
+    const dJointID joint = dJointCreateContact(world_, contacts_, &contact);
+    dJointAttach(joint, a.holder, b.holder);
+    if (touched_ == touches_.size() * kBlock) touches_.push_back(std::make_unique<Touch[]>(kBlock));
+    Touch& made = touch(touched_++);
+    made.point = to_vec(contact.geom.pos);
+    made.normal = to_vec(contact.geom.normal);
+    made.depth = contact.geom.depth;
+    made.first = &a;
+    made.second = &b;
+    dJointSetFeedback(joint, &made.feedback);
+  }
+}
+
+void Engine::step(double h, unsigned long& seed) {
+  h_ = h;
+  touched_ = 0;
+  broken_off_ = true;
+  dSpaceCollide(space_, this, &Engine::near);
+  if (options_.quick) {
+    quick_step(world_, h, seed);
+  } else {
+    dWorldStep(world_, h);
+  }
+  dJointGroupEmpty(contacts_);
+  broken_off_ = false;
+}
+
+void Engine::report(std::vector<Contact>& out) const {
+  out.clear();
+  std::vector<std::size_t> order(touched_);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto key = [&](std::size_t i) {
+    const Geom *a = touch(i).first, *b = touch(i).second;
+    if (b->body < a->body) std::swap(a, b);
+    return std::array<int, 4>{a->body, b->body, a->shape, b->shape};
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t i, std::size_t j) { return key(i) < key(j); });
+  for (const std::size_t i : order) {
+    const Touch& found = touch(i);
+    const auto [a, b, shape_a, shape_b] = key(i);
+    Contact contact;
+    contact.body_a = a;
+    contact.body_b = b;
+    contact.shape_a = shape_a;
+    contact.shape_b = shape_b;
+    contact.point = found.point;
+    contact.depth = found.depth;
+    // ODE's normal points into its first geom; the force is on the body that it calls its first,
+    // the second where the first geom has none.
+    contact.normal = found.first->body == b ? found.normal : Vec3(-found.normal);
+    const int pushed = found.first->holder ? found.first->body : found.second->body;
+    const Vec3 force = to_vec(found.feedback.f1);
+    contact.force = pushed == b ? force : Vec3(-force);
+    out.push_back(contact);
+  }
+}
+
+std::vector<int> Engine::order() const {
+  std::vector<int> out(geoms_.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const dGeomID id = dSpaceGetGeom(space_, static_cast<int>(i));
+    out[i] = static_cast<const Geom*>(dGeomGetData(id))->index;
+  }
+  return out;
+}
+
+void Engine::set_order(const std::vector<int>& order) {
+  // ODE puts what is added in front.
+  for (const Geom& geom : geoms_) dSpaceRemove(space_, geom.id);
+  for (auto i = order.rbegin(); i != order.rend(); ++i) {
+    dSpaceAdd(space_, geoms_[static_cast<std::size_t>(*i)].id);
   }
 }
 

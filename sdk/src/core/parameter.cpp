@@ -141,7 +141,9 @@ Result<Parameters> complete_parameters(const ParameterTable& table, const Parame
   std::vector<std::string> problems;
   for (const ParameterSpec& spec : table) {
     const auto found = given.find(spec.name);
-    ParameterValue value = found == given.end() ? spec.default_value : found->second;
+    // Assigned: where memory runs out while a variant's text is copied, GCC 12's constructor crashes.
+    ParameterValue& value = out[spec.name];
+    value = found == given.end() ? spec.default_value : found->second;
     if (found != given.end()) {
       std::string problem = check_value(spec, value);
       if (!problem.empty()) problems.push_back(std::move(problem));
@@ -150,7 +152,6 @@ Result<Parameters> complete_parameters(const ParameterTable& table, const Parame
           "parameter '{}' must be set: {}", spec.name,
           spec.description.empty() ? to_string(spec.type()) : spec.description.c_str()));
     }
-    out[spec.name] = std::move(value);
   }
   for (const auto& [name, value] : given) {
     if (out.count(name) == 0) problems.push_back(unknown_parameter(table, name));

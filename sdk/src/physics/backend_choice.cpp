@@ -137,6 +137,7 @@ std::vector<std::string> split_backend_choices(const std::string& text) {
 
 Result<Parameters> option_values(const BackendChoice& choice, const ParameterTable& table) {
   Parameters given;
+  if (choice.options.empty()) return given;
   for (const auto& [name, text] : choice.options) {
     const auto spec = std::find_if(table.begin(), table.end(),
                                    [&](const ParameterSpec& s) { return s.name == name; });

@@ -41,9 +41,10 @@ Parameters options_from(const Json& json) {
   return out;
 }
 
-Parameters block_of(const std::map<std::string, Parameters>& blocks, const char* engine) {
+const Parameters& block_of(const std::map<std::string, Parameters>& blocks, const char* engine) {
+  static const Parameters none;
   const auto found = blocks.find(engine);
-  return found == blocks.end() ? Parameters() : found->second;
+  return found == blocks.end() ? none : found->second;
 }
 
 }  // namespace

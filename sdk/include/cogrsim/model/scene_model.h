@@ -208,7 +208,7 @@ struct AssemblyInfo {
   int parent = -1;   ///< SceneModel::assemblies; -1: top level
   Pose X_WA;         ///< at time 0
   bool rigid = false;
-  /// Engine block, by engine name: `<bullet formulation="reduced"/>` inside the assembly.
+  /// Engine block, by engine name: `<NAME …/>` inside the assembly.
   std::map<std::string, Parameters> engine_options;
   bool removed = false;
   SourceSpan origin;

@@ -1,0 +1,333 @@
+#include "constraint_joint.h"
+
+#include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+
+#include "cogrsim/core/constants.h"
+#include "cogrsim/model/joint_kinematics.h"
+#include "convert.h"
+
+namespace cogrsim::bullet {
+
+namespace {
+
+void enable(btGeneric6DofConstraint& constraint, int dof, bool on) {
+  if (dof < 3) {
+    constraint.getTranslationalLimitMotor()->m_enableMotor[dof] = on;
+  } else {
+    constraint.getRotationalLimitMotor(dof - 3)->m_enableMotor = on;
+  }
+}
+
+constexpr double kUnbounded = 1e30;  // Bullet adds to and multiplies its bounds
+
+/// s of apply_law() from which a law is a motor of Bullet's. Its sequential impulses converge for
+/// softnesses 1 / s below 1, by 1 / s per sweep: 3 % are left after 10.
+constexpr double kStiff = 1.4;
+
+}  // namespace
+
+ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody& a, btRigidBody& b,
+                                 const btTransform& frame_a, const btTransform& frame_b,
+                                 double softness)
+    : joint_(joint),
+      type_(model.joints[at(joint)].type),
+      a_(a),
+      b_(b),
+      frame_a_(frame_a),
+      frame_b_(frame_b),
+      softness_(softness) {
+  const Joint& made = model.joints[at(joint)];
+  collide_ = made.bodies_collide;
+  switch (type_) {
+    case JointType::hinge:
+      main_ = std::make_unique<btHingeConstraint>(a, b, frame_a, frame_b, true);
+      break;
+    case JointType::ball:
+      main_ =
+          std::make_unique<btPoint2PointConstraint>(a, b, frame_a.getOrigin(), frame_b.getOrigin());
+      break;
+    case JointType::fixed:
+      main_ = std::make_unique<btFixedConstraint>(a, b, frame_a, frame_b);
+      break;
+    default:
+      main_ = make_six();
+  }
+  main_->setJointFeedback(&feedback_);
+  make_axes(made);
+  make_rows(model);
+  if (auto* six = dynamic_cast<btGeneric6DofConstraint*>(main_.get())) {
+    for (int dof = 0; dof < 6; ++dof) six->setLimit(dof, 0.0, 0.0);
+    for (const Axis& axis : axes_) six->setLimit(axis.dof, 1.0, -1.0);
+  }
+  set_limits();
+}
+
+ConstraintJoint::~ConstraintJoint() = default;
+
+void ConstraintJoint::make_axes(const Joint& joint) {
+  const auto add = [&](int index, bool angular, int dof, bool on_child = false) {
+    Axis axis;
+    axis.direction = (on_child ? frame_b_ : frame_a_).getBasis().getColumn(index);
+    axis.on_child = on_child;
+    axis.angular = angular;
+    axis.dof = dof;
+    if (axes_.size() < joint.axes.size()) axis.law = joint.axes[axes_.size()];
+    axes_.push_back(axis);
+  };
+  const auto is = [&](JointType type) { return type_ == type; };
+  using T = JointType;
+  if (is(T::universal)) add(0, true, 5);
+  if (is(T::universal)) add(1, true, 3, true);
+  if (is(T::planar)) add(0, false, 0);
+  if (is(T::planar)) add(1, false, 1);
+  if (is(T::hinge) || is(T::cylindrical) || is(T::planar)) add(2, true, 5);
+  if (is(T::slider) || is(T::cylindrical)) add(2, false, 2);
+}
+
+void ConstraintJoint::make_rows(const SceneModel& model) {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    // The main constraint's motor. A stop would share its row, and its bound.
+    bool taken = axis.law.has_limit();
+    const auto add = [&](Kind kind, int motor) {
+      Row row;
+      row.kind = kind;
+      row.motor = motor;
+      if (taken) row.extra = make_extra();
+      taken = true;
+      axis.rows.push_back(row);
+    };
+    for (std::size_t m = 0; m < model.motors.size(); ++m) {
+      const Motor& motor = model.motors[m];
+      if (motor.removed || motor.joint != joint_ || at(motor.axis) != i) continue;
+      add(Kind::motor, static_cast<int>(m));
+    }
+    if (axis.law.friction > 0.0) add(Kind::friction, -1);
+    if (axis.law.stiffness > 0.0 || axis.law.damping > 0.0) add(Kind::passive, -1);
+    has_laws_ |= !axis.rows.empty();
+  }
+}
+
+std::unique_ptr<btGeneric6DofConstraint> ConstraintJoint::make_six() const {
+  // It measures x on B, z on A, and y, across them, within a quarter turn only: what may turn must
+  // be one of the others, and the first axis of a universal joint its z.
+  btTransform turn = btTransform::getIdentity();
+  if (type_ == JointType::universal) turn.setBasis({0, 0, 1, 1, 0, 0, 0, 1, 0});
+  auto made =
+      std::make_unique<btGeneric6DofConstraint>(a_, b_, frame_a_ * turn, frame_b_ * turn, true);
+  // Otherwise the two ends of a slider that is out are pushed apart with a couple that nothing holds.
+  made->setUseFrameOffset(false);
+  return made;
+}
+
+ConstraintJoint::Extra* ConstraintJoint::make_extra() {
+  auto extra = std::make_unique<Extra>();
+  extra->constraint = make_six();
+  for (int dof = 0; dof < 6; ++dof) extra->constraint->setLimit(dof, 1.0, -1.0);
+  extra->constraint->setJointFeedback(&extra->feedback);
+  extras_.push_back(std::move(extra));
+  return extras_.back().get();
+}
+
+void ConstraintJoint::set_limits() {
+  for (const Axis& axis : axes_) {
+    if (!axis.law.has_limit()) continue;
+    // Bullet does not count turns: an angle that has one limit meets it from the other side, too.
+    const double widest = axis.angular ? kWidestLimits : kUnbounded;
+    double lower = axis.law.lower, upper = axis.law.upper;
+    if (!std::isfinite(lower)) lower = upper - widest;
+    if (!std::isfinite(upper)) upper = lower + widest;
+    if (type_ == JointType::hinge) {
+      // Bullet's softness and bias; without relaxation nothing bounces.
+      static_cast<btHingeConstraint&>(*main_).setLimit(lower, upper, 0.9, 0.3, 0.0);
+      continue;
+    }
+    auto& six = static_cast<btGeneric6DofConstraint&>(*main_);
+    if (!axis.angular) {
+      six.setLimit(axis.dof, lower, upper);
+      continue;
+    }
+    // Its angles have the other sign; setLimit() would wrap the two one by one.
+    const double turns = 2.0 * kPi * std::round((lower + upper) / (4.0 * kPi));
+    six.getRotationalLimitMotor(axis.dof - 3)->m_loLimit = turns - upper;
+    six.getRotationalLimitMotor(axis.dof - 3)->m_hiLimit = turns - lower;
+  }
+}
+
+void ConstraintJoint::add_to(btDiscreteDynamicsWorld& world) {
+  world.addConstraint(main_.get(), !collide_);
+  for (const auto& extra : extras_) world.addConstraint(extra->constraint.get(), false);
+}
+
+btVector3 ConstraintJoint::direction(const Axis& axis, const btTransform& X_A,
+                                     const btTransform& X_B) const {
+  return (axis.on_child ? X_B : X_A).getBasis() * axis.direction;
+}
+
+double ConstraintJoint::speed(const Axis& axis, const btVector3& along) const {
+  if (axis.angular) return along.dot(b_.getAngularVelocity() - a_.getAngularVelocity());
+  const btVector3 M = b_.getWorldTransform() * frame_b_.getOrigin();
+  return along.dot(b_.getVelocityInLocalPoint(M - b_.getCenterOfMassPosition()) -
+                   a_.getVelocityInLocalPoint(M - a_.getCenterOfMassPosition()));
+}
+
+double ConstraintJoint::inverse_mass(const Axis& axis, const btVector3& along) const {
+  double sum = 0.0;
+  for (const btRigidBody* body : {&a_, &b_}) {
+    if (axis.angular) {
+      sum += along.dot(body->getInvInertiaTensorWorld() * along);
+      continue;
+    }
+    sum += body->getInvMass();
+    const btVector3 arm =
+        (b_.getWorldTransform() * frame_b_.getOrigin() - body->getCenterOfMassPosition())
+            .cross(along);
+    sum += arm.dot(body->getInvInertiaTensorWorld() * arm);
+  }
+  return sum;
+}
+
+void ConstraintJoint::drive(const Axis& axis, Row& row, double dt, double velocity,
+                            double softness) {
+  row.on = true;
+  const double bound = std::min(row.bound, kUnbounded);
+  if (!row.extra && type_ == JointType::hinge) {
+    auto& hinge = static_cast<btHingeConstraint&>(*main_);
+    hinge.enableAngularMotor(true, velocity, bound * dt);
+    hinge.setParam(BT_CONSTRAINT_CFM, softness);
+    return;
+  }
+  auto& six = row.extra ? *row.extra->constraint : static_cast<btGeneric6DofConstraint&>(*main_);
+  // Its speeds have the other sign.
+  enable(six, axis.dof, true);
+  if (axis.angular) {
+    six.getRotationalLimitMotor(axis.dof - 3)->m_targetVelocity = -velocity;
+    six.getRotationalLimitMotor(axis.dof - 3)->m_maxMotorForce = bound;
+  } else {
+    six.getTranslationalLimitMotor()->m_targetVelocity[axis.dof] = -velocity;
+    six.getTranslationalLimitMotor()->m_maxMotorForce[axis.dof] = bound;
+  }
+  six.setParam(BT_CONSTRAINT_CFM, softness, axis.dof);
+}
+
+void ConstraintJoint::stop(const Axis& axis, Row& row) {
+  if (!row.on) return;
+  row.on = false;
+  if (row.extra) {
+    enable(*row.extra->constraint, axis.dof, false);
+  } else if (type_ == JointType::hinge) {
+    static_cast<btHingeConstraint&>(*main_).enableMotor(false);
+  } else {
+    enable(static_cast<btGeneric6DofConstraint&>(*main_), axis.dof, false);
+  }
+}
+
+/// A spring and damper with a bound: effort = clamp(bias + kp (position - q) + kd (velocity - u)).
+///
+/// Semi-implicit Euler holds it as an explicit effort while s = dt (kd + dt kp) / m stays below
+/// about 2, m being the mass that the axis feels. Beyond, it becomes a motor of Bullet's: the law
+/// taken at the end of the step,
+///
+///     effort = K (v - u+),  K = kd + dt kp,  v = (bias + kp (position - q) + kd velocity) / K,
+///
+/// is a speed source of v with the softness u+ = v - impulse / (K dt).
+void ConstraintJoint::apply_law(const Axis& axis, Row& row, const Drive& law, double dt, double q,
+                                double u) {
+  row.bound = law.max_effort;
+  const double held = law.bias + law.kp * (law.position - q) + law.kd * law.velocity;
+  const double gain = law.kd + dt * law.kp;
+  const btVector3 along = direction(axis, a_.getWorldTransform(), b_.getWorldTransform());
+  const double s = gain > 0.0 ? dt * gain * inverse_mass(axis, along) : 0.0;
+  if (s >= kStiff) {
+    drive(axis, row, dt, held / gain, softness_ + 1.0 / s);
+  } else {
+    stop(axis, row);
+    row.effort = std::clamp(held - law.kd * u, -law.max_effort, law.max_effort);
+  }
+}
+
+void ConstraintJoint::push(const btVector3& force, const btVector3& torque) {
+  force_ += force;
+  torque_ += torque;
+  const btVector3 M = b_.getWorldTransform() * frame_b_.getOrigin();
+  b_.applyForce(force, M - b_.getCenterOfMassPosition());
+  b_.applyTorque(torque);
+  a_.applyForce(-force, M - a_.getCenterOfMassPosition());
+  a_.applyTorque(-torque);
+}
+
+void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives,
+                            const std::function<const double*()>& position) {
+  const double* q = nullptr;
+  force_.setZero();
+  torque_.setZero();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    double effort = 0.0;
+    for (Row& row : axis.rows) {
+      row.effort = 0.0;
+      if (row.kind == Kind::friction) {
+        row.bound = axis.law.friction;
+        drive(axis, row, dt, 0.0, softness_);
+        continue;
+      }
+      Drive law{0.0, axis.law.stiffness, axis.law.rest, axis.law.damping};
+      if (row.kind == Kind::motor) law = drives[at(row.motor)];
+      if (law.is_speed_source()) {
+        row.bound = law.max_effort;
+        drive(axis, row, dt, law.velocity, softness_);
+        continue;
+      }
+      const btVector3 along = direction(axis, a_.getWorldTransform(), b_.getWorldTransform());
+      if (!q) q = position();
+      apply_law(axis, row, law, dt, q[i], speed(axis, along));
+      effort += row.effort;
+    }
+    if (effort == 0.0) continue;
+    const btVector3 pushed =
+        direction(axis, a_.getWorldTransform(), b_.getWorldTransform()) * effort;
+    const btVector3 none(0, 0, 0);
+    push(axis.angular ? none : pushed, axis.angular ? pushed : none);
+  }
+}
+
+void ConstraintJoint::get_reaction(const btTransform& X_B, btVector3& force,
+                                   btVector3& torque) const {
+  const btVector3 arm = X_B.getBasis() * frame_b_.getOrigin();
+  force = force_;
+  torque = torque_;
+  const auto add = [&](const btJointFeedback& feedback) {
+    force += feedback.m_appliedForceBodyB;
+    torque += feedback.m_appliedTorqueBodyB - arm.cross(feedback.m_appliedForceBodyB);
+  };
+  add(feedback_);
+  for (const auto& extra : extras_) add(extra->feedback);
+}
+
+void ConstraintJoint::get_efforts(const btTransform& X_A, const btTransform& X_B, double* joint,
+                                  std::vector<double>& motors) const {
+  const btVector3 arm = X_B.getBasis() * frame_b_.getOrigin();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const Axis& axis = axes_[i];
+    joint[i] = 0.0;
+    if (axis.rows.empty() && !axis.law.has_limit()) continue;
+    const btVector3 along = direction(axis, X_A, X_B);
+    const auto part = [&](const btJointFeedback& feedback) {
+      if (!axis.angular) return along.dot(feedback.m_appliedForceBodyB);
+      return along.dot(feedback.m_appliedTorqueBodyB - arm.cross(feedback.m_appliedForceBodyB));
+    };
+    joint[i] = part(feedback_);
+    for (const Row& row : axis.rows) {
+      double effort = row.effort;
+      if (row.on && row.extra) effort = part(row.extra->feedback);
+      if (row.on && !row.extra) effort = joint[i];
+      if (row.extra || !row.on) joint[i] += effort;
+      if (row.kind == Kind::motor) motors[at(row.motor)] = effort;
+    }
+  }
+}
+
+}  // namespace cogrsim::bullet

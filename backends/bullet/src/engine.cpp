@@ -1,0 +1,380 @@
+// Building Bullet's world and changing it; a step, and what can be read after it.
+#include "engine.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+#include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
+#include <BulletDynamics/MLCPSolvers/btLemkeSolver.h>
+#include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
+#include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
+
+#include "cogrsim/model/joint_kinematics.h"
+#include "convert.h"
+
+namespace cogrsim::bullet {
+
+namespace {
+
+// Bounds of what may still be called a state.
+constexpr double kFarthest = 1e6;  // [m]
+constexpr double kFastest = 1e5;   // [m/s]
+constexpr double kMostSpin = 1e6;  // [rad/s]
+
+std::unique_ptr<btConstraintSolver> make_solver(const std::string& name,
+                                                std::unique_ptr<btMLCPSolverInterface>& mlcp) {
+  mlcp.reset();
+  if (name == "dantzig") mlcp = std::make_unique<btDantzigSolver>();
+  if (name == "lemke") mlcp = std::make_unique<btLemkeSolver>();
+  if (name == "projected-gauss-seidel") mlcp = std::make_unique<btSolveProjectedGaussSeidel>();
+  if (mlcp) return std::make_unique<btMLCPSolver>(mlcp.get());
+  if (name == "nncg") return std::make_unique<btNNCGConstraintSolver>();
+  return std::make_unique<btSequentialImpulseConstraintSolver>();
+}
+
+bool moves(const Body& body) { return body.kind == BodyKind::dynamic && !body.removed; }
+
+/// Centre of mass and principal axes; the body's own axes where they are principal.
+Pose principal_frame(const Body& body, btVector3& moments) {
+  const Mat3& inertia = body.inertia;
+  const double off = std::abs(inertia(0, 1)) + std::abs(inertia(0, 2)) + std::abs(inertia(1, 2));
+  if (off <= 1e-14 * inertia.trace()) {
+    moments = to_bt(Vec3(inertia.diagonal()));
+    return {body.com, Quat(1, 0, 0, 0)};
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia);
+  Mat3 axes = solver.eigenvectors();
+  if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
+  moments = to_bt(Vec3(solver.eigenvalues()));
+  return {body.com, Quat(axes).normalized()};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Engine>> Engine::create(const SceneModelPtr& model,
+                                               const OptionsPtr& options, const WorldState& state) {
+  auto out = std::unique_ptr<Engine>(new Engine(model, options));
+  if (auto done = out->build(state); !done) return tl::unexpected<Error>(done.error());
+  return out;
+}
+
+Engine::~Engine() {
+  // The world takes its bodies out of the broadphase, which cannot be done once memory ran out while
+  // its pairs grew: it is leaked then, and the broadphase frees itself.
+  if (sound_) {
+    world_.reset();
+  } else {
+    (void)world_.release();
+  }
+}
+
+void Engine::make_world() {
+  btDefaultCollisionConstructionInfo info;
+  configuration_ = std::make_unique<btDefaultCollisionConfiguration>(info);
+  const int points =
+      static_cast<int>(option<std::int64_t>(*options_, "plane-convex-multipoint-iterations"));
+  if (points > 0) configuration_->setPlaneConvexMultipointIterations(points, points);
+  dispatcher_ = std::make_unique<btCollisionDispatcher>(configuration_.get());
+  broadphase_ = std::make_unique<btDbvtBroadphase>();
+  solver_ = make_solver(option<std::string>(*options_, "solver"), mlcp_);
+  world_ = std::make_unique<btDiscreteDynamicsWorld>(dispatcher_.get(), broadphase_.get(),
+                                                     solver_.get(), configuration_.get());
+  // Pairs in order of their bodies, not of memory addresses: otherwise runs need not repeat.
+  world_->getDispatchInfo().m_deterministicOverlappingPairs = true;
+  btContactSolverInfo& solver = world_->getSolverInfo();
+  solver.m_numIterations = static_cast<int>(option<std::int64_t>(*options_, "iterations"));
+  solver.m_erp = option<double>(*options_, "erp");
+  solver.m_erp2 = option<double>(*options_, "erp2");
+  solver.m_globalCfm = option<double>(*options_, "cfm");
+  solver.m_splitImpulse = option<bool>(*options_, "split-impulse");
+  solver.m_splitImpulsePenetrationThreshold =
+      option<double>(*options_, "split-impulse-penetration-threshold");
+  // Without warm starting the solver would not write its impulses back: a factor of 0 is the same.
+  solver.m_warmstartingFactor = option<bool>(*options_, "warm-starting")
+                                    ? option<double>(*options_, "warm-starting-factor")
+                                    : 0.0;
+  if (static_cast<int>(option<std::int64_t>(*options_, "friction-directions")) == 2) {
+    solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+  }
+  if (mlcp_) solver.m_minimumSolverBatchSize = 1;  // its cost grows with the cube of a batch
+  world_->setGravity(to_bt(model_->physics.gravity));
+  solver.m_restitutionVelocityThreshold = model_->physics.bounce_threshold;
+  ground_ = std::make_unique<btRigidBody>(
+      btRigidBody::btRigidBodyConstructionInfo(0.0, nullptr, nullptr));
+}
+
+Result<> Engine::build(const WorldState& state) {
+  make_world();
+  const std::size_t count = model_->bodies.size();
+  parts_.resize(count);
+  before_.resize(count);
+  for (std::size_t b = 0; b < count; ++b) {
+    const Body& body = model_->bodies[b];
+    if (body.removed) continue;
+    Part& part = parts_[b];
+    part.place = state.poses[b];
+    if (body.kind == BodyKind::dynamic) part.X_BG = principal_frame(body, part.inertia);
+    auto shape = make_body_shape(*model_, body, option<double>(*options_, "margin"), part.X_BG);
+    if (!shape) return tl::unexpected<Error>(shape.error());
+    part.shape = std::move(*shape);
+    part.centred = part.X_BG.p == Vec3::Zero() && part.X_BG.q.coeffs() == Quat(1, 0, 0, 0).coeffs();
+    add_body(static_cast<int>(b), state);
+  }
+  positions_ = state.joint_positions;
+  for (std::size_t j = 0; j < model_->joints.size(); ++j) add_joint(static_cast<int>(j));
+  // Pairs that the scene keeps apart. A constraint's ends are kept apart by itself.
+  for (const auto& [first, second] : model_->no_collide) {
+    btRigidBody *const a = parts_[at(first)].rigid.get(), *const b = parts_[at(second)].rigid.get();
+    if (!a || !b) continue;
+    a->setIgnoreCollisionCheck(b, true);
+    b->setIgnoreCollisionCheck(a, true);
+  }
+  sound_ = true;
+  return {};
+}
+
+Motion Engine::motion_of(const Part& part, const Pose& X, const Twist& V) const {
+  const Vec3 arm = X.q * part.X_BG.p;
+  return {to_bt(part.centred ? X : X * part.X_BG), to_bt(part.centred ? V.linear : V.at(arm)),
+          to_bt(V.angular)};
+}
+
+void Engine::add_body(int body, const WorldState& state) {
+  const Body& of = model_->bodies[at(body)];
+  Part& part = parts_[at(body)];
+  const Motion start = motion_of(part, state.poses[at(body)], state.twists[at(body)]);
+  btRigidBody::btRigidBodyConstructionInfo info(of.kind == BodyKind::dynamic ? of.mass : 0.0,
+                                                nullptr, part.shape->shape, part.inertia);
+  info.m_startWorldTransform = start.X;
+  part.rigid = std::make_unique<btRigidBody>(info);
+  btRigidBody& rigid = *part.rigid;
+  rigid.setUserIndex(body);
+  rigid.setUserPointer(surfaces_.get());
+  int flags = rigid.getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK;
+  if (of.kind == BodyKind::kinematic) {
+    flags = (flags & ~btCollisionObject::CF_STATIC_OBJECT) | btCollisionObject::CF_KINEMATIC_OBJECT;
+  }
+  rigid.setCollisionFlags(flags);
+  rigid.setActivationState(DISABLE_DEACTIVATION);
+  if (of.kind == BodyKind::dynamic) {
+    set_motion(rigid, start);
+    movers_.push_back(body);
+  }
+  before_[at(body)] = start;
+  if (part.shape->collides) {
+    world_->addRigidBody(&rigid);
+  } else {
+    world_->addRigidBody(&rigid, 0, 0);
+  }
+}
+
+void Engine::set_motion(btRigidBody& body, const Motion& motion) {
+  body.setLinearVelocity(motion.velocity);
+  body.setAngularVelocity(motion.spin);
+  body.setCenterOfMassTransform(motion.X);
+  body.setInterpolationWorldTransform(motion.X);
+}
+
+void Engine::add_joint(int joint) {
+  const Joint& made = model_->joints[at(joint)];
+  if (made.removed || made.type == JointType::free) return;
+  const auto is_free = [&](int body) { return body != kWorld && moves(model_->bodies[at(body)]); };
+  if (!is_free(made.parent) && !is_free(made.child)) return;
+  const auto exists = [&](int body) { return body == kWorld || parts_[at(body)].rigid; };
+  if (!exists(made.parent) || !exists(made.child)) return;  // of a forged snapshot
+  const auto rigid = [&](int body) -> btRigidBody& {
+    return body == kWorld ? *ground_ : *parts_[at(body)].rigid;
+  };
+  auto constraint = std::make_unique<ConstraintJoint>(
+      *model_, joint, rigid(made.parent), rigid(made.child), frame_of(made.parent, made.X_PF),
+      frame_of(made.child, made.X_CM), option<double>(*options_, "cfm"));
+  constraint->add_to(*world_);
+  joints_.push_back(std::move(constraint));
+}
+
+Motion Engine::motion(const btRigidBody& body) {
+  return {body.getWorldTransform(), body.getLinearVelocity(), body.getAngularVelocity()};
+}
+
+void Engine::forget_contacts() {
+  btOverlappingPairCache& cache = *broadphase_->getOverlappingPairCache();
+  for (int i = 0; i < cache.getNumOverlappingPairs(); ++i) {
+    cache.cleanOverlappingPair(cache.getOverlappingPairArray()[i], dispatcher_.get());
+  }
+}
+
+/// A frame of a body's, in Bullet's frame of it.
+btTransform Engine::frame_of(int body, const Pose& X_BF) const {
+  if (body == kWorld || parts_[at(body)].centred) return to_bt(X_BF);
+  return to_bt(parts_[at(body)].X_BG.inverse() * X_BF);
+}
+
+// --- A step -----------------------------------------------------------------------------------
+
+double* Engine::count_turns(int joint) const {
+  const Joint& of = model_->joints[at(joint)];
+  const auto place = [&](int body) { return body == kWorld ? Pose() : pose(body); };
+  double* const q = positions_.data() + of.position_offset;
+  joint_position(of, relative_pose(of, place(of.parent), place(of.child)), q, q);
+  return q;
+}
+
+int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists) {
+  double spin = 0.0;
+  for (std::size_t b = 0; b < parts_.size(); ++b) {
+    if (model_->bodies[b].kind != BodyKind::kinematic || !parts_[b].rigid) continue;
+    // Bullet takes its velocity from where it is put.
+    Pose& X = parts_[b].place;
+    const double angle = twists[b].angular.norm() * dt;
+    X.p += twists[b].linear * dt;
+    if (angle > 0) {
+      X.q = (Quat(Eigen::AngleAxisd(angle, twists[b].angular.normalized())) * X.q).normalized();
+    }
+    spin = std::max(spin, angle / dt);
+    before_[b].X = to_bt(X * parts_[b].X_BG);
+    parts_[b].rigid->setWorldTransform(before_[b].X);
+  }
+  for (const auto& joint : joints_) {
+    if (joint->has_laws()) joint->apply(dt, drives, [&] { return count_turns(joint->joint()); });
+  }
+  for (const int b : movers_) before_[at(b)] = motion(*parts_[at(b)].rigid);
+  sound_ = false;
+  world_->stepSimulation(dt, 0);
+  sound_ = true;
+
+  int diverged = -1;
+  double most = spin * spin;
+  for (const int b : movers_) {
+    const btRigidBody& body = *parts_[at(b)].rigid;
+    const double turning = body.getAngularVelocity().length2();
+    most = std::max(most, turning);
+    // Written so that a NaN fails.
+    const bool fine = body.getCenterOfMassPosition().length2() < kFarthest * kFarthest &&
+                      body.getLinearVelocity().length2() < kFastest * kFastest &&
+                      turning < kMostSpin * kMostSpin;
+    if (!fine && diverged < 0) diverged = b;
+  }
+  if (diverged >= 0) {
+    for (const int b : movers_) set_motion(*parts_[at(b)].rigid, before_[at(b)]);
+    forget_contacts();
+    return diverged;
+  }
+  // Two bodies turn against each other by at most twice that; half a turn may not be missed.
+  turned_ += 2.0 * dt * std::sqrt(most);
+  if (turned_ > 2.0) {
+    for (std::size_t j = 0; j < model_->joints.size(); ++j) {
+      if (!model_->joints[j].removed) count_turns(static_cast<int>(j));
+    }
+    turned_ = 0.0;
+  }
+  return -1;
+}
+
+Pose Engine::pose(int body) const {
+  const Part& part = parts_[at(body)];
+  if (!moves(model_->bodies[at(body)])) return part.place;
+  const btTransform& X = part.rigid->getWorldTransform();
+  return part.centred ? from_bt(X) : from_bt(X) * part.X_BG.inverse();
+}
+
+Twist Engine::twist(int body) const {
+  const Part& part = parts_[at(body)];
+  if (!moves(model_->bodies[at(body)])) return {};
+  Twist out{from_bt(part.rigid->getLinearVelocity()), from_bt(part.rigid->getAngularVelocity())};
+  if (!part.centred) out.linear = out.at(pose(body).q * -part.X_BG.p);
+  return out;
+}
+
+void Engine::get_joints(WorldState& out) const {
+  turned_ = 0.0;
+  const auto place = [&](int body) { return body == kWorld ? Pose() : out.poses[at(body)]; };
+  const auto motion = [&](int body) { return body == kWorld ? Twist() : out.twists[at(body)]; };
+  for (const Joint& joint : model_->joints) {
+    if (joint.removed) continue;
+    double* const q = positions_.data() + joint.position_offset;
+    const Pose X_WP = place(joint.parent), X_WC = place(joint.child);
+    const Pose X_FM = relative_pose(joint, X_WP, X_WC);
+    joint_position(joint, X_FM, q, q);
+    joint_velocity(joint, X_FM,
+                   relative_twist(joint, X_WP, motion(joint.parent), X_WC, motion(joint.child)), q,
+                   out.joint_velocities.data() + joint.speed_offset);
+    std::copy(q, q + position_count(joint.type),
+              out.joint_positions.begin() + joint.position_offset);
+  }
+}
+
+void Engine::set_state(const WorldState& state) {
+  for (std::size_t b = 0; b < parts_.size(); ++b) {
+    Part& part = parts_[b];
+    const Body& body = model_->bodies[b];
+    if (!part.rigid || body.kind == BodyKind::fixed) continue;
+    const Motion motion = motion_of(part, state.poses[b], state.twists[b]);
+    part.place = state.poses[b];
+    set_motion(*part.rigid, body.kind == BodyKind::dynamic ? motion : Motion{motion.X, {}, {}});
+    before_[b] = motion;
+  }
+  positions_ = state.joint_positions;
+  turned_ = 0.0;
+  forget_contacts();
+}
+
+// --- Reports ----------------------------------------------------------------------------------
+
+btTransform Engine::start_of(int body) const {
+  return body == kWorld ? btTransform::getIdentity() : before_[at(body)].X;
+}
+
+void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
+  joints.assign(at(model_->joint_speeds), 0.0);
+  motors.assign(model_->motors.size(), 0.0);
+  for (const auto& constraint : joints_) {
+    const Joint& joint = model_->joints[at(constraint->joint())];
+    constraint->get_efforts(start_of(joint.parent), start_of(joint.child),
+                            joints.data() + joint.speed_offset, motors);
+  }
+}
+
+void Engine::get_reactions(std::vector<Wrench>& out) const {
+  out.assign(model_->joints.size(), Wrench());
+  for (const auto& joint : joints_) {
+    btVector3 force, torque;
+    joint->get_reaction(start_of(model_->joints[at(joint->joint())].child), force, torque);
+    out[at(joint->joint())] = {from_bt(force), from_bt(torque)};
+  }
+}
+
+void Engine::get_contacts(double dt, std::vector<Contact>& out) const {
+  out.clear();
+  for (int i = 0; i < dispatcher_->getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(i);
+    const int first = manifold.getBody0()->getUserIndex();
+    const int second = manifold.getBody1()->getUserIndex();
+    for (int k = 0; k < manifold.getNumContacts(); ++k) {
+      const btManifoldPoint& point = manifold.getContactPoint(k);
+      // On the first body, along what leads to it from the second.
+      const btVector3 impulse = point.m_normalWorldOnB * point.m_appliedImpulse +
+                                point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+                                point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
+      const bool swapped = first > second;
+      const double sign = swapped ? 1.0 : -1.0;
+      Contact contact;
+      contact.body_a = swapped ? second : first;
+      contact.body_b = swapped ? first : second;
+      contact.shape_a = swapped ? point.m_partId1 : point.m_partId0;
+      contact.shape_b = swapped ? point.m_partId0 : point.m_partId1;
+      contact.point = from_bt((point.m_positionWorldOnA + point.m_positionWorldOnB) / 2);
+      contact.normal = from_bt(point.m_normalWorldOnB * sign);
+      contact.depth = -point.getDistance();
+      contact.force = from_bt(impulse * (sign / dt));
+      out.push_back(contact);
+    }
+  }
+  const auto key = [](const Contact& c) {
+    return std::make_tuple(c.body_a, c.body_b, c.shape_a, c.shape_b);
+  };
+  std::stable_sort(out.begin(), out.end(),
+                   [&](const Contact& a, const Contact& b) { return key(a) < key(b); });
+}
+
+}  // namespace cogrsim::bullet

@@ -1,0 +1,243 @@
+#include "shapes.h"
+
+#include <algorithm>
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+#include <BulletCollision/CollisionShapes/btCylinderShape.h>
+#include <BulletCollision/CollisionShapes/btEmptyShape.h>
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+#include <LinearMath/btConvexHullComputer.h>
+
+#include "cogrsim/physics/backend_checks.h"
+#include "convert.h"
+
+namespace cogrsim::bullet {
+
+namespace {
+
+constexpr std::size_t kLargestTable = 256;  // materials
+
+class Maker {
+ public:
+  Maker(const SceneModel& model, const Body& body, double margin, BodyShape& out)
+      : model_(model), body_(body), margin_(margin), out_(out) {}
+
+  /// One leaf; X_BS moves where Bullet centres a shape elsewhere.
+  Result<btCollisionShape*> leaf(const Shape& shape, Pose& X_BS) {
+    std::unique_ptr<btCollisionShape> made;
+    switch (shape.type) {
+      case ShapeType::box:
+        made = std::make_unique<btBoxShape>(to_bt(0.5 * shape.size));
+        break;
+      case ShapeType::sphere:
+        made = std::make_unique<btSphereShape>(shape.radius);
+        break;
+      case ShapeType::cylinder:
+        made = std::make_unique<btCylinderShapeZ>(
+            btVector3(shape.radius, shape.radius, 0.5 * shape.length));
+        break;
+      case ShapeType::capsule:
+        made = std::make_unique<btCapsuleShapeZ>(shape.radius, shape.length);
+        break;
+      case ShapeType::plane:
+        made = std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0);
+        break;
+      case ShapeType::convex_mesh:
+        made = hull(model_.meshes[at(shape.mesh)]);
+        break;
+      case ShapeType::mesh:
+        made = surface(model_.meshes[at(shape.mesh)]);
+        break;
+      case ShapeType::heightmap:
+        made = terrain(model_.heightmaps[at(shape.heightmap)], X_BS);
+        break;
+    }
+    if (!made) {
+      return fail("shape '" + shape.name + "': its mesh has no triangles, or spans no volume",
+                  place_of(model_, shape.origin));
+    }
+    if (margin_ > 0.0 && (shape.type == ShapeType::box || shape.type == ShapeType::cylinder)) {
+      made->setMargin(margin_);
+    }
+    made->setUserIndex(static_cast<int>(&shape - body_.shapes.data()));
+    made->setUserIndex2(shape.material);
+    return keep(std::move(made));
+  }
+
+  btCollisionShape* keep(std::unique_ptr<btCollisionShape> shape) {
+    out_.parts.push_back(std::move(shape));
+    return out_.parts.back().get();
+  }
+
+ private:
+  /// The hull shrunk by the margin that Bullet adds again, so that it keeps its size.
+  std::unique_ptr<btCollisionShape> hull(const TriangleMesh& mesh) const {
+    if (mesh.vertices.size() < 4) return nullptr;
+    Vec3 low = mesh.vertices.front(), high = low;
+    for (const Vec3& v : mesh.vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    const double margin =
+        margin_ > 0.0 ? margin_
+                      : std::min<double>(CONVEX_DISTANCE_MARGIN, 0.05 * (high - low).minCoeff());
+    btConvexHullComputer computer;
+    const double shrunk = computer.compute(mesh.vertices.front().data(), 3 * sizeof(double),
+                                           static_cast<int>(mesh.vertices.size()), margin, 0.25);
+    if (computer.vertices.size() < 4 || shrunk < 0.0) return nullptr;
+    auto shape = std::make_unique<btConvexHullShape>();
+    for (int i = 0; i < computer.vertices.size(); ++i) {
+      shape->addPoint(computer.vertices[i], false);
+    }
+    shape->recalcLocalAabb();
+    shape->setMargin(shrunk);
+    return shape;
+  }
+
+  std::unique_ptr<btCollisionShape> surface(const TriangleMesh& mesh) {
+    if (mesh.triangles.empty()) return nullptr;
+    const std::size_t first_number = out_.numbers.size(), first_index = out_.indices.size();
+    for (const Vec3& v : mesh.vertices) {
+      out_.numbers.insert(out_.numbers.end(), {v.x(), v.y(), v.z()});
+    }
+    for (const auto& t : mesh.triangles) {
+      out_.indices.insert(out_.indices.end(), {t[0], t[1], t[2]});
+    }
+    auto triangles = std::make_unique<btTriangleIndexVertexArray>(
+        static_cast<int>(mesh.triangles.size()), out_.indices.data() + first_index,
+        int{3 * sizeof(int)}, static_cast<int>(mesh.vertices.size()),
+        out_.numbers.data() + first_number, int{3 * sizeof(double)});
+    auto shape = std::make_unique<btBvhTriangleMeshShape>(triangles.get(), true);
+    out_.triangles.push_back(std::move(triangles));
+    return shape;
+  }
+
+  /// Bullet centres the field between its lowest and highest point.
+  std::unique_ptr<btCollisionShape> terrain(const HeightGrid& grid, Pose& X_BS) {
+    const std::size_t first = out_.numbers.size();
+    out_.numbers.insert(out_.numbers.end(), grid.heights.begin(), grid.heights.end());
+    const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
+    auto shape = std::make_unique<btHeightfieldTerrainShape>(
+        grid.columns, grid.rows, out_.numbers.data() + first, *low, *high, 2, true);
+    shape->setLocalScaling(
+        btVector3(grid.size_x / (grid.columns - 1), grid.size_y / (grid.rows - 1), 1));
+    X_BS = X_BS * Pose(Vec3(0, 0, 0.5 * (*low + *high)), Quat(1, 0, 0, 0));
+    return shape;
+  }
+
+  const SceneModel& model_;
+  const Body& body_;
+  const double margin_;  // [m]; 0: Bullet's own
+  BodyShape& out_;
+};
+
+/// The leaf of ours that a wrapper stands for: triangles of a mesh are made on the way.
+const btCollisionShape* leaf_of(const btCollisionObjectWrapper* wrapper) {
+  while (wrapper->getCollisionShape()->getUserIndex() < 0 && wrapper->m_parent) {
+    wrapper = wrapper->m_parent;
+  }
+  return wrapper->getCollisionShape();
+}
+
+bool set_surface(btManifoldPoint& point, const btCollisionObjectWrapper* wrapper_0, int, int,
+                 const btCollisionObjectWrapper* wrapper_1, int, int) {
+  const void* const owner = wrapper_0->getCollisionObject()->getUserPointer();
+  if (!owner || owner != wrapper_1->getCollisionObject()->getUserPointer()) return true;
+  const btCollisionShape *const a = leaf_of(wrapper_0), *const b = leaf_of(wrapper_1);
+  const SurfacePair pair =
+      static_cast<const Surfaces*>(owner)->pair(a->getUserIndex2(), b->getUserIndex2());
+  point.m_combinedFriction = pair.friction;
+  point.m_combinedRestitution = pair.restitution;
+  if (pair.stiffness) {
+    point.m_contactPointFlags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
+    point.m_combinedContactStiffness1 = *pair.stiffness;
+    point.m_combinedContactDamping1 = 0.0;
+  }
+  // Bullet does not read these; they tell get_contacts() the shapes.
+  point.m_partId0 = a->getUserIndex();
+  point.m_partId1 = b->getUserIndex();
+  return true;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, const Body& body,
+                                                   double margin, Pose& X_BG) {
+  auto out = std::make_unique<BodyShape>();
+  Maker maker(model, body, margin, *out);
+  // Bullet's shapes keep pointers into these.
+  std::size_t numbers = 0, indices = 0;
+  std::vector<const Shape*> shapes;
+  for (const Shape& shape : body.shapes) {
+    if (!shape.collides) continue;
+    if (is_surface(shape.type) && body.kind == BodyKind::dynamic) {
+      return fail("body '" + body.name + "': a " + std::string(to_string(shape.type)) +
+                      " cannot be moved by forces",
+                  place_of(model, shape.origin),
+                  "make the body static or kinematic, or use a convex-mesh");
+    }
+    if (shape.mesh >= 0) {
+      numbers += 3 * model.meshes[at(shape.mesh)].vertices.size();
+      indices += 3 * model.meshes[at(shape.mesh)].triangles.size();
+    }
+    if (shape.heightmap >= 0) numbers += model.heightmaps[at(shape.heightmap)].heights.size();
+    shapes.push_back(&shape);
+  }
+  out->numbers.reserve(numbers);
+  out->indices.reserve(indices);
+  out->collides = !shapes.empty();
+  if (shapes.empty()) {
+    out->shape = maker.keep(std::make_unique<btEmptyShape>());
+    return out;
+  }
+  std::vector<std::pair<Pose, btCollisionShape*>> leaves;
+  for (const Shape* shape : shapes) {
+    Pose X_BS = shape->X_BS;
+    const auto made = maker.leaf(*shape, X_BS);
+    if (!made) return tl::unexpected<Error>(made.error());
+    leaves.emplace_back(X_BS, *made);
+  }
+  const auto same = [](const Pose& a, const Pose& b) {
+    return a.p == b.p && a.q.coeffs() == b.q.coeffs();
+  };
+  if (leaves.size() == 1 && body.kind != BodyKind::dynamic) X_BG = leaves.front().first;
+  if (leaves.size() == 1 && same(leaves.front().first, X_BG)) {
+    out->shape = leaves.front().second;
+    return out;
+  }
+  const bool centred = same(X_BG, Pose());
+  auto compound = std::make_unique<btCompoundShape>();
+  for (const auto& [X_BS, leaf] : leaves) {
+    compound->addChildShape(to_bt(centred ? X_BS : X_BG.inverse() * X_BS), leaf);
+  }
+  out->shape = maker.keep(std::move(compound));
+  return out;
+}
+
+Surfaces::Surfaces(const SceneModelPtr& model) : model_(model), count_(model->materials.size()) {
+  if (count_ > kLargestTable) return;
+  for (std::size_t a = 0; a < count_; ++a) {
+    for (std::size_t b = 0; b < count_; ++b) {
+      table_.push_back(surface_pair(*model, static_cast<int>(a), static_cast<int>(b)));
+    }
+  }
+}
+
+SurfacePair Surfaces::pair(int material_a, int material_b) const {
+  if (table_.empty()) return surface_pair(*model_, material_a, material_b);
+  return table_[at(material_a) * count_ + at(material_b)];
+}
+
+void Surfaces::install() { gContactAddedCallback = &set_surface; }
+
+}  // namespace cogrsim::bullet

@@ -1,0 +1,52 @@
+// A body's shapes as Bullet's, and the friction and restitution of what touches.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+#include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
+
+#include "cogrsim/model/scene_model.h"
+
+class btManifoldPoint;
+struct btCollisionObjectWrapper;
+
+namespace cogrsim::bullet {
+
+/// All that a collision object points to. `shape` is the one shape, or a compound of several.
+struct BodyShape {
+  std::vector<double> numbers;
+  std::vector<int> indices;
+  std::vector<std::unique_ptr<btStridingMeshInterface>> triangles;
+  std::vector<std::unique_ptr<btCollisionShape>> parts;
+  btCollisionShape* shape = nullptr;
+  bool collides = false;
+};
+
+/// The colliding shapes of a body, seen from Bullet's frame of it, X_BG; of a body that does not
+/// move and has one shape, X_BG becomes that shape's. Leaves carry their number in Body::shapes as
+/// user index and their material as second user index. A body without any gets an empty shape.
+/// Errors: a surface on a body that forces move, a mesh without a volume.
+Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, const Body& body,
+                                                   double margin, Pose& X_BG);
+
+/// What two materials do to each other, and where Bullet asks for it: gContactAddedCallback. One
+/// per world; collision objects point to it (user pointer).
+class Surfaces {
+ public:
+  explicit Surfaces(const SceneModelPtr& model);
+  SurfacePair pair(int material_a, int material_b) const;
+
+  /// Puts our function into Bullet's global pointer. It minds only objects that carry
+  /// CF_CUSTOM_MATERIAL_CALLBACK, and knows nothing but what these point to, so that worlds on
+  /// several threads do not meet in it.
+  static void install();
+
+ private:
+  SceneModelPtr model_;
+  std::size_t count_ = 0;
+  std::vector<SurfacePair> table_;  // (count x count); empty where there are too many materials
+};
+
+}  // namespace cogrsim::bullet

@@ -1,0 +1,60 @@
+// A world of the Bullet backend: the engine with a clock, what it reports, and changes of its scene.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "cogrsim/physics/scene_change.h"
+#include "cogrsim/physics/world.h"
+#include "engine.h"
+
+namespace cogrsim::bullet {
+
+class BulletWorld final : public World, public JointReactions, public KinematicDrive {
+ public:
+  /// Errors: a motor without an axis, a shape or joint that Bullet cannot take, with its place.
+  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
+
+  const SceneModelPtr& model() const override { return engine_->model(); }
+  double time() const override { return time_; }
+  StepResult step(double dt, const std::vector<Drive>& drives) override;
+  void get_state(WorldState& out) const override;
+  Result<> set_state(const WorldState& state) override;
+  void get_contacts(std::vector<Contact>& out) const override;
+  Result<> add(const SceneModelPtr& next) override { return change_to(next, SceneStep::add); }
+  Result<> remove(const SceneModelPtr& next) override { return change_to(next, SceneStep::remove); }
+  Result<> change(const SceneModelPtr& next) override { return change_to(next, SceneStep::change); }
+  SnapshotPtr save() const override;
+  Result<> restore(const SnapshotPtr& snapshot) override;
+  Result<> reset() override;
+  void* extension(std::string_view id) override;
+  void get_joint_reactions(std::vector<Wrench>& out) const override;
+  Result<> set_kinematic_twist(int body, const Twist& twist) override;
+
+ private:
+  /// What get_…() say while Bullet has nothing to say: before a step, after a change.
+  struct Reports {
+    std::vector<double> joint_efforts, motor_efforts;
+    std::vector<Wrench> reactions;
+    std::vector<Contact> contacts;
+  };
+  struct Snapshot;
+
+  BulletWorld(const SceneModelPtr& model, const OptionsPtr& options,
+              std::unique_ptr<Engine> engine);
+  void start(std::unique_ptr<Engine> engine);
+  void forget_reports();
+  Result<> change_to(const SceneModelPtr& next, SceneStep step);
+  Reports reports() const;
+
+  SceneModelPtr initial_;
+  OptionsPtr options_;
+  std::unique_ptr<Engine> engine_;
+  double time_ = 0.0, last_dt_ = 0.0;
+  std::vector<Twist> twists_;  // of kinematic bodies, by body
+  std::optional<Reports> held_;
+  WorldState gone_;  // last values of what has been removed
+};
+
+}  // namespace cogrsim::bullet

@@ -1,0 +1,134 @@
+// The plugin: a stateless factory of MuJoCo worlds.
+#include "options.h"
+#include "world.h"
+
+#include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/backend_plugin.h"
+
+namespace cogrsim::mujoco {
+
+namespace {
+
+Capabilities make_capabilities() {
+  Capabilities out;
+  set_shape_features(out);
+  const char* const soft =
+      "soft contact: rests sunk in, slides slowly under friction that should hold, bounces "
+      "approximately; one point where flat sides of cylinders and meshes meet anything but planes "
+      "(multiccd: several)";
+  for (const ShapeType a : kShapeTypes) {
+    for (const ShapeType b : kShapeTypes) {
+      if (is_surface(a) && is_surface(b)) continue;
+      if (a == ShapeType::mesh || b == ShapeType::mesh) {
+        out.set(pair_feature(a, b), Support::unsupported,
+                "MuJoCo has meshes as their convex hulls only; use convex meshes");
+      } else {
+        out.set(pair_feature(a, b), Support::approximate, soft);
+      }
+    }
+  }
+  out.set("shape.convex-mesh", Support::approximate, "MuJoCo keeps its corners as floats");
+  out.set("shape.heightmap", Support::approximate, "MuJoCo keeps its heights as floats");
+  set_joint_features(out);
+  for (const JointType type : kJointTypes) {
+    const std::string name = to_string(type);
+    if (type != JointType::free) {
+      out.set("loop." + name, Support::unsupported,
+              "MuJoCo closes loops by points and welds: let a hinge, ball or fixed joint of the "
+              "loop be the last one in the file");
+    }
+    if (type == JointType::fixed || type == JointType::free) continue;
+    out.set("joint.limit." + name, Support::approximate, "a soft stop, see solreflimit");
+    out.set("joint.friction." + name, Support::approximate,
+            std::string("slides slowly under loads that it should hold, see solreffriction") +
+                (type == JointType::ball ? "; on each of three axes by itself" : ""));
+    out.set("joint.stiffness." + name, Support::approximate,
+            "an explicit spring: unstable where stiffness times step squared exceeds four times "
+            "the inertia");
+  }
+  out.set("joint.screw", Support::approximate,
+          "its travel is tied to its angle by a soft constraint, see solrefequality");
+  for (const char* loop : {"loop.hinge", "loop.ball", "loop.fixed"}) {
+    out.set(loop, Support::approximate, "held by a soft constraint, see solrefequality");
+  }
+  for (const char* mode : {"velocity", "position", "servo", "dc"}) {
+    out.set(
+        std::string("motor.") + mode, Support::approximate,
+        "an explicit actuator: its gain is at most what stops the axis in a step, and lags by load "
+        "over gain");
+  }
+  out.set("contact.stiffness", Support::unsupported,
+          "MuJoCo's contacts yield by acceleration, not by force: see solref and solimp");
+  for (const char* feature :
+       {"body.static", "body.kinematic", "runtime.add", "runtime.remove", "runtime.save",
+        "runtime.set_state", "runtime.joint_axes", "report.contact_force", "report.joint_effort"}) {
+    out.set(feature, Support::exact);
+  }
+  out.set(
+      "runtime.attach", Support::approximate,
+      "by a plain hinge, ball or fixed joint: a soft constraint, see solrefequality, that stops "
+      "what it forbids in some hundredths of a second");
+  out.set(
+      "runtime.body_kind", Support::approximate,
+      "what hangs on a body that is made static keeps its speed in the joint, not its momentum");
+  out.set("report.joint_reaction", Support::approximate,
+          "of joints in trees only; zero for those that close loops or attach bodies");
+  return out;
+}
+
+}  // namespace
+
+class MujocoBackend final : public Backend {
+ public:
+  MujocoBackend() { install_handlers(); }
+  const char* name() const override { return "mujoco"; }
+  const char* engine_version() const override { return mj_versionString(); }
+  Provenance provenance(const Parameters& options) const override {
+    const auto text = [&](const char* key) { return std::get<std::string>(options.at(key)); };
+    const std::string solver = text("solver"), integrator = text("integrator");
+    const std::string solve = "mj_sol" + solver;
+    Provenance out;
+    out.engine = "MuJoCo";
+    out.solver = (solver == "Newton" ? "Newton's method, "
+                  : solver == "PGS"  ? "projected Gauss-Seidel, "
+                                     : "conjugate gradients, ") +
+                 text("cone") + " cones";
+    out.formulation = "generalized coordinates, soft constraints";
+    out.integrator = integrator == "RK4"        ? "Runge-Kutta 4"
+                     : integrator == "implicit" ? "implicit in velocity"
+                                                : "semi-implicit Euler";
+    const auto engine = [&](StepStage stage, const std::string& name) {
+      out[stage] = {ComputedBy::engine, name};
+    };
+    engine(StepStage::broad_phase, "mj_collision: mj_broadphase");
+    engine(StepStage::narrow_phase, "mj_collision: mjCOLLISIONFUNC");
+    engine(StepStage::contact_memory, "mjData::qacc_warmstart");
+    engine(StepStage::contact_law, "mj_makeConstraint, " + solve);
+    engine(StepStage::friction, "mj_makeConstraint, " + solve);
+    engine(StepStage::restitution, "solref of a damped spring");
+    engine(StepStage::joints, "mjModel's joints, loops by mjEQ_CONNECT and mjEQ_WELD");
+    engine(StepStage::limits, "mjCNSTR_LIMIT_JOINT, " + solve);
+    engine(StepStage::motors,
+           "mj_fwdActuation (gains by CogRSim), mj_passive, mjCNSTR_FRICTION_DOF");
+    engine(StepStage::integrator, integrator == "RK4" ? "mj_RungeKutta" : "mj_" + integrator);
+    return out;
+  }
+  const Capabilities& capabilities() const override { return capabilities_; }
+  const ParameterTable& world_options() const override { return world_option_table(); }
+  const ParameterTable& assembly_options() const override {
+    static const ParameterTable none;
+    return none;
+  }
+  Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
+    return MujocoWorld::create(model);
+  }
+
+ private:
+  Capabilities capabilities_ = make_capabilities();
+};
+
+}  // namespace cogrsim::mujoco
+
+COGRSIM_BACKEND(cogrsim::mujoco::MujocoBackend, "mujoco", version("0.1.0"),
+                author("the CogRSim authors"),
+                summary("MuJoCo 2.2 as it ships: generalized coordinates, soft constraints"))

@@ -1,0 +1,468 @@
+// Writes a scene in MuJoCo's language, MJCF.
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "convert.h"
+#include "program.h"
+#include "surfaces.h"
+
+#include "cogrsim/core/constants.h"
+#include "cogrsim/model/hull_faces.h"
+#include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
+
+namespace cogrsim::mujoco {
+
+namespace {
+
+constexpr double kFarthest = 1e9;  // [m]; beyond mjMAXVAL, 1e10, MuJoCo resets
+
+/// A kinematic body against all others together: no force moves it, or turns it by a lever [m].
+constexpr double kHeavier = 1e8, kHeavierLever = 10.0;
+
+std::string text(const Vec3& v) { return numbers(v.data(), 3); }
+std::string text(const Quat& q) {
+  double values[4];
+  put(values, q);
+  return numbers(values, 4);
+}
+bool is_far(const Pose& X) { return !(X.p.cwiseAbs().maxCoeff() < kFarthest); }
+
+/// One of MuJoCo's joints of one axis.
+struct Axis {
+  const char* type = "hinge";
+  int coordinate = 0;  ///< of the scene's joint; of a screw both are 0
+  Vec3 along;          ///< in the moved body
+};
+
+class Writer {
+ public:
+  explicit Writer(Program& program) : out_(program), scene_(*program.scene) {}
+
+  Result<std::string> write();
+
+ private:
+  std::size_t size() const { return scene_.bodies.size(); }
+  const Vec3& origin(int b) const { return out_.origins[static_cast<std::size_t>(b)]; }
+  const Body& body(int b) const { return scene_.bodies[static_cast<std::size_t>(b)]; }
+  const Joint& joint(int j) const { return scene_.joints[static_cast<std::size_t>(j)]; }
+  bool grounded(int b) const { return b == kWorld || body(b).kind != BodyKind::dynamic; }
+
+  Result<> check() const;
+  Result<> check_loop(const Joint& joint) const;
+  void grow_trees();
+  void find_exclusions();
+  Result<> write_body(int b);
+  Result<> write_geoms(int b, const Pose& X);
+  Result<std::string> geom_form(const Shape& shape, Pose& X);
+  void write_joint(int j);
+  void write_equality(int j);
+  void write_actuators();
+  std::string inertial(int b) const;
+
+  Program& out_;
+  const SceneModel& scene_;
+  std::string assets_, bodies_, contacts_, equalities_, actuators_;
+  std::vector<int> tree_;                   ///< by body, joint that holds it; -1: none
+  std::vector<int> above_;                  ///< by body, that on which it hangs; kWorld
+  std::vector<std::vector<int>> children_;  ///< by body
+  std::vector<char> apart_;  ///< by body that does not move: it is a body of MuJoCo's none the less
+  std::vector<SurfaceGeom> surface_geoms_;
+};
+
+Result<> Writer::check() const {
+  if (auto fine = check_motors(scene_); !fine) return fine;
+  for (const Body& b : scene_.bodies) {
+    if (b.removed) continue;
+    const std::string place = place_of(scene_, b.origin);
+    for (const Shape& shape : b.shapes) {
+      if (shape.collides && is_surface(shape.type) && b.kind != BodyKind::fixed) {
+        return fail("body '" + b.name + "': MuJoCo has a " + to_string(shape.type) +
+                        " on static bodies only",
+                    place, "make the body static, or give it another shape");
+      }
+    }
+  }
+  return {};
+}
+
+Result<> Writer::check_loop(const Joint& joint) const {
+  const std::string name = "joint '" + joint.name + "': ", place = place_of(scene_, joint.origin);
+  const char* const way_out =
+      "let another joint of the loop be the last one in the file, or attach by a plain hinge, ball "
+      "or fixed joint";
+  if (joint.type != JointType::hinge && joint.type != JointType::ball &&
+      joint.type != JointType::fixed) {
+    return fail(name + "MuJoCo closes no loop with a " + to_string(joint.type) +
+                    " joint, and attaches no bodies by one",
+                place, way_out);
+  }
+  const bool lawless = std::all_of(joint.axes.begin(), joint.axes.end(), [](const JointAxis& a) {
+    return !a.has_limit() && a.damping == 0 && a.friction == 0 && a.stiffness == 0;
+  });
+  const auto driven = std::find_if(scene_.motors.begin(), scene_.motors.end(), [&](const Motor& m) {
+    return !m.removed && &this->joint(m.joint) == &joint;
+  });
+  if (lawless && driven == scene_.motors.end()) return {};
+  return fail(
+      name + "it closes a loop or attaches bodies to each other: MuJoCo's constraints for that " +
+          "have no limits, springs, dampers, friction or motors",
+      place, way_out);
+}
+
+void Writer::grow_trees() {
+  tree_.assign(size(), -1);
+  above_.assign(size(), kWorld);
+  children_.assign(size(), {});
+  std::vector<std::vector<int>> joints(size() + 1);  // by body; the world is the last
+  const auto at = [&](int b) { return b == kWorld ? size() : static_cast<std::size_t>(b); };
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+    const Joint& it = scene_.joints[j];
+    if (it.removed || it.closes_loop || it.type == JointType::free) continue;
+    if (out_.references[j].attached) continue;
+    joints[at(it.parent)].push_back(static_cast<int>(j));
+    joints[at(it.child)].push_back(static_cast<int>(j));
+  }
+  std::vector<char> reached(size() + 1);
+  const auto spread = [&](int root) {
+    std::vector<int> rim = {root};
+    while (!rim.empty()) {
+      const int from = rim.back();
+      rim.pop_back();
+      for (const int j : joints[at(from)]) {
+        const int to = joint(j).parent == from ? joint(j).child : joint(j).parent;
+        if (reached[at(to)]) continue;
+        reached[at(to)] = 1;
+        tree_[at(to)] = j;
+        above_[at(to)] = from;
+        rim.push_back(to);
+      }
+    }
+  };
+  reached[size()] = 1;
+  for (std::size_t b = 0; b < size(); ++b) {
+    reached[b] = scene_.bodies[b].removed || grounded(static_cast<int>(b));
+  }
+  spread(kWorld);
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (!scene_.bodies[b].removed && grounded(static_cast<int>(b))) spread(static_cast<int>(b));
+  }
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (reached[b]) continue;
+    reached[b] = 1;
+    spread(static_cast<int>(b));
+  }
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (tree_[b] < 0) continue;
+    if (above_[b] != kWorld) children_[at(above_[b])].push_back(static_cast<int>(b));
+    TreeJoint& place = out_.joints[static_cast<std::size_t>(tree_[b])];
+    place.body = 0;  // known when it is compiled
+    place.reversed = joint(tree_[b]).parent == static_cast<int>(b);
+  }
+}
+
+void Writer::find_exclusions() {
+  const CollisionFilter filter(scene_);
+  std::vector<BodyPair> pairs = scene_.no_collide;
+  for (const Joint& it : scene_.joints) {
+    if (it.removed || it.parent == kWorld || it.child == kWorld) continue;
+    pairs.push_back(std::minmax(it.parent, it.child));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  apart_.assign(size(), 0);
+  for (std::size_t b = 0; b < size(); ++b) apart_[b] = !children_[b].empty();
+  for (const auto& [a, b] : pairs) {
+    if (body(a).removed || body(b).removed || filter.collide(a, b)) continue;
+    if (grounded(a) && grounded(b)) continue;  // by contype and conaffinity
+    apart_[static_cast<std::size_t>(a)] = apart_[static_cast<std::size_t>(b)] = 1;
+    contacts_ += fmt::format("<exclude body1=\"b{}\" body2=\"b{}\"/>\n", a, b);
+  }
+}
+
+std::string Writer::inertial(int b) const {
+  const Body& it = body(b);
+  if (it.kind == BodyKind::kinematic) {
+    double mass = kHeavier;
+    for (const Body& other : scene_.bodies) {
+      if (other.kind == BodyKind::dynamic) mass += kHeavier * other.mass;
+    }
+    const Vec3 moments = Vec3::Constant(kHeavierLever * kHeavierLever * mass);
+    return fmt::format("<inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"{}\"/>\n", mass,
+                       text(moments));
+  }
+  Vec3 moments = it.inertia.diagonal();
+  Quat principal(1, 0, 0, 0);
+  if ((it.inertia - Mat3(moments.asDiagonal())).cwiseAbs().maxCoeff() > 0.0) {
+    const Eigen::SelfAdjointEigenSolver<Mat3> axes(it.inertia);
+    Mat3 R = axes.eigenvectors();
+    if (R.determinant() < 0) R.col(2) *= -1.0;
+    moments = axes.eigenvalues();
+    principal = Quat(R);
+  }
+  // A flat body's largest moment is the sum of the others, and after rounding may be a little more.
+  Eigen::Index largest = 0;
+  const double rest = moments.sum() - moments.maxCoeff(&largest);
+  if (moments[largest] > rest) moments[largest] = rest * (1.0 - 1e-15);
+  return fmt::format(
+      "<inertial pos=\"{}\" {}mass=\"{}\" diaginertia=\"{}\"/>\n", text(Vec3(it.com - origin(b))),
+      principal.w() == 1 ? "" : "quat=\"" + text(principal) + "\" ", it.mass, text(moments));
+}
+
+Result<std::string> Writer::geom_form(const Shape& shape, Pose& X) {
+  const double r = shape.radius, half = 0.5 * shape.length;
+  switch (shape.type) {
+    case ShapeType::box:
+      return "type=\"box\" size=\"" + text(Vec3(0.5 * shape.size)) + '"';
+    case ShapeType::sphere:
+      return fmt::format("type=\"sphere\" size=\"{}\"", r);
+    case ShapeType::cylinder:
+      return fmt::format("type=\"cylinder\" size=\"{} {}\"", r, half);
+    case ShapeType::capsule:
+      if (!(half > 0)) return fmt::format("type=\"sphere\" size=\"{}\"", r);
+      return fmt::format("type=\"capsule\" size=\"{} {}\"", r, half);
+    case ShapeType::plane:
+      return std::string("type=\"plane\" size=\"0 0 1\"");
+    case ShapeType::convex_mesh: {
+      const HullFaces hull = hull_faces(scene_.meshes[static_cast<std::size_t>(shape.mesh)], 1000);
+      if (hull.vertices.size() < 4) break;
+      Vec3 middle = Vec3::Zero();
+      for (const Vec3& v : hull.vertices) middle += v / static_cast<double>(hull.vertices.size());
+      // MuJoCo keeps vertices as floats: from the middle, so that they lose as little as can be.
+      std::string vertices;
+      for (const Vec3& v : hull.vertices) vertices += text(Vec3(v - middle)) + ' ';
+      X = X * Pose(middle, Quat(1, 0, 0, 0));
+      const std::string name = "m" + std::to_string(out_.geoms.size());
+      assets_ += fmt::format("<mesh name=\"{}\" vertex=\"{}\"/>\n", name, vertices);
+      return "type=\"mesh\" mesh=\"" + name + '"';
+    }
+    case ShapeType::heightmap: {
+      const HeightGrid& grid = scene_.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+      const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
+      const double rise = std::max(*high - *low, 1e-6), base = std::max(1.0, rise);
+      X = X * Pose(Vec3(0, 0, *low), Quat(1, 0, 0, 0));
+      const std::string name = "h" + std::to_string(out_.geoms.size());
+      assets_ +=
+          fmt::format("<hfield name=\"{}\" nrow=\"{}\" ncol=\"{}\" size=\"{} {} {} {}\"/>\n", name,
+                      grid.rows, grid.columns, 0.5 * grid.size_x, 0.5 * grid.size_y, rise, base);
+      return "type=\"hfield\" hfield=\"" + name + '"';
+    }
+    case ShapeType::mesh:
+      break;
+  }
+  return fail("shape '" + shape.name +
+                  "': MuJoCo has meshes as their convex hulls only, and this " + "one " +
+                  (shape.type == ShapeType::mesh ? "is not convex" : "has no volume"),
+              place_of(scene_, shape.origin), "make it of convex meshes");
+}
+
+Result<> Writer::write_geoms(int b, const Pose& X_WB) {
+  const Body& it = body(b);
+  const bool mobile = it.kind == BodyKind::dynamic;
+  for (std::size_t s = 0; s < it.shapes.size(); ++s) {
+    const Shape& shape = it.shapes[s];
+    Pose X = X_WB * shape.X_BS;
+    if (!shape.collides || is_far(X)) continue;
+    const auto form = geom_form(shape, X);
+    if (!form) return tl::unexpected(form.error());
+    surface_geoms_.push_back({b, shape.material, mobile});
+    // What does not move does not meet its like.
+    bodies_ += fmt::format(
+        "<geom name=\"g{}\" class=\"{}\" {} pos=\"{}\" quat=\"{}\" contype=\"{}\" "
+        "conaffinity=\"{}\"/>\n",
+        out_.geoms.size(), surface_class(surface_geoms_.back()), *form, text(X.p), text(X.q),
+        mobile ? 1 : 2, mobile ? 3 : 1);
+    out_.geoms.emplace_back(b, static_cast<int>(s));
+  }
+  return {};
+}
+
+void Writer::write_joint(int j) {
+  const Joint& it = joint(j);
+  TreeJoint& place = out_.joints[static_cast<std::size_t>(j)];
+  const Reference& at = out_.references[static_cast<std::size_t>(j)];
+  const bool back = place.reversed;
+  // Of the moved body's joint frame N, that of M or of F, and of the other one in it.
+  const Pose& X_BN = back ? it.X_PF : it.X_CM;
+  const bool ball = it.type == JointType::ball;
+  const Pose X_FM = ball || it.type == JointType::fixed ? Pose() : joint_pose(it, at.q.data());
+  const double sign = back ? -1.0 : 1.0;
+  // An axis that the scene fixes in F (`first`) or in M; both where they share it.
+  const auto along = [&](const Vec3& axis, bool first) -> Vec3 {
+    if (back) return cleaned(X_BN.q * (first ? axis : Vec3(X_FM.q * axis))) * sign;
+    return cleaned(X_BN.q * (first ? Vec3(X_FM.q.conjugate() * axis) : axis));
+  };
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+  std::vector<Axis> axes;
+  switch (it.type) {
+    case JointType::fixed:
+    case JointType::free:
+      return;
+    case JointType::hinge:
+      axes = {{"hinge", 0, along(z, back)}};
+      break;
+    case JointType::slider:
+      axes = {{"slide", 0, along(z, back)}};
+      break;
+    case JointType::screw:
+      axes = {{"hinge", 0, along(z, back)}, {"slide", 0, along(z, back)}};
+      break;
+    case JointType::cylindrical:
+      axes = {{"hinge", 0, along(z, back)}, {"slide", 1, along(z, back)}};
+      break;
+    case JointType::universal:
+      axes = {{"hinge", 0, along(x, true)}, {"hinge", 1, along(y, false)}};
+      break;
+    case JointType::planar:
+      axes = {
+          {"slide", 0, along(x, true)}, {"slide", 1, along(y, true)}, {"hinge", 2, along(z, back)}};
+      break;
+    case JointType::ball:
+      axes = {{"ball", 0, z}};
+      break;
+  }
+  // Seen from the child they come in the other order.
+  if (back && it.type == JointType::universal) std::swap(axes[0], axes[1]);
+  if (back && it.type == JointType::planar) std::rotate(axes.begin(), axes.begin() + 2, axes.end());
+  const Vec3 anchor = back ? Vec3(X_BN * X_FM.p) : X_BN.p;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const Axis& axis = axes[i];
+    const bool slave = it.type == JointType::screw && i == 1;
+    const double slope = it.pitch / (2.0 * kPi);
+    if (!slave) place.axis[static_cast<std::size_t>(axis.coordinate)] = static_cast<int>(i);
+    bodies_ += fmt::format("<joint name=\"j{}_{}\" type=\"{}\" pos=\"{}\" ", j, i, axis.type,
+                           text(anchor));
+    if (!ball) {
+      const double q = at.q[static_cast<std::size_t>(axis.coordinate)];
+      bodies_ += fmt::format("axis=\"{}\" ref=\"{}\" ", text(axis.along), slave ? slope * q : q);
+    }
+    const JointAxis& law = it.axes[static_cast<std::size_t>(axis.coordinate)];
+    if (!slave) {
+      bodies_ += fmt::format("damping=\"{}\" frictionloss=\"{}\" stiffness=\"{}\" {} ", law.damping,
+                             law.friction, law.stiffness, out_.options.joint);
+      if (!ball) bodies_ += fmt::format("springref=\"{}\" ", law.rest);
+      // The bounds themselves may be one number, or infinite, and are set in the compiled model.
+      if (law.has_limit()) bodies_ += "limited=\"true\" range=\"0 1\" ";
+    } else {
+      equalities_ +=
+          fmt::format("<joint joint1=\"j{0}_1\" joint2=\"j{0}_0\" polycoef=\"0 {1} 0 0 0\" {2}/>\n",
+                      j, slope, out_.options.equality);
+    }
+    bodies_ += "/>\n";
+  }
+}
+
+Result<> Writer::write_body(int b) {
+  const auto i = static_cast<std::size_t>(b);
+  const Body& it = body(b);
+  Pose X = it.kind == BodyKind::fixed ? out_.places[i] : it.X_WB;
+  if (tree_[i] >= 0) {
+    const Reference& at = out_.references[static_cast<std::size_t>(tree_[i])];
+    X = joint(tree_[i]).child == b ? at.X_PC : at.X_PC.inverse();
+    if (above_[i] != kWorld) X.p -= origin(above_[i]);
+  }
+  if (it.kind == BodyKind::fixed && !apart_[i]) return write_geoms(b, X);
+  X.p += X.q * origin(b);
+  if (is_far(X)) X = Pose();  // it has diverged before it begins, and MuJoCo need not know
+  bodies_ += fmt::format("<body name=\"b{}\" pos=\"{}\" quat=\"{}\">\n", b, text(X.p), text(X.q));
+  if (tree_[i] >= 0) {
+    write_joint(tree_[i]);
+  } else if (it.kind != BodyKind::fixed) {
+    bodies_ += fmt::format("<freejoint name=\"f{}\"/>\n", b);
+  }
+  if (it.kind != BodyKind::fixed) bodies_ += inertial(b);
+  if (auto written = write_geoms(b, {Vec3(-origin(b)), Quat(1, 0, 0, 0)}); !written) return written;
+  for (const int child : children_[i]) {
+    if (auto written = write_body(child); !written) return written;
+  }
+  bodies_ += "</body>\n";
+  return {};
+}
+
+void Writer::write_equality(int j) {
+  const Joint& it = joint(j);
+  const auto name = [](int b) {
+    return b == kWorld ? std::string("world") : fmt::format("b{}", b);
+  };
+  const std::string ends = fmt::format("body1=\"{}\" body2=\"{}\" {}", name(it.parent),
+                                       name(it.child), out_.options.equality);
+  if (it.type == JointType::fixed) {
+    equalities_ += fmt::format("<weld name=\"e{}_0\" {}/>\n", j, ends);
+    return;
+  }
+  // A hinge is held at two points of its pin, as far apart as the body is large.
+  const Body& held = body(grounded(it.child) ? it.parent : it.child);
+  const double half = std::sqrt(held.inertia.diagonal().maxCoeff() / held.mass);
+  const Vec3 pin = half * cleaned(it.X_PF.q * Vec3::UnitZ());
+  int i = 0;
+  for (const double side : {1.0, -1.0}) {
+    const Vec3 anchor = it.X_PF.p + (it.type == JointType::ball ? 0.0 : side) * pin -
+                        (it.parent == kWorld ? Vec3(0, 0, 0) : origin(it.parent));
+    equalities_ +=
+        fmt::format("<connect name=\"e{}_{}\" {} anchor=\"{}\"/>\n", j, i++, ends, text(anchor));
+    if (it.type == JointType::ball) break;
+  }
+}
+
+void Writer::write_actuators() {
+  int count = 0;
+  for (std::size_t m = 0; m < scene_.motors.size(); ++m) {
+    const Motor& motor = scene_.motors[m];
+    if (motor.removed || joint(motor.joint).removed) continue;
+    const TreeJoint& place = out_.joints[static_cast<std::size_t>(motor.joint)];
+    if (place.body < 0) continue;  // both its bodies are part of the ground
+    // Gains and bounds are given in every step.
+    actuators_ += fmt::format(
+        "<general joint=\"j{}_{}\" biastype=\"affine\" forcelimited=\"true\" forcerange=\"-1 "
+        "1\"/>\n",
+        motor.joint, place.axis[static_cast<std::size_t>(motor.axis)]);
+    out_.actuators[m] = count++;
+  }
+}
+
+Result<std::string> Writer::write() {
+  if (auto fine = check(); !fine) return tl::unexpected(fine.error());
+  out_.joints.assign(scene_.joints.size(), {});
+  out_.actuators.assign(scene_.motors.size(), -1);
+  grow_trees();
+  out_.origins.assign(size(), Vec3::Zero());
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (tree_[b] < 0 && !grounded(static_cast<int>(b))) out_.origins[b] = scene_.bodies[b].com;
+  }
+  find_exclusions();
+  for (std::size_t b = 0; b < size(); ++b) {
+    const Body& it = scene_.bodies[b];
+    if (it.removed || above_[b] != kWorld) continue;
+    if (auto written = write_body(static_cast<int>(b)); !written) {
+      return tl::unexpected(written.error());
+    }
+    if (it.kind == BodyKind::kinematic) out_.kinematic.push_back(static_cast<int>(b));
+  }
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+    const Joint& it = scene_.joints[j];
+    if (it.removed || out_.joints[j].body >= 0) continue;
+    if (position_count(it.type) > 0) out_.followed.push_back(static_cast<int>(j));
+    if (it.type == JointType::free || (grounded(it.parent) && grounded(it.child))) continue;
+    if (auto fine = check_loop(it); !fine) return tl::unexpected(fine.error());
+    write_equality(static_cast<int>(j));
+  }
+  write_actuators();
+  const Surfaces surfaces = choose_surfaces(scene_, out_.options, surface_geoms_);
+  return fmt::format(
+      "<mujoco><compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n"
+      "<size njmax=\"0\" nconmax=\"0\"/>\n<option {}><flag {}/></option>\n"
+      "<default>\n{}</default>\n<asset>\n{}</asset>\n<worldbody>\n{}</worldbody>\n"
+      "<contact>\n{}{}</contact>\n<equality>\n{}</equality>\n"
+      "<actuator>\n{}</actuator></mujoco>\n",
+      out_.options.option, out_.options.flag, surfaces.classes, assets_, bodies_, contacts_,
+      surfaces.pairs, equalities_, actuators_);
+}
+
+}  // namespace
+
+Result<std::string> write_mjcf(Program& program) { return Writer(program).write(); }
+
+}  // namespace cogrsim::mujoco

@@ -1,0 +1,173 @@
+#include "program.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "convert.h"
+
+#include "cogrsim/model/joint_kinematics.h"
+
+namespace cogrsim::mujoco {
+
+namespace {
+
+void find_places(Program& out) {
+  const SceneModel& scene = *out.scene;
+  const mjModel& m = *out.model;
+  const auto id = [&](int kind, const std::string& name) {
+    return mj_name2id(&m, kind, name.c_str());
+  };
+  out.bodies.assign(scene.bodies.size(), -1);
+  out.owners.assign(static_cast<std::size_t>(m.nbody), -1);
+  out.free_qpos.assign(scene.bodies.size(), -1);
+  out.free_dof.assign(scene.bodies.size(), -1);
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (scene.bodies[b].removed) continue;
+    out.bodies[b] = std::max(0, id(mjOBJ_BODY, fmt::format("b{}", b)));
+    if (out.bodies[b] == 0) continue;
+    out.owners[static_cast<std::size_t>(out.bodies[b])] = static_cast<int>(b);
+    const int joint = m.body_jntadr[out.bodies[b]];
+    if (joint < 0 || m.jnt_type[joint] != mjJNT_FREE) continue;
+    out.free_qpos[b] = m.jnt_qposadr[joint];
+    out.free_dof[b] = m.jnt_dofadr[joint];
+  }
+  // MuJoCo numbers geoms by body, the world's first.
+  const auto written = std::exchange(out.geoms, {});
+  out.geoms.resize(written.size());
+  for (std::size_t g = 0; g < written.size(); ++g) {
+    out.geoms[static_cast<std::size_t>(id(mjOBJ_GEOM, fmt::format("g{}", g)))] = written[g];
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    TreeJoint& place = out.joints[j];
+    const Joint& joint = scene.joints[j];
+    if (place.body < 0) continue;
+    place.body = out.bodies[static_cast<std::size_t>(place.reversed ? joint.parent : joint.child)];
+    place.joint = id(mjOBJ_JOINT, fmt::format("j{}_0", j));
+    if (place.joint < 0) continue;
+    place.qpos = m.jnt_qposadr[place.joint];
+    place.dof = m.jnt_dofadr[place.joint];
+  }
+}
+
+/// What the text could not say as exactly, or not at all.
+void complete_model(Program& out) {
+  const SceneModel& scene = *out.scene;
+  mjModel& m = *out.model;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    const TreeJoint& place = out.joints[j];
+    for (std::size_t i = 0; place.joint >= 0 && i < joint.axes.size(); ++i) {
+      double* const range = m.jnt_range + 2 * (place.joint + place.axis[i]);
+      range[0] = joint.type == JointType::ball ? 0.0 : joint.axes[i].lower;
+      range[1] = joint.axes[i].upper;
+    }
+    const int equality = mj_name2id(&m, mjOBJ_EQUALITY, fmt::format("e{}_0", j).c_str());
+    if (equality < 0) continue;
+    const auto origin = [&](int b) {
+      return b == kWorld ? Vec3(0, 0, 0) : out.origins[static_cast<std::size_t>(b)];
+    };
+    const auto eq_data = [&](int k) { return m.eq_data + mjNEQDATA * (equality + k); };
+    if (joint.type == JointType::fixed) {
+      put(eq_data(0), Vec3(joint.X_CM.p - origin(joint.child)));
+      put(eq_data(0) + 3, Vec3(joint.X_PF.p - origin(joint.parent)));
+      put(eq_data(0) + 6, (joint.X_PF.q * joint.X_CM.q.conjugate()).normalized());
+      continue;
+    }
+    // MuJoCo takes the point on the second body from where the bodies were made, which is right
+    // unless the loop was closed later.
+    for (int k = 0; k < (joint.type == JointType::ball ? 1 : 2); ++k) {
+      const Vec3 in_F = joint.X_PF.inverse() * (vec_at(eq_data(k)) + origin(joint.parent));
+      const Vec3 wanted = joint.X_CM * in_F - origin(joint.child);
+      if ((vec_at(eq_data(k) + 3) - wanted).norm() > 1e-9) put(eq_data(k) + 3, wanted);
+    }
+  }
+  for (std::size_t g = 0; g < out.geoms.size(); ++g) {
+    const auto& [b, s] = out.geoms[g];
+    const Shape& shape =
+        scene.bodies[static_cast<std::size_t>(b)].shapes[static_cast<std::size_t>(s)];
+    if (shape.type != ShapeType::heightmap) continue;
+    const HeightGrid& grid = scene.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+    const int hfield = m.geom_dataid[g];
+    const double low = *std::min_element(grid.heights.begin(), grid.heights.end());
+    const double rise = m.hfield_size[4 * hfield + 2];
+    float* const data = m.hfield_data + m.hfield_adr[hfield];
+    for (std::size_t i = 0; i < grid.heights.size(); ++i) {
+      data[i] = static_cast<float>((grid.heights[i] - low) / rise);
+    }
+  }
+  if (out.kinematic.empty()) return;
+  // The solver's tolerance goes by the mean inertia: that of what is moved by forces.
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < m.nv; ++i) {
+    const int b = out.owners[static_cast<std::size_t>(m.dof_bodyid[i])];
+    if (scene.bodies[static_cast<std::size_t>(b)].kind == BodyKind::kinematic) continue;
+    sum += m.dof_M0[i];
+    ++count;
+  }
+  if (count > 0) m.stat.meaninertia = sum / count;
+}
+
+/// Motors of one tree move each other's axes: where n explicit ones are, each of which could stop its
+/// own in one step, 2 / n of their gains is stable whatever the couplings.
+void share_gains(Program& out) {
+  const mjModel& m = *out.model;
+  const auto root_of = [&](int motor) {
+    return m.body_rootid[m.jnt_bodyid[m.actuator_trnid[2 * motor]]];
+  };
+  for (int i = 0; i < m.nu; ++i) {
+    double count = 0.0;
+    for (int k = 0; k < m.nu; ++k) count += root_of(k) == root_of(i) ? 1.0 : 0.0;
+    out.shares.push_back(std::min(1.0, 2.0 / count));
+  }
+}
+
+Reference reference_of(const Joint& joint, const Pose& X_WP, const Pose& X_WC) {
+  Reference out;
+  if (joint.type == JointType::ball) {
+    out.X_PC = joint.X_PF * joint.X_CM.inverse();  // where its quaternion is one, as MuJoCo's is
+    return out;
+  }
+  out.X_PC = joint.parent == kWorld ? X_WC : X_WP.inverse() * X_WC;
+  if (joint.type == JointType::free) return out;
+  std::transform(joint.position.begin(), joint.position.end(), out.q.begin(), settled);
+  return out;
+}
+
+}  // namespace
+
+Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Pose> poses,
+                                std::vector<Reference> references,
+                                const std::vector<int>& attached) {
+  auto out = std::make_shared<Program>();
+  out->scene = scene;
+  const auto pose = [&](int b) {
+    return b == kWorld ? Pose() : poses[static_cast<std::size_t>(b)];
+  };
+  for (std::size_t j = references.size(); j < scene->joints.size(); ++j) {
+    const Joint& joint = scene->joints[j];
+    references.push_back(reference_of(joint, pose(joint.parent), pose(joint.child)));
+  }
+  for (const int j : attached) references[static_cast<std::size_t>(j)].attached = true;
+  out->references = std::move(references);
+  out->places = std::move(poses);
+  auto options = read_options(*scene);
+  if (!options) return tl::unexpected(options.error());
+  out->options = *options;
+  const auto mjcf = write_mjcf(*out);
+  if (!mjcf) return tl::unexpected(mjcf.error());
+  auto model = compile(*mjcf);
+  if (!model) {
+    model.error().where = place_of(*scene, scene->physics.origin);
+    return tl::unexpected(model.error());
+  }
+  out->model = std::move(*model);
+  find_places(*out);
+  complete_model(*out);
+  share_gains(*out);
+  return ProgramPtr(std::move(out));
+}
+
+}  // namespace cogrsim::mujoco

@@ -1,0 +1,291 @@
+#include "world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "convert.h"
+
+#include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/scene_change.h"
+
+namespace cogrsim::mujoco {
+
+namespace {
+
+/// Written so that a NaN is bad. Beyond it MuJoCo resets its data.
+bool any_bad(const double* from, const double* to) {
+  return std::any_of(from, to, [](double x) { return !(std::abs(x) < mjMAXVAL); });
+}
+
+int clamped(double value) { return static_cast<int>(std::min(value, 2e9)); }
+
+/// Appends what `scene` has beyond the bodies of `state` and the first `joints` joints.
+void append_new(const SceneModel& scene, std::size_t joints, WorldState& state) {
+  for (std::size_t b = state.poses.size(); b < scene.bodies.size(); ++b) {
+    const Body& body = scene.bodies[b];
+    state.poses.push_back(body.X_WB);
+    state.twists.push_back(body.kind == BodyKind::fixed ? Twist() : body.V_WB);
+  }
+  state.joint_positions.resize(static_cast<std::size_t>(scene.joint_positions));
+  state.joint_velocities.resize(static_cast<std::size_t>(scene.joint_speeds));
+  for (std::size_t j = joints; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    std::transform(joint.position.begin(), joint.position.end(),
+                   state.joint_positions.begin() + joint.position_offset, settled);
+    std::copy(joint.velocity.begin(), joint.velocity.end(),
+              state.joint_velocities.begin() + joint.speed_offset);
+  }
+}
+
+}  // namespace
+
+Result<std::unique_ptr<World>> MujocoWorld::create(const SceneModelPtr& model) {
+  std::vector<Pose> poses;
+  for (const Body& body : model->bodies) poses.push_back(body.X_WB);
+  const auto program = make_program(model, std::move(poses), {}, {});
+  if (!program) return tl::unexpected(program.error());
+  std::unique_ptr<MujocoWorld> world(new MujocoWorld);
+  world->initial_ = *program;
+  if (auto begun = world->reset(); !begun) return tl::unexpected(begun.error());
+  return world;
+}
+
+Result<> MujocoWorld::adopt(const ProgramPtr& program) {
+  mjModel* copy = nullptr;
+  auto done = guarded([&] { copy = mj_copyModel(nullptr, program->model.get()); });
+  if (!done) return done;
+  ModelOwner other_model(copy);
+  ProgramPtr other_program = program;
+  std::swap(other_model, model_);
+  std::swap(other_program, program_);
+  done = make_room(contact_room_, stack_room_);
+  if (!done) {
+    std::swap(other_model, model_);
+    std::swap(other_program, program_);
+  }
+  return done;
+}
+
+Result<> MujocoWorld::make_room(double contacts, double stack) {
+  mjModel& m = *model_;
+  const auto movable = std::count(m.geom_conaffinity, m.geom_conaffinity + m.ngeom, 3);
+  m.nconmax = clamped(contacts * (16.0 + 2.0 * static_cast<double>(movable)));
+  m.njmax = clamped(16.0 + m.nemax + m.njnt + 4.0 * m.nconmax);  // a matrix has its square
+  const double rows = m.njmax + m.neq + m.nv;
+  m.nstack =
+      clamped(stack * (std::min(5 * rows * rows, 3e7) + 1.0 * m.nbody * m.nbody +
+                       20.0 * (m.nq + m.nv + m.nu + m.nbody + m.njnt + m.ngeom + m.neq) + 1000.0));
+  auto data = make_data(m);
+  if (!data) return tl::unexpected(data.error());
+  data_ = std::move(*data);
+  contact_room_ = contacts;
+  stack_room_ = stack;
+  kinematics_ = Kinematics::none;
+  return {};
+}
+
+Result<> MujocoWorld::reset() {
+  if (auto adopted = adopt(initial_); !adopted) return adopted;
+  time_ = 0.0;
+  kept_ = {};
+  append_new(*program_->scene, 0, kept_);
+  kinematic_ = kept_.twists;
+  put_kept_state();
+  forget_reports();
+  // Turns as MuJoCo's compiler normalised them.
+  for (const int qpos : program_->free_qpos) {
+    if (qpos < 0 || vec_at(model_->qpos0 + qpos) != vec_at(data_->qpos + qpos)) continue;
+    std::copy_n(model_->qpos0 + qpos, 7, data_->qpos + qpos);
+  }
+  return {};
+}
+
+Result<> MujocoWorld::add(const SceneModelPtr& next) {
+  const auto change = find_scene_change(*program_->scene, *next, SceneStep::add);
+  if (!change) return tl::unexpected(change.error());
+  find_kinematics(Kinematics::now);
+  for (const int j : change->attached) {
+    const Joint& joint = next->joints[static_cast<std::size_t>(j)];
+    auto fits = check_attachment(joint, pose_of(joint.parent), pose_of(joint.child));
+    if (!fits) return fits;
+  }
+  return become(next, change->attached);
+}
+
+Result<> MujocoWorld::remove(const SceneModelPtr& next) {
+  const auto change = find_scene_change(*program_->scene, *next, SceneStep::remove);
+  if (!change) return tl::unexpected(change.error());
+  return become(next, {});
+}
+
+Result<> MujocoWorld::change(const SceneModelPtr& next) {
+  const auto change = find_scene_change(*program_->scene, *next, SceneStep::change);
+  if (!change) return tl::unexpected(change.error());
+  if (auto changed = become(next, {}); !changed) return changed;
+  for (const int b : change->kinds) kept_.twists[static_cast<std::size_t>(b)] = {};
+  return {};
+}
+
+Result<> MujocoWorld::become(const SceneModelPtr& next, const std::vector<int>& attached) {
+  WorldState now;
+  get_state(now);
+  append_new(*next, program_->references.size(), now);
+  const auto program = make_program(next, now.poses, program_->references, attached);
+  if (!program) return tl::unexpected(program.error());
+  if (auto adopted = adopt(*program); !adopted) return adopted;
+  kept_ = std::move(now);
+  kinematic_.insert(kinematic_.end(),
+                    kept_.twists.begin() + static_cast<std::ptrdiff_t>(kinematic_.size()),
+                    kept_.twists.end());
+  put_kept_state();
+  forget_reports();
+  return {};
+}
+
+void MujocoWorld::set_drives(double dt, const std::vector<Drive>& drives) {
+  for (std::size_t i = 0; i < program_->actuators.size(); ++i) {
+    const int a = program_->actuators[i];
+    if (a < 0) continue;
+    const Drive& drive = drives[i];
+    // MuJoCo's actuators are explicit: a gain beyond this would turn the axis back and forth.
+    const auto k = static_cast<std::size_t>(a);
+    const double most = program_->shares[k] / (dt * responses_[k]);
+    double kp = 0.0, kd = most, bias = 0.0;
+    if (!drive.is_speed_source()) {
+      const double scale = std::min(1.0, most / (drive.kd + 0.5 * dt * drive.kp));
+      kp = scale * drive.kp;
+      kd = scale * drive.kd;
+      bias = drive.bias;
+    }
+    data_->ctrl[a] = bias + kp * drive.position + kd * drive.velocity;
+    model_->actuator_biasprm[mjNBIAS * a + 1] = -kp;
+    model_->actuator_biasprm[mjNBIAS * a + 2] = -kd;
+    model_->actuator_forcerange[2 * a] = -drive.max_effort;
+    model_->actuator_forcerange[2 * a + 1] = drive.max_effort;
+  }
+}
+
+double MujocoWorld::response_of(int dof) const {
+  const mjModel& m = *model_;
+  // MuJoCo's inertia is M = L^T D L, with zeros but for a speed and those before it in its tree. The
+  // response is (M^-1)_ii = y . D^-1 y, where L^T y is the unit vector.
+  std::vector<double>& y = scratch_;
+  y.resize(std::max(y.size(), static_cast<std::size_t>(m.nv)));
+  for (int k = dof; k >= 0; k = m.dof_parentid[k]) y[static_cast<std::size_t>(k)] = 0.0;
+  y[static_cast<std::size_t>(dof)] = 1.0;
+  double response = 0.0;
+  for (int k = dof; k >= 0; k = m.dof_parentid[k]) {
+    const double y_k = y[static_cast<std::size_t>(k)];
+    const double* entry = data_->qLD + m.dof_Madr[k];
+    for (int j = m.dof_parentid[k]; j >= 0; j = m.dof_parentid[j]) {
+      y[static_cast<std::size_t>(j)] -= *++entry * y_k;
+    }
+    response += y_k * y_k * data_->qLDiagInv[k];
+  }
+  return response;
+}
+
+void MujocoWorld::find_responses() {
+  const mjModel& m = *model_;
+  responses_.resize(static_cast<std::size_t>(m.nu));
+  for (std::size_t a = 0; a < responses_.size(); ++a) {
+    const int dof = m.jnt_dofadr[m.actuator_trnid[2 * a]];
+    // That of the reference configuration, unless the axis has become a good deal lighter.
+    const double reference = m.dof_invweight0[dof], now = stepped_ ? response_of(dof) : 0.0;
+    responses_[a] = now > 1.25 * reference ? now : reference;
+  }
+}
+
+void MujocoWorld::hold_kinematic() {
+  for (const int body : program_->kinematic) {
+    const auto b = static_cast<std::size_t>(body);
+    const double* const qpos = data_->qpos + program_->free_qpos[b];
+    put_free(b, {vec_at(qpos), quat_at(qpos + 3)}, kinematic_[b]);
+    // Nothing pulls at it.
+    const int i = program_->bodies[b];
+    put(data_->xfrc_applied + 6 * i, Vec3(-model_->body_mass[i] * vec_at(model_->opt.gravity)));
+  }
+}
+
+StepResult MujocoWorld::step(double dt, const std::vector<Drive>& drives) {
+  if (unchecked_) {
+    if (const int bad = find_bad(); bad >= 0) return diverged(bad, "");
+    unchecked_ = false;
+  }
+  get_coordinates(before_);
+  model_->opt.timestep = dt;
+  for (;;) {
+    set_drives(dt, drives);
+    hold_kinematic();
+    const auto done = guarded([&] { mj_step(model_.get(), data_.get()); });
+    const mjWarningStat* const found = data_->warning;
+    const bool full = found[mjWARN_CONTACTFULL].number + found[mjWARN_CNSTRFULL].number > 0;
+    if (done && !full) break;
+    if (!done) data_->pstack = 0;
+    if (!done && done.error().message != "MuJoCo: Stack overflow") {
+      return diverged(-1, done.error().message);
+    }
+    // Its room was too small: the step is taken back, and made again with more.
+    const auto made = make_room(contact_room_ * (done ? 1.25 : 1.0), stack_room_ * (done ? 1 : 2));
+    if (!made) return diverged(-1, made.error().message);
+    put_back(before_);
+  }
+  if (const int bad = find_bad(); bad >= 0) return diverged(bad, "");
+  hold_kinematic();
+  time_ += dt;
+  stepped_ = true;
+  find_responses();
+  kinematics_ = Kinematics::none;
+  follow();
+  return {};
+}
+
+StepResult MujocoWorld::diverged(int body, const std::string& what) {
+  // Without a step before, the coordinates are those that were set.
+  if (!unchecked_) put_back(before_);
+  std::memset(data_->warning, 0, sizeof data_->warning);
+  forget_reports();
+  if (body < 0) return {StepStatus::diverged, body, what};
+  return {StepStatus::diverged, body,
+          "body '" + program_->scene->bodies[static_cast<std::size_t>(body)].name +
+              "' has left MuJoCo's bounds (1e10 of its position, velocity, acceleration or " +
+              "effort) or is not a number"};
+}
+
+int MujocoWorld::find_bad() const {
+  const mjModel& m = *model_;
+  const mjData& d = *data_;
+  const auto owner = [&](int body) { return program_->owners[static_cast<std::size_t>(body)]; };
+  if (const auto& found = d.warning[mjWARN_BADCTRL]; found.number > 0) {
+    return owner(m.jnt_bodyid[m.actuator_trnid[2 * found.lastinfo]]);
+  }
+  if (const auto& found = d.warning[mjWARN_BADQACC]; found.number > 0) {
+    return owner(m.dof_bodyid[found.lastinfo]);
+  }
+  for (int j = 0; j < m.njnt; ++j) {
+    const bool last = j + 1 == m.njnt;
+    const double* const q_end = d.qpos + (last ? m.nq : m.jnt_qposadr[j + 1]);
+    const double* const u_end = d.qvel + (last ? m.nv : m.jnt_dofadr[j + 1]);
+    if (any_bad(d.qpos + m.jnt_qposadr[j], q_end) || any_bad(d.qvel + m.jnt_dofadr[j], u_end)) {
+      return owner(m.jnt_bodyid[j]);
+    }
+  }
+  return -1;
+}
+
+void* MujocoWorld::extension(std::string_view id) {
+  if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
+  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
+  return nullptr;
+}
+
+Result<> MujocoWorld::set_kinematic_twist(int body, const Twist& twist) {
+  if (auto fine = check_kinematic_twist(*program_->scene, body, twist); !fine) return fine;
+  kinematic_[static_cast<std::size_t>(body)] = twist;
+  hold_kinematic();
+  kinematics_ = Kinematics::none;
+  return {};
+}
+
+}  // namespace cogrsim::mujoco

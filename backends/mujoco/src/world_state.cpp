@@ -1,0 +1,339 @@
+// State of a MujocoWorld: reading, writing, reporting, saving.
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "convert.h"
+#include "world.h"
+
+#include "cogrsim/core/constants.h"
+#include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
+
+namespace cogrsim::mujoco {
+
+struct MujocoWorld::Snapshot final : WorldSnapshot {
+  ProgramPtr initial, program;
+  double time = 0.0;
+  Coordinates coordinates;
+  std::vector<double> responses;
+  std::vector<Twist> kinematic;
+  WorldState kept;
+  std::vector<Contact> contacts;
+  std::vector<Wrench> reactions;
+};
+
+void MujocoWorld::get_coordinates(Coordinates& out) const {
+  const mjModel& m = *model_;
+  const mjData& d = *data_;
+  out.qpos.assign(d.qpos, d.qpos + m.nq);
+  out.qvel.assign(d.qvel, d.qvel + m.nv);
+  out.warmstart.assign(d.qacc_warmstart, d.qacc_warmstart + m.nv);
+}
+
+void MujocoWorld::put_back(const Coordinates& from) const {
+  std::copy(from.qpos.begin(), from.qpos.end(), data_->qpos);
+  std::copy(from.qvel.begin(), from.qvel.end(), data_->qvel);
+  std::copy(from.warmstart.begin(), from.warmstart.end(), data_->qacc_warmstart);
+}
+
+void MujocoWorld::find_kinematics(Kinematics wanted) const {
+  if (kinematics_ == wanted) return;
+  const mjModel* const m = model_.get();
+  mjData* const d = data_.get();
+  Coordinates now;
+  get_coordinates(now);
+  if (wanted == Kinematics::before) put_back(before_);
+  mj_kinematics(m, d);
+  mj_comPos(m, d);
+  mj_comVel(m, d);
+  put_back(now);  // MuJoCo has normalised its quaternions, and reading must change nothing
+  kinematics_ = wanted;
+}
+
+Pose MujocoWorld::pose_of(int body) const {
+  if (body == kWorld) return {};
+  const auto b = static_cast<std::size_t>(body);
+  const int i = program_->bodies[b];
+  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::fixed) return kept_.poses[b];
+  const Quat q = quat_at(data_->xquat + 4 * i);
+  return {vec_at(data_->xpos + 3 * i) - q * program_->origins[b], q};
+}
+
+Twist MujocoWorld::twist_of(int body) const {
+  if (body == kWorld) return {};
+  const auto b = static_cast<std::size_t>(body);
+  const int i = program_->bodies[b];
+  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::fixed) return kept_.twists[b];
+  if (const int dof = program_->free_dof[b]; dof >= 0) {
+    const Quat q = quat_at(data_->xquat + 4 * i);
+    const Twist V{vec_at(data_->qvel + dof), q * vec_at(data_->qvel + dof + 3)};
+    return {V.at(-(q * program_->origins[b])), V.angular};
+  }
+  // About the centre of mass of the whole tree.
+  const Twist V{vec_at(data_->cvel + 6 * i + 3), vec_at(data_->cvel + 6 * i)};
+  const Vec3 centre = vec_at(data_->subtree_com + 3 * model_->body_rootid[i]);
+  return {V.at(vec_at(data_->xpos + 3 * i) - centre), V.angular};
+}
+
+void MujocoWorld::read_joint(std::size_t j, double* q, double* u) const {
+  const Joint& joint = program_->scene->joints[j];
+  const TreeJoint& place = program_->joints[j];
+  if (place.joint < 0) {
+    if (joint.removed || joint.type == JointType::fixed) return;
+    const Pose X_WP = pose_of(joint.parent), X_WC = pose_of(joint.child);
+    const Pose X_FM = relative_pose(joint, X_WP, X_WC);
+    joint_velocity(joint, X_FM,
+                   relative_twist(joint, X_WP, twist_of(joint.parent), X_WC, twist_of(joint.child)),
+                   q, u);
+    return;
+  }
+  const double *qpos = data_->qpos + place.qpos, *qvel = data_->qvel + place.dof;
+  if (joint.type != JointType::ball) {
+    for (int i = 0; i < speed_count(joint.type); ++i) {
+      q[i] = qpos[place.axis[static_cast<std::size_t>(i)]];
+      u[i] = qvel[place.axis[static_cast<std::size_t>(i)]];
+    }
+    return;
+  }
+  // MuJoCo's turn of the moved body and rate, both in the moved body's axes.
+  const Quat turn = quat_at(qpos).normalized();
+  const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
+  const Quat in_N = q_BN.conjugate() * turn * q_BN;
+  const Vec3 rate = q_BN.conjugate() * vec_at(qvel);
+  put(q, place.reversed ? Quat(in_N.conjugate()) : in_N);
+  const Vec3 in_F = place.reversed ? Vec3(-rate) : Vec3(in_N * rate);
+  std::copy_n(in_F.data(), 3, u);
+}
+
+void MujocoWorld::put_joint(std::size_t j, const double* q, const double* u) {
+  const Joint& joint = program_->scene->joints[j];
+  const TreeJoint& place = program_->joints[j];
+  if (place.joint < 0) return;
+  double *qpos = data_->qpos + place.qpos, *qvel = data_->qvel + place.dof;
+  if (joint.type != JointType::ball) {
+    for (int i = 0; i < speed_count(joint.type); ++i) {
+      qpos[place.axis[static_cast<std::size_t>(i)]] = q[i];
+      qvel[place.axis[static_cast<std::size_t>(i)]] = u[i];
+    }
+    if (joint.type == JointType::screw) {
+      qpos[1] = joint.pitch / (2.0 * kPi) * q[0];
+      qvel[1] = joint.pitch / (2.0 * kPi) * u[0];
+    }
+    return;
+  }
+  const Quat q_FM = quat_at(q).normalized();
+  const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
+  const Quat in_N = place.reversed ? Quat(q_FM.conjugate()) : q_FM;
+  put(qpos, q_BN * in_N * q_BN.conjugate());
+  put(qvel, Vec3(q_BN * (place.reversed ? Vec3(-vec_at(u)) : Vec3(q_FM.conjugate() * vec_at(u)))));
+}
+
+void MujocoWorld::put_free(std::size_t b, const Pose& X, const Twist& V) {
+  const Vec3 r = X.q * program_->origins[b];
+  put(data_->qpos + program_->free_qpos[b], Vec3(X.p + r));
+  put(data_->qpos + program_->free_qpos[b] + 3, X.q);
+  put(data_->qvel + program_->free_dof[b], V.at(r));
+  put(data_->qvel + program_->free_dof[b] + 3, Vec3(X.q.conjugate() * V.angular));
+}
+
+void MujocoWorld::follow() {
+  if (program_->followed.empty()) return;
+  find_kinematics(Kinematics::now);
+  for (const int j : program_->followed) {
+    const Joint& joint = program_->scene->joints[static_cast<std::size_t>(j)];
+    double* const q = kept_.joint_positions.data() + joint.position_offset;
+    const std::vector<double> previous(q, q + position_count(joint.type));
+    joint_position(joint, relative_pose(joint, pose_of(joint.parent), pose_of(joint.child)),
+                   previous.data(), q);
+  }
+}
+
+void MujocoWorld::put_kept_state() {
+  const SceneModel& scene = *program_->scene;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (program_->free_qpos[b] >= 0) put_free(b, kept_.poses[b], kept_.twists[b]);
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    put_joint(j, kept_.joint_positions.data() + scene.joints[j].position_offset,
+              kept_.joint_velocities.data() + scene.joints[j].speed_offset);
+  }
+  mju_zero(data_->qacc_warmstart, model_->nv);
+  kinematics_ = Kinematics::none;
+  follow();
+}
+
+void MujocoWorld::forget_reports() {
+  const SceneModel& scene = *program_->scene;
+  kept_.joint_efforts.assign(static_cast<std::size_t>(scene.joint_speeds), 0.0);
+  kept_.motor_efforts.assign(scene.motors.size(), 0.0);
+  kept_contacts_.clear();
+  kept_reactions_.assign(scene.joints.size(), {});
+  stepped_ = false;
+  unchecked_ = true;
+  kinematics_ = Kinematics::none;
+  find_responses();
+}
+
+void MujocoWorld::get_state(WorldState& out) const {
+  const SceneModel& scene = *program_->scene;
+  find_kinematics(Kinematics::now);
+  out = kept_;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (program_->bodies[b] <= 0) continue;
+    out.poses[b] = pose_of(static_cast<int>(b));
+    out.twists[b] = twist_of(static_cast<int>(b));
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    if (scene.joints[j].removed) continue;
+    read_joint(j, out.joint_positions.data() + scene.joints[j].position_offset,
+               out.joint_velocities.data() + scene.joints[j].speed_offset);
+  }
+  if (stepped_) read_efforts(out);
+}
+
+void MujocoWorld::read_efforts(WorldState& out) const {
+  const SceneModel& scene = *program_->scene;
+  const mjModel& m = *model_;
+  const mjData& d = *data_;
+  for (std::size_t i = 0; i < scene.motors.size(); ++i) {
+    const int a = program_->actuators[i];
+    if (a >= 0) out.motor_efforts[i] = d.actuator_force[a];
+  }
+  if (out.joint_efforts.empty()) return;
+  // By MuJoCo's speeds: springs, dampers and motors, dry friction and limits; their rows come before
+  // those of contacts.
+  std::vector<double>& effort = scratch_;
+  effort.assign(static_cast<std::size_t>(m.nv + d.nefc), 0.0);
+  for (int row = d.ne; row < d.nefc; ++row) {
+    const int type = d.efc_type[row];
+    if (type != mjCNSTR_FRICTION_DOF && type != mjCNSTR_LIMIT_JOINT) break;
+    effort[static_cast<std::size_t>(m.nv + row)] = d.efc_force[row];
+  }
+  mj_mulJacTVec(&m, data_.get(), effort.data(), effort.data() + m.nv);
+  for (int i = 0; i < m.nv; ++i) {
+    effort[static_cast<std::size_t>(i)] += d.qfrc_passive[i] + d.qfrc_actuator[i];
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    const TreeJoint& place = program_->joints[j];
+    if (place.joint < 0) continue;
+    double* const to = out.joint_efforts.data() + joint.speed_offset;
+    const auto dof = static_cast<std::size_t>(place.dof);
+    if (joint.type == JointType::ball) {
+      const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
+      const Vec3 in_N = q_BN.conjugate() * vec_at(effort.data() + dof);
+      const Vec3 in_F =
+          place.reversed ? Vec3(-in_N)
+                         : Vec3(quat_at(out.joint_positions.data() + joint.position_offset) * in_N);
+      std::copy_n(in_F.data(), 3, to);
+      continue;
+    }
+    for (int i = 0; i < speed_count(joint.type); ++i) {
+      to[i] = effort[dof + static_cast<std::size_t>(place.axis[static_cast<std::size_t>(i)])];
+    }
+    if (joint.type == JointType::screw) to[0] += joint.pitch / (2.0 * kPi) * effort[dof + 1];
+  }
+}
+
+Result<> MujocoWorld::set_state(const WorldState& state) {
+  const SceneModel& scene = *program_->scene;
+  if (auto fine = check_state(scene, state); !fine) return fine;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (program_->free_qpos[b] < 0) continue;
+    kept_.poses[b] = state.poses[b];
+    kept_.twists[b] = state.twists[b];
+    if (scene.bodies[b].kind == BodyKind::kinematic) kinematic_[b] = state.twists[b];
+  }
+  kept_.joint_positions = state.joint_positions;
+  kept_.joint_velocities = state.joint_velocities;
+  put_kept_state();
+  forget_reports();
+  return {};
+}
+
+void MujocoWorld::get_contacts(std::vector<Contact>& out) const {
+  if (!stepped_) {
+    out = kept_contacts_;
+    return;
+  }
+  out.clear();
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& it = data_->contact[i];
+    auto a = program_->geoms[static_cast<std::size_t>(it.geom1)];
+    auto b = program_->geoms[static_cast<std::size_t>(it.geom2)];
+    const double sign = a.first > b.first ? -1.0 : 1.0;  // MuJoCo's normal goes from 1 to 2
+    if (sign < 0.0) std::swap(a, b);
+    double force[6];
+    mj_contactForce(model_.get(), data_.get(), i, force);
+    Contact contact;
+    std::tie(contact.body_a, contact.shape_a) = a;
+    std::tie(contact.body_b, contact.shape_b) = b;
+    contact.point = vec_at(it.pos);
+    contact.normal = sign * vec_at(it.frame);
+    contact.depth = -it.dist;
+    contact.force = sign * (force[0] * vec_at(it.frame) + force[1] * vec_at(it.frame + 3) +
+                            force[2] * vec_at(it.frame + 6));
+    out.push_back(contact);
+  }
+  std::stable_sort(out.begin(), out.end(), [](const Contact& one, const Contact& two) {
+    return std::tie(one.body_a, one.body_b, one.shape_a, one.shape_b) <
+           std::tie(two.body_a, two.body_b, two.shape_a, two.shape_b);
+  });
+}
+
+void MujocoWorld::get_joint_reactions(std::vector<Wrench>& out) const {
+  const SceneModel& scene = *program_->scene;
+  out = kept_reactions_;
+  if (!stepped_) return;
+  mjModel* const m = model_.get();
+  mjData* const d = data_.get();
+  find_kinematics(Kinematics::before);  // as when the forces were found
+  mj_rnePostConstraint(m, d);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    const TreeJoint& place = program_->joints[j];
+    if (place.body <= 0) continue;
+    const double* const wrench = d->cfrc_int + 6 * place.body;
+    const Vec3 centre = vec_at(d->subtree_com + 3 * m->body_rootid[place.body]);
+    const Vec3 M = pose_of(joint.child) * joint.X_CM.p, force = vec_at(wrench + 3);
+    const double sign = place.reversed ? -1.0 : 1.0;
+    out[j] = {sign * force, sign * (vec_at(wrench) + (centre - M).cross(force))};
+  }
+}
+
+SnapshotPtr MujocoWorld::save() const {
+  auto out = std::make_shared<Snapshot>();
+  out->initial = initial_;
+  out->program = program_;
+  out->time = time_;
+  get_coordinates(out->coordinates);
+  out->responses = responses_;
+  out->kinematic = kinematic_;
+  get_state(out->kept);
+  get_contacts(out->contacts);
+  get_joint_reactions(out->reactions);
+  return out;
+}
+
+Result<> MujocoWorld::restore(const SnapshotPtr& snapshot) {
+  const auto* saved = dynamic_cast<const Snapshot*>(snapshot.get());
+  if (saved == nullptr) return fail("the snapshot was not made by the mujoco backend");
+  if (saved->program != program_) {
+    if (!same_names(*saved->initial->scene, *initial_->scene)) {
+      return fail("the snapshot is of another scene: '" + saved->program->scene->name + "'");
+    }
+    if (auto adopted = adopt(saved->program); !adopted) return adopted;
+  }
+  put_back(saved->coordinates);
+  forget_reports();
+  time_ = saved->time;
+  responses_ = saved->responses;
+  kinematic_ = saved->kinematic;
+  kept_ = saved->kept;
+  kept_contacts_ = saved->contacts;
+  kept_reactions_ = saved->reactions;
+  return {};
+}
+
+}  // namespace cogrsim::mujoco

@@ -1,0 +1,355 @@
+#include "joints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "cogrsim/core/constants.h"
+#include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
+
+namespace cogrsim::ode {
+
+namespace {
+
+// A direction that was turned into a frame and back is off by some last digits.
+constexpr double kRounding = 1e-15;
+constexpr double kFits = 1e-9;  // [m], [rad]
+
+Vec3 cleaned(Vec3 direction) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(direction[i]) < kRounding) direction[i] = 0.0;
+  }
+  return direction.normalized();
+}
+
+void set_param(dJointID id, int parameter, double value) {
+  switch (dJointGetType(id)) {
+    case dJointTypeHinge:
+      return dJointSetHingeParam(id, parameter, value);
+    case dJointTypeSlider:
+      return dJointSetSliderParam(id, parameter, value);
+    case dJointTypeUniversal:
+      return dJointSetUniversalParam(id, parameter, value);
+    case dJointTypePiston:
+      return dJointSetPistonParam(id, parameter, value);
+    case dJointTypeAMotor:
+      return dJointSetAMotorParam(id, parameter, value);
+    case dJointTypeLMotor:
+      return dJointSetLMotorParam(id, parameter, value);
+    default:
+      return;
+  }
+}
+
+bool has_motors(JointType type) {
+  return type != JointType::ball && type != JointType::fixed && type != JointType::free;
+}
+
+}  // namespace
+
+Result<> check_joints(const SceneModel& model) {
+  if (auto fine = check_motors(model); !fine) return fine;
+  for (const Joint& joint : model.joints) {
+    if (joint.removed) continue;
+    for (std::size_t i = 0; i < joint.axes.size(); ++i) {
+      const JointAxis& axis = joint.axes[i];
+      if (!axis.has_limit() || !axis_turns(joint.type, static_cast<int>(i))) continue;
+      const auto is_within = [](double stop) { return std::isinf(stop) || std::abs(stop) < kPi; };
+      if (is_within(axis.lower) && is_within(axis.upper)) continue;
+      return fail(
+          "joint '" + joint.name + "': ODE measures the angles of stops from -180 to 180 degrees",
+          place_of(model, joint.origin), "keep the limits within that, or use another backend");
+    }
+  }
+  return {};
+}
+
+JointLink::JointLink(dWorldID world, const SceneModel& model, int joint, const JointEnd& parent,
+                     const JointEnd& child, const Options& options)
+    : joint_(&model.joints[static_cast<std::size_t>(joint)]), parent_(parent), child_(child) {
+  cfm_ = options.cfm;
+  const auto is_mobile = [](const JointEnd& end) {
+    return end.body && dBodyIsKinematic(end.id()) == 0;
+  };
+  if (joint_->type == JointType::free || (!is_mobile(parent) && !is_mobile(child))) return;
+  // ODE's first body must be one; what ODE calls a positive rate is that of the first.
+  sign_ = child.body ? 1.0 : -1.0;
+  first_ = child.body ? child : parent;
+  second_ = child.body ? parent : JointEnd();
+
+  // ODE's coordinates are zero where a joint is made: it is made where the scene's are.
+  Pose X_WF = parent.start * joint_->X_PF, X_WM = child.start * joint_->X_CM;
+  if (const Pose X_FM = X_WF.inverse() * X_WM;
+      !(X_FM.p.norm() < kFits && X_FM.q.vec().norm() < kFits)) {
+    if (child.body) {
+      child.body->set_pose(X_WF * joint_->X_CM.inverse());
+      X_WM = X_WF;
+    } else {
+      parent.body->set_pose(X_WM * joint_->X_PF.inverse());
+      X_WF = X_WM;
+    }
+  }
+  make(world, X_WF, X_WM);
+  const bool has_stops = has_motors(joint_->type) && !normal_;
+  for (std::size_t i = 0; has_stops && i < joint_->axes.size(); ++i) {
+    const JointAxis& axis = joint_->axes[i];
+    if (!axis.has_limit()) continue;
+    const int group = group_of(static_cast<int>(i));
+    set_param(id_, dParamLoStop + group, axis.lower);
+    set_param(id_, dParamHiStop + group, axis.upper);
+  }
+  add_laws(world, model, joint, X_WF, X_WM);
+}
+
+bool JointLink::turns(int speed) const { return axis_turns(joint_->type, speed); }
+
+int JointLink::relative_to_parent() const { return sign_ < 0.0 ? 1 : second_.body ? 2 : 0; }
+
+dJointID JointLink::attached(dJointID id, dJointFeedback& feedback) const {
+  dJointAttach(id, first_.id(), second_.id());
+  dJointSetFeedback(id, &feedback);
+  return id;
+}
+
+void JointLink::make(dWorldID world, const Pose& X_WF, const Pose& X_WM) {
+  // What needs no rounding: the origin of the child where the joint is there.
+  const Vec3 at = joint_->X_CM.p.isZero(0.0) ? X_WM.p : X_WF.p;
+  const Vec3 z = sign_ * cleaned(X_WF.q * Vec3::UnitZ());
+  switch (joint_->type) {
+    case JointType::fixed:
+      id_ = attached(dJointCreateFixed(world, nullptr), feedback_);
+      dJointSetFixed(id_);
+      return;
+    case JointType::hinge:
+      id_ = attached(dJointCreateHinge(world, nullptr), feedback_);
+      dJointSetHingeAnchor(id_, at.x(), at.y(), at.z());
+      dJointSetHingeAxis(id_, z.x(), z.y(), z.z());
+      return;
+    case JointType::slider:
+      id_ = attached(dJointCreateSlider(world, nullptr), feedback_);
+      dJointSetSliderAxis(id_, z.x(), z.y(), z.z());
+      return;
+    case JointType::cylindrical:
+      id_ = attached(dJointCreatePiston(world, nullptr), feedback_);
+      dJointSetPistonAnchor(id_, at.x(), at.y(), at.z());
+      dJointSetPistonAxis(id_, z.x(), z.y(), z.z());
+      return;
+    case JointType::universal: {
+      // ODE's first axis belongs to the first body: y of M, or x of F where that is the parent.
+      const Vec3 x = cleaned(X_WF.q * Vec3::UnitX()), y = cleaned(X_WM.q * Vec3::UnitY());
+      const Vec3 one = sign_ > 0.0 ? y : Vec3(-x), two = sign_ > 0.0 ? x : Vec3(-y);
+      id_ = attached(dJointCreateUniversal(world, nullptr), feedback_);
+      dJointSetUniversalAnchor(id_, at.x(), at.y(), at.z());
+      dJointSetUniversalAxis1(id_, one.x(), one.y(), one.z());
+      dJointSetUniversalAxis2(id_, two.x(), two.y(), two.z());
+      return;
+    }
+    case JointType::ball:
+      id_ = attached(dJointCreateBall(world, nullptr), feedback_);
+      dJointSetBallAnchor(id_, at.x(), at.y(), at.z());
+      return;
+    case JointType::planar:
+      return make_planar(world, X_WF, X_WM);
+    case JointType::screw:
+    case JointType::free:
+      return;
+  }
+}
+
+void JointLink::make_planar(dWorldID world, const Pose& X_WF, const Pose& X_WM) {
+  // ODE's Plane2D knows the plane z = 0 of the world only, so: two Euler angles stopped at zero,
+  // the third free, and no speed along the normal.
+  const Vec3 x = cleaned((sign_ > 0.0 ? X_WM.q : X_WF.q) * Vec3::UnitX());
+  const Vec3 z = sign_ * cleaned(X_WF.q * Vec3::UnitZ());
+  id_ = attached(dJointCreateAMotor(world, nullptr), feedback_);
+  dJointSetAMotorMode(id_, dAMotorEuler);
+  dJointSetAMotorAxis(id_, 0, 1, x.x(), x.y(), x.z());
+  dJointSetAMotorAxis(id_, 2, 2, z.x(), z.y(), z.z());
+  for (const int group : {0, int{dParamGroup}}) {
+    dJointSetAMotorParam(id_, dParamLoStop + group, 0.0);
+    dJointSetAMotorParam(id_, dParamHiStop + group, 0.0);
+  }
+  normal_ = attached(dJointCreateLMotor(world, nullptr), normal_feedback_);
+  dJointSetLMotorNumAxes(normal_, 1);
+  dJointSetLMotorAxis(normal_, 0, relative_to_parent(), z.x(), z.y(), z.z());
+  dJointSetLMotorParam(normal_, dParamVel, 0.0);
+  dJointSetLMotorParam(normal_, dParamFMax, dInfinity);
+}
+
+int JointLink::group_of(int speed) const {
+  const bool first = joint_->type == JointType::cylindrical
+                         ? speed == 1  // ODE's first is the travel
+                     : joint_->type == JointType::universal ? (speed == 1) == (sign_ > 0.0)
+                                                            : true;
+  return first ? 0 : int{dParamGroup};
+}
+
+JointLink::Law& JointLink::add_law(dWorldID world, int speed, bool own, const Vec3& direction) {
+  Law& law = laws_.emplace_back();
+  law.speed = speed;
+  law.own = own;
+  if (own) {
+    law.id = id_;
+    law.group = group_of(speed);
+    return law;
+  }
+  // Of the universal's axes the first is F's, as all of a planar joint are; others M's or both's.
+  const bool of_parent = normal_ || (joint_->type == JointType::universal && speed == 0);
+  const int of_child = sign_ > 0.0 ? 1 : 0;
+  const int relative = of_parent                              ? relative_to_parent()
+                       : joint_->type == JointType::universal ? of_child
+                                                              : 1;
+  const Vec3 d = sign_ * cleaned(direction);
+  if (turns(speed)) {
+    law.id = attached(dJointCreateAMotor(world, nullptr), law.feedback);
+    dJointSetAMotorNumAxes(law.id, 1);
+    dJointSetAMotorAxis(law.id, 0, relative, d.x(), d.y(), d.z());
+  } else {
+    law.id = attached(dJointCreateLMotor(world, nullptr), law.feedback);
+    dJointSetLMotorNumAxes(law.id, 1);
+    dJointSetLMotorAxis(law.id, 0, relative, d.x(), d.y(), d.z());
+  }
+  return law;
+}
+
+void JointLink::add_laws(dWorldID world, const SceneModel& model, int joint, const Pose& X_WF,
+                         const Pose& X_WM) {
+  if (!has_motors(joint_->type)) return;
+  for (int i = 0; i < speed_count(joint_->type); ++i) {
+    const JointAxis& axis = joint_->axes[static_cast<std::size_t>(i)];
+    bool own = !axis.has_limit() && !normal_;
+    const auto add = [&]() -> Law& {
+      return add_law(world, i, std::exchange(own, false), direction(i, X_WF, X_WM));
+    };
+    for (std::size_t m = 0; m < model.motors.size(); ++m) {
+      const Motor& motor = model.motors[m];
+      if (motor.removed || motor.joint != joint || motor.axis != i) continue;
+      add().drive = static_cast<int>(m);
+    }
+    if (axis.friction > 0.0) set(add(), 0.0, axis.friction, cfm_);
+    if (axis.damping > 0.0) set(add(), 0.0, dInfinity, 1.0 / axis.damping);
+    if (axis.stiffness > 0.0) {
+      Law& spring = laws_.emplace_back();
+      spring.speed = i;
+      spring.spring = true;
+    }
+  }
+}
+
+void JointLink::set(Law& law, double velocity, double bound, double cfm) const {
+  const std::array<double, 3> motor = {velocity, bound, cfm};
+  if (motor == law.motor) return;
+  law.motor = motor;
+  set_param(law.id, dParamVel + law.group, velocity);
+  set_param(law.id, dParamFMax + law.group, bound);
+  set_param(law.id, dParamCFM + law.group, cfm);
+}
+
+void JointLink::set(Law& law, const Drive& drive, double h, double* q) const {
+  if (drive.is_speed_source()) return set(law, drive.velocity, drive.max_effort, cfm_);
+  // effort = bias + kp (position - q1) + kd (velocity - u1) with q1 = q + h u1 is, solved for u1,
+  // u1 = v - cfm effort, which is ODE's motor with
+  //   cfm = 1 / (kd + h kp),  v = cfm (bias + kp (position - q) + kd velocity)
+  const double stiff = drive.kd + h * drive.kp;
+  if (stiff <= 0.0) {
+    set(law, 0.0, 0.0, cfm_);
+    return apply(law, std::clamp(drive.bias, -drive.max_effort, drive.max_effort));
+  }
+  double away = 0.0;
+  if (drive.kp > 0.0) {
+    update(q);
+    away = drive.position - q[law.speed];
+  }
+  set(law, (drive.bias + drive.kp * away + drive.kd * drive.velocity) / stiff, drive.max_effort,
+      1.0 / stiff);
+}
+
+void JointLink::apply(Law& law, double effort) const {
+  law.applied = effort;
+  if (effort == 0.0) return;
+  const Pose X_WF = parent_.pose() * joint_->X_PF, X_WM = child_.pose() * joint_->X_CM;
+  const Vec3 d = effort * direction(law.speed, X_WF, X_WM), &at = X_WM.p;
+  for (const double side : {1.0, -1.0}) {
+    const dBodyID body = side > 0.0 ? child_.id() : parent_.id();
+    if (!body) continue;
+    const Vec3 e = side * d;
+    if (turns(law.speed)) {
+      dBodyAddTorque(body, e.x(), e.y(), e.z());
+    } else {
+      dBodyAddForceAtPos(body, e.x(), e.y(), e.z(), at.x(), at.y(), at.z());
+    }
+  }
+}
+
+void JointLink::drive(double h, const std::vector<Drive>& drives, double* q) {
+  for (Law& law : laws_) {
+    law.applied = 0.0;
+    if (law.drive >= 0) {
+      set(law, drives[static_cast<std::size_t>(law.drive)], h, q);
+    } else if (law.spring) {
+      const JointAxis& axis = joint_->axes[static_cast<std::size_t>(law.speed)];
+      update(q);
+      apply(law, axis.stiffness * (axis.rest - q[law.speed]));
+    }
+  }
+}
+
+void JointLink::update(double* q) const {
+  double previous[7];
+  std::copy(q, q + position_count(joint_->type), previous);
+  joint_position(*joint_, relative_pose(*joint_, parent_.pose(), child_.pose()), previous, q);
+}
+
+void JointLink::velocities(const double* q, double* u) const {
+  const Pose X_WP = parent_.pose(), X_WC = child_.pose();
+  joint_velocity(*joint_, relative_pose(*joint_, X_WP, X_WC),
+                 relative_twist(*joint_, X_WP, parent_.twist(), X_WC, child_.twist()), q, u);
+}
+
+Vec3 JointLink::direction(int speed, const Pose& X_WF, const Pose& X_WM) const {
+  if (joint_->type == JointType::universal) {
+    return speed == 0 ? Vec3(X_WF.q * Vec3::UnitX()) : Vec3(X_WM.q * Vec3::UnitY());
+  }
+  if (joint_->type == JointType::planar) return X_WF.q * Vec3::Unit(speed);
+  return (sign_ > 0.0 ? X_WM.q : X_WF.q) * Vec3::UnitZ();
+}
+
+void JointLink::report(double h, const JointReport& out) const {
+  *out.reaction = {};
+  std::fill(out.joint_efforts, out.joint_efforts + speed_count(joint_->type), 0.0);
+  if (!id_) return;
+  const Pose X_WF = parent_.pose_before(h) * joint_->X_PF;
+  const Pose X_WM = child_.pose_before(h) * joint_->X_CM;
+  const Vec3 arm = first_.body->centre_before(h) - X_WM.p;
+  const auto on_child = [&](const dJointFeedback& feedback) {
+    const Vec3 f = to_vec(feedback.f1);
+    const Wrench wrench{sign_ * f, sign_ * (to_vec(feedback.t1) + arm.cross(f))};
+    out.reaction->force += wrench.force;
+    out.reaction->torque += wrench.torque;
+    return wrench;
+  };
+  const auto along = [&](const Wrench& wrench, int speed) {
+    return (turns(speed) ? wrench.torque : wrench.force).dot(direction(speed, X_WF, X_WM));
+  };
+  const Wrench main = on_child(feedback_);
+  if (normal_) on_child(normal_feedback_);
+  if (!has_motors(joint_->type)) return;
+  // Along an axis the joint itself transmits its stops and its own motor.
+  for (int i = 0; i < speed_count(joint_->type); ++i) out.joint_efforts[i] = along(main, i);
+  for (const Law& law : laws_) {
+    double effort = law.applied;
+    if (effort != 0.0) {
+      const Vec3 e = effort * direction(law.speed, X_WF, X_WM);
+      (turns(law.speed) ? out.reaction->torque : out.reaction->force) += e;
+    } else if (law.motor[1] > 0.0 && !law.own) {
+      effort = along(on_child(law.feedback), law.speed);
+    }
+    out.joint_efforts[law.speed] += effort;
+    if (law.drive < 0) continue;
+    out.motor_efforts[law.drive] = law.own && law.motor[1] > 0.0 ? along(main, law.speed) : effort;
+  }
+}
+
+}  // namespace cogrsim::ode

@@ -1,0 +1,86 @@
+// The scene's joints as joints of ODE's, with what acts along their axes.
+#pragma once
+
+#include <ode/ode.h>
+
+#include <array>
+#include <deque>
+#include <vector>
+
+#include "body.h"
+#include "cogrsim/core/result.h"
+#include "cogrsim/physics/drive.h"
+#include "options.h"
+
+namespace cogrsim::ode {
+
+/// Errors: joints, stops and motors that ODE does not know and capabilities cannot say.
+Result<> check_joints(const SceneModel& model);
+
+/// Mean efforts of the last step.
+struct JointReport {
+  double* joint_efforts = nullptr;  ///< of this joint's first speed
+  double* motor_efforts = nullptr;  ///< SceneModel::motors
+  Wrench* reaction = nullptr;       ///< on the child, about M's origin, world axes
+};
+
+/// One joint of the scene: a joint of ODE's (of a planar one two). The first law of each axis
+/// without stops is the joint's own motor, any other one an AMotor or LMotor beside it: at a stop
+/// ODE's own motors push with all they have, whichever way they are asked to run.
+class JointLink {
+ public:
+  /// Bodies are where the scene has them at its start; they are moved here and left elsewhere.
+  JointLink(dWorldID world, const SceneModel& model, int joint, const JointEnd& parent,
+            const JointEnd& child, const Options& options);
+  JointLink(const JointLink&) = delete;
+  JointLink& operator=(const JointLink&) = delete;
+
+  /// Sets the motors for the next step of `h` and adds what no motor carries to the bodies' forces.
+  /// `q`: this joint's coordinates, brought up to date if the laws need them.
+  void drive(double h, const std::vector<Drive>& drives, double* q);
+  /// Brings the coordinates up to date; turns are counted from what `q` was.
+  void update(double* q) const;
+  void velocities(const double* q, double* u) const;
+  /// After a step of `h`.
+  void report(double h, const JointReport& out) const;
+
+ private:
+  /// One law along one speed.
+  struct Law {
+    int speed = 0;
+    int drive = -1;       ///< SceneModel::motors; -1: of the axis itself
+    bool spring = false;  ///< of the axis; has no motor
+    bool own = false;     ///< the motor of the joint itself
+    dJointID id = nullptr;
+    int group = 0;  ///< dParamGroup of the axis
+    dJointFeedback feedback{};
+    std::array<double, 3> motor{};  ///< as ODE has it: speed, bound (0: none), cfm
+    double applied = 0.0;           ///< what is added as a force
+  };
+
+  void make(dWorldID world, const Pose& X_WF, const Pose& X_WM);
+  void make_planar(dWorldID world, const Pose& X_WF, const Pose& X_WM);
+  void add_laws(dWorldID world, const SceneModel& model, int joint, const Pose& X_WF,
+                const Pose& X_WM);
+  Law& add_law(dWorldID world, int speed, bool own, const Vec3& direction);
+  int group_of(int speed) const;
+  bool turns(int speed) const;
+  dJointID attached(dJointID id, dJointFeedback& feedback) const;
+  int relative_to_parent() const;
+  /// Direction of a speed, given F and M.
+  Vec3 direction(int speed, const Pose& X_WF, const Pose& X_WM) const;
+  void set(Law& law, double velocity, double bound, double cfm) const;
+  void set(Law& law, const Drive& drive, double h, double* q) const;
+  void apply(Law& law, double effort) const;
+
+  const Joint* joint_ = nullptr;
+  JointEnd parent_, child_, first_, second_;  ///< second_: nothing for what is immovable
+  double sign_ = 1.0;                         ///< -1: first_ is the parent
+  double cfm_ = 0.0;
+  dJointID id_ = nullptr;      ///< nullptr: nothing that forces could move
+  dJointID normal_ = nullptr;  ///< of a planar joint
+  dJointFeedback feedback_{}, normal_feedback_{};
+  std::deque<Law> laws_;
+};
+
+}  // namespace cogrsim::ode

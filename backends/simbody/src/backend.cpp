@@ -1,0 +1,135 @@
+// The plugin: a stateless factory of Simbody worlds.
+#include <LinearMath/btAlignedAllocator.h>
+
+#include <new>
+#include <string>
+
+#include "world.h"
+
+#include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/backend_plugin.h"
+
+namespace cogrsim::simbody {
+
+namespace {
+
+Capabilities make_capabilities() {
+  Capabilities out;
+  set_shape_features(out);
+  for (const ShapeType a : kShapeTypes) {
+    for (const ShapeType b : kShapeTypes) {
+      if (is_surface(a) && is_surface(b)) continue;
+      out.set(pair_feature(a, b), Support::approximate,
+              "compliant: 1 kg sinks in by 0.06 mm or less, bodies creep at up to 1 cm/s under "
+              "friction that should hold (transition-velocity)");
+    }
+  }
+  set_joint_features(out);
+  for (const JointType type : kJointTypes) {
+    if (type == JointType::fixed || type == JointType::free) continue;
+    const std::string name = to_string(type);
+    out.set("joint.limit." + name, Support::approximate,
+            "a stiff spring (MobilityLinearStop), passed by some mrad or 0.1 mm");
+    out.set("joint.friction." + name, Support::approximate,
+            "a drive towards rest with a bound, its effort constant over a step");
+  }
+  out.set("joint.limit.ball", Support::unsupported,
+          "Simbody has no stop for a ball joint; use a universal joint with limits");
+  out.set("joint.stiffness.ball", Support::unsupported,
+          "Simbody has no spring for a ball joint; use a universal joint");
+  for (const MotorMode mode : kMotorModes) {
+    out.set(std::string("motor.") + to_string(mode), Support::approximate,
+            "its effort is found at the start of a step and constant over it");
+  }
+  out.set("motor.torque", Support::exact);
+  for (const char* feature : {"body.static", "body.kinematic", "contact.stiffness", "runtime.add",
+                              "runtime.remove", "runtime.save", "runtime.set_state",
+                              "runtime.attach", "runtime.body_kind", "runtime.joint_axes"})
+    out.set(feature, Support::exact);
+  out.set("report.contact_force", Support::approximate,
+          "mean by the trapezoidal rule over the integrator's own steps");
+  out.set(
+      "report.joint_effort", Support::approximate,
+      "of springs, dampers and stops: mean by the trapezoidal rule over the integrator's steps");
+  out.set("report.joint_reaction", Support::approximate,
+          "at the end of the step, not the mean over it");
+  return out;
+}
+
+class SimbodyBackend final : public Backend {
+ public:
+  SimbodyBackend() {
+    // Bullet's distance queries do not look whether malloc gave them memory. It keeps these for the
+    // whole process, so they must be functions that are never unloaded.
+    btAlignedAllocSetCustom(static_cast<void* (*)(std::size_t)>(::operator new),
+                            static_cast<void (*)(void*)>(::operator delete));
+    int major = 0, minor = 0, build = 0;
+    SimTK_version_simbody(&major, &minor, &build);
+    version_ = std::to_string(major) + "." + std::to_string(minor) +
+               (build > 0 ? "." + std::to_string(build) : std::string());
+  }
+  const char* name() const override { return "simbody"; }
+  const char* engine_version() const override { return version_.c_str(); }
+  Provenance provenance(const Parameters& parameters) const override {
+    const Options options = options_from(parameters);
+    Provenance out;
+    out.engine = "Simbody";
+    out.solver = "compliant contact; loops by Lagrange multipliers";
+    out.formulation = "generalized coordinates";
+    out.integrator = "SimTK::" + integrator_class(options.integrator);
+    out.integrator += options.integrator == "semi-explicit-euler" || options.substeps > 0
+                          ? ", fixed steps"
+                          : ", accuracy " + option_text(ParameterValue(options.accuracy));
+    const auto say = [&](StepStage stage, ComputedBy by, const char* what) {
+      out[stage] = {by, what};
+    };
+    const auto engine = ComputedBy::engine, ours = ComputedBy::cogrsim;
+    if (options.trackers) {
+      say(StepStage::broad_phase, engine, "ContactTrackerSubsystem");
+      say(StepStage::narrow_phase, engine, "ContactTracker::HalfSpaceSphere and the like");
+      say(StepStage::contact_memory, engine, "ContactSnapshot");
+      say(StepStage::contact_law, engine, "CompliantContactSubsystem");
+      say(StepStage::friction, engine, "CompliantContactSubsystem");
+      say(StepStage::restitution, engine, "dissipation of CompliantContactSubsystem");
+    } else {
+      say(StepStage::broad_phase, ours, "Detector");
+      say(StepStage::narrow_phase, ours, "Detector, with Bullet's btGjkPairDetector for hulls");
+      say(StepStage::contact_memory, ComputedBy::nobody,
+          "points are found again in each evaluation");
+      say(StepStage::contact_law, ours, "Force::Custom, Hunt and Crossley's force");
+      say(StepStage::friction, ours, "Force::Custom, Hollars' friction");
+      say(StepStage::restitution, ours, "Force::Custom, Hunt and Crossley's dissipation");
+    }
+    say(StepStage::joints, engine,
+        "MobilizedBody, loops cut by MultibodyGraphMaker and closed by "
+        "Constraint::Weld");
+    say(StepStage::limits, engine, "Force::MobilityLinearStop");
+    say(StepStage::motors, ours,
+        "efforts found by Drives, applied by Force::MobilityDiscreteForce; springs and dampers: "
+        "Force::MobilityLinearSpring, MobilityLinearDamper");
+    say(StepStage::integrator, engine, out.integrator.c_str());
+    return out;
+  }
+  const Capabilities& capabilities() const override { return capabilities_; }
+  const ParameterTable& world_options() const override { return world_option_table(); }
+  const ParameterTable& assembly_options() const override {
+    static const ParameterTable none;
+    return none;
+  }
+  Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
+    return SimbodyWorld::create(model);
+  }
+
+ private:
+  Capabilities capabilities_ = make_capabilities();
+  std::string version_;
+};
+
+}  // namespace
+
+}  // namespace cogrsim::simbody
+
+using cogrsim::simbody::SimbodyBackend;
+COGRSIM_BACKEND(SimbodyBackend, "simbody", version("0.1.0"), author("the CogRSim authors"),
+                summary("Simbody 3.7 as it ships: generalized coordinates, error-controlled "
+                        "integrators, compliant contact"))

@@ -1,0 +1,62 @@
+// Contact between shapes of all kinds, as a force element: points from CogRSim's geometry, the normal
+// force and friction as Simbody's own contact elements have them.
+#pragma once
+
+#include <vector>
+
+#include "collision/detector.h"
+#include "mechanism.h"
+
+#include "cogrsim/physics/state.h"
+
+namespace cogrsim::simbody {
+
+/// Normal force of Hunt and Crossley, f = k x (1 + c xdot) >= 0, x the depth (Simbody's for a brick's
+/// corners on a half-space). Friction of Hollars, mu f min(v / v_t, 1) against the slip v, v_t the
+/// transition velocity (Simbody's HuntCrossleyForce with equal static and dynamic coefficients and no
+/// viscous one). A function of the state alone: points are found again in each evaluation.
+class GeneralContact final : public SimTK::Force::Custom::Implementation {
+ public:
+  GeneralContact(const Mechanism& mechanism, const Options& options);
+
+  void calcForce(const SimTK::State& state, SimTK::Vector_<SimTK::SpatialVec>& body_forces,
+                 SimTK::Vector_<SimTK::Vec3>& particle_forces,
+                 SimTK::Vector& mobility_forces) const override;
+  SimTK::Real calcPotentialEnergy(const SimTK::State&) const override { return 0.0; }  // not asked
+
+  /// What touches, with the forces now. The state is realized to Stage::Velocity.
+  void read(const SimTK::State& state, std::vector<Contact>& out) const;
+
+ private:
+  struct Surface {
+    double mu = 0.0, c = 0.0, k = 0.0;
+    bool known = false;
+  };
+
+  const Surface& surface(int material_a, int material_b) const;
+  double stiffness(const dynamics::Collider& a, const dynamics::Collider& b) const;
+  /// On b, world [N].
+  SimTK::Vec3 push(const SimTK::State& state, const dynamics::ContactPoint& point) const;
+
+  const Mechanism& mechanism_;
+  const Options options_;
+  mutable dynamics::Detector detector_;
+  mutable std::vector<dynamics::ContactPoint> points_;
+  mutable std::vector<Contact> contacts_;
+  mutable std::vector<Surface> surfaces_;  // nmaterial x nmaterial
+};
+
+/// Contacts of a step: means by the trapezoidal rule over the integrator's own steps. Points of one
+/// pair of shapes that are nearer to each other than 2 cm are the same.
+class ContactReport {
+ public:
+  void start(const std::vector<Contact>& now);
+  void add(const std::vector<Contact>& now, double h);
+  void get(double dt, std::vector<Contact>& out) const;
+
+ private:
+  std::vector<Contact> last_;  ///< forces [N]
+  std::vector<Contact> sums_;  ///< impulses [N s]
+};
+
+}  // namespace cogrsim::simbody

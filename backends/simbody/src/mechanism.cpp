@@ -1,0 +1,353 @@
+#include "mechanism.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+namespace cogrsim::simbody {
+
+namespace {
+
+// Simbody slides along x where the scene language slides along z.
+const SimTK::Rotation& x_to_z() {
+  static const SimTK::Rotation R(-SimTK::Pi / 2, SimTK::YAxis);
+  return R;
+}
+
+SimTK::Body::Rigid rigid_body(const Body& body, int fragments) {
+  if (body.kind == BodyKind::kinematic)
+    return SimTK::Body::Rigid(SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::UnitInertia(1)));
+  const Mat3 I = body.inertia / fragments;
+  const double m = body.mass / fragments;
+  const SimTK::Vec3 c = to_simtk(body.com);
+  const SimTK::Inertia central(SimTK::Vec3(I(0, 0), I(1, 1), I(2, 2)),
+                               SimTK::Vec3(I(0, 1), I(0, 2), I(1, 2)));
+  return SimTK::Body::Rigid(SimTK::MassProperties(m, c, central.shiftFromMassCenter(c, m)));
+}
+
+// To MultibodyGraphMaker's names: "free" and "weld" are its own.
+std::string graph_type(JointType type) { return std::string("joint ") + to_string(type); }
+
+}  // namespace
+
+bool Mechanism::is_ground(int body) const {
+  return body == kWorld || model_->bodies[std::size_t(body)].kind == BodyKind::fixed;
+}
+bool Mechanism::is_dynamic(int body) const {
+  return body != kWorld && model_->bodies[std::size_t(body)].kind == BodyKind::dynamic;
+}
+
+const SimTK::MobilizedBody& Mechanism::mobod(int body) const {
+  const int link = body_link(body);
+  return link < 0 ? static_cast<const SimTK::MobilizedBody&>(matter.getGround())
+                  : links_[std::size_t(link)].mobod;
+}
+
+Mechanism::Mechanism(SceneModelPtr model, std::vector<Pose> places, const Options& options)
+    : model_(std::move(model)),
+      places_(std::move(places)),
+      options_(options),
+      body_links_(model_->bodies.size(), -1),
+      joint_links_(model_->joints.size(), -1) {
+  matter.setShowDefaultGeometry(false);
+  forces.setNumberOfThreads(1);
+  plan();
+  SimTK::Force::Gravity gravity(forces, matter, to_simtk(model_->physics.gravity));
+  for (const Link& link : links_)
+    if (link.kinematic) gravity.setDefaultBodyIsExcluded(link.mobod, true);
+}
+
+int Mechanism::inboard(int link) const {
+  // Simbody numbers bodies as they are made, the ground first.
+  const SimTK::MobilizedBody& mobod = links_[std::size_t(link)].mobod;
+  return int(mobod.getParentMobilizedBody().getMobilizedBodyIndex()) - 1;
+}
+
+void Mechanism::plan() {
+  SimTK::MultibodyGraphMaker graph;
+  for (const JointType type : {JointType::fixed, JointType::hinge, JointType::slider,
+                               JointType::screw, JointType::cylindrical, JointType::universal,
+                               JointType::planar, JointType::ball, JointType::free})
+    graph.addJointType(graph_type(type), speed_count(type));
+  const auto body_name = [](int b) { return b < 0 ? std::string("ground") : std::to_string(b); };
+  graph.addBody("ground", 0.0, false);
+
+  // The first body of what hangs together, and does not hang on the ground, moves freely.
+  const int count = int(model_->bodies.size());
+  std::vector<int> root(model_->bodies.size() + 1);  // the last: all that no force moves
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int i) {
+    while (root[std::size_t(i)] != i) i = root[std::size_t(i)];
+    return i;
+  };
+  for (const Joint& joint : model_->joints) {
+    if (joint.removed || joint.closes_loop) continue;
+    const int a = find(is_dynamic(joint.parent) ? joint.parent : count);
+    const int b = find(is_dynamic(joint.child) ? joint.child : count);
+    if (a == count || b == count) {
+      root[std::size_t(a == count ? b : a)] = count;
+    } else {
+      root[std::size_t(std::max(a, b))] = std::min(a, b);
+    }
+  }
+  for (int b = 0; b < count; ++b) {
+    const Body& body = model_->bodies[std::size_t(b)];
+    if (body.removed || body.kind == BodyKind::fixed) continue;
+    const bool base = body.kind == BodyKind::kinematic || find(b) == b;
+    graph.addBody(body_name(b), base && body.kind == BodyKind::kinematic ? 1.0 : body.mass, base,
+                  const_cast<Body*>(&body));
+  }
+  const auto cut_parent = [&](const Joint& j) { return j.closes_loop && !is_dynamic(j.child); };
+  for (const Joint& joint : model_->joints) {
+    // Between bodies that no force moves a joint holds nothing.
+    if (joint.removed || (!is_dynamic(joint.parent) && !is_dynamic(joint.child))) continue;
+    // It is the child that is cut in two to open a loop.
+    const bool turned = cut_parent(joint);
+    const int parent = turned ? joint.child : joint.parent;
+    const int child = turned ? joint.parent : joint.child;
+    graph.addJoint(std::to_string(&joint - model_->joints.data()), graph_type(joint.type),
+                   body_name(is_ground(parent) ? kWorld : parent),
+                   body_name(is_ground(child) ? kWorld : child), joint.closes_loop,
+                   const_cast<Joint*>(&joint));
+  }
+  graph.generateGraph();
+
+  links_.reserve(std::size_t(graph.getNumMobilizers()));
+  for (int m = 0; m < graph.getNumMobilizers(); ++m) {
+    const auto& mobilizer = graph.getMobilizer(m);
+    if (mobilizer.getLevel() <= 0) continue;  // the ground, where it is counted
+    const auto* const body = static_cast<const Body*>(mobilizer.getOutboardMasterBodyRef());
+    const auto* const inboard = static_cast<const Body*>(mobilizer.getInboardBodyRef());
+    Link link;
+    link.body = int(body - model_->bodies.data());
+    link.slave = mobilizer.isSlaveMobilizer();
+    link.kinematic = body->kind == BodyKind::kinematic;
+    int anchor = kWorld;
+    if (!mobilizer.isAddedBaseMobilizer()) {
+      const auto* const joint = static_cast<const Joint*>(mobilizer.getJointRef());
+      link.joint = int(joint - model_->joints.data());
+      link.reversed = mobilizer.isReversedFromJoint() != cut_parent(*joint);
+      anchor = link.reversed ? joint->child : joint->parent;
+    }
+    add_link(link, inboard ? body_links_[std::size_t(inboard - model_->bodies.data())] : -1, anchor,
+             mobilizer.getNumFragments());
+  }
+  // What fixed joints hold together already needs no weld, and Simbody has none without freedom.
+  const auto held_by = [&](int i) {
+    while (i >= 0 && SimTK::MobilizedBody::Weld::isInstanceOf(links_[std::size_t(i)].mobod))
+      i = inboard(i);
+    return i;
+  };
+  for (const Link& link : links_) {
+    if (!link.slave) continue;
+    const int whole = body_link(link.body);
+    const int tree = link.tree, other = links_[std::size_t(whole)].tree;
+    for (Link& each : links_)
+      if (each.tree == std::max(tree, other)) each.tree = std::min(tree, other);
+    if (held_by(whole) == held_by(int(&link - links_.data()))) continue;
+    SimTK::MobilizedBody master = links_[std::size_t(whole)].mobod, slave = link.mobod;
+    SimTK::Constraint::Weld(master, slave);
+    has_loops_ = true;
+  }
+}
+
+void Mechanism::add_link(Link link, int inboard_link, int anchor, int fragments) {
+  using SimTK::MobilizedBody;
+  const Body& body = model_->bodies[std::size_t(link.body)];
+  const SimTK::Body::Rigid rigid = rigid_body(body, fragments);
+  const int index = int(links_.size());
+  std::iota(link.q_map.begin(), link.q_map.end(), 0);
+  std::iota(link.u_map.begin(), link.u_map.end(), 0);
+  link.tree = index;
+  if (inboard_link >= 0 && !links_[std::size_t(inboard_link)].kinematic)
+    link.tree = links_[std::size_t(inboard_link)].tree;
+  if (!link.slave) body_links_[std::size_t(link.body)] = index;
+  if (link.joint < 0) {
+    const SimTK::Vec3 at = link.kinematic ? SimTK::Vec3(0) : to_simtk(body.com);
+    link.mobod = MobilizedBody::Free(matter.Ground(), SimTK::Transform(), rigid, at);
+    if (link.kinematic) link.motion = SimTK::Motion::Steady(link.mobod, SimTK::Vec6(0));
+    links_.push_back(link);
+    return;
+  }
+  joint_links_[std::size_t(link.joint)] = index;
+  const Joint& joint = model_->joints[std::size_t(link.joint)];
+  MobilizedBody inboard = matter.Ground();
+  SimTK::Transform in = to_simtk(link.reversed ? joint.X_CM : joint.X_PF);
+  SimTK::Transform out = to_simtk(link.reversed ? joint.X_PF : joint.X_CM);
+  if (inboard_link >= 0) {
+    inboard = links_[std::size_t(inboard_link)].mobod;
+  } else if (anchor >= 0) {
+    in = to_simtk(places_[std::size_t(anchor)]) * in;
+  }
+  const auto direction = link.reversed ? MobilizedBody::Reverse : MobilizedBody::Forward;
+  switch (joint.type) {
+    case JointType::fixed:
+      link.mobod = MobilizedBody::Weld(inboard, in, rigid, out);
+      break;
+    case JointType::hinge:
+      link.mobod = MobilizedBody::Pin(inboard, in, rigid, out, direction);
+      break;
+    case JointType::slider:
+      in.updR() = in.R() * x_to_z();
+      out.updR() = out.R() * x_to_z();
+      link.mobod = MobilizedBody::Slider(inboard, in, rigid, out, direction);
+      break;
+    case JointType::screw:
+      link.mobod =
+          MobilizedBody::Screw(inboard, in, rigid, out, joint.pitch / (2 * SimTK::Pi), direction);
+      break;
+    case JointType::cylindrical:
+      link.mobod = MobilizedBody::Cylinder(inboard, in, rigid, out, direction);
+      break;
+    case JointType::universal:
+      link.mobod = MobilizedBody::Universal(inboard, in, rigid, out, direction);
+      break;
+    case JointType::planar:
+      link.mobod = MobilizedBody::Planar(inboard, in, rigid, out, direction);
+      link.q_map = {1, 2, 0};
+      link.u_map = {1, 2, 0};
+      break;
+    case JointType::ball:
+      link.mobod = MobilizedBody::Ball(inboard, in, rigid, out, direction);
+      break;
+    case JointType::free:
+      link.mobod = MobilizedBody::Free(inboard, in, rigid, out, direction);
+      link.q_map = {4, 5, 6, 0, 1, 2, 3};
+      link.u_map = {3, 4, 5, 0, 1, 2};
+      break;
+  }
+  add_axes(joint, link);
+  links_.push_back(link);
+}
+
+void Mechanism::add_axes(const Joint& joint, const Link& link) {
+  const bool ball = joint.type == JointType::ball;
+  if (joint.axes.empty()) return;
+  if (ball && (joint.axes[0].has_limit() || joint.axes[0].stiffness > 0.0))
+    throw std::runtime_error("it has no stop or spring for the ball joint '" + joint.name + "'");
+  for (int i = 0; i < speed_count(joint.type); ++i) {
+    const JointAxis& axis = joint.axes[ball ? 0 : std::size_t(i)];
+    AxisForces made;
+    made.joint = link.joint;
+    made.effort = joint.speed_offset + i;
+    made.axis = axis;
+    const SimTK::MobilizerUIndex u(link.u_map[std::size_t(i)]);
+    const SimTK::MobilizerQIndex q(link.q_map[std::size_t(i)]);
+    made.u = u;
+    made.q = q;
+    if (axis.damping > 0.0) SimTK::Force::MobilityLinearDamper(forces, link.mobod, u, axis.damping);
+    if (axis.stiffness > 0.0)
+      SimTK::Force::MobilityLinearSpring(forces, link.mobod, q, axis.stiffness, axis.rest);
+    made.stops = axis.has_limit();
+    if (made.stops) {
+      made.stop =
+          SimTK::Force::MobilityLinearStop(forces, link.mobod, q, 0.0, 0.0, axis.lower, axis.upper);
+    }
+    if (made.stops || axis.damping > 0.0 || axis.stiffness > 0.0) axes_.push_back(made);
+  }
+}
+
+SimTK::State Mechanism::realize_topology() {
+  SimTK::State state = system.realizeTopology();
+  state.updTime() = 0.0;  // which is not a number otherwise
+  system.realizeModel(state);
+  for (Link& link : links_) {
+    link.q = int(link.mobod.getFirstQIndex(state));
+    link.u = int(link.mobod.getFirstUIndex(state));
+    link.nq = link.mobod.getNumQ(state);
+    link.nu = link.mobod.getNumU(state);
+  }
+  for (AxisForces& axis : axes_) {
+    const Link& link = links_[std::size_t(joint_link(axis.joint))];
+    axis.q += link.q;
+    axis.u += link.u;
+  }
+  set_stops(state);
+  for (const Link& link : links_) {
+    if (link.joint < 0) {
+      const Body& body = model_->bodies[std::size_t(link.body)];
+      set_base(state, link, body.X_WB, body.V_WB);
+    } else {
+      const Joint& joint = model_->joints[std::size_t(link.joint)];
+      set_joint(state, link, joint.position.data(), joint.velocity.data());
+    }
+  }
+  set_rates(state);
+  project(state);
+  return state;
+}
+
+// As stiff as the axis is heavy where all coordinates are zero: whatever else is there, and wherever
+// it is, changes nothing.
+void Mechanism::set_stops(SimTK::State& state) {
+  SimTK::Vector unit(state.getNU(), 0.0), column;
+  system.realize(state, SimTK::Stage::Position);
+  for (AxisForces& axis : axes_) {
+    if (!axis.stops) continue;
+    unit[axis.u] = 1.0;
+    matter.multiplyByMInv(state, unit, column);
+    unit[axis.u] = 0.0;
+    axis.stop_stiffness = options_.frequency * options_.frequency / std::max(column[axis.u], 1e-12);
+    axis.stop.setMaterialProperties(state, axis.stop_stiffness, options_.stop_dissipation);
+  }
+}
+
+Pose Mechanism::pose(const SimTK::State& state, int body) const {
+  if (body == kWorld) return {};
+  const int link = body_link(body);
+  if (link < 0) return places_[std::size_t(body)];
+  return from_simtk(links_[std::size_t(link)].mobod.getBodyTransform(state));
+}
+
+Twist Mechanism::twist(const SimTK::State& state, int body) const {
+  const int link = body_link(body);
+  if (link < 0) return {};
+  const SimTK::SpatialVec& V = links_[std::size_t(link)].mobod.getBodyVelocity(state);
+  return {from_simtk(V[1]), from_simtk(V[0])};
+}
+
+void Mechanism::set_base(SimTK::State& state, const Link& link, const Pose& X_WB,
+                         const Twist& V_WB) const {
+  SimTK::Vector &q = state.updQ(), &u = state.updU();
+  const Vec3 r =
+      link.kinematic ? Vec3::Zero() : Vec3(X_WB.q * model_->bodies[std::size_t(link.body)].com);
+  const Vec3 p = X_WB.p + r, v = V_WB.at(r);
+  q[link.q] = X_WB.q.w();
+  for (int k = 0; k < 3; ++k) {
+    q[link.q + 1 + k] = X_WB.q.vec()[k];
+    q[link.q + 4 + k] = p[k];
+    u[link.u + k] = V_WB.angular[k];
+    u[link.u + 3 + k] = v[k];
+  }
+}
+
+void Mechanism::set_joint(SimTK::State& state, const Link& link, const double* q,
+                          const double* u) const {
+  SimTK::Vector &all_q = state.updQ(), &all_u = state.updU();
+  for (int k = 0; k < link.nq; ++k) all_q[link.q + link.q_map[std::size_t(k)]] = q[k];
+  for (int k = 0; k < link.nu; ++k) all_u[link.u + link.u_map[std::size_t(k)]] = u[k];
+}
+
+void Mechanism::get_joint(const SimTK::State& state, const Link& link, double* q, double* u) const {
+  const SimTK::Vector &all_q = state.getQ(), &all_u = state.getU();
+  for (int k = 0; k < link.nq; ++k) q[k] = all_q[link.q + link.q_map[std::size_t(k)]];
+  for (int k = 0; k < link.nu; ++k) u[k] = all_u[link.u + link.u_map[std::size_t(k)]];
+}
+
+void Mechanism::set_rates(SimTK::State& state) const {
+  const SimTK::Vector u = state.getU();
+  for (const Link& link : links_)
+    for (int k = 0; link.kinematic && k < 6; ++k)
+      link.motion.setOneRate(state, SimTK::MobilizerUIndex(k), u[link.u + k]);
+}
+
+void Mechanism::project(SimTK::State& state) const {
+  constexpr double kTolerance = 1e-10;  // [m], [rad], of loops
+  system.realize(state, SimTK::Stage::Time);
+  matter.normalizeQuaternions(state);
+  system.project(state, kTolerance);
+  system.realize(state, SimTK::Stage::Velocity);
+}
+
+}  // namespace cogrsim::simbody

@@ -1,0 +1,99 @@
+// The scene as a Simbody system: bodies, mobilizers, the welds that close loops, and its own forces.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "convert.h"
+#include "options.h"
+
+#include "cogrsim/model/scene_model.h"
+
+namespace cogrsim::simbody {
+
+/// A mobilized body. Simbody's body frame is the scene's; what moves freely moves in its centre of
+/// mass (kinematic: in its origin), so that its speeds are its angular velocity and the velocity of
+/// that point, in world axes.
+struct Link {
+  int body = -1;          ///< SceneModel::bodies
+  int joint = -1;         ///< SceneModel::joints; -1: moves freely in the world
+  bool reversed = false;  ///< outboard is the joint's parent
+  bool slave = false;     ///< a part of a body that was cut to open a loop
+  bool kinematic = false;
+  int tree = -1;  ///< number of what can push each other through joints
+  SimTK::MobilizedBody mobod;
+  SimTK::Motion::Steady motion;  ///< of kinematic ones
+  int q = 0, nq = 0, u = 0, nu = 0;
+  std::array<int, 7> q_map{};  ///< place, among the mobilizer's q, of the scene's i-th
+  std::array<int, 6> u_map{};
+};
+
+/// Springs, dampers and stops of one axis, as Simbody has them.
+struct AxisForces {
+  int joint = -1;    ///< SceneModel::joints
+  int effort = 0;    ///< WorldState::joint_efforts
+  int q = 0, u = 0;  ///< in the state
+  JointAxis axis;
+  SimTK::Force::MobilityLinearStop stop;
+  bool stops = false;
+  double stop_stiffness = 0.0;
+};
+
+class Mechanism {
+ public:
+  /// `places` has the poses of static bodies. Throws what Simbody throws.
+  Mechanism(SceneModelPtr model, std::vector<Pose> places, const Options& options);
+
+  SimTK::MultibodySystem system;
+  SimTK::SimbodyMatterSubsystem matter{system};
+  SimTK::GeneralForceSubsystem forces{system};
+
+  const SceneModel& model() const { return *model_; }
+  const SceneModelPtr& model_ptr() const { return model_; }
+  const std::vector<Pose>& places() const { return places_; }
+  const std::vector<Link>& links() const { return links_; }
+  /// -1: the ground.
+  int body_link(int body) const { return body < 0 ? -1 : body_links_[std::size_t(body)]; }
+  /// -1: holds nothing that forces move.
+  int joint_link(int joint) const { return joint_links_[std::size_t(joint)]; }
+  const SimTK::MobilizedBody& mobod(int body) const;
+  const std::vector<AxisForces>& axes() const { return axes_; }
+  bool has_loops() const { return has_loops_; }
+
+  /// To be called once, when all forces are there: the scene's state at the start.
+  SimTK::State realize_topology();
+
+  // Realized to Stage::Position, Stage::Velocity.
+  Pose pose(const SimTK::State& state, int body) const;
+  Twist twist(const SimTK::State& state, int body) const;
+
+  // Of one mobilizer's own coordinates.
+  void set_base(SimTK::State& state, const Link& link, const Pose& X_WB, const Twist& V_WB) const;
+  void set_joint(SimTK::State& state, const Link& link, const double* q, const double* u) const;
+  void get_joint(const SimTK::State& state, const Link& link, double* q, double* u) const;
+  /// Kinematic bodies go on with the speeds that the state has.
+  void set_rates(SimTK::State& state) const;
+
+  /// Quaternions to unit length, coordinates and speeds onto closed loops.
+  void project(SimTK::State& state) const;
+
+ private:
+  bool is_ground(int body) const;
+  bool is_dynamic(int body) const;
+  int inboard(int link) const;
+  void plan();
+  void add_link(Link link, int inboard, int anchor, int fragments);
+  void add_axes(const Joint& joint, const Link& link);
+  void set_stops(SimTK::State& state);
+
+  SceneModelPtr model_;
+  std::vector<Pose> places_;
+  Options options_;
+  std::vector<Link> links_;
+  std::vector<int> body_links_, joint_links_;
+  std::vector<AxisForces> axes_;
+  bool has_loops_ = false;
+};
+
+}  // namespace cogrsim::simbody

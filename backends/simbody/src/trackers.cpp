@@ -1,0 +1,136 @@
+#include "trackers.h"
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <tuple>
+
+namespace cogrsim::simbody {
+
+namespace {
+
+// Simbody's half-space is solid where its x is positive; the scene language's where z is negative.
+SimTK::Transform frame_of(const Shape& shape) {
+  SimTK::Transform X = to_simtk(shape.X_BS);
+  if (shape.type == ShapeType::plane)
+    X.updR() = X.R() * SimTK::Rotation(SimTK::Pi / 2, SimTK::YAxis);
+  return X;
+}
+
+std::unique_ptr<SimTK::ContactGeometry> geometry_of(const SceneModel& model, const Shape& shape) {
+  switch (shape.type) {
+    case ShapeType::plane:
+      return std::make_unique<SimTK::ContactGeometry::HalfSpace>();
+    case ShapeType::sphere:
+      return std::make_unique<SimTK::ContactGeometry::Sphere>(shape.radius);
+    case ShapeType::box:
+      return std::make_unique<SimTK::ContactGeometry::Brick>(to_simtk(0.5 * shape.size));
+    case ShapeType::mesh:
+    case ShapeType::convex_mesh: {
+      const TriangleMesh& mesh = model.meshes[std::size_t(shape.mesh)];
+      SimTK::Array_<SimTK::Vec3> vertices;
+      SimTK::Array_<int> faces;
+      for (const Vec3& v : mesh.vertices) vertices.push_back(to_simtk(v));
+      for (const Eigen::Vector3i& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) faces.push_back(t[k]);
+      return std::make_unique<SimTK::ContactGeometry::TriangleMesh>(vertices, faces);
+    }
+    default:
+      return nullptr;
+  }
+}
+
+}  // namespace
+
+TrackerContact::TrackerContact(Mechanism& mechanism, const Options& options)
+    : mechanism_(mechanism), tracker_(mechanism.system), contact_(mechanism.system, tracker_) {
+  contact_.setTransitionVelocity(options.transition_velocity);
+  const SceneModel& model = mechanism.model();
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const Body& body = model.bodies[b];
+    for (std::size_t i = 0; i < body.shapes.size() && !body.removed; ++i)
+      if (body.shapes[i].collides) add(mechanism, options, int(b), int(i));
+  }
+  const CollisionFilter filter(model);
+  for (const Surface& a : surfaces_) {
+    for (const Surface& b : surfaces_) {
+      if (a.body >= b.body || a.mobod == b.mobod) continue;
+      if (!filter.collide(a.body, b.body)) {
+        // What does not collide shares a clique.
+        const auto clique = SimTK::ContactSurface::createNewContactClique();
+        for (const Surface& s : {a, b})
+          mechanism.matter.updMobilizedBody(s.mobod)
+              .updBody()
+              .updContactSurface(s.ordinal)
+              .joinClique(clique);
+      } else if (!tracker_.hasContactTracker(a.type, b.type)) {
+        const auto shape = [&](const Surface& s) {
+          const Shape& it = model.bodies[std::size_t(s.body)].shapes[std::size_t(s.shape)];
+          return std::string("the ") + to_string(it.type) + " '" + it.name + "'";
+        };
+        throw std::runtime_error("it has no contact tracker for " + shape(a) + " and " + shape(b) +
+                                 "; contact=\"general\" has all shapes");
+      }
+    }
+  }
+}
+
+void TrackerContact::add(Mechanism& mechanism, const Options& options, int body, int index) {
+  const SceneModel& model = mechanism.model();
+  const Shape& shape = model.bodies[std::size_t(body)].shapes[std::size_t(index)];
+  const Material& material = model.materials[std::size_t(shape.material)];
+  Surface surface;
+  surface.body = body;
+  surface.shape = index;
+  const auto geometry = geometry_of(model, shape);
+  if (!geometry)
+    throw std::runtime_error("it has no geometry for '" + shape.name +
+                             "'; contact=\"general\" has all shapes");
+  surface.type = geometry->getTypeId();
+  surface.mobod = mechanism.mobod(body).getMobilizedBodyIndex();
+  const double c = options.dissipation > 0.0
+                       ? options.dissipation
+                       : dissipation_of(material.restitution, options.impact_speed);
+  constexpr double kThickness = 0.01;  // [m], of meshes' elastic layer
+  SimTK::Transform X = frame_of(shape);
+  if (mechanism.body_link(body) < 0) X = to_simtk(mechanism.places()[std::size_t(body)]) * X;
+  surface.ordinal =
+      mechanism.matter.updMobilizedBody(surface.mobod)
+          .updBody()
+          .addContactSurface(
+              X, SimTK::ContactSurface(*geometry,
+                                       SimTK::ContactMaterial(options.modulus, c, material.friction,
+                                                              material.friction),
+                                       kThickness));
+  surfaces_.push_back(surface);
+}
+
+void TrackerContact::read(const SimTK::State& state, std::vector<Contact>& out) const {
+  std::map<int, std::pair<int, int>> by_surface;
+  for (const Surface& s : surfaces_)
+    by_surface[tracker_.getContactSurfaceIndex(s.mobod, s.ordinal)] = {s.body, s.shape};
+  mechanism_.system.realize(state, SimTK::Stage::Dynamics);
+  const SimTK::ContactSnapshot& active = tracker_.getActiveContacts(state);
+  out.clear();
+  SimTK::ContactPatch patch;
+  for (int i = 0; i < active.getNumContacts(); ++i) {
+    const SimTK::Contact& pair = active.getContact(i);
+    if (!contact_.calcContactPatchDetailsById(state, pair.getContactId(), patch)) continue;
+    const auto one = by_surface.at(pair.getSurface1()), two = by_surface.at(pair.getSurface2());
+    for (int k = 0; k < patch.getNumDetails(); ++k) {
+      const SimTK::ContactDetail& detail = patch.getContactDetail(k);
+      Contact contact;
+      const bool swapped = one.first > two.first;
+      std::tie(contact.body_a, contact.shape_a) = swapped ? two : one;
+      std::tie(contact.body_b, contact.shape_b) = swapped ? one : two;
+      const double sign = swapped ? -1.0 : 1.0;
+      contact.point = from_simtk(detail.getContactPoint());
+      contact.normal = sign * from_simtk(SimTK::Vec3(detail.getContactNormal()));
+      contact.depth = detail.getDeformation();
+      contact.force = sign * from_simtk(detail.getForceOnSurface2());
+      out.push_back(contact);
+    }
+  }
+}
+
+}  // namespace cogrsim::simbody

@@ -1,0 +1,299 @@
+#include "world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/model/mass_properties.h"
+#include "cogrsim/physics/backend_checks.h"
+
+namespace cogrsim::simbody {
+
+namespace {
+
+constexpr double kFarthest = 1e6;  // [m]
+constexpr double kFastest = 1e6;   // [m/s], [rad/s]
+constexpr int kMostSteps = 20000;  // of the integrator in one of the world's
+
+// Force of Simbody's stop, see Force::MobilityLinearStop.
+double stop_effort(const AxisForces& axis, double d, double q, double u) {
+  const double k = axis.stop_stiffness;
+  if (q > axis.axis.upper) return std::min(0.0, -k * (q - axis.axis.upper) * (1.0 + d * u));
+  if (q < axis.axis.lower) return std::max(0.0, -k * (q - axis.axis.lower) * (1.0 - d * u));
+  return 0.0;
+}
+
+}  // namespace
+
+Result<> check_scene(const SceneModel& model) {
+  if (auto fine = check_motors(model); !fine) return fine;
+  for (const Body& body : model.bodies) {
+    if (body.removed || body.kind != BodyKind::dynamic) continue;
+    if (auto fine = check_mass_properties(body.mass, body.inertia); !fine)
+      return fail("body '" + body.name + "': " + fine.error().message, place_of(model, body.origin),
+                  fine.error().hint);
+  }
+  return {};
+}
+
+SimbodyWorld::Engine::Engine(SceneModelPtr model, Places poses, const Options& options)
+    : places(std::move(poses)), mechanism(std::move(model), *places, options), drives(mechanism) {
+  const auto& bodies = mechanism.model().bodies;
+  const bool touches = std::any_of(bodies.begin(), bodies.end(), [](const Body& body) {
+    return !body.removed && body.kind != BodyKind::fixed &&
+           std::any_of(body.shapes.begin(), body.shapes.end(),
+                       [](const Shape& shape) { return shape.collides; });
+  });
+  if (touches && options.trackers) {
+    trackers = std::make_unique<TrackerContact>(mechanism, options);
+  } else if (touches) {
+    contact = new GeneralContact(mechanism, options);
+    SimTK::Force::Custom(mechanism.forces, contact);
+  }
+  start = mechanism.realize_topology();
+  drives.locate();
+}
+
+SimbodyWorld::SimbodyWorld(SceneModelPtr model, const Options& options)
+    : initial_(std::move(model)), options_(options) {
+  auto places = std::make_shared<std::vector<Pose>>();
+  for (const Body& body : initial_->bodies) places->push_back(body.X_WB);
+  initial_places_ = std::move(places);
+  start();
+}
+
+Result<std::unique_ptr<World>> SimbodyWorld::create(const SceneModelPtr& model) {
+  if (!model) return fail("no scene given");
+  if (auto fine = check_scene(*model); !fine) return tl::unexpected<Error>(fine.error());
+  const auto options = read_options(*model);
+  if (!options) return tl::unexpected<Error>(options.error());
+  try {
+    return std::unique_ptr<World>(new SimbodyWorld(model, *options));
+  } catch (const std::exception& e) {
+    return fail("Simbody: " + words_of(e), place_of(*model, model->physics.origin));
+  }
+}
+
+void SimbodyWorld::start() {
+  auto engine = std::make_shared<Engine>(initial_, initial_places_, options_);
+  integrator_.reset();
+  engine_ = std::move(engine);
+  model_ = initial_;
+  state_ = engine_->start;
+  time_ = last_dt_ = next_step_ = 0.0;
+  last_seen_ = {};
+  see_new_elements();
+  forget_reports();
+}
+
+void SimbodyWorld::see_new_elements() {
+  WorldState& seen = last_seen_;
+  for (std::size_t b = seen.poses.size(); b < model_->bodies.size(); ++b) {
+    seen.poses.push_back(model_->bodies[b].X_WB);
+    seen.twists.push_back(model_->bodies[b].V_WB);
+  }
+  const std::size_t known = seen.joint_positions.size();
+  seen.joint_positions.resize(std::size_t(model_->joint_positions));
+  seen.joint_velocities.resize(std::size_t(model_->joint_speeds));
+  seen.joint_efforts.resize(std::size_t(model_->joint_speeds));
+  seen.motor_efforts.resize(model_->motors.size());
+  for (const Joint& joint : model_->joints) {
+    if (std::size_t(joint.position_offset) < known) continue;
+    std::copy(joint.position.begin(), joint.position.end(),
+              seen.joint_positions.begin() + joint.position_offset);
+  }
+}
+
+void SimbodyWorld::forget_reports() {
+  last_seen_.joint_efforts.assign(std::size_t(model_->joint_speeds), 0.0);
+  last_seen_.motor_efforts.assign(model_->motors.size(), 0.0);
+  held_reactions_.assign(model_->joints.size(), {});
+  held_contacts_.clear();
+  stepped_ = false;
+}
+
+void SimbodyWorld::start_integrator(double dt) {
+  integrator_ = make_integrator(options_, engine_->mechanism.system, dt);
+  if (next_step_ > 0.0 && options_.substeps == 0 && integrator_->methodHasErrorControl())
+    integrator_->setInitialStepSize(std::min(next_step_, dt));
+  try {
+    integrator_->initialize(state_);
+  } catch (...) {
+    integrator_.reset();
+    throw;
+  }
+  if (next_step_ <= 0.0) return;
+  // As it was: initializing normalizes and projects what is normal and projected already.
+  SimTK::State& advanced = integrator_->updAdvancedState();
+  advanced.updQ() = state_.getQ();
+  advanced.updU() = state_.getU();
+}
+
+void SimbodyWorld::stop_integrator() {
+  if (!integrator_) return;
+  state_ = integrator_->getAdvancedState();
+  const double next = integrator_->getPredictedNextStepSize();
+  next_step_ = std::isfinite(next) ? next : 0.0;
+  integrator_.reset();
+}
+
+StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
+  Engine& engine = *engine_;
+  StepResult result;
+  if (integrator_ && dt != last_dt_) stop_integrator();
+  const SimTK::Vector q = state().getQ(), u = state().getU();
+  const double start = state().getTime();
+  try {
+    if (!integrator_) start_integrator(dt);
+    SimTK::State& now = integrator_->updAdvancedState();
+    engine.mechanism.system.realize(now, SimTK::Stage::Velocity);
+    if (!engine.drives.empty()) {
+      engine.drives.set(now, dt, drives);
+      integrator_->reinitialize(SimTK::Stage::Dynamics, false);
+    }
+    run_integrator(start + dt);
+    engine.mechanism.system.realize(state(), SimTK::Stage::Velocity);
+    result.body = find_diverged(state());
+    if (result.body >= 0)
+      result.message = "body '" + model_->bodies[std::size_t(result.body)].name +
+                       "' left all bounds (1000 km, 1000 km/s)";
+  } catch (const std::bad_alloc&) {
+    throw;  // no fault of the world's
+  } catch (const std::exception& e) {
+    result.message = std::string("Simbody: ") + e.what();
+    result.status = StepStatus::diverged;
+  }
+  if (result.body >= 0) result.status = StepStatus::diverged;
+  if (result.status == StepStatus::diverged) {
+    if (result.body < 0 && !engine.mechanism.links().empty())
+      result.body = engine.mechanism.links().front().body;
+    stop_integrator();
+    state_.updTime() = start;
+    state_.updQ() = q;
+    state_.updU() = u;
+    next_step_ = 0.0;
+    forget_reports();
+    return result;
+  }
+  time_ += dt;
+  last_dt_ = dt;
+  stepped_ = true;
+  return result;
+}
+
+void SimbodyWorld::run_integrator(double end) {
+  const auto look = [&]() -> const SimTK::State& {
+    const SimTK::State& now = integrator_->getAdvancedState();
+    engine_->mechanism.system.realize(now, SimTK::Stage::Velocity);
+    read_contacts(now);
+    return now;
+  };
+  efforts_.assign(std::size_t(model_->joint_speeds), 0.0);
+  last_efforts_.assign(efforts_.size(), 0.0);
+  add_efforts(look(), 0.0);
+  contacts_.start(now_);
+  integrator_->setReturnEveryInternalStep(true);
+  int steps = 0;
+  for (double time = integrator_->getTime(); time < end; time = integrator_->getTime()) {
+    integrator_->stepTo(end, end);
+    const double h = integrator_->getTime() - time;
+    if (h <= 0.0) continue;
+    if (++steps > kMostSteps)
+      throw std::runtime_error("its integrator wants more than " + std::to_string(kMostSteps) +
+                               " steps for one of the world's");
+    add_efforts(look(), h);
+    contacts_.add(now_, h);
+  }
+}
+
+void SimbodyWorld::read_contacts(const SimTK::State& state) {
+  now_.clear();
+  if (engine_->contact) engine_->contact->read(state, now_);
+  if (engine_->trackers) engine_->trackers->read(state, now_);
+}
+
+// Of springs, dampers and stops, by the trapezoidal rule over the integrator's own steps.
+void SimbodyWorld::add_efforts(const SimTK::State& state, double h) {
+  const SimTK::Vector &q = state.getQ(), &u = state.getU();
+  for (const AxisForces& axis : engine_->mechanism.axes()) {
+    double effort = -axis.axis.damping * u[axis.u];
+    if (axis.axis.stiffness > 0.0) effort -= axis.axis.stiffness * (q[axis.q] - axis.axis.rest);
+    if (axis.stops) effort += stop_effort(axis, options_.stop_dissipation, q[axis.q], u[axis.u]);
+    double& last = last_efforts_[std::size_t(axis.effort)];
+    efforts_[std::size_t(axis.effort)] += 0.5 * h * (last + effort);
+    last = effort;
+  }
+}
+
+int SimbodyWorld::find_diverged(const SimTK::State& state) const {
+  for (const Link& link : engine_->mechanism.links()) {
+    const SimTK::Vec3& p = link.mobod.getBodyOriginLocation(state);
+    const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(state);
+    // Written so that a NaN fails.
+    const bool fine = p.normSqr() < kFarthest * kFarthest && V[1].normSqr() < kFastest * kFastest &&
+                      V[0].normSqr() < kFastest * kFastest;
+    if (!fine) return link.body;
+  }
+  return -1;
+}
+
+void SimbodyWorld::get_contacts(std::vector<Contact>& out) const {
+  if (stepped_) {
+    contacts_.get(last_dt_, out);
+  } else {
+    out = held_contacts_;
+  }
+}
+
+void SimbodyWorld::get_joint_reactions(std::vector<Wrench>& out) const {
+  if (stepped_) {
+    find_reactions(out);
+  } else {
+    out = held_reactions_;
+  }
+}
+
+void SimbodyWorld::find_reactions(std::vector<Wrench>& out) const {
+  const Mechanism& m = engine_->mechanism;
+  out.assign(model_->joints.size(), Wrench());
+  if (model_->joints.empty()) return;
+  m.system.realize(state(), SimTK::Stage::Acceleration);
+  SimTK::Vector_<SimTK::SpatialVec> at_M;
+  m.matter.calcMobilizerReactionForces(state(), at_M);
+  for (std::size_t j = 0; j < out.size(); ++j) {
+    const int index = m.joint_link(int(j));
+    if (index < 0) continue;
+    const Link& link = m.links()[std::size_t(index)];
+    const SimTK::SpatialVec& F = at_M[link.mobod.getMobilizedBodyIndex()];
+    out[j] = {from_simtk(F[1]), from_simtk(F[0])};
+    if (!link.reversed) continue;
+    // On the scene's parent, about its frame: the other way round, about the child's.
+    const Joint& joint = model_->joints[j];
+    const Vec3 arm =
+        m.pose(state(), joint.parent) * joint.X_PF.p - m.pose(state(), joint.child) * joint.X_CM.p;
+    out[j].torque = -(out[j].torque + arm.cross(out[j].force));
+    out[j].force = -out[j].force;
+  }
+}
+
+void* SimbodyWorld::extension(std::string_view id) {
+  if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
+  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
+  return nullptr;
+}
+
+Result<> SimbodyWorld::set_kinematic_twist(int body, const Twist& twist) {
+  if (auto fine = check_kinematic_twist(*model_, body, twist); !fine) return fine;
+  stop_integrator();
+  const Mechanism& m = engine_->mechanism;
+  const Link& link = m.links()[std::size_t(m.body_link(body))];
+  for (int k = 0; k < 3; ++k) {
+    state_.updU()[link.u + k] = twist.angular[k];
+    state_.updU()[link.u + 3 + k] = twist.linear[k];
+  }
+  m.set_rates(state_);
+  return {};
+}
+
+}  // namespace cogrsim::simbody

@@ -1,0 +1,95 @@
+// A running world on Simbody.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "contact.h"
+#include "drives.h"
+#include "mechanism.h"
+#include "trackers.h"
+
+#include "cogrsim/physics/scene_change.h"
+#include "cogrsim/physics/world.h"
+
+namespace cogrsim::simbody {
+
+/// Errors: what Simbody cannot have, by the scene alone, with its place.
+Result<> check_scene(const SceneModel& model);
+
+class SimbodyWorld final : public World, public JointReactions, public KinematicDrive {
+ public:
+  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
+
+  const SceneModelPtr& model() const override { return model_; }
+  double time() const override { return time_; }
+  StepResult step(double dt, const std::vector<Drive>& drives) override;
+  void get_state(WorldState& out) const override;
+  Result<> set_state(const WorldState& state) override;
+  void get_contacts(std::vector<Contact>& out) const override;
+  Result<> add(const SceneModelPtr& next) override { return change_to(next, SceneStep::add); }
+  Result<> remove(const SceneModelPtr& next) override { return change_to(next, SceneStep::remove); }
+  Result<> change(const SceneModelPtr& next) override { return change_to(next, SceneStep::change); }
+  SnapshotPtr save() const override;
+  Result<> restore(const SnapshotPtr& snapshot) override;
+  Result<> reset() override;
+  void* extension(std::string_view id) override;
+  void get_joint_reactions(std::vector<Wrench>& out) const override;
+  Result<> set_kinematic_twist(int body, const Twist& twist) override;
+
+ private:
+  struct Snapshot;
+  using Places = std::shared_ptr<const std::vector<Pose>>;  ///< of static bodies, by body
+  /// Simbody's system with all that was added to it. It stays where it is: the system refers to it.
+  struct Engine {
+    Engine(SceneModelPtr model, Places poses, const Options& options);
+    Places places;
+    Mechanism mechanism;
+    Drives drives;
+    GeneralContact* contact = nullptr;  ///< owned by the force subsystem
+    std::unique_ptr<TrackerContact> trackers;
+    SimTK::State start;
+  };
+  SimbodyWorld(SceneModelPtr model, const Options& options);
+  void start();
+  void start_integrator(double dt);
+  void stop_integrator();
+  const SimTK::State& state() const {
+    return integrator_ ? integrator_->getAdvancedState() : state_;
+  }
+
+  void run_integrator(double end);
+  void read_contacts(const SimTK::State& state);
+  void add_efforts(const SimTK::State& state, double h);
+  int find_diverged(const SimTK::State& state) const;
+  void forget_reports();
+  void find_reactions(std::vector<Wrench>& out) const;
+  void fill_unmoved(const Joint& joint, WorldState& out) const;
+  void see_new_elements();
+
+  Result<> change_to(const SceneModelPtr& next, SceneStep step);
+  void carry_over(const Mechanism& old, const SimTK::State& old_state,
+                  const std::vector<int>& sudden);
+  void take_impact(SimTK::State& state, const std::vector<int>& sudden);
+
+  SceneModelPtr initial_, model_;
+  Places initial_places_;
+  Options options_;
+  std::shared_ptr<Engine> engine_;
+  std::unique_ptr<SimTK::Integrator> integrator_;  ///< none: before the first step, after changes
+  SimTK::State state_;                             ///< while there is no integrator
+  double next_step_ = 0.0;  ///< of the integrator that is to come [s]; 0: as Simbody has it
+  double time_ = 0.0, last_dt_ = 0.0;
+  ContactReport contacts_;
+  std::vector<Contact> now_;
+  std::vector<double> efforts_, last_efforts_;  ///< of springs, dampers, stops: impulses, at a time
+  bool stepped_ = false;                        ///< the engine has what the last step found
+  std::vector<Contact> held_contacts_;          ///< reported while it does not; efforts: last_seen_
+  std::vector<Wrench> held_reactions_;
+  /// At the last change of the scene: what is gone, and turns of joints that hold nothing.
+  WorldState last_seen_;
+};
+
+}  // namespace cogrsim::simbody

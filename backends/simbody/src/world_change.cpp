@@ -1,0 +1,157 @@
+// Changing the scene of a running SimbodyWorld: Simbody's system is built again, and the state carried
+// over.
+#include <algorithm>
+#include <exception>
+
+#include "cogrsim/model/joint_kinematics.h"
+#include "world.h"
+
+namespace cogrsim::simbody {
+
+Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
+  if (!next) return fail("no scene given");
+  const auto change = find_scene_change(*model_, *next, step);
+  if (!change) return tl::unexpected<Error>(change.error());
+  if (auto fine = check_scene(*next); !fine) return fine;
+  WorldState before;
+  get_state(before);
+  const auto pose = [&](int b) { return b < 0 ? Pose() : before.poses[std::size_t(b)]; };
+  // What takes an impact: a joint that is suddenly there, a body that is suddenly held.
+  std::vector<int> sudden;
+  for (const int j : change->attached) {
+    const Joint& joint = next->joints[std::size_t(j)];
+    if (auto fits = check_attachment(joint, pose(joint.parent), pose(joint.child)); !fits)
+      return fits;
+    sudden.insert(sudden.end(), {joint.parent, joint.child});
+  }
+  for (const int b : change->kinds) {
+    before.twists[std::size_t(b)] = {};
+    for (const Joint& joint : next->joints)
+      if (!joint.removed && (joint.parent == b || joint.child == b))
+        sudden.insert(sudden.end(), {joint.parent, joint.child});
+  }
+  get_contacts(held_contacts_);
+  get_joint_reactions(held_reactions_);
+  const std::shared_ptr<Engine> old = engine_;
+  const SceneModelPtr old_model = model_;
+  const WorldState old_seen = last_seen_;
+  stop_integrator();
+  const SimTK::State old_state = state_;
+  try {
+    model_ = next;
+    last_seen_ = before;
+    see_new_elements();
+    engine_ = std::make_shared<Engine>(
+        next, std::make_shared<const std::vector<Pose>>(last_seen_.poses), options_);
+    carry_over(old->mechanism, old_state, sudden);
+  } catch (const std::exception& e) {
+    engine_ = old;
+    model_ = old_model;
+    last_seen_ = old_seen;
+    state_ = old_state;
+    return fail("Simbody: " + words_of(e));
+  }
+
+  // The last step's reports stay, but for what is gone.
+  stepped_ = false;
+  held_reactions_.resize(next->joints.size());
+  for (std::size_t m = 0; m < next->motors.size(); ++m)
+    if (next->motors[m].removed) last_seen_.motor_efforts[m] = 0.0;
+  for (const int j : change->removed_joints) {
+    const Joint& joint = next->joints[std::size_t(j)];
+    held_reactions_[std::size_t(j)] = {};
+    std::fill_n(last_seen_.joint_efforts.begin() + joint.speed_offset, speed_count(joint.type),
+                0.0);
+  }
+  const auto gone = [&](const Contact& c) {
+    return next->bodies[std::size_t(c.body_a)].removed ||
+           next->bodies[std::size_t(c.body_b)].removed;
+  };
+  held_contacts_.erase(std::remove_if(held_contacts_.begin(), held_contacts_.end(), gone),
+                       held_contacts_.end());
+  return {};
+}
+
+void SimbodyWorld::carry_over(const Mechanism& old, const SimTK::State& old_state,
+                              const std::vector<int>& sudden) {
+  const Mechanism& m = engine_->mechanism;
+  const SceneModel& was = old.model();
+  const WorldState& seen = last_seen_;
+  const auto pose = [&](int b) { return b < 0 ? Pose() : seen.poses[std::size_t(b)]; };
+  const auto twist = [&](int b) { return b < 0 ? Twist() : seen.twists[std::size_t(b)]; };
+  SimTK::State next = engine_->start;
+  next.updTime() = old_state.getTime();
+  bool same_loops = old.has_loops() == m.has_loops() && sudden.empty();
+  for (const Link& link : m.links()) {
+    const auto body = std::size_t(link.body);
+    if (body >= was.bodies.size()) continue;  // as the scene has it
+    // The same mobilizer as before: bit for bit.
+    const Link* found = nullptr;
+    for (const Link& candidate : old.links())
+      if (candidate.body == link.body && candidate.joint == link.joint &&
+          candidate.reversed == link.reversed && candidate.slave == link.slave)
+        found = &candidate;
+    if (found && was.bodies[body].kind == model_->bodies[body].kind) {
+      for (int k = 0; k < link.nq; ++k) next.updQ()[link.q + k] = old_state.getQ()[found->q + k];
+      for (int k = 0; k < link.nu; ++k) next.updU()[link.u + k] = old_state.getU()[found->u + k];
+      continue;
+    }
+    same_loops = false;
+    if (link.joint < 0) {
+      m.set_base(next, link, pose(link.body), twist(link.body));
+      continue;
+    }
+    const Joint& joint = model_->joints[std::size_t(link.joint)];
+    std::vector<double> q(std::size_t(position_count(joint.type)));
+    std::vector<double> u(std::size_t(speed_count(joint.type)));
+    const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
+    joint_position(joint, X_FM, seen.joint_positions.data() + joint.position_offset, q.data());
+    joint_velocity(joint, X_FM,
+                   relative_twist(joint, pose(joint.parent), twist(joint.parent), pose(joint.child),
+                                  twist(joint.child)),
+                   q.data(), u.data());
+    m.set_joint(next, link, q.data(), u.data());
+  }
+  m.set_rates(next);
+  if (!sudden.empty()) take_impact(next, sudden);
+  if (!same_loops && m.has_loops()) m.project(next);
+  m.system.realize(next, SimTK::Stage::Velocity);
+  state_ = next;
+}
+
+void SimbodyWorld::take_impact(SimTK::State& state, const std::vector<int>& sudden) {
+  const Mechanism& m = engine_->mechanism;
+  if (state.getNU() == 0) return;
+  std::vector<char> touched(m.links().size());  // by tree
+  for (const int b : sudden)
+    if (m.body_link(b) >= 0) touched[std::size_t(m.links()[std::size_t(m.body_link(b))].tree)] = 1;
+  m.system.realize(state, SimTK::Stage::Position);
+  // A plastic impact: of all velocities that the joints allow those with the momentum there was,
+  // M u = sum J^T (momentum), by Simbody's M and J.
+  SimTK::Vector_<SimTK::SpatialVec> momenta(m.matter.getNumBodies(),
+                                            SimTK::SpatialVec(SimTK::Vec3(0)));
+  for (const Link& link : m.links()) {
+    const Twist& V = last_seen_.twists[std::size_t(link.body)];
+    const SimTK::SpatialInertia M = link.mobod.getBodySpatialInertiaInGround(state);
+    momenta[link.mobod.getMobilizedBodyIndex()] =
+        M * SimTK::SpatialVec(to_simtk(V.angular), to_simtk(V.linear));
+  }
+  SimTK::Vector f, u;
+  m.matter.multiplyBySystemJacobianTranspose(state, momenta, f);
+  m.matter.multiplyByMInv(state, f, u);
+  const SimTK::Vector old_u = state.getU();
+  for (const Link& link : m.links())
+    for (int k = 0; k < link.nu && touched[std::size_t(link.tree)] && !link.kinematic; ++k)
+      state.updU()[link.u + k] = u[link.u + k];
+  if (!m.has_loops()) return;
+  m.system.realize(state, SimTK::Stage::Velocity);
+  const SimTK::Vector error = -state.getUErr();
+  if (error.size() == 0) return;
+  SimTK::Vector impulse;
+  m.matter.solveForConstraintImpulses(state, error, impulse);
+  m.matter.multiplyByGTranspose(state, impulse, f);
+  m.matter.multiplyByMInv(state, f, u);
+  state.updU() += u;
+}
+
+}  // namespace cogrsim::simbody
