@@ -141,14 +141,13 @@ class ToyBackend final : public Backend {
   }
   const Capabilities& capabilities() const override { return capabilities_; }
   const ParameterTable& world_options() const override { return options_; }
-  const ParameterTable& assembly_options() const override { return none_; }
   Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
     return std::make_unique<ToyWorld>(model);
   }
 
  private:
   Capabilities capabilities_;
-  ParameterTable options_, none_;
+  ParameterTable options_;
 };
 
 }  // namespace

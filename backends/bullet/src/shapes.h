@@ -38,7 +38,7 @@ class Surfaces {
   explicit Surfaces(const SceneModelPtr& model);
   SurfacePair pair(int material_a, int material_b) const;
 
-  /// Puts our function into Bullet's global pointer. It minds only objects that carry
+  /// Puts our function into Bullet's global pointer. It changes only objects that carry
   /// CF_CUSTOM_MATERIAL_CALLBACK, and knows nothing but what these point to, so that worlds on
   /// several threads do not meet in it.
   static void install();

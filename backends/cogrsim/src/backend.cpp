@@ -128,7 +128,6 @@ class DynamicsBackend final : public Backend {
   }
   const Capabilities& capabilities() const override { return capabilities_; }
   const ParameterTable& world_options() const override { return options_; }
-  const ParameterTable& assembly_options() const override { return assembly_options_; }
 
   Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
     if (!model) return fail("no scene given");
@@ -145,7 +144,6 @@ class DynamicsBackend final : public Backend {
  private:
   Capabilities capabilities_ = make_capabilities();
   ParameterTable options_ = make_options();
-  ParameterTable assembly_options_;
 };
 
 }  // namespace

@@ -1,16 +1,12 @@
-// Between Eigen's and Simbody's small vectors.
+// Between CogRSim's and Simbody's vectors.
 #pragma once
-
-#include <Simbody.h>
 
 #include <algorithm>
 
 #include "placement.h"
+#include "simbody_types.h"
 
 namespace cogrsim::dynamics {
-
-inline SimTK::Vec3 to_simtk(const Vec3& v) { return {v[0], v[1], v[2]}; }
-inline Vec3 from_simtk(const SimTK::Vec3& v) { return {v[0], v[1], v[2]}; }
 
 inline Mat3 from_simtk(const SimTK::SymMat33& m) {
   Mat3 out;
@@ -19,14 +15,6 @@ inline Mat3 from_simtk(const SimTK::SymMat33& m) {
   return out;
 }
 
-inline SimTK::Rotation to_simtk(const Quat& q) {
-  return SimTK::Rotation(SimTK::Quaternion(SimTK::Vec4(q.w(), q.x(), q.y(), q.z())));
-}
-inline SimTK::Transform to_simtk(const Pose& X) { return {to_simtk(X.q), to_simtk(X.p)}; }
-inline Quat from_simtk(const SimTK::Rotation& R) {
-  const SimTK::Quaternion q = R.convertRotationToQuaternion();
-  return {q[0], q[1], q[2], q[3]};
-}
 inline Pose pose_of(const Placement& X) {
   const Mat3& R = X.R;
   const SimTK::Rotation rotation(

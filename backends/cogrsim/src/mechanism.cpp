@@ -2,30 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 namespace cogrsim::dynamics {
 namespace {
 
 constexpr double kLoopTolerance = 1e-10;  // [m], [rad]: what project() brings closed loops to
-
-// Simbody slides along x where the scene language slides along z.
-const SimTK::Rotation& x_to_z() {
-  static const SimTK::Rotation R(-SimTK::Pi / 2, SimTK::YAxis);
-  return R;
-}
-
-SimTK::Body::Rigid rigid_body(const Body& body, const PlannedLink& plan) {
-  if (body.kind == BodyKind::kinematic)
-    return SimTK::Body::Rigid(SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::UnitInertia(1)));
-  const Mat3 I = plan.share * body.inertia;
-  const double m = plan.share * body.mass;
-  const SimTK::Vec3 c = to_simtk(body.com);
-  const SimTK::Inertia central(SimTK::Vec3(I(0, 0), I(1, 1), I(2, 2)),
-                               SimTK::Vec3(I(0, 1), I(0, 2), I(1, 2)));
-  return SimTK::Body::Rigid(SimTK::MassProperties(m, c, central.shiftFromMassCenter(c, m)));
-}
 
 }  // namespace
 
@@ -74,9 +56,8 @@ void Mechanism::add_link(const PlannedLink& plan) {
   link.mass = plan.share * body.mass;
   link.com = body.com;
   link.inertia = plan.share * body.inertia;
-  std::iota(link.q_map.begin(), link.q_map.end(), 0);
-  std::iota(link.u_map.begin(), link.u_map.end(), 0);
-  const SimTK::Body::Rigid rigid = rigid_body(body, plan);
+  const SimTK::Body::Rigid rigid =
+      rigid_body(body, plan.share * body.mass, plan.share * body.inertia);
   if (!link.kinematic) {
     // As Simbody has them: both ways to accelerations speak of the same body.
     const SimTK::MassProperties& properties = rigid.getDefaultRigidBodyMassProperties();
@@ -97,50 +78,12 @@ void Mechanism::add_link(const PlannedLink& plan) {
   }
 
   const Joint& joint = model_->joints[std::size_t(plan.joint)];
-  MobilizedBody inboard =
-      plan.parent < 0 ? MobilizedBody(matter.Ground()) : links_[std::size_t(plan.parent)].mobod;
-  SimTK::Transform in = to_simtk(plan.reversed ? joint.X_CM : joint.X_PF);
-  SimTK::Transform out = to_simtk(plan.reversed ? joint.X_PF : joint.X_CM);
-  if (plan.parent < 0 && plan.anchor >= 0)
-    in = to_simtk(model_->bodies[std::size_t(plan.anchor)].X_WB) * in;
-  const MobilizedBody::Direction direction =
-      plan.reversed ? MobilizedBody::Reverse : MobilizedBody::Forward;
-  switch (joint.type) {
-    case JointType::fixed:
-      link.mobod = MobilizedBody::Weld(inboard, in, rigid, out);
-      break;
-    case JointType::hinge:
-      link.mobod = MobilizedBody::Pin(inboard, in, rigid, out, direction);
-      break;
-    case JointType::slider:
-      in.updR() = in.R() * x_to_z();
-      out.updR() = out.R() * x_to_z();
-      link.mobod = MobilizedBody::Slider(inboard, in, rigid, out, direction);
-      break;
-    case JointType::screw:
-      link.mobod =
-          MobilizedBody::Screw(inboard, in, rigid, out, joint.pitch / (2 * SimTK::Pi), direction);
-      break;
-    case JointType::cylindrical:
-      link.mobod = MobilizedBody::Cylinder(inboard, in, rigid, out, direction);
-      break;
-    case JointType::universal:
-      link.mobod = MobilizedBody::Universal(inboard, in, rigid, out, direction);
-      break;
-    case JointType::planar:
-      link.mobod = MobilizedBody::Planar(inboard, in, rigid, out, direction);
-      link.q_map = {1, 2, 0};
-      link.u_map = {1, 2, 0};
-      break;
-    case JointType::ball:
-      link.mobod = MobilizedBody::Ball(inboard, in, rigid, out, direction);
-      break;
-    case JointType::free:
-      link.mobod = MobilizedBody::Free(inboard, in, rigid, out, direction);
-      link.q_map = {4, 5, 6, 0, 1, 2, 3};
-      link.u_map = {3, 4, 5, 0, 1, 2};
-      break;
-  }
+  const bool on_ground = plan.parent < 0;
+  const MobilizedBody inboard =
+      on_ground ? MobilizedBody(matter.Ground()) : links_[std::size_t(plan.parent)].mobod;
+  const Pose* const anchor =
+      on_ground && plan.anchor >= 0 ? &model_->bodies[std::size_t(plan.anchor)].X_WB : nullptr;
+  static_cast<Mobilizer&>(link) = mobilizer_of(joint, plan.reversed, inboard, anchor, rigid);
   links_.push_back(link);
 }
 

@@ -1,7 +1,6 @@
 // The scene as a Simbody system: bodies, mobilizers, welds that close loops.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "components.h"
 #include "convert.h"
 #include "kinematics.h"
+#include "mobilizers.h"
 #include "tree_plan.h"
 
 namespace cogrsim::dynamics {
@@ -16,14 +16,11 @@ namespace cogrsim::dynamics {
 /// A mobilized body. Simbody's body frame is the model's body frame; a base moves in its centre of
 /// mass (kinematic: in its origin), so that its generalized speeds are angular velocity and
 /// velocity of that point, in world axes.
-struct Link {
+struct Link : Mobilizer {
   PlannedLink plan;
   Mounting mounting;
   bool kinematic = false;
-  SimTK::MobilizedBody mobod;
   int first_q = 0, nq = 0, first_u = 0, nu = 0;
-  std::array<int, 7> q_map{};  ///< q_map[i]: place, among the mobilizer's q, of the model's q_i
-  std::array<int, 6> u_map{};
   double mass = 0.0;                ///< its share
   Vec3 com = Vec3::Zero();          ///< body frame
   Mat3 inertia = Mat3::Identity();  ///< its share, about com, body axes

@@ -119,24 +119,23 @@ void Stepper::detect(double h) {
   if (!has_shapes_) return;
   const std::vector<Link>& links = mechanism_.links();
   const std::vector<LinkMotion>& motions = mechanism_.motions();
-  ahead_.assign(model_.bodies.size(), Vec3::Zero());
-  bool fast = false;
+  ahead_.clear();
   for (std::size_t i = 0; i < links.size(); ++i) {
     const int body = links[i].plan.body;
     if (links[i].plan.ghost || detector_.reach(body) == 0.0) continue;
     Placement X = motions[i].X;
     const Vec3 way = 0.5 * h * motions[i].velocity_at(X * links[i].com);
     if (way.norm() > detector_.thinness(body)) {
+      ahead_.resize(model_.bodies.size(), Vec3::Zero());
       ahead_[std::size_t(body)] = way;
       X.p -= way;
-      fast = true;
     }
     detector_.place(body, X, margins_[i]);
   }
   detector_.detect(points_);
-  if (!fast) return;
+  if (ahead_.empty()) return;
+  const std::vector<Collider>& colliders = detector_.colliders();
   for (ContactPoint& point : points_) {
-    const std::vector<Collider>& colliders = detector_.colliders();
     const Vec3& a = ahead_[std::size_t(colliders[std::size_t(point.collider_a)].body)];
     const Vec3& b = ahead_[std::size_t(colliders[std::size_t(point.collider_b)].body)];
     point.gap += point.normal.dot(b - a);

@@ -127,7 +127,8 @@ class Stepper {
   std::vector<Vec3> warm_;    ///< impulses to start from, by contact
   std::vector<ContactPoint> points_;
   std::vector<double> margins_;  ///< (nlink)
-  std::vector<Vec3> ahead_;      ///< (nbody) way from where it is looked at to the middle [m]
+  /// (nbody) way from where it is looked at to the middle [m]; empty: nothing is fast.
+  std::vector<Vec3> ahead_;
   SimTK::Vector q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_,
       end_u_, smooth_q_, smooth_u_;
   std::vector<double> dv_, displacement_;             ///< over all components

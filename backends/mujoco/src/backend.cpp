@@ -115,10 +115,6 @@ class MujocoBackend final : public Backend {
   }
   const Capabilities& capabilities() const override { return capabilities_; }
   const ParameterTable& world_options() const override { return world_option_table(); }
-  const ParameterTable& assembly_options() const override {
-    static const ParameterTable none;
-    return none;
-  }
   Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
     return MujocoWorld::create(model);
   }

@@ -17,19 +17,25 @@ Result<std::unique_ptr<World>> OdeWorld::create(const SceneModelPtr& model) {
   return world;
 }
 
+void OdeWorld::Progress::add_start(std::size_t first_joint) {
+  for (std::size_t b = poses.size(); b < model->bodies.size(); ++b) {
+    const Body& body = model->bodies[b];
+    poses.push_back(body.X_WB);
+    twists.push_back(body.kind == BodyKind::fixed ? Twist() : body.V_WB);
+  }
+  for (std::size_t j = first_joint; j < model->joints.size(); ++j) {
+    const std::vector<double>& position = model->joints[j].position;
+    q.insert(q.end(), position.begin(), position.end());
+  }
+  q.resize(static_cast<std::size_t>(model->joint_positions));
+  u.resize(static_cast<std::size_t>(model->joint_speeds));
+}
+
 Result<> OdeWorld::start(const SceneModelPtr& model) {
   shapes_ = {};
   Progress progress;
   progress.model = model;
-  for (const Body& body : model->bodies) {
-    progress.poses.push_back(body.X_WB);
-    progress.twists.push_back(body.kind == BodyKind::fixed ? Twist() : body.V_WB);
-  }
-  for (const Joint& joint : model->joints) {
-    progress.q.insert(progress.q.end(), joint.position.begin(), joint.position.end());
-  }
-  progress.q.resize(static_cast<std::size_t>(model->joint_positions));
-  progress.u.resize(static_cast<std::size_t>(model->joint_speeds));
+  progress.add_start(0);
   if (auto built = rebuild(std::move(progress)); !built) return built;
   forget_report();
   return {};

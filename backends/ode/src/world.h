@@ -50,6 +50,9 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
     std::vector<double> q, u;   ///< of joints; u: the last of removed ones
     double turned = 0.0;  ///< how far anything may have turned since `q` was brought up to date
     double h = 0.0;       ///< of the last step; 0: the report is not of this world's
+
+    /// Appends the start of bodies that are not in here yet, and of joints from `first_joint` on.
+    void add_start(std::size_t first_joint);
   };
   struct Snapshot;
 

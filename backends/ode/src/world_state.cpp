@@ -133,17 +133,7 @@ Result<> OdeWorld::change_to(const SceneModelPtr& next, SceneStep step) {
     progress.poses[static_cast<std::size_t>(b)] = state.poses[static_cast<std::size_t>(b)];
     progress.twists[static_cast<std::size_t>(b)] = state.twists[static_cast<std::size_t>(b)];
   }
-  for (std::size_t b = progress.poses.size(); b < next->bodies.size(); ++b) {
-    const Body& body = next->bodies[b];
-    progress.poses.push_back(body.X_WB);
-    progress.twists.push_back(body.kind == BodyKind::fixed ? Twist() : body.V_WB);
-  }
-  for (std::size_t j = now_.model->joints.size(); j < next->joints.size(); ++j) {
-    const Joint& joint = next->joints[j];
-    progress.q.insert(progress.q.end(), joint.position.begin(), joint.position.end());
-  }
-  progress.q.resize(static_cast<std::size_t>(next->joint_positions));
-  progress.u.resize(static_cast<std::size_t>(next->joint_speeds), 0.0);
+  progress.add_start(now_.model->joints.size());
   for (const int b : change.kinds) {
     // It stops where it is, or starts from rest there.
     const auto i = static_cast<std::size_t>(b);

@@ -9,23 +9,6 @@ namespace cogrsim::simbody {
 
 namespace {
 
-// Simbody slides along x where the scene language slides along z.
-const SimTK::Rotation& x_to_z() {
-  static const SimTK::Rotation R(-SimTK::Pi / 2, SimTK::YAxis);
-  return R;
-}
-
-SimTK::Body::Rigid rigid_body(const Body& body, int fragments) {
-  if (body.kind == BodyKind::kinematic)
-    return SimTK::Body::Rigid(SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::UnitInertia(1)));
-  const Mat3 I = body.inertia / fragments;
-  const double m = body.mass / fragments;
-  const SimTK::Vec3 c = to_simtk(body.com);
-  const SimTK::Inertia central(SimTK::Vec3(I(0, 0), I(1, 1), I(2, 2)),
-                               SimTK::Vec3(I(0, 1), I(0, 2), I(1, 2)));
-  return SimTK::Body::Rigid(SimTK::MassProperties(m, c, central.shiftFromMassCenter(c, m)));
-}
-
 // To MultibodyGraphMaker's names: "free" and "weld" are its own.
 std::string graph_type(JointType type) { return std::string("joint ") + to_string(type); }
 
@@ -155,10 +138,9 @@ void Mechanism::plan() {
 void Mechanism::add_link(Link link, int inboard_link, int anchor, int fragments) {
   using SimTK::MobilizedBody;
   const Body& body = model_->bodies[std::size_t(link.body)];
-  const SimTK::Body::Rigid rigid = rigid_body(body, fragments);
+  const SimTK::Body::Rigid rigid =
+      dynamics::rigid_body(body, body.mass / fragments, body.inertia / fragments);
   const int index = int(links_.size());
-  std::iota(link.q_map.begin(), link.q_map.end(), 0);
-  std::iota(link.u_map.begin(), link.u_map.end(), 0);
   link.tree = index;
   if (inboard_link >= 0 && !links_[std::size_t(inboard_link)].kinematic)
     link.tree = links_[std::size_t(inboard_link)].tree;
@@ -172,51 +154,12 @@ void Mechanism::add_link(Link link, int inboard_link, int anchor, int fragments)
   }
   joint_links_[std::size_t(link.joint)] = index;
   const Joint& joint = model_->joints[std::size_t(link.joint)];
-  MobilizedBody inboard = matter.Ground();
-  SimTK::Transform in = to_simtk(link.reversed ? joint.X_CM : joint.X_PF);
-  SimTK::Transform out = to_simtk(link.reversed ? joint.X_PF : joint.X_CM);
-  if (inboard_link >= 0) {
-    inboard = links_[std::size_t(inboard_link)].mobod;
-  } else if (anchor >= 0) {
-    in = to_simtk(places_[std::size_t(anchor)]) * in;
-  }
-  const auto direction = link.reversed ? MobilizedBody::Reverse : MobilizedBody::Forward;
-  switch (joint.type) {
-    case JointType::fixed:
-      link.mobod = MobilizedBody::Weld(inboard, in, rigid, out);
-      break;
-    case JointType::hinge:
-      link.mobod = MobilizedBody::Pin(inboard, in, rigid, out, direction);
-      break;
-    case JointType::slider:
-      in.updR() = in.R() * x_to_z();
-      out.updR() = out.R() * x_to_z();
-      link.mobod = MobilizedBody::Slider(inboard, in, rigid, out, direction);
-      break;
-    case JointType::screw:
-      link.mobod =
-          MobilizedBody::Screw(inboard, in, rigid, out, joint.pitch / (2 * SimTK::Pi), direction);
-      break;
-    case JointType::cylindrical:
-      link.mobod = MobilizedBody::Cylinder(inboard, in, rigid, out, direction);
-      break;
-    case JointType::universal:
-      link.mobod = MobilizedBody::Universal(inboard, in, rigid, out, direction);
-      break;
-    case JointType::planar:
-      link.mobod = MobilizedBody::Planar(inboard, in, rigid, out, direction);
-      link.q_map = {1, 2, 0};
-      link.u_map = {1, 2, 0};
-      break;
-    case JointType::ball:
-      link.mobod = MobilizedBody::Ball(inboard, in, rigid, out, direction);
-      break;
-    case JointType::free:
-      link.mobod = MobilizedBody::Free(inboard, in, rigid, out, direction);
-      link.q_map = {4, 5, 6, 0, 1, 2, 3};
-      link.u_map = {3, 4, 5, 0, 1, 2};
-      break;
-  }
+  const bool on_ground = inboard_link < 0;
+  const MobilizedBody inboard =
+      on_ground ? MobilizedBody(matter.Ground()) : links_[std::size_t(inboard_link)].mobod;
+  const Pose* const place = on_ground && anchor >= 0 ? &places_[std::size_t(anchor)] : nullptr;
+  static_cast<dynamics::Mobilizer&>(link) =
+      dynamics::mobilizer_of(joint, link.reversed, inboard, place, rigid);
   add_axes(joint, link);
   links_.push_back(link);
 }

@@ -1,11 +1,11 @@
 // The scene as a Simbody system: bodies, mobilizers, the welds that close loops, and its own forces.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
 #include "convert.h"
+#include "mobilizers.h"
 #include "options.h"
 
 #include "cogrsim/model/scene_model.h"
@@ -15,18 +15,15 @@ namespace cogrsim::simbody {
 /// A mobilized body. Simbody's body frame is the scene's; what moves freely moves in its centre of
 /// mass (kinematic: in its origin), so that its speeds are its angular velocity and the velocity of
 /// that point, in world axes.
-struct Link {
+struct Link : dynamics::Mobilizer {
   int body = -1;          ///< SceneModel::bodies
   int joint = -1;         ///< SceneModel::joints; -1: moves freely in the world
   bool reversed = false;  ///< outboard is the joint's parent
   bool slave = false;     ///< a part of a body that was cut to open a loop
   bool kinematic = false;
-  int tree = -1;  ///< number of what can push each other through joints
-  SimTK::MobilizedBody mobod;
+  int tree = -1;                 ///< number of what can push each other through joints
   SimTK::Motion::Steady motion;  ///< of kinematic ones
   int q = 0, nq = 0, u = 0, nu = 0;
-  std::array<int, 7> q_map{};  ///< place, among the mobilizer's q, of the scene's i-th
-  std::array<int, 6> u_map{};
 };
 
 /// Springs, dampers and stops of one axis, as Simbody has them.

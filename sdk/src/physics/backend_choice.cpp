@@ -5,18 +5,13 @@
 #include <algorithm>
 
 #include "cogrsim/core/units.h"
+#include "core/trimmed.h"
 
 namespace cogrsim {
 namespace {
 
 constexpr const char* kBlanks = " \t\r\n";
 constexpr const char* kHowTo = "write for example bullet(solver=dantzig iterations=50)";
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(kBlanks);
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
 
 /// A number with or without the unit that the parameter has; empty: not that.
 std::optional<double> number_of(const std::string& text, const std::string& unit) {

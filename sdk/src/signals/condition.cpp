@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/trimmed.h"
 #include "signals/node.h"
 #include "signals/parse.h"
 

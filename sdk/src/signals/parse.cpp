@@ -10,6 +10,7 @@
 
 #include "arithmetic.h"
 #include "cogrsim/signals/signal.h"
+#include "core/trimmed.h"
 #include "geometry/surface_distance.h"
 #include "node.h"
 #include "parse.h"
@@ -17,11 +18,6 @@
 
 namespace cogrsim {
 
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
-}
 namespace {
 
 constexpr std::size_t kMostListed = 16;      // names shown in a help

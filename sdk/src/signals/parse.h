@@ -12,7 +12,4 @@ inline constexpr std::size_t kLongestSignal = 4096;  ///< [byte]
 /// A signal with sums, products and numbers. Errors: as Signal::parse().
 Result<SignalNode> parse_signal(const SignalScope& scope, const std::string& text);
 
-/// `text` without the white space around it.
-std::string trimmed(const std::string& text);
-
 }  // namespace cogrsim

@@ -8,7 +8,6 @@ class TinyEngine final : public cogrsim::Backend {
   cogrsim::Provenance provenance(const cogrsim::Parameters&) const override { return {}; }
   const cogrsim::Capabilities& capabilities() const override { return capabilities_; }
   const cogrsim::ParameterTable& world_options() const override { return none_; }
-  const cogrsim::ParameterTable& assembly_options() const override { return none_; }
   cogrsim::Result<std::unique_ptr<cogrsim::World>> create_world(
       const cogrsim::SceneModelPtr&) const override {
     return cogrsim::fail("the tiny engine has no worlds");

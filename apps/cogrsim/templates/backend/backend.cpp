@@ -74,7 +74,6 @@ class @CLASS@Backend final : public cogrsim::Backend {
   }
   const Capabilities& capabilities() const override { return capabilities_; }
   const cogrsim::ParameterTable& world_options() const override { return options_; }
-  const cogrsim::ParameterTable& assembly_options() const override { return assembly_options_; }
 
   cogrsim::Result<std::unique_ptr<cogrsim::World>> create_world(
       const cogrsim::SceneModelPtr& model) const override {
@@ -98,7 +97,6 @@ class @CLASS@Backend final : public cogrsim::Backend {
   Capabilities capabilities_ = make_capabilities();
   cogrsim::ParameterTable options_ = {
       cogrsim::parameter("substeps", 1, "equal parts that each step is made in").range(1, 1000)};
-  cogrsim::ParameterTable assembly_options_;
 };
 
 }  // namespace

@@ -26,7 +26,10 @@ class Backend {
 
   /// Keys of the engine's block `<NAME …/>` under `<physics>`, and of the one inside an assembly.
   virtual const ParameterTable& world_options() const = 0;
-  virtual const ParameterTable& assembly_options() const = 0;
+  virtual const ParameterTable& assembly_options() const {
+    static const ParameterTable none;
+    return none;
+  }
 
   /// Builds the whole scene. The caller has run check_capabilities; what is unsupported may be
   /// refused here too. Options in the model were completed against the tables above, or are
