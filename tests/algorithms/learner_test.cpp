@@ -198,7 +198,7 @@ TEST_CASE("learners converge to the values of a small process", "[algorithms][le
   CHECK(learner->value(0, 1) == Approx(discount * worth).margin(0.25));
 }
 
-TEST_CASE("a table survives being saved and goes on where it was", "[algorithms][learner]") {
+TEST_CASE("a table that was saved continues where it was", "[algorithms][learner]") {
   const std::string name = GENERATE(values<std::string>({"q_learning", "sarsa"}));
   const Folder folder;
   const Parameters parameters{{"table", std::string("values.txt")}, {"rate", 0.3}};
@@ -280,7 +280,7 @@ TEST_CASE("a damaged or foreign table is refused by file and line", "[algorithms
   CHECK(has(said(learner->save((folder.path / "no" / "such.txt").string())), "cannot write"));
 }
 
-TEST_CASE("learners say what is wrong", "[algorithms][learner]") {
+TEST_CASE("learners report their errors", "[algorithms][learner]") {
   auto learner = make<Learner>("sarsa");
   CHECK(has(said(learner->choose(1, 0, true)), "at least 1 is needed"));
   REQUIRE(learner->choose(1, 4, true));

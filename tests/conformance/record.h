@@ -1,4 +1,4 @@
-// What a test case found out about a backend: its status and the figures it measured.
+// Results of a test case for a backend: its status and the figures it measured.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace conformance {
 
-/// A measured figure against what it may be at most.
+/// A measured figure and its limit.
 struct Figure {
   std::string label;  ///< with its unit
   double value = 0.0;

@@ -39,7 +39,7 @@ void need(const std::string& feature) {
 
 void measure(const std::string& label, double value, double limit) {
   note_figure(label, value, limit);
-  // The text is what the reporter recognises a figure's failure by.
+  // The reporter recognises a figure's failure by this text.
   INFO("figure: " << label << " is " << value << ", at most " << limit << " wanted");
   CHECK(value <= limit);
 }

@@ -1,4 +1,4 @@
-// The header for those who test in C++.
+// The header for tests in C++.
 #include "cogrsim/testing/catch.h"
 #include "../support/temporary_folder.h"
 
