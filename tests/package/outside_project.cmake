@@ -59,11 +59,16 @@ foreach(backend IN LISTS ENGINES)
   string(JSON y GET "${json}" bodies robot.chassis position 1)
   message("${backend}: ${status} at ${time} s, robot at x = ${x} m, y = ${y} m")
   # Ideal rolling ends at x = 1.334 m, y = -0.096 m (the slalom's turn rate integrated twice). How wide
-  # wheels scrub while they turn is the engine's affair: 7 cm of 1.3 m were seen, 9 cm are left to it.
+  # wheels scrub while they turn is the engine's affair: it takes up to 7 cm of the way on bullet and ode, and
+  # hardly any on CogRSim's own dynamics.
+  set(least_x 1.24)
+  if(backend STREQUAL "cogrsim")
+    set(least_x 1.28)
+  endif()
   if(NOT status STREQUAL "completed")
     message(SEND_ERROR "${backend}: the run ended with status ${status}")
   endif()
-  if(x LESS 1.24 OR x GREATER 1.42 OR y LESS -0.19 OR y GREATER -0.01)
+  if(x LESS ${least_x} OR x GREATER 1.40 OR y LESS -0.16 OR y GREATER -0.03)
     message(SEND_ERROR "${backend}: the robot is not where its controller should have brought it")
   endif()
 endforeach()
