@@ -1,16 +1,16 @@
 # cogrsim_add_conformance_tests(BACKEND EXPECTATIONS table.json [GROUPS g…] [MUTATIONS m…]
 #                               [VARIANT name OPTION option=value] [CONFORMANCE_ONLY])
 #
-# Makes CTest cases of the conformance suite for a backend: conformance.BACKEND.GROUP for each theme,
-# compared with the table of what the backend is known to do, and conformance.BACKEND.mutation.FAULT for each fault that
-# the suite must notice when it is planted in the backend's answers. A relative path starts at the
-# current source folder. Without GROUPS: all themes. MUTATIONS: none unless named; `all` is all.
+# Makes CTest cases of the conformance suite for a backend: conformance.BACKEND.GROUP for each group of tests, compared
+# with the backend's table of expectations, and conformance.BACKEND.mutation.FAULT for each fault that the suite must
+# detect when it is injected into the backend's answers. A relative path starts at the current source folder. Without
+# GROUPS: all groups. MUTATIONS: none by default; `all` is all.
 # A VARIANT is the backend with an option of its world set in every scene; its cases are
-# conformance.BACKEND-VARIANT.GROUP. CONFORMANCE_ONLY keeps the backend out of the suites of this repository that run on
-# all engines.
+# conformance.BACKEND-VARIANT.GROUP. CONFORMANCE_ONLY keeps the backend out of those suites of this repository that cost
+# minutes on each engine (COGRSIM_ENGINES); what is cheap runs on all (COGRSIM_EVERY_ENGINE).
 set(COGRSIM_CONFORMANCE_GROUPS contract free pendulum loop friction bounce stack heap pairs terrain
   joints limits motors robot momentum determinism runtime kinematic metamorphic reports faults)
-# With the tests that have to notice, the cheap ones of their theme.
+# With the tests that must detect them, the cheap ones of their group.
 set(COGRSIM_CONFORMANCE_MUTATIONS gravity=1.01 damping=0.04 swap-axes=1 friction=0.97
   restitution=0.9 inertia=1.02 effort=0.98 contact-force=1.02 limits=1.05 reaction=1.01 forget=1)
 set(COGRSIM_CONFORMANCE_MUTATION_TESTS "[free]" "projectile*,rod pendulum*" "[free]" "[friction]"
@@ -21,7 +21,7 @@ function(cogrsim_add_conformance_tests backend)
   cmake_parse_arguments(arg "CONFORMANCE_ONLY" "EXPECTATIONS;VARIANT;OPTION" "GROUPS;MUTATIONS" ${ARGN})
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR
-      "cogrsim_add_conformance_tests(${backend}): unknown words: ${arg_UNPARSED_ARGUMENTS}")
+      "cogrsim_add_conformance_tests(${backend}): unknown arguments: ${arg_UNPARSED_ARGUMENTS}")
   endif()
   if(NOT arg_EXPECTATIONS)
     message(FATAL_ERROR "cogrsim_add_conformance_tests(${backend}): no EXPECTATIONS given")
@@ -38,16 +38,19 @@ function(cogrsim_add_conformance_tests backend)
   endforeach()
   get_filename_component(table "${arg_EXPECTATIONS}" ABSOLUTE)
   set(name ${backend})
-  set(words --backend ${backend} --expectations "${table}")
+  set(arguments --backend ${backend} --expectations "${table}")
   if(arg_VARIANT)
     string(APPEND name "-${arg_VARIANT}")
-    list(APPEND words --option ${arg_OPTION})
+    list(APPEND arguments --option ${arg_OPTION})
   endif()
   if(CogRSim_SOURCE_DIR)
-    if(NOT arg_VARIANT AND NOT arg_CONFORMANCE_ONLY)
-      set_property(GLOBAL APPEND PROPERTY COGRSIM_ENGINES ${backend})
+    if(NOT arg_VARIANT)
+      set_property(GLOBAL APPEND PROPERTY COGRSIM_EVERY_ENGINE ${backend})
+      if(NOT arg_CONFORMANCE_ONLY)
+        set_property(GLOBAL APPEND PROPERTY COGRSIM_ENGINES ${backend})
+      endif()
     endif()
-    # Where the program looks when nobody names a table.
+    # The default folder of the program for tables.
     set(shared "${CogRSim_BINARY_DIR}/share/cogrsim/expectations")
     file(MAKE_DIRECTORY "${shared}")
     file(CREATE_LINK "${table}" "${shared}/${name}.json" COPY_ON_ERROR SYMBOLIC)
@@ -63,13 +66,13 @@ function(cogrsim_add_conformance_tests backend)
       "-DCOGRSIM_BUILD_TESTS=ON, or leave the call out")
   else()
     set(program "${CogRSim_CONFORMANCE}")
-    list(APPEND words --plugin-path "${CMAKE_BINARY_DIR}/cogrsim_plugins")
+    list(APPEND arguments --plugin-path "${CMAKE_BINARY_DIR}/cogrsim_plugins")
     if(COGRSIM_PLUGIN_OUTPUT_DIRECTORY)
-      list(APPEND words --plugin-path "${COGRSIM_PLUGIN_OUTPUT_DIRECTORY}")
+      list(APPEND arguments --plugin-path "${COGRSIM_PLUGIN_OUTPUT_DIRECTORY}")
     endif()
   endif()
   foreach(group IN LISTS arg_GROUPS)
-    add_test(NAME conformance.${name}.${group} COMMAND ${program} ${words} "[${group}]")
+    add_test(NAME conformance.${name}.${group} COMMAND ${program} ${arguments} "[${group}]")
     set_tests_properties(conformance.${name}.${group} PROPERTIES
       LABELS "conformance;${backend}" TIMEOUT 600)
   endforeach()
@@ -82,7 +85,7 @@ function(cogrsim_add_conformance_tests backend)
     if(fault IN_LIST arg_MUTATIONS)
       list(REMOVE_ITEM arg_MUTATIONS ${fault})
       add_test(NAME conformance.${name}.mutation.${mutation}
-        COMMAND ${program} ${words} --mutate ${mutation} "${tests}")
+        COMMAND ${program} ${arguments} --mutate ${mutation} "${tests}")
       set_tests_properties(conformance.${name}.mutation.${mutation} PROPERTIES
         LABELS "conformance;${backend};mutation" TIMEOUT 600)
     endif()

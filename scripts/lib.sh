@@ -8,8 +8,8 @@ build_dir=$repo/build
 [ "$preset" = release ] || build_dir=$repo/build-$preset
 build_dir=${COGRSIM_BUILD_DIR:-$build_dir}
 
-# Under a sanitizer a program ends at the first finding. What is known of libraries that are not ours
-# stands in tests/sanitizers, with the reason.
+# Under a sanitizer a program ends at the first finding. Known findings in third-party libraries are listed
+# in tests/sanitizers, with the reason.
 if [ "$preset" = asan ]; then
   export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1:${ASAN_OPTIONS:-}
   export LSAN_OPTIONS=suppressions=$repo/tests/sanitizers/lsan.supp:print_suppressions=0:${LSAN_OPTIONS:-}
@@ -28,11 +28,11 @@ packages=(
   catch2 libxml2-utils lighttpd lighttpd-mod-webdav openssl
   chromium fonts-dejavu-core
 )
-# What each backend is built on.
-for list in "$repo"/backends/*/packages.txt; do
+# The packages of each backend.
+for list in "$repo"/{backends,renderers}/*/packages.txt; do
   mapfile -t -O ${#packages[@]} packages <"$list"
 done
-# Judge recordings from outside; some nodejs packages bring npm themselves.
+# For tests that read recordings with other tools; some nodejs packages include npm.
 command -v npm >/dev/null || packages+=(nodejs npm)
 
 say() { printf '\n== %s\n' "$*"; }
@@ -45,7 +45,7 @@ die() {
 # Installs the Debian packages that are missing; touches no network when all are there.
 install_missing() {
   if ! command -v dpkg-query >/dev/null; then
-    echo "this is not a Debian system; taking for granted that these are here: ${packages[*]}"
+    echo "this is not a Debian system; these packages must be installed: ${packages[*]}"
     return
   fi
   local missing=() package
@@ -59,7 +59,7 @@ install_missing() {
   local as_root=()
   if [ "$(id -u)" != 0 ]; then
     if ! command -v sudo >/dev/null || { [ ! -t 0 ] && ! sudo -n true 2>/dev/null; }; then
-      die "missing packages, and neither root nor sudo to install them. Let somebody run:" \
+      die "packages are missing, and there is neither root nor sudo to install them. Run as root:" \
         "  apt-get update && apt-get install --no-install-recommends ${missing[*]}"
     fi
     as_root=(sudo)
@@ -71,7 +71,7 @@ install_missing() {
     die "apt-get could not install: ${missing[*]}"
 }
 
-# Are the packages of the studio's page here already, or can they be fetched?
+# True if the packages of the studio's page are installed or can be fetched.
 page_packages_at_hand() {
   local web=$repo/apps/studio/web
   command -v npm >/dev/null || return
@@ -86,7 +86,7 @@ configure() {
   if ! page_packages_at_hand; then
     studio=OFF
     echo "npm is missing or its registry cannot be reached: building without the studio and \`cogrsim bundle\`." \
-      "All else is there; run this again when npm can fetch packages."
+      "Everything else is built; run this again when npm can fetch packages."
   fi
   (cd "$repo" && cmake --preset "$preset" -B "$build_dir" -DCOGRSIM_STUDIO=$studio --log-level=WARNING)
 }
@@ -97,7 +97,7 @@ build() {
   cmake --build "$build_dir" --parallel "$(nproc)" --target "$@"
 }
 
-# The main job: the navigation experiment on two engines, in short, and how far they part.
+# The demo: the navigation experiment on two engines, in its short form, and a comparison of the engines.
 run_demo() {
   local example=examples/050_navigation album=$build_dir/navigation
   say "$example/experiment --short --seeds 3 ${album#"$repo"/}"
@@ -107,7 +107,7 @@ run_demo() {
     --report "$album/report.html" || return
   printf '\nOver three seeds:\n'
   cat "$album/summary.txt"
-  printf '\nThe map, with the way dashed:  %s\nPictures and figures:          %s\n' \
+  printf '\nThe map, with the path dashed: %s\nPictures and figures:          %s\n' \
     "$album/bullet/map.png" "$album"
   printf 'The curves of both engines:    %s\n' "$album/report.html"
 }

@@ -9,7 +9,7 @@
 
 #include "cogrsim/dsl/loader_catalog.h"
 #include "hash.h"
-#include "interrupt.h"
+#include "common/interrupt.h"
 
 namespace cogrsim::share {
 namespace {
@@ -23,8 +23,8 @@ dsl::CompileResult compile(const std::string& scene, const std::vector<std::stri
   return dsl::compile_file(scene, options);
 }
 
-// Its place below `folder`, both canonical; empty: elsewhere.
-std::string place_of(const fs::path& file, const fs::path& folder) {
+// Its path below `folder`, both canonical; empty: elsewhere.
+std::string path_below(const fs::path& file, const fs::path& folder) {
   const fs::path relative = file.lexically_relative(folder);
   if (relative.empty() || *relative.begin() == ".." || relative == ".") return {};
   return relative.generic_string();
@@ -52,10 +52,10 @@ class Gatherer {
     out_.scene = scene.filename().string();
 
     for (const std::string& file : compiled.files_read) {
-      const std::string place = place_of(file, folder_);
-      if (place.empty()) return outside(file);
-      const Role role = place == out_.scene ? Role::scene : role_of_read(place);
-      if (auto good = add(file, place, role); !good) return tl::unexpected(good.error());
+      const std::string inside = path_below(file, folder_);
+      if (inside.empty()) return outside(file);
+      const Role role = inside == out_.scene ? Role::scene : role_of_read(inside);
+      if (auto good = add(file, inside, role); !good) return tl::unexpected(good.error());
     }
     add_named(*compiled.model);
     add_sources();
@@ -63,8 +63,8 @@ class Gatherer {
       if (auto good = include(file); !good) return tl::unexpected(good.error());
     }
     PathSet paths;
-    for (auto& [place, source] : files_) {
-      if (auto good = paths.add(place); !good) return tl::unexpected(good.error());
+    for (auto& [inside, source] : files_) {
+      if (auto good = paths.add(inside); !good) return tl::unexpected(good.error());
       out_.files.push_back(std::move(source));
     }
     return std::move(out_);
@@ -76,15 +76,15 @@ class Gatherer {
                 fmt::format("copy it below {}", folder_.string()));
   }
 
-  // What is there already keeps its role.
-  Result<> add(const std::string& from, const std::string& place, Role role) {
-    if (auto good = check_path(place); !good) return good;
-    if (place == kManifestName) {
+  // A file that is there already keeps its role.
+  Result<> add(const std::string& from, const std::string& inside, Role role) {
+    if (auto good = check_path(inside); !good) return good;
+    if (inside == kManifestName) {
       return fail(fmt::format("a package cannot hold a file '{}' of its own", kManifestName), "",
                   "rename it");
     }
-    if (auto good = check_role(place, role); !good) return good;
-    files_.emplace(place, Gathered::Source{from, place, role});
+    if (auto good = check_role(inside, role); !good) return good;
+    files_.emplace(inside, Gathered::Source{from, inside, role});
     return {};
   }
 
@@ -96,24 +96,24 @@ class Gatherer {
       std::error_code error;
       const fs::path plain = (folder_ / *text).lexically_normal();
       if (!fs::is_regular_file(plain, error)) continue;
-      const std::string place = place_of(plain, folder_);
+      const std::string inside = path_below(plain, folder_);
       const fs::path real = fs::canonical(plain, error);
-      if (place.empty() || place_of(real, folder_).empty()) {
+      if (inside.empty() || path_below(real, folder_).empty()) {
         note(fmt::format("'{}', named by {}, is not below the scene's folder", *text, owner));
         continue;
       }
-      if (files_.count(place) != 0) continue;
-      if (auto good = add(plain.string(), place, Role::data); !good) {
+      if (files_.count(inside) != 0) continue;
+      if (auto good = add(plain.string(), inside, Role::data); !good) {
         note(fmt::format("{}, named by {}", good.error().message, owner));
       }
     }
   }
 
   void add_named(const SceneModel& model) {
-    for (const ControllerModel& mind : model.controllers)
-      add_parameters(mind.name, mind.parameters);
-    for (const ControllerModel& mind : model.supervisors)
-      add_parameters(mind.name, mind.parameters);
+    for (const ControllerModel& controller : model.controllers)
+      add_parameters(controller.name, controller.parameters);
+    for (const ControllerModel& controller : model.supervisors)
+      add_parameters(controller.name, controller.parameters);
     for (const SensorModel& sensor : model.sensors) add_parameters(sensor.name, sensor.parameters);
     for (const TemplateModel& made : model.templates) {
       if (made.fragment) add_named(*made.fragment);
@@ -139,17 +139,17 @@ class Gatherer {
     if (error || !fs::is_regular_file(real, error)) return fail("there is no such file", file);
     const auto role = role_of(real.filename().string());
     if (!role) return tl::unexpected(role.error());
-    std::string place = place_of(real, folder_);
-    // Recordings lie anywhere, and the package has a place for them.
-    if (place.empty() && *role == Role::recording) {
-      place = "recordings/" + real.filename().string();
+    std::string inside = path_below(real, folder_);
+    // Recordings may lie anywhere; the package has a folder for them.
+    if (inside.empty() && *role == Role::recording) {
+      inside = "recordings/" + real.filename().string();
     }
-    if (place.empty()) return outside(file);
-    const auto known = files_.find(place);
+    if (inside.empty()) return outside(file);
+    const auto known = files_.find(inside);
     if (known != files_.end() && known->second.from != real.string() && *role == Role::recording) {
-      return fail(fmt::format("two recordings are called '{}'", place), "", "rename one of them");
+      return fail(fmt::format("two recordings are called '{}'", inside), "", "rename one of them");
     }
-    return add(real.string(), place, *role);
+    return add(real.string(), inside, *role);
   }
 
   void note(const std::string& text) { out_.notes.push_back("left out: " + text); }

@@ -17,13 +17,13 @@ struct GatherOptions {
 };
 
 struct Gathered {
-  /// A file on this machine and its place in the package.
+  /// A file on this machine and its path in the package.
   struct Source {
     std::string from, path;
     Role role = Role::data;
   };
-  std::string scene;                    ///< its place in the package
-  std::vector<Source> files;            ///< by place
+  std::string scene;                    ///< its path in the package
+  std::vector<Source> files;            ///< by path
   std::vector<std::string> notes;       ///< what was left out, and why
   std::vector<Diagnostic> diagnostics;  ///< the compiler's; with an error `files` is empty
   bool ok() const { return !files.empty(); }

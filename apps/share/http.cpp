@@ -57,7 +57,7 @@ std::size_t on_received(char* data, std::size_t, std::size_t count, void* self) 
   auto& transfer = *static_cast<Transfer*>(self);
   long status = 0;
   curl_easy_getinfo(transfer.curl, CURLINFO_RESPONSE_CODE, &status);
-  // What goes with an error is a page for people; its beginning is enough.
+  // The body of an error is a page for people; its beginning is enough.
   if (!is_good(status)) {
     if (transfer.answer.body.size() < 65536) transfer.answer.body.append(data, count);
     return count;
@@ -78,13 +78,13 @@ std::size_t on_received(char* data, std::size_t, std::size_t count, void* self) 
   return count;
 }
 
-std::size_t on_send(char* to, std::size_t, std::size_t room, void* self) {
+std::size_t on_send(char* to, std::size_t, std::size_t capacity, void* self) {
   auto& transfer = *static_cast<Transfer*>(self);
   if (transfer.in) {
-    const std::size_t count = std::fread(to, 1, room, transfer.in.get());
+    const std::size_t count = std::fread(to, 1, capacity, transfer.in.get());
     return std::ferror(transfer.in.get()) != 0 ? CURL_READFUNC_ABORT : count;
   }
-  const std::size_t count = std::min(room, transfer.request.body.size() - transfer.sent);
+  const std::size_t count = std::min(capacity, transfer.request.body.size() - transfer.sent);
   std::memcpy(to, transfer.request.body.data() + transfer.sent, count);
   transfer.sent += count;
   return count;

@@ -17,7 +17,7 @@ using TransferProgress = std::function<void(std::uint64_t done, std::uint64_t to
 
 struct HttpOptions {
   std::string user, password;  ///< sent with every request
-  bool netrc = false;          ///< without `user`: what ~/.netrc says about the host
+  bool netrc = false;          ///< without `user`: the entry of the host in ~/.netrc
   std::string sigv4;           ///< "aws:amz:REGION:s3": `user` and `password` sign instead
   long connect_timeout = 15;   ///< [s]
   long stall_timeout = 60;     ///< given up after so long without a byte [s]
@@ -49,14 +49,14 @@ class Http {
   Http(const Http&) = delete;
   Http& operator=(const Http&) = delete;
 
-  /// Whoever it is that looks at large transfers; empty: nobody.
+  /// Observes the progress of large transfers; empty: none.
   void on_progress(TransferProgress progress);
-  /// Asked often while a request is under way; true ends it.
+  /// Called often during a request; true ends it.
   void on_cancel(std::function<bool()> cancelled);
 
   /// An answer, be its status good or bad. 429, 500, 502, 503 and 504, a connection that is refused
   /// or breaks off are tried again, with growing pauses, as "Retry-After" says if that is not long.
-  /// Redirections are not followed: a password would go where nobody meant it to.
+  /// Redirections are not followed: a password would be sent to another server.
   /// Errors: no answer, with the cause; one that is longer than `limit`.
   Result<HttpAnswer> run(const HttpRequest& request);
 
@@ -67,7 +67,7 @@ class Http {
 
 /// RFC 3986: all but letters, digits and "-._~" as %XX; "/" stays if `keep_slashes`.
 std::string percent_encoded(const std::string& text, bool keep_slashes = false);
-/// Empty for what is not well encoded.
+/// Empty for text that is not well encoded.
 std::string percent_decoded(const std::string& text);
 
 }  // namespace cogrsim::share

@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "interrupt.h"
+#include "common/interrupt.h"
 #include "local.h"
 #include "manifest.h"
-#include "options.h"
-#include "output_file.h"
+#include "common/options.h"
+#include "common/output_file.h"
 #include "share.h"
-#include "terminal.h"
+#include "common/terminal.h"
 
 namespace cogrsim::share {
 namespace {

@@ -1,5 +1,5 @@
-// What stores answer in XML. It comes from outside: bounded by the length of an answer, and nothing
-// in it becomes an address or a path.
+// The XML answers of stores. They are untrusted: bounded by the length of an answer, and nothing in
+// them becomes an address or a path.
 #include <tinyxml2.h>
 
 #include <cstdlib>
@@ -47,7 +47,7 @@ bool is_ours(const std::string& name) {
   return parse_stem(name, kPackageEnding) || parse_stem(name, kEntryEnding);
 }
 
-// Empties itself if the document is not what it should be.
+// Becomes empty if the document is not as expected.
 const XMLElement* open(tinyxml2::XMLDocument& document, const std::string& xml, const char* root) {
   if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) return nullptr;
   const XMLElement* element = document.RootElement();

@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "terminal.h"
+#include "common/terminal.h"
 
 namespace cogrsim::share {
 
@@ -64,7 +64,7 @@ std::string bytes_text(std::uint64_t bytes) {
   return fmt::format("{:.3g} GB", size / 1e9);
 }
 
-std::string shell_word(const std::string& text) {
+std::string shell_quoted(const std::string& text) {
   const bool plain =
       !text.empty() && text.front() != '-' && std::all_of(text.begin(), text.end(), [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||

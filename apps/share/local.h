@@ -31,8 +31,8 @@ Result<> move_to_free_name(const std::string& from, const std::string& to);
 /// "812 bytes", "31.2 kB", "1.5 GB".
 std::string bytes_text(std::uint64_t bytes);
 
-/// One word for a shell, whatever is in it.
-std::string shell_word(const std::string& text);
+/// Quotes any text as one argument for a shell.
+std::string shell_quoted(const std::string& text);
 
 /// A line on stderr that shows how far a transfer is, if that is a terminal; else nothing.
 class TransferLine {

@@ -35,7 +35,7 @@ Result<std::uint64_t> size_of(const Json& object, const char* key) {
   return it->get<std::uint64_t>();
 }
 
-// Deeply nested or with keys given twice, a manifest means different things to different readers.
+// Parsers read deep nesting and duplicate keys differently: a manifest with them is refused.
 Result<Json> parse_strictly(const std::string& text) {
   bool twice = false, deep = false;
   std::vector<std::set<std::string>> keys;
@@ -223,7 +223,7 @@ Result<Entry> parse_entry(const std::string& text, const PackageName& expected,
   if (!manifest) return tl::unexpected(manifest.error());
   if (manifest->package.stem() != expected.stem()) {
     return fail(
-        fmt::format("the entry of {} speaks of {}", expected.stem(), manifest->package.stem()));
+        fmt::format("the entry of {} names {}", expected.stem(), manifest->package.stem()));
   }
   Entry entry;
   entry.manifest = std::move(*manifest);

@@ -1,4 +1,4 @@
-// What a package says about itself, and what a store keeps beside it.
+// The manifest of a package, and its entry in a store.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,7 @@ std::string to_text(const Manifest& manifest);
 Result<Manifest> parse_manifest(const std::string& text, const PackageLimits& limits = {});
 
 /// A store's entry for a package: its manifest, and which file it is in. It is put there last, so a
-/// package with an entry is whole.
+/// package with an entry is complete.
 struct Entry {
   Manifest manifest;
   std::uint64_t size = 0;  ///< of the package's file [byte]

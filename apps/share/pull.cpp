@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "hash.h"
-#include "interrupt.h"
+#include "common/interrupt.h"
 #include "local.h"
 #include "manifest.h"
-#include "options.h"
-#include "output_file.h"
+#include "common/options.h"
+#include "common/output_file.h"
 #include "share.h"
-#include "terminal.h"
+#include "common/terminal.h"
 #include "zip.h"
 
 namespace cogrsim::share {
@@ -22,11 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_file_word(const std::string& word) {
+bool names_a_file(const std::string& text) {
   const std::string ending = kPackageEnding;
-  return word.find('/') != std::string::npos ||
-         (word.size() > ending.size() &&
-          word.compare(word.size() - ending.size(), ending.size(), ending) == 0);
+  return text.find('/') != std::string::npos ||
+         (text.size() > ending.size() &&
+          text.compare(text.size() - ending.size(), ending.size(), ending) == 0);
 }
 
 // The newest version with an entry, of those the store has.
@@ -45,11 +45,11 @@ Result<PackageName> newest(Store& store, const std::string& name) {
   if (best) return *best;
   const std::string nearest = nearest_name(name, names);
   return fail(fmt::format("there is no package '{}'", name), store.address(),
-              nearest.empty() ? "cogrsim list shows what is there"
+              nearest.empty() ? "cogrsim list shows the packages"
                               : fmt::format("did you mean '{}'?", nearest));
 }
 
-// Downloads into `folder`; what comes must be what the store's entry says.
+// Downloads into `folder`; the package must agree with the store's entry.
 Result<std::string> download(const PullOptions& options, const std::string& folder) {
   const auto at = options.package.find('@');
   PackageName package{options.package.substr(0, at), ""};
@@ -116,20 +116,21 @@ std::string report(const Manifest& manifest, const std::string& folder, bool dry
     sources += (sources.empty() ? "" : ", ") + file.path;
     has_build = has_build || file.path == "CMakeLists.txt";
   }
-  const std::string scene = shell_word(folder + "/" + manifest.scene);
+  const std::string scene = shell_quoted(folder + "/" + manifest.scene);
   if (sources.empty()) return out + "Run it:  cogrsim run " + scene + "\n";
   out += "It brings sources of controllers: " + sources +
          "\nNothing of them was built or run. Read them first; then, if you trust them:\n";
-  const std::string build = shell_word(folder + "/build");
+  const std::string build = shell_quoted(folder + "/build");
   if (has_build) {
     out +=
-        fmt::format("  cmake -S {} -B {} && cmake --build {}\n", shell_word(folder), build, build);
+        fmt::format("  cmake -S {} -B {} && cmake --build {}\n", shell_quoted(folder), build,
+                    build);
   }
   return out + fmt::format("  cogrsim run {} --plugin-path {}\n", scene,
-                           shell_word(folder + "/build/cogrsim_plugins"));
+                           shell_quoted(folder + "/build/cogrsim_plugins"));
 }
 
-// Rights as a folder of the user's has them; a temporary one is for nobody else.
+// The usual rights of a user's folder; a temporary one is for its user alone.
 void open_to_others(const std::string& folder) {
   const mode_t mask = umask(0);
   umask(mask);
@@ -137,7 +138,7 @@ void open_to_others(const std::string& folder) {
 }
 
 Result<std::string> pull(const PullOptions& options) {
-  const bool local = is_file_word(options.package);
+  const bool local = names_a_file(options.package);
   std::error_code error;
   if (!options.dry_run) {
     fs::create_directories(options.into, error);

@@ -9,14 +9,14 @@
 
 #include "gather.h"
 #include "hash.h"
-#include "interrupt.h"
+#include "common/interrupt.h"
 #include "local.h"
 #include "manifest.h"
-#include "options.h"
-#include "output_file.h"
-#include "scene_loading.h"
+#include "common/options.h"
+#include "common/output_file.h"
+#include "common/scene_loading.h"
 #include "share.h"
-#include "terminal.h"
+#include "common/terminal.h"
 #include "zip.h"
 
 namespace cogrsim::share {
@@ -61,7 +61,7 @@ Result<Manifest> manifest_from(const PushOptions& options) {
   return manifest;
 }
 
-// Packs, then does what one who pulls it will do: unpacks and compiles it, away from its folder.
+// Packs, then checks the package as pull does: unpacks and compiles it, away from its folder.
 Result<Packed> pack(const PushOptions& options, const Gathered& gathered, Manifest manifest) {
   auto folder = TemporaryFolder::make();
   if (!folder) return tl::unexpected(folder.error());
@@ -112,7 +112,7 @@ std::string contents_text(const Entry& entry, const std::vector<std::string>& no
 }
 
 // The package file. One that is there without an entry is left from a push that broke off, or
-// belongs to one that is under way.
+// belongs to one that is in progress.
 Result<> upload_package(Store& store, const Packed& packed, bool force) {
   const std::string name = packed.entry.manifest.package.stem() + kPackageEnding;
   Store::Content content{"", packed.file, packed.entry.sha256, "application/zip"};
@@ -135,7 +135,7 @@ Result<> upload_package(Store& store, const Packed& packed, bool force) {
     if (hash && hash->sha256 == packed.entry.sha256) return {};  // it is this one
   }
   return fail(fmt::format("the store has a file {} without an entry", name), store.address(),
-              "another push is under way, or one broke off: wait, then push with --force");
+              "another push is in progress, or one broke off: wait, then push with --force");
 }
 
 Result<std::string> upload(Store& store, const Packed& packed, bool force) {
@@ -145,7 +145,7 @@ Result<std::string> upload(Store& store, const Packed& packed, bool force) {
     return fail(
         fmt::format("{} {} is there already, with another content", package.name, package.version),
         store.address(),
-        fmt::format("push it as --version {}, or replace what is there with --force",
+        fmt::format("push it as --version {}, or replace the existing one with --force",
                     next_version(package.version)));
   };
   if (const auto there = read_entry(store, package); there && is_same(*there)) {
@@ -166,7 +166,7 @@ Result<std::string> upload(Store& store, const Packed& packed, bool force) {
   }
   if (!done) {
     Error error = done.error();
-    error.message += "; the package is uploaded, its entry is not, and so nobody sees it";
+    error.message += "; the package is uploaded, but not its entry, so it is not listed";
     return tl::unexpected(error);
   }
   return fmt::format("pushed {} {} to {}", package.name, package.version, store.address());
@@ -231,7 +231,7 @@ Result<Entry> read_entry(Store& store, const PackageName& package) {
 int push_command(const PushOptions& options) {
   cli::catch_interrupts();
   if (options.force) cli::allow_overwriting();
-  // What can be wrong with the store's address is said before the work is done.
+  // Errors of the store's address are reported before the work is done.
   if (!options.dry_run && options.output.empty()) {
     if (const auto store = open_store(options.store); !store) return failed(store.error());
   }

@@ -45,7 +45,7 @@ const RoleRow& row_of(Role role) {
   return *row;
 }
 
-// Of ASCII alone: whatever the locale says, packages are the same everywhere.
+// Of ASCII alone: packages do not depend on the locale.
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; }
 
 std::string lower(std::string_view text) {
@@ -80,7 +80,7 @@ bool is_device(std::string_view part) {
          (stem.compare(0, 3, "com") == 0 || stem.compare(0, 3, "lpt") == 0);
 }
 
-// For messages: what cannot be shown becomes "?".
+// For messages: unprintable characters become "?".
 std::string shown(std::string_view text) {
   std::string out;
   for (const char c : text.substr(0, 120)) out += c >= 0x20 && c < 0x7f ? c : '?';

@@ -1,5 +1,5 @@
-// What may be in a package and what its parts may be called. The one who packs and the one who
-// unpacks keep the same rules, so what can be pushed can be pulled.
+// The files that a package may hold, and their names. Packing and unpacking use the same rules, so
+// every package that can be pushed can be pulled.
 #pragma once
 
 #include <cstdint>
@@ -27,13 +27,13 @@ struct PackageLimits {
   std::uint64_t free_bytes = 16ull << 20;
 };
 
-/// What a file is for.
+/// The purpose of a file.
 enum class Role { scene, import, texture, mesh, heightmap, data, source, recording, document };
 const char* role_name(Role role);
 std::optional<Role> parse_role(std::string_view name);
 
-/// Where a file lies in a package: "textures/tiles.png". Errors say what is wrong: absolute, "..",
-/// a letter that some file system does not have, a device's name, a hidden file, too long.
+/// The path of a file in a package: "textures/tiles.png". Errors say what is wrong: absolute, "..",
+/// a character that some file system does not have, a device's name, a hidden file, too long.
 Result<> check_path(std::string_view path);
 
 /// Whether a file of this name can have this role; there is a list of endings for each, and none of
@@ -43,8 +43,8 @@ Result<> check_role(std::string_view path, Role role);
 /// The role of a file that the user adds, by its ending. Errors: no package takes such a file.
 Result<Role> role_of(std::string_view path);
 
-/// Refuses a path that is there already, also where a file system does not tell capitals from small
-/// letters, or that is a folder for another one.
+/// Refuses a path that is there already, also where a file system does not distinguish capitals
+/// from small letters, or that is a folder for another one.
 class PathSet {
  public:
   Result<> add(const std::string& path);
@@ -53,12 +53,12 @@ class PathSet {
   std::map<std::string, std::string> files_, folders_;  // by the name in small letters
 };
 
-/// Looks at what is in a file while it passes by: a program does not come in as a picture.
+/// Checks the contents of a file while it is read: a program does not pass as a picture.
 class ContentCheck {
  public:
   explicit ContentCheck(std::string_view path);
   void feed(std::string_view bytes);
-  /// After all was fed. Errors: a program, or not what its ending says.
+  /// After the whole file. Errors: a program, or another format than its ending says.
   Result<> finish() const;
 
  private:
@@ -68,7 +68,7 @@ class ContentCheck {
 
 /// A package's name: small letters, digits, "_" and "-", at most 64, a letter or digit first.
 Result<> check_name(std::string_view name);
-/// The same of any text, as well as it goes; empty: there is nothing to make a name of.
+/// A name made of any text; empty: the text has no usable characters.
 std::string to_name(std::string_view text);
 
 /// One to four numbers with points between them: "1.0.2".
@@ -81,7 +81,7 @@ std::string next_version(std::string_view version);
 /// Texts for people in the manifest: no control characters, at most `bytes`, UTF-8.
 Result<> check_text(std::string_view what, std::string_view text, std::size_t bytes);
 
-/// What a package is called on a store: "arm-1.0.2".
+/// The name of a package on a store: "arm-1.0.2".
 struct PackageName {
   std::string name, version;
   std::string stem() const { return name + "-" + version; }

@@ -2,9 +2,9 @@
 // (AWS signature version 4), with the bucket in the path, which every such store understands.
 //
 // libcurl before 8 signs paths and queries as they stand, so they are percent-encoded as the
-// signature wants them (RFC 3986, capitals), with the query sorted. It takes the payload's hash from
-// the header x-amz-content-sha256 if there is one; there always is, and the store checks by it what
-// arrived.
+// signature requires them (RFC 3986, capitals), with the query sorted. It takes the payload's hash
+// from the header x-amz-content-sha256 if there is one; there always is, and the store checks by it
+// what arrived.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 namespace cogrsim::share {
 namespace {
 
-// For messages: what a server sends is not to steer a terminal.
+// For messages: text of a server must not control the terminal.
 std::string plain(const std::string& text) {
   std::string out;
   for (const char c : text.substr(0, 300)) out += c >= 0x20 && c < 0x7f ? c : '?';
@@ -82,7 +82,7 @@ class S3Store final : public Store {
     }
     if (answer.status == 404) {
       return Error(fmt::format("there is no {} in the store", what), address_,
-                   "cogrsim list shows what is there", kMissing);
+                   "cogrsim list shows the packages", kMissing);
     }
     if (answer.status == 401 || answer.status == 403) {
       return Error(fmt::format("the store refuses ({})", said), address_,
@@ -132,7 +132,7 @@ Result<std::unique_ptr<Store>> open_s3(const StoreOptions& options) {
   if (bad || ("/" + prefix + "/").find("/../") != std::string::npos ||
       ("/" + prefix + "/").find("/./") != std::string::npos ||
       prefix.find("//") != std::string::npos || (!prefix.empty() && prefix.front() == '/')) {
-    return fail("the prefix has a letter or part that cannot stand there", options.address,
+    return fail("the prefix has a character or part that is not allowed there", options.address,
                 "write s3://bucket/prefix, in ASCII");
   }
   std::string region = first_of({"AWS_REGION", "AWS_DEFAULT_REGION"});

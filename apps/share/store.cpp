@@ -21,7 +21,7 @@ Result<Address> parse_address(const std::string& text) {
   };
   for (const char c : text) {
     if (c <= 0x20 || c == 0x7f || c == '?' || c == '#' || c == '\\') {
-      return refuse("has a letter that cannot stand there", "write https://host/folder");
+      return refuse("has a character that is not allowed there", "write https://host/folder");
     }
   }
   const auto scheme_end = text.find("://");
@@ -39,7 +39,7 @@ Result<Address> parse_address(const std::string& text) {
   const std::string name =
       host.front() == '[' ? host.substr(0, host.find(']') + 1) : host.substr(0, host.find(':'));
   if (host.empty() || name.empty()) return refuse("has no host", "write https://host/folder");
-  // Passwords would be readable on the way, and what comes back could be anybody's.
+  // Passwords could be read in transit, and answers could be forged.
   if (scheme == "http" && name != "localhost" && name != "127.0.0.1" && name != "[::1]") {
     return refuse("is without TLS, and not on this machine", "write https://");
   }
@@ -55,7 +55,7 @@ Result<Address> parse_address(const std::string& text) {
 
 Result<std::unique_ptr<Store>> open_store(const StoreOptions& options) {
   if (options.address.empty()) {
-    return fail("which store is not said", "",
+    return fail("no store is named", "",
                 "name one, such as https://host/dav/folder or s3://bucket/prefix, or set "
                 "COGRSIM_STORE");
   }

@@ -11,7 +11,7 @@
 
 namespace cogrsim::share {
 
-/// Codes of errors (Error::code) that callers tell apart.
+/// Codes of errors (Error::code) that callers distinguish.
 inline constexpr const char* kMissing = "missing";  ///< there is no such file, folder or bucket
 inline constexpr const char* kExists = "exists";    ///< put_new() found one
 
@@ -21,8 +21,8 @@ struct StoreOptions {
   long stall_timeout = 60;  ///< [s]
 };
 
-/// Files by plain names, all in one place. Names are ours ("arm-1.0.0.cogrsim.zip"), and never made
-/// of what a server says.
+/// Files by plain names, all in one folder. Names are ours ("arm-1.0.0.cogrsim.zip"), and never
+/// made from a server's answer.
 class Store {
  public:
   explicit Store(HttpOptions options) : http_(std::move(options)) {}
@@ -39,17 +39,17 @@ class Store {
 
   /// At most `limit` bytes. Errors: kMissing.
   Result<std::string> read(const std::string& name, std::uint64_t limit);
-  /// The same into a file; what is there is replaced.
+  /// The same into a file, which is replaced.
   Result<> fetch(const std::string& name, const std::string& to_file, std::uint64_t limit);
 
-  /// What is to be put somewhere, with the hash of it.
+  /// The content to upload, with its hash.
   struct Content {
     std::string text, file;  ///< `file`, unless empty
     std::string sha256;
     const char* type = "application/octet-stream";
   };
-  /// `replace` false: only if there is no file of that name; a store that cannot tell (most S3 ones
-  /// could not for long) replaces it nevertheless, so look before. Errors: kExists.
+  /// `replace` false: only if there is no file of that name; a store that cannot check this (most
+  /// S3 ones could not for long) replaces it nevertheless, so check before. Errors: kExists.
   Result<> put(const std::string& name, const Content& content, bool replace);
 
   /// As the user wrote it, for messages.
@@ -84,10 +84,10 @@ struct Address {
 };
 Result<Address> parse_address(const std::string& text);
 
-/// What an environment variable says; empty: nothing.
+/// The value of an environment variable; empty: not set.
 std::string environment(const char* name);
 
-/// Names in a listing's XML. Bounded, and what is not ours is left out.
+/// Names in a listing's XML. Bounded; names that push does not make are left out.
 /// Of a WebDAV multistatus (RFC 4918), collections left out.
 Result<std::vector<Store::File>> parse_multistatus(const std::string& xml);
 /// Of S3's ListObjectsV2; `next` is the token for the rest, empty at the end.

@@ -34,7 +34,7 @@ class WebdavStore final : public Store {
   Result<> prepare() override { return make(path_, 0); }
 
  private:
-  // Those above first, where they are missing: a server says 409 then.
+  // Missing parent folders first: a server answers 409 without them.
   Result<> make(const std::string& path, int depth) {
     if (path.empty()) return {};
     HttpRequest request;
@@ -75,7 +75,7 @@ class WebdavStore final : public Store {
       case 404:
         return Error(
             fmt::format("there is no {} in the store", what == "the folder" ? "such folder" : what),
-            address_, "cogrsim list shows what is there", kMissing);
+            address_, "cogrsim list shows the packages", kMissing);
       case 405:
       case 501:
         return Error(fmt::format("the server does not do WebDAV there (status {})", answer.status),

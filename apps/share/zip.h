@@ -1,4 +1,4 @@
-// Packages as files: written so that equal content gives an equal file, read with distrust.
+// Packages as files: written so that equal content gives an equal file, read as hostile input.
 #pragma once
 
 #include <string>
@@ -14,9 +14,9 @@ namespace cogrsim::share {
 Result<> write_package(const Manifest& manifest, const std::string& folder,
                        const std::string& path);
 
-/// Reads a package to its end and checks all that docs/sharing.md lists. With `folder`, which must
-/// be there and be empty, the files are written into it on the way, manifest.json among them,
-/// without the right to be executed. After an error what is in `folder` is to be thrown away.
+/// Reads a package to its end and checks all that docs/guide/sharing.md lists. With `folder`, which
+/// must be there and be empty, the files are written into it meanwhile, manifest.json among them,
+/// without the right to be executed. After an error the content of `folder` is to be removed.
 Result<Manifest> read_package(const std::string& path, const std::string& folder = {},
                               const PackageLimits& limits = {});
 

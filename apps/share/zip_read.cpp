@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "hash.h"
-#include "interrupt.h"
+#include "common/interrupt.h"
 #include "zip.h"
 
 namespace cogrsim::share {
@@ -179,7 +179,7 @@ class Reader {
       if (total_ > limits_.unpacked_bytes ||
           (total_ > limits_.free_bytes &&
            static_cast<double>(total_) > limits_.ratio * static_cast<double>(package_size_))) {
-        return refuse(fmt::format("the package blows up to {} times its size, or more",
+        return refuse(fmt::format("the package unpacks to {} times its size, or more",
                                   total_ / std::max<std::uint64_t>(1, package_size_)));
       }
       if (auto done = take(buffer.data(), static_cast<std::size_t>(count)); !done) return done;
@@ -233,7 +233,7 @@ class Reader {
     }
     if (hash.finish() != file.sha256) {
       return refuse(
-          fmt::format("'{}' is not what the manifest says: its hash is another", file.path));
+          fmt::format("'{}' differs from the manifest: its hash is another", file.path));
     }
     if (auto good = check.finish(); !good) return refuse(good.error());
     return folder_.empty() ? Result<>() : out.close();

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "hash.h"
-#include "interrupt.h"
+#include "common/interrupt.h"
 #include "zip.h"
 
 namespace cogrsim::share {

@@ -17,8 +17,8 @@ void open_browser(const std::string& address) {
   const char* text = address.c_str();
   const pid_t child = fork();
   if (child == 0) {
-    // Other threads may hold any lock: nothing but system calls from here on. A child of a child is
-    // nobody's to wait for, in a session of its own Ctrl-C does not reach it.
+    // Other threads may hold any lock: only system calls from here on. A grandchild need not be
+    // waited for, and in a session of its own Ctrl-C does not reach it.
     setsid();
     if (fork() == 0) {
       const int nothing = open("/dev/null", O_RDWR);

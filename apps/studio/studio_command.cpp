@@ -12,14 +12,14 @@
 #include "browser.h"
 #include "cogrsim/plugin/loader.h"
 #include "document.h"
-#include "frames.h"
+#include "render/frames.h"
 #include "kept_tokens.h"
-#include "options.h"
-#include "output_file.h"
+#include "common/options.h"
+#include "common/output_file.h"
 #include "run.h"
 #include "server.h"
 #include "studio.h"
-#include "terminal.h"
+#include "common/terminal.h"
 #include "user_folders.h"
 
 namespace cogrsim::studio {
@@ -62,11 +62,41 @@ int failed(const Error& error) {
   return cli::kFailed;
 }
 
-// Where a studio is looked for: a page that is still open finds the one that was started anew.
+// The ports at which a page that is still open finds a studio after a restart.
 constexpr unsigned short kFirstPort = 8642, kPreferredPorts = 10;
 
 bool is_loopback(const std::string& host) {
   return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
+}
+
+StudioInfo info_of(const StudioOptions& options, bool recording) {
+  StudioInfo info;
+  info.version = COGRSIM_VERSION;
+  info.kind = recording ? "recording" : "scene";
+  info.file = std::filesystem::path(options.file).filename().string();
+  info.allow_build = options.allow_build;
+  if (recording) return info;
+  for (const PluginPtr& plugin : PluginLoader(options.plugin_paths).all())
+    if (plugin->descriptor().kind == PluginKind::backend)
+      info.backends.push_back(plugin->descriptor().name);
+  return info;
+}
+
+ServerOptions network_of(const StudioOptions& options) {
+  ServerOptions network;
+  network.host = options.host;
+  network.port = options.port;
+  for (unsigned short i = 0; i < kPreferredPorts; ++i)
+    network.preferred.push_back(static_cast<unsigned short>(kFirstPort + i));
+  // A token that was seen once is valid after a restart too: where that could mean running
+  // programs, or access from the network, only the user may decide to keep it.
+  const bool by_itself = is_loopback(options.host) && !options.allow_build;
+  if (options.keep_token.value_or(false) || by_itself) {
+    network.tokens = kept_tokens_base();
+    network.new_tokens = options.keep_token == false;
+  }
+  network.goodbye = R"({"topic":"goodbye","reason":"the studio was ended"})";
+  return network;
 }
 
 }  // namespace
@@ -77,35 +107,9 @@ int studio_command(const StudioOptions& options) {
   const auto run_loader = std::make_shared<PluginLoader>(options.plugin_paths);
   const auto document_loader = std::make_shared<PluginLoader>(options.plugin_paths);
 
-  StudioInfo info;
-  info.version = COGRSIM_VERSION;
-  info.kind = recording ? "recording" : "scene";
-  info.file = std::filesystem::path(options.file).filename().string();
-  info.allow_build = options.allow_build;
-  if (!recording) {
-    for (const PluginPtr& plugin : PluginLoader(options.plugin_paths).all()) {
-      if (plugin->descriptor().kind == PluginKind::backend) {
-        info.backends.push_back(plugin->descriptor().name);
-      }
-    }
-  }
-
+  StudioInfo info = info_of(options, recording);
   // Each refers to those above it, and goes before them.
-  ServerOptions network;
-  network.host = options.host;
-  network.port = options.port;
-  for (unsigned short i = 0; i < kPreferredPorts; ++i) {
-    network.preferred.push_back(static_cast<unsigned short>(kFirstPort + i));
-  }
-  // Whoever has once seen the token of a page has it after a restart too: where that could mean running
-  // programs, or others in the network, it is for the user to say that it is worth it.
-  const bool by_itself = is_loopback(options.host) && !options.allow_build;
-  if (options.keep_token.value_or(false) || by_itself) {
-    network.tokens = kept_tokens_base();
-    network.new_tokens = options.keep_token == false;
-  }
-  network.goodbye = R"({"tell":"goodbye","reason":"the studio was ended"})";
-  auto server = Server::listen(network);
+  auto server = Server::listen(network_of(options));
   if (!server) return failed(server.error());
   const SignalsStop stopping(**server);
 
@@ -146,7 +150,7 @@ int studio_command(const StudioOptions& options) {
   if (auto shown = cli::print_output((*server)->address(Role::operator_) + "\n"); !shown) {
     return failed(shown.error());
   }
-  fmt::print(stderr, "for those who only look on: {}\n", (*server)->address(Role::viewer));
+  fmt::print(stderr, "for viewers, who can change nothing: {}\n", (*server)->address(Role::viewer));
   if (!is_loopback(options.host)) {
     cli::print_warning(
         "others in the network reach this studio; whoever has the address with its token may do "

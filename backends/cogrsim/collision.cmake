@@ -10,12 +10,10 @@ find_library(COGRSIM_BULLET_MATH LinearMath-float64 REQUIRED)
 
 set(source ${CMAKE_CURRENT_LIST_DIR}/src)
 add_library(cogrsim_collision STATIC
-  ${source}/collision/box_box.cpp
   ${source}/collision/colliders.cpp
   ${source}/collision/concave.cpp
   ${source}/collision/detector.cpp
   ${source}/collision/gjk.cpp
-  ${source}/collision/manifold.cpp
   ${source}/collision/primitives.cpp)
 target_compile_features(cogrsim_collision PUBLIC cxx_std_17)
 set_target_properties(cogrsim_collision PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_EXTENSIONS OFF

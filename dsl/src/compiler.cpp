@@ -1,9 +1,9 @@
 // The driver: read, expand, build, report.
 #include "cogrsim/dsl/compiler.h"
 
-#include "diagnostics.h"
-#include "element.h"
-#include "node.h"
+#include "report/diagnostics.h"
+#include "syntax/element.h"
+#include "syntax/node.h"
 
 namespace cogrsim::dsl {
 

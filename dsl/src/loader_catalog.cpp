@@ -36,7 +36,7 @@ std::vector<Channel> LoaderCatalog::channels(const SceneModel& model, const Sens
   const auto* entry = static_cast<const SensorEntry*>((*plugin)->descriptor().factory);
   const PluginCall call("sensor", sensor.name.c_str(), "", sensor.type.c_str(),
                         "while being configured");
-  // What it throws here it throws again when the run is set up, where it is told.
+  // What it throws here it throws again when the run is set up, where it is reported.
   try {
     const std::unique_ptr<Sensor, void (*)(Sensor*)> probe(entry->create(), entry->destroy);
     const auto parameters =

@@ -42,6 +42,6 @@ COGRSIM_CONTROLLER(Slalom, "slalom", version("1.0.0"), author("you"),
                    summary("drives two wheels in waves"),
                    parameter("wheel_radius", 0.05, "m", "radius of the wheels").range(0.001, 1.0),
                    parameter("track", 0.18, "m", "distance between the wheels").range(0.001, 5.0),
-                   parameter("speed", 0.3, "m/s", "along the way").range(0.0, 2.0),
+                   parameter("speed", 0.3, "m/s", "along the path").range(0.0, 2.0),
                    parameter("swing", 0.7, "rad", "largest heading to either side").range(0.0, 1.5),
                    parameter("period", 2.0, "s", "of one wave").range(0.1, 60.0))

@@ -1,4 +1,4 @@
-// The slalom in C++: on every backend it drives the same way, which is kept beside this file.
+// The slalom in C++: on every backend it drives the same path, which is stored beside this file.
 // `slalom_test --update-golden` keeps a new one.
 #define CATCH_CONFIG_RUNNER
 #include "cogrsim/dsl/loader_catalog.h"
@@ -23,6 +23,6 @@ TEST_CASE("the robot drives its slalom") {
 
   const auto run = testing::start(scene.model, backend);
   // The engines' wheels scrub differently: centimetres after two seconds.
-  const auto way = testing::record(*run, {"robot.x", "robot.y"}, 2.0, 0.25);
-  CHECK_THAT(way, testing::MatchesGolden(__FILE__, "slalom.csv", 5e-2));
+  const auto path = testing::record(*run, {"robot.x", "robot.y"}, 2.0, 0.25);
+  CHECK_THAT(path, testing::MatchesGolden(__FILE__, "slalom.csv", 5e-2));
 }

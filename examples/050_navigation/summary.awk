@@ -1,4 +1,4 @@
-# Reads the table of a sweep over the scene and tells how the experiment went.
+# Reads the table of a sweep over the scene and summarises the experiment.
 function median(values, n,    i, j, v) {
   for (i = 2; i <= n; ++i) {
     v = values[i]

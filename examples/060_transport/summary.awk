@@ -1,4 +1,4 @@
-# Reads the table of a sweep over the scene and tells how the experiment went.
+# Reads the table of a sweep over the scene and summarises the experiment.
 NR == 1 {
   for (i = 1; i <= NF; ++i) column[$i] = i
   next

@@ -1,5 +1,5 @@
 // Learns to balance a pole by the cross-entropy method: many carts at once, each with a pole of its
-// own and a guess of how to push; the best guesses say where the next ones are drawn.
+// own and random gains; the best gains determine the distribution of the next ones.
 //
 //   learn_to_balance SCENE [BACKEND [THREADS [PICTURE]]]
 #include <algorithm>
@@ -21,7 +21,7 @@ using namespace cogrsim;
 namespace {
 
 constexpr int kWorlds = 64, kElite = 8, kGenerations = 6;
-constexpr int kSteps = 5;         // of 2 ms, between two pushes
+constexpr int kSteps = 5;         // of 2 ms, between two actions
 constexpr double kSeconds = 3.0;  // of an episode
 
 // force = gains * (x, v, angle, rate): [N/m], [N s/m], [N/rad], [N s/rad]
@@ -114,7 +114,7 @@ int main(int argc, char** argv) {
         const double d = gains[order[static_cast<std::size_t>(e)]][k] - mean[k];
         squares += d * d;
       }
-      sigma[k] = std::sqrt(squares / kElite) + 0.5;  // never certain: a guess must go on
+      sigma[k] = std::sqrt(squares / kElite) + 0.5;  // never certain: exploration must continue
     }
     generation.push_back(n);
     mean_score.push_back(std::accumulate(score.begin(), score.end(), 0.0) / kWorlds);

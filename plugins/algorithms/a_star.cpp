@@ -7,9 +7,10 @@
 namespace algorithms {
 namespace {
 
-/// The heuristic is the free distance times the least a step costs anywhere in the grid, which never
-/// exceeds what is left; times `weight`. With weight w a path costs at most w times the optimum
-/// (I. Pohl, "Heuristic search viewed as path finding in a graph", Artificial Intelligence 1 (1970)).
+/// The heuristic is `weight` times the obstacle-free distance times the smallest cost of a step in
+/// the grid, which never exceeds the remaining cost. With weight w a path costs at most w times the
+/// optimum (I. Pohl, "Heuristic search viewed as path finding in a graph", Artificial Intelligence
+/// 1 (1970)).
 class AStar final : public BestFirst {
  public:
   AStar(const cogrsim::Parameters& parameters, std::uint64_t)
@@ -34,5 +35,6 @@ class AStar final : public BestFirst {
 COGRSIM_ALGORITHM(algorithms::AStar, cogrsim::GridPlanner, "a_star", version("1.0.0"),
                   summary("cheapest path on a grid, searched towards the goal"),
                   parameter("weight", 1.0, "1",
-                            "of the heuristic; above 1 it is sooner found and that much dearer")
+                            "of the heuristic; above 1 the search is faster, and the path costs at "
+                            "most that much more")
                       .range(1.0, 100.0))

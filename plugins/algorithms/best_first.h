@@ -10,8 +10,8 @@
 
 namespace algorithms {
 
-/// The least number of cell lengths between two cells when nothing is in the way: Manhattan distance
-/// with four moves, octile distance with eight.
+/// The distance between two cells without obstacles, in cell lengths: the Manhattan distance with
+/// four moves, the octile distance with eight.
 inline double free_distance(const cogrsim::Cell& a, const cogrsim::Cell& b,
                             cogrsim::GridMoves moves) {
   const double rows = std::abs(a.row - b.row), columns = std::abs(a.column - b.column);
@@ -22,8 +22,9 @@ inline double free_distance(const cogrsim::Cell& a, const cogrsim::Cell& b,
 
 class BestFirst : public HeldGrid {
  public:
-  /// Expands cells by rising cost so far plus `least_left(cell)`, which must never exceed the cost
-  /// left; of equal ones the cell furthest from the start, then the one of the lowest index.
+  /// Expands cells in the order of the cost so far plus `least_left(cell)`, which must never exceed
+  /// the remaining cost. Of equal ones the cell farthest from the start is first, then the lowest
+  /// index.
   template <class Heuristic>
   cogrsim::Result<cogrsim::GridPath> search(const cogrsim::Cell& start, const cogrsim::Cell& goal,
                                             Heuristic&& least_left) const {
@@ -51,7 +52,7 @@ class BestFirst : public HeldGrid {
     while (!open.empty()) {
       const Entry entry = open.top();
       open.pop();
-      // A better way to it was found after it had been queued.
+      // A better path to it was found after it had been queued.
       if (entry.so_far > best[static_cast<std::size_t>(entry.cell)]) continue;
       if (entry.cell == to) break;
       ++path.expanded;

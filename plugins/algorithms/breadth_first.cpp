@@ -1,5 +1,5 @@
-// E. F. Moore, "The shortest path through a maze", Proceedings of the International Symposium on the
-// Theory of Switching, Harvard University Press (1959), pp. 285-292.
+// E. F. Moore, "The shortest path through a maze", Proceedings of the International Symposium on
+// the Theory of Switching, Harvard University Press (1959), pp. 285-292.
 #include <algorithm>
 
 #include "held_grid.h"
@@ -7,7 +7,7 @@
 namespace algorithms {
 namespace {
 
-/// The path of the fewest steps, whatever they cost.
+/// The path with the fewest steps, regardless of their costs.
 class BreadthFirst final : public HeldGrid {
  public:
   BreadthFirst(const cogrsim::Parameters&, std::uint64_t) {}
@@ -50,4 +50,4 @@ class BreadthFirst final : public HeldGrid {
 }  // namespace algorithms
 
 COGRSIM_ALGORITHM(algorithms::BreadthFirst, cogrsim::GridPlanner, "breadth_first", version("1.0.0"),
-                  summary("path of the fewest steps on a grid, whatever they cost"))
+                  summary("path with the fewest steps on a grid, regardless of their costs"))

@@ -1,9 +1,9 @@
 // S. Koenig, M. Likhachev, "D* Lite", Proceedings of the AAAI Conference (2002), pp. 476-483: the
-// first version (figure 3), in the paper's names.
+// first version (figure 3), with the names of the paper.
 //
-// It searches from the goal, so that what it knows stays true while the vehicle moves, and repairs
-// only what a change touches. g is the cost to the goal as it was, rhs as it follows from the
-// neighbours' g; where the two differ the cell is in the queue.
+// It searches from the goal, so that its data stay valid while the vehicle moves, and repairs only
+// the cells that a change affects. g is the previous cost to the goal, and rhs the cost that
+// follows from g of the neighbours; if the two differ, the cell is in the queue.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -32,7 +32,7 @@ class DStarLite final : public HeldGrid {
   cogrsim::Result<> set_cost(const Cell& cell, double cost) override {
     const double before = grid_.contains(cell) ? grid_.cost(cell) : cost;
     cogrsim::Result<> done = grid_.set_cost(cell, cost);
-    // Also the diagonal steps past it lie between neighbours of this cell.
+    // The diagonal steps past the cell are also between neighbours of it.
     if (done && cost != before)
       changed(cell.row - 1, cell.row + 1, cell.column - 1, cell.column + 1);
     return done;
@@ -43,7 +43,7 @@ class DStarLite final : public HeldGrid {
     cogrsim::Result<> done = grid_.set_cost(edge, cost);
     if (!done || cost == before) return done;
     const int row = edge.cell.row, column = edge.cell.column;
-    // The two cells of the edge, and with eight moves those of the diagonal steps round its ends.
+    // The two cells of the edge, and with eight moves those of the diagonal steps around its ends.
     const int wide = grid_.moves() == cogrsim::GridMoves::eight ? 1 : 0;
     switch (edge.side) {
       case cogrsim::Side::north:
@@ -68,7 +68,7 @@ class DStarLite final : public HeldGrid {
     }
     expanded_ = 0;
     start_ = grid_.index(start);
-    // A heuristic that was admissible is so no longer when something got cheaper than all there was.
+    // If a cost falls below the previous minimum, the heuristic is not admissible any more.
     if (grid_.index(goal) != goal_ || grid_.least_cost() < least_) {
       initialize(grid_.index(goal));
     } else {
@@ -87,7 +87,7 @@ class DStarLite final : public HeldGrid {
 
   struct Vertex {
     double g = kBlocked, rhs = kBlocked;
-    Key key{};  // with which it is in the queue
+    Key key{};  // its key in the queue
     bool queued = false;
   };
 
@@ -102,8 +102,8 @@ class DStarLite final : public HeldGrid {
     }
   }
 
-  /// Shrunk by more than rounding can stretch it, so that it stays consistent in floating point and
-  /// keys never fall behind by the last digit.
+  /// Reduced by more than the rounding errors, so that it is consistent in floating point and keys
+  /// never decrease by rounding.
   double heuristic(int a, int b) const {
     if (!std::isfinite(least_)) return 0.0;
     return (1.0 - 1e-9) * least_ * free_distance(grid_.cell(a), grid_.cell(b), grid_.moves());
@@ -185,7 +185,7 @@ class DStarLite final : public HeldGrid {
       for (const Grid::Step& step : around_) {
         if (!best || step.cost + at(step.to).g < best->cost + at(best->to).g) best = &step;
       }
-      // Costs are above 0, so g falls with every step and the way ends at the goal.
+      // Costs are above 0, so g decreases with every step and the path ends at the goal.
       path.cost += best->cost;
       cell = best->to;
       path.cells.push_back(grid_.cell(cell));
@@ -195,7 +195,7 @@ class DStarLite final : public HeldGrid {
 
   int start_ = -1, last_start_ = -1, goal_ = -1;  // goal_ -1: no search yet
   double km_ = 0.0;
-  double least_ = kBlocked;  // of the grid when the search began
+  double least_ = kBlocked;  // smallest cost of the grid at the start of the search
   std::size_t expanded_ = 0;
   std::vector<Vertex> vertices_;
   std::set<Entry> queue_;

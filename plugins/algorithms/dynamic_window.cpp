@@ -16,26 +16,27 @@ using cogrsim::SteeringTask;
 
 constexpr double kTwoPi = 6.283185307179586;
 
-/// How far a disc of radius `radius` can move along the arc of a velocity until it touches a point,
-/// seen from the vehicle [m]; infinite: it never does. A disc that already touches may move away.
+/// Distance [m] that a disc of radius `radius` can move along the arc of a velocity until it
+/// touches a point in the frame of the vehicle; infinite: never. A disc that already touches it may
+/// move away.
 double free_arc(const PlanarVelocity& velocity, const PlanarPoint& seen, double radius) {
-  // Backwards is forwards, seen in a mirror.
-  const double way = velocity.forward < 0.0 ? -1.0 : 1.0;
-  const double x = way * seen.x, y = seen.y;
-  const double curvature = way * velocity.turn / std::abs(velocity.forward);
+  // Driving backwards is the reflection of driving forwards.
+  const double direction = velocity.forward < 0.0 ? -1.0 : 1.0;
+  const double x = direction * seen.x, y = seen.y;
+  const double curvature = direction * velocity.turn / std::abs(velocity.forward);
   const bool touching = std::hypot(x, y) < radius;
   if (touching && x > 0.0) return 0.0;
   if (std::abs(curvature) < 1e-9) {
     if (std::abs(y) >= radius || x <= 0.0) return kInfinity;
     return x - std::sqrt(radius * radius - y * y);
   }
-  // The middle runs on a circle of radius r about (0, 1/curvature); left and right are alike.
+  // The centre moves on a circle of radius r about (0, 1/curvature); left and right are symmetric.
   const double r = 1.0 / std::abs(curvature), side = curvature > 0.0 ? y : -y;
   const double d = std::hypot(x, side - r);
-  if (!(d > 0.0)) return r > radius ? kInfinity : 0.0;  // it stays in the circle's centre
+  if (!(d > 0.0)) return r > radius ? kInfinity : 0.0;  // the point is the centre of the circle
   const double cosine = (r * r + d * d - radius * radius) / (2.0 * r * d);
   if (cosine >= 1.0) return kInfinity;                         // too far inside or outside
-  if (cosine <= -1.0) return 0.0;                              // the whole circle touches
+  if (cosine <= -1.0) return 0.0;                              // touches on the whole circle
   double angle = std::atan2(x, r - side) - std::acos(cosine);  // from the start, along the arc
   if (angle < 0.0) angle += kTwoPi;
   return r * angle;
@@ -50,18 +51,19 @@ PlanarPose driven(const PlanarPose& pose, const PlanarVelocity& velocity, double
           pose.y + chord * std::sin(pose.heading + half), pose.heading + turned};
 }
 
-/// Of the velocities the vehicle can have after one period it takes the one that is best by
+/// Of the velocities that the vehicle can reach within one period it selects the one with the
+/// highest
 ///
 ///     heading_weight * heading + clearance_weight * clearance + speed_weight * speed
 ///
-/// (each 0 to 1) among those from which it can stop before it touches anything.
+/// (each 0 to 1) among those from which it can stop before touching an obstacle.
 ///
-/// A velocity (v, w) is admissible if on its arc, of curvature w/v, v T + v^2 / (2 b) is at most the
-/// free arc, where T is the period until one can decide anew and b = min(a, alpha |v/w|) the
-/// deceleration at which both v and w come to rest without leaving the arc. (The paper takes T = 0
-/// and treats v and w apart.) With it, whenever the vehicle does what it is told and obstacles stand
-/// still, going on along the same arc and braking with b is admissible again: that velocity is
-/// always among the candidates, so the vehicle is never without one.
+/// A velocity (v, w) is admissible if v T + v^2 / (2 b) is at most the free length of its arc with
+/// curvature w/v, where T is the period until the next decision and b = min(a, alpha |v/w|) is the
+/// deceleration with which v and w come to rest on the arc. (The paper uses T = 0 and treats v and
+/// w separately.) If the vehicle follows its commands and the obstacles are static, continuing on
+/// the same arc and braking with b is then admissible again. That velocity is always among the
+/// candidates, so there always is an admissible one.
 class DynamicWindow final : public cogrsim::Steering {
  public:
   DynamicWindow(const cogrsim::Parameters& parameters, std::uint64_t)
@@ -97,7 +99,7 @@ class DynamicWindow final : public cogrsim::Steering {
   void reset() override { progress_.reset(); }
 
  private:
-  /// The way to stop soonest along the present arc.
+  /// The velocity that stops fastest along the current arc.
   static PlanarVelocity braking(const SteeringTask& task) {
     const double v = task.velocity.forward, w = task.velocity.turn;
     if (v == 0.0) return reachable({0.0, 0.0}, task);
@@ -111,7 +113,7 @@ class DynamicWindow final : public cogrsim::Steering {
   }
 
   double free_distance_of(const PlanarVelocity& velocity, double radius) const {
-    if (velocity.forward == 0.0) return kInfinity;  // a disc turns in its place
+    if (velocity.forward == 0.0) return kInfinity;  // a disc turns on the spot
     double least = kInfinity;
     for (const PlanarPoint& point : seen_) {
       least = std::min(least, free_arc(velocity, point, radius));
@@ -125,7 +127,7 @@ class DynamicWindow final : public cogrsim::Steering {
       const double from = std::max(low, now - acceleration * task.period);
       const double to = std::min(high, now + acceleration * task.period);
       std::vector<double> values;
-      // Faster than allowed: nothing but slowing down is left.
+      // Faster than allowed, so it can only slow down.
       if (from > to) return std::vector<double>{now > high ? from : to};
       for (int i = 0; i < samples_; ++i) {
         values.push_back(from + (to - from) * i / std::max(1, samples_ - 1));
@@ -140,9 +142,10 @@ class DynamicWindow final : public cogrsim::Steering {
       const double v = std::abs(velocity.forward);
       const double clear = free_distance_of(velocity, task.radius + margin_);
       const double b = arc_braking(task, velocity.forward, velocity.turn);
-      // A nanometre for rounding, which must not forbid what was just admissible.
+      // A tolerance of a nanometre, so that rounding does not exclude a velocity that was just
+      // admissible.
       if (v > 0.0 && v * task.period + 0.5 * v * v / b > clear + 1e-9) return;
-      // It should be able to stop at the goal too.
+      // It should be able to stop at the goal, too.
       if (v > 0.0 && v * task.period + 0.5 * v * v / limits.acceleration > left &&
           v > std::abs(brake.forward)) {
         return;
@@ -165,17 +168,17 @@ class DynamicWindow final : public cogrsim::Steering {
     if (!found) {
       command.velocity = brake;
       command.stuck = true;
-      command.why = "no admissible velocity: something is nearer than it can stop";
+      command.why = "no admissible velocity: an obstacle is within the stopping distance";
     } else if (command.velocity.forward == 0.0 && task.velocity.forward == 0.0 &&
                std::abs(command.velocity.turn) < 1e-6 && std::abs(task.velocity.turn) < 1e-6) {
       command.stuck = true;
-      command.why = "standing still is the best there is";
+      command.why = "standing still is the best admissible velocity";
     }
   }
 
   double merit_of(const SteeringTask& task, const PlanarVelocity& velocity, double clear,
                   const PlanarPoint& target) const {
-    // Where it looks when it has stopped turning after the coming period.
+    // The heading after it has stopped turning, following the next period.
     const PlanarPose next = driven(task.pose, velocity, task.period);
     const double coasting =
         0.5 * velocity.turn * std::abs(velocity.turn) / task.limits.turn_acceleration;
@@ -199,12 +202,12 @@ class DynamicWindow final : public cogrsim::Steering {
 COGRSIM_ALGORITHM(
     algorithms::DynamicWindow, cogrsim::Steering, "dynamic_window", version("1.0.0"),
     summary("picks the best velocity from which it can still stop before any obstacle"),
-    parameter("lookahead", 0.5, "m", "how far ahead on the path its target is").range(1e-3, 1e3),
-    parameter("arrival", 0.05, "m", "it has arrived this near to the end of the path")
+    parameter("lookahead", 0.5, "m", "distance of the target along the path").range(1e-3, 1e3),
+    parameter("arrival", 0.05, "m", "distance to the end of the path at which it has arrived")
         .range(0.0, 100.0),
-    parameter("margin", 0.02, "m", "kept free about the vehicle").range(0.0, 10.0),
-    parameter("heading_weight", 2.0, "1", "of looking at the target").range(0.0, 1e3),
-    parameter("clearance_weight", 0.2, "1", "of a free way ahead").range(0.0, 1e3),
+    parameter("margin", 0.02, "m", "clearance around the vehicle").range(0.0, 10.0),
+    parameter("heading_weight", 2.0, "1", "of the heading towards the target").range(0.0, 1e3),
+    parameter("clearance_weight", 0.2, "1", "of the clearance ahead").range(0.0, 1e3),
     parameter("speed_weight", 0.2, "1", "of driving fast").range(0.0, 1e3),
-    parameter("clearance_range", 1.0, "m", "a way free for longer counts no more").range(1e-3, 1e3),
-    parameter("samples", 15, "velocities tried per axis").range(3, 501))
+    parameter("clearance_range", 1.0, "m", "a larger clearance counts no more").range(1e-3, 1e3),
+    parameter("samples", 15, "number of candidate velocities per axis").range(3, 501))

@@ -1,4 +1,4 @@
-// What the grid planners share: the grid they hold, and the errors they report alike.
+// Common base of the grid planners: the grid, and the errors that all of them report.
 #pragma once
 
 #include <utility>
@@ -9,7 +9,7 @@
 
 namespace algorithms {
 
-/// A planner that keeps nothing but its grid.
+/// A planner whose only state is its grid.
 class HeldGrid : public cogrsim::GridPlanner {
  public:
   void set_grid(cogrsim::Grid grid) override { grid_ = std::move(grid); }
@@ -22,7 +22,7 @@ class HeldGrid : public cogrsim::GridPlanner {
   }
 
  protected:
-  /// Whether one can start and arrive there at all.
+  /// Checks that a cell is a valid start or goal.
   cogrsim::Result<> check_ends(const cogrsim::Cell& start, const cogrsim::Cell& goal) const {
     for (const auto& [name, cell] : {std::pair("start", start), std::pair("goal", goal)}) {
       if (!grid_.contains(cell)) {
@@ -41,7 +41,7 @@ class HeldGrid : public cogrsim::GridPlanner {
     const std::size_t near_start = grid_.reachable(start).size();
     const std::size_t near_goal = grid_.reachable(goal).size();
     return cogrsim::fail(
-        fmt::format("there is no way from {} to {}: of {} cells {} can be reached from the start "
+        fmt::format("there is no path from {} to {}: of {} cells {} can be reached from the start "
                     "and {} from the goal, which is walled in on its side",
                     to_string(start), to_string(goal), grid_.size(), near_start, near_goal),
         "", "open an edge between the two, or choose another goal", cogrsim::kNoWay);

@@ -1,4 +1,4 @@
-// Small things that the steering algorithms share.
+// Common functions of the steering methods.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ inline double distance(const cogrsim::PlanarPoint& a, const cogrsim::PlanarPoint
 
 inline cogrsim::PlanarPoint place(const cogrsim::PlanarPose& pose) { return {pose.x, pose.y}; }
 
-/// A point as seen from the vehicle: x ahead, y to the left [m].
+/// A point in the frame of the vehicle: x forward, y to the left [m].
 inline cogrsim::PlanarPoint seen_from(const cogrsim::PlanarPose& pose,
                                       const cogrsim::PlanarPoint& point) {
   const double dx = point.x - pose.x, dy = point.y - pose.y;
@@ -24,7 +24,7 @@ inline cogrsim::PlanarPoint seen_from(const cogrsim::PlanarPose& pose,
   return {c * dx + s * dy, -s * dx + c * dy};
 }
 
-/// Fastest speed from which the vehicle, after driving on for one period, still stops within
+/// Highest speed from which the vehicle, after driving for one more period, still stops within
 /// `distance` with the deceleration `a`: v T + v^2 / (2 a) = distance.
 inline double stopping_speed(double distance, double a, double period) {
   if (!(distance > 0.0)) return 0.0;
@@ -32,7 +32,7 @@ inline double stopping_speed(double distance, double a, double period) {
   return std::sqrt(a * a * period * period + 2.0 * a * distance) - a * period;
 }
 
-/// `wanted`, as near as the vehicle's accelerations and limits allow within a period.
+/// The velocity closest to `wanted` that the vehicle can reach within one period.
 inline cogrsim::PlanarVelocity reachable(const cogrsim::PlanarVelocity& wanted,
                                          const cogrsim::SteeringTask& task) {
   const cogrsim::SteeringLimits& limits = task.limits;
@@ -46,14 +46,13 @@ inline cogrsim::PlanarVelocity reachable(const cogrsim::PlanarVelocity& wanted,
                   limits.turn_acceleration * task.period)};
 }
 
-/// A path and how far along it the vehicle is.
+/// A path and the progress of the vehicle along it.
 class Progress {
  public:
   void reset() { path_.clear(); }
 
-  /// Moves the progress to the nearest point of the path at most `window` further along than
-  /// before, so that a path that crosses itself is not cut short. Another path is begun at its
-  /// nearest point anywhere.
+  /// Moves the progress to the nearest point of the path, at most `window` beyond the previous one,
+  /// so that no loop of the path is skipped. A new path starts at its nearest point.
   void update(const std::vector<cogrsim::PlanarPoint>& path, const cogrsim::PlanarPoint& here,
               double window) {
     const auto same = [](const cogrsim::PlanarPoint& a, const cogrsim::PlanarPoint& b) {
@@ -91,7 +90,7 @@ class Progress {
   double done() const { return done_; }  ///< [m]
   double length() const { return along_.back(); }
 
-  /// Point of the path that far along it [m], no further than its end.
+  /// Point at this distance along the path [m], at most its end.
   cogrsim::PlanarPoint point_at(double along) const {
     const std::size_t i = piece_at(along);
     if (i >= path_.size()) return path_.back();
@@ -101,8 +100,8 @@ class Progress {
             path_[i - 1].y + share * (path_[i].y - path_[i - 1].y)};
   }
 
-  /// The first point of the path, from the progress on, that is `radius` away from `here`; the end
-  /// if all that is left is nearer; the progress itself if that is already further away.
+  /// The first point of the path after the progress at the distance `radius` from `here`; the end
+  /// if all remaining points are nearer; the progress itself if it is already farther away.
   cogrsim::PlanarPoint ahead(const cogrsim::PlanarPoint& here, double radius) const {
     cogrsim::PlanarPoint from = point_at(done_);
     if (distance(from, here) >= radius) return from;
@@ -110,7 +109,7 @@ class Progress {
       if (along_[i] <= done_) continue;
       const cogrsim::PlanarPoint to = path_[i];
       if (distance(to, here) >= radius) {
-        // |from + t (to - from) - here| = radius; from lies inside, so the larger root is the one.
+        // |from + t (to - from) - here| = radius; from is inside, so the larger root is needed.
         const double dx = to.x - from.x, dy = to.y - from.y;
         const double ox = from.x - here.x, oy = from.y - here.y;
         const double a = dx * dx + dy * dy, b = ox * dx + oy * dy;
@@ -124,14 +123,14 @@ class Progress {
   }
 
  private:
-  /// The first piece, from point i - 1 to i, that does not end before `along`.
+  /// Index i of the first segment, from point i - 1 to i, that does not end before `along`.
   std::size_t piece_at(double along) const {
     const auto end = std::lower_bound(along_.begin(), along_.end(), along);
     return std::max<std::size_t>(1, static_cast<std::size_t>(end - along_.begin()));
   }
 
   std::vector<cogrsim::PlanarPoint> path_;
-  std::vector<double> along_;  // of each point, from the first [m]
+  std::vector<double> along_;  // path length up to each point [m]
   double done_ = 0.0;          // [m]
 };
 

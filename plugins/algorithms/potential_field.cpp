@@ -11,17 +11,18 @@ using cogrsim::PlanarPoint;
 using cogrsim::SteeringCommand;
 using cogrsim::SteeringTask;
 
-/// The goal attracts, obstacles within `reach` repel; the vehicle drives where the sum points.
+/// The goal attracts and obstacles within `reach` repel; the vehicle drives in the direction of the
+/// sum.
 ///
 ///     attraction:  k_a (goal - p)                                  [m/s]
 ///     repulsion:   k_r (1/d - 1/d_0) 1/d^2 (p - obstacle) / |p - obstacle|   for d < d_0
 ///
-/// with d the distance from the vehicle's rim, p - obstacle less its radius. The sum is the wanted
-/// velocity, which the paper reaches through a force and damping; as there it is cut to the speed
-/// limit. Path and order do not matter: only its last point, the goal, does.
+/// with d the distance of the obstacle from the vehicle's disc. The sum is the desired velocity,
+/// which the paper reaches through a force and damping; as there it is limited to the maximum
+/// speed. Of the path only the last point, the goal, is used.
 ///
-/// A field may have minima that are not the goal, in front of a wall or in a pocket; the sum then
-/// vanishes, which is reported as stuck and cannot be overcome by this method.
+/// The field may have local minima in front of a wall or in a concave obstacle. The sum vanishes
+/// there, which is reported as stuck; this method cannot leave a local minimum.
 class PotentialField final : public cogrsim::Steering {
  public:
   PotentialField(const cogrsim::Parameters& parameters, std::uint64_t)
@@ -66,13 +67,14 @@ class PotentialField final : public cogrsim::Steering {
     const PlanarPoint& goal = task.path.back();
     PlanarPoint sum{attraction_ * (goal.x - here.x), attraction_ * (goal.y - here.y)};
     const auto repel = [&](const PlanarPoint& obstacle) {
-      const double apart = distance(here, obstacle);
-      // Never quite at the rim, where the field is infinite; inside it pushes out as strongly.
-      const double gap = std::max(apart - task.radius, 1e-3 * reach_);
-      if (gap >= reach_ || !(apart > 0.0)) return;
-      const double push = repulsion_ * (1.0 / gap - 1.0 / reach_) / (gap * gap);
-      sum.x += push * (here.x - obstacle.x) / apart;
-      sum.y += push * (here.y - obstacle.y) / apart;
+      const double separation = distance(here, obstacle);
+      // Never exactly at the edge of the disc, where the field is infinite; inside, it repels as
+      // strongly.
+      const double gap = std::max(separation - task.radius, 1e-3 * reach_);
+      if (gap >= reach_ || !(separation > 0.0)) return;
+      const double repulsion = repulsion_ * (1.0 / gap - 1.0 / reach_) / (gap * gap);
+      sum.x += repulsion * (here.x - obstacle.x) / separation;
+      sum.y += repulsion * (here.y - obstacle.y) / separation;
     };
     if (!nearest_only_) {
       for (const PlanarPoint& obstacle : task.obstacles) repel(obstacle);
@@ -94,14 +96,15 @@ class PotentialField final : public cogrsim::Steering {
 
 COGRSIM_ALGORITHM(
     algorithms::PotentialField, cogrsim::Steering, "potential_field", version("1.0.0"),
-    summary("drives down a field of an attracting goal and repelling obstacles"),
+    summary("follows a potential field with an attracting goal and repelling obstacles"),
     parameter("attraction", 1.0, "1/s", "k_a: speed per distance from the goal").range(1e-6, 1e6),
     parameter("repulsion", 1e-3, "m^4/s", "k_r").range(0.0, 1e6),
-    parameter("reach", 0.4, "m", "d_0: obstacles further away than this do nothing")
+    parameter("reach", 0.4, "m", "d_0: farther obstacles have no effect")
         .range(1e-3, 1e3),
     parameter("points", "sum", "whether all points repel, or, for dense scans, the nearest alone")
         .one_of({"sum", "nearest"}),
-    parameter("arrival", 0.05, "m", "it has arrived this near to the goal").range(0.0, 100.0),
+    parameter("arrival", 0.05, "m", "distance to the goal at which it has arrived")
+        .range(0.0, 100.0),
     parameter("still", 0.01, "m/s", "a weaker field away from the goal is a local minimum")
         .range(1e-9, 10.0),
     parameter("turn_gain", 4.0, "1/s", "turn rate per angle to the field").range(1e-3, 1e3))

@@ -10,12 +10,13 @@ using cogrsim::PlanarVelocity;
 using cogrsim::SteeringCommand;
 using cogrsim::SteeringTask;
 
-/// Drives the arc that leaves along the heading and meets the path one look-ahead distance away:
-/// curvature = 2 y / D^2 for a target D away and y to the left.
+/// Drives the arc that is tangent to the heading and meets the path at the look-ahead distance: the
+/// curvature is 2 y / D^2 for a target at the distance D with the lateral offset y to the left.
 ///
-/// Beyond the paper: D is the distance to the target even where the path's end or a path far away
-/// makes it differ from the look-ahead; a target behind the vehicle is turned to on the spot; it
-/// brakes for the end of the path; what the turn rate cannot do makes it drive slower, not wider.
+/// Extensions of the paper: D is the actual distance to the target, which differs from the
+/// look-ahead distance at the end of the path or far from it; the vehicle turns on the spot towards
+/// a target behind it; it brakes at the end of the path; a limited turn rate reduces the speed and
+/// not the curvature.
 class PurePursuit final : public cogrsim::Steering {
  public:
   PurePursuit(const cogrsim::Parameters& parameters, std::uint64_t)
@@ -48,7 +49,7 @@ class PurePursuit final : public cogrsim::Steering {
   PlanarVelocity wanted(const SteeringTask& task, const PlanarPoint& target, double left) const {
     const PlanarPoint seen = seen_from(task.pose, target);
     if (seen.x <= 0.0 && on_the_spot_) {
-      // Fast, but so that it can stop turning when it looks at the target.
+      // As fast as it can turn and still stop at the heading of the target.
       const double off = std::abs(std::atan2(seen.y, seen.x));
       const double rate = std::min(task.limits.max_turn,
                                    stopping_speed(off, task.limits.turn_acceleration, task.period));
@@ -61,7 +62,7 @@ class PurePursuit final : public cogrsim::Steering {
     if (std::abs(curvature) * speed > task.limits.max_turn) {
       speed = task.limits.max_turn / std::abs(curvature);
     }
-    // The curvature is that of the speed it will really have.
+    // The curvature must hold for the actual speed.
     const double real = reachable({speed, 0.0}, task).forward;
     return {speed, curvature * real};
   }
@@ -75,12 +76,13 @@ class PurePursuit final : public cogrsim::Steering {
 }  // namespace algorithms
 
 COGRSIM_ALGORITHM(algorithms::PurePursuit, cogrsim::Steering, "pure_pursuit", version("1.0.0"),
-                  summary("follows a path along arcs to a point ahead on it; sees no obstacles"),
+                  summary("follows a path along arcs to a point ahead on it; ignores obstacles"),
                   parameter("lookahead", 0.3, "m",
-                            "how far away the point is that it drives to; short is "
-                            "exact and restless, long is calm and cuts corners")
+                            "distance of the target point; a short one is exact but "
+                            "oscillates, a long one is smooth but cuts corners")
                       .range(1e-3, 100.0),
-                  parameter("arrival", 0.05, "m", "it has arrived this near to the end of the path")
+                  parameter("arrival", 0.05, "m",
+                            "distance to the end of the path at which it has arrived")
                       .range(0.0, 100.0),
                   parameter("turn_on_the_spot", true,
                             "turns without driving while the point is behind it"))

@@ -5,8 +5,8 @@
 namespace algorithms {
 namespace {
 
-/// Q(s, a) += alpha (r + gamma max_b Q(s', b) - Q(s, a)): learns what the best behaviour is worth,
-/// whatever it does meanwhile.
+/// Q(s, a) += alpha (r + gamma max_b Q(s', b) - Q(s, a)): off-policy learning of the values of the
+/// optimal policy.
 class QLearning final : public Tabular {
  public:
   QLearning(const cogrsim::Parameters& parameters, std::uint64_t seed)
@@ -22,5 +22,5 @@ class QLearning final : public Tabular {
 }  // namespace algorithms
 
 COGRSIM_ALGORITHM(algorithms::QLearning, cogrsim::Learner, "q_learning", version("1.0.0"),
-                  summary("learns the values of the best behaviour while behaving otherwise"),
+                  summary("learns the values of the optimal policy while following another one"),
                   ALGORITHMS_TABULAR_PARAMETERS)

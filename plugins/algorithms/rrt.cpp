@@ -1,5 +1,5 @@
 // S. M. LaValle, "Rapidly-exploring random trees: a new tool for path planning", report TR 98-11,
-// Iowa State University (1998); as the Open Motion Planning Library (OMPL) has it.
+// Iowa State University (1998); implementation of the Open Motion Planning Library (OMPL).
 #include <ompl/geometric/planners/rrt/RRT.h>
 
 #include "sampled_space.h"
@@ -31,7 +31,7 @@ class Rrt final : public cogrsim::SpacePlanner {
 
 COGRSIM_ALGORITHM(
     algorithms::Rrt, cogrsim::SpacePlanner, "rrt", version("1.0.0"),
-    summary("first way found by a tree that grows at random; no matter how long"),
+    summary("first path found by a random tree, without optimisation"),
     parameter("range", 0.0, "1", "longest branch, in the space's unit; 0: a fifth of its diagonal")
         .range(0.0, 1e9),
     parameter("goal_bias", 0.05, "1", "share of branches grown towards the goal").range(0.0, 1.0))

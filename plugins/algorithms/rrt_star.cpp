@@ -1,6 +1,6 @@
 // S. Karaman, E. Frazzoli, "Sampling-based algorithms for optimal motion planning", The
-// International Journal of Robotics Research 30 (2011), pp. 846-894; as the Open Motion Planning
-// Library (OMPL) has it.
+// International Journal of Robotics Research 30 (2011), pp. 846-894; implementation of the Open
+// Motion Planning Library (OMPL).
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 
 #include "sampled_space.h"
@@ -8,7 +8,7 @@
 namespace algorithms {
 namespace {
 
-/// Uses all iterations: the cost falls towards the optimum as they grow.
+/// Uses all iterations; the cost converges to the optimum with their number.
 class RrtStar final : public cogrsim::SpacePlanner {
  public:
   RrtStar(const cogrsim::Parameters& parameters, std::uint64_t seed)
@@ -36,9 +36,10 @@ class RrtStar final : public cogrsim::SpacePlanner {
 
 COGRSIM_ALGORITHM(
     algorithms::RrtStar, cogrsim::SpacePlanner, "rrt_star", version("1.0.0"),
-    summary("way found by a tree that grows at random and keeps rewiring itself for less cost"),
+    summary("path found by a random tree that is rewired to reduce the cost"),
     parameter("range", 0.0, "1", "longest branch, in the space's unit; 0: a fifth of its diagonal")
         .range(0.0, 1e9),
     parameter("goal_bias", 0.05, "1", "share of branches grown towards the goal").range(0.0, 1.0),
-    parameter("rewire_factor", 1.1, "1", "on the number of neighbours that the theory demands")
+    parameter("rewire_factor", 1.1, "1",
+              "factor on the number of neighbours that the theory requires")
         .range(1.0, 10.0))

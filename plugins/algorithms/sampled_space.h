@@ -1,10 +1,10 @@
-// What the planners that sample a space share: a SpaceProblem as OMPL sees it, and random numbers
-// that depend on nothing but the seed.
+// Common code of the sampling planners: a SpaceProblem for OMPL, and random numbers that depend
+// only on the seed.
 //
-// OMPL draws from generators inside its objects, each seeded from one global generator when it is
-// made; seeding that one helps only a process in which nobody else uses OMPL. Here every generator
-// that a plan draws from is seeded by itself: the planner's, the sampler's, and the one with which
-// the nearest-neighbour tree picks its pivots.
+// OMPL has a generator in each object, which is seeded from a global generator at creation. Seeding
+// the global generator is not sufficient in a process with other users of OMPL. Therefore every
+// generator of a plan is seeded individually here: those of the planner and the sampler, and the
+// one with which the nearest-neighbour tree selects its pivots.
 #pragma once
 
 #include <ompl/base/PlannerTerminationCondition.h>
@@ -34,7 +34,7 @@ using cogrsim::SpacePath;
 using cogrsim::SpacePoint;
 using cogrsim::SpaceProblem;
 
-/// OMPL talks to standard output; not while this lives.
+/// Suppresses the messages of OMPL on standard output during its lifetime.
 class Silence {
  public:
   Silence() : before_(ompl::msg::getLogLevel()) { ompl::msg::setLogLevel(ompl::msg::LOG_NONE); }
@@ -80,7 +80,7 @@ class Seeded final : public Planner {
   }
 };
 
-/// A problem's callbacks, asked about OMPL's states. What they throw ends the plan and is told.
+/// The callbacks of a problem for the states of OMPL. An exception ends the plan and is reported.
 class Callbacks {
  public:
   Callbacks(const SpaceProblem& problem) : problem_(problem), point_(problem.lower.size()) {}
@@ -140,7 +140,7 @@ class Callbacks {
   std::string wrong_;
 };
 
-/// Integral of a SpaceProblem's cost.
+/// Integral of the cost of a SpaceProblem.
 class IntegralObjective final : public ob::OptimizationObjective {
  public:
   IntegralObjective(const ob::SpaceInformationPtr& space, Callbacks& callbacks)
@@ -154,7 +154,7 @@ class IntegralObjective final : public ob::OptimizationObjective {
   Callbacks& callbacks_;
 };
 
-/// Plans with an OMPL planner; `tune(planner, space_extent)` sets it up.
+/// Plans with an OMPL planner; `tune(planner, space_extent)` configures it.
 template <class Planner, class Tune>
 cogrsim::Result<SpacePath> sampled_plan(const SpaceProblem& problem, cogrsim::RandomStream& random,
                                         Tune&& tune) {
@@ -185,7 +185,7 @@ cogrsim::Result<SpacePath> sampled_plan(const SpaceProblem& problem, cogrsim::Ra
     goal[i] = problem.goal[i];
   }
   const auto definition = std::make_shared<ob::ProblemDefinition>(information);
-  // OMPL counts what is nearer than its threshold as arrived.
+  // In OMPL a state within the threshold is at the goal.
   definition->setStartAndGoalStates(start, goal, std::nextafter(problem.goal_tolerance, extent));
   if (problem.cost) {
     definition->setOptimizationObjective(
@@ -208,7 +208,7 @@ cogrsim::Result<SpacePath> sampled_plan(const SpaceProblem& problem, cogrsim::Ra
   const ob::PlannerStatus status = planner.solve(enough);
   if (!callbacks.problem().empty()) return cogrsim::fail(callbacks.problem());
   if (status != ob::PlannerStatus::EXACT_SOLUTION) {
-    return cogrsim::fail(fmt::format("no way from ({}) to ({}) was found with {} iterations",
+    return cogrsim::fail(fmt::format("no path from ({}) to ({}) was found with {} iterations",
                                      fmt::join(problem.start, ", "), fmt::join(problem.goal, ", "),
                                      problem.iterations),
                          "", "there may be none, or more iterations find it", cogrsim::kNoWayFound);

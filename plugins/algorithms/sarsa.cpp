@@ -5,8 +5,8 @@
 namespace algorithms {
 namespace {
 
-/// Q(s, a) += alpha (r + gamma Q(s', a') - Q(s, a)) with the action a' that will really be done:
-/// learns what its own behaviour, trying included, is worth.
+/// Q(s, a) += alpha (r + gamma Q(s', a') - Q(s, a)) with the next action a': on-policy learning of
+/// the values of its own policy, including exploration.
 class Sarsa final : public Tabular {
  public:
   Sarsa(const cogrsim::Parameters& parameters, std::uint64_t seed)
@@ -22,7 +22,7 @@ class Sarsa final : public Tabular {
     const auto action = static_cast<std::size_t>(experience.next_action);
     if (experience.next_action < 0 || action >= next->size()) {
       return cogrsim::fail(fmt::format(
-          "sarsa needs the action that will be done in state {}, one of 0 to {}; it was given {}",
+          "sarsa needs the next action in state {}, one of 0 to {}; it was given {}",
           experience.next_state, next->size() - 1, experience.next_action));
     }
     return (*next)[action];
@@ -33,5 +33,5 @@ class Sarsa final : public Tabular {
 }  // namespace algorithms
 
 COGRSIM_ALGORITHM(algorithms::Sarsa, cogrsim::Learner, "sarsa", version("1.0.0"),
-                  summary("learns the values of its own behaviour, trying included"),
+                  summary("learns the values of its own policy, including exploration"),
                   ALGORITHMS_TABULAR_PARAMETERS)

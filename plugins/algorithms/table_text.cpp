@@ -18,12 +18,13 @@ namespace {
 constexpr const char* kFormat = "cogrsim-learner";
 constexpr std::uint64_t kVersion = 1;
 
-/// Goes through a text line by line, word by word.
+/// Reads a text by lines and tokens.
 class Reader {
  public:
   explicit Reader(const std::string& text) : rest_(text) {}
 
-  /// False at the end, and at a last line that no line break ends: it was cut off.
+  /// Moves to the next line; false at the end, or if the last line has no line break (truncated
+  /// file).
   bool next_line() {
     const std::size_t end = rest_.find('\n');
     if (end == std::string_view::npos) return false;
@@ -33,7 +34,7 @@ class Reader {
     return true;
   }
 
-  std::string_view word() {
+  std::string_view token() {
     while (!line_.empty() && line_.front() == ' ') line_.remove_prefix(1);
     const std::string_view found = line_.substr(0, line_.find(' '));
     line_.remove_prefix(found.size());
@@ -42,7 +43,7 @@ class Reader {
 
   template <class Number>
   bool number(Number& out) {
-    const std::string_view text = word();
+    const std::string_view text = token();
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
     return !text.empty() && error == std::errc() && end == text.data() + text.size();
   }
@@ -59,7 +60,7 @@ class Reader {
   std::size_t number_ = 0;
 };
 
-/// One line `state …`; what is wrong with it, or nothing.
+/// Reads one line `state …`; returns an error message, if any.
 std::string read_state(Reader& reader, std::map<std::int64_t, TableRow>& rows) {
   std::int64_t state = 0;
   if (!reader.number(state)) return "'state' needs a whole number";
@@ -108,10 +109,10 @@ cogrsim::Result<ReadTable> read_table(const std::string& learner, const std::str
   const auto wrong = [&](const std::string& what, const std::string& hint = {}) {
     const std::size_t line = std::max<std::size_t>(1, reader.number_of_line());
     return cogrsim::fail(what, fmt::format("{}:{}", where, line),
-                         hint.empty() ? "repair it, or move it away to begin anew" : hint);
+                         hint.empty() ? "repair it, or move it away to start again" : hint);
   };
   std::uint64_t version = 0;
-  if (!reader.next_line() || reader.word() != kFormat || !reader.number(version)) {
+  if (!reader.next_line() || reader.token() != kFormat || !reader.number(version)) {
     return wrong(
         fmt::format("not a learner's table: it must begin with '{} {}'", kFormat, kVersion));
   }
@@ -119,26 +120,29 @@ cogrsim::Result<ReadTable> read_table(const std::string& learner, const std::str
     return wrong(
         fmt::format("a table of version {}; this learner reads version {}", version, kVersion));
   }
-  if (!reader.next_line() || reader.word() != "learner") return wrong("'learner NAME' is expected");
-  if (const std::string_view name = reader.word(); name != learner) {
+  if (!reader.next_line() || reader.token() != "learner") {
+    return wrong("'learner NAME' is expected");
+  }
+  if (const std::string_view name = reader.token(); name != learner) {
     return wrong(fmt::format("a table of '{}', not of '{}'", name, learner),
                  "name another file for each learner");
   }
   ReadTable out;
-  if (!reader.next_line() || reader.word() != "episodes" || !reader.number(out.episodes)) {
+  if (!reader.next_line() || reader.token() != "episodes" || !reader.number(out.episodes)) {
     return wrong("'episodes NUMBER' is expected");
   }
   while (reader.next_line()) {
-    const std::string_view word = reader.word();
-    if (word == "state") {
+    const std::string_view keyword = reader.token();
+    if (keyword == "state") {
       if (const std::string problem = read_state(reader, out.rows); !problem.empty()) {
         return wrong(problem);
       }
       continue;
     }
     std::uint64_t states = 0;
-    if (word != "end" || !reader.number(states) || !reader.line_is_over()) {
-      return wrong(fmt::format("'{}' is not expected here, but 'state …' or 'end NUMBER'", word));
+    if (keyword != "end" || !reader.number(states) || !reader.line_is_over()) {
+      return wrong(
+          fmt::format("'{}' is not expected here, but 'state …' or 'end NUMBER'", keyword));
     }
     if (states != out.rows.size()) {
       return wrong(fmt::format("{} states were written, {} are here", states, out.rows.size()));
@@ -151,7 +155,7 @@ cogrsim::Result<ReadTable> read_table(const std::string& learner, const std::str
 
 bool file_exists(const std::string& path) {
   struct stat info {};
-  // What cannot be looked at is there for all we know: reading it will tell.
+  // If the check fails, the file may exist; reading it gives the error.
   return ::stat(path.c_str(), &info) == 0 || errno != ENOENT;
 }
 

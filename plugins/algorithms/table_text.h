@@ -5,7 +5,7 @@
 //     episodes 120
 //     state 17 -3.25 40 -1.5 2     state, then value and count of each action
 //     …
-//     end 1                        states written: a file that was cut off lacks it
+//     end 1                        number of states; missing in a truncated file
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace algorithms {
 
 struct TableRow {
   std::vector<double> values;         // by action
-  std::vector<std::uint64_t> counts;  // experiences, by action
+  std::vector<std::uint64_t> counts;  // number of experiences, by action
 };
 
 struct ReadTable {
@@ -27,11 +27,11 @@ struct ReadTable {
   std::map<std::int64_t, TableRow> rows;
 };
 
-/// Numbers are written so that they are read back the same, bit by bit.
+/// Writes a table; numbers are exact to the last bit.
 std::string write_table(const std::string& learner, std::uint64_t episodes,
                         const std::map<std::int64_t, TableRow>& rows);
 
-/// Errors name `where` and the line.
+/// Parses a table; errors name `where` and the line.
 cogrsim::Result<ReadTable> read_table(const std::string& learner, const std::string& text,
                                       const std::string& where);
 

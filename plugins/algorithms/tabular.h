@@ -1,4 +1,4 @@
-// What learners with a table share: the table, the choice between trying and knowing, the file.
+// Common base of the learners with a table: the table, the exploration, and the file.
 #pragma once
 
 #include <algorithm>
@@ -15,24 +15,25 @@
 
 namespace algorithms {
 
-/// Parameters of every tabular learner; `table` comes first among them.
+/// Parameters of every tabular learner; `table` is the first.
 #define ALGORITHMS_TABULAR_PARAMETERS                                                              \
   parameter("table", "",                                                                           \
-            "file that keeps the table between runs, relative to the scene's folder"),             \
+            "file that stores the table between runs, relative to the scene's folder"),            \
       parameter("save_every", 1, "episodes until the table is written again").range(1, 1e9),       \
       parameter("rate", 0.1, "1", "alpha: how much one experience counts").range(1e-9, 1.0),       \
       parameter("discount", 0.95, "1", "gamma: worth of a reward one step later").range(0.0, 1.0), \
-      parameter("exploration", 0.1, "1", "epsilon: share of choices made by lot").range(0.0, 1.0), \
+      parameter("exploration", 0.1, "1", "epsilon: fraction of random choices").range(0.0, 1.0),   \
       parameter("exploration_decay", 1.0, "1", "factor on epsilon after every episode")            \
           .range(0.0, 1.0),                                                                        \
       parameter(                                                                                   \
           "rate_decay", 0.0, "1",                                                                  \
           "p: alpha of the n-th experience of a state and action is rate / n^p; 0: constant")      \
           .range(0.0, 1.0),                                                                        \
-      parameter("initial", 0.0, "1", "Q of what was never tried; high ones make it curious")       \
+      parameter("initial", 0.0, "1", "Q of untried actions; high values promote exploration")      \
           .range(-1e12, 1e12)
 
-/// Epsilon-greedy choice over a table of action values. Subclasses say what a next state is worth.
+/// Epsilon-greedy choice over a table of action values. Subclasses define the value of the next
+/// state.
 class Tabular : public cogrsim::Learner {
  public:
   Tabular(const char* name, const cogrsim::Parameters& parameters, std::uint64_t seed)
@@ -158,10 +159,10 @@ class Tabular : public cogrsim::Learner {
   }
 
  protected:
-  /// What the rest of the episode is worth after an experience that did not end it.
+  /// Value of the rest of the episode after an experience that did not end it.
   virtual cogrsim::Result<double> worth_of_next(const cogrsim::Experience& experience) = 0;
 
-  /// Values of a state that was asked about; nullptr: it never was.
+  /// Values of a state that was used in choose(), or nullptr.
   const std::vector<double>* values_of(std::int64_t state) const {
     const auto row = rows_.find(state);
     return row == rows_.end() ? nullptr : &row->second.values;

@@ -1,4 +1,5 @@
-// Fetches boxes and brings them to a zone, beside another robot that does the same. See README.md.
+// Fetches boxes and brings them to a zone, together with another robot of the same kind. See
+// README.md.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,20 +22,20 @@ namespace {
 
 using cogrsim::kPi;
 
-constexpr double kCell = 0.1;        ///< of the grid it plans on [m]
-constexpr double kLargest = 50.0;    ///< side of an arena: it is planned on as a whole [m]
-constexpr double kPlanEvery = 0.25;  ///< [s]
-constexpr double kStandOff = 0.24;   ///< in front of a box, from the fork to the box [m]
+constexpr double kCell = 0.1;        ///< size of the cells of the planning grid [m]
+constexpr double kLargest = 50.0;    ///< largest side of an arena, which one grid covers [m]
+constexpr double kPlanEvery = 0.25;  ///< period of planning [s]
+constexpr double kStandOff = 0.24;   ///< distance from the fork to a box before docking [m]
 constexpr double kCreep = 0.12;      ///< docking, setting down, backing off [m/s]
-constexpr double kTouch = 0.006;     ///< of the feeler: the fork is at the box [m]
-constexpr double kHolds = 0.025;     ///< of the feeler: the box has come along [m]
+constexpr double kTouch = 0.006;     ///< feeler range at which the fork is at the box [m]
+constexpr double kHolds = 0.025;     ///< feeler range below which the box is held [m]
 constexpr double kLiftTime = 0.7, kGripTime = 0.3;  ///< [s]
 constexpr double kBackOff = 0.2;                    ///< [m]
-constexpr int kSure = 4;  ///< scans in which a box must have been seen before it is fetched
-/// How long without a step forward until it gives up its way: the one that gives way first.
+constexpr int kSure = 4;  ///< number of scans that must have seen a box before it is fetched
+/// Time without progress after which the robot retreats; first: the one that gives way.
 constexpr double kPatience = 3.0, kLongPatience = 8.0;  ///< [s]
-constexpr double kRetreat = 4.0;                        ///< for so long [s]
-constexpr double kFar = 1.3;  ///< farther away the other is not what it waits for [m]
+constexpr double kRetreat = 4.0;                        ///< duration of a retreat [s]
+constexpr double kFar = 1.3;  ///< beyond this distance the other robot is no reason to retreat [m]
 
 enum class Phase {
   idle,
@@ -113,7 +114,7 @@ class BoxCarrier final : public cogrsim::Controller {
 
   Phase phase_ = Phase::idle;
   double since_ = 0.0;  ///< when the phase began [s]
-  PlanarPoint began_;   ///< where
+  PlanarPoint began_;   ///< position at that time [m]
   bool holding_ = false, gripping_ = false, raised_ = false;
   std::optional<Box> target_;
   std::optional<double> approach_;  ///< direction from the box to the robot [rad]
@@ -172,7 +173,7 @@ void BoxCarrier::configure(cogrsim::Assembly& robot) {
 }
 
 void BoxCarrier::localise(double period) {
-  // Between two readings it goes on as it was told to.
+  // Between two readings it moves with the commanded velocity.
   if (placed_) {
     pose_.x += sent_.forward * period * std::cos(pose_.heading);
     pose_.y += sent_.forward * period * std::sin(pose_.heading);
@@ -205,7 +206,7 @@ Scan BoxCarrier::scan_of(const cogrsim::Lidar& lidar) const {
 void BoxCarrier::look(double time) {
   if (high_.valid() && high_.sequence() != high_seen_) {
     high_seen_ = high_.sequence();
-    // Nothing but walls and the other's tower is so high.
+    // Only the walls and the tower of the other robot are that high.
     const auto clusters = clusters_of(scan_of(high_), arena_, 0.08, 0.06);
     const auto largest = std::max_element(
         clusters.begin(), clusters.end(),
@@ -215,13 +216,13 @@ void BoxCarrier::look(double time) {
   if (low_.valid() && low_.sequence() != low_seen_) {
     low_seen_ = low_.sequence();
     Scan scan = scan_of(low_);
-    // What it carries hides what is in front.
+    // A carried box hides everything in front of it.
     for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
       const bool own = scan.ranges[i] < fork_ + 0.2 && std::abs(scan.bearings[i]) < 1.0;
       if (own && gripping_) scan.ranges[i] = std::numeric_limits<double>::quiet_NaN();
     }
     std::vector<PlanarPoint> masked;
-    if (other_.place()) masked.push_back(*other_.place());
+    if (other_.position()) masked.push_back(*other_.position());
     memory_.see(scan, arena_, masked, loaded_radius_ + 0.05);
   }
 }
@@ -231,8 +232,8 @@ PlanarPoint BoxCarrier::stand_of(const Box& box, double approach) const {
   return {box.centre.x + away * std::cos(approach), box.centre.y + away * std::sin(approach)};
 }
 
-// The side from which to take a box: the nearest where there is room to stand. With one chosen
-// before, the one nearest to that.
+// The side from which to take a box: the nearest one with enough free space. If a side was chosen
+// before, the one closest to that.
 std::optional<double> BoxCarrier::approach_to(const Box& box, std::optional<double> before) const {
   const double first = box.shape_known ? box.yaw : bearing_of(box.centre) + kPi;
   std::optional<double> best;
@@ -261,9 +262,9 @@ bool BoxCarrier::choose_box() {
   for (const BoxMemory::Known& known : memory_.boxes()) {
     if (known.seen < kSure || zone_.contains(known.box.centre)) continue;
     double cost = distance(here(), known.box.centre);
-    if (other_.place()) {
-      const double its = distance(*other_.place(), known.box.centre);
-      if (its < claimed) continue;  // the other is about to take it
+    if (other_.position()) {
+      const double its = distance(*other_.position(), known.box.centre);
+      if (its < claimed) continue;  // the other robot is about to take it
       cost += 0.5 * std::max(0.0, 1.2 - its);
     }
     const auto approach = approach_to(known.box, std::nullopt);
@@ -275,7 +276,7 @@ bool BoxCarrier::choose_box() {
   return target_.has_value();
 }
 
-// Follows what it knows of the box it is after; false: that is gone, or the other takes it.
+// Updates the position of the target box; false: the box is gone, or the other robot takes it.
 bool BoxCarrier::keep_box() {
   const BoxMemory::Known* nearest = nullptr;
   for (const BoxMemory::Known& known : memory_.boxes()) {
@@ -286,8 +287,8 @@ bool BoxCarrier::keep_box() {
     }
   }
   if (nearest == nullptr || zone_.contains(nearest->box.centre)) return false;
-  if (other_.place()) {
-    const double its = distance(*other_.place(), nearest->box.centre);
+  if (other_.position()) {
+    const double its = distance(*other_.position(), nearest->box.centre);
     if (its < (rules_.gives_way ? 0.6 : 0.45) && its < distance(here(), nearest->box.centre)) {
       return false;
     }
@@ -297,7 +298,7 @@ bool BoxCarrier::keep_box() {
   return approach_.has_value();
 }
 
-// The zone is filled from its far row, each robot beginning at its own side.
+// The zone is filled from its far row, and each robot starts at its own side.
 bool BoxCarrier::choose_slot() {
   const double pitch = 0.3;
   const double width = zone_.east - zone_.west, depth = zone_.north - zone_.south;
@@ -314,7 +315,7 @@ bool BoxCarrier::choose_slot() {
       const double x = zone_.west + width * (column + 0.5) / columns;
       const double y = zone_.north - 0.9 * side_ - row * 2.0 * side_;
       bool free = !taken({x, y});
-      // Nothing may stand before it.
+      // The approach to it must be free.
       for (int near = row + 1; near < rows; ++near) {
         free = free && !taken({x, zone_.north - 0.9 * side_ - near * 2.0 * side_});
       }
@@ -326,10 +327,10 @@ bool BoxCarrier::choose_slot() {
   return false;
 }
 
-// Whether the other is busy in the zone, too near to where this robot wants to go.
+// Whether the other robot is working in the zone too close to the target of this robot.
 bool BoxCarrier::zone_taken() const {
-  if (!other_.place()) return false;
-  const PlanarPoint& p = *other_.place();
+  if (!other_.position()) return false;
+  const PlanarPoint& p = *other_.position();
   const double court = rules_.gives_way ? 0.7 : 0.45;
   return p.y > zone_.south - court && p.x > zone_.west - 0.35 && p.x < zone_.east + 0.35 &&
          std::abs(p.x - slot_.x) < 2 * loaded_radius_ + 0.25;
@@ -349,7 +350,7 @@ void BoxCarrier::plan(const PlanarPoint& goal, double time) {
     return cogrsim::Cell{std::clamp(static_cast<int>((p.y - arena_.south) / kCell), 0, rows - 1),
                          std::clamp(static_cast<int>((p.x - arena_.west) / kCell), 0, columns - 1)};
   };
-  // Nothing is forbidden, only dear: there is always a way out of where it should not be.
+  // Cells near obstacles are expensive but not blocked, so that the robot can always leave them.
   const auto near = [](double gap) { return gap < 0.0 ? 40.0 : gap < 0.12 ? 3.0 : 0.0; };
   for (int i = 0; i < grid.size(); ++i) {
     const PlanarPoint p = middle(grid.cell(i));
@@ -359,8 +360,9 @@ void BoxCarrier::plan(const PlanarPoint& goal, double time) {
     for (const BoxMemory::Known& known : memory_.boxes()) {
       cost += near(distance(known.box.centre, p) - radius() - 0.7 * side_);
     }
-    if (other_.place()) {
-      const double gap = distance(*other_.place(), p) - radius() - loaded_radius_ - rules_.guard;
+    if (other_.position()) {
+      const double gap =
+          distance(*other_.position(), p) - radius() - loaded_radius_ - rules_.margin;
       cost += gap < 0.0 ? 80.0 : gap < 0.3 ? 6.0 * (0.3 - gap) / 0.3 : 0.0;
     }
     (void)grid.set_cost(grid.cell(i), cost);
@@ -391,17 +393,17 @@ std::vector<PlanarPoint> BoxCarrier::obstacles() const {
   }
   for (const BoxMemory::Known& known : memory_.boxes()) {
     for (int k = 0; k < 8; ++k) {
-      // Corners and middles of the faces.
+      // Corners and centres of the faces.
       const double r = k % 2 == 0 ? side_ / 2 : side_ / std::sqrt(2.0);
       const double a = known.box.yaw + k * kPi / 4;
       add({known.box.centre.x + r * std::cos(a), known.box.centre.y + r * std::sin(a)});
     }
   }
-  if (other_.place()) {
+  if (other_.position()) {
     for (int k = 0; k < 16; ++k) {
       const double a = k * kPi / 8;
-      add({other_.place()->x + loaded_radius_ * std::cos(a),
-           other_.place()->y + loaded_radius_ * std::sin(a)});
+      add({other_.position()->x + loaded_radius_ * std::cos(a),
+           other_.position()->y + loaded_radius_ * std::sin(a)});
     }
   }
   return out;
@@ -416,7 +418,7 @@ void BoxCarrier::drive_to(const PlanarPoint& goal, double time, double period) {
   task.obstacles = obstacles();
   task.radius = radius();
   task.period = period;
-  // Slow near the goal and while it looks elsewhere, so that it does not run in circles about it.
+  // Slow near the goal and with a heading error, so that it does not circle around the goal.
   const double off = std::abs(
       cogrsim::wrapped_angle(bearing_of(path_.size() > 2 ? path_[2] : goal) - pose_.heading));
   task.limits.max_speed =
@@ -426,9 +428,9 @@ void BoxCarrier::drive_to(const PlanarPoint& goal, double time, double period) {
   task.limits.acceleration = 0.8;
   task.limits.turn_acceleration = 8.0;
   const bool jammed = time - moved_at_ > 1.5;
-  const bool alone = !other_.place() || distance(*other_.place(), here()) > kFar;
+  const bool alone = !other_.position() || distance(*other_.position(), here()) > kFar;
   if (jammed && alone) {
-    // Boxes are light: rather touch one than stand still for ever.
+    // Boxes are light, so touching one is better than being stuck.
     follow(here(), path_.size() > 2 ? path_[1] : goal, kCreep, period);
   } else if (const auto command = steering_->steer(task)) {
     move(command->velocity.forward, command->velocity.turn);
@@ -463,7 +465,7 @@ bool BoxCarrier::turn_to(double heading) {
   return there;
 }
 
-// Of some places in the arena the one that is far from the other and not far from here.
+// Of several positions in the arena the one far from the other robot and near to this one.
 PlanarPoint BoxCarrier::refuge() const {
   PlanarPoint best = home_;
   double most = -std::numeric_limits<double>::infinity();
@@ -472,10 +474,10 @@ PlanarPoint BoxCarrier::refuge() const {
       const PlanarPoint p{arena_.west + (arena_.east - arena_.west) * i / 6.0,
                           arena_.south + (arena_.north - arena_.south) * k / 5.0};
       if (zone_.contains(p, -0.5)) continue;
-      const double away = other_.place() ? std::min(1.4, distance(p, *other_.place())) : 0.0;
-      // Not past the other.
+      const double away = other_.position() ? std::min(1.4, distance(p, *other_.position())) : 0.0;
+      // The path must not pass the other robot.
       const double past =
-          other_.place() ? std::cos(bearing_of(p) - bearing_of(*other_.place())) : 0.0;
+          other_.position() ? std::cos(bearing_of(p) - bearing_of(*other_.position())) : 0.0;
       const double merit = 2.0 * away - 0.7 * distance(p, here()) - 0.8 * std::max(0.0, past);
       if (merit > most) most = merit, best = p;
     }
@@ -498,8 +500,8 @@ void BoxCarrier::go_on(double time, double period) {
   const double north = kPi / 2;
   const double lasted = time - since_;
   const PlanarPoint gate{slot_.x, zone_.south - 0.32};
-  const auto back_off = [&](double way) {
-    const bool done = distance(here(), began_) >= way || lasted > 2.0 * way / kCreep + 6.0;
+  const auto back_off = [&](double length) {
+    const bool done = distance(here(), began_) >= length || lasted > 2.0 * length / kCreep + 6.0;
     move(done ? 0.0 : -kCreep, 0.0);
     return done;
   };
@@ -530,8 +532,8 @@ void BoxCarrier::go_on(double time, double period) {
       break;
     case Phase::dock: {
       (void)keep_box();
-      const double felt = feeler_.valid() ? feeler_.distance() : 1.0;
-      const double left = std::isfinite(felt) ? felt : felt < 0 ? 0.0 : 1.0;
+      const double range = feeler_.valid() ? feeler_.distance() : 1.0;
+      const double left = std::isfinite(range) ? range : range < 0 ? 0.0 : 1.0;
       if (left <= kTouch) {
         gripping_ = true;
         enter_phase(Phase::grip, time);
@@ -559,13 +561,13 @@ void BoxCarrier::go_on(double time, double period) {
       break;
     case Phase::back:
       if (back_off(kBackOff)) {
-        const double felt = feeler_.valid() ? feeler_.distance() : 1.0;
-        holding_ = gripping_ && felt < kHolds;
+        const double range = feeler_.valid() ? feeler_.distance() : 1.0;
+        holding_ = gripping_ && range < kHolds;
         if (holding_) {
           memory_.forget(target_->centre, 0.15);
           enter_phase(Phase::carry, time);
         } else {
-          // Perhaps it is not where, or not what, it seemed to be: look again.
+          // The position or the kind of the object may be wrong, so it is observed again.
           if (target_) memory_.forget(target_->centre, 0.15);
           gripping_ = raised_ = false;
           enter_phase(Phase::idle, time);
@@ -576,7 +578,7 @@ void BoxCarrier::go_on(double time, double period) {
       if (!choose_slot()) {
         drive_to(home_, time, period);  // the zone is full
       } else if (zone_taken()) {
-        // Beside the zone, on its own side of it.
+        // Next to the zone, on its own side.
         drive_to({from_east_ ? zone_.east + 0.65 : zone_.west - 0.65, zone_.south - 0.35}, time,
                  period);
         arrived_ = false;
@@ -621,14 +623,14 @@ void BoxCarrier::go_on(double time, double period) {
       }
       break;
   }
-  // Who waits for the other too long goes out of its way.
+  // A robot that has waited too long for the other one retreats.
   const bool travels =
       phase_ == Phase::fetch || phase_ == Phase::carry || (phase_ == Phase::idle && !arrived_);
   if (!travels || distance(here(), moved_from_) > 0.1) {
     moved_from_ = here();
     moved_at_ = time;
   }
-  const bool near = other_.place() && distance(*other_.place(), here()) < kFar;
+  const bool near = other_.position() && distance(*other_.position(), here()) < kFar;
   const bool at_home = distance(here(), home_) < 0.1;
   if (travels && near && !at_home && time - moved_at_ > patience_) {
     ++retreats_;
@@ -641,7 +643,8 @@ void BoxCarrier::go_on(double time, double period) {
 
 void BoxCarrier::send(double period) {
   TrafficRules rules = rules_;
-  // Only on its way it can give way; while it handles a box it is the other that must keep off.
+  // It gives way only while driving; while it handles a box, the other robot must keep its
+  // distance.
   rules.gives_way = rules_.gives_way &&
                     (phase_ == Phase::fetch || phase_ == Phase::carry || phase_ == Phase::idle);
   if (!may_drive(pose_, wanted_.forward, radius(), other_, loaded_radius_, rules)) {
@@ -684,8 +687,8 @@ COGRSIM_CONTROLLER(
     parameter("arena", std::vector<double>{-2.0, 2.0, -1.5, 1.5}, "m",
               "inner faces of the walls: west, east, south, north"),
     parameter("zone", std::vector<double>{-0.6, 0.6, 0.98, 1.5}, "m",
-              "where boxes belong, likewise; it is entered from the south"),
-    parameter("gives_way", false, "to the other, where both want the same room: just one should"),
+              "target area of the boxes, likewise; it is entered from the south"),
+    parameter("gives_way", false, "gives way to the other robot; exactly one of the two should"),
     parameter("planner", "a_star", "name of a grid planner"),
     parameter("steering", "dynamic_window", "name of a steering algorithm"),
     parameter("speed", 0.35, "m/s", "cruising speed").range(0.05, 2.0),
@@ -694,15 +697,16 @@ COGRSIM_CONTROLLER(
     parameter("fork", 0.125, "m", "from the robot's middle to the front of its fork")
         .range(0.01, 1.0),
     parameter("lift_height", 0.03, "m", "how far the fork rises").range(0.0, 1.0),
-    parameter("radius", 0.14, "m", "of the disc that holds the robot").range(0.01, 1.0),
-    parameter("loaded_radius", 0.27, "m", "the same with a box; what is kept free about the other")
+    parameter("radius", 0.14, "m", "of the disc that encloses the robot").range(0.01, 1.0),
+    parameter("loaded_radius", 0.27, "m", "the same with a box; clearance around the other robot")
         .range(0.01, 2.0),
     parameter("wheel_radius", 0.04, "m", "radius of both wheels").range(1e-3, 1.0),
     parameter("track", 0.16, "m", "distance between the wheels' middles").range(1e-3, 2.0),
-    output("grip", "1", "1: wants to hold what is at the fork"),
+    output("grip", "1", "1: requests to hold the box at the fork"),
     output("phase", "1",
            "0 idle, 1 fetch, 2 face, 3 dock, 4 grip, 5 lift, 6 back, 7 carry, 8 turn, 9 enter, "
            "10 lower, 11 release, 12 leave, 13 retreat"),
-    output("known", "1", "boxes it knows of"), output("fetched", "1", "boxes it has brought"),
-    output("retreats", "1", "times it went out of the other's way"),
-    output("speed", "m/s", "forward, as told to the wheels"))
+    output("known", "1", "number of known boxes"),
+    output("fetched", "1", "number of delivered boxes"),
+    output("retreats", "1", "number of retreats from the other robot"),
+    output("speed", "m/s", "commanded forward speed"))

@@ -12,19 +12,19 @@ namespace {
 
 using cogrsim::kPi;
 
-/// Sightings so near to each other are of the same box [m].
+/// Sightings within this distance belong to the same box [m].
 constexpr double kSame = 0.10;
-/// As many points are needed to tell how a box is turned.
+/// Number of points needed to determine the yaw of a box.
 constexpr std::size_t kShape = 7;
-/// A box that was looked through so often is gone.
+/// A box is removed after this number of scans whose rays passed through it.
 constexpr int kGone = 8;
-/// So far behind a box's middle a ray cannot come while the box is there [m].
+/// A ray that passes this far beyond the centre of a box shows that the box is gone [m].
 constexpr double kBehind = 0.03;
-/// A neighbouring ray that ends so much nearer may hide a part [m].
+/// A neighbouring ray that ends nearer by this distance may hide a part of the cluster [m].
 constexpr double kNearer = 0.05;
-/// Points of one box are nearer to each other, but for faces seen at a slant [m].
+/// Largest distance between neighbouring points of one box, except on oblique faces [m].
 constexpr double kGap = 0.07;
-/// Kept from the walls, which noise and the robot's own motion shift by as much [m].
+/// Margin to the walls for errors by noise and the motion of the robot [m].
 constexpr double kWalls = 0.05;
 
 PlanarPoint ray_end(const Scan& scan, std::size_t i) {
@@ -43,7 +43,7 @@ PlanarPoint mean(const std::vector<PlanarPoint>& points) {
   return {sum.x / n, sum.y / n};
 }
 
-/// Moves a point away from the eye.
+/// Moves a point away from the sensor.
 PlanarPoint beyond(const PlanarPoint& p, const PlanarPoint& eye, double by) {
   const double d = std::max(1e-6, distance(p, eye));
   return {p.x + by * (p.x - eye.x) / d, p.y + by * (p.y - eye.y) / d};
@@ -66,7 +66,7 @@ std::vector<Cluster> clusters_of(const Scan& scan, const Rectangle& arena, doubl
   const std::size_t n = scan.ranges.size();
   if (n < 2) return out;
   const double spacing = std::abs(scan.bearings[1] - scan.bearings[0]);
-  // A ray that ends nearer than its neighbour, or that is missing, may hide something.
+  // A missing ray, or one that ends nearer than its neighbour, may hide an object.
   const auto hides = [&](std::size_t which, double range) {
     return std::isnan(scan.ranges[which]) || scan.ranges[which] < range - kNearer;
   };
@@ -89,7 +89,7 @@ std::vector<Cluster> clusters_of(const Scan& scan, const Rectangle& arena, doubl
     out.back().points.push_back(end);
     open = true;
   }
-  // The turn closes where it began.
+  // The last and the first ray are neighbours.
   const bool whole_turn = spacing * static_cast<double>(n) > 2 * kPi - 1.5 * spacing;
   if (whole_turn && open && out.size() > 1 && first_of_first == std::size_t{0} &&
       distance(out.back().points.back(), out.front().points.front()) <= gap) {
@@ -109,7 +109,7 @@ PlanarPoint tower_of(const Cluster& cluster, const PlanarPoint& eye, double radi
 std::optional<Box> box_of(const Cluster& cluster, const PlanarPoint& eye, double side) {
   const auto& points = cluster.points;
   if (points.empty()) return std::nullopt;
-  // Noise makes it look larger by some millimetres; beyond that it is something else.
+  // Noise enlarges it by some millimetres; a larger object is not a box.
   if (distance(points.front(), points.back()) > 1.2 * std::sqrt(2.0) * side) return std::nullopt;
 
   Box box;
@@ -121,8 +121,8 @@ std::optional<Box> box_of(const Cluster& cluster, const PlanarPoint& eye, double
   double best = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kYaws; ++k) {
     const double yaw = 0.5 * kPi * k / kYaws;
-    // u and v: coordinates along the two normals that point to the eye, so that the faces seen are
-    // those with the largest coordinate.
+    // u and v: coordinates along the two normals towards the sensor, so that the visible faces are
+    // those with the largest coordinates.
     double ux = std::cos(yaw), uy = std::sin(yaw), vx = -uy, vy = ux;
     const PlanarPoint middle = mean(points);
     if (ux * (eye.x - middle.x) + uy * (eye.y - middle.y) < 0.0) ux = -ux, uy = -uy;
@@ -138,13 +138,14 @@ std::optional<Box> box_of(const Cluster& cluster, const PlanarPoint& eye, double
       const double off = std::min(high_u - (ux * p.x + uy * p.y), high_v - (vx * p.x + vy * p.y));
       error += off * off;
     }
-    // No box of this size spreads farther along its normals.
+    // A box of this size has no larger extent along its normals.
     const double excess =
         std::max(0.0, high_u - low_u - side) + std::max(0.0, high_v - low_v - side);
     error += static_cast<double>(points.size()) * excess * excess;
     if (error >= best) continue;
     best = error;
-    // Along the face that spreads most its middle is known; across, half a side behind the face.
+    // Along the face of larger extent the centre is known; across, it is half a side behind the
+    // face.
     double u = high_u - side / 2, v = high_v - side / 2;
     (high_u - low_u > high_v - low_v ? u : v) =
         high_u - low_u > high_v - low_v ? (high_u + low_u) / 2 : (high_v + low_v) / 2;
@@ -155,8 +156,8 @@ std::optional<Box> box_of(const Cluster& cluster, const PlanarPoint& eye, double
   return box;
 }
 
-bool BoxMemory::looked_through(const Scan& scan, const PlanarPoint& place) const {
-  const double dx = place.x - scan.sensor.x, dy = place.y - scan.sensor.y;
+bool BoxMemory::looked_through(const Scan& scan, const PlanarPoint& position) const {
+  const double dx = position.x - scan.sensor.x, dy = position.y - scan.sensor.y;
   const double range = std::hypot(dx, dy);
   const double wanted = std::atan2(dy, dx) - scan.sensor.heading;
   double least = std::numeric_limits<double>::infinity();

@@ -1,4 +1,5 @@
-// Two robots that see each other and do not talk: who gives way, and where the other may be.
+// Coordination of two robots that see each other but do not communicate: right of way and
+// clearance.
 #pragma once
 
 #include <optional>
@@ -7,30 +8,30 @@
 
 namespace box_carrier {
 
-/// The other robot as its tower shows it: smoothed, with the speed at which it moves.
+/// Filtered position and velocity of the other robot, estimated from its tower.
 class Neighbour {
  public:
-  /// A new sighting at a time [s].
+  /// Processes a sighting at a time [s].
   void see(const PlanarPoint& tower, double time);
-  /// Empty: never seen.
-  const std::optional<PlanarPoint>& place() const { return place_; }
+  /// The filtered position; nullopt: never seen.
+  const std::optional<PlanarPoint>& position() const { return position_; }
   double vx() const { return vx_; }  ///< [m/s]
   double vy() const { return vy_; }
 
  private:
-  std::optional<PlanarPoint> place_;
+  std::optional<PlanarPoint> position_;
   double vx_ = 0.0, vy_ = 0.0, time_ = 0.0;
 };
 
 struct TrafficRules {
-  bool gives_way = false;  ///< to the other, when both want the same room
-  double caution = 0.45;   ///< kept by the one that gives way from an approaching other [m]
-  double guard = 0.06;     ///< never nearer than the two discs and this [m]
+  bool gives_way = false;  ///< gives way to the other robot
+  double caution = 0.45;   ///< distance that a robot giving way keeps from an approaching one [m]
+  double margin = 0.06;    ///< smallest distance between the two discs [m]
 };
 
-/// Whether a robot at `pose`, of disc `radius`, may drive at `forward` [m/s] (negative: backwards)
-/// with the other, of disc `other_radius`, where it is. Turning on the spot is always allowed: the
-/// disc holds all of the robot.
+/// Whether a robot at `pose` with a disc of `radius` may drive at `forward` [m/s] (negative:
+/// backwards) while the other robot has a disc of `other_radius`. Turning on the spot is always
+/// allowed, because the disc encloses the whole robot.
 bool may_drive(const PlanarPose& pose, double forward, double radius, const Neighbour& other,
                double other_radius, const TrafficRules& rules);
 

@@ -20,7 +20,7 @@ double heading_of(const cogrsim::Quat& q) {
   return std::atan2(forward.y(), forward.x());
 }
 
-/// `value` moved towards `wanted` by at most `change`.
+/// Moves `value` towards `wanted` by at most `change`.
 double towards(double value, double wanted, double change) {
   return value + std::clamp(wanted - value, -change, change);
 }
@@ -47,12 +47,12 @@ class DiffDrive final : public cogrsim::Controller {
   PlanarPose measured_pose();
   Velocity commanded(double time) const;
 
-  std::optional<cogrsim::Assembly> robot_;  // a copy: the one of configure() is gone afterwards
+  std::optional<cogrsim::Assembly> robot_;  // a copy, because that of configure() is destroyed
   cogrsim::MotorHandle left_, right_;
   cogrsim::PoseSensor pose_sensor_;
   bool use_pose_sensor_ = false;
   double radius_ = 0.0, track_ = 0.0;                    // [m]
-  double left_sign_ = 1.0, right_sign_ = 1.0;            // -1: mounted the other way round
+  double left_sign_ = 1.0, right_sign_ = 1.0;            // -1: mounted in reverse
   double acceleration_ = 0.0, turn_acceleration_ = 0.0;  // [m/s^2], [rad/s^2]
   Velocity constant_;
   std::vector<double> times_, speeds_, turn_rates_;  // commands that change over time
@@ -60,7 +60,7 @@ class DiffDrive final : public cogrsim::Controller {
   PathFollower follower_;
   PlanarPose odometry_;
   double last_left_ = 0.0, last_right_ = 0.0;  // wheel angles at the last update [rad]
-  Velocity now_;                               // what is being driven
+  Velocity now_;                               // the current commanded velocity
   bool announced_ = false;
 };
 
@@ -136,7 +136,7 @@ void DiffDrive::configure_commands(cogrsim::Assembly& robot) {
 }
 
 PlanarPose DiffDrive::measured_pose() {
-  // The odometry runs on beside the sensor, and takes over while that drops out.
+  // The odometry also runs with a sensor, and replaces it during dropouts.
   const double left = robot_->joint_position(left_), right = robot_->joint_position(right_);
   odometry_ = rolled(odometry_, left_sign_ * radius_ * (left - last_left_),
                      right_sign_ * radius_ * (right - last_right_), track_);
@@ -191,10 +191,10 @@ void DiffDrive::restore(const std::string& memory) {
   if (!(in >> odometry_.x >> odometry_.y >> odometry_.heading >> last_left_ >> last_right_ >>
         now_.forward >> now_.turn >> announced_ >> progress.from.x >> progress.from.y >>
         progress.started >> progress.done >> progress.next)) {
-    throw std::runtime_error("the memory is not one of a diff_drive");
+    throw std::runtime_error("the state is not that of a diff_drive");
   }
   if (follow_ && !follower_.resume(progress)) {
-    throw std::runtime_error("the memory is of a longer list of waypoints");
+    throw std::runtime_error("the state belongs to a longer list of waypoints");
   }
 }
 
@@ -215,20 +215,20 @@ COGRSIM_CONTROLLER(
     parameter("speed", 0.2, "m/s", "forward speed; with waypoints the cruising speed")
         .range(-20.0, 20.0),
     parameter("turn_rate", 0.0, "rad/s",
-              "turn rate, left positive; with waypoints its bound (0: 2 rad/s)")
+              "turn rate, left positive; with waypoints its limit (0: 2 rad/s)")
         .range(-50.0, 50.0),
-    parameter("acceleration", 1.0, "m/s^2", "bound of the change of forward speed")
+    parameter("acceleration", 1.0, "m/s^2", "limit of the change of forward speed")
         .range(1e-3, 1000.0),
-    parameter("turn_acceleration", 20.0, "rad/s^2", "bound of the change of turn rate")
+    parameter("turn_acceleration", 20.0, "rad/s^2", "limit of the change of turn rate")
         .range(1e-3, 1e4),
     parameter("times", std::vector<double>{}, "s", "start of each velocity command, rising"),
     parameter("speeds", std::vector<double>{}, "m/s", "forward speed of each command"),
     parameter("turn_rates", std::vector<double>{}, "rad/s", "turn rate of each command"),
-    parameter("waypoints", std::vector<double>{}, "m", "places x y, x y … to drive to"),
+    parameter("waypoints", std::vector<double>{}, "m", "positions x y, x y … to drive to"),
     parameter("loop", false, "after the last waypoint comes the first again"),
-    parameter("lookahead", 0.1, "m", "how far ahead on the line it aims").range(1e-3, 100.0),
+    parameter("lookahead", 0.1, "m", "look-ahead distance on the line").range(1e-3, 100.0),
     parameter("arrival", 0.03, "m", "a waypoint counts as reached this near").range(1e-4, 10.0),
     parameter("turn_gain", 4.0, "1/s", "turn rate per heading error").range(1e-3, 100.0),
     parameter("pose", "", "name of a pose sensor; empty: odometry from the wheels"),
-    parameter("start", std::vector<double>{0.0, 0.0}, "m", "place x y where odometry starts"),
+    parameter("start", std::vector<double>{0.0, 0.0}, "m", "position x y where odometry starts"),
     parameter("start_heading", 0.0, "rad", "heading with which odometry starts").range(-7.0, 7.0))

@@ -10,7 +10,7 @@ namespace diff_drive {
 namespace {
 
 using cogrsim::kPi;
-constexpr double kTurnOnTheSpot = kPi / 4;  // heading error at which it stands and turns [rad]
+constexpr double kTurnOnTheSpot = kPi / 4;  // heading error from which it turns on the spot [rad]
 }  // namespace
 
 WheelSpeeds wheel_speeds(const Velocity& velocity, double radius, double track) {
@@ -29,7 +29,8 @@ WheelSpeeds limited(const WheelSpeeds& speeds, double max_left, double max_right
 PlanarPose rolled(const PlanarPose& pose, double left, double right, double track) {
   const double turn = (right - left) / track;
   const double arc = (left + right) / 2;
-  // The chord of an arc is shorter than the arc by sin(h)/h, h half the angle turned.
+  // The chord of an arc is shorter than the arc by the factor sin(h)/h, with h half the arc's
+  // angle.
   const double half = turn / 2;
   const double shortening = std::abs(half) < 1e-6 ? 1 - half * half / 6 : std::sin(half) / half;
   const double direction = pose.heading + half;
@@ -61,12 +62,13 @@ Velocity PathFollower::update(const PlanarPose& pose) {
     from_ = {pose.x, pose.y};
     started_ = true;
   }
-  // Several waypoints may lie within the tolerance; one round at most, or a loop would never end.
+  // Several waypoints may be within the tolerance; at most one round, or a loop would never end.
   for (std::size_t tried = 0; !done_ && tried < waypoints_.size(); ++tried) {
     const Point& to = waypoints_[next_];
     const double distance = std::hypot(to.x - pose.x, to.y - pose.y);
     const double length = std::hypot(to.x - from_.x, to.y - from_.y);
-    // Beyond the end of the line counts as arrived too: who missed by a little must not circle.
+    // A position beyond the end of the line counts as arrived, so that a small miss causes no
+    // circling.
     const double along =
         length > 0
             ? ((pose.x - from_.x) * (to.x - from_.x) + (pose.y - from_.y) * (to.y - from_.y)) /

@@ -1,4 +1,4 @@
-// Where a two-wheel vehicle is, and which way it should turn to follow a list of waypoints.
+// Odometry of a two-wheel vehicle, and following of a list of waypoints.
 #pragma once
 
 #include <vector>
@@ -16,19 +16,19 @@ struct WheelSpeeds {
   double left = 0.0, right = 0.0;
 };
 
-/// Ideal rolling: left = (v - w b/2)/r, right = (v + w b/2)/r, with the wheels' radius r [m] and
-/// their distance b [m].
+/// Wheel speeds for ideal rolling: left = (v - w b/2)/r, right = (v + w b/2)/r, with the radius r
+/// [m] of the wheels and their distance b [m].
 WheelSpeeds wheel_speeds(const Velocity& velocity, double radius, double track);
 
-/// The same wheel speeds, both scaled down by one factor until neither exceeds its limit [rad/s],
-/// so that the vehicle slows down and keeps its curvature.
+/// Scales both wheel speeds by one factor so that neither exceeds its limit [rad/s]: the vehicle
+/// slows down and the curvature stays the same.
 WheelSpeeds limited(const WheelSpeeds& speeds, double max_left, double max_right);
 
-/// Moves `pose` by what the wheels rolled: `left` and `right` are arc lengths [m]. Exact for
+/// Odometry: moves `pose` by the arc lengths `left` and `right` of the wheels [m]. Exact for
 /// constant wheel speeds (a circular arc).
 PlanarPose rolled(const PlanarPose& pose, double left, double right, double track);
 
-/// The same angle within (-pi, pi].
+/// The angle plus full turns so that it is in (-pi, pi].
 double wrapped(double angle);
 
 struct FollowerSettings {
@@ -36,35 +36,36 @@ struct FollowerSettings {
   double max_turn = 2.0;      ///< [rad/s], > 0
   double turn_gain = 4.0;     ///< turn rate per heading error [1/s], > 0
   double lookahead = 0.1;     ///< [m], > 0
-  double arrival = 0.03;      ///< a waypoint counts as reached this near [m], > 0
-  double acceleration = 1.0;  ///< brakes for the last waypoint with this [m/s^2], > 0
-  bool loop = false;          ///< after the last waypoint comes the first
+  double arrival = 0.03;      ///< distance at which a waypoint is reached [m], > 0
+  double acceleration = 1.0;  ///< deceleration before the last waypoint [m/s^2], > 0
+  bool loop = false;          ///< continue with the first waypoint after the last
 };
 
-/// Drives along the straight lines between waypoints.
+/// Follows the straight lines between waypoints.
 ///
-/// It aims at a point `lookahead` further along the line than its own projection. With the heading
-/// error a towards that point it turns at clamp(turn_gain a, +-max_turn) and drives at
-/// speed (1 - |a|/45 deg), not below 0: corners are turned on the spot, small errors on the move.
+/// The target is the point `lookahead` beyond the projection of the vehicle on the line. With the
+/// heading error a towards the target, the turn rate is clamp(turn_gain a, +-max_turn) and the
+/// speed is speed (1 - |a|/45 deg), at least 0: the vehicle turns on the spot at corners and
+/// corrects small errors while driving.
 class PathFollower {
  public:
   PathFollower() = default;
-  /// The first line starts where the vehicle is at the first update.
+  /// The first line starts at the position of the vehicle at the first update.
   PathFollower(std::vector<Point> waypoints, const FollowerSettings& settings);
 
   Velocity update(const PlanarPose& pose);
-  /// Past the last waypoint; never with `loop`.
+  /// Whether the last waypoint was reached; never with `loop`.
   bool done() const { return done_; }
   int next_waypoint() const { return static_cast<int>(next_); }
 
-  /// How far it is, to go on from later.
+  /// The progress, for restoring it later.
   struct Progress {
     Point from;
     bool started = false, done = false;
     std::size_t next = 0;
   };
   Progress progress() const { return {from_, started_, done_, next_}; }
-  /// False: it has fewer waypoints than that.
+  /// Restores the progress; false: there are fewer waypoints.
   bool resume(const Progress& progress) {
     if (progress.next > waypoints_.size() ||
         (!progress.done && progress.next == waypoints_.size() && !waypoints_.empty())) {

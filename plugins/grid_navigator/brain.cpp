@@ -11,8 +11,8 @@ namespace {
 
 using cogrsim::Grid;
 
-/// Makes the planner's grid equal to `grid`, by the differences alone: an incremental planner keeps
-/// what it knows.
+/// Makes the grid of the planner equal to `grid` by setting only the differences, so that an
+/// incremental planner retains its search.
 void follow(cogrsim::GridPlanner& planner, const Grid& grid) {
   if (planner.grid().rows() != grid.rows() || planner.grid().columns() != grid.columns()) {
     planner.set_grid(grid);
@@ -47,7 +47,8 @@ bool passable(const Grid& grid, const Cell& from, Action action) {
   return grid.contains(to) && grid.step_cost(from, to) < cogrsim::kBlocked;
 }
 
-/// Steps from every cell to `end`, by index; -1: none. `without`: a cell taken for blocked.
+/// Number of steps from every cell to `end`, by index; -1: no path. `without`: a cell assumed
+/// blocked.
 std::vector<int> steps_to(const Grid& grid, const Cell& end, int without) {
   std::vector<int> steps(static_cast<std::size_t>(grid.size()), -1);
   std::vector<int> line{grid.index(end)};
@@ -68,11 +69,11 @@ std::vector<int> steps_to(const Grid& grid, const Cell& end, int without) {
 }  // namespace
 
 std::vector<std::pair<Action, int>> risks(const Grid& grid, const Cell& at, const Cell& end) {
-  // A cell without which there is no way at all: more than any detour in a maze this size.
+  // Cost of a cell without which there is no path: more than any detour in a maze of this size.
   const int no_way = grid.size();
   const std::vector<int> steps = steps_to(grid, end, -1);
   const auto to_go = [&](int cell) { return steps[static_cast<std::size_t>(cell)]; };
-  std::vector<int> near;  // cells on the way, the nearest to the end first
+  std::vector<int> near;  // cells on shortest paths, the nearest to the end first
   for (int i = 0; i < grid.size(); ++i) {
     if (to_go(i) >= 0 && to_go(i) <= to_go(grid.index(at))) near.push_back(i);
   }
@@ -108,18 +109,18 @@ PlannerBrain::PlannerBrain(Planners to_trigger, Planners to_goal, const Ends& en
     : planners_{std::move(to_trigger), std::move(to_goal)}, ends_(ends) {}
 
 void PlannerBrain::set_map(Errand errand, const Grid& grid) {
-  follow(*of(errand).way, grid);
+  follow(*of(errand).path, grid);
   follow(*of(errand).value, grid);
 }
 
 std::optional<Action> PlannerBrain::choose(Errand errand, const Cell& at,
                                            std::optional<Action> straight) {
-  cogrsim::GridPlanner& planner = *of(errand).way;
+  cogrsim::GridPlanner& planner = *of(errand).path;
   const Cell& end = ends_.of(errand);
   const auto path = planner.plan(at, end);
   if (!path || path->cells.size() < 2) return std::nullopt;
-  // The planner's way is one of the shortest; of those, the one that risks least, if possible
-  // straight on.
+  // The planner gives one of the shortest paths; of those, the one with the smallest risk is taken,
+  // preferably straight ahead.
   std::optional<Action> best = action_between(at, path->cells[1]);
   int least = std::numeric_limits<int>::max();
   for (const auto& [action, risk] : risks(planner.grid(), at, end)) {
@@ -143,8 +144,8 @@ LearnerBrain::LearnerBrain(std::shared_ptr<cogrsim::Learner> learner, const Ends
       chance_(std::move(chance)) {}
 
 std::int64_t LearnerBrain::state(Errand errand, const Cell& at) {
-  // The errand is named by its end: what was learnt for one goal is no use for another, and a table
-  // that is kept may be met by runs with other ends.
+  // The states of an errand depend on its target cell: values for one goal are useless for another,
+  // and runs with other goals may use the same stored table.
   const Grid& grid = of(errand).grid;
   const std::int64_t size = grid.size(), end = grid.index(ends_.of(errand));
   return ((errand == Errand::goal ? size : 0) + end) * size + grid.index(at);
@@ -205,7 +206,7 @@ std::optional<Action> LearnerBrain::choose(Errand errand, const Cell& at, std::o
   if (std::find(map.reachable.begin(), map.reachable.end(), index) == map.reachable.end()) {
     return std::nullopt;
   }
-  // A learner that comes again and again to the same cell has learnt too little: it rehearses.
+  // A learner that visits the same cell repeatedly has learnt too little, so it rehearses again.
   int& visits = map.visits[static_cast<std::size_t>(index)];
   if (++visits % 3 == 0) rehearse(errand, rehearsal_.again);
   return static_cast<Action>(decide(errand, at, false));

@@ -1,4 +1,5 @@
-// What chooses the next action: a planner that searches the map, or a learner that rehearses on it.
+// Selection of the next action: by a planner that searches the map, or by a learner that rehearses
+// on it.
 #pragma once
 
 #include <functional>
@@ -14,59 +15,59 @@
 
 namespace grid_navigator {
 
-/// The two errands of a run, one after the other.
+/// The two errands of a run, in this order.
 enum class Errand { trigger, goal };
 
-/// What an action led to in the maze.
+/// Result of an action in the maze.
 struct Outcome {
   Errand errand = Errand::trigger;
-  Cell from, to;  ///< the same when it ended blocked
+  Cell from, to;  ///< equal if the action ended blocked
   Action action = Action::north;
-  bool arrived = false;  ///< `to` is where the errand ends
+  bool arrived = false;  ///< `to` is the end of the errand
 };
 
 class Brain {
  public:
   virtual ~Brain() = default;
-  /// The map as it is known now for an errand: doors are closed on the first. Called at the start and
-  /// whenever an obstacle turns out to be there or gone.
+  /// Sets the current map for an errand; doors are closed on the first one. Called at the start and
+  /// whenever an obstacle is detected or has disappeared.
   virtual void set_map(Errand errand, const cogrsim::Grid& grid) = 0;
-  /// What to do in a cell, `straight` being the action that needs no turn. Nothing: no way is known.
+  /// The next action in a cell; `straight` is the action that needs no turn. nullopt: no path is
+  /// known.
   virtual std::optional<Action> choose(Errand errand, const Cell& at,
                                        std::optional<Action> straight) = 0;
-  /// After every action that was really done.
+  /// Called after every executed action.
   virtual void learn(const Outcome& outcome) = 0;
-  /// How good it is to be in a cell: minus the number of actions left as far as a planner knows, the
-  /// expected reward of a learner. NaN: no way is known.
+  /// Value of a cell: for a planner minus the number of remaining actions, for a learner the
+  /// expected reward. NaN: no path is known.
   virtual double value(Errand errand, const Cell& at) = 0;
-  /// What it has learnt, for a snapshot; "" if it does not learn.
+  /// The learnt values, for a snapshot; "" if it does not learn.
   virtual std::string memory() const { return ""; }
   virtual void remember(const std::string& memory) { static_cast<void>(memory); }
 };
 
-/// The ends of both errands.
+/// The target cells of the two errands.
 struct Ends {
   Cell trigger, goal;
   const Cell& of(Errand errand) const { return errand == Errand::trigger ? trigger : goal; }
 };
 
-/// What the ways from a cell to `end` risk, by the cell they begin with; all are of equal, least
-/// length.
+/// The risk of the shortest paths from a cell to `end`, by the first cell of the path.
 ///
-/// An obstacle in cell c, met from its neighbour u, costs d_c(u) - d(u) further steps, where d counts
-/// those to `end` and d_c does without c. A way risks the sum over its cells, and of the ways from u
-/// one takes the least: R(u) = min over c of (d_c(u) - d(u)) + R(c).
+/// An obstacle in cell c that is detected from its neighbour u costs d_c(u) - d(u) additional
+/// steps, where d is the number of steps to `end` and d_c that without c. The risk of a path is the
+/// sum over its cells, and the smallest risk from u is R(u) = min over c of (d_c(u) - d(u)) + R(c).
 std::vector<std::pair<Action, int>> risks(const cogrsim::Grid& grid, const Cell& at,
                                           const Cell& end);
 
-/// Follows the planner's path. Of equally short ways it takes the one that risks least, of those the
-/// one that goes straight on.
+/// Follows the path of the planner. Of equally short paths it takes the one with the smallest risk,
+/// and of those the one that goes straight ahead.
 class PlannerBrain final : public Brain {
  public:
-  /// A planner for each errand, which keeps what it found out, and another one for the values, whose
-  /// starts are all over the maze.
+  /// One planner for each errand, which retains its search, and another one for the values, whose
+  /// start cells vary.
   struct Planners {
-    std::shared_ptr<cogrsim::GridPlanner> way, value;
+    std::shared_ptr<cogrsim::GridPlanner> path, value;
   };
   PlannerBrain(Planners to_trigger, Planners to_goal, const Ends& ends);
   void set_map(Errand errand, const cogrsim::Grid& grid) override;
@@ -82,18 +83,19 @@ class PlannerBrain final : public Brain {
 };
 
 struct Rehearsal {
-  int episodes = 2000;  ///< on the map as it is at the start, per errand
+  int episodes = 2000;  ///< on the initial map, per errand
   int again = 400;      ///< after every change of the map
   int longest = 200;    ///< actions of an episode
   double step = -1.0;   ///< reward of an action
-  double bump = -3.0;   ///< of one that ends blocked
+  double bump = -3.0;   ///< reward of an action that ends blocked
 };
 
-/// Learns the values of the four actions in every cell by rehearsing on the map (as Dyna does: Sutton
-/// 1990), then does what is worth most, and goes on learning from what really happens.
+/// Learns the values of the four actions in every cell by rehearsal on the map (as in Dyna, Sutton
+/// 1990), then selects the action with the highest value, and continues to learn from the executed
+/// actions.
 class LearnerBrain final : public Brain {
  public:
-  /// `chance`: uniform in [0, 1), for the cells where rehearsals begin.
+  /// `chance`: uniform in [0, 1), for the start cells of the rehearsals.
   LearnerBrain(std::shared_ptr<cogrsim::Learner> learner, const Ends& ends,
                const Rehearsal& rehearsal, std::function<double()> chance);
   void set_map(Errand errand, const cogrsim::Grid& grid) override;
@@ -116,9 +118,9 @@ class LearnerBrain final : public Brain {
   std::function<double()> chance_;
   struct Map {
     cogrsim::Grid grid;
-    std::vector<int> reachable;  // cells from which the errand can be done
+    std::vector<int> reachable;  // cells from which the target can be reached
     bool rehearsed = false;
-    std::vector<int> visits;  // of every cell, since the map last changed: tells a loop
+    std::vector<int> visits;  // of every cell since the last change of the map, to detect a loop
   };
   Map& of(Errand errand) { return maps_[static_cast<std::size_t>(errand)]; }
   Map maps_[2];

@@ -1,4 +1,4 @@
-// Finds its way through a maze whose plan it knows and whose obstacles it does not. See README.md.
+// Drives through a maze with a known plan and unknown obstacles. See README.md.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,17 +21,17 @@ namespace {
 
 using cogrsim::kInfinity;
 
-/// A door gets so long to open before the way through is given up for a while [s].
+/// Time for a door to open before the path through it is avoided for a while [s].
 constexpr double kDoorPatience = 6.0;
-/// A way on which something jammed is left alone so long [s].
+/// Time for which a path with a jammed obstacle is avoided [s].
 constexpr double kAvoid = 8.0;
-/// With no way known, it looks around so long before it thinks again [s].
+/// Time of observation before planning again if no path is known [s].
 constexpr double kLookAround = 0.5;
-/// What the low range finders see nearer than this, and the high ones do not, is a ball [m].
+/// An object nearer than this that only the low range finders detect is a ball [m].
 constexpr double kBallNear = 0.25, kBallGap = 0.05;
-constexpr double kPushing = 0.6;  ///< of the cruising speed, with a ball in front
+constexpr double kPushing = 0.6;  ///< fraction of the cruising speed with a ball in front
 
-/// An edge of the map that is not used until a time.
+/// An edge of the map that is avoided until a given time.
 struct Avoided {
   cogrsim::GridEdge edge;
   double until = 0.0;
@@ -57,7 +57,7 @@ class GridNavigator final : public cogrsim::Controller {
   void end_action();
   void decide(double time);
   void begin(const Cell& at, double time);
-  void reach(const Cell& cell);
+  void arrive_at(const Cell& cell);
   bool through_door(const Cell& from, Action action) const;
   std::optional<Action> next_action(const Cell& at, std::optional<Action> straight);
   void publish(const cogrsim::Tick& tick);
@@ -89,12 +89,12 @@ class GridNavigator final : public cogrsim::Controller {
   std::unique_ptr<Brain> brain_;
   bool map_stale_ = true;
   double think_at_ = 0.0;           // [s]
-  int finished_ = 0;                // of the driver's actions, those dealt with
-  std::optional<Cell> chosen_for_;  // the cell that chosen_ is for
+  int finished_ = 0;                // number of processed actions of the driver
+  std::optional<Cell> chosen_for_;  // the cell to which chosen_ belongs
   std::optional<Action> chosen_;
   std::optional<Outcome> under_way_;
   int plans_ = 0, blocked_ = 0;
-  int shown_ = 0;  // cell whose value is published next
+  int shown_ = 0;  // index of the cell whose value is published next
 };
 
 void GridNavigator::configure(cogrsim::Assembly& robot) {
@@ -149,7 +149,7 @@ void GridNavigator::configure_sensors(cogrsim::Assembly& robot) {
 
 bool GridNavigator::configure_maze(cogrsim::Assembly& robot) {
   const cogrsim::MazeModel* maze = robot.maze(robot.parameter<std::string>("maze"));
-  if (maze == nullptr) return false;  // noted
+  if (maze == nullptr) return false;  // the error is reported
   maze_ = *maze;
   const auto cell = [&](const char* parameter) {
     const auto found = cogrsim::find_cell(*maze, robot.parameter<std::string>(parameter));
@@ -163,7 +163,7 @@ bool GridNavigator::configure_maze(cogrsim::Assembly& robot) {
 void GridNavigator::configure_brain(cogrsim::Assembly& robot) {
   const std::string name = robot.parameter<std::string>("brain");
   if (name == "q_learning" || name == "sarsa") {
-    // The maze answers always alike, so a single experience may count for much.
+    // The maze is deterministic, so a high learning rate is suitable.
     cogrsim::Parameters parameters{{"rate", 0.3}, {"discount", 0.97}};
     const std::string table = robot.parameter<std::string>("table");
     if (!table.empty()) {
@@ -171,7 +171,7 @@ void GridNavigator::configure_brain(cogrsim::Assembly& robot) {
       parameters["save_every"] = std::int64_t{1000};  // rehearsals count, too
     }
     auto learner = robot.algorithm<cogrsim::Learner>(name, parameters);
-    if (!learner) return;  // noted
+    if (!learner) return;  // the error is reported
     Rehearsal rehearsal;
     rehearsal.episodes = robot.parameter<int>("rehearsals");
     rehearsal.again = std::max(1, rehearsal.episodes / 5);
@@ -184,7 +184,7 @@ void GridNavigator::configure_brain(cogrsim::Assembly& robot) {
             robot.algorithm<cogrsim::GridPlanner>(name)};
   };
   PlannerBrain::Planners to_trigger = planners(), to_goal = planners();
-  if (to_trigger.way && to_trigger.value && to_goal.way && to_goal.value) {
+  if (to_trigger.path && to_trigger.value && to_goal.path && to_goal.value) {
     brain_ = std::make_unique<PlannerBrain>(std::move(to_trigger), std::move(to_goal), ends_);
   }
 }
@@ -215,7 +215,7 @@ Beam GridNavigator::beam(std::size_t i) const {
   out.y = pose.y + ring_ * std::sin(out.direction);
   const double distance = high_[i].distance();
   out.hit = std::isfinite(distance);
-  // Nearer than its range begins reads minus infinity, farther than it ends plus infinity.
+  // A range below the minimum is minus infinity, and a range above the maximum plus infinity.
   out.distance = out.hit ? distance : (distance > 0 ? range_ : 0.0);
   return out;
 }
@@ -261,15 +261,15 @@ bool GridNavigator::through_door(const Cell& from, Action action) const {
   return maze_->west(from.row, from.column) >= 0;
 }
 
-// Tells the brain what the map is now: the plan, doors open on the second errand, without the cells
-// seen to be blocked and the ways to be avoided.
+// Updates the map of the planner: the plan, with open doors on the second errand, without blocked
+// cells and edges to be avoided.
 void GridNavigator::map_changed() {
   for (const Errand errand : {Errand::trigger, Errand::goal}) {
     if (errand < errand_) continue;
     cogrsim::Grid grid = cogrsim::grid_of(*maze_, errand == Errand::goal);
     for (int i = 0; i < grid.size(); ++i) {
       const Cell cell = grid.cell(i);
-      // Where it stands and where it must go is never taken for blocked.
+      // The cell of the robot and the target cell are never blocked.
       const bool needed = cell == driver_.from() || cell == ends_.trigger || cell == ends_.goal;
       if (obstacles_.blocked(cell) && !needed) (void)grid.set_cost(cell, cogrsim::kBlocked);
     }
@@ -281,7 +281,7 @@ void GridNavigator::map_changed() {
   ++plans_;
 }
 
-void GridNavigator::reach(const Cell& cell) {
+void GridNavigator::arrive_at(const Cell& cell) {
   if (errand_ == Errand::trigger && cell == ends_.trigger) {
     errand_ = Errand::goal;
     map_stale_ = true;
@@ -298,7 +298,7 @@ std::optional<Action> GridNavigator::next_action(const Cell& at, std::optional<A
   return chosen_;
 }
 
-// What the last action led to.
+// Processes the result of the last action.
 void GridNavigator::end_action() {
   finished_ = driver_.finished();
   const Cell at = driver_.from();
@@ -310,7 +310,7 @@ void GridNavigator::end_action() {
     under_way_.reset();
   }
   chosen_for_.reset();
-  reach(at);
+  arrive_at(at);
 }
 
 void GridNavigator::begin(const Cell& at, double time) {
@@ -321,7 +321,7 @@ void GridNavigator::begin(const Cell& at, double time) {
   }
   const std::optional<Action> action = next_action(at, straight);
   if (!action) {
-    // Whatever it believes to stand in the way, there must be one: it looks again.
+    // A path must exist, so the detected obstacles are discarded and detected again.
     obstacles_.forget();
     avoided_.clear();
     map_stale_ = true;
@@ -362,7 +362,7 @@ void GridNavigator::decide(double time) {
     if (time >= think_at_) begin(driver_.from(), time);
     return;
   }
-  // A turn that a new map makes pointless is broken off.
+  // A turn that is useless on the new map is aborted.
   if (driver_.state() == WheelDriver::State::turning) {
     const auto action = next_action(driver_.from(), driver_.action());
     if (action && *action != driver_.action()) {
@@ -373,7 +373,7 @@ void GridNavigator::decide(double time) {
     return;
   }
   const Cell target = driver_.target();
-  // The cell it drives to has turned out to be blocked.
+  // The target cell of the current action is blocked.
   if (obstacles_.blocked(target) && target != ends_.of(errand_)) {
     driver_.give_up();
     return;
@@ -388,7 +388,7 @@ void GridNavigator::decide(double time) {
 
 void GridNavigator::update(const cogrsim::Tick& tick) {
   localise();
-  if (tracked_ == 0) return;  // it does not know yet where it is
+  if (tracked_ == 0) return;  // the pose is not known yet
   const PlanarPose& pose = localiser_.pose();
   if (!placed_) {
     const Cell cell{static_cast<int>(std::floor(pose.y / maze_->cell)),
@@ -399,7 +399,7 @@ void GridNavigator::update(const cogrsim::Tick& tick) {
     }
     driver_.place(cell, pose);
     placed_ = true;
-    if (driver_.idle()) reach(cell);
+    if (driver_.idle()) arrive_at(cell);
   }
   look();
   decide(tick.time);
@@ -420,9 +420,9 @@ void GridNavigator::publish(const cogrsim::Tick&) {
   robot_->publish("speed", forward);
 
   const Cell cell{shown_ / maze_->columns, shown_ % maze_->columns};
-  const cogrsim::Vec3 place = cogrsim::centre_of(*maze_, cell);
-  robot_->publish("value_x", place.x());
-  robot_->publish("value_y", place.y());
+  const cogrsim::Vec3 centre = cogrsim::centre_of(*maze_, cell);
+  robot_->publish("value_x", centre.x());
+  robot_->publish("value_y", centre.y());
   robot_->publish("value", brain_->value(Errand::goal, cell));
   robot_->publish("value_trigger", errand_ == Errand::trigger
                                        ? brain_->value(Errand::trigger, cell)
@@ -430,8 +430,8 @@ void GridNavigator::publish(const cogrsim::Tick&) {
   shown_ = (shown_ + 1) % (maze_->rows * maze_->columns);
 }
 
-// What a snapshot keeps: the errand, what was seen, what was learnt. Where the robot is it reads off
-// its sensors again; an action under way ends at the nearest centre.
+// State in a snapshot: the errand, the detected obstacles and the learnt values. The pose is
+// measured again; a current action ends at the nearest centre.
 std::optional<std::string> GridNavigator::save() const {
   if (!placed_) return std::nullopt;
   std::ostringstream out;
@@ -444,13 +444,13 @@ std::optional<std::string> GridNavigator::save() const {
 
 void GridNavigator::restore(const std::string& memory) {
   std::istringstream in(memory);
-  std::string word;
+  std::string kind;
   int version = 0, errand = 0;
-  in >> word >> version >> errand >> arrived_ >> plans_ >> blocked_;
+  in >> kind >> version >> errand >> arrived_ >> plans_ >> blocked_;
   std::vector<int> evidence(obstacles_.evidence().size());
   for (int& count : evidence) in >> count;
-  if (!in || word != "grid_navigator" || version != 1 || errand < 0 || errand > 1) {
-    throw std::runtime_error("this is not the memory of a grid_navigator in this maze");
+  if (!in || kind != "grid_navigator" || version != 1 || errand < 0 || errand > 1) {
+    throw std::runtime_error("this is not the state of a grid_navigator in this maze");
   }
   errand_ = static_cast<Errand>(errand);
   obstacles_.set_evidence(std::move(evidence));
@@ -466,14 +466,14 @@ void GridNavigator::restore(const std::string& memory) {
 
 COGRSIM_CONTROLLER(
     grid_navigator::GridNavigator, "grid_navigator", version("1.0.0"), author("CogRSim"),
-    summary("drives a two-wheel robot through a maze by four actions, around what it meets there"),
+    summary("drives a two-wheel robot through a maze by four actions and avoids obstacles"),
     parameter("maze", "", "name of the maze; empty: the only one"),
-    parameter("trigger", "", "cell to go to first: a named place, or \"r2c5\"").must_be_set(),
+    parameter("trigger", "", "cell to go to first: a named cell, or \"r2c5\"").must_be_set(),
     parameter("goal", "", "cell to go to then").must_be_set(),
     parameter("brain", "d_star_lite",
-              "what chooses the actions: a grid planner, or q_learning or sarsa"),
-    parameter("table", "", "file in which a learner keeps its table between runs; empty: none"),
-    parameter("rehearsals", 2000, "episodes a learner imagines before it starts, per errand")
+              "method of choosing actions: a grid planner, or q_learning or sarsa"),
+    parameter("table", "", "file in which a learner stores its table between runs; empty: none"),
+    parameter("rehearsals", 2000, "simulated episodes of a learner before it starts, per errand")
         .range(0, 1e6),
     parameter("left", "left", "name of the left wheel's motor"),
     parameter("right", "right", "name of the right wheel's motor"),
@@ -488,24 +488,24 @@ COGRSIM_CONTROLLER(
     parameter("acceleration", 2.0, "m/s^2", "of starting and braking").range(0.01, 50.0),
     parameter("turn_rate", 6.0, "rad/s", "of turns on the spot").range(0.1, 20.0),
     parameter("turn_acceleration", 30.0, "rad/s^2", "the same").range(0.1, 1000.0),
-    parameter("clearance", 0.15, "m", "kept from the robot's middle to what it sees ahead")
+    parameter("clearance", 0.15, "m", "smallest distance of the centre to an obstacle ahead")
         .range(0.0, 1.0),
     parameter("high", "high_",
-              "the range finders above the balls are named so, with a number from 0"),
+              "prefix of the range finders above the balls, followed by a number from 0"),
     parameter("bearings", std::vector<double>{0.0}, "rad",
-              "where each of them looks, left positive"),
-    parameter("ring", 0.1, "m", "radius of the circle on which all range finders sit")
+              "direction of each of them, left positive"),
+    parameter("ring", 0.1, "m", "radius of the circle on which all range finders are mounted")
         .range(0.0, 1.0),
-    parameter("range", 2.0, "m", "how far the high ones see").range(0.05, 100.0),
-    parameter("low", "low_", "those that see balls too, likewise; all look ahead"),
-    parameter("low_count", 0, "how many they are").range(0, 100),
-    output("phase", "1", "0: on the way to the trigger, 1: to the goal, 2: there"),
-    output("replans", "1", "maps given to the planner so far"),
-    output("blocked", "1", "actions that ended blocked so far"),
-    output("cubes", "1", "cells held for blocked"),
+    parameter("range", 2.0, "m", "maximum range of the high ones").range(0.05, 100.0),
+    parameter("low", "low_", "prefix of those that detect balls too; all point ahead"),
+    parameter("low_count", 0, "number of low range finders").range(0, 100),
+    output("phase", "1", "0: driving to the trigger, 1: to the goal, 2: arrived"),
+    output("replans", "1", "number of maps given to the planner so far"),
+    output("blocked", "1", "number of actions that ended blocked so far"),
+    output("cubes", "1", "number of cells believed to be blocked"),
     output("action", "1", "0 north, 1 south, 2 east, 3 west, -1 none"),
     output("speed", "m/s", "by the encoders"),
-    output("value_x", "m", "middle of the cell whose value is told, another one at every update"),
+    output("value_x", "m", "centre of the cell of `value`, another one at every update"),
     output("value_y", "m", "the same"),
-    output("value", "1", "on the way to the goal: minus the actions left, or the learnt value"),
-    output("value_trigger", "1", "the same on the way to the trigger, as long as that lasts"))
+    output("value", "1", "for the goal: minus the remaining actions, or the learnt value"),
+    output("value_trigger", "1", "the same for the trigger, until it is reached"))

@@ -7,12 +7,12 @@ namespace grid_navigator {
 
 namespace {
 
-// As parts of a cell. A beam that ends nearer than this to a border may have met a wall: half its
-// thickness, the noise of range finder and heading.
+// Fraction of a cell. A beam that ends nearer than this to a border may have hit a wall: half its
+// thickness, and the noise of range finder and heading.
 constexpr double kBorder = 0.13;
-// A beam this near to a cell's middle would have met what fills most of the cell.
+// A beam this close to the centre of a cell would have hit an obstacle that fills most of the cell.
 constexpr double kMiddle = 0.08;
-// So far beyond the middle it must have gone.
+// Distance beyond the centre that the beam must have passed.
 constexpr double kBeyond = 0.3;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Which cells of the maze the robot takes to hold an obstacle, by what its range finders say.
+// Map of the cells of the maze that contain obstacles according to the range finders.
 #pragma once
 
 #include <vector>
@@ -8,35 +8,37 @@
 
 namespace grid_navigator {
 
-/// One reading in the maze's frame.
+/// One reading of a range finder in the maze frame.
 struct Beam {
-  double x = 0.0, y = 0.0;  ///< where it starts [m]
+  double x = 0.0, y = 0.0;  ///< origin [m]
   double direction = 0.0;   ///< [rad]
-  double distance = 0.0;    ///< free so far [m]
-  bool hit = false;         ///< something is there; else it only saw that far
+  double distance = 0.0;    ///< free distance [m]
+  bool hit = false;         ///< an obstacle is at the end; false: the end of the range
 };
 
-/// Every cell has a count of evidence, 0 to kMost. A beam that ends well inside of a cell adds one
-/// to it: walls and doors are near the borders only. A beam that goes through the middle of a cell
-/// takes one away. A cell is held for blocked from kEnough on, until it is empty again.
+/// Every cell has a count of evidence from 0 to kMost. A beam that ends well inside a cell
+/// increments it, because walls and doors are only near the borders. A beam through the centre of a
+/// cell decrements it. A cell is blocked from kEnough on until the count is 0 again.
 class ObstacleMap {
  public:
   static constexpr int kEnough = 2, kMost = 4;
 
   ObstacleMap() = default;
-  /// Keeps the plan's measures. Precondition: maze outlives the call only.
+  /// Copies the dimensions of the maze, which need not outlive the call.
   explicit ObstacleMap(const cogrsim::MazeModel& maze);
 
-  /// Cells that changed, free to blocked or back. `own`: where the robot is; no obstacle is there.
+  /// Processes a beam and returns the cells that became blocked or free. `own` is the cell of the
+  /// robot,
+/// which has no obstacle.
   std::vector<Cell> see(const Beam& beam, const Cell& own);
   bool blocked(const Cell& cell) const;
-  /// Everything is held for free again.
+  /// Marks all cells as free.
   void forget();
-  /// Cells held for blocked.
+  /// The blocked cells.
   int count() const;
 
   std::vector<int> evidence() const { return evidence_; }
-  /// Precondition: as many as evidence() gave.
+  /// Restores the output of evidence(). Precondition: the number of entries is the same.
   void set_evidence(std::vector<int> evidence);
 
  private:

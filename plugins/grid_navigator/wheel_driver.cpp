@@ -11,7 +11,7 @@ namespace {
 
 using cogrsim::kPi;
 
-// Of a cell's length this is 2.5 cm aside; steering does the rest.
+// Over the length of a cell this is a lateral error of 2.5 cm, which the steering corrects.
 constexpr double kAligned = 0.05;         // [rad]
 constexpr double kAlignedRate = 1.0;      // [rad/s]
 constexpr double kTurnGain = 8.0;         // on the move: turn rate per heading error [1/s]
@@ -19,7 +19,7 @@ constexpr double kSpotGain = 14.0;        // on the spot [1/s]
 constexpr double kAsideGain = 4.0;        // heading per distance from the line [rad/m]
 constexpr double kMaxAsideHeading = 0.3;  // [rad]
 constexpr double kCentred = 0.05;         // [m]
-constexpr double kProgress = 0.01;        // less than this counts as none [m]
+constexpr double kProgress = 0.01;        // a smaller motion does not count as progress [m]
 
 double towards(double value, double wanted, double change) {
   return value + std::clamp(wanted - value, -change, change);
@@ -82,7 +82,7 @@ void WheelDriver::place(const Cell& cell, const PlanarPose& pose) {
   const double dy = (cell.row + 0.5) * settings_.cell - pose.y;
   state_ = State::idle;
   if (std::max(std::abs(dx), std::abs(dy)) < kCentred) return;
-  // A robot that was left between two cells is aside in one direction only.
+  // A robot between two cells has an offset in one direction only.
   action_ = std::abs(dx) > std::abs(dy) ? (dx > 0 ? Action::east : Action::west)
                                         : (dy > 0 ? Action::north : Action::south);
   state_ = State::turning;
@@ -126,7 +126,8 @@ WheelDriver::Track WheelDriver::track_to(const Cell& cell, const PlanarPose& pos
 
 bool WheelDriver::may_extend(const PlanarPose& pose) const {
   if (state_ != State::driving) return false;
-  // It brakes with `acceleration` from here on; a little earlier, or it would already slow down.
+  // Slightly before the point where it has to brake with `acceleration`, so that it does not slow
+  // down.
   const double brake = now_.forward * now_.forward / (2 * settings_.acceleration);
   return track_to(to_, pose).along < brake + 0.05 * settings_.cell;
 }
@@ -156,7 +157,7 @@ Velocity WheelDriver::turn(const PlanarPose& pose) {
     best_along_ = track_to(to_, pose).along;
     return {};
   }
-  // The fastest turn that can still be braked, linear near the end.
+  // The fastest turn rate from which it can stop in time, linear near the end.
   const double size = std::min({settings_.turn_rate, kSpotGain * std::abs(error),
                                 std::sqrt(2 * settings_.turn_acceleration * std::abs(error))});
   return {0.0, std::copysign(size, error)};
@@ -168,7 +169,7 @@ Velocity WheelDriver::drive(const PlanarPose& pose, double ahead, double speed, 
     finish(false);
     return {};
   }
-  // What is seen ahead must leave room to stand on the target.
+  // An obstacle ahead must leave enough clearance at the target.
   if (ahead < left.along + settings_.clearance) {
     give_up();
     return {};
@@ -184,7 +185,7 @@ Velocity WheelDriver::drive(const PlanarPose& pose, double ahead, double speed, 
 Velocity WheelDriver::go_back(const PlanarPose& pose, double speed, double period) {
   const Track left = track_to(from_, pose);
   going_back_ += period;
-  // What jams it on the way back, too, is left behind by whatever is tried next.
+  // If the robot is also blocked on its return, the next action starts from here.
   const bool stuck = going_back_ > 4 * settings_.patience;
   if (left.along > -settings_.arrival || stuck) {
     finish(true);

@@ -15,15 +15,15 @@ namespace joint_pid {
 namespace {
 
 /// Names separated by spaces or commas.
-std::vector<std::string> words(const std::string& text) {
+std::vector<std::string> split_names(const std::string& text) {
   std::vector<std::string> out;
-  std::string word;
+  std::string name;
   for (const char c : text + " ") {
     if (c == ' ' || c == ',' || c == '\t' || c == '\n') {
-      if (!word.empty()) out.push_back(word);
-      word.clear();
+      if (!name.empty()) out.push_back(name);
+      name.clear();
     } else {
-      word += c;
+      name += c;
     }
   }
   return out;
@@ -46,7 +46,7 @@ class JointPid final : public cogrsim::Controller {
   std::vector<double> per_motor(cogrsim::Assembly& robot, const std::string& name,
                                 std::size_t motors);
 
-  std::optional<cogrsim::Assembly> robot_;  // a copy: the one of configure() is gone afterwards
+  std::optional<cogrsim::Assembly> robot_;  // a copy, because that of configure() is destroyed
   std::vector<Loop> loops_;
 };
 
@@ -65,7 +65,7 @@ std::vector<double> JointPid::per_motor(cogrsim::Assembly& robot, const std::str
 
 void JointPid::configure(cogrsim::Assembly& robot) {
   robot_ = robot;
-  const auto names = words(robot.parameter<std::string>("motors"));
+  const auto names = split_names(robot.parameter<std::string>("motors"));
   if (names.empty()) {
     robot.fail("parameter 'motors': expected the name of at least one motor");
     return;
@@ -124,7 +124,7 @@ void JointPid::restore(const std::string& memory) {
   for (Loop& loop : loops_) {
     double integral = 0.0;
     if (!(in >> integral)) {
-      throw std::runtime_error("the memory is of another number of motors than " +
+      throw std::runtime_error("the state has another number of motors than " +
                                std::to_string(loops_.size()));
     }
     loop.pid.set_integral_output(integral);
@@ -144,5 +144,5 @@ COGRSIM_CONTROLLER(
     parameter("ki", std::vector<double>{0.0}, "", "output per coordinate and second, SI")
         .range(0.0, 1e9),
     parameter("kd", std::vector<double>{1.0}, "", "output per speed, SI").range(0.0, 1e9),
-    parameter("limit", std::vector<double>{0.0}, "", "bound of the output, SI; 0: the motor's own")
+    parameter("limit", std::vector<double>{0.0}, "", "limit of the output, SI; 0: the motor's own")
         .range(0.0, 1e12))

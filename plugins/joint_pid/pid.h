@@ -4,12 +4,13 @@
 namespace joint_pid {
 
 /// Output u = kp e + ki I - kd v, clamped to +-limit, with the error e = target - position, its
-/// integral I and the measured speed v. The derivative acts on the measurement, not on the error,
-/// so a jump of the target does not kick.
+/// integral I and the measured speed v. The derivative acts on the measurement and not on the
+/// error, so that a step of the target causes no derivative kick.
 ///
-/// Anti-windup, twofold: while the output is clamped, an error that would push it further out is
-/// not integrated (conditional integration; Åström and Hägglund, Advanced PID Control, 2006, 3.5),
-/// and ki I alone never exceeds the limit.
+/// There are two anti-windup measures: while the output is clamped, an error that would increase it
+/// further is not integrated (conditional integration; Åström and Hägglund, Advanced PID Control,
+/// 2006,
+/// 3.5), and ki I alone never exceeds the limit.
 class Pid {
  public:
   struct Gains {
@@ -22,11 +23,13 @@ class Pid {
   Pid() = default;
   explicit Pid(const Gains& gains) : gains_(gains) {}
 
-  /// `position` and `velocity` of the joint, `dt` since the update before [s].
+  /// Computes the output from the `position` and `velocity` of the joint; `dt` is the time since
+  /// the
+/// previous update [s].
   double update(double target, double position, double velocity, double dt);
-  /// ki I: what the integral contributes to the output.
+  /// The contribution ki I of the integral to the output.
   double integral_output() const { return integral_; }
-  /// Goes on with the integral of another time.
+  /// Restores the contribution of the integral.
   void set_integral_output(double value) { integral_ = value; }
 
  private:

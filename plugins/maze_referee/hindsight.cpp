@@ -10,7 +10,7 @@ using cogrsim::Grid;
 
 using cogrsim::Side;
 
-/// The cell a step leads to; nothing where it cannot be made.
+/// The target cell of a step; nullopt if the step is not possible.
 std::optional<int> beyond(const Grid& grid, int from, Side side) {
   const Cell at = grid.cell(from);
   const Cell to{at.row + (side == Side::north) - (side == Side::south),
@@ -21,7 +21,7 @@ std::optional<int> beyond(const Grid& grid, int from, Side side) {
 
 double turning(const Pace& pace, int heading, int side) {
   if (heading == side) return 0.0;
-  // north 0, south 1, east 2, west 3: opposites are pairs.
+  // north 0, south 1, east 2, west 3: opposite directions are pairs.
   return heading / 2 == side / 2 ? pace.half : pace.quarter;
 }
 
@@ -42,7 +42,7 @@ std::optional<int> fewest_steps(const cogrsim::MazeModel& maze, const Task& task
     since = std::min(since, cube.since);
   }
 
-  // By errand, cell and heading; infinite: k steps do not lead there.
+  // Time by errand, cell and heading; infinite: not reachable in k steps.
   const auto state = [&](int errand, int cell, int heading) {
     return (static_cast<std::size_t>(errand) * cells + static_cast<std::size_t>(cell)) * 4 +
            static_cast<std::size_t>(heading);
@@ -56,7 +56,7 @@ std::optional<int> fewest_steps(const cogrsim::MazeModel& maze, const Task& task
     now[state(first, start, heading)] = 0.0;
   }
 
-  // A shortest way is at no place twice on one errand.
+  // A shortest path visits no cell twice in one errand.
   for (int count = 1; count <= 2 * static_cast<int>(cells); ++count) {
     std::vector<double> next(cells * 8, cogrsim::kBlocked);
     for (int errand = 0; errand < 2; ++errand) {

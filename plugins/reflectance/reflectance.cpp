@@ -1,4 +1,4 @@
-// A row of reflectance elements that looks at the floor, as line followers carry it. See README.md.
+// A row of reflectance elements that point at the floor, for line followers. See README.md.
 #include <array>
 #include <cmath>
 #include <string>
@@ -12,23 +12,24 @@ namespace {
 
 using cogrsim::Vec3;
 
-/// Light per sRGB value, IEC 61966-2-1.
+/// Linear light of an sRGB value, IEC 61966-2-1.
 double to_linear(double value) {
   return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
 }
 
-/// Relative luminance by the weights of ITU-R BT.709, 0 to 1.
+/// Relative luminance with the weights of ITU-R BT.709, 0 to 1.
 double luminance(const cogrsim::Color& color) {
   return 0.2126 * to_linear(color.r) + 0.7152 * to_linear(color.g) + 0.0722 * to_linear(color.b);
 }
 
-/// A ray of the spot: off the middle by this times the spot's radius, and its share of the mean.
+/// A ray of the spot: its offset from the centre as a multiple of the radius, and its weight.
 struct SpotRay {
   double y, z, weight;
 };
 
-/// The mean over a disc from seven points, exact for polynomials up to degree 5 (Abramowitz and
-/// Stegun, formula 25.4.61): the middle with 1/4, six at sqrt(2/3) of the radius with 1/8 each.
+/// Mean over a disc from seven points, exact for polynomials up to degree 5 (Abramowitz and Stegun,
+/// formula 25.4.61): the centre with weight 1/4, and six points at sqrt(2/3) of the radius with
+/// 1/8.
 std::array<SpotRay, 7> spot_rays() {
   std::array<SpotRay, 7> out{};
   out[0] = {0.0, 0.0, 0.25};
@@ -70,11 +71,11 @@ class Reflectance final : public cogrsim::Sensor {
 
   std::vector<cogrsim::Channel> channels() const override { return channels_; }
 
-  cogrsim::Result<> read(cogrsim::Sensing& sensing, cogrsim::Reading& reading) override {
+  cogrsim::Result<> read(cogrsim::SensorContext& context, cogrsim::Reading& reading) override {
     cogrsim::Pose X_WS = X_BS_;
     ignored_.clear();
     if (body_ != cogrsim::kWorld) {
-      X_WS = sensing.frame().state.poses[static_cast<std::size_t>(body_)] * X_BS_;
+      X_WS = context.frame().state.poses[static_cast<std::size_t>(body_)] * X_BS_;
       ignored_.push_back(body_);
     }
     rays_.resize(starts_.size());
@@ -83,11 +84,11 @@ class Reflectance final : public cogrsim::Sensor {
       rays_[i].direction = X_WS.q * Vec3::UnitX();
       rays_[i].max_distance = range_;
     }
-    sensing.rays().cast(rays_, hits_, ignored_);
+    context.rays().cast(rays_, hits_, ignored_);
     reading.values.assign(channels_.size(), 0.0);
     for (std::size_t i = 0; i < hits_.size(); ++i) {
-      if (!hits_[i]) continue;  // no light comes back
-      reading.values[i / per_element_] += weights_[i] * luminance(sensing.surface_color(hits_[i]));
+      if (!hits_[i]) continue;  // no reflected light
+      reading.values[i / per_element_] += weights_[i] * luminance(context.surface_color(hits_[i]));
     }
     return {};
   }
@@ -98,9 +99,9 @@ class Reflectance final : public cogrsim::Sensor {
   double range_ = 0.0;           // [m]
   std::size_t per_element_ = 1;  // rays
   std::vector<cogrsim::Channel> channels_;
-  std::vector<Vec3> starts_;     // of all rays, sensor's frame
+  std::vector<Vec3> starts_;     // of all rays, in the sensor frame [m]
   std::vector<double> weights_;  // of all rays
-  // Kept so that a reading allocates nothing.
+  // Reused, so that a reading allocates no memory.
   std::vector<int> ignored_;
   std::vector<cogrsim::Ray> rays_;
   std::vector<cogrsim::RayHit> hits_;
@@ -112,7 +113,7 @@ class Reflectance final : public cogrsim::Sensor {
 COGRSIM_SENSOR(
     reflectance::Reflectance, "reflectance", version("1.0.0"),
     summary("row of reflectance elements for following lines on the floor"),
-    parameter("elements", 8, "how many, side by side along y").range(1, 64),
-    parameter("pitch", 0.0095, "m", "from one element to the next").range(0.0, 1.0),
-    parameter("range", 0.03, "m", "what is further away reads 0").range(0.0, 10.0),
-    parameter("spot", 0.002, "m", "radius of what one element sees; 0: one point").range(0.0, 1.0))
+    parameter("elements", 8, "number of elements, side by side along y").range(1, 64),
+    parameter("pitch", 0.0095, "m", "distance between neighbouring elements").range(0.0, 1.0),
+    parameter("range", 0.03, "m", "farther surfaces give 0").range(0.0, 10.0),
+    parameter("spot", 0.002, "m", "radius of the spot of an element; 0: one point").range(0.0, 1.0))

@@ -17,7 +17,7 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 
 struct Unit {
   const char* name;
-  double factor;  // to SI
+  double factor;  // conversion to SI
 };
 constexpr Unit kUnits[] = {{"s", 1},           {"ms", 1e-3},         {"rad", 1},   {"deg", kDegree},
                            {"m", 1},           {"cm", 1e-2},         {"mm", 1e-3}, {"rad/s", 1},
@@ -40,14 +40,14 @@ std::vector<std::string_view> fields_of(std::string_view line) {
   }
 }
 
-/// Independent of the locale; the whole field must be one finite number.
+/// Parses a field, independently of the locale; the whole field must be one finite number.
 bool read_number(std::string_view field, double& out) {
   if (!field.empty() && field.front() == '+') field.remove_prefix(1);
   const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), out);
   return status == std::errc() && end == field.data() + field.size() && std::isfinite(out);
 }
 
-/// Splits "elbow [deg]" into name and factor; false when the unit is not known.
+/// Splits "elbow [deg]" into name and factor; false if the unit is unknown.
 bool read_column(std::string_view field, std::string& name, std::string& unit, double& factor) {
   factor = 1.0;
   unit.clear();
@@ -73,7 +73,7 @@ std::string unit_names() {
   return out;
 }
 
-/// Reads header and rows one line at a time, collecting errors as it goes.
+/// Reads header and rows line by line and collects errors.
 class Reader {
  public:
   explicit Reader(std::string name) : name_(std::move(name)) {}
@@ -121,7 +121,7 @@ class Reader {
       if (column.empty()) bad_header("column " + std::to_string(i + 1) + " has no name");
       auto& columns = out_.trajectory.columns;
       if (i > 0 && std::find(columns.begin(), columns.end(), column) != columns.end()) {
-        bad_header("column '" + column + "' stands there twice");
+        bad_header("column '" + column + "' appears twice");
       }
       if (i > 0) columns.push_back(column);
       factors_.push_back(factor);
@@ -151,7 +151,7 @@ class Reader {
     }
     auto& times = out_.trajectory.times;
     if (!times.empty() && values[0] <= times.back()) {
-      fail("expected a time after that of the row before");
+      fail("expected a time after that of the previous row");
       return;
     }
     times.push_back(values[0]);
@@ -218,7 +218,7 @@ Parsed load_trajectory(const std::string& folder, const std::string& path) {
       fs::weakly_canonical(folder.empty() ? fs::path(".") : fs::path(folder), error);
   const fs::path full = fs::weakly_canonical(base / path, error);
   if (error) return failed("file '" + path + "': " + error.message());
-  // Compared element by element after links are resolved: "scene2" is not below "scene".
+  // Compared by path elements after resolving links: "scene2" is not inside "scene".
   const auto [at, rest] = std::mismatch(base.begin(), base.end(), full.begin(), full.end());
   if (at != base.end()) {
     return failed("file '" + path + "' lies outside the scene's folder " + base.string());

@@ -18,22 +18,24 @@ struct Parsed {
   std::vector<std::string> errors;  ///< "arm.csv:3: …"; empty: the trajectory is good
 };
 
-/// Reads `text`; `name` stands before every error. First row: `time`, then motor names, each with
-/// an optional unit in brackets (`elbow [deg]`). Then rows of numbers. Empty lines, lines that
-/// start with '#', spaces around fields, CRLF and a byte order mark are fine. Errors: a bad header,
-/// a field that is not a finite number, a row of another length, times that do not rise, no rows;
-/// ten at most are listed.
+/// Parses `text`; every error starts with `name`. The first row is `time` and then motor names,
+/// each with an optional unit in brackets (`elbow [deg]`). The other rows are numbers. Empty lines,
+/// lines that start with '#', spaces around fields, CRLF and a byte order mark are allowed. Errors,
+/// at most ten: an invalid header, a field that is not a finite number, a row of another length,
+/// times that do not rise, no rows.
 Parsed parse_trajectory(std::string_view text, const std::string& name);
 
-/// What happens after the last row.
+/// Behaviour after the last row.
 enum class AtEnd { hold, loop };
 
-/// Targets at `time` [s], linear between rows; before the first row the first. `loop` starts over
-/// after the last row, whose values should then equal the first's.
+/// Targets at `time` [s], interpolated linearly between rows; before the first row those of the
+/// first row. `loop` restarts after the last row, whose values should then equal those of the
+/// first.
 void sample(const Trajectory& trajectory, double time, AtEnd at_end, std::vector<double>& out);
 
-/// Reads the file `path`, relative to `folder` and below it, whatever links lie between.
-/// Errors (in `errors`): an absolute path, one that leaves the folder, unreadable, over 64 MB.
+/// Reads the file `path`, which is relative to `folder` and must be inside it after links are
+/// resolved. Errors (in `errors`): the path is absolute or leaves the folder, or the file is
+/// unreadable or larger than 64 MB.
 Parsed load_trajectory(const std::string& folder, const std::string& path);
 
 }  // namespace trajectory_player

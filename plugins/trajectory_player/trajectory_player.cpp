@@ -1,4 +1,4 @@
-// Plays a CSV file of joint targets into motors. See README.md.
+// Plays motor targets from a CSV file. See README.md.
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,7 +30,7 @@ class TrajectoryPlayer final : public cogrsim::Controller {
     for (std::size_t i = 0; i < motors_.size(); ++i) motors_[i].set(targets_[i]);
   }
 
-  // The time says it all.
+  // The state depends on the time only.
   std::optional<std::string> save() const override { return std::string(); }
 
  private:
@@ -48,7 +48,7 @@ class TrajectoryPlayer final : public cogrsim::Controller {
 COGRSIM_CONTROLLER(
     trajectory_player::TrajectoryPlayer, "trajectory_player", version("1.0.0"), author("CogRSim"),
     summary("plays a CSV file of motor targets, linear between its rows"),
-    parameter("file", "", "CSV file below the scene's folder").must_be_set(),
+    parameter("file", "", "CSV file inside the folder of the scene").must_be_set(),
     parameter("at_end", "hold", "after the last row: hold it, or loop").one_of({"hold", "loop"}),
     parameter("delay", 0.0, "s", "time at which the file's time 0 is played").range(-1e6, 1e6),
     parameter("playback_rate", 1.0, "", "2 plays twice as fast").range(1e-3, 1e3))

@@ -1,4 +1,4 @@
-// The hands of two robots that carry boxes, and the judge of their work. See README.md.
+// The grippers of two robots that carry boxes, and the evaluation of their work. See README.md.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -18,20 +18,20 @@ namespace {
 using cogrsim::Frame;
 using cogrsim::kNaN;
 using cogrsim::SceneModel;
-using cogrsim::Stage;
+using cogrsim::SupervisorContext;
 
 template <class Type>
-Type parameter(const Stage& stage, const std::string& name) {
-  return std::get<Type>(*stage.parameter(name));
+Type parameter(const SupervisorContext& context, const std::string& name) {
+  return std::get<Type>(*context.parameter(name));
 }
 
 struct Robot {
   std::string name;
-  std::string fork;   ///< body that holds
-  std::string joint;  ///< name of the one with which it holds
+  std::string fork;   ///< body to which boxes are attached
+  std::string joint;  ///< name of the joint with which a box is attached
   std::size_t controller = 0, output = 0;
-  bool wants = false;  ///< as of the last update
-  int carries = -1;    ///< body
+  bool wants = false;  ///< grip requested at the last update
+  int carries = -1;    ///< index of the attached body; -1: none
 };
 
 class TransportReferee final : public cogrsim::Supervisor {
@@ -41,16 +41,16 @@ class TransportReferee final : public cogrsim::Supervisor {
     contents.contacts = true;
     return contents;
   }
-  void configure(Stage& stage) override;
-  void update(const cogrsim::Tick& tick, Stage& stage) override;
+  void configure(SupervisorContext& context) override;
+  void update(const cogrsim::Tick& tick, SupervisorContext& context) override;
 
  private:
   Robot find_robot(const SceneModel& model, const std::string& name, const std::string& fork) const;
   void watch_model(const cogrsim::SceneModelPtr& model);
-  void work_hands(const Frame& frame, Stage& stage, Robot& robot);
+  void work_hands(const Frame& frame, SupervisorContext& context, Robot& robot);
   void count_collisions(const Frame& frame);
   int count_delivered(const Frame& frame) const;
-  void publish(const Frame& frame, Stage& stage);
+  void publish(const Frame& frame, SupervisorContext& context);
 
   std::array<Robot, 2> robots_;
   std::string boxes_name_;
@@ -92,41 +92,41 @@ Robot TransportReferee::find_robot(const SceneModel& model, const std::string& n
   throw std::runtime_error("no controller of '" + name + "' publishes an output 'grip'");
 }
 
-void TransportReferee::configure(Stage& stage) {
-  const SceneModel& model = *stage.frame().model;
-  std::istringstream names(parameter<std::string>(stage, "robots"));
+void TransportReferee::configure(SupervisorContext& context) {
+  const SceneModel& model = *context.frame().model;
+  std::istringstream names(parameter<std::string>(context, "robots"));
   std::string first, second, more;
   if (!(names >> first >> second) || names >> more || first == second) {
     throw std::runtime_error("'robots': expected the names of two assemblies");
   }
-  const auto fork = parameter<std::string>(stage, "fork");
+  const auto fork = parameter<std::string>(context, "fork");
   robots_ = {find_robot(model, first, fork), find_robot(model, second, fork)};
-  boxes_name_ = parameter<std::string>(stage, "boxes");
-  const auto zone = parameter<std::string>(stage, "zone");
+  boxes_name_ = parameter<std::string>(context, "boxes");
+  const auto zone = parameter<std::string>(context, "zone");
   const auto region = std::find_if(model.regions.begin(), model.regions.end(),
                                    [&](const auto& r) { return r.name == zone; });
   if (region == model.regions.end()) {
     throw std::runtime_error("there is no region '" + zone + "'");
   }
   if (region->type != cogrsim::RegionModel::Type::box || region->body != cogrsim::kWorld) {
-    throw std::runtime_error("region '" + zone + "' is not a box that stands still");
+    throw std::runtime_error("region '" + zone + "' is not a static box");
   }
   zone_ = *region;
   auto gap = cogrsim::Signal::parse({model, {}, {}}, "distance(" + first + ", " + second + ")");
   if (!gap) throw std::runtime_error(gap.error().text());
   gap_ = *gap;
-  reach_ = parameter<double>(stage, "reach");
-  end_run_ = parameter<bool>(stage, "end_run");
-  watch_model(stage.frame().model);
+  reach_ = parameter<double>(context, "reach");
+  end_run_ = parameter<bool>(context, "end_run");
+  watch_model(context.frame().model);
   if (boxes_.empty()) throw std::runtime_error("no body is named '" + boxes_name_ + ".…'");
-  publish(stage.frame(), stage);
+  publish(context.frame(), context);
 }
 
 void TransportReferee::watch_model(const cogrsim::SceneModelPtr& model) {
   if (model == model_) return;
   model_ = model;
   boxes_.clear();
-  // A scatter is no assembly: its things are known by the first part of their names.
+  // A scatter is not an assembly: its elements are identified by the prefix of their names.
   for (std::size_t i = 0; i < model->bodies.size(); ++i) {
     const auto& body = model->bodies[i];
     if (!body.removed && body.name.rfind(boxes_name_ + ".", 0) == 0) {
@@ -137,25 +137,25 @@ void TransportReferee::watch_model(const cogrsim::SceneModelPtr& model) {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
     const int assembly = cogrsim::find_assembly(*model, robot.name);
-    if (assembly < 0) throw std::runtime_error("'" + robot.name + "' is gone");
+    if (assembly < 0) throw std::runtime_error("'" + robot.name + "' was removed");
     for (const int body : cogrsim::bodies_of(*model, assembly)) {
       owner_[static_cast<std::size_t>(body)] = static_cast<char>(i);
     }
-    // What it holds counts as part of it.
+    // A held box counts as part of the robot.
     const int joint = cogrsim::find_joint(*model, robot.joint);
     robot.carries = joint < 0 ? -1 : model->joints[static_cast<std::size_t>(joint)].child;
     if (robot.carries >= 0) owner_[static_cast<std::size_t>(robot.carries)] = static_cast<char>(i);
   }
 }
 
-// Opens and closes the hand as the robot's controller publishes it.
-void TransportReferee::work_hands(const Frame& frame, Stage& stage, Robot& robot) {
+// Attaches and detaches boxes according to the output of the robot's controller.
+void TransportReferee::work_hands(const Frame& frame, SupervisorContext& context, Robot& robot) {
   const double grip = frame.controller_outputs[robot.controller][robot.output];
   const bool wants = grip > 0.5;
   if (wants == robot.wants) return;
   robot.wants = wants;
   if (!wants) {
-    if (robot.carries >= 0) stage.send(cogrsim::Detach{robot.joint});
+    if (robot.carries >= 0) context.send(cogrsim::Detach{robot.joint});
     return;
   }
   const auto& poses = frame.state.poses;
@@ -173,7 +173,7 @@ void TransportReferee::work_hands(const Frame& frame, Stage& stage, Robot& robot
   attach.parent = robot.fork;
   attach.child = model_->bodies[static_cast<std::size_t>(nearest)].name;
   attach.reach = reach_;
-  stage.send(attach);
+  context.send(attach);
 }
 
 void TransportReferee::count_collisions(const Frame& frame) {
@@ -198,40 +198,40 @@ int TransportReferee::count_delivered(const Frame& frame) const {
   }));
 }
 
-void TransportReferee::publish(const Frame& frame, Stage& stage) {
+void TransportReferee::publish(const Frame& frame, SupervisorContext& context) {
   const double gap = gap_.evaluate(frame);
   if (gap < nearest_) nearest_ = gap;
   const bool done = delivered_ == static_cast<int>(boxes_.size());
   if (done && !(done_at_ <= frame.time)) {
     done_at_ = frame.time;
-    stage.report("all boxes are delivered");
+    context.report("all boxes are delivered");
   }
-  stage.publish("delivered", delivered_);
-  stage.publish("left", static_cast<double>(boxes_.size()) - delivered_);
-  stage.publish("collisions", collisions_);
-  stage.publish("gap", gap);
-  stage.publish("nearest", nearest_);
-  stage.publish("time", done_at_);
-  stage.publish("success", done && collisions_ == 0 ? 1.0 : 0.0);
+  context.publish("delivered", delivered_);
+  context.publish("left", static_cast<double>(boxes_.size()) - delivered_);
+  context.publish("collisions", collisions_);
+  context.publish("gap", gap);
+  context.publish("nearest", nearest_);
+  context.publish("time", done_at_);
+  context.publish("success", done && collisions_ == 0 ? 1.0 : 0.0);
 }
 
-void TransportReferee::update(const cogrsim::Tick&, Stage& stage) {
+void TransportReferee::update(const cogrsim::Tick&, SupervisorContext& context) {
   if (ending_) {
-    // The frame in between has carried the verdict.
-    stage.send(cogrsim::EndRun{"all boxes are delivered"});
+    // The result was published in the frame before.
+    context.send(cogrsim::EndRun{"all boxes are delivered"});
     return;
   }
-  const Frame& frame = stage.frame();
+  const Frame& frame = context.frame();
   watch_model(frame.model);
   if (!started_) {
-    // A run that goes on from a snapshot may begin with a box in the hand.
+    // A run that is resumed from a snapshot may start with a held box.
     for (Robot& robot : robots_) robot.wants = robot.carries >= 0;
     started_ = true;
   }
-  for (Robot& robot : robots_) work_hands(frame, stage, robot);
+  for (Robot& robot : robots_) work_hands(frame, context, robot);
   count_collisions(frame);
   delivered_ = count_delivered(frame);
-  publish(frame, stage);
+  publish(frame, context);
   ending_ = end_run_ && done_at_ <= frame.time;
 }
 
@@ -240,17 +240,18 @@ void TransportReferee::update(const cogrsim::Tick&, Stage& stage) {
 
 COGRSIM_SUPERVISOR(
     transport_referee::TransportReferee, "transport_referee", version("1.0.0"), author("CogRSim"),
-    summary("fastens boxes to two robots that want to hold them, and judges how they are carried"),
+    summary("attaches boxes to two robots on request, and evaluates the transport"),
     parameter("robots", "", "the two assemblies, with a blank in between").must_be_set(),
-    parameter("boxes", "boxes", "scatter or assembly that has all the boxes"),
-    parameter("zone", "zone", "region where they belong: a box that stands still"),
-    parameter("fork", "fork", "body of each robot that boxes are fastened to"),
-    parameter("reach", 0.02, "m", "a box farther from the fork than that is not fastened")
+    parameter("boxes", "boxes", "scatter or assembly that contains all boxes"),
+    parameter("zone", "zone", "target region of the boxes, a static box"),
+    parameter("fork", "fork", "body of each robot to which boxes are attached"),
+    parameter("reach", 0.02, "m", "largest distance from the fork at which a box is attached")
         .range(0.0, 1.0),
     parameter("end_run", true, "the run ends when all boxes are delivered"),
-    output("delivered", "1", "boxes that stand in the zone and are let go"),
-    output("left", "1", "boxes that are not"),
-    output("collisions", "1", "times the robots, or what they hold, came to touch each other"),
-    output("gap", "m", "between the surfaces of the robots"),
-    output("nearest", "m", "the least gap so far"), output("time", "s", "when all were delivered"),
-    output("success", "1", "1 once all are delivered without a collision"))
+    output("delivered", "1", "number of boxes in the zone that are not held"),
+    output("left", "1", "number of other boxes"),
+    output("collisions", "1", "number of contacts between the robots, including held boxes"),
+    output("gap", "m", "distance between the surfaces of the robots"),
+    output("nearest", "m", "smallest gap so far"),
+    output("time", "s", "time at which all were delivered"),
+    output("success", "1", "1 if all are delivered without a collision"))

@@ -14,7 +14,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using Matrix = std::vector<std::vector<double>>;
 
-/// Random costs, kept apart from Grid: east[r][c] is between (r, c) and (r, c + 1), north alike.
+/// Random costs, independent of Grid: east[r][c] is between (r, c) and (r, c + 1), north alike.
 struct Landscape {
   int rows, columns;
   Matrix cell, east, north;
@@ -53,7 +53,7 @@ struct Landscape {
     return out;
   }
 
-  /// Between neighbours of any kind; the definition in grid.h written out anew.
+  /// Between neighbours of any kind; an independent implementation of the definition in grid.h.
   double step(int r, int c, int up, int right, bool unit) const {
     const int r2 = r + up, c2 = c + right;
     if (r2 < 0 || r2 >= rows || c2 < 0 || c2 >= columns) return kInfinity;
@@ -181,7 +181,7 @@ TEST_CASE("a heuristic saves work and a weight trades cost for it", "[algorithms
   CHECK(quick->cost == 30.0);
   CHECK(even->cost == 30.0);
   // Ties go to the cell furthest from the start, so on an open field A* walks straight there, one
-  // cell per step; Dijkstra looks at every cell nearer than 30.
+  // cell per step; Dijkstra expands every cell nearer than 30.
   CHECK(quick->expanded == 30);
   CHECK(even->expanded > 1000);
 
@@ -205,7 +205,7 @@ TEST_CASE("D* Lite stays optimal while the grid changes and expands less", "[alg
   d_star->set_grid(open);
   dijkstra->set_grid(open);
   RandomStream random(14, "changes");
-  std::size_t repaired = 0, anew = 0;
+  std::size_t repaired = 0, searched = 0;
   Cell here{0, 0};
   Cell goal{size - 1, size - 1};
   std::vector<Cell> ahead;
@@ -244,17 +244,18 @@ TEST_CASE("D* Lite stays optimal while the grid changes and expands less", "[alg
     check_path(d_star->grid(), *lite, here, goal);
     ahead = lite->cells;
     repaired += lite->expanded;
-    anew += whole->expanded;
+    searched += whole->expanded;
     // Walk, and begin somewhere else upon arrival.
     here = lite->cells.size() > 1 ? lite->cells[1] : Cell{draw(random, size), draw(random, size)};
     if (round % 100 == 99) goal = {draw(random, size), draw(random, size)};
   }
-  INFO("expanded " << repaired << " instead of " << anew << ", no way " << unreachable << " times");
-  CHECK(repaired < anew / 2);
-  CHECK(anew > 10000);
+  INFO("expanded " << repaired << " instead of " << searched << ", no path " << unreachable
+                   << " times");
+  CHECK(repaired < searched / 2);
+  CHECK(searched > 10000);
 }
 
-TEST_CASE("D* Lite hears of a corner that closes", "[algorithms][grid]") {
+TEST_CASE("D* Lite takes account of a corner that closes", "[algorithms][grid]") {
   // The diagonal from start to goal passes the upper end of the edge north of r0c0, which belongs to
   // neither of the two.
   auto planner = make<GridPlanner>("d_star_lite");
@@ -266,7 +267,7 @@ TEST_CASE("D* Lite hears of a corner that closes", "[algorithms][grid]") {
   CHECK(planner->plan({0, 1}, {1, 0})->cost == Approx(3.0 * std::sqrt(2.0)));
 }
 
-TEST_CASE("D* Lite repairs a closed way and a new short cut", "[algorithms][grid]") {
+TEST_CASE("D* Lite repairs a closed path and a new short cut", "[algorithms][grid]") {
   // Two rooms with two gaps; the near one closes, then a nearer one opens.
   auto planner = make<GridPlanner>("d_star_lite");
   planner->set_grid(Grid(9, 9));
@@ -284,7 +285,7 @@ TEST_CASE("D* Lite repairs a closed way and a new short cut", "[algorithms][grid
   CHECK(again->expanded == 0);  // nothing has changed
 }
 
-TEST_CASE("grid planners say what is wrong", "[algorithms][grid]") {
+TEST_CASE("grid planners report their errors", "[algorithms][grid]") {
   for (const std::string name : kPlanners) {
     INFO(name);
     auto planner = make<GridPlanner>(name);
@@ -295,7 +296,7 @@ TEST_CASE("grid planners say what is wrong", "[algorithms][grid]") {
     CHECK(has(said(planner->set_cost(Cell{4, 0}, 1.0)), "outside of the grid of 4 x 5"));
     CHECK(has(said(planner->set_cost(Cell{0, 0}, 0.0)), "must be above 0"));
     CHECK(has(said(planner->set_cost(Cell{0, 0}, std::nan(""))), "must be above 0"));
-    CHECK(has(said(planner->set_cost(GridEdge{{0, 0}, Side::south}, 1.0)), "rim"));
+    CHECK(has(said(planner->set_cost(GridEdge{{0, 0}, Side::south}, 1.0)), "outer edge"));
     CHECK(has(said(planner->set_cost(GridEdge{{9, 9}, Side::north}, 1.0)), "outside"));
     const auto stay = planner->plan({1, 1}, {1, 1});
     REQUIRE(stay);

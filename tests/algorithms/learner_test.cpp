@@ -198,7 +198,7 @@ TEST_CASE("learners converge to the values of a small process", "[algorithms][le
   CHECK(learner->value(0, 1) == Approx(discount * worth).margin(0.25));
 }
 
-TEST_CASE("a table survives being saved and goes on where it was", "[algorithms][learner]") {
+TEST_CASE("a table that was saved continues where it was", "[algorithms][learner]") {
   const std::string name = GENERATE(values<std::string>({"q_learning", "sarsa"}));
   const Folder folder;
   const Parameters parameters{{"table", std::string("values.txt")}, {"rate", 0.3}};
@@ -280,7 +280,7 @@ TEST_CASE("a damaged or foreign table is refused by file and line", "[algorithms
   CHECK(has(said(learner->save((folder.path / "no" / "such.txt").string())), "cannot write"));
 }
 
-TEST_CASE("learners say what is wrong", "[algorithms][learner]") {
+TEST_CASE("learners report their errors", "[algorithms][learner]") {
   auto learner = make<Learner>("sarsa");
   CHECK(has(said(learner->choose(1, 0, true)), "at least 1 is needed"));
   REQUIRE(learner->choose(1, 4, true));
@@ -290,7 +290,7 @@ TEST_CASE("learners say what is wrong", "[algorithms][learner]") {
   CHECK(has(said(learner->learn({1, 4, 0.0, 1, true, -1})), "actions 0 to 3, not 4"));
   CHECK(has(said(learner->learn({1, 0, std::nan(""), 1, true, -1})), "is no number"));
   CHECK(has(said(learner->learn({1, 0, 0.0, 9, false, 0})), "state 9 is not known"));
-  CHECK(has(said(learner->learn({1, 0, 0.0, 1, false, -1})), "sarsa needs the action"));
+  CHECK(has(said(learner->learn({1, 0, 0.0, 1, false, -1})), "sarsa needs the next action"));
   CHECK(learner->value(99) == 0.0);
   CHECK(learner->value(1, 77) == 0.0);
   CHECK(learner->table().front().visits == 0);  // none of it counted

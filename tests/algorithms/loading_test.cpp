@@ -18,24 +18,24 @@ using namespace cogrsim::test;
 namespace {
 
 ControllerModel asker(const std::string& name, int assembly) {
-  ControllerModel mind;
-  mind.name = name;
-  mind.plugin = "asker";
-  mind.rate = 10.0;
-  mind.assembly = assembly;
-  return mind;
+  ControllerModel controller;
+  controller.name = name;
+  controller.plugin = "asker";
+  controller.rate = 10.0;
+  controller.assembly = assembly;
+  return controller;
 }
 
-/// A ball with two minds that ask.
+/// A ball with two controllers that ask.
 ModelBuilder two_askers(const std::string& planner = "a_star", const std::string& table = {}) {
   ModelBuilder builder("askers");
   const int ball = builder.body("bot.ball", 1.0, Mat3::Identity(), Pose{});
   const int bot = builder.assembly("bot", {ball}, {});
-  for (const std::string name : {"bot.mind", "bot.other"}) {
-    ControllerModel mind = asker(name, bot);
-    mind.parameters["planner"] = planner;
-    mind.parameters["table"] = table;
-    builder.model.controllers.push_back(mind);
+  for (const std::string name : {"bot.driver", "bot.other"}) {
+    ControllerModel controller = asker(name, bot);
+    controller.parameters["planner"] = planner;
+    controller.parameters["table"] = table;
+    builder.model.controllers.push_back(controller);
   }
   return builder;
 }
@@ -66,7 +66,7 @@ std::vector<std::string> lines(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("every algorithm says what it is", "[algorithms][loading]") {
+TEST_CASE("every algorithm describes itself", "[algorithms][loading]") {
   int count = 0;
   for (const PluginPtr& plugin : loader().all()) {
     const PluginDescriptor& d = plugin->descriptor();
@@ -89,7 +89,7 @@ TEST_CASE("every algorithm says what it is", "[algorithms][loading]") {
   CHECK(count == 12);  // eleven, and the one in own/
 }
 
-TEST_CASE("what cannot be had is told with what can", "[algorithms][loading]") {
+TEST_CASE("an unknown algorithm is reported with the known ones", "[algorithms][loading]") {
   CHECK(has(said(load_algorithm<GridPlanner>(loader(), "rrt")),
             "'rrt' is a space-planner, and was asked for as a grid-planner"));
   const auto unknown = load_algorithm<GridPlanner>(loader(), "a_strar");
@@ -116,7 +116,7 @@ TEST_CASE("an algorithm outlives its loader", "[algorithms][loading]") {
   CHECK(planner->plan({0, 0}, {2, 2})->cost == 4.0);
 }
 
-TEST_CASE("a user's own algorithm is asked for in the same way", "[algorithms][loading]") {
+TEST_CASE("a user's own algorithm is requested in the same way", "[algorithms][loading]") {
   auto own = make<Steering>("beeline", {{"clearance", 0.2}});
   SteeringTask task;
   task.path = {{2.0, 0.0}};
@@ -128,13 +128,13 @@ TEST_CASE("a user's own algorithm is asked for in the same way", "[algorithms][l
 TEST_CASE("a controller asks for algorithms by name", "[algorithms][loading]") {
   const auto scene = two_askers().build();
   const std::string first = run(scene, 1);
-  const auto told = lines(first);
-  REQUIRE(told.size() == 4);  // two minds, two updates
-  CHECK(has(told[0], "path 5, choices "));
-  // The seed decides, and each mind draws for itself.
+  const auto reports = lines(first);
+  REQUIRE(reports.size() == 4);  // two controllers, two updates
+  CHECK(has(reports[0], "path 5, choices "));
+  // The seed decides, and each controller draws for itself.
   CHECK(run(scene, 1) == first);
   CHECK(run(scene, 2) != first);
-  CHECK(told[0] != told[1]);
+  CHECK(reports[0] != reports[1]);
 }
 
 TEST_CASE("a controller's mistakes in asking fail the load", "[algorithms][loading]") {
@@ -168,7 +168,7 @@ TEST_CASE("the document shows the sources that are built here", "[algorithms][lo
     out << std::ifstream(path).rdbuf();
     return out.str();
   };
-  const std::string document = text_of(COGRSIM_TEST_SOURCES "/docs/algorithms.md");
+  const std::string document = text_of(COGRSIM_TEST_SOURCES "/docs/plugins/algorithms.md");
   REQUIRE_FALSE(document.empty());
   for (const std::string file : {"beeline", "seeker"}) {
     const std::string source =

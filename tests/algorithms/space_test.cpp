@@ -1,5 +1,5 @@
-// Planners that sample a space: they find ways, repeat them, and the optimising one gets near to the
-// shortest way that is known.
+// Planners that sample a space: they find paths, repeat them, and the optimising one gets near to
+// the known shortest path.
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -30,7 +30,7 @@ double distance(const SpacePoint& a, const SpacePoint& b) {
   return std::sqrt(sum);
 }
 
-/// Ends in place, and its length is that of its pieces.
+/// Its ends are right, and its length is that of its pieces.
 void check_path(const SpaceProblem& problem, const SpacePath& path) {
   REQUIRE(path.points.size() >= 2);
   CHECK(path.points.front() == problem.start);
@@ -43,7 +43,7 @@ void check_path(const SpaceProblem& problem, const SpacePath& path) {
   CHECK(path.iterations <= problem.iterations);
 }
 
-/// Shortest way between two points on opposite sides, D from the centre of a disc of radius R:
+/// Shortest path between two points on opposite sides, D from the centre of a disc of radius R:
 /// two tangents and the arc between.
 double around(double D, double R) {
   return 2.0 * std::sqrt(D * D - R * R) + R * (kPi - 2.0 * std::acos(R / D));
@@ -51,7 +51,7 @@ double around(double D, double R) {
 
 }  // namespace
 
-TEST_CASE("sampling planners find the way through a gap", "[algorithms][space]") {
+TEST_CASE("sampling planners find a path through a gap", "[algorithms][space]") {
   const std::string name = GENERATE(values<std::string>({"rrt", "rrt_star"}));
   const auto seed = GENERATE(1u, 2u, 3u);
   SpaceProblem problem = unit_square();
@@ -63,14 +63,14 @@ TEST_CASE("sampling planners find the way through a gap", "[algorithms][space]")
   const auto path = make<SpacePlanner>(name, {}, seed)->plan(problem);
   if (!path) FAIL(path.error().text());
   check_path(problem, *path);
-  // The straight way to the gap's nearest corners and back.
+  // The straight path to the gap's nearest corners and back.
   const double shortest = std::hypot(0.35, 0.2) + 0.1 + std::hypot(0.35, 0.2);
   CHECK(path->length > shortest - 2.0 * problem.resolution);
   for (std::size_t i = 1; i < path->points.size(); ++i) {
     const SpacePoint &a = path->points[i - 1], &b = path->points[i];
     for (int k = 0; k <= 200; ++k) {
       const double s = k / 200.0;
-      // Between two points asked about, `resolution` apart, a corner may be cut that deep.
+      // Between two checked points, `resolution` apart, a corner may be cut that deep.
       CHECK_FALSE(
           in_wall({a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])}, problem.resolution));
     }
@@ -93,7 +93,7 @@ TEST_CASE("the seed alone decides a sampled path", "[algorithms][space]") {
     return out;
   };
   const auto first = plans(5);
-  // Whoever else draws in the same process changes nothing.
+  // Other random streams in the same process change nothing.
   auto other = make<SpacePlanner>(name == "rrt" ? "rrt_star" : "rrt", {}, 77);
   REQUIRE(other->plan(problem));
   const auto second = plans(5), different = plans(6);
@@ -102,10 +102,10 @@ TEST_CASE("the seed alone decides a sampled path", "[algorithms][space]") {
     CHECK(first[i].cost == second[i].cost);
     CHECK(first[i].points != different[i].points);
   }
-  CHECK(first[0].points != first[1].points);  // the stream goes on
+  CHECK(first[0].points != first[1].points);  // the stream continues
 }
 
-TEST_CASE("RRT* approaches the shortest way around a disc", "[algorithms][space]") {
+TEST_CASE("RRT* approaches the shortest path around a disc", "[algorithms][space]") {
   const double D = 0.4, R = 0.2, resolution = 0.005;
   const auto seed = GENERATE(1u, 2u, 3u);
   SpaceProblem problem = unit_square();
@@ -126,17 +126,18 @@ TEST_CASE("RRT* approaches the shortest way around a disc", "[algorithms][space]
   // From below: a chord between points `resolution` apart dips into the disc by at most its sagitta.
   CHECK(before >= around(D, R - resolution * resolution / (8.0 * R)) - 1e-12);
   // From above: n points leave no empty disc larger than about h = sqrt(ln n / (pi n)) = 0.019. A
-  // tree whose nodes are that far off the best way, in hops of the k-nearest radius r =
+  // tree whose nodes are that far off the best path, in hops of the k-nearest radius r =
   // sqrt(k / (pi n)), k = 1.1 e (1 + 1/2) ln n, r = 0.041, is longer by (h/r)^2 / 2 = 11 % if every
   // node were at its worst, on alternating sides. Offsets spread evenly over the disc have a mean
   // square of h^2/4 per axis, so that the expected excess is a quarter of it: 2.7 %.
   CHECK(before <= 1.027 * around(D, R));
 }
 
-TEST_CASE("RRT* weighs what a place costs", "[algorithms][space]") {
+TEST_CASE("RRT* weighs the cost of a position", "[algorithms][space]") {
   SpaceProblem problem = unit_square();
   problem.iterations = 4000;
-  // One may cross the disc, at ten times the price: the way around costs 0.90, straight on 4.4.
+  // The disc may be crossed, at ten times the cost: the path around costs 0.90, the straight one
+  // 4.4.
   problem.cost = [](const SpacePoint& p) {
     return std::hypot(p[0] - 0.5, p[1] - 0.5) < 0.2 ? 10.0 : 1.0;
   };
@@ -173,7 +174,7 @@ TEST_CASE("sampling planners work in more dimensions", "[algorithms][space]") {
   }
 }
 
-TEST_CASE("sampling planners say what is wrong", "[algorithms][space]") {
+TEST_CASE("sampling planners report their errors", "[algorithms][space]") {
   const std::string name = GENERATE(values<std::string>({"rrt", "rrt_star"}));
   auto planner = make<SpacePlanner>(name);
   const double nan = std::nan("");

@@ -1,4 +1,4 @@
-// Steering of vehicles that do what they are told: a unicycle driven along exact arcs.
+// Steering of ideal vehicles, which follow every command: a unicycle driven along exact arcs.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,7 +22,7 @@ void drive(PlanarPose& pose, const PlanarVelocity& velocity, double time) {
   pose.heading += 2.0 * half;
 }
 
-/// A task without accelerations' bounds, so that what is wanted is what comes out.
+/// A task without bounds of acceleration, so that the command is the wanted velocity.
 SteeringTask nimble(std::vector<PlanarPoint> path) {
   SteeringTask task;
   task.path = std::move(path);
@@ -94,7 +94,7 @@ TEST_CASE("pure pursuit converges onto a line and stops at its end", "[algorithm
   const auto end = follow(*steering, task, 30.0);
   CHECK(end.arrived);
   CHECK(gap(task.pose, {6.0, 0.0}) <= 0.01);
-  // It had braked before: it comes to rest within what is left.
+  // It had braked before: it comes to rest within the remaining distance.
   while (task.velocity.forward > 0.0) {
     const auto command = steering->steer(task);
     REQUIRE(command);
@@ -178,7 +178,7 @@ TEST_CASE("a potential field leads around an obstacle to the goal", "[algorithms
 
 TEST_CASE("a potential field reports its local minimum where it is", "[algorithms][steering]") {
   // An obstacle straight between: on the line the sum is k_a (3 - x) - k_r (1/d - 1/d_0) / d^2 with
-  // d = 1.5 - x - radius, which vanishes at one place before the obstacle.
+  // d = 1.5 - x - radius, which vanishes at one point before the obstacle.
   const double k_r = 1e-3, reach = 0.4;
   auto steering = make<Steering>("potential_field", {{"repulsion", k_r}, {"reach", reach}});
   SteeringTask task = nimble({{3.0, 0.0}});
@@ -209,7 +209,8 @@ TEST_CASE("a potential field reports its local minimum where it is", "[algorithm
   CHECK(task.pose.x == Approx(low).margin(1e-3));
 }
 
-TEST_CASE("a dynamic window never chooses what it cannot stop from", "[algorithms][steering]") {
+TEST_CASE("a dynamic window never chooses a velocity from which it cannot stop",
+          "[algorithms][steering]") {
   RandomStream random(21, "window");
   int moving = 0;
   for (int scene = 0; scene < 40; ++scene) {
@@ -260,7 +261,7 @@ TEST_CASE("a dynamic window never chooses what it cannot stop from", "[algorithm
   CHECK(moving > 500);  // it is not by standing still that it is safe
 }
 
-TEST_CASE("a dynamic window drives around what is in its way", "[algorithms][steering]") {
+TEST_CASE("a dynamic window drives around obstacles", "[algorithms][steering]") {
   auto steering = make<Steering>("dynamic_window");
   SteeringTask task;
   task.limits = {0.5, 0.0, 2.0, 1.0, 6.0};
@@ -287,7 +288,7 @@ TEST_CASE("a dynamic window drives around what is in its way", "[algorithms][ste
   CHECK(std::abs(task.pose.y) < 1e-9);
 }
 
-TEST_CASE("a dynamic window that cannot stop brakes and says so", "[algorithms][steering]") {
+TEST_CASE("a dynamic window that cannot stop brakes and reports it", "[algorithms][steering]") {
   auto steering = make<Steering>("dynamic_window");
   SteeringTask task;
   task.limits = {1.0, 0.0, 2.0, 1.0, 6.0};
@@ -301,7 +302,7 @@ TEST_CASE("a dynamic window that cannot stop brakes and says so", "[algorithms][
   CHECK(command->velocity.forward == Approx(1.0 - 1.0 * task.period));
 }
 
-TEST_CASE("steering says what is wrong", "[algorithms][steering]") {
+TEST_CASE("steering reports its errors", "[algorithms][steering]") {
   const std::string name =
       GENERATE(values<std::string>({"pure_pursuit", "potential_field", "dynamic_window"}));
   auto steering = make<Steering>(name);

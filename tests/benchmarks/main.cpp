@@ -233,7 +233,7 @@ int main(int argc, char** argv) {
       "  scripts/benchmark --quick                          the same in short, below two minutes\n"
       "  scripts/benchmark --scene pyramid --scene chain    two scenes of the table\n"
       "  scripts/benchmark --engine raw-ode --engine mujoco --rounds 21\n"
-      "  scripts/benchmark --json build/benchmarks.json --markdown docs/benchmarks.md\n"
+      "  scripts/benchmark --json build/benchmarks.json --markdown docs/dev/benchmarks.md\n"
       "  scripts/benchmark --allocations                    who allocates in a step, and from "
       "where\n",
       "scripts/benchmark"};

@@ -1,4 +1,4 @@
-// docs/benchmarks.md, from a run.
+// docs/dev/benchmarks.md, from a run.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -230,7 +230,7 @@ std::string settings_part(const std::vector<Row>& rows) {
 }
 
 std::string scenes_part() {
-  std::string out = "| scene | | what it must do | within |\n|---|---|---|---|\n";
+  std::string out = "| scene | | expected value | within |\n|---|---|---|---|\n";
   for (const SceneInfo& info : scene_list()) {
     const Scene scene = make_scene(info.name);
     if (scene.name == "tumbling" || scene.name == "grid") continue;
@@ -252,25 +252,24 @@ void write_markdown(const Results& results, const std::string& path, const std::
   std::string out =
       "# Benchmarks\n\n"
       "Written by `./scripts/benchmark --json build/benchmarks.json --markdown "
-      "docs/benchmarks.md`: "
-      "do not edit. The\nprograms are in [tests/benchmarks](../tests/benchmarks/), one for each "
+      "docs/dev/benchmarks.md`: "
+      "do not edit. The\nprograms are in [tests/benchmarks](../../tests/benchmarks/), one for each "
       "engine.\n\n";
   out += machine_part(results);
   out += "\n## Aims\n\n" + claims_part(results);
   out +=
       "\n## How it is measured\n\n"
-      "Each engine has a program that builds the same scene the way the engine's manual would and "
-      "makes the same steps.\nAll programs of a scene wait in processes of their own; after a "
-      "warm-up they take rounds in turn, one at a time. Given are\nmedians over the rounds and "
-      "quartiles of the processor time of all threads; a ratio is that of neighbouring rounds, so "
-      "that whatever else the machine does "
-      "hits\nboth. `cogrsim-X` is our backend X, its ratio is to `raw-X`; that of "
-      "`ignition-bullet` is to `raw-bullet`, that of\n`raw-simbody-mesh` to `cogrsim-cogrsim`. An "
-      "engine that cannot do a scene says why.\n\n"
-      "So that nobody is fast by doing something else, a value is compared after the warm-up:\n\n" +
+      "Each engine has a program that builds the same scene as the engine's manual recommends and "
+      "makes the same steps.\nEach program of a scene is a process; after a warm-up they run in "
+      "rounds, one at a time. The tables have the\nmedians over the rounds and the quartiles of the "
+      "processor time of all threads. A ratio is that of neighbouring rounds, so\nthat other load "
+      "affects both. `cogrsim-X` is our backend X, its ratio is to `raw-X`; that of "
+      "`ignition-bullet` is to\n`raw-bullet`, that of `raw-simbody-mesh` to `cogrsim-cogrsim`. If "
+      "an engine does not support a scene, the reason is given.\n\n"
+      "To ensure that all engines do the same work, a value is compared after the warm-up:\n\n" +
       scenes_part() +
-      "\nWhere a row says that an engine does something else, its time is not comparable. Nothing "
-      "sleeps.\n\n" +
+      "\nIf a row says that an engine does something else, its time is not comparable. Sleeping is "
+      "disabled.\n\n" +
       settings_part(results.table);
   out += "\n## Scenes\n" + table_part(results.table);
   if (!results.precision.empty()) {
@@ -283,7 +282,7 @@ void write_markdown(const Results& results, const std::string& path, const std::
         kPrecisionTime, link("bench-precision.svg"));
     for (const PrecisionPoint& point : results.precision) {
       if (!point.missing.empty()) {
-        out += fmt::format("\nNot there: {}, {}.\n", point.engine, point.missing);
+        out += fmt::format("\nNot measured: {}, {}.\n", point.engine, point.missing);
       }
     }
   }

@@ -1,4 +1,4 @@
-// What was measured, in words: for the terminal, as JSON, and as docs/benchmarks.md with pictures.
+// What was measured: for the terminal, as JSON, and as docs/dev/benchmarks.md with pictures.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -46,7 +46,7 @@ void print_scene(const std::vector<Row>& rows);
 void print_rest(const Results& results);
 void print_allocations(const std::vector<AllocationRow>& rows, int sites);
 
-/// One object per engine and scene; docs/benchmarks.md says what the keys mean.
+/// One object per engine and scene; docs/dev/benchmarks.md says what the keys mean.
 nlohmann::json to_json(const Results& results);
 
 /// Writes the page, and the pictures into `pictures`. Throws std::runtime_error.

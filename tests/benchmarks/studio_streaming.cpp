@@ -131,7 +131,7 @@ class Bench {
 
  private:
   static constexpr ClientId kMeter = 1u << 20;  // nobody whom the network knows
-  static constexpr const char* kOver = R"({"tell": "over"})";
+  static constexpr const char* kOver = R"({"topic": "over"})";
 
   static std::unique_ptr<Server> listen() {
     auto server = Server::listen({});

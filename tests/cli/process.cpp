@@ -40,7 +40,7 @@ void wait_for(pid_t child, Outcome& outcome) {
   take_status(outcome, status);
 }
 
-// Appends what is there to read; false: the other end was closed.
+// Appends the available bytes; false: the other end was closed.
 bool read_some(int descriptor, std::string& text) {
   char buffer[4096];
   const ssize_t count = read(descriptor, buffer, sizeof buffer);
@@ -204,9 +204,9 @@ std::set<std::string> listed_commands() {
   std::set<std::string> names;
   bool listed = false;
   for (std::string line; std::getline(help, line);) {
-    std::istringstream words(line);
+    std::istringstream fields(line);
     std::string name;
-    if (!(words >> name)) listed = false;
+    if (!(fields >> name)) listed = false;
     if (listed && line.rfind("  ", 0) == 0 && line[2] != ' ') names.insert(name);
     listed = listed || line == "Subcommands:";
   }

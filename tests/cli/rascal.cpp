@@ -1,4 +1,4 @@
-// A controller that does what it is told, to see what becomes of those around it.
+// A controller that misbehaves as commanded, to test the containment of its faults.
 #include "cogrsim/control/controller.h"
 #include "misdeed.h"
 

@@ -7,8 +7,8 @@ namespace {
 class Boss final : public cogrsim::Supervisor {
  public:
   ~Boss() override { misdeed::commit_at("rascal_boss.unmake"); }
-  void configure(cogrsim::Stage&) override { misdeed::commit_at("rascal_boss.configure"); }
-  void update(const cogrsim::Tick& tick, cogrsim::Stage&) override {
+  void configure(cogrsim::SupervisorContext&) override { misdeed::commit_at("rascal_boss.configure"); }
+  void update(const cogrsim::Tick& tick, cogrsim::SupervisorContext&) override {
     if (tick.time >= 0.1) misdeed::commit_at("rascal_boss.update");
   }
 };

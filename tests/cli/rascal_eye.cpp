@@ -15,9 +15,9 @@ class Eye final : public cogrsim::Sensor {
     return {};
   }
   std::vector<cogrsim::Channel> channels() const override { return {{"seen", "1"}}; }
-  cogrsim::Result<> read(cogrsim::Sensing& sensing, cogrsim::Reading& reading) override {
-    if (sensing.frame().time >= 0.1) misdeed::commit_at("rascal_eye.read");
-    reading.values[0] = sensing.frame().time;
+  cogrsim::Result<> read(cogrsim::SensorContext& context, cogrsim::Reading& reading) override {
+    if (context.frame().time >= 0.1) misdeed::commit_at("rascal_eye.read");
+    reading.values[0] = context.frame().time;
     return {};
   }
 };

@@ -31,7 +31,7 @@ class ToyWorld final : public World {
   double time() const override { return time_; }
 
   StepResult step(double dt, const std::vector<Drive>&) override {
-    if (time_ + dt > explode_at_) return {StepStatus::diverged, 0, "was told to explode"};
+    if (time_ + dt > explode_at_) return {StepStatus::diverged, 0, "exploded on request"};
     for (std::size_t i = 0; i < model_->bodies.size(); ++i) {
       if (model_->bodies[i].kind != BodyKind::dynamic || model_->bodies[i].removed) continue;
       const Vec3 g = model_->physics.gravity;

@@ -11,12 +11,13 @@ void coast(const AxisKind& kind) {
   const double u0 = 1.3;
   rig.start_speed(u0);
   Sim sim(rig.builder);
-  Worst speed, place;
+  Worst speed, coordinate;
   double t = 0.0, gap = 0.0, tilt = 0.0;
   sim.run(2.0, kDt, [&] {
     t += kDt;
     speed.see(rig.u(sim), u0);
-    place.see(rig.q(sim), kind.type == JointType::ball ? std::remainder(u0 * t, 2 * kPi) : u0 * t);
+    coordinate.see(rig.q(sim),
+                   kind.type == JointType::ball ? std::remainder(u0 * t, 2 * kPi) : u0 * t);
     const Joint& joint = sim.model().joints[0];
     const JointError error = joint_error(joint, relative_pose(joint, Pose(), sim.pose(rig.body)));
     gap = std::max(gap, error.distance);
@@ -24,7 +25,7 @@ void coast(const AxisKind& kind) {
   });
   // Nothing acts: only the constraint's own error, for which the loop's figure is taken.
   measure("speed error, relative", speed.error / u0, 1e-4);
-  measure("coordinate error, relative to the way", place.error / (u0 * t), 1e-4);
+  measure("coordinate error, relative to the way", coordinate.error / (u0 * t), 1e-4);
   measure("gap [m]", gap, 1e-4);
   measure("tilt [rad]", tilt, 1e-4);
   // A coordinate that belongs to the pose: what the body really did.
@@ -45,14 +46,14 @@ void spring(const AxisKind& kind) {
   rig.axis().rest = rest;
   rig.start_speed(u0);
   Sim sim(rig.builder);
-  Worst place;
+  Worst coordinate;
   double t = 0.0;
   sim.run(3.0, kDt, [&] {
     t += kDt;
-    place.see(rig.q(sim), rest * (1.0 - std::cos(w * t)) + u0 / w * std::sin(w * t));
+    coordinate.see(rig.q(sim), rest * (1.0 - std::cos(w * t)) + u0 / w * std::sin(w * t));
   });
   // First-order methods are out of phase by w dt / 2 and as much again in the velocity: w dt.
-  measure("coordinate error over amplitude", place.error / std::hypot(rest, u0 / w), 1e-2);
+  measure("coordinate error over amplitude", coordinate.error / std::hypot(rest, u0 / w), 1e-2);
   measure("effort error over the spring's largest",
           std::abs(rig.effort(sim) + stiffness * (rig.q(sim) - rest)) /
               (stiffness * std::hypot(rest, u0 / w)),

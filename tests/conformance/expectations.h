@@ -1,4 +1,4 @@
-// The committed table of what each backend is known to do.
+// The committed table of known results of each backend.
 #pragma once
 
 #include <map>
@@ -10,13 +10,13 @@ namespace conformance {
 
 struct Expectation {
   Status status = Status::pass;
-  std::string reason;                     ///< of an expected failure, written by a person
+  std::string reason;                     ///< of an expected failure, written by hand
   std::map<std::string, double> reached;  ///< figures beyond their limits, by label
-  std::string note;                       ///< what is unsupported, as the backend says it
+  std::string note;                       ///< what is unsupported, as the backend reports it
 };
 
-/// Figures of an expected failure may grow by this factor before they count as a change: room for
-/// another compiler or library version, not for a regression.
+/// Figures of an expected failure may grow by this factor before they count as a change: tolerance
+/// for another compiler or library version, not for a regression.
 inline constexpr double kReachedSlack = 1.25;
 
 /// Figure label under which failed assertions that measure nothing are counted.
@@ -31,7 +31,7 @@ class ExpectationTable {
   /// Empty when the outcome is what the table says; else what differs.
   std::string compare(const std::string& test, const Outcome& outcome) const;
 
-  /// Takes the status and the figures over; a reason stays while the test keeps failing.
+  /// Stores the status and the figures; a reason stays while the test keeps failing.
   void update(const std::string& test, const Outcome& outcome);
 
   const Expectation* find(const std::string& test) const;

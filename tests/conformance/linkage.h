@@ -1,4 +1,4 @@
-// A four-bar linkage in the x-z plane, and where its geometry puts its parts.
+// A four-bar linkage in the x-z plane, and the positions of its parts.
 #pragma once
 
 #include "support.h"

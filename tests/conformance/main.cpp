@@ -40,7 +40,7 @@ struct Options {
   bool update = false;
 };
 
-// What the reporter, which Catch constructs, needs from main().
+// State that the reporter, which Catch constructs, needs from main().
 struct Run {
   Options options;
   ExpectationTable table;
@@ -154,7 +154,7 @@ std::set<std::string> register_generated() {
   return names;
 }
 
-// Entries of tests that are gone would never be looked at again.
+// Entries of tests that no longer exist would never be checked again.
 int stale_entries(Run& run, const std::set<std::string>& names) {
   int stale = 0;
   for (auto entry = run.table.entries().begin(); entry != run.table.entries().end();) {

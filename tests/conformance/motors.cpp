@@ -35,7 +35,7 @@ void torque(const AxisKind& kind) {
     speed.see(rig.u(sim), acceleration * t);
     effort.see(sim.motor_effort(motor), acceleration * rig.inertia);
   });
-  // A constant effort is exact in the speed; the way has the first-order bias a dt t / 2.
+  // A constant effort is exact in the speed; the displacement has the first-order bias a dt t / 2.
   measure("speed error, relative", speed.error / (acceleration * seconds), 1e-4);
   measure("way error, relative",
           std::abs(rig.q(sim) / (0.5 * acceleration * seconds * seconds) - 1.0),
@@ -124,16 +124,16 @@ void position(const AxisKind& kind) {
   const int motor = rig.motor(MotorMode::position);
   Sim sim(rig.builder);
   const double target = 0.5, response = 0.2;
-  Worst place;
+  Worst coordinate;
   double t = 0.0;
   sim.drive(motor) = speed_source(target / response);
   sim.run(1.5, kDt, [&] {
     t += kDt;
-    place.see(rig.q(sim), target * (1.0 - std::exp(-t / response)));
+    coordinate.see(rig.q(sim), target * (1.0 - std::exp(-t / response)));
     sim.drive(motor) = speed_source((target - rig.q(sim)) / response);
   });
   // Reading q once a step errs by 0.37 dt / 2 T < 1e-3 of the step.
-  measure("position error over the step", place.error / target, kStepResponse);
+  measure("position error over the step", coordinate.error / target, kStepResponse);
 }
 
 }  // namespace

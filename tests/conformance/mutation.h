@@ -15,7 +15,7 @@ struct Mutation {
   double amount = 1.0;
 };
 
-/// Every fault there is, with what `amount` means: for --help.
+/// Every fault, with the meaning of `amount`: for --help.
 std::vector<std::string> mutation_help();
 
 /// "gravity=1.01". Errors: unknown name (lists what exists), no number.

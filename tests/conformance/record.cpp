@@ -28,6 +28,7 @@ void leave_unsupported(const std::string& note) {
 }
 
 void note_figure(const std::string& label, double value, double limit) {
+  if (current().given_up) return;
   for (Figure& figure : current().figures) {
     if (figure.label != label) continue;
     // Worst by its distance from its limit, which may differ from call to call.

@@ -1,14 +1,16 @@
-// What a test case found out about a backend: its status and the figures it measured.
+// Results of a test case for a backend: its status and the figures it measured.
 #pragma once
 
+#include <ctime>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace conformance {
 
-/// A measured figure against what it may be at most.
+/// A measured figure and its limit.
 struct Figure {
   std::string label;  ///< with its unit
   double value = 0.0;
@@ -26,6 +28,9 @@ struct Outcome {
   std::string note;                   ///< unsupported: what the backend lacks
   std::vector<Figure> figures;        ///< one per label: the worst seen
   std::vector<std::string> failures;  ///< of assertions that were not figures
+  std::clock_t start = std::clock();
+  double most_seconds = std::numeric_limits<double>::infinity();  ///< see give_up_after()
+  bool given_up = false;
 };
 
 /// The outcome of the test case that runs now.

@@ -1,4 +1,4 @@
-// Changing a running world the way a simulation does, in one line each.
+// Changing a running world as a simulation does, in one line each.
 #pragma once
 
 #include <functional>

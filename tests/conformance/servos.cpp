@@ -46,13 +46,13 @@ void pd(const AxisKind& kind) {
   Eigen::Matrix2d A;
   A << 0, 1, -w * w, -2.0 * damping_ratio * w;
   const LinearMotion motion(A, Eigen::Vector2d(-target, 0));
-  Worst place;
+  Worst coordinate;
   double t = 0.0;
   sim.run(2.0, kDt, [&] {
     t += kDt;
-    place.see(rig.q(sim), target + motion.at(t)[0]);
+    coordinate.see(rig.q(sim), target + motion.at(t)[0]);
   });
-  measure("position error over the step", place.error / target, kStepResponse);
+  measure("position error over the step", coordinate.error / target, kStepResponse);
 }
 
 // A constant load is taken up by the integral, which the caller adds as bias:
@@ -71,16 +71,16 @@ void pid(const AxisKind& kind) {
   A.row(1) << -kp, -kd, ki, pull;
   A.row(2) << -1, 0, 0, 0;
   const LinearMotion motion(A, Eigen::Vector4d(-target, 0, 0, 1));
-  Worst place;
+  Worst coordinate;
   double t = 0.0, integral = 0.0;
   sim.drive(motor) = servo(kp * rig.inertia, target, kd * rig.inertia);
   sim.run(3.0, kDt, [&] {
     t += kDt;
-    place.see(rig.q(sim), target + motion.at(t)[0]);
+    coordinate.see(rig.q(sim), target + motion.at(t)[0]);
     integral += (target - rig.q(sim)) * kDt;
     sim.drive(motor).bias = ki * rig.inertia * integral;
   });
-  measure("position error over the step", place.error / target, kStepResponse);
+  measure("position error over the step", coordinate.error / target, kStepResponse);
   measure("offset left by the load over the step", std::abs(rig.q(sim) - target) / target,
           kStepResponse);
 }

@@ -12,6 +12,11 @@ std::shared_ptr<const Backend> compared_with;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
+double seconds_taken() {
+  if (std::isinf(current().most_seconds)) return 0.0;
+  return double(std::clock() - current().start) / CLOCKS_PER_SEC;
+}
+
 }  // namespace
 
 const Backend& backend() {
@@ -39,7 +44,7 @@ void need(const std::string& feature) {
 
 void measure(const std::string& label, double value, double limit) {
   note_figure(label, value, limit);
-  // The text is what the reporter recognises a figure's failure by.
+  // The reporter recognises a figure's failure by this text.
   INFO("figure: " << label << " is " << value << ", at most " << limit << " wanted");
   CHECK(value <= limit);
 }
@@ -49,6 +54,8 @@ void measure_relative(const std::string& label, double value, double expected, d
 }
 
 void observe(const std::string& label, double value) { note_figure(label, value, kInfinity); }
+
+void give_up_after(double seconds) { current().most_seconds = seconds; }
 
 Sim::Sim(SceneModelPtr model, const Backend& engine) : model_(std::move(model)) {
   for (const Diagnostic& finding :
@@ -63,6 +70,11 @@ Sim::Sim(SceneModelPtr model, const Backend& engine) : model_(std::move(model)) 
 }
 
 void Sim::step(double dt) {
+  if (seconds_taken() > current().most_seconds) {
+    current().given_up = true;
+    current().figures.clear();
+    FAIL("gave up: the steps took more than " << current().most_seconds << " s of processor time");
+  }
   const StepResult result = world_->step(dt, drives);
   fresh_ = false;
   if (result.status != StepStatus::ok) {

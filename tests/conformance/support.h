@@ -1,4 +1,4 @@
-// What every conformance test uses: the backend under test, a world to run, figures to record.
+// Common parts of the conformance tests: the backend under test, a world to run, figures to record.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -39,6 +39,11 @@ void measure_relative(const std::string& label, double value, double expected, d
 /// Records a figure that nothing is asserted about.
 void observe(const std::string& label, double value);
 
+/// Fails the test case, without any figure, when its steps have taken so much processor time: for
+/// engines that take minutes over what others do in a second. The limit is ample, so that the outcome
+/// does not depend on the machine.
+void give_up_after(double seconds);
+
 /// A world with the state it is in, and one (idle) drive per motor.
 class Sim {
  public:
@@ -74,7 +79,7 @@ class Sim {
   double energy();
   Momentum momentum() { return momentum_of(*model_, state()); }
   std::uint64_t hash() { return state_hash(state()); }
-  /// Puts the world into `next`'s place after add() or remove().
+  /// Continues the world with the model `next` after add() or remove().
   void adopt_model() { model_ = world_->model(); }
   void forget_state() { fresh_ = false; }
 
@@ -100,7 +105,7 @@ double angle_between(const Quat& a, const Quat& b);
 
 /// A drive that is an ideal speed source bounded by `max_effort`.
 Drive speed_source(double velocity, double max_effort = kInfinity);
-/// A drive that pushes with `effort` whatever happens.
+/// A drive with the constant effort `effort`.
 Drive constant_effort(double effort);
 
 /// Least-squares line y = a + b t: its slope, without the disturbance of a start transient when the

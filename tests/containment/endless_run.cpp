@@ -1,4 +1,4 @@
-// Runs a robot whose controller is in a process of its own, has threads and children, and never ends.
+// Runs a robot whose controller is in a separate process, has threads and children, and never ends.
 #include <cstdio>
 
 #include "../support/flywheel.h"
@@ -8,11 +8,11 @@ int main(int count, char** arguments) {
   using namespace cogrsim;
   if (count != 3) return 2;
   test::BareFlywheel robot;
-  ControllerModel mind;
-  mind.plugin = "trouble";
-  mind.isolation = Isolation::process;
-  mind.parameters["what"] = std::string(arguments[2]);
-  robot.add_mind(mind);
+  ControllerModel controller;
+  controller.plugin = "trouble";
+  controller.isolation = Isolation::process;
+  controller.parameters["what"] = std::string(arguments[2]);
+  robot.add_controller(controller);
   SimulationOptions options;
   options.backend = "bullet";
   auto simulation =

@@ -1,5 +1,5 @@
-// Whatever a controller does in its own process, the simulation says so and goes on or ends as told;
-// and nothing is left of the process.
+// Whatever a controller does in its own process, the simulation reports it and continues or ends as
+// configured; nothing is left of the process.
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -48,7 +48,8 @@ bool soon(Condition&& condition) {
 
 }  // namespace
 
-TEST_CASE("what ends a controller's process is told and does not end the run", "[containment]") {
+TEST_CASE("the end of a controller's process is reported and does not end the run",
+          "[containment]") {
   if (kSanitized) COGRSIM_SKIP(kCatchesSignals);
   const auto c = GENERATE(values<Case>({{"segv", "crashed (SIGSEGV) in update"},
                                         {"overflow", "crashed (SIGSEGV) in update"},
@@ -59,9 +60,9 @@ TEST_CASE("what ends a controller's process is told and does not end the run", "
                                         {"exit-quietly", "ended its process (exit code 0)"}}));
   const std::string backend = GENERATE(engines());
   const auto policy = GENERATE(FaultPolicy::stop_controller, FaultPolicy::end_run);
-  ControllerModel mind = trouble(c.what);
-  mind.on_fault = policy;
-  auto simulation = simulate(flywheel(mind), backend);
+  ControllerModel controller = trouble(c.what);
+  controller.on_fault = policy;
+  auto simulation = simulate(flywheel(controller), backend);
   const RunStatus end = simulation->run_until(0.2);
   INFO(messages_of(*simulation));
   CHECK_THAT(messages_of(*simulation),
@@ -72,9 +73,9 @@ TEST_CASE("what ends a controller's process is told and does not end the run", "
 
 TEST_CASE("one that does not come back is killed at its deadline", "[containment]") {
   const std::string what = GENERATE("hang", "spin", "stop");
-  ControllerModel mind = trouble(what);
-  mind.deadline = 0.3;
-  auto simulation = simulate(flywheel(mind), "bullet");
+  ControllerModel controller = trouble(what);
+  controller.deadline = 0.3;
+  auto simulation = simulate(flywheel(controller), "bullet");
   const auto begin = std::chrono::steady_clock::now();
   CHECK(simulation->run_until(0.2) == RunStatus::completed);
   CHECK(std::chrono::steady_clock::now() - begin >= std::chrono::milliseconds(300));
@@ -84,12 +85,12 @@ TEST_CASE("one that does not come back is killed at its deadline", "[containment
   CHECK(descendants(::getpid()).empty());
 }
 
-TEST_CASE("memory beyond what is allowed is not to be had", "[containment]") {
+TEST_CASE("memory beyond the limit is refused", "[containment]") {
   if (kSanitized) COGRSIM_SKIP(kCatchesSignals);
   const std::string what = GENERATE("memory", "malloc");
-  ControllerModel mind = trouble(what);
-  mind.memory = 100e6;
-  auto simulation = simulate(flywheel(mind), "bullet");
+  ControllerModel controller = trouble(what);
+  controller.memory = 100e6;
+  auto simulation = simulate(flywheel(controller), "bullet");
   CHECK(simulation->run_until(0.2) == RunStatus::completed);
   INFO(messages_of(*simulation));
   CHECK_THAT(messages_of(*simulation), Contains("it may take 100 MB of memory"));
@@ -97,18 +98,19 @@ TEST_CASE("memory beyond what is allowed is not to be had", "[containment]") {
              Contains(what == "memory" ? "threw in update: std::bad_alloc" : "crashed (SIGSEGV)"));
 }
 
-TEST_CASE("faults that need no process are told as without one", "[containment]") {
+TEST_CASE("faults that need no process are reported as without one", "[containment]") {
   const std::string what = GENERATE("throw", "nan", "nothing", "chatter");
-  std::string told[2];
+  std::string messages[2];
   for (const bool own : {false, true}) {
-    ControllerModel mind = trouble(what);
-    mind.isolation = own ? Isolation::process : Isolation::none;
-    auto simulation = simulate(flywheel(mind), "bullet");
+    ControllerModel controller = trouble(what);
+    controller.isolation = own ? Isolation::process : Isolation::none;
+    auto simulation = simulate(flywheel(controller), "bullet");
     simulation->run_until(0.1);
-    told[own] = messages_of(*simulation) + std::to_string(state_hash(simulation->frame()->state));
+    messages[own] =
+        messages_of(*simulation) + std::to_string(state_hash(simulation->frame()->state));
   }
-  CHECK(told[0] == told[1]);
-  CHECK(told[0].empty() == false);
+  CHECK(messages[0] == messages[1]);
+  CHECK(messages[0].empty() == false);
 }
 
 TEST_CASE("mistakes in configure are errors of the load", "[containment]") {
@@ -145,7 +147,7 @@ void check_nothing_is_left(const std::string& what) {
   }
   CHECK(descendants(::getpid()).empty());
   CHECK(open_files() == files);
-  // Not even something to be waited for.
+  // Not even a zombie process.
   CHECK(::waitpid(-1, nullptr, WNOHANG) == -1);
 }
 
@@ -169,7 +171,7 @@ TEST_CASE("when the simulation is killed its controllers die", "[containment]") 
   if (run == 0) {
     ::dup2(ends[1], STDOUT_FILENO);
     ::close(ends[0]);
-    ::execl(COGRSIM_ENDLESS_RUN, "endless", COGRSIM_TEST_MINDS, what.c_str(), nullptr);
+    ::execl(COGRSIM_ENDLESS_RUN, "endless", COGRSIM_TEST_CONTROLLERS, what.c_str(), nullptr);
     ::_exit(127);
   }
   ::close(ends[1]);
@@ -177,7 +179,7 @@ TEST_CASE("when the simulation is killed its controllers die", "[containment]") 
     char word[8] = {};
     REQUIRE(::read(ends[0], word, sizeof word) == 8);  // "running\n"
   }
-  const std::size_t least = what == "children" ? 4 : 2;  // guard, controller, its children
+  const std::size_t least = what == "children" ? 4 : 2;  // watchdog, controller, its children
   REQUIRE(soon([&] { return descendants(run).size() >= least; }));
   const std::vector<pid_t> processes = descendants(run);
   ::kill(run, SIGKILL);
@@ -190,7 +192,7 @@ TEST_CASE("when the simulation is killed its controllers die", "[containment]") 
 }
 
 TEST_CASE("a controller's process has a number of its own", "[containment]") {
-  auto simulation = simulate(flywheel(trouble("tell")), "bullet");
+  auto simulation = simulate(flywheel(trouble("publish-pid")), "bullet");
   simulation->step();
   const double pid = simulation->frame()->controller_outputs[0][1];
   CHECK(pid != static_cast<double>(::getpid()));
@@ -202,15 +204,15 @@ TEST_CASE("a controller's process has a number of its own", "[containment]") {
   CHECK_THAT(messages_of(*simulation), Contains("crashed (SIGKILL)"));
 }
 
-TEST_CASE("a guard that is killed takes its controller along and is missed", "[containment]") {
-  ControllerModel mind = trouble("tell");
-  auto simulation = simulate(flywheel(mind), "bullet");
+TEST_CASE("a killed watchdog ends its controller and is reported", "[containment]") {
+  ControllerModel controller = trouble("publish-pid");
+  auto simulation = simulate(flywheel(controller), "bullet");
   simulation->run_until(0.05);
-  const auto controller = static_cast<pid_t>(simulation->frame()->controller_outputs[0][1]);
+  const auto worker = static_cast<pid_t>(simulation->frame()->controller_outputs[0][1]);
   for (const pid_t process : descendants(::getpid())) {
-    if (process != controller) ::kill(process, SIGKILL);
+    if (process != worker) ::kill(process, SIGKILL);
   }
-  CHECK(soon([&] { return !alive(controller); }));
+  CHECK(soon([&] { return !alive(worker); }));
   CHECK(simulation->run_until(0.2) == RunStatus::completed);
   CHECK_THAT(messages_of(*simulation), Contains("lost its process in update"));
 }

@@ -1,5 +1,5 @@
-// What a process of its own costs a controller: time of a step with an update in it, here and apart,
-// taken in turns.
+// Cost of a separate process for a controller: time of a step with an update, in-process and
+// out-of-process, measured alternately.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -12,7 +12,7 @@ using namespace cogrsim;
 
 namespace {
 
-/// A wheel with a controller that hardly does anything, and `beams` distances to look at.
+/// A wheel with a controller that does almost nothing, and `beams` distances to read.
 SceneModelPtr scene(Isolation isolation, int beams) {
   test::BareFlywheel robot;
   if (beams > 0) {
@@ -22,10 +22,10 @@ SceneModelPtr scene(Isolation isolation, int beams) {
     lidar.parameters["rays"] = std::int64_t{beams};
     robot.add_sensor("bot.scan", lidar);
   }
-  ControllerModel mind;
-  mind.plugin = "trouble";
-  mind.isolation = isolation;
-  robot.add_mind(mind);
+  ControllerModel controller;
+  controller.plugin = "trouble";
+  controller.isolation = isolation;
+  robot.add_controller(controller);
   return robot.builder.build();
 }
 
@@ -47,27 +47,29 @@ double measured(Simulation& simulation) {
 
 int main(int count, char** arguments) {
   if (count != 2) {
-    std::fprintf(stderr, "usage: %s FOLDER-OF-THE-TEST-MINDS\n", arguments[0]);
+    std::fprintf(stderr, "usage: %s FOLDER-OF-THE-TEST-CONTROLLERS\n", arguments[0]);
     return 2;
   }
   const auto loader = std::make_shared<PluginLoader>(std::vector<std::string>{arguments[1]});
   SimulationOptions options;
   options.backend = "bullet";
-  std::printf("%-28s %10s %10s %10s\n", "median of 20000 steps", "here", "apart", "difference");
+  std::printf("%-28s %12s %14s %10s\n", "median of 20000 steps", "in-process", "out-of-process",
+              "difference");
   for (const int beams : {0, 1000}) {
-    auto here = Simulation::create(scene(Isolation::none, beams), options, loader);
-    auto apart = Simulation::create(scene(Isolation::process, beams), options, loader);
-    if (!here || !apart) {
-      std::fprintf(stderr, "%s\n", (!here ? here : apart).error().front().message.c_str());
+    auto in_process = Simulation::create(scene(Isolation::none, beams), options, loader);
+    auto out_of_process = Simulation::create(scene(Isolation::process, beams), options, loader);
+    if (!in_process || !out_of_process) {
+      const auto& failed = !in_process ? in_process : out_of_process;
+      std::fprintf(stderr, "%s\n", failed.error().front().message.c_str());
       return 1;
     }
     std::vector<double> times[2];
     for (int i = 0; i < 20000; ++i) {
-      times[0].push_back(measured(**here));
-      times[1].push_back(measured(**apart));
+      times[0].push_back(measured(**in_process));
+      times[1].push_back(measured(**out_of_process));
     }
     const double one = median(times[0]), other = median(times[1]);
-    std::printf("%-28s %7.1f us %7.1f us %7.1f us\n",
+    std::printf("%-28s %9.1f us %11.1f us %7.1f us\n",
                 beams > 0 ? "with 1000 distances to read" : "a motor and no sensor", one, other,
                 other - one);
   }

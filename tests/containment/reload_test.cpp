@@ -1,4 +1,4 @@
-// A library that is built anew while the run waits.
+// A library that is rebuilt while the run waits.
 #include <unistd.h>
 
 #include <filesystem>
@@ -23,7 +23,7 @@ class Workshop {
     // As a linker does it: another file under the same name.
     fs::remove(library());
     fs::copy_file(
-        fs::path(COGRSIM_TEST_MINDS) / ("version_" + std::to_string(version)) / "counter.so",
+        fs::path(COGRSIM_TEST_CONTROLLERS) / ("version_" + std::to_string(version)) / "counter.so",
         library());
   }
   fs::path library() const { return folder_.path / "counter.so"; }
@@ -35,11 +35,11 @@ class Workshop {
 
 std::unique_ptr<Simulation> counting(const Workshop& shop, Isolation isolation,
                                      const std::string& backend = "bullet") {
-  ControllerModel mind;
-  mind.plugin = "counter";
-  mind.rate = 100.0;
-  mind.isolation = isolation;
-  return simulate(flywheel(mind), backend, loader(shop.folder()));
+  ControllerModel controller;
+  controller.plugin = "counter";
+  controller.rate = 100.0;
+  controller.isolation = isolation;
+  return simulate(flywheel(controller), backend, loader(shop.folder()));
 }
 
 double count_of(Simulation& simulation) { return simulation.frame()->controller_outputs[0][0]; }
@@ -52,7 +52,7 @@ void pause(Simulation& simulation) {
 
 }  // namespace
 
-TEST_CASE("a new library goes on with the memory of the old one", "[reload]") {
+TEST_CASE("a new library continues with the memory of the old one", "[reload]") {
   const auto isolation = GENERATE(Isolation::none, Isolation::process);
   Workshop shop;
   auto simulation = counting(shop, isolation);
@@ -62,22 +62,22 @@ TEST_CASE("a new library goes on with the memory of the old one", "[reload]") {
   shop.build(2);
   const auto done = simulation->reload_controller("bot");
   REQUIRE(done);
-  CHECK(done->controller == "bot.mind");
+  CHECK(done->controller == "bot.driver");
   CHECK(done->version == "2.0.0");
   CHECK(done->memory_kept);
   CHECK(done->note.empty());
   simulation->send(Resume{});
   simulation->run_until(0.2);
   CHECK(count_of(*simulation) == 110.0);
-  // Its variables are its own, not those of the library before.
+  // Its variables are its own, not those of the previous library.
   CHECK(simulation->frame()->controller_outputs[0][1] == 10.0);
-  // What comes later is the new one too.
+  // Objects that are added later use the new one, too.
   simulation->send(Restart{});
   simulation->step();
   simulation->run_until(0.1);
   CHECK(count_of(*simulation) == 100.0);
   CHECK_THAT(messages_of(*simulation), Contains("reloaded, version 2.0.0"));
-  // Nothing is left beside the library.
+  // No files are left beside the library.
   CHECK(std::distance(fs::directory_iterator(shop.folder()), {}) == 1);
 }
 
@@ -90,20 +90,20 @@ TEST_CASE("reloading what has not changed changes nothing", "[reload]") {
   auto reloaded = counting(shop, isolation, backend);
   for (int i = 1; i <= 30; ++i) {
     reloaded->run_until(0.01 * i);
-    if (i % 7 == 0) REQUIRE(reloaded->reload_controller("bot.mind"));
+    if (i % 7 == 0) REQUIRE(reloaded->reload_controller("bot.driver"));
   }
   CHECK(state_hash(reloaded->frame()->state) == state_hash(plain->frame()->state));
   CHECK(count_of(*reloaded) == count_of(*plain));
 }
 
-TEST_CASE("what does not fit leaves the old library running and says why", "[reload]") {
+TEST_CASE("an incompatible library leaves the old one running and reports why", "[reload]") {
   struct Case {
     int version;
     const char* why;
   };
   const auto c = GENERATE(values<Case>({{4, "its parameters have changed"},
                                         {5, "it publishes other outputs now"},
-                                        {6, "does not take the memory of the old one"},
+                                        {6, "does not accept the state of the old one"},
                                         {7, "half finished"},
                                         {0, "counter.so"}}));
   const auto isolation = GENERATE(Isolation::none, Isolation::process);
@@ -114,11 +114,11 @@ TEST_CASE("what does not fit leaves the old library running and says why", "[rel
   if (c.version > 0) {
     shop.build(c.version);
   } else {
-    fs::remove(shop.library());  // by a linker that is not done
+    fs::remove(shop.library());  // by a linker that has not finished
     std::ofstream(shop.library()) << "\x7f"
                                   << "ELF";
   }
-  const auto done = simulation->reload_controller("bot.mind");
+  const auto done = simulation->reload_controller("bot.driver");
   REQUIRE_FALSE(done);
   INFO(done.error().text());
   CHECK_THAT(done.error().message, Contains("the old one is kept") && Contains(c.why));
@@ -131,24 +131,24 @@ TEST_CASE("what does not fit leaves the old library running and says why", "[rel
   CHECK(target > 0.0);
 }
 
-TEST_CASE("one without a memory begins anew and says so", "[reload]") {
+TEST_CASE("one without a memory restarts and reports it", "[reload]") {
   Workshop shop;
   shop.build(3);
   auto simulation = counting(shop, Isolation::none);
   simulation->run_until(0.1);
-  const auto done = simulation->reload_controller("bot.mind");
+  const auto done = simulation->reload_controller("bot.driver");
   REQUIRE(done);
   CHECK_FALSE(done->memory_kept);
-  CHECK_THAT(done->note, Contains("began anew"));
+  CHECK_THAT(done->note, Contains("it restarted"));
   simulation->run_until(0.2);
   CHECK(count_of(*simulation) == 10.0);
 }
 
-TEST_CASE("a controller that was stopped runs again once it is mended", "[reload]") {
+TEST_CASE("a controller that was stopped runs again once it is corrected", "[reload]") {
   auto simulation = simulate(flywheel(trouble("throw")), "bullet");
   simulation->run_until(0.1);
   CHECK(simulation->frame()->controller_outputs[0][0] == 3.0);
-  REQUIRE(simulation->reload_controller("bot.mind"));
+  REQUIRE(simulation->reload_controller("bot.driver"));
   simulation->run_until(0.2);
   CHECK(simulation->frame()->controller_outputs[0][0] > 10.0);
 }
@@ -156,8 +156,8 @@ TEST_CASE("a controller that was stopped runs again once it is mended", "[reload
 TEST_CASE("names of controllers to reload are looked up with care", "[reload]") {
   Workshop shop;
   auto simulation = counting(shop, Isolation::none);
-  const auto unknown = simulation->reload_controller("bot.mint");
+  const auto unknown = simulation->reload_controller("bot.drivr");
   REQUIRE_FALSE(unknown);
   CHECK_THAT(unknown.error().text(),
-             Contains("there is no controller 'bot.mint'") && Contains("did you mean 'bot.mind'?"));
+             Contains("there is no controller 'bot.drivr'") && Contains("did you mean 'bot.driver'?"));
 }

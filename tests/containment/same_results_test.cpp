@@ -1,4 +1,4 @@
-// A controller in its own process does to the last bit what it does in the simulation's.
+// A controller in its own process gives bit-identical results to one in the simulation's process.
 #include <cstdio>
 #include <filesystem>
 
@@ -25,17 +25,17 @@ SceneModelPtr scene_of(const std::string& path) {
   return compiled.model;
 }
 
-/// The same scene with all controllers apart.
-SceneModelPtr apart(const SceneModelPtr& scene) {
+/// The same scene with all controllers out-of-process.
+SceneModelPtr out_of_process(const SceneModelPtr& scene) {
   auto changed = std::make_shared<SceneModel>(*scene);
-  for (ControllerModel& mind : changed->controllers) mind.isolation = Isolation::process;
+  for (ControllerModel& controller : changed->controllers) controller.isolation = Isolation::process;
   for (TemplateModel& made : changed->templates) {
-    if (made.fragment) made.fragment = apart(made.fragment);
+    if (made.fragment) made.fragment = out_of_process(made.fragment);
   }
   return changed;
 }
 
-/// All that a run leaves: states after every hundredth step, outputs, readings, messages.
+/// All results of a run: states after every hundredth step, outputs, readings, messages.
 std::string traces(Simulation& simulation, double until) {
   std::string out;
   while (simulation.time() < until - 1e-9) {
@@ -58,14 +58,14 @@ const std::string kLaboratory = COGRSIM_TEST_SCENES "/laboratory.scene.xml";
 
 }  // namespace
 
-TEST_CASE("a controller that uses everything finds it all in its own process", "[containment]") {
+TEST_CASE("a controller that uses the whole interface works in its own process", "[containment]") {
   const std::string backend = GENERATE(engines());
   const SceneModelPtr scene = scene_of(kLaboratory);
   const std::string here = traces(*simulate(scene, backend), 0.4);
-  const std::string there = traces(*simulate(apart(scene), backend), 0.4);
+  const std::string there = traces(*simulate(out_of_process(scene), backend), 0.4);
   CHECK(here == there);
   CHECK(here.find("'student' of 'lab': at ") != std::string::npos);
-  // The comparison sees a controller that sees something else.
+  // The comparison detects a controller with different inputs.
   auto other = std::make_shared<SceneModel>(*scene);
   other->controllers[0].parameters["number"] = 1.26;
   CHECK(traces(*simulate(other, backend), 0.4) != here);
@@ -79,7 +79,7 @@ TEST_CASE("the controllers of the examples do the same in their own processes", 
       scene_of(std::string(COGRSIM_EXAMPLES) + "/" + example + ".scene.xml");
   REQUIRE_FALSE(scene->controllers.empty());
   const std::string here = traces(*simulate(scene, backend), 0.5);
-  const std::string there = traces(*simulate(apart(scene), backend), 0.5);
+  const std::string there = traces(*simulate(out_of_process(scene), backend), 0.5);
   CHECK(here == there);
 }
 
@@ -87,16 +87,16 @@ TEST_CASE("snapshots carry a controller's process over", "[containment]") {
   const SceneModelPtr scene = scene_of(kLaboratory);
   const TemporaryFolder folder;
   const std::string file = folder / "laboratory.snap";
-  auto whole = simulate(apart(scene), "bullet");
+  auto whole = simulate(out_of_process(scene), "bullet");
   whole->run_until(0.2);
   REQUIRE(write_snapshot(*whole, file));
   SimulationOptions options;
   options.backend = "bullet";
-  // Loaded into either, it goes on in the same way.
+  // Loaded into either, it continues identically.
   std::string rest[2];
   for (const bool own : {false, true}) {
     const auto resumed =
-        resume(*SnapshotFile::read(file), own ? apart(scene) : scene, options, loader());
+        resume(*SnapshotFile::read(file), own ? out_of_process(scene) : scene, options, loader());
     REQUIRE(resumed);
     CHECK(resumed->same_scene);
     rest[own] = traces(*resumed->simulation, 0.3);
@@ -108,7 +108,7 @@ TEST_CASE("a run in memory goes back with its controller's random numbers", "[co
   std::string after[2];
   for (const bool own : {false, true}) {
     const SceneModelPtr scene = scene_of(kLaboratory);
-    auto simulation = simulate(own ? apart(scene) : scene, "bullet");
+    auto simulation = simulate(own ? out_of_process(scene) : scene, "bullet");
     simulation->run_until(0.1);
     const auto snapshot = simulation->save();
     simulation->run_until(0.2);

@@ -32,23 +32,23 @@ ProcessLine line_of(pid_t process) {
 std::shared_ptr<PluginLoader> loader(const std::string& more) {
   std::vector<std::string> folders;
   if (!more.empty()) folders.push_back(more);
-  folders.push_back(COGRSIM_TEST_MINDS);
+  folders.emplace_back(COGRSIM_TEST_CONTROLLERS);
   return std::make_shared<PluginLoader>(folders);
 }
 
-SceneModelPtr flywheel(const ControllerModel& mind) {
+SceneModelPtr flywheel(const ControllerModel& controller) {
   BareFlywheel robot;
-  robot.add_mind(mind);
+  robot.add_controller(controller);
   return robot.builder.build();
 }
 
 ControllerModel trouble(const std::string& what) {
-  ControllerModel mind;
-  mind.plugin = "trouble";
-  mind.rate = 100.0;
-  mind.isolation = Isolation::process;
-  mind.parameters["what"] = what;
-  return mind;
+  ControllerModel controller;
+  controller.plugin = "trouble";
+  controller.rate = 100.0;
+  controller.isolation = Isolation::process;
+  controller.parameters["what"] = what;
+  return controller;
 }
 
 std::unique_ptr<Simulation> simulate(const SceneModelPtr& scene, const std::string& backend,

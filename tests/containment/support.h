@@ -1,4 +1,4 @@
-// Scenes with controllers that live here or apart.
+// Scenes with controllers in-process or out-of-process.
 #pragma once
 
 #include <sys/types.h>
@@ -15,9 +15,9 @@ namespace cogrsim::test {
 std::shared_ptr<PluginLoader> loader(const std::string& more = {});
 
 /// A flywheel with a controller.
-SceneModelPtr flywheel(const ControllerModel& mind);
+SceneModelPtr flywheel(const ControllerModel& controller);
 
-/// The controller "trouble", apart.
+/// The controller "trouble", out-of-process.
 ControllerModel trouble(const std::string& what);
 
 std::unique_ptr<Simulation> simulate(const SceneModelPtr& scene, const std::string& backend,
@@ -27,7 +27,7 @@ std::string refusal(const SceneModelPtr& scene);
 
 /// Processes whose parent is `parent`, and theirs.
 std::vector<pid_t> descendants(pid_t parent);
-/// Whether a process is there and no zombie.
+/// Whether a process exists and is not a zombie.
 bool alive(pid_t process);
 
 }  // namespace cogrsim::test

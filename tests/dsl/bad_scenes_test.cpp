@@ -1,4 +1,4 @@
-// Every scene in bad/ with the words it must give, no more and no fewer; and every code has one.
+// Every scene in bad/ with its expected diagnostics, no more and no fewer; and every code has one.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -82,14 +82,14 @@ dsl::CompileResult compile_bad(const fs::path& path) {
     const std::size_t equals = set.find('=');
     options.set_parameters[set.substr(0, equals)] = set.substr(equals + 1);
   }
-  // Names in reports are as the user gave them: the bare file name.
+  // Names in reports are as given by the user: the bare file name.
   fs::current_path(path.parent_path());
   return dsl::compile_file(path.filename().string(), options);
 }
 
 }  // namespace
 
-TEST_CASE("bad scenes are answered in the expected words", "[bad]") {
+TEST_CASE("bad scenes give the expected diagnostics", "[bad]") {
   const bool renew = std::getenv("COGRSIM_RENEW_EXPECTED") != nullptr;
   for (const fs::path& path : bad_scenes()) {
     const std::string name = path.filename().string();
@@ -112,8 +112,8 @@ TEST_CASE("bad scenes are answered in the expected words", "[bad]") {
 }
 
 TEST_CASE("every code has a bad scene and an explanation", "[bad]") {
-  // No scene alone can show these: a file that is not there (see xml_test), what a backend lacks,
-  // and what is only found out when a run is set up.
+  // A scene alone cannot show these: a missing file (see xml_test), a feature that a backend lacks,
+  // and errors that only occur when a run is set up.
   const std::set<std::string> elsewhere = {"CG0101", "CG0801", "CG0905", "CG0906",
                                            "CG0907", "CG0908", "CG2008"};
   std::set<std::string> shown;
@@ -136,7 +136,7 @@ TEST_CASE("every code that the sources mention is explained", "[bad]") {
       const std::string extension = entry.path().extension().string();
       if (extension != ".cpp" && extension != ".h") continue;
       const std::string text = read(entry.path());
-      // A code in use is a word of its own in quotes: "CG0502".
+      // A code in use is a separate word in quotes: "CG0502".
       for (std::size_t at = text.find("\"CG"); at != std::string::npos;
            at = text.find("\"CG", at + 1)) {
         if (text.compare(at + 7, 1, "\"") != 0) continue;

@@ -1,6 +1,6 @@
-// Whatever stands in a file of 100 kB, it is compiled, or refused, within 500 MB and 5 s of
-// processor time. Each construct of the language is used as much as such a file allows: as often as
-// it fits, in a repeat as often as the language lets it, and with values as long as they may be.
+// Any file of 100 kB is compiled or refused within 500 MB and 5 s of processor time. Each construct
+// of the language is used as much as such a file allows: as often as it fits, in a repeat as often
+// as the language allows, and with the longest allowed values.
 // COGRSIM_COSTS_OF="lidar" in the environment shows the costs of those with that word, "" of all.
 #include <catch2/catch.hpp>
 
@@ -21,7 +21,7 @@
 #include "../support/temporary_folder.h"
 #include "cogrsim/dsl/compiler.h"
 #include "fake_catalog.h"
-#include "vocabulary.h"
+#include "language/vocabulary.h"
 
 using namespace cogrsim;
 using namespace cogrsim::dsl;
@@ -32,7 +32,7 @@ constexpr std::size_t kFileBytes = 100'000;
 // Sanitizers add their own memory to every object, and their own work to every access.
 constexpr double kFactor = cogrsim::test::kSanitized ? 8.0 : 1.0;
 constexpr double kMostMegabytes = 500 * kFactor;
-// Twice what is promised: processor time grows where other programs share the caches.
+// Twice the documented bounds: processor time grows where other programs share the caches.
 constexpr double kMostSeconds = 10 * kFactor;
 
 struct Cost {
@@ -40,7 +40,7 @@ struct Cost {
   int status = -1;                        ///< of the child; 0: it compiled or was refused
 };
 
-/// Compiles in a process of its own, which the system ends where it goes far beyond the bounds.
+/// Compiles in a separate process, which the system ends if it far exceeds the bounds.
 Cost cost_of(const std::string& text, const std::string& name) {
   std::fflush(stdout);
   const pid_t child = ::fork();
@@ -100,7 +100,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-/// `unit` until the file is full, "@" being the number of the round.
+/// `unit` until the file is full, "@" being the number of the repetition.
 std::string filled(const std::string& unit, std::size_t bytes = kFileBytes) {
   std::string out;
   for (int i = 0; out.size() + unit.size() + 8 < bytes; ++i)
@@ -114,7 +114,7 @@ std::string scene(const std::string& inside) {
 
 // ---- from the language's own tables
 
-/// Things that others refer to.
+/// Elements that others refer to.
 const char* const kStage =
     "<material name=\"steel\"/><material name=\"wood\"/>"
     "<sphere name=\"base\" radius=\"1 cm\"/><sphere name=\"ball\" radius=\"1 cm\" xyz=\"1 0 0\"/>"
@@ -124,7 +124,7 @@ const char* const kStage =
     "<template name=\"T\"><sphere name=\"b\" radius=\"1 cm\"/></template>"
     "<door name=\"d\" size=\"1 0.1 1\" xyz=\"9 0 9\"/>";
 
-/// A value that means something on that stage.
+/// A value that is valid on that stage.
 std::string plain_value(const ElementSpec& element, const AttributeSpec& a) {
   const std::string_view name = a.name;
   if (name == "between") return element.name == "collide" ? "base ball" : "steel wood";
@@ -148,7 +148,7 @@ std::string plain_value(const ElementSpec& element, const AttributeSpec& a) {
   if (name == "seeds") return "1 .. 5";
   if (name == "in") return element.name == "for" ? "[1]" : "place";
   if (name == "name" &&
-      (element.name == "remove" || element.name == "freeze" || element.name == "unfreeze"))
+      (element.name == "remove" || element.name == "make-static" || element.name == "make-dynamic"))
     return "ball";
   if (!a.default_text.empty()) return std::string(a.default_text);
   switch (a.kind) {
@@ -185,7 +185,7 @@ std::string plain_value(const ElementSpec& element, const AttributeSpec& a) {
   return "1";
 }
 
-/// One with the attributes it must have, and a name.
+/// An element with its required attributes, and a name.
 std::string opened(const ElementSpec& element, const std::string& more = {}) {
   std::string out = "<" + std::string(element.name);
   for (const AttributeSpec& a : element.attributes) {
@@ -197,12 +197,12 @@ std::string opened(const ElementSpec& element, const std::string& more = {}) {
 }
 
 /// The elements around it, from the scene inwards.
-std::vector<const ElementSpec*> way_to(const ElementSpec& element) {
+std::vector<const ElementSpec*> path_to(const ElementSpec& element) {
   if (element.flow) return {};
-  std::vector<std::vector<const ElementSpec*>> ways = {{find_element("scene")}};
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    for (const std::string_view child : ways[i].back()->children) {
-      std::vector<const ElementSpec*> next = ways[i];
+  std::vector<std::vector<const ElementSpec*>> paths = {{find_element("scene")}};
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    for (const std::string_view child : paths[i].back()->children) {
+      std::vector<const ElementSpec*> next = paths[i];
       if (child == element.name) {
         next.erase(next.begin());
         return next;
@@ -210,16 +210,16 @@ std::vector<const ElementSpec*> way_to(const ElementSpec& element) {
       const ElementSpec* spec = find_element(child);
       if (spec == nullptr || next.size() > 3) continue;
       next.push_back(spec);
-      ways.push_back(std::move(next));
+      paths.push_back(std::move(next));
     }
   }
-  FAIL("no way to <" << element.name << ">");
+  FAIL("no path to <" << element.name << ">");
   return {};
 }
 
-std::string inside_of(const std::vector<const ElementSpec*>& way, const std::string& content) {
+std::string inside_of(const std::vector<const ElementSpec*>& path, const std::string& content) {
   std::string before = kStage, after;
-  for (const ElementSpec* around : way) {
+  for (const ElementSpec* around : path) {
     before += replaced(opened(*around), "@", "around");
     after = "</" + std::string(around->name) + ">" + after;
   }
@@ -257,30 +257,30 @@ std::string tag(const ElementSpec& element) { return "<" + std::string(element.n
 
 }  // namespace
 
-TEST_CASE("each element as often as 100 kB hold is cheap", "[bounds]") {
+TEST_CASE("each element repeated in 100 kB is cheap", "[bounds]") {
   std::size_t tried = 0;
   for (const ElementSpec& element : vocabulary()) {
     if (element.name == "scene") continue;
-    const auto way = way_to(element);
-    const std::size_t room = kFileBytes - inside_of(way, "").size();
+    const auto path = path_to(element);
+    const std::size_t space = kFileBytes - inside_of(path, "").size();
     check_cost(tag(element) + " one after the other",
-               inside_of(way, filled(opened(element) + closed(element), room)));
+               inside_of(path, filled(opened(element) + closed(element), space)));
     ++tried;
   }
   CHECK(tried > 70);
 }
 
-TEST_CASE("each element in a repeat as long as it may be is cheap", "[bounds]") {
+TEST_CASE("each element in the longest repeat is cheap", "[bounds]") {
   check_cost("a repeat that is too long",
              scene("<repeat count=\"1000000\"><frame name=\"f${i}\"/></repeat>"));
   for (const ElementSpec& element : vocabulary()) {
     if (element.name == "scene") continue;
     const std::string one = replaced(opened(element) + closed(element), "@", "${i}");
     check_cost(tag(element) + " in a repeat",
-               inside_of(way_to(element), "<repeat count=\"124000\">" + one + "</repeat>"));
+               inside_of(path_to(element), "<repeat count=\"124000\">" + one + "</repeat>"));
     if (!element.children.empty())
       check_cost(tag(element) + " around a repeat",
-                 inside_of(way_to(element),
+                 inside_of(path_to(element),
                            replaced(opened(element), "@", "0") +
                                "<repeat count=\"124000\"><frame name=\"f${i}\"/></repeat>" +
                                closed(element)));
@@ -288,7 +288,7 @@ TEST_CASE("each element in a repeat as long as it may be is cheap", "[bounds]") 
 }
 
 TEST_CASE("each kind of attribute with the longest values is cheap", "[bounds]") {
-  // How a value is read is a matter of its kind.
+  // The kind of an attribute determines how its value is read.
   std::set<Kind> done;
   for (const ElementSpec& element : vocabulary()) {
     for (const AttributeSpec& a : element.attributes) {
@@ -296,7 +296,7 @@ TEST_CASE("each kind of attribute with the longest values is cheap", "[bounds]")
       for (const auto& [what, value] : long_values(60'000)) {
         const std::string text = opened(element, " " + std::string(a.name) + "=\"" + value + "\"");
         check_cost(tag(element) + " " + std::string(a.name) + "= " + what,
-                   inside_of(way_to(element), replaced(text, "@", "0") + closed(element)));
+                   inside_of(path_to(element), replaced(text, "@", "0") + closed(element)));
       }
     }
   }
@@ -306,8 +306,8 @@ TEST_CASE("each kind of attribute with the longest values is cheap", "[bounds]")
 TEST_CASE("each element whose values are long is cheap, once and in a repeat", "[bounds]") {
   for (const ElementSpec& element : vocabulary()) {
     if (element.name == "scene" || element.attributes.empty()) continue;
-    const std::size_t room = 60'000 / element.attributes.size();
-    const auto texts = long_values(room);
+    const std::size_t space = 60'000 / element.attributes.size();
+    const auto texts = long_values(space);
     std::string more;
     for (const AttributeSpec& a : element.attributes) {
       const char* what = a.kind == Kind::name || a.kind == Kind::reference   ? "one word"
@@ -321,13 +321,13 @@ TEST_CASE("each element whose values are long is cheap, once and in a repeat", "
       more += " " + std::string(a.name) + "=\"" + value->second + "\"";
     }
     const std::string one = "<" + std::string(element.name) + more + ">" + closed(element);
-    check_cost(tag(element) + " with long values", inside_of(way_to(element), one));
+    check_cost(tag(element) + " with long values", inside_of(path_to(element), one));
     check_cost(tag(element) + " with long values, again and again",
-               inside_of(way_to(element), "<repeat count=\"124000\">" + one + "</repeat>"));
+               inside_of(path_to(element), "<repeat count=\"124000\">" + one + "</repeat>"));
   }
 }
 
-TEST_CASE("what multiplies is bounded", "[bounds]") {
+TEST_CASE("scenes that multiply elements are bounded", "[bounds]") {
   const auto repeat = [](int count, const std::string& inside) {
     return "<repeat count=\"" + std::to_string(count) + "\">" + inside + "</repeat>";
   };
@@ -431,7 +431,7 @@ TEST_CASE("what multiplies is bounded", "[bounds]") {
       {"parameters that need each other", params},
       {"parameters with long values",
        filled("<param name=\"p@\" default=\"" + std::string(1000, 'x') + "\"/>")},
-      {"parameters that nobody uses", filled("<param name=\"p@\" default=\"1\"/>")},
+      {"unused parameters", filled("<param name=\"p@\" default=\"1\"/>")},
       {"expressions of many names among many",
        filled("<param name=\"p@\" default=\"1\"/>", 40'000) +
            repeat(124000,
@@ -455,16 +455,16 @@ TEST_CASE("what multiplies is bounded", "[bounds]") {
          }
          return out + "<instance of=\"P59\"/>";
        }()},
-      {"bodies in one place", repeat(124000, "<box name=\"b${i}\" size=\"1 1 1\"/>")},
-      {"some bodies in one place", repeat(3000, "<box name=\"b${i}\" size=\"1 1 1\"/>")},
-      {"some capsules in one place",
+      {"bodies at one position", repeat(124000, "<box name=\"b${i}\" size=\"1 1 1\"/>")},
+      {"some bodies at one position", repeat(3000, "<box name=\"b${i}\" size=\"1 1 1\"/>")},
+      {"some capsules at one position",
        repeat(3000, "<capsule name=\"b${i}\" radius=\"1\" length=\"1\"/>")},
       {"bodies in a row that overlap",
        repeat(60000, "<box name=\"b${i}\" size=\"1 1 1\" xyz=\"${0.6 * i} 0 0\"/>")},
       {"bodies of very different size",
        repeat(30000, "<box name=\"b${i}\" size=\"1 1 1\" xyz=\"${2 * i} 0 0\"/>") +
            repeat(3000, "<box name=\"c${i}\" size=\"100000 1 1\" xyz=\"0 ${3 * i} 0\"/>")},
-      {"shapes of one body in one place",
+      {"shapes of one body at one position",
        "<body name=\"one\">" + repeat(60000, "<box size=\"1 1 1\"/>") +
            "</body><body name=\"two\">" + repeat(60000, "<box size=\"1 1 1\"/>") + "</body>"},
       {"a chain of hinges", chain},
@@ -503,7 +503,7 @@ TEST_CASE("what multiplies is bounded", "[bounds]") {
       {"scatters", repeat(10,
                           "<scatter name=\"s${i}\" count=\"10000\" area=\"30 30\" "
                           "xyz=\"${40 * i} 0 0\"><sphere name=\"x\" radius=\"1 cm\"/></scatter>")},
-      {"a scatter with room for few",
+      {"a scatter with space for few",
        "<scatter name=\"s\" count=\"10000\" area=\"10 10\" clearance=\"5 cm\">"
        "<box name=\"x\" size=\"10 10 10 cm\"/></scatter>"},
       {"a scatter of assemblies",
@@ -524,7 +524,7 @@ TEST_CASE("what multiplies is bounded", "[bounds]") {
        repeat(1000, "<sphere name=\"n_${i}\" radius=\"1 cm\" xyz=\"${i} 0 0\"/>") +
            repeat(20000,
                   "<region name=\"r${i}\" radius=\"1\" who=\"" + filled("n_@ ", 6'000) + "\"/>")},
-      {"regions that look for nobody there",
+      {"regions that detect unknown bodies",
        "<region name=\"r\" radius=\"1\" who=\"" + named + "\"/>"},
       {"plots of many signals",
        "<sphere name=\"ball\" radius=\"1\"/>" +
@@ -539,7 +539,7 @@ TEST_CASE("what multiplies is bounded", "[bounds]") {
        repeat(1500,
               "<test name=\"t${i}\" seeds=\"1 .. 10000\"><expect that=\"time gt 0 s\"/></test>")},
       {"rules", "<sphere name=\"ball\" radius=\"1\"/>" +
-                    repeat(25000, "<on when=\"ball.x gt 1 m\"><tell message=\"" +
+                    repeat(25000, "<on when=\"ball.x gt 1 m\"><log message=\"" +
                                       std::string(1000, 'm') + "\"/></on>")},
       {"templates",
        repeat(80000, "<template name=\"T${i}\"><sphere name=\"b\" radius=\"1\"/></template>")},
@@ -567,8 +567,8 @@ TEST_CASE("what multiplies is bounded", "[bounds]") {
       {"names that are taken", repeat(124000, "<frame name=\"f\"/>")},
       {"names that are not there", repeat(60000, "<frame name=\"f${i}\"/>") +
                                        repeat(60000, "<pose name=\"p${i}\" on=\"g${i}\"/>")},
-      {"elements that nobody knows", filled("<a/>")},
-      {"attributes that nobody knows",
+      {"unknown elements", filled("<a/>")},
+      {"unknown attributes",
        filled("<frame name=\"f@\" " + filled("a@=\"1\" ", 3'000) + "/>")},
       {"comments", filled("<!-- -->")},
       {"instructions", filled("<?a b?>")},
@@ -583,7 +583,7 @@ TEST_CASE("what multiplies is bounded", "[bounds]") {
   for (const auto& [name, text] : constructs) check_cost(name, scene(text));
 }
 
-TEST_CASE("files that a scene names again and again are cheap", "[bounds]") {
+TEST_CASE("files that a scene names many times are cheap", "[bounds]") {
   const cogrsim::test::TemporaryFolder folder;
   std::string obj, faces;
   // A cone of 1500 sides.

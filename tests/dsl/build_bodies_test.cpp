@@ -1,4 +1,4 @@
-// Bodies, matter and rigid assemblies, against figures worked out by hand.
+// Bodies, materials and rigid assemblies, against values computed by hand.
 #include "build_support.h"
 
 using namespace cogrsim;
@@ -20,7 +20,7 @@ TEST_CASE("a beginner's scene becomes the model it describes", "[dsl][build]") {
   CHECK(crate.kind == BodyKind::dynamic);
   CHECK(crate.mass == 3.0);
   CHECK(near(crate.X_WB.p, {0, 0, 1}, 0.0));
-  // a cube's moment is m a^2 / 6
+  // a cube's moment of inertia is m a^2 / 6
   CHECK(crate.inertia(0, 0) == Approx(3.0 * 0.16 / 6).epsilon(1e-14));
   const Material& wood = model->materials[static_cast<std::size_t>(crate.shapes[0].material)];
   CHECK(wood.name == "wood");
@@ -73,7 +73,7 @@ TEST_CASE("a rigid assembly is one body with the mass of its parts", "[dsl][buil
   CHECK(model->frames[0].body == 0);
 }
 
-TEST_CASE("assemblies stand where their elements do", "[dsl][build]") {
+TEST_CASE("assemblies have the poses of their elements", "[dsl][build]") {
   const auto model = compile_scene(R"(
     <assembly name="a" xyz="1 2 0" rpy="0 0 90 deg">
       <box name="b" size="1 1 1" mass="1 kg" xyz="0 0 3"/>
@@ -101,7 +101,7 @@ TEST_CASE("mass and material of a rigid assembly hold for the whole", "[dsl][bui
   CHECK(a.inertia(2, 2) == Approx(6.0 / 6 + 6.0).epsilon(1e-12));
   const Material& left = model->materials[static_cast<std::size_t>(a.shapes[0].material)];
   CHECK(left.friction == 0.4);
-  CHECK(left.color.b > 0.9);  // looks stay the part's own
+  CHECK(left.color.b > 0.9);  // each part keeps its appearance
 }
 
 TEST_CASE("a body takes mass, centre and inertia as written", "[dsl][build]") {
@@ -122,12 +122,12 @@ TEST_CASE("shapes that override a property share a derived material", "[dsl][bui
     <repeat count="5" var="i">
       <sphere name="s_${i}" radius="1 cm" material="rubber" friction="0.1" xyz="${i} 0 0"/>
     </repeat>)");
-  REQUIRE(model->materials.size() == 3);  // default, rubber, its slippery kind
+  REQUIRE(model->materials.size() == 3);  // default, rubber, its slippery variant
   CHECK(model->materials[2].base == 1);
   CHECK(model->materials[2].friction == 0.1);
 }
 
-TEST_CASE("places follow parents and named frames in any order", "[dsl][build]") {
+TEST_CASE("poses follow parents and named frames in any order", "[dsl][build]") {
   const auto model = compile_scene(R"(
     <box name="b" size="1 1 1" frame="a" xyz="1 0 0"/>
     <box name="a" size="1 1 1" frame="origin" xyz="0 0 1"/>
@@ -158,7 +158,7 @@ TEST_CASE("collide names pairs of bodies and of assemblies", "[dsl][build]") {
   CHECK(model->no_collide[0] == BodyPair{1, 2});
 }
 
-TEST_CASE("heights stand in the file row by row from the lowest y", "[dsl][build]") {
+TEST_CASE("heights are listed row by row from the lowest y", "[dsl][build]") {
   const auto model =
       compile_scene(R"(<heightmap name="h" size="2 1" columns="3" heights="0 1 2 3 4 5 cm"/>)");
   REQUIRE(model->heightmaps.size() == 1);

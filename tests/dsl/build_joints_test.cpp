@@ -9,7 +9,7 @@ using namespace cogrsim::test;
 
 namespace {
 
-// Two arms of 1 m, lying along x at q = 0, hanging on the world's origin.
+// Two arms of 1 m, along x at q = 0, hinged at the world's origin.
 std::string arms(const std::string& first, const std::string& second,
                  const std::string& more = "") {
   return R"(<box name="a" size="1 0.1 0.1" xyz="0.5 0 0"/>
@@ -22,7 +22,7 @@ std::string arms(const std::string& first, const std::string& second,
 
 }  // namespace
 
-TEST_CASE("a joint stands in its child unless told otherwise", "[dsl][joints]") {
+TEST_CASE("a joint has the frame of its child unless set otherwise", "[dsl][joints]") {
   const auto model = compile_scene(R"(
     <box name="base" size="1 1 1"/>
     <cylinder name="wheel" radius="0.3" length="0.1" xyz="0 1 0" rpy="90 0 0 deg"/>

@@ -1,11 +1,11 @@
-// Sensors from the scene: their place, what they belong to, parameters and noise.
+// Sensors from the scene: their mounting, their bodies, parameters and noise.
 #include <algorithm>
 #include <cmath>
 
 #include "build_support.h"
 #include "cogrsim/sensing/sensor.h"
 #include "fake_catalog.h"
-#include "vocabulary.h"
+#include "language/vocabulary.h"
 
 using namespace cogrsim;
 using namespace cogrsim::test;
@@ -83,7 +83,7 @@ TEST_CASE("a second kind of noise disturbs the second quantity", "[sensors]") {
   CHECK(noise[1].a == Approx(2.0 * M_PI / 180.0));
 }
 
-TEST_CASE("what a scene leaves out is what the SDK's sensors take by themselves", "[sensors]") {
+TEST_CASE("attributes that are left out have the defaults of the SDK's sensors", "[sensors]") {
   const auto model = compile_scene(
       std::string(kArm) +
       "<camera name='camera' on='arm'/> <contact name='contact' on='arm'/>"
@@ -98,7 +98,7 @@ TEST_CASE("what a scene leaves out is what the SDK's sensors take by themselves"
     REQUIRE(element);
     for (const ParameterSpec& p : d.parameters) {
       INFO(p.name);
-      CHECK(element->find(p.name));  // whatever can be set can be set in a scene
+      CHECK(element->find(p.name));  // every parameter can be set in a scene
     }
     const auto made = std::find_if(model->sensors.begin(), model->sensors.end(),
                                    [&](const SensorModel& s) { return s.type == d.name; });
@@ -132,14 +132,14 @@ TEST_CASE("signals of a plugin's sensor have its channels and units", "[sensors]
   CHECK(codes("s.distance lt 20 cm").empty());
   CHECK(codes("s.distance lt 20 deg") == "CG1102 CG1308");
   CHECK(codes("s.distnace lt 20 cm") == "CG1102 CG1308");
-  // Without a catalog they are taken on trust, and parameters are refused.
+  // Without a catalog they are accepted unchecked, and parameters are refused.
   options.plugins = nullptr;
   CHECK(codes("s.distance lt 20 cm") == "CG0909");
   set.clear();
   CHECK(codes("s.distnace lt 20 cm").empty());
 }
 
-TEST_CASE("a sensor of the SDK can be had as a plugin too", "[sensors]") {
+TEST_CASE("a sensor of the SDK can be used as a plugin, too", "[sensors]") {
   const auto model =
       compile_scene("<box name='b' size='1 1 1' mass='1'/> <sensor plugin='camera' on='b'/>");
   REQUIRE(model->sensors.size() == 1);

@@ -1,4 +1,4 @@
-// Helpers for tests that compile a scene from a string and look at the model.
+// Helpers for tests that compile a scene from a string and check the model.
 #pragma once
 
 #include <catch2/catch.hpp>

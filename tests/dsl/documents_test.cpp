@@ -1,4 +1,4 @@
-// The schema and the reference page come from the tables, and good scenes obey the schema.
+// The schema and the reference page are generated from the tables, and good scenes obey the schema.
 #include <catch2/catch.hpp>
 
 #include <cstdlib>
@@ -10,7 +10,7 @@
 #include "cogrsim/dsl/compiler.h"
 #include "cogrsim/physics/frame.h"
 #include "fake_catalog.h"
-#include "vocabulary.h"
+#include "language/vocabulary.h"
 
 namespace fs = std::filesystem;
 using namespace cogrsim;
@@ -33,7 +33,7 @@ TEST_CASE("the reference page is up to date", "[documents]") {
   CHECK(read(page) == write_reference_markdown());
 }
 
-TEST_CASE("the pages tell of every kind of event", "[documents]") {
+TEST_CASE("the pages describe every kind of event", "[documents]") {
   const std::string page = read(fs::path(COGRSIM_DOCS) / "changing-world.md");
   for (const EventKind& kind : kEventKinds) {
     INFO(kind.name);
@@ -90,7 +90,7 @@ TEST_CASE("good scenes compile and obey the schema", "[documents]") {
   }
   CHECK(scenes >= 2);
 #ifdef COGRSIM_XMLLINT
-  // The schema is no rubber stamp.
+  // The schema also refuses.
   for (const char* bad : {"CG0201_unknown_element", "CG0203_unknown_attribute",
                           "CG0204_missing_attribute", "CG0508_not_a_choice"}) {
     INFO(bad);
@@ -100,7 +100,7 @@ TEST_CASE("good scenes compile and obey the schema", "[documents]") {
                                 schema.string() + " " + scene.string() + " > /dev/null 2>&1";
     CHECK(std::system(command.c_str()) != 0);
   }
-  // Without a catalog it is a schema too.
+  // Without a catalog it is a valid schema, too.
   std::ofstream(schema) << write_xsd();
   const fs::path first = fs::path(COGRSIM_DSL_TEST_SCENES) / "good" / "first_steps.scene.xml";
   const std::string command = std::string(COGRSIM_XMLLINT) + " --noout --schema " +

@@ -80,7 +80,7 @@ const Body& body(const SceneModel& model, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("an outline tells every element with its lines", "[edit]") {
+TEST_CASE("an outline lists every element with its lines", "[edit]") {
   const OutlinedScene scene = compile_outlined(kScene, "t.scene.xml");
   REQUIRE(scene.result.ok());
   const auto& crate = scene.elements[static_cast<std::size_t>(id_of(kScene, "box", "crate"))];
@@ -99,7 +99,7 @@ TEST_CASE("an outline tells every element with its lines", "[edit]") {
   CHECK(scene.origins.plots.at(0).element == id_of(kScene, "plot", "path"));
 }
 
-TEST_CASE("what a repeat makes is not the element's own", "[edit]") {
+TEST_CASE("objects of a repeat are not single", "[edit]") {
   const std::string text =
       "<scene><repeat count=\"2\" var=\"i\"><sphere name=\"s_${i}\" radius=\"1\" xyz=\"${3 m * i} "
       "0 0\"/>"
@@ -124,12 +124,12 @@ TEST_CASE("attributes are set in place and added last", "[edit]") {
         with(kScene, "0 0 20 cm\" material=\"wood\"/>", "0 0 20 cm\"/>"));
   CHECK(refused(kScene, {SetAttribute{crate, "mas", "3 kg"}}).find("'mass'") != std::string::npos);
   CHECK(refused(kScene, {SetAttribute{crate, "mass", "-3 kg"}}).find("mass") != std::string::npos);
-  // What XML keeps for itself is written so that it is read as it was meant.
+  // Characters reserved by XML are escaped.
   const std::string titled = edited(kScene, {SetAttribute{0, "name", "a<b & \"c\""}});
   CHECK(outline_text(titled, "t")[0].name == "a<b & \"c\"");
 }
 
-TEST_CASE("elements are put in on lines of their own", "[edit]") {
+TEST_CASE("elements are inserted on lines of their own", "[edit]") {
   const int crate = id_of(kScene, "box", "crate"), arm = id_of(kScene, "assembly", "arm");
   CHECK(
       edited(kScene,
@@ -139,7 +139,7 @@ TEST_CASE("elements are put in on lines of their own", "[edit]") {
   CHECK(edited(kScene, {InsertElement{arm, "<frame name=\"tip\"/>", std::nullopt}}) ==
         with(kScene, "    <camera name=\"eye\" on=\"lower\"/>\n",
              "    <camera name=\"eye\" on=\"lower\"/>\n    <frame name=\"tip\"/>\n"));
-  // Several lines are indented along, an empty parent is opened.
+  // Several lines are indented together, an empty parent is opened.
   const std::string body = edited(kScene, {InsertElement{0,
                                                          "<body name=\"b\" xyz=\"0 0 5\">\n"
                                                          "  <box size=\"1 1 1\"/>\n</body>",
@@ -162,8 +162,8 @@ TEST_CASE("elements are put in on lines of their own", "[edit]") {
         std::string::npos);
 }
 
-TEST_CASE("what refers to something goes with it", "[edit]") {
-  // The hinge on it, the motor on that hinge, the camera on it, the plot and the expectation.
+TEST_CASE("elements that refer to a removed one are removed, too", "[edit]") {
+  // Its hinge, the motor of that hinge, its camera, the plot and the expectation.
   const std::string less = edited(kScene, {RemoveElements{{id_of(kScene, "box", "lower")}}});
   std::string expected =
       with(kScene, "    <box name=\"lower\" size=\"0.1 0.1 0.1\" xyz=\"0 0 0.5\"/>\n", "");
@@ -182,13 +182,13 @@ TEST_CASE("what refers to something goes with it", "[edit]") {
   CHECK(edited(kScene, {RemoveElements{{id_of(kScene, "plane", "floor")}}}) ==
         with(kScene, "  <plane name=\"floor\" material=\"wood\"/>   <!-- at 0 -->",
              "  <!-- at 0 -->"));
-  // Without its material a thing is of the usual one.
+  // Without its material an element has the default one.
   const std::string bare = edited(kScene, {RemoveElements{{id_of(kScene, "material", "wood")}}});
   CHECK(bare.find("wood") == std::string::npos);
   CHECK(model_of(bare)->bodies.size() == 4);
 }
 
-TEST_CASE("names follow a new name", "[edit]") {
+TEST_CASE("references follow a new name", "[edit]") {
   const std::string text = edited(kScene, {RenameElement{id_of(kScene, "assembly", "arm"), "leg"}});
   std::string expected = with(kScene, "name=\"arm\"", "name=\"leg\"");
   expected = with(expected, "child=\"arm.upper\"", "child=\"leg.upper\"");
@@ -208,7 +208,7 @@ TEST_CASE("names follow a new name", "[edit]") {
         std::string::npos);
   CHECK(refused(kScene, {RenameElement{id_of(kScene, "box", "upper"), "a.b"}}).find("cannot be") !=
         std::string::npos);
-  // A nearer thing of the new name would catch a reference.
+  // A nearer element of the new name would capture a reference.
   const std::string hidden =
       "<scene><box name=\"a\" size=\"1 1 1\"/><assembly name=\"g\" xyz=\"0 0 5\">"
       "<box name=\"b\" size=\"1 1 1\"/><camera name=\"c\" on=\"a\"/></assembly></scene>";
@@ -248,7 +248,7 @@ TEST_CASE("names in rules regions and prototypes follow", "[edit]") {
   CHECK(tip.find("bot.end.x gt 0") != std::string::npos);
 }
 
-TEST_CASE("poses are written in the units that stand there", "[edit]") {
+TEST_CASE("poses are written in the existing units", "[edit]") {
   const int crate = id_of(kScene, "box", "crate");
   Pose pose;
   pose.p = {0.5, -0.1234567, 0.2};
@@ -260,7 +260,7 @@ TEST_CASE("poses are written in the units that stand there", "[edit]") {
   pose.q = Quat(Eigen::AngleAxisd(M_PI / 6, Vec3::UnitZ()));
   CHECK(edited(kScene, {PlaceElement{lower, pose}}) ==
         with(kScene, "xyz=\"0 0 0.5\"/>", "xyz=\"0 0.25 0.5\" rpy=\"0 0 30 deg\"/>"));
-  // In radians where radians stand; each entry in its own unit.
+  // In radians where radians are written; each entry in its own unit.
   const std::string mixed =
       "<scene><box name=\"b\" size=\"1 1 1\" xyz=\"1 m 2 cm 3 mm\" "
       "rpy=\"0 0 1 rad\"/></scene>";
@@ -276,8 +276,8 @@ TEST_CASE("poses are written in the units that stand there", "[edit]") {
   CHECK(refused(kScene, {PlaceElement{crate, pose}}).find("no pose") != std::string::npos);
 }
 
-TEST_CASE("what is placed is where it was put", "[edit]") {
-  // Every way there is to say an orientation, in a frame that is turned itself.
+TEST_CASE("a placed element has the requested pose", "[edit]") {
+  // Every notation of an orientation, in a frame that is rotated itself.
   const std::string text = R"(<scene>
   <frame name="f" xyz="1 2 3" rpy="10 20 30 deg"/>
   <box name="a" size="1 1 1" frame="f" rpy="5 5 5 deg"/>
@@ -293,7 +293,7 @@ TEST_CASE("what is placed is where it was put", "[edit]") {
   Pose pose;
   pose.p = {0.3, -7.0, 4.0};
   pose.q = Quat(0.8, 0.2, -0.4, 0.1).normalized();
-  const auto apart = [](const Pose& a, const Pose& b) {
+  const auto difference = [](const Pose& a, const Pose& b) {
     return (a.p - b.p).norm() + a.q.angularDistance(b.q);
   };
   // Three coordinates and three angles, each within 5e-7.
@@ -303,16 +303,16 @@ TEST_CASE("what is placed is where it was put", "[edit]") {
                       last = std::string(name).substr(std::string(name).rfind('.') + 1);
     const auto model = model_of(edited(text, {PlaceElement{id_of(text, tag, last), pose}}));
     INFO(name);
-    CHECK(apart(body(*model, name).X_WB, pose) < tolerance);
+    CHECK(difference(body(*model, name).X_WB, pose) < tolerance);
   }
   const auto lit = model_of(edited(text, {PlaceElement{id_of(text, "light", "l"), pose}}));
   CHECK((lit->lights[0].X_WL.q * Vec3::UnitX() - pose.q * Vec3::UnitX()).norm() < tolerance);
   CHECK((lit->lights[0].X_WL.p - pose.p).norm() < tolerance);
   const auto seen = model_of(edited(text, {PlaceElement{id_of(text, "view", "v"), pose}}));
-  CHECK(apart(seen->views[0].X_WV, pose) < tolerance);
+  CHECK(difference(seen->views[0].X_WV, pose) < tolerance);
 }
 
-TEST_CASE("moving keeps the place and the meaning", "[edit]") {
+TEST_CASE("moving keeps the pose and the references", "[edit]") {
   const int crate = id_of(kScene, "box", "crate"), arm = id_of(kScene, "assembly", "arm");
   const std::string text = edited(kScene, {MoveElement{crate, arm, std::nullopt, true}});
   CHECK(text == with(with(with(with(kScene,
@@ -326,19 +326,19 @@ TEST_CASE("moving keeps the place and the meaning", "[edit]") {
                           "- crate.z", "- arm.crate.z"),
                      "distance(arm.upper, crate)", "distance(arm.upper, arm.crate)"));
   CHECK(body(*model_of(text), "arm.crate").X_WB.p.isApprox(Vec3(0, 0, 0.2), 1e-12));
-  // Without keeping its place the written one holds.
+  // Without keeping its pose the written pose holds.
   const std::string loose = edited(kScene, {MoveElement{crate, arm, std::nullopt, false}});
   CHECK(body(*model_of(loose), "arm.crate").X_WB.p.isApprox(Vec3(1, 0, 0.2), 1e-12));
   CHECK(refused(kScene, {MoveElement{arm, arm, std::nullopt, true}}).find("into itself") !=
         std::string::npos);
-  // Comments above go along.
+  // Comments above move along.
   const std::string ground =
       edited(kScene, {MoveElement{id_of(kScene, "plane", "floor"), 0, arm, true}});
   CHECK(ground.find("material=\"wood\"/>\n  <!-- the ground -->\n  <plane name=\"floor\" "
                     "material=\"wood\"/>\n  <assembly") != std::string::npos);
 }
 
-TEST_CASE("a copy has a name of its own and its own inside", "[edit]") {
+TEST_CASE("a copy has its own name and its own content", "[edit]") {
   const std::string text =
       edited(kScene, {DuplicateElement{id_of(kScene, "assembly", "arm"), Vec3(0, 1, 0)}});
   CHECK(text.find("  <assembly name=\"arm_2\" xyz=\"1 1 0\">\n    <box name=\"upper\"") !=
@@ -347,7 +347,7 @@ TEST_CASE("a copy has a name of its own and its own inside", "[edit]") {
   CHECK(model->bodies.size() == 6);
   const Joint& elbow = model->joints[static_cast<std::size_t>(find_joint(*model, "arm_2.elbow"))];
   CHECK(elbow.parent == find_body(*model, "arm_2.upper"));
-  // What names itself in full names the copy.
+  // References by full name refer to the copy.
   const std::string self =
       "<scene>\n  <assembly name=\"a\"><box name=\"b\" size=\"1 1 1\"/>"
       "<camera name=\"c\" on=\"a.b\" xyz=\"2 0 0\"/></assembly>\n</scene>";
@@ -371,7 +371,7 @@ const char* const kTable = R"(<scene>
 )";
 }
 
-TEST_CASE("assembled parts are one body of the same matter", "[edit]") {
+TEST_CASE("assembled parts are one body of the same mass", "[edit]") {
   const std::vector<int> parts = {id_of(kTable, "box", "top"), id_of(kTable, "box", "left"),
                                   id_of(kTable, "cylinder", "right")};
   const std::string text = edited(kTable, {AssembleElements{parts, "table", ""}});
@@ -408,16 +408,16 @@ TEST_CASE("assembled parts are one body of the same matter", "[edit]") {
     CHECK((X_WS.p - b.X_WB.p).norm() < 1e-9);
     CHECK(X_WS.q.angularDistance(b.X_WB.q) < 1e-9);
   }
-  // Apart again: everything where it was.
-  const std::string apart = edited(text, {DisassembleElement{id_of(text, "assembly", "table")}});
-  const auto again = model_of(apart);
+  // Dissolved again: everything has its old pose.
+  const std::string dissolved = edited(text, {DisassembleElement{id_of(text, "assembly", "table")}});
+  const auto again = model_of(dissolved);
   for (const Body& b : before->bodies) {
     const Body& other = body(*again, b.name);
     CHECK((other.X_WB.p - b.X_WB.p).norm() < 1e-9);
     CHECK(other.X_WB.q.angularDistance(b.X_WB.q) < 1e-9);
     CHECK(other.mass == Approx(b.mass).epsilon(1e-12));
   }
-  CHECK(apart.find("<!-- the top -->\n  <box name=\"top\"") != std::string::npos);
+  CHECK(dissolved.find("<!-- the top -->\n  <box name=\"top\"") != std::string::npos);
 }
 
 TEST_CASE("an assembly can share a material", "[edit]") {
@@ -429,7 +429,7 @@ TEST_CASE("an assembly can share a material", "[edit]") {
   CHECK(text.find("xyz=\"0.8 0 0\" material=\"oak\"/>") != std::string::npos);
 }
 
-TEST_CASE("what cannot be one body is refused with the way out", "[edit]") {
+TEST_CASE("parts that cannot be one body are refused with a remedy", "[edit]") {
   const auto two = [&](const char* a, const char* ta, const char* b, const char* tb) {
     return AssembleElements{{id_of(kTable, ta, a), id_of(kTable, tb, b)}, "x", ""};
   };
@@ -441,7 +441,7 @@ TEST_CASE("what cannot be one body is refused with the way out", "[edit]") {
         std::string::npos);
 }
 
-TEST_CASE("grouped elements are an assembly and stay what and where they are", "[edit]") {
+TEST_CASE("grouped elements become an assembly and keep their poses", "[edit]") {
   const auto at = [](const char* tag, const char* name) { return id_of(kScene, tag, name); };
   const std::string text = edited(
       kScene, {GroupElements{{at("hinge", "shoulder"), at("assembly", "arm"), at("box", "crate")},
@@ -457,23 +457,23 @@ TEST_CASE("grouped elements are an assembly and stay what and where they are", "
     CHECK(is.p == was.p);
     CHECK(is.q.coeffs() == was.q.coeffs());
   }
-  // A name that is taken gets a number; what stands in different places is refused.
+  // A name that is taken gets a number; elements with different parents are refused.
   CHECK(edited(kScene, {GroupElements{{at("box", "crate")}, "arm"}}).find("name=\"arm_2\"") !=
         std::string::npos);
   CHECK(refused(kScene, {GroupElements{{at("box", "crate"), at("box", "upper")}, "x"}})
-            .find("different places") != std::string::npos);
+            .find("different parents") != std::string::npos);
   CHECK(refused(kScene, {GroupElements{{0}, "x"}}).find("scene itself") != std::string::npos);
   CHECK(refused(kScene, {GroupElements{{}, "x"}}).find("nothing to group") != std::string::npos);
 }
 
-TEST_CASE("a mass of the whole is shared out", "[edit]") {
+TEST_CASE("the mass of an assembly is distributed to its parts", "[edit]") {
   const std::string text =
       "<scene>\n  <assembly name=\"a\" rigid=\"true\" mass=\"6 kg\" xyz=\"0 0 2\" rpy=\"90 0 0 "
       "deg\">\n"
       "    <box name=\"b\" size=\"1 1 1\"/>\n    <box name=\"c\" size=\"1 1 2\" xyz=\"0 0 2\"/>\n"
       "  </assembly>\n  <hinge name=\"h\" child=\"a\" axis=\"0 0 1\"/>\n</scene>\n";
-  const std::string apart = edited(text, {DisassembleElement{1}});
-  const auto model = model_of(apart);
+  const std::string dissolved = edited(text, {DisassembleElement{1}});
+  const auto model = model_of(dissolved);
   CHECK(body(*model, "b").mass == Approx(2.0));
   CHECK(body(*model, "c").mass == Approx(4.0));
   CHECK((body(*model, "c").X_WB.p - Vec3(0, -2, 2)).norm() < 1e-9);
@@ -495,14 +495,14 @@ TEST_CASE("several operations are one edit", "[edit]") {
                         {RenameElement{crate, "chest"}, SetAttribute{crate, "mass", "oops"}}));
 }
 
-TEST_CASE("broken text must be mended first", "[edit]") {
+TEST_CASE("broken text must be corrected first", "[edit]") {
   const std::string broken = with(kScene, "</scene>", "");
-  CHECK(refused(broken, {SetAttribute{0, "name", "x"}}).find("mend the text first: line 3") !=
+  CHECK(refused(broken, {SetAttribute{0, "name", "x"}}).find("correct the text first: line 3") !=
         std::string::npos);
-  // Well-formed text that does not compile can be mended by its attributes.
+  // Well-formed text that does not compile can be corrected by setting attributes.
   const std::string wrong = with(kScene, "joint=\"elbow\"", "joint=\"elbwo\"");
   const int motor = id_of(wrong, "motor", "drive");
-  CHECK(refused(wrong, {RenameElement{motor, "x"}}).find("mend the text first: line 14") !=
+  CHECK(refused(wrong, {RenameElement{motor, "x"}}).find("correct the text first: line 14") !=
         std::string::npos);
   CHECK(edited(wrong, {SetAttribute{motor, "joint", "elbow"}}) == kScene);
 }
@@ -524,7 +524,7 @@ TEST_CASE("hostile texts and ids are refused", "[edit]") {
   CHECK(refused(kScene, {InsertElement{0, "<box", {}}}).find("new element") != std::string::npos);
 }
 
-TEST_CASE("numbers are as short as they may be", "[edit]") {
+TEST_CASE("numbers are written as short as possible", "[edit]") {
   CHECK(short_number(0.1 + 0.2, 1e-9) == "0.3");
   CHECK(short_number(-1e-9, 1e-6) == "0");
   CHECK(short_number(100.0, 1e-6) == "100");
@@ -532,7 +532,7 @@ TEST_CASE("numbers are as short as they may be", "[edit]") {
   CHECK(short_number(-2.5, 1e-9) == "-2.5");
 }
 
-TEST_CASE("the schema says what may be written where", "[edit][schema]") {
+TEST_CASE("the schema lists the allowed elements and attributes", "[edit][schema]") {
   const auto schema = nlohmann::json::parse(write_schema_json());
   const auto& elements = schema["elements"];
   const auto box = std::find_if(elements.begin(), elements.end(),

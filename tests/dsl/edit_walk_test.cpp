@@ -1,5 +1,4 @@
-// A random walk of edits over whole scenes: whatever is done leaves a scene that compiles, or is
-// refused.
+// A random walk of edits over whole scenes: every edit leaves a scene that compiles, or is refused.
 #include <catch2/catch.hpp>
 
 #include <fstream>
@@ -43,7 +42,7 @@ class Walker {
       case 4:
         return RemoveElements{{pick()}};
       case 5: {
-        // Neighbours, which alone can be assembled.
+        // Neighbours: only these can be assembled.
         std::vector<int> parts{pick()};
         const int parent = scene.elements[static_cast<std::size_t>(parts[0])].parent;
         for (const OutlineElement& e : scene.elements)
@@ -83,7 +82,7 @@ TEST_CASE("a random walk of edits never leaves a broken scene", "[edit][walk]") 
   const std::string name = GENERATE("001_first_steps/first_steps", "010_two_wheels/two_wheels",
                                     "030_pendulums/pendulums", "040_servo_arm/arm");
   const std::string path = std::string(COGRSIM_EXAMPLES) + "/" + name + ".scene.xml";
-  // Without plugins there is nobody to check their parameters.
+  // Without plugins their parameters cannot be checked.
   std::string text = std::regex_replace(read(path), std::regex("<set [^>]*/>"), "");
   OutlinedScene scene = compile_outlined(text, path);
   REQUIRE(scene.result.ok());

@@ -1,11 +1,11 @@
-// Regions, templates and rules: what the compiler makes of them.
+// Regions, templates and rules in the compiled model.
 #include "build_support.h"
 #include "fake_catalog.h"
 
 using namespace cogrsim;
 using namespace cogrsim::test;
 
-TEST_CASE("regions have a place, a shape and guests", "[events]") {
+TEST_CASE("regions have a pose, a shape and a list of bodies", "[events]") {
   const auto model = compile_scene(R"xml(
     <assembly name="bot" xyz="1 0 0"> <box name="hull" size="1 1 1" mass="1"/>
       <region name="near" radius="2 m" xyz="0 1 0" frame="hull"/> </assembly>
@@ -27,7 +27,7 @@ TEST_CASE("regions have a place, a shape and guests", "[events]") {
   CHECK(goal.who == std::vector<std::string>{"bot", "crate"});
 }
 
-TEST_CASE("a template is a scene of its own that knows the materials around", "[events]") {
+TEST_CASE("a template is a scene of its own that can use the scene's materials", "[events]") {
   const auto model = compile_scene(R"xml(
     <material name="ice" friction="0.1"/>
     <box name="ball" size="1 1 1" mass="1" material="ice"/>
@@ -70,14 +70,14 @@ TEST_CASE("rules and their actions are read with names in full", "[events]") {
         point="1 0 0" reach="2 cm"/>
       <detach joint="grip"/>
       <limit joint="bot.lift" lower="none" upper="80 cm"/>
-      <freeze name="bot"/> <unfreeze name="bot.arm"/>
+      <make-static name="bot"/> <make-dynamic name="bot.arm"/>
       <drive motor="bot.m" target="20 cm/s"/>
       <switch sensor="bot.e" on="false"/>
-      <raise event="ready"/> <tell message="hello"/> <end reason="done"/>
+      <raise event="ready"/> <log message="hello"/> <end reason="done"/>
     </on>
     <on name="clock" time="1 s" every="2 s"> <raise event="tick" message="tock"/> </on>
-    <on event="raised(anything)"> <tell message="x"/> </on>
-    <on when="late.ball.x gt 0 m"> <tell message="y"/> </on>
+    <on event="raised(anything)"> <log message="x"/> </on>
+    <on when="late.ball.x gt 0 m"> <log message="y"/> </on>
   )xml");
   REQUIRE(model->rules.size() == 4);
   const RuleModel& rule = model->rules[0];
@@ -114,11 +114,11 @@ TEST_CASE("rules and their actions are read with names in full", "[events]") {
   CHECK(model->rules[1].name == "clock");
   CHECK(*model->rules[1].time == 1.0);
   CHECK(*model->rules[1].every == 2.0);
-  // What is not there yet is left as it is written.
+  // Names of objects that do not exist yet are left as written.
   CHECK(model->rules[3].when == "late.ball.x gt 0 m");
 }
 
-TEST_CASE("a rule opens a maze's door and strews into its free cells", "[events]") {
+TEST_CASE("a rule opens a maze's door and spawns into its free cells", "[events]") {
   const auto model = compile_scene(R"xml(
     <maze name="walls" cell="50 cm" thickness="2 cm" height="30 cm" xyz="1 0 0">
       +--+--+
@@ -144,11 +144,11 @@ TEST_CASE("a rule opens a maze's door and strews into its free cells", "[events]
   CHECK(near(all.places[4].p, Vec3(1.75, 0.25, 0)));
 }
 
-TEST_CASE("rules in a prototype speak of what is beside them", "[events]") {
+TEST_CASE("rules in a prototype refer to the elements beside them", "[events]") {
   const auto model = compile_scene(R"xml(
     <prototype name="Trap"> <box name="lid" size="1 1 1" mass="1"/>
       <region name="zone" size="1 1 1"/>
-      <on name="snap" event="enter(zone)"> <freeze name="lid"/> </on> </prototype>
+      <on name="snap" event="enter(zone)"> <make-static name="lid"/> </on> </prototype>
     <instance of="Trap" name="a"/> <instance of="Trap" name="b" xyz="5 0 0"/>
   )xml");
   REQUIRE(model->rules.size() == 2);
@@ -157,27 +157,27 @@ TEST_CASE("rules in a prototype speak of what is beside them", "[events]") {
   CHECK(std::get<SetStatic>(model->rules[1].actions[0]).body == "b.lid");
 }
 
-TEST_CASE("with a supervisor in the scene names may come that nobody knows", "[events]") {
+TEST_CASE("with a supervisor in the scene unknown names are allowed", "[events]") {
   CHECK(codes_of("<box name=\"a\" size=\"1 1 1\" mass=\"1\"/>"
-                 "<on event=\"added(guest)\"> <freeze name=\"guest\"/> </on>") == "CG1302 CG1302");
+                 "<on event=\"added(guest)\"> <make-static name=\"guest\"/> </on>") == "CG1302 CG1302");
   CHECK(codes_of("<box name=\"a\" size=\"1 1 1\" mass=\"1\"/> <supervisor plugin=\"referee\"/>"
-                 "<on event=\"added(guest)\"> <freeze name=\"guest\"/> </on>") == "CG2030 CG2030");
-  // Advice, so that it runs; what is announced is none.
+                 "<on event=\"added(guest)\"> <make-static name=\"guest\"/> </on>") == "CG2030 CG2030");
+  // A warning, so that it runs; announced names give none.
   const std::string with =
       "<box name=\"a\" size=\"1 1 1\" mass=\"1\"/> "
       "<supervisor plugin=\"referee\"/>";
   const auto model = compile_scene(with +
                                    "<on event=\"added(guest)\" if=\"guest.z gt 1 m\"> "
-                                   "<freeze name=\"guest.arm\"/> </on>");
+                                   "<make-static name=\"guest.arm\"/> </on>");
   REQUIRE(model->rules.size() == 1);
   CHECK(model->rules[0].source == "guest");
   CHECK(model->rules[0].when == "guest.z gt 1 m");
   CHECK(codes_of(with + "<region name=\"goal\" radius=\"1 m\" who=\"guest\" added=\"guest\"/>"
                         "<on added=\"box guest\" event=\"added(guest)\" if=\"guest.z gt 1 m\"> "
-                        "<freeze name=\"guest.arm\"/> </on>") == "");
-  CHECK(codes_of(with + "<on added=\"guest\" when=\"gest.z gt 1 m\"> <freeze name=\"guests\"/> "
+                        "<make-static name=\"guest.arm\"/> </on>") == "");
+  CHECK(codes_of(with + "<on added=\"guest\" when=\"gest.z gt 1 m\"> <make-static name=\"guests\"/> "
                         "</on>") == "CG2030 CG2030");
   // Bad grammar stays an error, and so does something of another kind.
-  CHECK(codes_of(with + "<on when=\"a.z gt\"> <freeze name=\"a\"/> </on>") == "CG1308");
+  CHECK(codes_of(with + "<on when=\"a.z gt\"> <make-static name=\"a\"/> </on>") == "CG1308");
   CHECK(codes_of(with + "<on time=\"1 s\"> <drive motor=\"a\" target=\"1\"/> </on>") == "CG1302");
 }

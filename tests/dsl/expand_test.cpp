@@ -43,7 +43,7 @@ const char* const kRobot = R"xml(
 
 }  // namespace
 
-TEST_CASE("a repeat counts in i when nobody names the number", "[dsl][expand]") {
+TEST_CASE("the iteration number of a repeat is i by default", "[dsl][expand]") {
   const auto model = compile_scene(R"(
     <repeat count="3"><sphere name="s_${i}" radius="${(i+1) * 1 cm}" xyz="${i * 1 m} 0 1"/></repeat>)");
   REQUIRE(model->bodies.size() == 3);
@@ -92,7 +92,7 @@ TEST_CASE("a value set from outside replaces a parameter's default and is checke
 }
 
 TEST_CASE("a value set from outside needs no blank before its unit", "[dsl][expand]") {
-  // What the scene makes of --set p=WORD, as text; "CODE: message (help)" where it is refused.
+  // The value of --set p=WORD in the scene, as text; "CODE: message (help)" where it is refused.
   const auto made = [](const std::string& param, const std::string& word) {
     dsl::CompileOptions options;
     options.set_parameters["p"] = word;
@@ -126,11 +126,11 @@ TEST_CASE("a value set from outside needs no blank before its unit", "[dsl][expa
   CHECK(made("type=\"length\"", "") == "CG0310: --set p=: expected a length, found nothing");
   CHECK(made("type=\"int\"", "two") ==
         "CG0310: --set p=two: expected a whole number, found the text \"two\"");
-  // A long word is looked at once, not once for each of its letters.
+  // A long word is processed once, not once for each of its letters.
   CHECK(made("default=\"a\"", std::string(60000, '1') + "x").size() == 60001);
 }
 
-TEST_CASE("a number glued to its unit is told where a number is wanted", "[dsl][expand]") {
+TEST_CASE("a number joined to its unit is reported where a number is expected", "[dsl][expand]") {
   const auto help_of = [](const std::string& inside) {
     const auto result = dsl::compile_text("<scene version=\"1\">" + inside + "</scene>", "t");
     REQUIRE_FALSE(result.diagnostics.empty());
@@ -148,7 +148,7 @@ TEST_CASE("a number glued to its unit is told where a number is wanted", "[dsl][
         std::string::npos);
 }
 
-TEST_CASE("names are looked for outwards, and instances have scopes of their own",
+TEST_CASE("names are looked up outwards, and instances have scopes of their own",
           "[dsl][expand]") {
   const auto model = compile_scene(R"(
     <prototype name="Pair">
@@ -210,7 +210,7 @@ TEST_CASE("ten thousand bodies, repeated and spelled out, are the same scene", "
 }
 
 TEST_CASE("one mistake is one message", "[dsl][expand]") {
-  // nothing that hangs on the faulty element is complained of
+  // nothing that depends on the faulty element is reported
   CHECK(codes_of(R"(
     <box name="a" size="1 1 kg 1"/> <box name="b" size="1 1 1" frame="a"/>
     <hinge name="j" parent="a" child="b"/> <motor joint="j" name="m"/>)")
@@ -222,7 +222,7 @@ TEST_CASE("one mistake is one message", "[dsl][expand]") {
   CHECK(codes_of(
             R"(<repeat count="-1"> <box name="a" size="1 1 1"/> </repeat> <hinge child="a"/>)") ==
         "CG0311");
-  // the same mistake in every round is said once
+  // the same mistake in every iteration is reported once
   CHECK(codes_of(R"(<repeat count="9" var="i"> <box name="a_${i}" size="1 1"/> </repeat>)")
             .find(' ') == std::string::npos);
 }

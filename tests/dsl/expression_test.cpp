@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "element.h"
-#include "value.h"
+#include "syntax/element.h"
+#include "values/value.h"
 
 using namespace cogrsim::dsl;
 
@@ -129,7 +129,7 @@ TEST_CASE("names are looked up outwards, until a prototype's border", "[expressi
   poisoned.set("p", Value::poison());
   const Result r = run("p + 1 m", &poisoned);
   CHECK(r.value.is_poison());
-  CHECK_FALSE(r.fault);  // whoever failed has said so
+  CHECK_FALSE(r.fault);  // the failure was reported already
 }
 
 TEST_CASE("lists and texts", "[expression]") {

@@ -18,7 +18,7 @@ class FakeCatalog final : public cogrsim::dsl::PluginCatalog {
                             parameter("side", "left", "wall to follow").one_of({"left", "right"}),
                             parameter("steps", 3, "how many"),
                             parameter("angle", 0.0, "rad", "heading"),
-                            parameter("path", std::vector<double>{}, "m", "way points"),
+                            parameter("path", std::vector<double>{}, "m", "waypoints"),
                             parameter("loop", false, "again and again")};
     }
     if (kind == PluginKind::supervisor && name == "referee") return ParameterTable{};
@@ -32,10 +32,10 @@ class FakeCatalog final : public cogrsim::dsl::PluginCatalog {
       return fail("broken.so was refused: not a plugin", "", "", "CG0902");
     }
     return fail("there is no " + std::string(to_string(kind)) + " \"" + name + "\"", "",
-                "there is walker, referee and sonar", "CG0901");
+                "available: walker, referee and sonar", "CG0901");
   }
 
-  /// A sonar reads its "distance", as far as it reaches.
+  /// A sonar reads its "distance", up to its range.
   std::vector<cogrsim::Channel> channels(const cogrsim::SceneModel&,
                                          const cogrsim::SensorModel& sensor) override {
     if (sensor.type != "sonar") return {};

@@ -12,7 +12,7 @@
 #include "../support/sanitizers.h"
 #include "../support/temporary_folder.h"
 #include "cogrsim/dsl/compiler.h"
-#include "vocabulary.h"
+#include "language/vocabulary.h"
 
 namespace fs = std::filesystem;
 using namespace cogrsim;
@@ -26,8 +26,9 @@ std::string codes(const CompileResult& result) {
   return out;
 }
 
-/// What a case may take beside what the program takes: beyond it an allocation fails, or SIGXCPU ends the program. The
-/// processor's time, as that of the clock is the machine's affair; the longest case takes a twentieth of it.
+/// Limits of a case in addition to the program's own use: beyond them an allocation fails, or
+/// SIGXCPU ends the program. Processor time, because wall-clock time depends on the machine; the
+/// longest case takes a twentieth of it.
 class Bounded {
  public:
   Bounded() {
@@ -107,7 +108,7 @@ TEST_CASE_METHOD(Bounded, "text and lists that double are bounded, one by one an
 }
 
 TEST_CASE_METHOD(Bounded, "one long line is as good as many short ones", "[hostile]") {
-  // Found by looking at each value's line to its end: 56 s for this file.
+  // Found when each value's line was scanned to its end: 56 s for this file.
   const std::string text = "<scene name=\"a\" version=\"1\">" +
                            repeated("<contact between=\"a b\" friction=\"0.5\"/>", 20000) +
                            "</scene>";
@@ -143,7 +144,7 @@ TEST_CASE_METHOD(Bounded, "floods of elements, attributes and errors are cut off
   const auto references =
       compile_text("<scene name='" + repeated("&", 60000) + "'/>", "references");
   CHECK(references.diagnostics.size() <= 20);
-  // One line of 8 MB with a slip at its end.
+  // One line of 8 MB with a mistake at its end.
   CHECK(codes(compile_text("<scene>" + repeated("<frame name='f'/>", 400000) + "<</scene>",
                            "line")) != "");
 }
@@ -196,7 +197,7 @@ TEST_CASE_METHOD(Bounded, "nothing is read from outside of the scene's folder", 
   const std::string link =
       folder.write("scenes/c.scene.xml", "<scene><import href='link.scene.xml'/></scene>");
   CHECK(codes(compile_file(link)) == "CG0303");
-  // A library folder opens what lies below it.
+  // A library folder gives access to the files below it.
   CompileOptions options;
   options.library_folders = {folder.path.string()};
   const std::string library =
@@ -215,7 +216,7 @@ TEST_CASE_METHOD(Bounded, "no attribute that names a file reads one outside of t
   const auto scene = [](const ElementSpec& element, const std::string& attributes) {
     std::string one = "<" + std::string(element.name);
     for (const AttributeSpec& a : element.attributes) {
-      // A height field asks for a file where it has no heights.
+      // A height field without heights needs a file.
       const bool other_file = a.kind == Kind::file && a.name == "file";
       if (!a.required && !other_file) continue;
       if (attributes.find(" " + std::string(a.name) + "=") == 0) continue;
@@ -266,7 +267,7 @@ TEST_CASE_METHOD(Bounded, "no attribute that names a file reads one outside of t
         const std::string value = " " + std::string(a.name) + "=\"" + file + "\"" + mass;
         return compile_file(folder.write("scenes/a.scene.xml", scene(element, value)));
       };
-      // What is refused would be taken, stood it beside the scene.
+      // The refused file would be accepted beside the scene.
       const CompileResult taken = compiled(good);
       INFO(to_text(taken.diagnostics));
       CHECK(taken.ok());

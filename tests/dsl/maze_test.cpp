@@ -7,8 +7,8 @@
 #include <cstdio>
 
 #include "build_support.h"
-#include "maze_drawing.h"
-#include "maze_plan.h"
+#include "expand/maze_drawing.h"
+#include "expand/maze_plan.h"
 
 using namespace cogrsim;
 using namespace cogrsim::test;
@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kOpen = MazeModel::kOpen, kWall = MazeModel::kWall;
 
-// A maze of 3 x 2 cells with all there is: a door to the side, a free end of a wall, a post with
+// A maze of 3 x 2 cells with every construct: a door to the side, a free end of a wall, a post with
 // walls to three sides.
 const char* const kSmall = R"(
   +--+--+--+
@@ -158,8 +158,8 @@ TEST_CASE("wall boxes cover exactly what is drawn", "[maze]") {
       if (c < d.columns && r < d.rows) CHECK(boxes_at(c + 0.5, r + 0.5) == 0);
     }
   CHECK(covered == Approx(pieces * 0.9 * 0.1 + posts * 0.01).epsilon(1e-9));
-  // No seam in a flat face: a wall that goes straight on at a post with a wall on one side only is
-  // one box there.
+  // No seam in a flat face: a wall that continues straight at a post with a wall on one side only
+  // is one box there.
   for (int r = 1; r < d.rows; ++r)
     for (int c = 1; c < d.columns; ++c) {
       const bool along_x = wall(d.south(r, c - 1)) && wall(d.south(r, c));
@@ -175,7 +175,7 @@ TEST_CASE("wall boxes cover exactly what is drawn", "[maze]") {
     }
 }
 
-TEST_CASE("cells are places and regions", "[maze]") {
+TEST_CASE("cells are frames and regions", "[maze]") {
   const auto model =
       compile_scene(maze(kSmall, "door-direction=\"up\" xyz=\"1 2 0\" rpy=\"0 0 90 deg\"") +
                     "<prototype name=\"Dot\"><sphere name=\"s\" radius=\"0.1\"/></prototype>"
@@ -198,7 +198,7 @@ TEST_CASE("cells are places and regions", "[maze]") {
   CHECK(numbered == 6);
 }
 
-TEST_CASE("a maze may stand in a prototype", "[maze]") {
+TEST_CASE("a maze may be in a prototype", "[maze]") {
   const auto model = compile_scene("<prototype name=\"Room\"><param name=\"w\" type=\"length\"/>" +
                                    maze("\n+-+-+\n|S|G|\n+A+ +\n|   |\n+-+-+\n",
                                         "open=\"A\" door-direction=\"up\"",
@@ -221,12 +221,12 @@ TEST_CASE("a maze's doors slide into the walls beside them", "[maze][door]") {
       "+AA+--+--+\n"  // only to its east is a wall
       "|S       |\n"
       "+  +--+BB+\n"  // only to its west
-      "C        |\n"  // a way out; to its north is a wall
+      "C        |\n"  // an exit; to its north is a wall
       "+--+--+--+\n",
       "open=\"B\" door-force=\"30 N\" door-speed=\"0.2 m/s\" color=\"red\" door-color=\"blue\""));
   REQUIRE(model->doors.size() == 3);
   const Vec3 axes[] = {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0)};
-  const Vec3 places[] = {Vec3(0.5, 2, 0), Vec3(2.5, 1, 0), Vec3(0, 0.5, 0)};
+  const Vec3 expected[] = {Vec3(0.5, 2, 0), Vec3(2.5, 1, 0), Vec3(0, 0.5, 0)};
   for (std::size_t i = 0; i < 3; ++i) {
     const DoorModel& door = model->doors[i];
     INFO(door.name);
@@ -249,7 +249,7 @@ TEST_CASE("a maze's doors slide into the walls beside them", "[maze][door]") {
     CHECK(leaf.kind == BodyKind::dynamic);
     // The joint's z axis, along which it slides, seen in the world.
     CHECK(near(leaf.X_WB.q * (slide.X_CM.q * Vec3::UnitZ()), axes[i], 1e-9));
-    CHECK(near(leaf.X_WB.p, places[i] + (i == 1 ? 0.9 : 0.0) * axes[i], 1e-9));
+    CHECK(near(leaf.X_WB.p, expected[i] + (i == 1 ? 0.9 : 0.0) * axes[i], 1e-9));
     // Thinner than the wall, off the floor, and not as high as the wall.
     REQUIRE(leaf.shapes.size() == 1);
     const Shape& panel = leaf.shapes[0];
@@ -258,7 +258,7 @@ TEST_CASE("a maze's doors slide into the walls beside them", "[maze][door]") {
     CHECK(panel.X_BS.p.z() + 0.5 * panel.size.z() == Approx(0.498));
     CHECK(model->materials[static_cast<std::size_t>(panel.material)].color.b == 1.0);
   }
-  // What it slides into does not stop it, and nothing else is let through.
+  // The wall it slides into does not stop it; everything else does.
   const CollisionFilter filter(*model);
   const int leaf = find_body(*model, "walls.A.leaf");
   for (const Body& wall : model->bodies) {
@@ -273,7 +273,7 @@ TEST_CASE("a maze's doors slide into the walls beside them", "[maze][door]") {
 }
 
 TEST_CASE("the pieces of one letter are one door", "[maze][door]") {
-  // A double door and a single one: the single one goes as far, and needs as much wall.
+  // A double door and a single one: the single one travels as far, and needs as much wall.
   const auto model =
       compile_scene(maze("\n+--+--+--+--+--+--+--+\n"
                          "|                    |\n"
@@ -305,13 +305,13 @@ TEST_CASE("doors of a maze may open up or down", "[maze][door]") {
     const Body& leaf = body(*model, "walls.A.leaf");
     CHECK(near(leaf.X_WB.q * (slide.X_CM.q * Vec3::UnitZ()), Vec3(0, 0, up ? 1 : -1), 1e-9));
     CHECK(model->doors[0].open == 0.5);
-    // What sinks into the floor must not be stopped by it.
+    // A door that opens into the floor must not be stopped by it.
     const CollisionFilter filter(*model);
     CHECK(filter.collide(find_body(*model, "floor"), find_body(*model, "walls.A.leaf")) == up);
   }
 }
 
-TEST_CASE("a door stands anywhere", "[door]") {
+TEST_CASE("a door can have any pose", "[door]") {
   const auto model = compile_scene(
       "<door name=\"gate\" size=\"80 4 100 cm\" xyz=\"1 2 0.5\" rpy=\"0 0 90 deg\" mass=\"3 kg\" "
       "open=\"true\"/>"
@@ -343,7 +343,7 @@ TEST_CASE("drawings of any size are answered at once", "[maze][hostile]") {
     CHECK(result.diagnostics.size() <= 10);
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
-  // The bound is far above what it takes; a drawing read in quadratic time exceeds it by far.
+  // The bound is far above what it takes; reading a drawing in quadratic time exceeds it by far.
   constexpr double kBound = 20.0;  // [s]
   const std::size_t size = 1 << 20;
   CHECK(seconds(std::string(size, '+')) < kBound);
@@ -360,7 +360,7 @@ TEST_CASE("drawings of any size are answered at once", "[maze][hostile]") {
   CHECK(seconds("+-+\n" + bytes) < kBound);
 }
 
-TEST_CASE("the largest maze is built in bearable time", "[maze][hostile]") {
+TEST_CASE("the largest maze is built in acceptable time", "[maze][hostile]") {
   // Every piece of wall drawn: the most boxes a drawing can give.
   std::string drawing;
   for (int row = 0; row < 128; ++row) {

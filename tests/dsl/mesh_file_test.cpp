@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "cogrsim/model/mass_properties.h"
-#include "mesh_file.h"
+#include "assets/mesh_file.h"
 
 using namespace cogrsim;
 using namespace cogrsim::dsl;
@@ -106,7 +106,7 @@ TEST_CASE("texture coordinates come with the corners they are given for", "[dsl]
   CHECK(message("vn 0 0 up\n") == "line 9: expected a number, found 'up'");
 }
 
-TEST_CASE("broken meshes are refused with the place", "[dsl][mesh]") {
+TEST_CASE("broken meshes are refused with the position", "[dsl][mesh]") {
   const auto message = [](const Result<TriangleMesh>& mesh) {
     return mesh ? std::string("accepted") : mesh.error().message;
   };

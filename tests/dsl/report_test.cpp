@@ -1,4 +1,4 @@
-// How findings are shown: text with a caret, JSON, SARIF; counted rather than repeated.
+// Diagnostics as text with a caret, JSON and SARIF; counted rather than repeated.
 #include <catch2/catch.hpp>
 
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 using namespace cogrsim;
 using namespace cogrsim::dsl;
 
-TEST_CASE("the text points at the place, with trail and help", "[report]") {
+TEST_CASE("the text points at the source position, with trail and help", "[report]") {
   Diagnostic d;
   d.code = "CG0502";
   d.message = "expected an angle, found a length";
@@ -30,7 +30,7 @@ TEST_CASE("the text points at the place, with trail and help", "[report]") {
   CHECK(to_text(d, true).find("\x1b[1;31m") != std::string::npos);
 }
 
-TEST_CASE("the caret stands right below tabs, umlauts and in long lines", "[report]") {
+TEST_CASE("the caret is right below tabs, umlauts and in long lines", "[report]") {
   Diagnostic d;
   d.code = "CG0501";
   d.message = "m";
@@ -45,7 +45,7 @@ TEST_CASE("the caret stands right below tabs, umlauts and in long lines", "[repo
   CHECK(to_text(d).size() < 500);
 }
 
-TEST_CASE("a mistake in a prototype is said once and counted", "[report]") {
+TEST_CASE("a mistake in a prototype is reported once and counted", "[report]") {
   const auto result = compile_text(R"(<scene>
   <prototype name="P">
     <repeat count="4" var="i"> <box name="b_${i}" size="1 1 kg" mass="1" xyz="${9*i} 0 0"/> </repeat>
@@ -71,7 +71,7 @@ TEST_CASE("JSON and SARIF can be read back", "[report]") {
   CHECK(json[0]["severity"] == "error");
   CHECK(json[0]["line"] == 2);
   CHECK(json[0]["column"] == 2);
-  CHECK(json[0]["help"] == "here it is called <body>");
+  CHECK(json[0]["help"] == "use <body>");
   const auto sarif = nlohmann::json::parse(to_sarif(result.diagnostics));
   CHECK(sarif["version"] == "2.1.0");
   const auto& run = sarif["runs"][0];
@@ -80,10 +80,10 @@ TEST_CASE("JSON and SARIF can be read back", "[report]") {
   for (const auto& r : run["results"]) {
     CHECK(run["tool"]["driver"]["rules"][r["ruleIndex"].get<int>()]["id"] == r["ruleId"]);
   }
-  const auto& place = run["results"][0]["locations"][0]["physicalLocation"];
-  CHECK(place["artifactLocation"]["uri"] == "a%20b/%C3%A4.scene.xml");
-  CHECK(place["region"]["startLine"] == 2);
-  CHECK(place["region"]["endColumn"] == 6);
+  const auto& location = run["results"][0]["locations"][0]["physicalLocation"];
+  CHECK(location["artifactLocation"]["uri"] == "a%20b/%C3%A4.scene.xml");
+  CHECK(location["region"]["startLine"] == 2);
+  CHECK(location["region"]["endColumn"] == 6);
   CHECK(nlohmann::json::parse(to_json({})).empty());
   CHECK(nlohmann::json::parse(to_sarif({}))["runs"][0]["results"].empty());
   // Bytes that are no UTF-8, as in a strange file name, are replaced.

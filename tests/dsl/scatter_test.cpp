@@ -1,4 +1,4 @@
-// Scattered things: clear of everything, where they were wanted, the same again with the same seed.
+// Scattered objects: clear of everything, inside their region, reproducible with the same seed.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 #include "build_support.h"
 #include "cogrsim/geometry/overlap.h"
-#include "place_scatter.h"
+#include "build/place_scatter.h"
 
 using namespace cogrsim;
 using namespace cogrsim::test;
@@ -47,7 +47,7 @@ bool scattered(const Body& body) {
 }
 
 // Least distance of a box or ball on the floor to another, by walking around the outline of the one
-// and measuring to the other in its own axes: slow, plain, and no part of what is tested.
+// and measuring to the other in its own axes: slow, simple, and independent of the tested code.
 double gap(const Body& a, const Body& b) {
   double least = 1e9;
   const Shape& s = a.shapes[0];
@@ -94,7 +94,7 @@ double at_least(const Body& thing, const Body& other) {
 
 }  // namespace
 
-TEST_CASE("scattered things keep clear of everything, over many seeds", "[scatter]") {
+TEST_CASE("scattered objects are clear of everything, over many seeds", "[scatter]") {
   std::set<std::string> seen;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     INFO("seed " << seed);
@@ -105,19 +105,19 @@ TEST_CASE("scattered things keep clear of everything, over many seeds", "[scatte
       if (!scattered(thing)) continue;
       ++count;
       INFO(thing.name);
-      // It stands on the floor, wholly in a cell without a name.
+      // It is on the floor, wholly in a cell without a name.
       const bool ball = thing.shapes[0].type == ShapeType::sphere;
       CHECK(thing.X_WB.p.z() == Approx(ball ? 0.04 : 0.03));
       const Vec3 p = maze.X_WM.inverse() * thing.X_WB.p;
       const int row = static_cast<int>(std::floor(p.y() / 0.5)),
                 column = static_cast<int>(std::floor(p.x() / 0.5));
       CHECK((row >= 0 && row < 4 && column >= 0 && column < 4));
-      for (const auto& place : maze.places)
-        CHECK_FALSE((place.row == row && place.column == column));
+      for (const auto& cell : maze.places)
+        CHECK_FALSE((cell.row == row && cell.column == column));
       const double least = thing.name[0] == 'l' ? 0.03 : 0.02;
       for (const Body& other : model->bodies) {
         if (&other == &thing) continue;
-        // Of two scattered things the later one kept its own clearance.
+        // Of two scattered objects the later one has its own clearance.
         const bool earlier = &other < &thing;
         if (scattered(other) && !earlier) continue;
         INFO(other.name);
@@ -131,7 +131,7 @@ TEST_CASE("scattered things keep clear of everything, over many seeds", "[scatte
     CHECK(count == 14);
     CHECK(geometry::find_overlaps(*model).pairs.empty());
   }
-  CHECK(seen.size() == 13);  // all free cells of the 16 got something, some time
+  CHECK(seen.size() == 13);  // each of the 16 free cells got an object in some run
 }
 
 TEST_CASE("the same seed scatters the same, another one differently", "[scatter]") {
@@ -145,7 +145,7 @@ TEST_CASE("the same seed scatters the same, another one differently", "[scatter]
   }
   CHECK(all);
   CHECK(any);
-  // What is added elsewhere, before and after, moves nothing.
+  // Elements added elsewhere, before and after, do not change the positions.
   const auto more = with_seed(
       "<box name=\"far\" size=\"1 1 1\" xyz=\"50 0 0\"/><scatter name=\"dust\" count=\"3\" "
       "area=\"1 m 1 m\" xyz=\"60 0 0\"><sphere name=\"s\" radius=\"1 cm\"/></scatter>" +
@@ -155,7 +155,7 @@ TEST_CASE("the same seed scatters the same, another one differently", "[scatter]
     CHECK(near(body(*more, body_a.name).X_WB.p, body_a.X_WB.p, 0.0));
 }
 
-TEST_CASE("what is scattered together stays together", "[scatter]") {
+TEST_CASE("objects scattered together stay together", "[scatter]") {
   const auto model = compile_scene(R"(
     <prototype name="Post"><box name="foot" size="10 10 4 cm" xyz="0 0 2 cm"/>
       <cylinder name="pole" radius="1 cm" length="30 cm" mass="100 g" xyz="0 0 19 cm"/>
@@ -171,7 +171,7 @@ TEST_CASE("what is scattered together stays together", "[scatter]") {
     const Body& guard = body(*model, "posts.guard_" + n);
     CHECK(foot.X_WB.p.z() == Approx(1.02));
     CHECK(guard.X_WB.p.z() == Approx(1.05));
-    // The area is turned by a quarter, and all that is in it.
+    // The area is turned by a quarter, with its content.
     CHECK(near(guard.X_WB.p - foot.X_WB.p, Vec3(0, 0.2, 0.03), 1e-9));
     CHECK(std::abs(foot.X_WB.p.x() - 5) <= 1.0 - 0.05 + 1e-9);
     CHECK(std::abs(foot.X_WB.p.y()) <= 0.5 - 0.05 + 1e-9);
@@ -180,8 +180,8 @@ TEST_CASE("what is scattered together stays together", "[scatter]") {
              body(*model, "posts.post_2.foot").X_WB.p + Vec3(0, 0, 0.32), 1e-9));
 }
 
-TEST_CASE("scattered things stay in one cell, or beside what stands at its start", "[scatter]") {
-  // An arm that a joint turns at the start: what counts is where it is then.
+TEST_CASE("scattered objects stay in one cell, and clear of initial poses", "[scatter]") {
+  // An arm that a joint turns at the start: its initial pose counts.
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const auto model = with_seed(R"(
       <box name="mast" size="4 4 60 cm" static="true" xyz="0 0 30 cm"/>
@@ -197,8 +197,8 @@ TEST_CASE("scattered things stay in one cell, or beside what stands at its start
   }
 }
 
-TEST_CASE("a tight place is filled as far as it goes", "[scatter]") {
-  // Where the first may lie in the way of the second, as in one case of four here.
+TEST_CASE("a tight region is filled as far as possible", "[scatter]") {
+  // The first may block the second, as in one case of four here.
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const auto model = with_seed(
         "<scatter name=\"loose\" count=\"2\" area=\"26 cm 11 cm\">"

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder with a picture in it, that goes away with the object.
+/// A folder with a picture in it, removed with the object.
 struct Folder : test::TemporaryFolder {
   Folder() {
     Image image;
@@ -28,7 +28,7 @@ struct Folder : test::TemporaryFolder {
 
 }  // namespace
 
-TEST_CASE("textures and their sizes reach the model", "[dsl]") {
+TEST_CASE("textures and their sizes are in the model", "[dsl]") {
   const Folder folder;
   const std::string scene = (folder.path / "t.scene.xml").string();
   std::ofstream(scene) << R"(<scene name="t" version="1">
@@ -60,7 +60,7 @@ TEST_CASE("textures and their sizes reach the model", "[dsl]") {
   const Material& floor = material(index("floor"));
   CHECK(floor.texture == (folder.path / "b.jpg").string());
   CHECK_FALSE(floor.texture_size);
-  // Shown as it is where no color is given.
+  // Shown unchanged where no color is given.
   CHECK(floor.color.r == 1.0);
   CHECK(plain.color.g == 1.0);
   CHECK(material(index("tinted")).color.b == Approx(51.0 / 255.0));

@@ -4,8 +4,8 @@
 #include <clocale>
 #include <cmath>
 
-#include "number_list.h"
-#include "value.h"
+#include "values/number_list.h"
+#include "values/value.h"
 
 using namespace cogrsim::dsl;
 
@@ -119,7 +119,7 @@ TEST_CASE("radians may be left out only where mass is involved", "[units]") {
   CHECK_FALSE(fits(dim::kAngularStiffness, dim::kTorque));
 }
 
-TEST_CASE("one unit goes for the list, or each entry has its own", "[units]") {
+TEST_CASE("one unit applies to the list, or each entry has its own", "[units]") {
   CHECK(si("24 14 4 cm") == std::vector<double>{0.24, 0.14, 0.04});
   CHECK(si("24 cm 14 cm 40 mm") == std::vector<double>{0.24, 0.14, 0.04});
   CHECK(si("1 2 3") == std::vector<double>{1, 2, 3});

@@ -1,10 +1,10 @@
-// What XML 1.0 refuses is refused, and what it allows is read, with exact places.
+// Text that XML 1.0 refuses is refused, and text that it allows is read, with exact positions.
 #include <catch2/catch.hpp>
 
-#include "diagnostics.h"
-#include "element.h"
-#include "node.h"
-#include "reader.h"
+#include "report/diagnostics.h"
+#include "syntax/element.h"
+#include "syntax/node.h"
+#include "values/reader.h"
 
 using namespace cogrsim;
 using namespace cogrsim::dsl;
@@ -34,7 +34,7 @@ TEST_CASE("well-formed documents are read", "[xml]") {
        {"<scene/>", "<scene></scene>", "\xEF\xBB\xBF<scene/>",
         "<?xml version=\"1.0\" encoding=\"UTF-8\" standalone='yes' ?>\n<scene/>\n",
         "<?xml version='1.0' encoding='utf-8'?><scene/>",
-        "<!-- a --><?go on?><scene  name = 'a&lt;b' ><!-- b --></scene ><!-- c -->\n",
+        "<!-- a --><?pi data?><scene  name = 'a&lt;b' ><!-- b --></scene ><!-- c -->\n",
         "<scene name=\"&#x41;&#66;&quot;\"/>", "<scene name='two\nlines'/>",
         "<scene xmlns:xsi='x' xsi:noNamespaceSchemaLocation='scene.xsd'/>",
         "<scene name='\xC3\xA4\xE2\x82\xAC\xF0\x9F\xA4\x96'/>", "<scene>\r\n  \r\n</scene>"}) {
@@ -45,7 +45,7 @@ TEST_CASE("well-formed documents are read", "[xml]") {
   }
 }
 
-TEST_CASE("what is not XML is refused", "[xml]") {
+TEST_CASE("text that is not XML is refused", "[xml]") {
   const std::pair<const char*, const char*> cases[] = {
       {"", "CG0112"},
       {"   ", "CG0112"},
@@ -117,7 +117,7 @@ TEST_CASE("every beginning of a good scene is refused without a crash", "[xml]")
   }
 }
 
-TEST_CASE("places count code points, entities and line breaks included", "[xml]") {
+TEST_CASE("positions count code points, entities and line breaks included", "[xml]") {
   Parsed p(
       "<scene>\n  <!-- \xC3\xA4\xC3\xA4 --><view name='\xC3\xA4' xyz=\"0 &#48;\n 1\"/>\n</scene>");
   REQUIRE(p.document);

@@ -6,7 +6,7 @@ execute_process(COMMAND ${EXPERIMENT} --seeds 1 --backends bullet --set boxes=1 
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "the experiment failed (${status}):\n${said}")
 endif()
-foreach(name between in_zone times nearest bullet/map bullet/end bullet/figures/ways)
+foreach(name between in_zone times nearest bullet/map bullet/end bullet/figures/paths)
   if(NOT EXISTS ${FOLDER}/${name}.png)
     message(FATAL_ERROR "${name}.png is missing:\n${said}")
   endif()

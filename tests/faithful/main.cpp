@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -21,12 +20,13 @@
 #include <string>
 #include <vector>
 
-#include "scene.h"
 #include "temporary_folder.h"
+#include "trace.h"
 
 namespace {
 
 using namespace cogrsim::bench;
+using cogrsim::faithful::kNumbers, cogrsim::faithful::Run, cogrsim::faithful::run;
 using Json = nlohmann::json;
 
 struct Options {
@@ -39,44 +39,6 @@ struct Differences {
   double orientation = 0.0;  ///< [rad]
   int first_step = -1;
 };
-
-/// Says why it ended, or gives its trace.
-struct Run {
-  std::vector<double> trace;
-  std::string unsupported, failed;
-};
-
-constexpr std::size_t kNumbers = 7;  // of a thing: place, turn
-
-Run run(const std::string& command, const FaithfulScene& scene,
-        const std::filesystem::path& folder) {
-  const auto trace = folder / "trace", answer = folder / "answer";
-  std::filesystem::remove(trace);
-  const std::string line = command + " --scene " + scene.name + " --steps " +
-                           std::to_string(scene.steps) + " --trace '" + trace.string() + "' > '" +
-                           answer.string() + "'";
-  const int status = std::system(line.c_str());
-  Run out;
-  std::ifstream text(answer);
-  std::string first;
-  std::getline(text, first);
-  const Json json = Json::parse(first, nullptr, false);
-  if (json.is_object() && json.contains("unsupported")) {
-    out.unsupported = json.at("unsupported").get<std::string>();
-    return out;
-  }
-  if (json.is_object() && json.contains("failed")) {
-    out.failed = json.at("failed").get<std::string>();
-  } else if (status != 0) {
-    out.failed = "ended with status " + std::to_string(status);
-  }
-  if (!std::filesystem::exists(trace)) return out;
-  std::ifstream file(trace, std::ios::binary);
-  out.trace.resize(std::filesystem::file_size(trace) / sizeof(double));
-  file.read(reinterpret_cast<char*>(out.trace.data()),
-            static_cast<std::streamsize>(out.trace.size() * sizeof(double)));
-  return out;
-}
 
 Differences compare(const std::vector<double>& a, const std::vector<double>& b,
                     std::size_t things) {

@@ -1,4 +1,4 @@
-// Thousands of clients at one server that do what clients should not: see studio.sh.
+// Thousands of misbehaving clients at one server: see studio.sh.
 //
 //     connect_storm PORT COUNT come-and-go   connects and closes at once, one after another
 //     connect_storm PORT COUNT half          sends half a request on each and holds all for 3 s
@@ -47,7 +47,7 @@ int connect_to(int port) {
 }
 
 void say(int s, const std::string& text) {
-  // What a server that has closed thinks of it does not matter.
+  // Errors after the server has closed do not matter.
   static_cast<void>(::send(s, text.data(), text.size(), MSG_NOSIGNAL));
 }
 

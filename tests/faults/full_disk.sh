@@ -1,7 +1,7 @@
-# A disk that is full: every command that writes says so and fails, and what was there stays.
+# A disk that is full: every command that writes reports it and fails, and existing files stay.
 #
-# A file system of its own in memory, in a name space of its own; where the system gives none, only a
-# full standard output is tried.
+# A file system of its own in memory, in a name space of its own; if the system does not allow one,
+# only a full standard output is tested.
 if [ "${COGRSIM_FAULTS_INSIDE:-}" != yes ]; then
   export COGRSIM_FAULTS_INSIDE=yes
   if unshare -rm true 2>/dev/null; then exec unshare -rm bash "$0" "$@"; fi
@@ -14,13 +14,13 @@ scene=$here/room.scene.xml
 if [ "$COGRSIM_FAULTS_INSIDE" = yes ]; then
   mkdir disk
   mount -t tmpfs -o size=64k none disk || exit $skipped
-  fill() { # leaves no room but in files that are there
+  fill() { # leaves no space except in existing files
     head -c 1000000 /dev/zero >disk/filler 2>/dev/null
     [ "$(stat -c %s disk/filler)" -lt 1000000 ] || wrong "the disk is not full"
   }
   "$program" run "$scene" --record good.mcap >/dev/null 2>&1 || wrong "a run with a disk"
 
-  # Files that are written whole or not at all: an old one stays as it was.
+  # Files that are written completely or not at all: an old one is unchanged.
   whole=(
     "run $scene --json disk/result.json"
     "run $scene --save-at 0.5s disk/kept.snap"
@@ -42,12 +42,12 @@ if [ "$COGRSIM_FAULTS_INSIDE" = yes ]; then
     try "$program" "${command[@]}" --overwrite
     must_refuse "$words" "${command[*]:0:1} into $target on a full disk"
     [ "$(cat "$target")" = "what was there" ] || wrong "$target was damaged"
-    # Nothing half is left beside it.
+    # No partial file is left beside it.
     left=$(ls -A disk | grep -vx -e filler -e "${target#disk/}")
     [ -z "$left" ] || wrong "${command[0]} leaves $left behind"
   done
 
-  # A recording grows; what fitted can be read.
+  # A recording grows; the frames that fitted can be read.
   mkdir larger
   mount -t tmpfs -o size=3m none larger
   try "$program" run "$scene" --duration 60s --record larger/run.mcap

@@ -1,7 +1,7 @@
-# SIGKILL at any moment: what was written before is whole, or it is not there.
+# SIGKILL at any time: a file written before is complete, or it does not exist.
 #
-# Each command is first run to its end, then again and again and killed at moments that are spread over
-# the time that took. ROUNDS (default 10) says how often.
+# Each command is first run to its end, then repeatedly and killed at times that are spread over
+# that duration. ROUNDS (default 10) says how often.
 source "$(dirname "$0")/lib.sh"
 scene=$here/room.scene.xml
 rounds=${ROUNDS:-10}
@@ -18,20 +18,20 @@ kill_after() {
   local child=$!
   sleep "$((delay / 1000000000)).$(printf %09d $((delay % 1000000000)))"
   kill -KILL $child 2>/dev/null
-  # A signal reaches what has ended, too, until it is waited for; only the status tells.
+  # A signal also reaches an ended process until it is waited for; only the status shows it.
   local status=0
   wait $child 2>/dev/null || status=$?
   [ "$status" -ne $((128 + 9)) ] || killed=$((killed + 1))
 }
 
-# What was never killed tests nothing: the first moment lies before any end.
+# A run that was never killed tests nothing: the first time lies before any end.
 must_have_killed() {
   echo "$1: $killed of $rounds killed"
   [ "$killed" -gt 0 ] || wrong "$1: none was killed"
 }
 
-# The k-th of the moments in a span, and a little random.
-moment() { echo $(((($1 * 32768 + RANDOM) * $2) / (rounds * 32768))); }
+# The k-th of the times in a span, with some randomness.
+random_time() { echo $(((($1 * 32768 + RANDOM) * $2) / (rounds * 32768))); }
 
 # ---- a recording can be read up to the kill
 killed=0
@@ -41,7 +41,7 @@ span=$(($(now) - start))
 read_back=0
 for ((k = 0; k < rounds; k++)); do
   rm -f run.mcap
-  kill_after "$(moment $k $span)" "$program" run "$scene" --duration 20s --record run.mcap
+  kill_after "$(random_time $k $span)" "$program" run "$scene" --duration 20s --record run.mcap
   [ -e run.mcap ] || continue # killed before it began
   try "$program" info run.mcap
   if [ "$status" -eq 0 ]; then
@@ -49,7 +49,7 @@ for ((k = 0; k < rounds; k++)); do
     try "$program" plot run.mcap --y ball.z -o run.json
     [ "$status" -eq 0 ] || wrong "a recording that was cut off cannot be plotted"
   elif [ "$(stat -c %s run.mcap)" -gt 3000000 ] || [ "$status" -ge 124 ]; then
-    # Up to the first chunk there is nothing to show, and that is said.
+    # Up to the first chunk there are no frames, and that is reported.
     wrong "a recording that was cut off at $(stat -c %s run.mcap) bytes: exit status $status"
   fi
 done
@@ -65,29 +65,29 @@ start=$(now)
 span=$(($(now) - start))
 for ((k = 0; k < rounds; k++)); do
   cp old.snap kept.snap
-  kill_after "$(moment $k $span)" "$program" run "$scene" --duration 0.3s --save-at 0.2s kept.snap
+  kill_after "$(random_time $k $span)" "$program" run "$scene" --duration 0.3s --save-at 0.2s kept.snap
   cmp -s kept.snap old.snap || cmp -s kept.snap new.snap || wrong "a snapshot is neither old nor new"
 done
 must_have_killed snapshots
 
-# ---- a sweep goes on where it was killed, and ends as if it had not been
+# ---- a sweep resumes where it was killed, and ends as if it had not been
 killed=0
 sweep=("$program" sweep "$scene" --vary speed=1,2,3 --seeds 1..3 --until 0.3s)
 start=$(now)
 "${sweep[@]}" -o whole >/dev/null 2>err || wrong "the whole sweep"
 span=$(($(now) - start))
 for ((k = 0; k < rounds; k++)); do
-  kill_after "$(moment $((k % 3)) $span)" "${sweep[@]}" -o study
+  kill_after "$(random_time $((k % 3)) $span)" "${sweep[@]}" -o study
 done
 try "${sweep[@]}" -o study
-[ "$status" -eq 0 ] || wrong "a sweep that was killed does not go on: exit status $status"
-# All but the last column, the wall times.
+[ "$status" -eq 0 ] || wrong "a sweep that was killed does not resume: exit status $status"
+# All but the last column, the wall-clock times.
 cmp -s <(sed 's/,[^,]*$//' whole/results.csv) <(sed 's/,[^,]*$//' study/results.csv) ||
   wrong "a sweep that was killed $killed times has another table than one that was not"
 [ "$(wc -l <whole/results.csv)" -eq 10 ] || wrong "the table has not 9 rows"
 must_have_killed sweeps
 
-# ---- a package, made and unpacked: whole or not there
+# ---- a package, made and unpacked: complete or missing
 killed=0
 mkdir packages
 start=$(now)
@@ -96,7 +96,7 @@ start=$(now)
 span=$(($(now) - start))
 for ((k = 0; k < rounds; k++)); do
   rm -rf packages/*
-  kill_after "$(moment $k $span)" "$program" push "$scene" --name room --include whole.mcap \
+  kill_after "$(random_time $k $span)" "$program" push "$scene" --name room --include whole.mcap \
     -o packages/room.cogrsim.zip
   [ -e packages/room.cogrsim.zip ] || continue
   try "$program" pull packages/room.cogrsim.zip --dry-run
@@ -112,17 +112,17 @@ cp -r "packages/$unpacked" pulled
 for ((k = 0; k < rounds; k++)); do
   rm -rf packages
   mkdir packages
-  kill_after "$(moment $k $span)" "$program" pull whole.cogrsim.zip --into packages
+  kill_after "$(random_time $k $span)" "$program" pull whole.cogrsim.zip --into packages
   [ -e "packages/$unpacked" ] || continue
   diff -r "packages/$unpacked" pulled >/dev/null || wrong "a package was unpacked in part"
-  # What was left behind does not hinder the next one.
+  # Files that were left behind do not hinder the next one.
   rm -rf "packages/$unpacked"
   try "$program" pull whole.cogrsim.zip --into packages
   [ "$status" -eq 0 ] || wrong "a pull after one that was killed"
 done
 must_have_killed pulls
 
-# ---- a package on its way to a store: whoever pulls gets it whole, or hears that it is not there
+# ---- a package being pushed to a store: a pull gets it completely, or reports that it is missing
 server=$(command -v lighttpd || echo /usr/sbin/lighttpd)
 if [ -x "$server" ]; then
   killed=0
@@ -154,7 +154,7 @@ CONF
   whole_pulls=0
   for ((k = 0; k < rounds; k++)); do
     rm -rf store/open/* taken
-    kill_after "$(moment $k $span)" "${push[@]}"
+    kill_after "$(random_time $k $span)" "${push[@]}"
     try "$program" pull room --from "$store" --into taken
     if [ "$status" -eq 0 ]; then
       whole_pulls=$((whole_pulls + 1))
@@ -162,7 +162,7 @@ CONF
     elif [ "$status" -ne 1 ] || grep -qiE 'damaged|checksum|changed' err; then
       wrong "a push that was killed left something bad in the store"
     fi
-    # And pushing again mends it.
+    # And pushing again repairs it.
     try "${push[@]}"
     [ "$status" -eq 0 ] || wrong "a push after one that was killed"
   done

@@ -1,4 +1,4 @@
-# Shared by the tests beside it, which are called as: TEST.sh PROGRAM FOLDER, FOLDER to be made anew.
+# Shared by the tests beside it, which are called as: TEST.sh PROGRAM FOLDER, FOLDER to be created.
 set -u
 program=$1
 work=$2
@@ -9,7 +9,7 @@ cd "$work" || exit 1
 failures=0
 engines=${COGRSIM_TEST_ENGINES:-bullet cogrsim}
 
-# What a test that cannot be held here exits with; ctest then says "skipped".
+# The exit status of a test that cannot run here; ctest then reports "skipped".
 skipped=77
 
 wrong() {
@@ -21,13 +21,12 @@ wrong() {
 
 # Runs a command: its streams in files out and err, its exit status in $status.
 try() {
-  # In a shell of its own, which says on err, and not on the test's own output, what killed it.
+  # In a separate shell, which reports on err, and not on the test's own output, what killed it.
   status=0
   (exec "$@") >out 2>err </dev/null || status=$?
 }
 
-# The command of the last try() failed as a program should: with a status of its own and with words
-# that match $1.
+# The command of the last try() failed properly: with an exit status and a message that matches $1.
 must_refuse() {
   if [ "$status" -ne 1 ] && [ "$status" -ne 2 ]; then
     wrong "$2: exit status $status"

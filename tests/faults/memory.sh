@@ -1,6 +1,6 @@
-# Too little memory: words and an exit status, never an abort or a signal.
+# Too little memory: a message and an exit status, never an abort or a signal.
 #
-# The limits rise from where the libraries alone do not fit to where everything does.
+# The limits rise from too little for the libraries alone to enough for everything.
 source "$(dirname "$0")/lib.sh"
 cat >many.scene.xml <<'SCENE'
 <scene name="many" version="1">
@@ -12,7 +12,7 @@ cat >many.scene.xml <<'SCENE'
 </scene>
 SCENE
 
-# What it needs, from a run without a limit [kB].
+# Its memory use in a run without a limit [kB].
 needed() {
   "$@" >/dev/null 2>&1 &
   local child=$! most=0 now
@@ -35,7 +35,7 @@ for backend in $engines; do
     (ulimit -v $kilobytes && exec "${command[@]}") >out 2>err </dev/null || status=$?
     case $status in
       0) ;;
-      # 127: the system's loader could not map a library, and says so.
+      # 127: the system's loader could not map a library, and reports it.
       1 | 127)
         refused=$((refused + 1))
         grep -qE 'memory|cannot be loaded|failed to map|cannot allocate|cannot create' err ||

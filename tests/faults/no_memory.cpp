@@ -1,10 +1,10 @@
-// Every single allocation of making a world and stepping it fails, one after the other: what comes of it is
-// a result that speaks of memory or std::bad_alloc, and never an end of the process.
+// Every single allocation of making a world and stepping it fails, one after the other: the result
+// is an error about memory or std::bad_alloc, and never the end of the process.
 //
 //     cogrsim_no_memory BACKEND [--only-steps]
 //
-// --only-steps: not while the world is made. Each failure is tried in a process of its own. Exit status 1:
-// some ended otherwise.
+// --only-steps: not while the world is made. Each failure is tested in a separate process. Exit
+// status 1: some ended otherwise.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -74,11 +74,11 @@ constexpr const char* kScene = R"(
 </scene>
 )";
 
-/// Whether the words are about memory.
+/// Whether the message is about memory.
 bool of_memory(const std::string& text) { return text.find("memory") != std::string::npos; }
 
-/// A world, ten steps of it, a snapshot and its return. 0: nothing failed, 1: it says that the memory ran
-/// out, 2: it says something else, which is printed.
+/// A world, ten steps of it, a snapshot and its return. 0: nothing failed, 1: it reports that the
+/// memory ran out, 2: it reports something else, which is printed.
 int live(const SceneModelPtr& model, const std::string& backend,
          const std::shared_ptr<PluginLoader>& loader, bool only_steps) {
   const auto odd = [](const std::string& what) {
@@ -129,18 +129,18 @@ int main(int argc, char** argv) {
     return 2;
   }
   const auto loader = std::make_shared<PluginLoader>();
-  // Once with all the memory there is: it loads the engine, which keeps what it makes for all worlds.
+  // Once with all memory: it loads the engine, which keeps the data it shares between worlds.
   for (int k = 0; k < 2; ++k) {
     seen = 0;
     if (live(scene.model, backend, loader, only_steps) != 0) return 2;
   }
   const long all = seen;
-  long told = 0, wrong = 0;
+  long reported = 0, wrong = 0;
   std::fflush(stdout);
   for (long k = 0; k < all; ++k) {
     const pid_t child = ::fork();
     if (child == 0) {
-      // What libraries say of their own end; the signal says enough.
+      // Messages of libraries at an abort; the signal is enough.
       if (std::freopen("/dev/null", "w", stderr) == nullptr) ::_exit(3);
       seen = 0;
       refused = k;
@@ -151,16 +151,16 @@ int main(int argc, char** argv) {
     int status = 0;
     if (child < 0 || ::waitpid(child, &status, 0) != child) return 2;
     const bool ended = WIFEXITED(status);
-    if (ended && WEXITSTATUS(status) == 1) ++told;
+    if (ended && WEXITSTATUS(status) == 1) ++reported;
     if (ended && WEXITSTATUS(status) <= 1) continue;
     ++wrong;
     std::printf("WRONG: allocation %ld of %ld: %s %d\n", k, all, ended ? "exit status" : "signal",
                 ended ? WEXITSTATUS(status) : WTERMSIG(status));
     std::fflush(stdout);
   }
-  std::printf("%s: %ld allocations failed, %ld were told, %ld went wrong\n", backend.c_str(), all,
-              told, wrong);
-  // Hardly anything allocates for nothing: where nobody notices, this test tests nothing.
-  if (told == 0) std::printf("WRONG: nothing was noticed\n");
-  return wrong > 0 || told == 0 ? 1 : 0;
+  std::printf("%s: %ld allocations failed, %ld were reported, %ld went wrong\n", backend.c_str(), all,
+              reported, wrong);
+  // Hardly any allocation is unneeded: if no failure is noticed, this test tests nothing.
+  if (reported == 0) std::printf("WRONG: nothing was noticed\n");
+  return wrong > 0 || reported == 0 ? 1 : 0;
 }

@@ -1,5 +1,5 @@
-// A studio that is killed while it saves: the file is the old one or the new one, never half, and so is
-// the one that is kept beside it.
+// A studio that is killed while it saves: the file is the old one or the new one, never partial,
+// and so is the backup beside it.
 //
 //     cogrsim_save_killed FOLDER [ROUNDS]
 #include <signal.h>
@@ -23,15 +23,15 @@ constexpr std::size_t kMost = 16u << 20;
 /// A scene of about 1 MB, so that writing it takes a while.
 std::string scene(char letter) { return "<scene>" + std::string(1u << 20, letter) + "</scene>\n"; }
 
-/// Saves one and the other until it is killed; says so on `told` when it is at it.
+/// Saves one and the other until it is killed; reports on `started` when it has begun.
 [[noreturn]] void save_for_ever(const std::string& path, const std::string& a, const std::string& b,
-                                int told) {
+                                int started) {
   auto file = SceneFile::open(path, kMost);
   if (!file) ::_exit(3);
   for (bool first = true;; first = !first) {
     if (!file->save(first ? a : b)) ::_exit(4);
-    if (told >= 0 && ::write(told, "", 1) != 1) ::_exit(5);
-    told = -1;
+    if (started >= 0 && ::write(started, "", 1) != 1) ::_exit(5);
+    started = -1;
   }
 }
 
@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
     const pid_t child = ::fork();
     if (child == 0) save_for_ever(path, a, b, ends[1]);
     ::close(ends[1]);
-    // However slow the machine is: the kill comes when it saves, not while it starts.
+    // On any machine, however slow: the kill occurs while it saves, not while it starts.
     char ignored = 0;
     const bool saves = ::read(ends[0], &ignored, 1) == 1;
     ::close(ends[0]);
@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
       return 1;
     }
     for (const std::string& name : {path, path + "~"}) {
-      if (!fs::exists(name)) continue;  // nothing was saved yet, so nothing was kept
+      if (!fs::exists(name)) continue;  // nothing was saved yet, so there is no backup
       const auto text = read_text_file(name, kMost);
       if (!text || (*text != a && *text != b)) {
         std::fprintf(stderr, "round %d: '%s' is neither the old text nor the new one\n", k,
@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
         return 1;
       }
     }
-    // What was being written when the kill came lies beside it, and is in nobody's way.
+    // The file that was being written at the kill lies beside it, and does no harm.
     for (const auto& entry : fs::directory_iterator(folder)) {
       const std::string name = entry.path().filename().string();
       if (name == "t.scene.xml" || name == "t.scene.xml~") continue;

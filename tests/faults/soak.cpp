@@ -1,11 +1,11 @@
-// Things come and go for a long time: does the memory stay flat?
+// Objects are added and removed for a long time: does the memory use stay constant?
 //
 //     cogrsim_soak [--minutes M] [--backend B] [--spawns N] [--quiet]
 //
-// A run after the other in one process, by Restart: in each N robots and balls come, 20 a simulated
-// second, and go again after a second, in a world with sensors and controllers. What was removed keeps its
-// place in the scene model until the restart (indices stay valid), so memory is looked at right after
-// restarts. Exit status 1: it grew.
+// One run after the other in one process, by Restart: in each N robots and balls are added, 20 per
+// simulated second, and removed after a second, in a world with sensors and controllers. Removed
+// objects keep their entries in the scene model until the restart (indices stay valid), so memory
+// is measured right after restarts. Exit status 1: it grew.
 #include <fmt/core.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -57,7 +57,7 @@ double resident() {
   return pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
 }
 
-/// Memory that the program holds, without what malloc keeps for later [byte].
+/// Memory that the program holds, without what malloc caches [byte].
 double held() {
   const struct mallinfo2 info = ::mallinfo2();
   return static_cast<double>(info.uordblks + info.hblkhd);
@@ -85,7 +85,8 @@ Line fit(const std::vector<Sample>& samples, double Sample::*what) {
   return {(sy - slope * sx) / n, slope};
 }
 
-/// One run: `spawns` come and go. Returns the number of commands that were refused.
+/// One run: `spawns` objects are added and removed. Returns the number of commands that were
+/// refused.
 int live(Simulation& run, int spawns) {
   const double start = run.time();
   int number = 0, refused = 0;
@@ -94,7 +95,7 @@ int live(Simulation& run, int spawns) {
     Spawn spawn;
     spawn.of = number % 3 == 0 ? "Robot" : "Ball";
     spawn.name = fmt::format("guest_{}", number);
-    // In a grid, so that it seldom finds its place taken.
+    // In a grid, so that its position is seldom occupied.
     spawn.pose.p = Vec3(0.5 * (number % 5), 0.5 * (number / 5 % 4), 0.01);
     spawn.lifetime = 1.0;
     run.send(spawn);
@@ -105,7 +106,7 @@ int live(Simulation& run, int spawns) {
       return -1;
     }
   }
-  run.run_until(start + 0.05 * number + 1.5);  // all of them have left
+  run.run_until(start + 0.05 * number + 1.5);  // all of them were removed
   for (const RunMessage& message : run.messages()) {
     if (message.source == "command") ++refused;
   }
@@ -187,11 +188,12 @@ int main(int argc, char** argv) {
       "held {:+.4f} MB; what was removed costs {:.0f} byte per body until the restart\n",
       run.backend().name(), runs, runs * spawns, memory.at_start / 1e6, resident_growth / 1e6, span,
       held_growth / 1e6, grown / static_cast<double>(marks));
-  // A leak of one element per guest (a name of 16 byte, the least that malloc gives is 32) would come
-  // to 32 byte times their number; of what is held, a quarter of that is no leak but rounding of the
-  // line (containers stand at other capacities from run to run). Resident memory moves by malloc's
-  // trimming, whose thresholds of 128 kB grow with the blocks that are freed, and by its arenas: up to
-  // 32 of them, and 1 % of itself. Beside what is held it shows only what does not come from malloc.
+  // A leak of one element per spawned object (a name of 16 byte, the least that malloc gives is 32)
+  // would come to 32 byte times their number; of what is held, a quarter of that is no leak but
+  // rounding of the line (containers stand at other capacities from run to run). Resident memory
+  // moves by malloc's trimming, whose thresholds of 128 kB grow with the blocks that are freed, and
+  // by its arenas: up to 32 of them, and 1 % of itself. Beside what is held it shows only what does
+  // not come from malloc.
   const double guests = static_cast<double>(later.size() * static_cast<std::size_t>(spawns));
   const double held_bound = 0.25 * 32.0 * guests + 64e3;
   const double resident_bound = 0.01 * memory.at_start + 32 * 128e3;

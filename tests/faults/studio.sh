@@ -1,4 +1,4 @@
-# Thousands of connects to the studio: it goes on serving, with many descriptors and with few.
+# Thousands of connections to the studio: it keeps serving, with many file descriptors and with few.
 source "$(dirname "$0")/lib.sh"
 storm=$3
 connects=${CONNECTS:-2000}
@@ -24,7 +24,7 @@ for files in "$(ulimit -Hn)" 64; do
     [[ $answer == "HTTP/1.1 "* ]] || wrong "$how: answers '$answer'"
     echo "$files descriptors, $how: $got connects, then: $answer"
   done
-  # When nobody is there it does not burn the processor: the scene stands, as nobody plays it.
+  # Without viewers it uses no processor time: the scene is paused, because no viewer plays it.
   sleep 1
   before=$(ticks $server)
   sleep 2
@@ -32,7 +32,7 @@ for files in "$(ulimit -Hn)" 64; do
   # 2 s are 200 ticks; a loop that fails to accept would take most of them.
   [ "$burnt" -lt 100 ] || wrong "it is busy with nothing: $burnt of 200 ticks"
   held=$(ls /proc/$server/fd | wc -l)
-  [ "$held" -lt 60 ] || wrong "$held descriptors are open when nobody is there"
+  [ "$held" -lt 60 ] || wrong "$held descriptors are open without viewers"
   kill -INT $server
   for ((i = 0; i < 100; i++)); do
     kill -0 $server 2>/dev/null || break

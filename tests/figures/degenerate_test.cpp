@@ -1,4 +1,4 @@
-// Figures of nothing, of one sample, of constants, gaps and numbers at the edge of what there is.
+// Figures of nothing, of one sample, of constants, gaps and the largest and smallest numbers.
 #include <catch2/catch.hpp>
 
 #include "support.h"

@@ -143,7 +143,7 @@ TEST_CASE("a surface is coloured by its values", "[drawing]") {
   CHECK(ink(image, {0xfd, 0xe7, 0x25}, 0.1, 0, 0.85, 1) > 2000);   // bright: 1
 }
 
-TEST_CASE("every format is what its name says, with script, data and figure beside it",
+TEST_CASE("every format agrees with its name, with script, data and figure beside it",
           "[drawing]") {
   const Folder folder;
   Figure figure = curve({0, 1, 2}, {0, 1, 4}, "first");
@@ -227,7 +227,7 @@ TEST_CASE("without gnuplot the message names the package", "[drawing]") {
   CHECK(figure_from_json(content(folder / "a.json")));
 }
 
-TEST_CASE("places that cannot be written are refused", "[drawing]") {
+TEST_CASE("paths that cannot be written are refused", "[drawing]") {
   const Folder folder;
   const Figure figure = curve({0, 1}, {0, 1});
   CHECK(draw(figure, folder / "a.bmp").error().hint.find(".svg") != std::string::npos);

@@ -68,7 +68,7 @@ TEST_CASE("numbers come back to the last bit, gaps and infinities too", "[json]"
   CHECK_FALSE(back->y.maximum);
 }
 
-TEST_CASE("what was computed is in the JSON with its method and is not computed again", "[json]") {
+TEST_CASE("statistics are in the JSON with their method and are not computed again", "[json]") {
   Figure figure = box({{1, 2, 3, 4}});
   std::string text = json_of(figure);
   CHECK(text.find("(k - 0.5)/n") != std::string::npos);
@@ -104,7 +104,7 @@ TEST_CASE("JSON that is no figure is refused", "[json]") {
             .find("grid") != std::string::npos);
 }
 
-TEST_CASE("what cannot be drawn is said before drawing", "[figure]") {
+TEST_CASE("a figure that cannot be drawn is refused before drawing", "[figure]") {
   Figure lengths = curve({1, 2}, {1});
   CHECK_FALSE(complete(lengths));
   Figure two = surface({1}, {1}, {1});

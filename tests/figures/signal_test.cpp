@@ -151,7 +151,7 @@ TEST_CASE("signals are reckoned with", "[signal]") {
   CHECK(s.unit("bob.z / time") == "m/(s)");
   CHECK(s.good("force(bob) - 1").needs().contacts);
   CHECK(std::isnan(s.value("bob.z - robot.gps.x")));  // no reading yet
-  // New when either is: two sensors that were read at different times are told apart.
+  // New when either is: two sensors that were read at different times are distinguished.
   Frame later = s.frame;
   const Signal both = s.good("robot.eye.distance - robot.eye.distance");
   later.readings[0].sequence = 4;
@@ -230,10 +230,10 @@ TEST_CASE("a sensor's signal is new with each reading and others with each step"
 
 TEST_CASE("mistakes are answered with the nearest that there is", "[signal]") {
   const Scene s;
-  const auto says = [&](const std::string& text, const std::string& words) {
+  const auto says = [&](const std::string& text, const std::string& expected) {
     const std::string answer = s.refused(text);
     CAPTURE(text, answer);
-    CHECK(answer.find(words) != std::string::npos);
+    CHECK(answer.find(expected) != std::string::npos);
   };
   says("", "empty");
   says("tim", "did you mean 'time'");
@@ -278,7 +278,7 @@ TEST_CASE("mistakes are answered with the nearest that there is", "[signal]") {
   says(std::string(5000, 'a'), "too long");
 }
 
-TEST_CASE("names may be relative to where they stand", "[signal]") {
+TEST_CASE("names may be relative to their scope", "[signal]") {
   const Scene s;
   SignalScope scope{*s.model, {}, {}};
   scope.resolve = [&](const std::string& name) -> std::string {

@@ -40,7 +40,7 @@ TEST_CASE("quantiles of few samples", "[statistics]") {
   CHECK(std::isnan(quantile({}, 0.5)));
   CHECK(quantile({7}, 0.25) == 7);
   CHECK(quantile({1, 2}, 0.5) == 1.5);
-  // Half of the way between the largest numbers there are must not overflow.
+  // The midpoint of the largest numbers must not overflow.
   CHECK(quantile({-1.7e308, 1.7e308}, 0.5) == 0.0);
 }
 
@@ -66,7 +66,7 @@ TEST_CASE("outliers lie beyond one and a half interquartile ranges", "[statistic
   x.push_back(kNaN);
   x.push_back(kInfinity);
   const BoxStatistics box = box_statistics(x);
-  // n = 11: the quartiles lie at the places 3.25 and 8.75 of the sorted samples.
+  // n = 11: the quartiles lie at the ranks 3.25 and 8.75 of the sorted samples.
   CHECK(box.count == 11);
   CHECK(box.omitted == 2);
   CHECK(box.q1 == Approx(3.25));
@@ -78,7 +78,7 @@ TEST_CASE("outliers lie beyond one and a half interquartile ranges", "[statistic
 }
 
 TEST_CASE("a sample on the fence is no outlier", "[statistics]") {
-  // q1 = 2, q3 = 6 (n = 8: places 2.5 and 6.5), fences at -4 and 12.
+  // q1 = 2, q3 = 6 (n = 8: ranks 2.5 and 6.5), fences at -4 and 12.
   const BoxStatistics box = box_statistics({-4, 2, 2, 4, 4, 6, 6, 12});
   REQUIRE(box.q1 == 2);
   REQUIRE(box.q3 == 6);
@@ -182,13 +182,13 @@ TEST_CASE("a bin owns its lower edge and the last one both", "[statistics]") {
 }
 
 TEST_CASE("samples on lines get a cell for each line", "[statistics]") {
-  // A board of 3 x 2 places half a metre apart, each told five times with another value.
+  // A grid of 3 x 2 points half a metre apart, each with five different values.
   std::vector<double> x, y, z;
   for (int round = 0; round < 5; ++round) {
-    for (int place = 0; place < 6; ++place) {
-      x.push_back(0.25 + 0.5 * (place % 3));
-      y.push_back(1.25 + 0.5 * (place / 3));
-      z.push_back(10.0 * place + round);
+    for (int cell = 0; cell < 6; ++cell) {
+      x.push_back(0.25 + 0.5 * (cell % 3));
+      y.push_back(1.25 + 0.5 * (cell / 3));
+      z.push_back(10.0 * cell + round);
     }
   }
   const Grid grid = grid_means(x, y, z);

@@ -1,4 +1,4 @@
-// Folders that go away, what is in files, and drawings.
+// Temporary folders, contents of files, and drawings.
 #pragma once
 
 #include <limits>
@@ -15,5 +15,5 @@ using Folder = cogrsim::test::TemporaryFolder;
 
 std::string content(const std::string& path);
 
-/// Draws and fails the test with gnuplot's words if that does not work.
+/// Draws and fails the test with gnuplot's message if that does not work.
 std::vector<std::string> drawn(const cogrsim::figures::Figure& figure, const std::string& path);

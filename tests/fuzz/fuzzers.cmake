@@ -1,6 +1,6 @@
-# Fuzzers by clang beside a build by any compiler: what a target is about is compiled again, with
-# libFuzzer's counters and the sanitizers; all the rest is linked as it was built. Nothing here is
-# part of `all`.
+# Fuzzers by clang beside a build by any compiler: the tested code of a target is compiled again,
+# with libFuzzer's counters and the sanitizers; all the rest is linked as it was built. Nothing here
+# is part of `all`.
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/try/empty.cpp
   "#include <cstddef>\n#include <cstdint>\n"
   "extern \"C\" int LLVMFuzzerTestOneInput(const std::uint8_t*, std::size_t) { return 0; }\n")
@@ -19,7 +19,7 @@ foreach(part cogrsim_cli_lib cogrsim_share_lib cogrsim_studio_lib)
   endif()
 endforeach()
 # An archive: of these, the linker takes only what the instrumented ones do not have. A unity build's
-# objects bring some of that along; what comes first is taken then (-z muldefs).
+# objects bring some of that along; the first definition is then used (-z muldefs).
 set(rest_objects "")
 foreach(part ${objects_of})
   list(APPEND rest_objects $<TARGET_OBJECTS:${part}>)
@@ -67,7 +67,7 @@ function(cogrsim_fuzz_object source out)
     COMMENT "Instrumenting ${name}")
 endfunction()
 
-# cogrsim_add_fuzzer(NAME SOURCES…): SOURCES are what is instrumented beside the target itself.
+# cogrsim_add_fuzzer(NAME SOURCES…): SOURCES are instrumented in addition to the target itself.
 add_custom_target(fuzzers)
 function(cogrsim_add_fuzzer name)
   set(entry ${CMAKE_CURRENT_BINARY_DIR}/entries/${name}.cpp)
@@ -98,21 +98,20 @@ function(cogrsim_with_folder folder out)
   set(${out} ${full} PARENT_SCOPE)
 endfunction()
 
-cogrsim_with_folder(${dsl} values expression functions number_list study_values value)
-cogrsim_add_fuzzer(expression ${values} ${sdk}/core/units.cpp)
+cogrsim_with_folder(${dsl}/values values expression functions number_list value)
+cogrsim_add_fuzzer(expression ${values} ${dsl}/study/values.cpp ${sdk}/core/units.cpp)
 cogrsim_add_fuzzer(image ${sdk}/core/image.cpp ${sdk}/core/image_jpeg.cpp ${sdk}/core/image_png.cpp)
-cogrsim_with_folder(${dsl} meshes mesh_file mesh_obj mesh_stl)
+cogrsim_with_folder(${dsl}/assets meshes mesh_file mesh_obj mesh_stl)
 cogrsim_add_fuzzer(mesh ${meshes})
 cogrsim_add_fuzzer(plugin ${sdk}/plugin/elf_symbols.cpp)
-cogrsim_with_folder(${sdk}/recording files mcap_reader messages model_check model_json recomputing
-  recording scene_messages)
+cogrsim_with_folder(${sdk}/recording files mcap/mcap_reader mcap/messages mcap/scene_messages
+  model_check model_json recomputing recording)
 cogrsim_add_fuzzer(recording ${files} ${sdk}/map/canvas.cpp ${sdk}/map/map.cpp
   ${sdk}/map/outline.cpp)
 cogrsim_with_folder(${sdk}/signals files arithmetic condition parse signal terms)
 cogrsim_with_folder(${sdk}/geometry geometry bounds convex gjk surface_distance triangles)
 cogrsim_add_fuzzer(signal ${files} ${geometry} ${sdk}/core/units.cpp)
-cogrsim_with_folder(${sdk}/simulation files snapshot_changes snapshot_file snapshot_living
-  snapshot_numbers snapshot_resume)
+cogrsim_with_folder(${sdk}/simulation/snapshot files changes events file numbers resume)
 cogrsim_add_fuzzer(snapshot ${files})
 
 # The whole language but for its tables and the documents made of them.
@@ -120,8 +119,7 @@ get_target_property(all cogrsim_dsl_objects SOURCES)
 set(files "")
 foreach(source ${all})
   if(source MATCHES "^src/" AND NOT source MATCHES "/(codes|vocabulary_(events|mazes|sensors|table|tests)|write_)")
-    get_filename_component(name ${source} NAME_WE)
-    list(APPEND files ${dsl}/${name}.cpp)
+    list(APPEND files ${PROJECT_SOURCE_DIR}/dsl/${source})
   endif()
 endforeach()
 cogrsim_with_folder(${sdk}/geometry geometry bounds convex gjk overlap penetration triangles)
@@ -136,7 +134,7 @@ if(TARGET cogrsim_studio_lib)
   cogrsim_with_folder(${server} files http mailbox server token)
   cogrsim_add_fuzzer(http ${files})
   cogrsim_with_folder(${server} files complete document document_file document_history
-    document_json engine engine_carry engine_record engine_scene engine_watch mass run_desk run_live
-    run_recorded run_scenes run_viewers run_wire scene_json series sources studio)
+    document_json engine engine_carry engine_record engine_scene engine_watch mass run_live run_recorded
+    run_requests run_scenes run_viewers run_wire scene_json series sources studio)
   cogrsim_add_fuzzer(requests ${files})
 endif()

@@ -1,4 +1,4 @@
-// One target as libFuzzer calls it; which one is told when it is compiled.
+// One target as libFuzzer calls it; the target is selected at compile time.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,9 +1,9 @@
-// Runs targets without libFuzzer: over files that are kept, and for some seconds over random changes
-// of them. Needs no special compiler, so that every build can do it:
+// Runs targets without libFuzzer: over stored files, and for some seconds over random changes of
+// them. Needs no special compiler, so that every build can do it:
 //
 //     cogrsim_fuzz_replay TARGET [--seconds N] [--seed N] [--keep FOLDER] FILE|FOLDER…
 //
-// An input that ends the program is left behind as `crash-TARGET`, in the present folder or in that of
+// An input that ends the program is saved as `crash-TARGET`, in the current folder or in that of
 // --keep.
 #include <fcntl.h>
 #include <unistd.h>
@@ -37,14 +37,14 @@ constexpr Named kTargets[] = {
 #undef COGRSIM_FUZZ_NAMED
 };
 
-// What a signal handler can get at.
+// State for the signal handler.
 std::string current_input;
 char crash_file[4096];
 
 void keep_input(int signal) {
   const int file = ::open(crash_file, O_WRONLY | O_CREAT | O_TRUNC, 0644);
   if (file >= 0 && ::write(file, current_input.data(), current_input.size()) >= 0) {
-    constexpr char kSaid[] = "the input is kept in ";
+    constexpr char kSaid[] = "the input is saved in ";
     static_cast<void>(!::write(2, kSaid, sizeof kSaid - 1));
     static_cast<void>(!::write(2, crash_file, std::strlen(crash_file)));
     static_cast<void>(!::write(2, "\n", 1));
@@ -58,14 +58,14 @@ std::string read_file(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::vector<std::string> inputs_at(const std::vector<std::string>& places) {
+std::vector<std::string> inputs_at(const std::vector<std::string>& paths) {
   std::vector<fs::path> files;
-  for (const std::string& place : places) {
-    if (!fs::is_directory(place)) {
-      files.push_back(place);
+  for (const std::string& path : paths) {
+    if (!fs::is_directory(path)) {
+      files.push_back(path);
       continue;
     }
-    for (const auto& entry : fs::directory_iterator(place)) {
+    for (const auto& entry : fs::directory_iterator(path)) {
       if (entry.is_regular_file()) files.push_back(entry.path());
     }
   }
@@ -75,7 +75,7 @@ std::vector<std::string> inputs_at(const std::vector<std::string>& places) {
   return inputs;
 }
 
-// A few random changes: bits, bytes, pieces doubled, cut out, or taken from another input.
+// A few random changes: bits, bytes, parts doubled, cut out, or taken from another input.
 std::string changed(const std::vector<std::string>& inputs, std::mt19937_64& random) {
   const auto below = [&](std::size_t end) {
     return static_cast<std::size_t>(random() % std::max<std::size_t>(end, 1));
@@ -131,7 +131,7 @@ int main(int argc, char** argv) {
   double seconds = 0.0;
   unsigned long long seed = 1;
   std::string keep = ".";
-  std::vector<std::string> places;
+  std::vector<std::string> paths;
   for (int i = 2; i < argc; ++i) {
     const bool more = i + 1 < argc;
     if (std::strcmp(argv[i], "--seconds") == 0 && more) {
@@ -144,10 +144,10 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "there is no '%s'\n", argv[i]);
       return 2;
     } else {
-      places.push_back(argv[i]);
+      paths.push_back(argv[i]);
     }
   }
-  const std::vector<std::string> inputs = inputs_at(places);
+  const std::vector<std::string> inputs = inputs_at(paths);
   if (inputs.empty()) {
     std::fputs("there is nothing to run\n", stderr);
     return 2;

@@ -1,5 +1,5 @@
-// What is fuzzed. Each target takes bytes from outside as its part of the program would meet them;
-// it must come back, whatever they are, and what it checks by require() must hold.
+// The fuzz targets. Each target takes bytes from outside as its part of the program would; it must
+// return for any input, and its require() checks must hold.
 #pragma once
 
 #include <string>
@@ -14,13 +14,13 @@ void mesh(std::string_view input);        ///< OBJ, STL and heightmaps
 void image(std::string_view input);       ///< PNG and JPEG
 void plugin(std::string_view input);      ///< the symbols of a library that is not loaded
 void recording(std::string_view input);   ///< MCAP: opened, and every frame read
-void snapshot(std::string_view input);    ///< read, and a run gone on with
+void snapshot(std::string_view input);    ///< read, and a run resumed from it
 void package(std::string_view input);     ///< an archive, a manifest, a store's entry
 void listing(std::string_view input);     ///< what a store answers in XML
 void requests(std::string_view input);    ///< a page's messages to the studio, one a line
 void http(std::string_view input);        ///< bytes to the studio's server, up to WebSocket frames
 
-/// Ends the program, so that the fuzzer keeps the input, unless `holds`.
+/// Ends the program, so that the fuzzer saves the input, unless `holds`.
 void require(bool holds, const char* what);
 
 /// A file in memory with these bytes, that has a path as long as the object lives.
@@ -36,7 +36,7 @@ class MemoryFile {
   int descriptor_;
 };
 
-/// A folder of this process, gone when it ends: what an input makes files of, if anything.
+/// A folder of this process, removed at its end: for the files that an input creates.
 const std::string& scratch_folder();
 
 }  // namespace cogrsim::fuzz

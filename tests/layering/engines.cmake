@@ -1,11 +1,11 @@
-# Gathers from backends/*/layering.cmake what must stay inside the backends: engine_headers,
-# engine_types, engine_words, engine_folders, engine_libraries (one alternative of a regular expression
-# each) and engine_probes (headers).
+# Collects from backends/*/layering.cmake the names that must stay inside the backends:
+# engine_headers, engine_types, engine_words, engine_folders, engine_libraries (one alternative of a
+# regular expression each) and engine_probes (headers).
 set(gathered_names headers types words folders libraries)
 file(GLOB files "${SOURCE_DIR}/backends/*/layering.cmake")
 list(LENGTH files count)
 if(count LESS 2)
-  message(FATAL_ERROR "found ${count} engines below ${SOURCE_DIR}/backends: looking in the wrong place")
+  message(FATAL_ERROR "found ${count} engines below ${SOURCE_DIR}/backends: the searched folder is wrong")
 endif()
 set(gathered_probes "")
 foreach(file IN LISTS files)

@@ -1,5 +1,5 @@
-# What tests must not do, found by their text: names in the temporary folder that are not theirs alone, and cases that
-# pass where they could not be tried.
+# Forbidden constructs in tests, found by their text: names in the temporary folder that are not
+# unique, and cases that pass although they could not run.
 file(GLOB_RECURSE sources ${SOURCE_DIR}/tests/*.cpp ${SOURCE_DIR}/tests/*.h)
 list(REMOVE_ITEM sources ${SOURCE_DIR}/tests/support/temporary_folder.h)
 list(LENGTH sources count)

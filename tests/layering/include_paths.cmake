@@ -1,5 +1,5 @@
 include("${CMAKE_CURRENT_LIST_DIR}/engines.cmake")
-# The compile commands are the truth about include paths, transitive ones too.
+# The compile commands contain all include paths, transitive ones too.
 file(STRINGS "${BINARY_DIR}/compile_commands.json" lines REGEX "\"command\":|\"file\":")
 set(outside 0)
 set(inside 0)
@@ -14,11 +14,11 @@ foreach(line IN LISTS lines)
       continue()
     endif()
     math(EXPR outside "${outside} + 1")
-    # A checkout may lie in a folder of any name.
+    # A checkout may be in a folder of any name.
     string(REPLACE "${BINARY_DIR}" "" command "${command}")
     string(REPLACE "${SOURCE_DIR}" "" command "${command}")
     if(command MATCHES "-(I|isystem) ?[^ ]*(${engine_folders})[^ ]*")
-      message(SEND_ERROR "${file} is compiled with an engine's headers in reach: ${CMAKE_MATCH_0}")
+      message(SEND_ERROR "${file} can include an engine's headers: ${CMAKE_MATCH_0}")
     endif()
   endif()
 endforeach()

@@ -1,4 +1,5 @@
-# The command line's README lists every command in its first table. Those that end in -case are not for people.
+# The command line's README lists every command in its first table. Those that end in -case are
+# internal.
 file(GLOB_RECURSE sources "${SOURCE_DIR}/apps/*.cpp")
 set(commands "")
 foreach(file ${sources})
@@ -10,7 +11,7 @@ list(TRANSFORM commands REPLACE ".*\"([a-z-]+)\"" "\\1")
 list(FILTER commands EXCLUDE REGEX "-case$")
 list(LENGTH commands count)
 if(count LESS 10)
-  message(FATAL_ERROR "found ${count} commands below ${SOURCE_DIR}/apps: looking in the wrong place")
+  message(FATAL_ERROR "found ${count} commands below ${SOURCE_DIR}/apps: the searched folder is wrong")
 endif()
 
 file(READ "${SOURCE_DIR}/apps/cogrsim/README.md" page)

@@ -1,4 +1,4 @@
-# Looks for engines' headers and names in the sources of everything that must not know engines.
+# Searches for engines' headers and names in all sources that must not depend on engines.
 include("${CMAKE_CURRENT_LIST_DIR}/engines.cmake")
 
 function(refuse file pattern what)
@@ -18,7 +18,7 @@ foreach(folder sdk dsl plugins apps examples)
 endforeach()
 list(LENGTH sources count)
 if(count LESS 10)
-  message(FATAL_ERROR "found ${count} sources below ${SOURCE_DIR}: looking in the wrong place")
+  message(FATAL_ERROR "found ${count} sources below ${SOURCE_DIR}: the searched folder is wrong")
 endif()
 
 foreach(file ${sources})

@@ -1,9 +1,9 @@
-# Lists the blocks that pages say are not run, with their reasons. They are few: no more come without a change here.
+# Lists the blocks that pages mark as not run, with their reasons. Their number is bounded: a new one needs a change here.
 set(most 29)
 file(GLOB_RECURSE pages RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/docs/*.md ${SOURCE_DIR}/examples/*.md
   ${SOURCE_DIR}/plugins/*.md ${SOURCE_DIR}/apps/cogrsim/README.md)
 set(count 0)
-foreach(page README.md ${pages})
+foreach(page README.md CONTRIBUTING.md ${pages})
   file(STRINGS ${SOURCE_DIR}/${page} blocks REGEX "^```[a-z]+ .*not run:")
   foreach(block IN LISTS blocks)
     math(EXPR count "${count} + 1")
@@ -11,5 +11,5 @@ foreach(page README.md ${pages})
   endforeach()
 endforeach()
 if(count GREATER most)
-  message(FATAL_ERROR "${count} blocks are not run, ${most} may be")
+  message(FATAL_ERROR "${count} blocks are not run, at most ${most} are allowed")
 endif()

@@ -1,4 +1,4 @@
-// The drawing: that it agrees with pictures of the same frame, and says what it cannot do.
+// The drawing agrees with pictures of the same frame, and refuses what it cannot draw.
 #include <unistd.h>
 #include <cmath>
 #include <filesystem>
@@ -79,7 +79,7 @@ using Folder = cogrsim::test::TemporaryFolder;
 
 }  // namespace
 
-TEST_CASE("the map shows what a camera high above sees", "[map]") {
+TEST_CASE("the map agrees with a camera high above", "[map]") {
   const Frame frame = some_of_everything();
   // From 400 m a body 0.6 m high is shifted by at most 0.6 / 400 of its distance from the middle
   // (1.7 m), 2.6 mm; a pixel is 3.4 m / 680 = 5 mm. Pixels within 8 mm of an outline may go either
@@ -143,7 +143,7 @@ TEST_CASE("the map shows what a camera high above sees", "[map]") {
   }
 }
 
-TEST_CASE("bodies are drawn in their colours, at their places", "[map]") {
+TEST_CASE("bodies are drawn in their colours, at their positions", "[map]") {
   const Frame frame = some_of_everything();
   MapOptions options;
   options.width = 800;
@@ -169,7 +169,7 @@ TEST_CASE("bodies are drawn in their colours, at their places", "[map]") {
   }
 }
 
-TEST_CASE("what stands higher covers what lies below", "[map]") {
+TEST_CASE("higher bodies cover lower ones", "[map]") {
   for (const bool swapped : {false, true}) {
     ModelBuilder builder;
     const int red = color(builder, "red", 1, 0, 0), blue = color(builder, "blue", 0, 0, 1);
@@ -215,7 +215,7 @@ TEST_CASE("a trail is dashed, with gaps where there is no point", "[map]") {
   CHECK(in_the_gap == 0);
 }
 
-TEST_CASE("SVG and PDF are what they say", "[map]") {
+TEST_CASE("SVG and PDF files are valid", "[map]") {
   const Frame frame = some_of_everything();
   MapOptions options;
   options.title = "<all> & \"every\" shape";
@@ -229,7 +229,7 @@ TEST_CASE("SVG and PDF are what they say", "[map]") {
   CHECK(pdf->compare(0, 5, "%PDF-") == 0);
 }
 
-TEST_CASE("maps that cannot be are refused with the way out", "[map]") {
+TEST_CASE("impossible maps are refused with a remedy", "[map]") {
   const Frame frame = some_of_everything();
   const Folder folder;
   const auto message = [](const Result<>& result) {

@@ -68,7 +68,7 @@ TEST_CASE("round shapes cast round shadows", "[map]") {
   }
 }
 
-TEST_CASE("a mesh is the union of its triangles, whichever way they face", "[map]") {
+TEST_CASE("a mesh is the union of its triangles, whatever their orientation", "[map]") {
   TriangleMesh mesh;  // an open L of two unit squares and a half, one square upside down
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0.5}, {2, 1, 0.5}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 5, 4}, {1, 2, 5}};
@@ -81,7 +81,7 @@ TEST_CASE("a mesh is the union of its triangles, whichever way they face", "[map
       const auto &a = triangle[i], &b = triangle[(i + 1) % 3];
       twice += a.x() * b.y() - b.x() * a.y();
     }
-    CHECK(twice > 0.0);  // all turn the same way
+    CHECK(twice > 0.0);  // all turn in the same direction
     total += 0.5 * twice;
   }
   CHECK(total == Approx(2.0).epsilon(1e-12));

@@ -1,5 +1,5 @@
-# An empty WORK_DIR to work in as a user would who has set nothing: run() runs commands there and leaves
-# what they say in `output`; `flags` are for a project's compiler, who must find nothing to complain of.
+# An empty WORK_DIR, as for a user without any settings: run() runs commands there and stores their
+# output in `output`; `flags` are for a project's compiler, which must not warn.
 foreach(variable LD_LIBRARY_PATH COGRSIM_PLUGIN_PATH CMAKE_PREFIX_PATH CogRSim_DIR DESTDIR)
   unset(ENV{${variable}})
 endforeach()
@@ -17,6 +17,6 @@ endfunction()
 
 set(flags "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror")
 if(SANITIZE)
-  # Beside it g++ takes parts of the standard library for uninitialised.
+  # With it g++ reports parts of the standard library as uninitialised.
   string(APPEND flags " -fsanitize=${SANITIZE} -Wno-maybe-uninitialized")
 endif()

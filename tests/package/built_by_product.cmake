@@ -1,4 +1,4 @@
-# `./scripts/demo` builds the target `product`, and `cmake --install` must work after it: whatever is
+# `./scripts/demo` builds the target `product`, and `cmake --install` must work after it: everything
 # installed from the build tree is linked by that target.
 #   cmake -DBINARY_DIR=... -DNINJA=... -P built_by_product.cmake
 cmake_minimum_required(VERSION 3.23)
@@ -14,7 +14,7 @@ foreach(script ${scripts})
   string(REGEX MATCHALL "\"${BINARY_DIR}/(bin|lib)/[^\"]*\"" files "${text}")
   foreach(file ${files})
     string(REGEX REPLACE "\"${BINARY_DIR}/(.*)\"" "\\1" file "${file}")
-    # Links to a library are made with it.
+    # Symbolic links to a library are made with it.
     string(REGEX REPLACE "\\.so[.0-9]*$" ".so" file "${file}")
     string(REGEX MATCH " -o ${file}[.0-9]* " found "${commands}")
     math(EXPR installed "${installed} + 1")
@@ -25,5 +25,5 @@ foreach(script ${scripts})
 endforeach()
 message("${installed} files are installed from the build tree")
 if(installed LESS 20)
-  message(SEND_ERROR "these are fewer than there must be: is the test looking in the right place?")
+  message(SEND_ERROR "these are fewer than there must be: does the test search the right folder?")
 endif()

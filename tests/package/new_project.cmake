@@ -1,5 +1,5 @@
-# Makes a project with `cogrsim new KIND` and does with it what its README says, against the build
-# tree: configure, build, ctest.
+# Makes a project with `cogrsim new KIND` and follows its README, against the build tree: configure,
+# build, ctest.
 include(${CMAKE_CURRENT_LIST_DIR}/bare_folder.cmake)
 # By the environment, because it is a list.
 set(ENV{CMAKE_CXX_COMPILER_LAUNCHER} "${LAUNCHER}")
@@ -22,7 +22,7 @@ if(NOT output MATCHES "100% tests passed, 0 tests failed out of ${TESTS}\n")
   message(SEND_ERROR "not the ${TESTS} tests expected:\n${output}")
 endif()
 
-# Once more, for something else that is there: nothing is touched.
+# Again, with another existing file: nothing is changed.
 execute_process(COMMAND "${PREFIX}/bin/cogrsim" new sensor ${name} WORKING_DIRECTORY "${WORK_DIR}"
   RESULT_VARIABLE status ERROR_VARIABLE error OUTPUT_QUIET)
 if(NOT status EQUAL 1 OR NOT error MATCHES "there already")

@@ -17,7 +17,7 @@ foreach(binary ${binaries})
   endif()
 endforeach()
 
-# The licence goes with it, and what the libraries in it ask for.
+# The licence is installed, with the notices of the bundled libraries.
 foreach(pair "LICENSE|Apache License" "third-party-notices.txt|Permission is hereby granted"
     "page-notices.txt|three.js authors")
   string(REGEX MATCH "(.*)\\|(.*)" found "${pair}")
@@ -58,9 +58,9 @@ foreach(backend IN LISTS ENGINES)
   string(JSON x GET "${json}" bodies robot.chassis position 0)
   string(JSON y GET "${json}" bodies robot.chassis position 1)
   message("${backend}: ${status} at ${time} s, robot at x = ${x} m, y = ${y} m")
-  # Ideal rolling ends at x = 1.334 m, y = -0.096 m (the slalom's turn rate integrated twice). How wide
-  # wheels scrub while they turn is the engine's affair: it takes up to 7 cm of the way on bullet and ode, and
-  # hardly any on CogRSim's own dynamics.
+  # Ideal rolling ends at x = 1.334 m, y = -0.096 m (the slalom's turn rate integrated twice). How
+  # wide wheels scrub while they turn depends on the engine: up to 7 cm of the way on bullet and
+  # ode, hardly any on cogrsim.
   set(least_x 1.24)
   if(backend STREQUAL "cogrsim")
     set(least_x 1.28)
@@ -79,7 +79,7 @@ foreach(name slalom diff_drive joint_pid trajectory_player ${ENGINES})
     message(SEND_ERROR "cogrsim plugins does not list ${name}:\n${output}")
   endif()
 endforeach()
-# Without the path the plugin is not found, and the message says where it was looked for.
+# Without the path the plugin is not found, and the message lists the searched folders.
 execute_process(COMMAND "${prefix}/bin/cogrsim" run project/slalom.scene.xml
   WORKING_DIRECTORY "${WORK_DIR}" RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
 if(NOT status EQUAL 1 OR NOT "${out}${err}" MATCHES "slalom" OR NOT "${out}${err}" MATCHES "${LIB}/cogrsim/plugins")

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The scripts configure without the studio, and say so, where npm's registry cannot be reached; with it
-# where it can, or where the packages are there already.
+# The scripts configure without the studio, and report it, if npm's registry is unreachable; with
+# the studio if it is reachable, or if the packages are installed already.
 #   tests/package/without_npm.sh SOURCE_DIR SCRATCH
 set -euo pipefail
 source_dir=${1:?} scratch=${2:?}

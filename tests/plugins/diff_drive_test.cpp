@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// An ideal vehicle that does what it is told, every 10 ms.
+/// An ideal vehicle that follows every command, every 10 ms.
 PlanarPose drive(PathFollower& follower, PlanarPose pose, double seconds, double* travelled) {
   const double dt = 0.01, track = 0.2;
   for (double t = 0; t < seconds && !follower.done(); t += dt) {
@@ -76,7 +76,7 @@ TEST_CASE("a square is driven and ends at its last corner") {
   const PlanarPose end = drive(follower, {}, 120, &travelled);
   REQUIRE(follower.done());
   CHECK(std::hypot(end.x, end.y) <= settings.arrival);
-  // Corners are turned on the spot: the way is the square's, but for the arrival tolerances and
+  // Corners are turned on the spot: the path is the square's, but for the arrival tolerances and
   // the arcs while it aligns.
   CHECK(travelled == Approx(4.0).margin(0.2));
   CHECK(follower.update(end).forward == 0.0);

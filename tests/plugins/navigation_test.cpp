@@ -1,5 +1,5 @@
-// What the navigation experiment's plugins are made of; that they find their way is shown by the
-// example.
+// The components of the navigation experiment's plugins; that they reach their goals is shown by
+// the example.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -48,7 +48,7 @@ void west_of(MazeModel& maze, int row, int column, int what) {
   maze.vertical[static_cast<std::size_t>(row * (maze.columns + 1) + column)] = what;
 }
 
-/// A vehicle that does what it is told, every 10 ms, and stops at a wall seen by its front.
+/// A vehicle that follows every command, every 10 ms, and stops at a wall seen by its front.
 struct Vehicle {
   PlanarPose pose{0.25, 0.25, 0.0};
   double wall_x = kInfinity;  ///< something beyond this x
@@ -84,7 +84,7 @@ TEST_CASE("an action leads to the middle of the neighbouring cell", "[navigation
   CHECK_FALSE(driver.blocked());
   const Cell to = neighbour({2, 2}, action);
   CHECK(driver.from() == to);
-  // Along the way as near as `arrival` and what is driven while the speed runs out; aside it has
+  // Along the path as near as `arrival` and what is driven while the speed runs out; aside it has
   // steered away most of the 1 cm.
   CHECK(vehicle.pose.x == Approx((to.column + 0.5) * 0.5).margin(0.015));
   CHECK(vehicle.pose.y == Approx((to.row + 0.5) * 0.5).margin(0.015));
@@ -121,7 +121,7 @@ TEST_CASE("an action against a wall ends blocked in the middle of its cell", "[n
   driver.place({0, 0}, vehicle.pose);
   driver.begin(Action::east);
   SECTION("that is seen") { vehicle.wall_x = 0.5; }
-  SECTION("that comes up on the way") { vehicle.wall_x = 0.85; }
+  SECTION("that appears during the motion") { vehicle.wall_x = 0.85; }
   vehicle.run(driver, 10.0);
   REQUIRE(driver.idle());
   CHECK(driver.blocked());
@@ -190,20 +190,20 @@ TEST_CASE("beams that end inside of a cell mark it and walls do not", "[navigati
   for (int i = 0; i < 5; ++i) CHECK(map.see(beam, own).empty());
 }
 
-TEST_CASE("of equally short ways the one with ways round risks less", "[navigation]") {
-  // From the south-west of 3 x 3 cells to the north-east, the ways along the south and the east walled
-  // off into a corridor.
+TEST_CASE("of equally short paths the one with detours risks less", "[navigation]") {
+  // From the south-west of 3 x 3 cells to the north-east, the paths along the south and the east
+  // walled off into a corridor.
   MazeModel maze = open_maze(3, 3);
   for (const int column : {1, 2}) {
     maze.horizontal[static_cast<std::size_t>(maze.columns + column)] = MazeModel::kWall;
   }
   west_of(maze, 1, 2, MazeModel::kWall);
   const auto found = risks(cogrsim::grid_of(maze), {0, 0}, {2, 2});
-  // East: the corridor ends in (0, 2), walled to the north: no way of four steps begins there.
+  // East: the corridor ends in (0, 2), walled to the north: no path of four steps begins there.
   REQUIRE(found.size() == 1);
   CHECK(found[0].first == Action::north);
-  // Met at (0, 0), a cube in (1, 0) cuts the way: 9, the number of cells. After that there are two
-  // ways to (2, 1), so nothing is lost with either of its cells; one in (2, 1) cuts it again.
+  // Met at (0, 0), a cube in (1, 0) cuts the path: 9, the number of cells. After that there are two
+  // paths to (2, 1), so nothing is lost with either of its cells; one in (2, 1) cuts it again.
   CHECK(found[0].second == 18);
 
   // Without walls both beginnings are alike.
@@ -211,16 +211,16 @@ TEST_CASE("of equally short ways the one with ways round risks less", "[navigati
   REQUIRE(open.size() == 2);
   CHECK(open[0].second == open[1].second);
 
-  // Three rows, the southern one a corridor with ways out at its ends. A cube in it costs nothing at
+  // Three rows, the southern one a corridor with exits at its ends. A cube in it costs nothing at
   // (0, 1), 2 steps at (0, 2) and 4 at (0, 3); in the row above nothing at (1, 0), and 2 each at (1, 1)
   // and (1, 2), since there the third row leads around.
   MazeModel rows = open_maze(3, 4);
   for (const int column : {1, 2}) {
     rows.horizontal[static_cast<std::size_t>(rows.columns + column)] = MazeModel::kWall;
   }
-  const auto ways = risks(cogrsim::grid_of(rows), {0, 0}, {1, 3});
-  REQUIRE(ways.size() == 2);
-  for (const auto& [action, risk] : ways) CHECK(risk == (action == Action::east ? 6 : 4));
+  const auto actions = risks(cogrsim::grid_of(rows), {0, 0}, {1, 3});
+  REQUIRE(actions.size() == 2);
+  for (const auto& [action, risk] : actions) CHECK(risk == (action == Action::east ? 6 : 4));
 }
 
 TEST_CASE("the optimum waits for the doors and knows when cubes come", "[navigation]") {
@@ -234,10 +234,10 @@ TEST_CASE("the optimum waits for the doors and knows when cubes come", "[navigat
   // Without the errand it would have been 3.
   CHECK(fewest_steps(maze, {{0, 1}, {0, 1}, {1, 3}}, {}, Pace{}) == 3);
   // The robot stands behind the door, cell (0, 2), after 5 steps: a cube that comes at 5.5 s is too
-  // late to be in the way, one at 4.5 s cuts it.
+  // late to block the path, one at 4.5 s cuts it.
   CHECK(fewest_steps(maze, task, {{{0, 2}, 5.5}}, Pace{}) == 7);
   CHECK_FALSE(fewest_steps(maze, task, {{{0, 2}, 4.5}}, Pace{}));
-  // One of the two equal ways to the trigger is cut at once: no loss.
+  // One of the two equal paths to the trigger is cut at once: no loss.
   CHECK(fewest_steps(maze, task, {{{0, 0}, 0.0}}, Pace{}) == 7);
 }
 
@@ -257,7 +257,7 @@ TEST_CASE("the optimum pays for turns with time and not with length", "[navigati
   CHECK_FALSE(fewest_steps(maze, back, {{{0, 3}, 5.4}}, pace));
 }
 
-TEST_CASE("a cube is fair while a way is left", "[navigation]") {
+TEST_CASE("a cube is fair while a path is left", "[navigation]") {
   MazeModel maze = open_maze(2, 4);
   west_of(maze, 0, 2, 0);
   west_of(maze, 1, 2, MazeModel::kWall);
@@ -266,6 +266,6 @@ TEST_CASE("a cube is fair while a way is left", "[navigation]") {
   CHECK_FALSE(can_be_done(maze, task, {0, 1}, false, {{{0, 0}, 0.0}, {{1, 1}, 0.0}}));
   // The same two do no harm to a robot that was at the trigger and is in the other room.
   CHECK(can_be_done(maze, task, {0, 2}, true, {{{0, 0}, 0.0}, {{1, 1}, 0.0}}));
-  // Behind the door there is no way round.
+  // Behind the door there is no detour.
   CHECK_FALSE(can_be_done(maze, task, {0, 1}, false, {{{0, 2}, 0.0}}));
 }

@@ -12,8 +12,8 @@ using namespace cogrsim;
 
 namespace {
 
-/// What a sensor needs, at poses of our own.
-class Bench final : public Sensing {
+/// The context of a sensor, at chosen poses.
+class Bench final : public SensorContext {
  public:
   explicit Bench(SceneModelPtr model) {
     frame_.model = model;
@@ -64,7 +64,7 @@ struct Loaded {
   }
 };
 
-/// Codes of what is found when a sled with these settings of its sensor is compiled.
+/// Codes of the diagnostics of a sled with these settings of its sensor.
 std::string codes(const std::string& set, dsl::PluginCatalog* catalog) {
   dsl::CompileOptions options;
   options.plugins = catalog;
@@ -111,8 +111,8 @@ TEST_CASE("a reflectance array sees the line on the floor where it is") {
 
   Bench bench(loaded.model);
   const int sled = find_body(model, "sled");
-  const auto read_at = [&](const Vec3& place, double heading) {
-    bench.place(sled, {place, Quat(Eigen::AngleAxisd(heading, Vec3::UnitZ()))});
+  const auto read_at = [&](const Vec3& position, double heading) {
+    bench.place(sled, {position, Quat(Eigen::AngleAxisd(heading, Vec3::UnitZ()))});
     Reading reading;
     reading.values.resize(sensor->channels().size());
     REQUIRE(sensor->read(bench, reading));

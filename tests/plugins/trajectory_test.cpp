@@ -32,12 +32,12 @@ TEST_CASE("rows are read, with units, comments, CRLF and a byte order mark") {
   CHECK(t.rows[1][1] == Approx(-0.2));
 }
 
-TEST_CASE("errors name file, line, column and what was expected") {
+TEST_CASE("errors name file, line, column and the expected text") {
   CHECK(first_error("") == "arm.csv: empty: expected a header row: time, then motor names");
   CHECK(first_error("time,a\n") == "arm.csv: no rows after the header");
   CHECK(first_error("t,a\n0,1\n").find("arm.csv:1: expected the first column to be 'time'") == 0);
   CHECK(first_error("time\n0\n") == "arm.csv:1: expected at least one motor name after 'time'");
-  CHECK(first_error("time,a,a\n0,1,1\n") == "arm.csv:1: column 'a' stands there twice");
+  CHECK(first_error("time,a,a\n0,1,1\n") == "arm.csv:1: column 'a' appears twice");
   CHECK(
       first_error("time,a [furlong]\n0,1\n").find("arm.csv:1: column 2: unknown unit 'furlong'") ==
       0);
@@ -47,7 +47,7 @@ TEST_CASE("errors name file, line, column and what was expected") {
   CHECK(first_error("time,a\n0,nan\n") == "arm.csv:2: column 'a': expected a number, found 'nan'");
   CHECK(first_error("time,a\n0,\n") == "arm.csv:2: column 'a': expected a number, found ''");
   CHECK(first_error("time,a\n1,0\n1,0\n") ==
-        "arm.csv:3: expected a time after that of the row before");
+        "arm.csv:3: expected a time after that of the previous row");
 }
 
 TEST_CASE("many errors are reported, ten at most") {

@@ -38,7 +38,7 @@ std::vector<PlanarPoint> corners(const Box& box) {
   return out;
 }
 
-/// What a range finder with 360 exact rays sees of boxes in the arena.
+/// The scan of a range finder with 360 exact rays among boxes in the arena.
 Scan look_from(const PlanarPose& eye, const std::vector<Box>& boxes) {
   std::vector<std::vector<PlanarPoint>> outlines;
   outlines.push_back({{kArena.west, kArena.south},
@@ -75,7 +75,7 @@ struct Walker {
 
 }  // namespace
 
-TEST_CASE("a box is found where it stands and as it is turned", "[transport]") {
+TEST_CASE("a box is found with its position and heading", "[transport]") {
   const double yaw = GENERATE(0.0, 0.3, 0.7, 1.1, 1.5);
   const double range = GENERATE(0.3, 0.5, 0.8);
   const double bearing = GENERATE(-3.1, -1.2, 0.4, 2.0);
@@ -100,7 +100,7 @@ TEST_CASE("a box is found where it stands and as it is turned", "[transport]") {
   CHECK(turned(box->yaw, truth.yaw) < 0.08);
 }
 
-TEST_CASE("walls and what is half hidden are no boxes", "[transport]") {
+TEST_CASE("walls and half hidden things are no boxes", "[transport]") {
   const PlanarPose eye{0.0, 0.0, 0.0};
   BoxMemory memory(kSide);
   for (int i = 0; i < 10; ++i) memory.see(look_from(eye, {}), kArena, {}, 0.3);
@@ -173,16 +173,16 @@ TEST_CASE("robots that drive at each other stop before their discs touch", "[tra
   CHECK(nearest > 0.54);  // the two radii
 }
 
-TEST_CASE("the one that gives way stops first and the other goes on", "[transport]") {
+TEST_CASE("the one that gives way stops first and the other keeps driving", "[transport]") {
   Walker a;
   a.pose = {0.0, 0.0, 0.0};
-  // The other comes from the right, on a way that crosses ahead.
+  // The other comes from the right, on a path that crosses ahead.
   for (int i = 0; i < 40; ++i) a.other.see({0.7, -1.05 + i * 0.014}, i * 0.04);
   REQUIRE(a.other.vy() == Approx(0.35).margin(0.01));
   CHECK(may_drive(a.pose, 0.35, 0.14, a.other, 0.27, a.rules));
   a.rules.gives_way = true;
   CHECK_FALSE(may_drive(a.pose, 0.35, 0.14, a.other, 0.27, a.rules));
-  // Away from it always, and with nobody in sight.
+  // Away from it always, and with no robot in sight.
   CHECK(may_drive(a.pose, -0.35, 0.14, a.other, 0.27, a.rules));
   CHECK(may_drive(a.pose, 0.35, 0.14, Neighbour(), 0.27, a.rules));
 }

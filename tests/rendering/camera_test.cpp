@@ -1,4 +1,4 @@
-// Cameras that cannot be rendered are refused with what is wrong and the limit.
+// Cameras that cannot be rendered are refused with the error and the limit.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -88,7 +88,7 @@ TEST_CASE("bad cameras are refused", "[rendering]") {
     camera.distortion[3] = nan;
     expected = "distortion";
   }
-  SECTION("place") {
+  SECTION("pose") {
     camera.X_WC.p.y() = infinity;
     expected = "pose is not finite";
   }

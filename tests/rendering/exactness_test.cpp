@@ -28,7 +28,7 @@ Disc sphere_disc(const Camera& camera, const Vec3& centre, double radius) {
   return {kPi * a * b * camera.fx * camera.fy, 2.0 * kPi * std::sqrt(a * b) * camera.fx};
 }
 
-TEST_CASE("a sphere covers the pixels its projection says", "[rendering]") {
+TEST_CASE("a sphere covers the pixels of its projection", "[rendering]") {
   const Vec3 centre =
       GENERATE(Vec3(3, 0, 0), Vec3(3, 1.2, 0.8), Vec3(2, -0.9, -0.5), Vec3(9, 2, 1));
   const double radius = GENERATE(0.25, 0.6);
@@ -158,7 +158,7 @@ TEST_CASE("depth and segmentation agree with rays on every shape", "[rendering]"
       REQUIRE(body_at(picture, column, row) == (hit ? shape : -1));
       if (!hit || std::abs(drawn / depth - 1.0) < 1e-3) continue;
       // A glancing face or an edge within: there the graphics library, which puts corners on a
-      // grid of 1/256 pixel, may be off. Rays a quarter of a pixel aside tell such places.
+      // grid of 1/256 pixel, may be off. Rays a quarter of a pixel aside detect such pixels.
       double low = depth, high = depth;
       for (const double dx : {-0.25, 0.0, 0.25}) {
         for (const double dy : {-0.25, 0.0, 0.25}) {
@@ -187,8 +187,9 @@ TEST_CASE("left is left and up is up", "[rendering]") {
   for (const auto& [body, point] :
        {std::pair(left, Vec3(2.85, 1, 0)), std::pair(right, Vec3(2.85, -1, 0)),
         std::pair(up, Vec3(2.85, 0, 0.8))}) {
-    const Eigen::Vector2d place = project(camera, point);
-    CHECK(body_at(picture, static_cast<int>(place.x()), static_cast<int>(place.y())) == body);
+    const Eigen::Vector2d projected = project(camera, point);
+    CHECK(body_at(picture, static_cast<int>(projected.x()), static_cast<int>(projected.y())) ==
+          body);
   }
   CHECK(project(camera, Vec3(3, 1, 0)).x() < 160);
   CHECK(project(camera, Vec3(3, 0, 0.8)).y() < 120);
@@ -209,7 +210,7 @@ TEST_CASE("segmentation counts a box as large as it is", "[rendering]") {
   CHECK(counted + count_body(picture, wall) == 400 * 300);
 }
 
-TEST_CASE("near and far bound what is seen", "[rendering]") {
+TEST_CASE("near and far bound the visible depth", "[rendering]") {
   ModelBuilder builder;
   const int near = builder.box("near", Vec3(0.1, 0.2, 0.2), 1.0, at(0.45, 0, 0));
   const int wall = builder.box("wall", Vec3(0.2, 10, 10), 0.0, at(8.1, 0, 0));
@@ -266,7 +267,7 @@ TEST_CASE("hidden and invisible things are not drawn", "[rendering]") {
   CHECK(body_at(take(model, request), 16, 16) == back);
 }
 
-TEST_CASE("what was not asked for is empty", "[rendering]") {
+TEST_CASE("channels that were not requested are empty", "[rendering]") {
   ModelBuilder builder;
   builder.sphere("ball", 0.5, 1.0, at(2, 0, 0));
   const SceneModelPtr model = builder.build();

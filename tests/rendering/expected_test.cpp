@@ -1,4 +1,4 @@
-// Small pictures of what they should look like, looked at once and kept. Renew them with
+// Small expected pictures, checked by eye once and kept. Renew them with
 // COGRSIM_RENEW_EXPECTED=1, and look again.
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,5 @@
-// What a newcomer sees first: bodies without a colour on a floor without one, no light, from `iso`.
+// The first picture of a new user: bodies without a colour on a floor without one, no light, from
+// `iso`.
 #include <catch2/catch.hpp>
 
 #include <cstdlib>
@@ -18,8 +19,8 @@ int difference(const Rgb& a, const Rgb& b) {
 }
 
 Rgb seen(const Picture& picture, const Camera& camera, const Vec3& point) {
-  const Eigen::Vector2d place = project(camera, point);
-  return pixel(picture, static_cast<int>(place.x()), static_cast<int>(place.y()));
+  const Eigen::Vector2d projected = project(camera, point);
+  return pixel(picture, static_cast<int>(projected.x()), static_cast<int>(projected.y()));
 }
 
 TEST_CASE("no face of a box runs into another or into the floor", "[rendering]") {
@@ -52,7 +53,7 @@ TEST_CASE("no face of a box runs into another or into the floor", "[rendering]")
   CHECK(faces[3].g > 200);
 }
 
-TEST_CASE("a floor that nobody chose the looks of has a grid", "[rendering]") {
+TEST_CASE("a floor without a chosen material has a grid", "[rendering]") {
   const bool chosen = GENERATE(false, true);
   ModelBuilder builder;
   builder.plane("floor", {}, chosen ? colored(builder, 0.8, 0.8, 0.8) : 0);
@@ -81,7 +82,7 @@ TEST_CASE("bodies without a colour get one by their index, others keep theirs", 
   CHECK(color_of(painted).g == 0.0);
   const Color grey = color_of(wall);
   CHECK(seen.count({grey.r, grey.g, grey.b}) == 0);
-  // The model itself is as it was: what is shown is no part of a state.
+  // The model itself is unchanged: the default look is no part of a state.
   CHECK(!has_looks(model->materials.front()));
 }
 

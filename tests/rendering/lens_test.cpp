@@ -1,4 +1,4 @@
-// Distorted pictures show points where the formula says.
+// Distorted pictures show points where the formula puts them.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -14,12 +14,12 @@ TEST_CASE("a known point lands where the lens puts it", "[rendering]") {
                std::array<double, 5>{-0.1, 0.02, 0.01, -0.008, 0.003});
   // Small bright balls in front of nothing; the middle of each one's pixels is where it is seen.
   ModelBuilder builder;
-  std::vector<Vec3> places;
+  std::vector<Vec3> positions;
   for (const double y : {-1.2, -0.5, 0.0, 0.7, 1.3}) {
     for (const double z : {-0.8, 0.0, 0.75}) {
-      places.emplace_back(3.0, y, z);
-      builder.sphere("ball" + std::to_string(places.size()), 0.03, 1.0,
-                     {places.back(), Quat(1, 0, 0, 0)});
+      positions.emplace_back(3.0, y, z);
+      builder.sphere("ball" + std::to_string(positions.size()), 0.03, 1.0,
+                     {positions.back(), Quat(1, 0, 0, 0)});
     }
   }
   Camera camera = make_camera(Pose(), 480, 360, 1.1);
@@ -28,8 +28,8 @@ TEST_CASE("a known point lands where the lens puts it", "[rendering]") {
   camera.distortion = lens;
   const Picture picture = take(builder.build(), request_of(camera));
   int seen = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Eigen::Vector2d expected = project(camera, places[i]);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Eigen::Vector2d expected = project(camera, positions[i]);
     if (expected.x() < 8 || expected.y() < 8 || expected.x() > 472 || expected.y() > 352) continue;
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
     int count = 0;
@@ -71,7 +71,7 @@ TEST_CASE("no distortion is the same as a zero one", "[rendering]") {
   }
 }
 
-TEST_CASE("what a lens does not reach is black, far and nobody", "[rendering]") {
+TEST_CASE("pixels outside of a lens are black, far and of no body", "[rendering]") {
   // 1 - 0.5 r^2 folds back at r = 0.816, where r' = 0.544; the picture's corners lie beyond.
   ModelBuilder builder;
   builder.box("room", Vec3(4, 4, 4), 1.0, at(0, 0, 0), colored(builder, 1, 1, 1));

@@ -60,11 +60,11 @@ TEST_CASE("bodies that move are drawn where they went", "[rendering]") {
   CHECK(depth_at((*far)[0], 16, 16) == Approx(3.5).epsilon(2e-3));
 }
 
-TEST_CASE("what is added appears and what is removed goes", "[rendering]") {
+TEST_CASE("added bodies appear and removed ones disappear", "[rendering]") {
   const SceneModelPtr first = one_ball(3);
   const RenderRequest request = request_of(make_camera(Pose(), 32, 32, 0.8));
   CHECK(body_at(take(first, request), 16, 16) == 0);
-  // As a run does it: the old bodies keep their place, a new one comes to the end.
+  // As a run does it: the old bodies keep their index, a new one is added at the end.
   auto grown = std::make_shared<SceneModel>(*first);
   Body added = grown->bodies[0];
   added.name = "added";
@@ -120,7 +120,7 @@ TEST_CASE("two renderers work side by side from two threads", "[rendering]") {
   CHECK((*other)->render(frame_of(one_ball(2)), {request}));
 }
 
-TEST_CASE("a renderer can be let go with its loader and had again", "[rendering]") {
+TEST_CASE("a renderer can be released with its loader and loaded again", "[rendering]") {
   const RenderRequest request = request_of(make_camera(Pose(), 32, 32, 0.8));
   for (int i = 0; i < 3; ++i) {
     std::shared_ptr<Renderer> made;
@@ -136,7 +136,7 @@ TEST_CASE("a renderer can be let go with its loader and had again", "[rendering]
   }
 }
 
-TEST_CASE("glass lets through what is behind it", "[rendering]") {
+TEST_CASE("things behind glass are visible", "[rendering]") {
   ModelBuilder builder;
   const int glass = colored(builder, 0, 0, 1);
   builder.model.materials[static_cast<std::size_t>(glass)].color.a = 0.4;

@@ -1,4 +1,4 @@
-// Light falls where it should, shadows lie where geometry says.
+// Light and shadows agree with their geometry.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -8,11 +8,11 @@
 namespace cogrsim::test {
 namespace {
 
-LightModel lamp(LightModel::Type type, const Vec3& place, const Vec3& direction) {
+LightModel lamp(LightModel::Type type, const Vec3& position, const Vec3& direction) {
   LightModel light;
   light.name = "lamp";
   light.type = type;
-  light.X_WL.p = place;
+  light.X_WL.p = position;
   light.X_WL.q = Quat::FromTwoVectors(Vec3::UnitX(), direction);
   light.cone = 0.6;
   return light;
@@ -20,8 +20,8 @@ LightModel lamp(LightModel::Type type, const Vec3& place, const Vec3& direction)
 
 /// Brightness (red of a white scene) where a point of the world is seen.
 int brightness(const Picture& picture, const Camera& camera, const Vec3& point) {
-  const Eigen::Vector2d place = project(camera, point);
-  return pixel(picture, static_cast<int>(place.x()), static_cast<int>(place.y())).r;
+  const Eigen::Vector2d projected = project(camera, point);
+  return pixel(picture, static_cast<int>(projected.x()), static_cast<int>(projected.y())).r;
 }
 
 TEST_CASE("the side that faces the light is the bright one", "[rendering]") {
@@ -38,7 +38,7 @@ TEST_CASE("the side that faces the light is the bright one", "[rendering]") {
   CHECK(lit > dark + 60);
 }
 
-TEST_CASE("a shadow lies where geometry says", "[rendering]") {
+TEST_CASE("a shadow lies where its geometry puts it", "[rendering]") {
   // A ball at 1 m over the floor, lit from above and aside.
   const LightModel::Type type =
       GENERATE(LightModel::Type::directional, LightModel::Type::point, LightModel::Type::spot);
@@ -71,8 +71,9 @@ TEST_CASE("a shadow lies where geometry says", "[rendering]") {
   for (double x = -0.8; x < 1.6; x += 0.05) {
     for (double y = -1.2; y < 0.6; y += 0.05) {
       const Vec3 point(x, y, 0.0);
-      const Eigen::Vector2d place = project(camera, point);
-      if (body_at(with, static_cast<int>(place.x()), static_cast<int>(place.y())) != 1) continue;
+      const Eigen::Vector2d projected = project(camera, point);
+      const int column = static_cast<int>(projected.x()), row = static_cast<int>(projected.y());
+      if (body_at(with, column, row) != 1) continue;
       const int now = brightness(with, camera, point), bare = brightness(without, camera, point);
       // The edge is soft over a few texels: the map spans at most 8 m in 1024, so 4 cm are ample.
       if (miss(point) < radius - 0.04) {

@@ -37,8 +37,9 @@ TEST_CASE("a line passes through the pixels it projects to", "[rendering]") {
   request.overlay.lines = {line};
   const Picture picture = take(model, request);
   for (double t = 0.02; t < 1.0; t += 0.02) {
-    const Eigen::Vector2d place = project(camera, line.from + t * (line.to - line.from));
-    REQUIRE(is_red(pixel(picture, static_cast<int>(place.x()), static_cast<int>(place.y()))));
+    const Eigen::Vector2d projected = project(camera, line.from + t * (line.to - line.from));
+    REQUIRE(
+        is_red(pixel(picture, static_cast<int>(projected.x()), static_cast<int>(projected.y()))));
   }
   // As long as its projection, three pixels wide; its rim is red but in part.
   const double length = (project(camera, line.to) - project(camera, line.from)).norm();
@@ -101,7 +102,7 @@ TEST_CASE("overlays leave depth and segmentation alone", "[rendering]") {
   CHECK(with.color.data != without.color.data);
 }
 
-TEST_CASE("a label stands right of its place, and what is in front hides it", "[rendering]") {
+TEST_CASE("a label stands right of its anchor, and what is in front hides it", "[rendering]") {
   ModelBuilder builder;
   builder.box("wall", Vec3(0.1, 4, 4), 0.0, at(2, 0, 0), colored(builder, 0.1, 0.1, 0.1));
   const SceneModelPtr model = builder.build();
@@ -114,14 +115,14 @@ TEST_CASE("a label stands right of its place, and what is in front hides it", "[
   request.overlay.labels = {label};
   const Picture with = take(model, request);
   CHECK(with.depth.empty());
-  const Eigen::Vector2d place = project(request.camera, label.at);
+  const Eigen::Vector2d projected = project(request.camera, label.at);
   int changed = 0;
   for (int row = 0; row < 120; ++row) {
     for (int column = 0; column < 160; ++column) {
       if (pixel(with, column, row).r == pixel(without, column, row).r) continue;
       ++changed;
-      REQUIRE(column + 1 > place.x());
-      REQUIRE(std::abs(row - place.y()) < 14);
+      REQUIRE(column + 1 > projected.x());
+      REQUIRE(std::abs(row - projected.y()) < 14);
     }
   }
   CHECK(changed > 40);

@@ -51,7 +51,7 @@ int textured_material(ModelBuilder& builder) {
   return material;
 }
 
-TEST_CASE("a picture on a wall is the right way up and left is left", "[rendering]") {
+TEST_CASE("a picture on a wall is upright and not mirrored", "[rendering]") {
   // The face towards -x, seen from outside.
   ModelBuilder builder;
   builder.box("wall", Vec3(0.2, 2, 2), 0.0, at(3.1, 0, 0), textured_material(builder));
@@ -77,7 +77,7 @@ TEST_CASE("textures lie on every shape as the rule says", "[rendering]") {
     builder.model.materials[static_cast<std::size_t>(material)].texture_size =
         Eigen::Vector2d(0.7, 0.5);
   }
-  const Pose place(Vec3(0.1, -0.05, 0.02), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())));
+  const Pose pose(Vec3(0.1, -0.05, 0.02), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())));
   TriangleMesh mesh;
   mesh.vertices = {{0.7, 0, -0.4}, {-0.4, 0.6, -0.4}, {-0.4, -0.6, -0.4}, {0, 0, 0.7}};
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
@@ -87,31 +87,31 @@ TEST_CASE("textures lie on every shape as the rule says", "[rendering]") {
   for (int i = 0; i < 25; ++i) grid.heights.push_back(0.1 * std::sin(2.0 * i));
   switch (type) {
     case ShapeType::box:
-      builder.box("shape", Vec3(1, 0.8, 0.9), 1.0, place, material);
+      builder.box("shape", Vec3(1, 0.8, 0.9), 1.0, pose, material);
       break;
     case ShapeType::sphere:
-      builder.sphere("shape", 0.7, 1.0, place, material);
+      builder.sphere("shape", 0.7, 1.0, pose, material);
       break;
     case ShapeType::cylinder:
-      builder.cylinder("shape", 0.5, 1.0, 1.0, place, material);
+      builder.cylinder("shape", 0.5, 1.0, 1.0, pose, material);
       break;
     case ShapeType::capsule:
-      builder.capsule("shape", 0.4, 0.7, 1.0, place, material);
+      builder.capsule("shape", 0.4, 0.7, 1.0, pose, material);
       break;
     case ShapeType::plane:
-      builder.plane("shape", place, material);
+      builder.plane("shape", pose, material);
       break;
     case ShapeType::mesh:
       for (int i = 0; i < 4; ++i) {
         mesh.uv.insert(mesh.uv.end(), {Vec2(0.1 * i, 0), Vec2(1, 0.2), Vec2(0.4, 0.9)});
       }
-      builder.mesh("shape", mesh, false, 0.0, place, material);
+      builder.mesh("shape", mesh, false, 0.0, pose, material);
       break;
     case ShapeType::convex_mesh:
-      builder.mesh("shape", mesh, true, 1.0, place, material);
+      builder.mesh("shape", mesh, true, 1.0, pose, material);
       break;
     case ShapeType::heightmap:
-      builder.heightmap("shape", grid, place, material);
+      builder.heightmap("shape", grid, pose, material);
       break;
   }
   // Light from everywhere alike, so that no face is black.

@@ -1,4 +1,4 @@
-// The header for those who test in C++.
+// The header for tests in C++.
 #include "cogrsim/testing/catch.h"
 #include "../support/temporary_folder.h"
 
@@ -33,7 +33,8 @@ TEST_CASE("trajectories match and are kept on file", "[catch]") {
   const ct::ApproxTrajectory matcher(a, 0.25);
   CHECK_FALSE(matcher.match(b));
   CHECK(matcher.describe() ==
-        "is not as expected: ball.x is 2.5 at 0.1 s, expected 2: 0.5 apart, 0.25 allowed");
+        "is not as expected: ball.x is 2.5 at 0.1 s, expected 2: the difference is 0.5, at most "
+        "0.25 is allowed");
 
   const cogrsim::test::TemporaryFolder folder;
   const std::string beside = folder / "test.cpp", file = "golden.csv";

@@ -21,9 +21,9 @@ struct Outcome {
 };
 
 struct Folder : cogrsim::test::TemporaryFolder {
-  Outcome run(const std::string& words) const {
+  Outcome run(const std::string& arguments) const {
     const std::string command =
-        "cd " + path.string() + " && " COGRSIM_PROGRAM " test " + words + " 2>&1";
+        "cd " + path.string() + " && " COGRSIM_PROGRAM " test " + arguments + " 2>&1";
     Outcome out;
     FILE* pipe = popen(command.c_str(), "r");
     REQUIRE(pipe != nullptr);
@@ -61,7 +61,7 @@ void load(const Folder& folder, tinyxml2::XMLDocument& xml) {
 
 }  // namespace
 
-TEST_CASE("tests that pass are told in order and end with status 0", "[command]") {
+TEST_CASE("tests that pass are printed in order and end with status 0", "[command]") {
   const Folder folder;
   folder.write("a.scene.xml", scene(kGood));
   folder.write("b.scene.xml", scene(""));
@@ -125,7 +125,7 @@ TEST_CASE("a failure names its line and values and how to see it again", "[comma
   CHECK(has(failure->GetText(), "ball.z [m]"));
 }
 
-TEST_CASE("JSON tells the same", "[command]") {
+TEST_CASE("JSON has the same results", "[command]") {
   const Folder folder;
   folder.write("a.scene.xml", scene(kBad));
   const Outcome out = folder.run("a.scene.xml --format json");
@@ -136,7 +136,7 @@ TEST_CASE("JSON tells the same", "[command]") {
   CHECK(json["cases"][0]["verdicts"][0]["time"].get<double>() == Approx(0.143));
 }
 
-TEST_CASE("a case that crashes or hangs fails and the others go on", "[command]") {
+TEST_CASE("a case that crashes or hangs fails and the others continue", "[command]") {
   const Folder folder;
   const std::string toys = " --plugin-path " + std::string(COGRSIM_TOYS);
   const auto with_rascal = [](const std::string& does) {
@@ -165,7 +165,7 @@ TEST_CASE("a case that crashes or hangs fails and the others go on", "[command]"
   CHECK(has(hang.text, "was ended after 0.5 s, see --timeout"));
 }
 
-TEST_CASE("a controller that crashed is told of though the test passes", "[command]") {
+TEST_CASE("a controller that crashed is reported although the test passes", "[command]") {
   const Folder folder;
   folder.write("a.scene.xml",
                scene("  <assembly name=\"bot\" xyz=\"1 0 1\">\n"
@@ -188,7 +188,7 @@ TEST_CASE("a controller that crashed is told of though the test passes", "[comma
   CHECK(has(one->FirstChildElement("system-err")->GetText(), "crashed (SIGABRT)"));
 }
 
-TEST_CASE("of very many errors the first are told, and how many more there are", "[command]") {
+TEST_CASE("of very many errors the first are printed, and the number of the others", "[command]") {
   const Folder folder;
   std::string robots;
   for (int i = 2; i < 25; ++i) {
@@ -209,7 +209,7 @@ TEST_CASE("of very many errors the first are told, and how many more there are",
   CHECK(has(out.text, "error: and 3 more, see cogrsim run --json"));
 }
 
-TEST_CASE("wrong words and scenes are told", "[command]") {
+TEST_CASE("wrong arguments and scenes are reported", "[command]") {
   const Folder folder;
   folder.write("a.scene.xml", scene(kGood));
   folder.write("broken.scene.xml", "<scene><bxo/></scene>");

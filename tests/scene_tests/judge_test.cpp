@@ -10,7 +10,7 @@ namespace {
 
 using Kind = ExpectationModel::Kind;
 
-/// A ball whose x is what a test wants it to be, in steps of 0.1 s.
+/// A ball whose x a test sets, in steps of 0.1 s.
 struct Run {
   SceneModelPtr model;
   TestModel test;
@@ -137,7 +137,7 @@ TEST_CASE("backends agree within the tolerance up to their time", "[judge]") {
   other[6] += 0.5;
   CHECK(run.judge({kRise, other})[0] ==
         "agree ball.position within 0.25\n"
-        "  one and two part at 0.6 s: 0.75 m between them, 0.25 m allowed\n"
+        "  one and two diverge at 0.6 s: 0.75 m between them, 0.25 m allowed\n"
         "      time [s]  one: ball.x [m]  two: ball.x [m]  one: ball.y [m]  two: ball.y [m]  "
         "one: ball.z [m]  two: ball.z [m]\n"
         "           0.3                3                3                0                0  "
@@ -155,7 +155,7 @@ TEST_CASE("backends agree within the tolerance up to their time", "[judge]") {
   run.test.expectations[0].until = 0.5;
   CHECK(run.judge({kRise, other}) == std::vector<std::string>{""});
   run.test.expectations[0].until.reset();
-  CHECK(run.judge({kRise, kRise, other})[0].find("one and three part at 0.6 s") !=
+  CHECK(run.judge({kRise, kRise, other})[0].find("one and three diverge at 0.6 s") !=
         std::string::npos);
 }
 
@@ -173,7 +173,7 @@ TEST_CASE("a run that ends before its time fails what it left open", "[judge]") 
   CHECK(ended[2].find("the run ended at 0.3 s, before it could be decided") != std::string::npos);
 }
 
-TEST_CASE("what has no value passes nothing", "[judge]") {
+TEST_CASE("a signal without a value passes no test", "[judge]") {
   Run run;
   auto changed = std::make_shared<SceneModel>(*run.model);
   SensorModel mute;

@@ -145,7 +145,7 @@ TEST_CASE("a signal's text has the brackets it needs, and no others", "[signal]"
   w.truth(deep);
 }
 
-TEST_CASE("what has no value is unknown and never holds", "[condition]") {
+TEST_CASE("a condition without a value is unknown and never holds", "[condition]") {
   auto b = two_bodies();
   const World w(b);
   // The sensor has not read yet.
@@ -159,7 +159,7 @@ TEST_CASE("what has no value is unknown and never holds", "[condition]") {
   CHECK(Condition().evaluate(w.frame) == Truth::unknown);
 }
 
-TEST_CASE("wrong conditions are refused with a way out", "[condition]") {
+TEST_CASE("wrong conditions are refused with a remedy", "[condition]") {
   auto b = two_bodies();
   const World w(b);
   const auto says = [&](const std::string& text, const std::string& part) {
@@ -250,7 +250,7 @@ TEST_CASE("distances of turned boxes and cylinders agree with projections to and
     const Vec3 p(far + unit(random), unit(random), unit(random));
     return turned(p, 3 * unit(random), Vec3(unit(random), unit(random), 1.5 + unit(random)));
   };
-  int apart = 0;
+  int different = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const Pose A = pose(0), B = pose(2.5);
     const double ra = size(random), rb = size(random), la = size(random), lb = size(random);
@@ -277,12 +277,12 @@ TEST_CASE("distances of turned boxes and cylinders agree with projections to and
       CHECK(found < 2e-3);  // to and fro is slow where they meet
       continue;
     }
-    ++apart;
+    ++different;
     // Projections come from above and have stopped within some 1e-7 where faces are askew.
     CHECK(found <= expected + 1e-9);
     CHECK(found >= expected - 1e-6);
   }
-  CHECK(apart > 30);
+  CHECK(different > 30);
 }
 
 TEST_CASE("capsules and hulls and meshes and heightmaps have distances too", "[distance]") {
@@ -356,7 +356,7 @@ TEST_CASE("assemblies count with all their bodies and frames as points", "[dista
   const auto common = Signal::parse(w.scope(), "distance(robot, robot.arm)");
   REQUIRE_FALSE(common);
   CHECK(common.error().message == "'robot' and 'robot.arm' have body 'robot.arm' in common");
-  // What is gone is left out; when nothing is left there is no distance.
+  // Removed bodies are left out; without any there is no distance.
   auto changed = std::make_shared<SceneModel>(*w.model);
   changed->bodies[1].removed = true;
   const auto distance = Signal::parse(w.scope(), "distance(robot, wall)");
@@ -366,8 +366,8 @@ TEST_CASE("assemblies count with all their bodies and frames as points", "[dista
   CHECK(std::isnan(distance->evaluate(w.frame)));
 }
 
-TEST_CASE("regions and events and doors and minds have signals", "[signal]") {
-  ModelBuilder b("living");
+TEST_CASE("regions and events and doors and controllers have signals", "[signal]") {
+  ModelBuilder b("events");
   b.box("bot", Vec3(1, 1, 1), 1.0, at(0, 0, 0));
   const int leaf = b.box("leaf", Vec3(1, 1, 1), 1.0, at(5, 0, 0));
   const int slide = b.joint("slide", JointType::slider, kWorld, leaf, at(5, 0, 0));
@@ -387,13 +387,13 @@ TEST_CASE("regions and events and doors and minds have signals", "[signal]") {
   door.closed = 0.1;
   door.open = -0.9;
   b.model.doors = {door};
-  ControllerModel mind;
-  mind.name = "bot.mind";
-  mind.outputs = {{"cost", "m"}, {"state", "1"}};
-  b.model.controllers = {mind};
-  mind.name = "referee";
-  mind.outputs.clear();  // its plugin is not known here
-  b.model.supervisors = {mind};
+  ControllerModel controller;
+  controller.name = "bot.driver";
+  controller.outputs = {{"cost", "m"}, {"state", "1"}};
+  b.model.controllers = {controller};
+  controller.name = "referee";
+  controller.outputs.clear();  // its plugin is not known here
+  b.model.supervisors = {controller};
   World w(b);
   // The turned box reaches sqrt 2 along x from its middle: to 1 - 1.414 = -0.414.
   CHECK(w.truth("inside(bot, goal)") == Truth::yes);
@@ -420,12 +420,12 @@ TEST_CASE("regions and events and doors and minds have signals", "[signal]") {
   CHECK(w.truth("event(enter, goal, leaf)") == Truth::no);
   CHECK(w.truth("event(raised, alarm)") == Truth::yes);
 
-  CHECK(w.truth("bot.mind.cost lt 3 m") == Truth::unknown);
+  CHECK(w.truth("bot.driver.cost lt 3 m") == Truth::unknown);
   w.frame.controller_outputs = {{2.5, 7}};
-  CHECK(w.truth("bot.mind.cost lt 3 m") == Truth::yes);
-  CHECK(w.value("bot.mind.state") == 7);
-  CHECK(w.refused("bot.mind.cots lt 3 m").find("did you mean 'cost'?") != std::string::npos);
-  CHECK(w.refused("bot.mind.cost lt 3 s").find("is a length and") != std::string::npos);
+  CHECK(w.truth("bot.driver.cost lt 3 m") == Truth::yes);
+  CHECK(w.value("bot.driver.state") == 7);
+  CHECK(w.refused("bot.driver.cots lt 3 m").find("did you mean 'cost'?") != std::string::npos);
+  CHECK(w.refused("bot.driver.cost lt 3 s").find("is a length and") != std::string::npos);
   // Taken on trust, and found once a run knows it.
   CHECK(w.truth("referee.score gt 3") == Truth::unknown);
   auto known = std::make_shared<SceneModel>(*w.model);
@@ -436,7 +436,8 @@ TEST_CASE("regions and events and doors and minds have signals", "[signal]") {
   CHECK(score->holds(w.frame));
 }
 
-TEST_CASE("what comes during the run is looked up by name when the scope allows it", "[signal]") {
+TEST_CASE("elements added during the run are looked up by name if the scope allows it",
+          "[signal]") {
   auto b = two_bodies();
   World w(b);
   SignalScope scope = w.scope();
@@ -469,7 +470,7 @@ TEST_CASE("what comes during the run is looked up by name when the scope allows 
   CHECK(near.holds(w.frame));
   CHECK(low.holds(w.frame));
   CHECK(touches.evaluate(w.frame) == Truth::no);
-  // It goes, and another of the same name comes.
+  // It is removed, and another of the same name is added.
   auto gone = std::make_shared<SceneModel>(*grown);
   gone->bodies[2].removed = true;
   w.frame.model = gone;

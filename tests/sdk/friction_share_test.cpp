@@ -1,4 +1,5 @@
-// Sharing a pair's friction among its points: the wrench stays, what is not needed goes.
+// Distributing a pair's friction over its points: the wrench is preserved, superfluous forces
+// vanish.
 #include <catch2/catch.hpp>
 
 #include <vector>
@@ -34,7 +35,7 @@ TEST_CASE("forces that only press points against each other vanish", "[sdk][fric
   for (const Vec3& f : friction) CHECK(f.norm() < 1e-15);
 }
 
-TEST_CASE("the wrench is kept, and sharing again changes nothing", "[sdk][friction]") {
+TEST_CASE("the wrench is preserved, and sharing again changes nothing", "[sdk][friction]") {
   RandomStream random(3, "friction");
   for (int trial = 0; trial < 50; ++trial) {
     const auto count = static_cast<std::size_t>(2 + trial % 4);
@@ -59,7 +60,7 @@ TEST_CASE("the wrench is kept, and sharing again changes nothing", "[sdk][fricti
 TEST_CASE("a mere force is shared by load and stays within the cone", "[sdk][friction]") {
   const std::vector<double> loads = {1.0, 2.0, 3.0, 0.0};
   std::vector<Vec3> friction = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0.6, 0, 0}};
-  // The last point carries nothing: what it held goes to the others, with its moment.
+  // The last point carries nothing: its share goes to the others, with its moment.
   share_friction(4, Vec3::UnitZ(), loads.data(), kCorners.data(), friction.data());
   CHECK(friction[3].norm() == 0.0);
   const Wrenches after = wrench(kCorners, friction);

@@ -31,7 +31,7 @@ Image pattern(int width, int height, int channels) {
   return image;
 }
 
-/// Soft, so that JPEG has little to lose.
+/// Smooth, so that JPEG loses little.
 Image gradient(int width, int height, int channels) {
   Image image;
   image.width = width;
@@ -194,7 +194,7 @@ TEST_CASE("a damaged JPEG never crashes and a cut one is refused", "[image]") {
     INFO(length << " bytes");
     REQUIRE_FALSE(decode_image(std::string_view(*whole).substr(0, length)));
   }
-  // The format has no checksum: a wrong bit may be a picture too. What comes is whole.
+  // The format has no checksum: a wrong bit may be a picture too. The result is complete.
   int refused = 0;
   for (std::size_t at = 0; at < whole->size(); ++at) {
     for (int bit = 0; bit < 8; ++bit) {
@@ -213,7 +213,7 @@ TEST_CASE("a damaged JPEG never crashes and a cut one is refused", "[image]") {
   CHECK(refused > 100);
 }
 
-TEST_CASE("what is no picture is named as such", "[image]") {
+TEST_CASE("a file that is no picture is reported as such", "[image]") {
   CHECK(decode_image("").error().message == "the file is empty");
   CHECK(decode_image("GIF89a...").error().message == "neither a PNG nor a JPEG file");
 }
@@ -236,7 +236,7 @@ TEST_CASE("pictures above the limit are refused before they take memory", "[imag
   CHECK(large.error().message.find("61680 x 61680") != std::string::npos);
 }
 
-TEST_CASE("what cannot be encoded is refused", "[image]") {
+TEST_CASE("images that cannot be encoded are refused", "[image]") {
   Image image = pattern(4, 4, 3);
   image.data.pop_back();
   CHECK_FALSE(encode_png(image));
@@ -250,7 +250,7 @@ TEST_CASE("what cannot be encoded is refused", "[image]") {
   CHECK_FALSE(encode_png16(0, 2, {}));
 }
 
-TEST_CASE("pictures are loaded from files with the place in the error", "[image]") {
+TEST_CASE("pictures are loaded from files with the path in the error", "[image]") {
   const Folder folder;
   const std::string path = (folder.path / "p.png").string();
   REQUIRE(write_output_file(path, OutputKind::png, *encode_png(pattern(5, 4, 3))));

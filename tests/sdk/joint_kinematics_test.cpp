@@ -24,7 +24,7 @@ JointType any_type() {
                   JointType::free);
 }
 
-/// Where the quaternion starts among the coordinates; -1: none.
+/// Index of the quaternion among the coordinates; -1: none.
 int quaternion_at(JointType type) {
   return type == JointType::ball ? 0 : type == JointType::free ? 3 : -1;
 }
@@ -75,7 +75,7 @@ Vec3 turn_between(const Quat& a, const Quat& b) {
 
 }  // namespace
 
-TEST_CASE("what turns about an axis has an angular speed, and nothing else has", "[joints]") {
+TEST_CASE("only rotational axes have an angular speed", "[joints]") {
   const Joint joint = make_joint(any_type());
   RandomStream random(7, "turning");
   const std::vector<double> q = random_position(joint.type, random, 1.0);
@@ -88,7 +88,7 @@ TEST_CASE("what turns about an axis has an angular speed, and nothing else has",
   }
 }
 
-TEST_CASE("coordinates of a joint's own pose come back, turns and all", "[joint]") {
+TEST_CASE("joint coordinates are recovered from the pose, full turns included", "[joint]") {
   const Joint joint = make_joint(any_type());
   CAPTURE(to_string(joint.type));
   RandomStream random(11, to_string(joint.type));
@@ -175,7 +175,7 @@ TEST_CASE("twists are the time derivatives of poses", "[joint]") {
   }
 }
 
-TEST_CASE("what a joint does not allow is an error, not a coordinate", "[joint]") {
+TEST_CASE("a pose that a joint does not allow is an error, not a coordinate", "[joint]") {
   const double off = 0.01, tilt = 0.02;
   Pose X_FM(Vec3(off, 0, 0), Quat(Eigen::AngleAxisd(0.7, Vec3::UnitZ())));
   X_FM.q = X_FM.q * Quat(Eigen::AngleAxisd(tilt, Vec3::UnitX()));

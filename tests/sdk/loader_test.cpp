@@ -25,7 +25,7 @@ namespace {
 struct Folder : test::TemporaryFolder {
   std::string file(const std::string& name) const { return *this / name; }
   void write(const std::string& name, const std::string& bytes) const {
-    fs::remove(file(name));  // file systems flush when a file is cut and rewritten
+    fs::remove(file(name));  // file systems flush when a file is truncated and rewritten
     std::ofstream(file(name), std::ios::binary) << bytes;
   }
   /// Puts one of the test libraries in.
@@ -34,7 +34,7 @@ struct Folder : test::TemporaryFolder {
   }
 };
 
-/// Sets the trap that libraries/trap.h springs.
+/// Sets the environment variable that libraries/trap.h checks.
 class TrapWatch {
  public:
   TrapWatch() { setenv("COGRSIM_TRAP", folder_.file("trace").c_str(), 1); }
@@ -64,7 +64,7 @@ Error refusal(const Folder& folder, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("a plugin tells who it is", "[loader]") {
+TEST_CASE("a plugin describes itself", "[loader]") {
   const Folder folder;
   folder.put("good.so");
   const TrapWatch watch;
@@ -79,7 +79,7 @@ TEST_CASE("a plugin tells who it is", "[loader]") {
   CHECK(loader.load(PluginKind::sensor, "good")->get() == got->get());  // loaded once
 }
 
-TEST_CASE("a plugin stays loaded while somebody holds it", "[loader]") {
+TEST_CASE("a plugin stays loaded while it is in use", "[loader]") {
   std::shared_ptr<const Backend> backend;
   {
     PluginLoader loader({COGRSIM_TEST_LIBRARIES});
@@ -91,7 +91,7 @@ TEST_CASE("a plugin stays loaded while somebody holds it", "[loader]") {
   CHECK(backend->create_world(nullptr).error().message == "the tiny engine has no worlds");
 }
 
-TEST_CASE("nothing of a library built otherwise runs", "[loader]") {
+TEST_CASE("no code of a library with another ABI runs", "[loader]") {
   const auto [name, reason] = GENERATE(table<std::string, std::string>(
       {{"foreign", "built for gcc99_cxx11, ABI 7; this CogRSim is"},
        {"unmarked", "not a CogRSim plugin"},
@@ -153,11 +153,11 @@ TEST_CASE("a segment beyond the end of the file is found before it is mapped", "
   ElfW(Ehdr) header;
   std::memcpy(&header, bytes.data(), sizeof header);
   ElfW(Phdr) segment;
-  char* place = bytes.data() + header.e_phoff;  // the first segment is one to load
-  std::memcpy(&segment, place, sizeof segment);
+  char* at = bytes.data() + header.e_phoff;  // the first segment is one to load
+  std::memcpy(&segment, at, sizeof segment);
   REQUIRE(segment.p_type == PT_LOAD);
   segment.p_filesz = segment.p_memsz = 2 * bytes.size();
-  std::memcpy(place, &segment, sizeof segment);
+  std::memcpy(at, &segment, sizeof segment);
   const Folder folder;
   folder.write("good.so", bytes);
   CHECK_THAT(refusal(folder, "good").message, Contains("damaged or cut off"));
@@ -171,7 +171,7 @@ TEST_CASE("reading symbols survives any damage", "[loader]") {
   std::memcpy(&header, whole.data(), sizeof header);
   for (int i = 0; i < 3000; ++i) {
     std::string bytes = whole;
-    // Most bytes mean nothing to the reader: aim at the file header and the section headers.
+    // Most bytes are not read: target the file header and the section headers.
     const std::size_t begin = i % 2 ? 0 : static_cast<std::size_t>(header.e_shoff);
     const std::size_t length = i % 2 ? 64 : whole.size() - begin;
     for (int k = 0; k < 4; ++k) {
@@ -183,14 +183,14 @@ TEST_CASE("reading symbols survives any damage", "[loader]") {
   }
 }
 
-TEST_CASE("a stripped library still bears its mark", "[loader]") {
+TEST_CASE("a stripped library still has its mark", "[loader]") {
   const auto symbols = exported_symbols(library("good_stripped.so"), "cogrsim_");
   REQUIRE(symbols);
   CHECK(std::count(symbols->begin(), symbols->end(), COGRSIM_STRING(COGRSIM_ABI_SYMBOL)) == 1);
   CHECK(std::count(symbols->begin(), symbols->end(), "cogrsim_plugin") == 1);
 }
 
-TEST_CASE("an unknown name lists the places and what there is", "[loader]") {
+TEST_CASE("an unknown name lists the folders and the available plugins", "[loader]") {
   const Folder folder;
   folder.put("good.so");
   PluginLoader loader({folder.path.string(), folder.file("not_there")});
@@ -203,7 +203,7 @@ TEST_CASE("an unknown name lists the places and what there is", "[loader]") {
   CHECK_THAT(got.error().hint, Contains("did you mean 'good'?"));
 }
 
-TEST_CASE("a plugin of another kind is named as such", "[loader]") {
+TEST_CASE("a plugin of the wrong kind is reported as such", "[loader]") {
   const Folder folder;
   folder.put("good.so");
   PluginLoader loader({folder.path.string()});

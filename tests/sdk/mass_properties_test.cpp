@@ -33,7 +33,7 @@ TriangleMesh box_mesh(const Vec3& size, const Vec3& centre) {
   return mesh;
 }
 
-/// Octahedron, every triangle split in four `levels` times, pushed out to the sphere.
+/// Octahedron, every triangle split in four `levels` times, projected onto the sphere.
 TriangleMesh ball_mesh(double radius, int levels) {
   std::vector<std::array<Vec3, 3>> faces;
   for (int i = 0; i < 8; ++i) {
@@ -103,7 +103,7 @@ TEST_CASE("primitives have the textbook volume and inertia", "[mass]") {
   check_close(shape_mass(capsule, {}, m)->inertia, inertia_by_discs(pill, 0.55, m), 1e-8);
 }
 
-TEST_CASE("a box of triangles weighs what the box weighs", "[mass]") {
+TEST_CASE("a box of triangles has the mass of the box", "[mass]") {
   const Vec3 centre(30, -20, 10);  // far away: the parallel axis term must cancel
   const std::vector<TriangleMesh> meshes = {box_mesh(Vec3(0.1, 0.4, 0.9), centre)};
   const Shape mesh = make_shape(ShapeType::convex_mesh);
@@ -129,7 +129,7 @@ TEST_CASE("a ball of triangles nears the sphere in second order", "[mass]") {
   CHECK(last < 0.01 * 0.16);
 }
 
-TEST_CASE("a shape's place turns and shifts its inertia", "[mass]") {
+TEST_CASE("a shape's pose turns and shifts its inertia", "[mass]") {
   Shape box = make_shape(ShapeType::box);
   box.X_BS = Pose(Vec3(1, 2, 3), Quat(Eigen::AngleAxisd(kPi / 6, Vec3::UnitZ())));
   const auto got = shape_mass(box, {}, 12.0);

@@ -1,4 +1,4 @@
-// The one rule for what is written: docs/security.md.
+// The rule for output files: docs/guide/security.md.
 #include "cogrsim/core/output_file.h"
 #include "../support/temporary_folder.h"
 
@@ -32,7 +32,7 @@ std::string content(const std::string& path) {
 
 void put(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
 
-// Kinds whose own format is the mark; text behind it changes nothing.
+// Kinds whose own format is the mark; text after it changes nothing.
 bool is_self_marked(OutputKind kind) {
   switch (kind) {
     case OutputKind::json:
@@ -75,7 +75,7 @@ const struct {
 
 }  // namespace
 
-TEST_CASE("what was written is known again and replaced, what others wrote is not", "[output]") {
+TEST_CASE("own files are recognised and replaced, files of others are not", "[output]") {
   const Folder folder;
   for (const auto& sample : kSamples) {
     INFO(sample.name);
@@ -86,7 +86,7 @@ TEST_CASE("what was written is known again and replaced, what others wrote is no
     if (!again) INFO(again.error().text());
     REQUIRE(again);
     CHECK(content(path) == first);
-    // A mark is put once.
+    // A mark is written once.
     if (sample.kind != OutputKind::film) CHECK(marked(sample.kind, first) == first);
     for (const std::string& foreign : {"mine\n"s, sample.bytes + "\nand mine"}) {
       if (is_self_marked(sample.kind) && foreign != "mine\n") continue;
@@ -134,7 +134,7 @@ TEST_CASE("inputs, links, devices, pipes and folders are never replaced", "[outp
   CHECK(fs::is_character_file("/dev/null"));
 }
 
-TEST_CASE("what is replaced keeps its rights, what is not committed leaves nothing", "[output]") {
+TEST_CASE("a replaced file keeps its permissions, an uncommitted one leaves nothing", "[output]") {
   const Folder folder;
   const std::string path = folder / "a.json";
   REQUIRE(write_output_file(path, OutputKind::json, "{}"));
@@ -152,11 +152,11 @@ TEST_CASE("what is replaced keeps its rights, what is not committed leaves nothi
   CHECK_THAT(content(path), Contains("\"b\": 1"));
 }
 
-TEST_CASE("what a scene names stays in its output folder", "[output]") {
+TEST_CASE("files that a scene names stay in its output folder", "[output]") {
   const Folder folder;
   fs::create_directory(folder / "out");
   fs::create_directory(folder / "elsewhere");
-  fs::create_directory_symlink(folder / "elsewhere", folder / "out/way");
+  fs::create_directory_symlink(folder / "elsewhere", folder / "out/link");
   for (const char* name : {"", "/tmp/a.mcap", "../a.mcap", "a/../../b.mcap", "..", ".", "a/"}) {
     INFO(name);
     CHECK_FALSE(output_in(folder / "out", name));
@@ -169,8 +169,8 @@ TEST_CASE("what a scene names stays in its output folder", "[output]") {
   CHECK_FALSE(check_output(folder / "out/a.sh", OutputKind::recording, rules));
   CHECK_FALSE(check_output(folder / "out/.bashrc", OutputKind::recording, rules));
   CHECK_FALSE(check_output(folder / "a.mcap", OutputKind::recording, rules));
-  CHECK_FALSE(check_output(folder / "out/way/a.mcap", OutputKind::recording, rules));
-  // Not even an empty file of somebody else.
+  CHECK_FALSE(check_output(folder / "out/link/a.mcap", OutputKind::recording, rules));
+  // Not even an empty file of another program.
   put(folder / "out/b.mcap", "");
   CHECK_FALSE(check_output(folder / "out/b.mcap", OutputKind::recording, rules));
 }

@@ -103,7 +103,7 @@ TEST_CASE("a one-sided range reads as one", "[parameter]") {
   CHECK(got.error().message == "parameter 'gain' is -2, but must be at least 0");
 }
 
-TEST_CASE("nearest_name finds slips of the pen, not strangers", "[parameter]") {
+TEST_CASE("nearest_name finds typing mistakes, not unrelated names", "[parameter]") {
   const std::vector<std::string> names = {"sphere", "cylinder", "box"};
   CHECK(nearest_name("bxo", names) == "box");  // swapped neighbours count once
   CHECK(nearest_name("cylnder", names) == "cylinder");

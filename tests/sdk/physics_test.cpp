@@ -27,7 +27,7 @@ WorldState initial_state(const SceneModel& model) {
   return state;
 }
 
-/// Everything two spheres on a plane need, exactly.
+/// Exactly the features that two spheres on a plane need.
 Capabilities spheres_on_planes() {
   Capabilities c;
   for (const char* feature :
@@ -39,7 +39,7 @@ Capabilities spheres_on_planes() {
 
 }  // namespace
 
-TEST_CASE("a feature nobody mentioned is unsupported", "[capabilities]") {
+TEST_CASE("an undeclared feature is unsupported", "[capabilities]") {
   const Capabilities c = spheres_on_planes();
   CHECK(c.get("shape.sphere").support == Support::exact);
   CHECK(c.get("joint.screw").support == Support::unsupported);
@@ -55,7 +55,7 @@ TEST_CASE("a scene within the capabilities gives no findings", "[capabilities]")
   CHECK(check_capabilities(*b.build(), "test", spheres_on_planes()).empty());
 }
 
-TEST_CASE("what a backend lacks is an error at the element", "[capabilities]") {
+TEST_CASE("a feature that a backend lacks is an error at the element", "[capabilities]") {
   ModelBuilder b;
   b.model.files = {"lift.scene.xml"};
   const int a = b.sphere("a", 0.1, 1, at(0)), c = b.sphere("c", 0.1, 1, at(1));
@@ -81,7 +81,7 @@ TEST_CASE("what a backend lacks is an error at the element", "[capabilities]") {
   REQUIRE(found[0].notes.size() == 1);
   CHECK(found[0].notes[0].message == "the engine has no screw");
   CHECK_FALSE(found[0].help.empty());
-  CHECK(found[1].severity == Severity::advice);
+  CHECK(found[1].severity == Severity::warning);
   CHECK(found[1].code == "CG2008");
   CHECK_THAT(found[1].message, Contains("only approximates limits of joint type 'screw'"));
 }
@@ -108,11 +108,11 @@ TEST_CASE("only shape pairs that could meet count", "[capabilities]") {
     REQUIRE(found.size() == 1);
     CHECK_THAT(found[0].message, Contains("contact of sphere and box"));
   }
-  SECTION("pairs that are kept apart do not count") {
+  SECTION("filtered pairs do not count") {
     b.model.no_collide = {{a, c}, {floor, a}, {floor, c}};
     CHECK(check_capabilities(*b.build(), "test", caps).empty());
   }
-  SECTION("nor do shapes that are only looked at") {
+  SECTION("nor do shapes that are only visible") {
     for (Body& body : b.model.bodies) body.shapes[0].collides = false;
     CHECK(check_capabilities(*b.build(), "test", caps).empty());
   }
@@ -122,7 +122,7 @@ TEST_CASE("only shape pairs that could meet count", "[capabilities]") {
   }
 }
 
-TEST_CASE("the rest of what a scene may need is asked for", "[capabilities]") {
+TEST_CASE("all other features of a scene are checked", "[capabilities]") {
   ModelBuilder b;
   const int a = b.sphere("a", 0.1, 1, at(0)), c = b.sphere("c", 0.1, 1, at(1));
   b.model.bodies[static_cast<std::size_t>(c)].kind = BodyKind::kinematic;

@@ -1,4 +1,4 @@
-// Who computes what, and engines named with options of their own.
+// Provenance, and engines named with their own options.
 #include <catch2/catch.hpp>
 
 #include "cogrsim/physics/backend_choice.h"
@@ -34,7 +34,7 @@ ParameterTable table() {
 
 }  // namespace
 
-TEST_CASE("a provenance is whole or says what it lacks", "[provenance]") {
+TEST_CASE("a provenance is complete or names what it lacks", "[provenance]") {
   CHECK(check_provenance(whole()));
   Provenance lacking = whole();
   lacking.solver.clear();
@@ -88,7 +88,7 @@ TEST_CASE("a choice has a name and options", "[backend_choice]") {
   }
 }
 
-TEST_CASE("an option that the engine has not, or not so, is an error that says what there is",
+TEST_CASE("an unknown or wrong engine option is an error that lists the options",
           "[backend_choice]") {
   const auto error = [](const char* text) {
     const auto values = option_values(*parse_backend_choice(text), table());
@@ -101,6 +101,7 @@ TEST_CASE("an option that the engine has not, or not so, is an error that says w
   CHECK_THAT(error("toy(solver=lemke)"), Contains("dantzig"));
   CHECK_THAT(error("toy(margin=3 deg)"), Contains("margin"));
   CHECK_THAT(error("toy(warm=yes)"), Contains("warm"));
-  // A value may hold blanks ("1 mm"), so a name without a value is seen where the value is read.
+  // A value may hold blanks ("1 mm"), so a name without a value is detected where the value is
+  // read.
   CHECK_THAT(error("toy(solver=dantzig warm)"), Contains("dantzig warm"));
 }

@@ -17,7 +17,7 @@ constexpr double kPi = 3.14159265358979323846;
 Vec widen(const Vec3& v) { return v.cast<Real>(); }
 Turn widen(const Quat& q) { return Turn(q.w(), q.x(), q.y(), q.z()).normalized(); }
 
-/// A ray in a shape's frame, and the nearest that was found on it so far.
+/// A ray in a shape's frame, and the nearest hit found on it so far.
 struct Line {
   Vec o, d;
   Real from, to;
@@ -134,8 +134,8 @@ void offer_shape(Line& line, const SceneModel& model, const Shape& shape) {
   }
 }
 
-/// Within this of the middle of the shape's frame lies all of it.
-Real reach(const SceneModel& model, const Shape& shape) {
+/// Bounding radius of the shape about its frame's origin.
+Real bounding_radius(const SceneModel& model, const Shape& shape) {
   switch (shape.type) {
     case ShapeType::plane:
     case ShapeType::heightmap:
@@ -169,9 +169,9 @@ Hit cast(const SceneModel& model, const std::vector<Pose>& poses, const Ray& ray
       if (!counts) continue;
       const Turn q_WS = q_WB * widen(shape.X_BS.q);
       const Vec to_origin = widen(ray.origin) - (p_WB + q_WB * widen(shape.X_BS.p));
-      // Only saves time.
+      // Only an optimisation.
       const Real away = to_origin.cross(direction).norm();
-      if (away > 1.001L * reach(model, shape)) continue;
+      if (away > 1.001L * bounding_radius(model, shape)) continue;
       Line line{q_WS.conjugate() * to_origin, q_WS.conjugate() * direction,
                 std::max(ray.min_distance, 0.0), ray.max_distance};
       offer_shape(line, model, shape);
@@ -268,8 +268,8 @@ Vec3 random_point(RandomStream& random, double extent) {
 Pose random_pose(RandomStream& random, double extent) {
   const Vec3 axis = random_direction(random);
   const double angle = 2.0 * kPi * random.uniform();
-  const Vec3 place = random_point(random, extent);
-  return {place, Quat(Eigen::AngleAxisd(angle, axis))};
+  const Vec3 origin = random_point(random, extent);
+  return {origin, Quat(Eigen::AngleAxisd(angle, axis))};
 }
 
 TriangleMesh ring(double radius, double thickness) {

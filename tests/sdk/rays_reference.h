@@ -1,5 +1,5 @@
-// The slow way to find what a ray hits: every surface of every shape, one by one, in long double.
-// What rays are judged by, in tests and benchmarks.
+// A slow reference for ray casts: every surface of every shape, one by one, in long double. Tests
+// and benchmarks compare rays with it.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct Hit {
   int body = -1;
 };
 
-/// Whether a shape counts is asked as RayCaster does; meshes by the triangles of their file.
+/// Shapes are selected as in RayCaster; meshes by the triangles of their file.
 Hit cast(const SceneModel& model, const std::vector<Pose>& poses, const Ray& ray,
          RayTargets targets = RayTargets::visible);
 

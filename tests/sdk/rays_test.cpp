@@ -74,7 +74,7 @@ SceneModelPtr one(ShapeType type, const Pose& pose) {
   return builder.build();
 }
 
-/// Rays of all sorts around a thing of about unit size at `pose`.
+/// Rays of all kinds around an object of about unit size at `pose`.
 Ray varied_ray(RandomStream& random, const Pose& pose, int kind) {
   const Vec3 target = random_point(random, 0.8);
   Vec3 origin, direction;
@@ -100,7 +100,7 @@ Ray varied_ray(RandomStream& random, const Pose& pose, int kind) {
   }
   Ray ray = ray_from(pose * origin, pose.q * direction);
   if (random.uniform() < 0.2) ray.min_distance = random.uniform(0.0, 3.0);
-  // What lies almost along a plane meets it anywhere.
+  // A ray almost parallel to a plane may meet it anywhere.
   ray.max_distance = random.uniform() < 0.2 ? random.uniform(0.0, 3.0) : 1e4;
   return ray;
 }
@@ -147,8 +147,8 @@ TEST_CASE("distances to every shape are exact near the origin and a kilometre aw
   CHECK(aligned.wrong == 0);
   CHECK(any.hits > 1000);
   CHECK(aligned.hits > 1000);
-  // At a kilometre coordinates are rounded to 1.1e-13 m, so the answer hangs on that below an angle
-  // of some 1e-3 rad to the surface; so flat are less than 1 in 100 by chance.
+  // At a kilometre coordinates are rounded to 1.1e-13 m, so the answer depends on rounding below an
+  // angle of some 1e-3 rad to the surface; so flat are less than 1 in 100 by chance.
   CHECK(any.loose <= any.hits / 100);
 }
 
@@ -242,7 +242,7 @@ TEST_CASE("a hit says what was hit, where, and from which side", "[rays]") {
   CHECK(outside > 10);
 }
 
-TEST_CASE("solids are met from within and the way out is told", "[rays]") {
+TEST_CASE("rays hit solids from inside, and the exit is reported", "[rays]") {
   ModelBuilder builder;
   builder.cylinder("can", 0.5, 2.0, 1.0, {});
   const World world(builder.build());
@@ -336,7 +336,7 @@ TEST_CASE("only rays between their limits hit", "[rays]") {
   CHECK(distance(0.0, kInfinite) == kInfinite);
 }
 
-TEST_CASE("bodies left out are seen through", "[rays]") {
+TEST_CASE("excluded bodies are transparent", "[rays]") {
   ModelBuilder builder;
   for (int i = 0; i < 4; ++i)
     builder.box("box_" + std::to_string(i), {1, 1, 1}, 1.0,
@@ -383,7 +383,7 @@ TEST_CASE("answers follow moving bodies", "[rays]") {
   World world(mixed_bodies(150, 6.0, Vec3::Zero(), 21, true));
   RandomStream random(22, "moves");
   for (int round = 0; round < 120; ++round) {
-    // Some walk, some stay, now and then one is thrown far away, out of all numbers, or back.
+    // Some move, some stay; sometimes one is set far away, to NaN, or back.
     for (std::size_t b = 0; b < world.poses.size(); ++b) {
       if (b % 3 == 0) continue;
       Pose& pose = world.poses[b];
@@ -402,7 +402,7 @@ TEST_CASE("answers follow moving bodies", "[rays]") {
   }
 }
 
-TEST_CASE("a body without a sensible pose is not there", "[rays]") {
+TEST_CASE("a body without a valid pose is not hit", "[rays]") {
   ModelBuilder builder;
   builder.box("a", {1, 1, 1}, 1.0, {Vec3(3, 0, 0), Quat(1, 0, 0, 0)});
   builder.box("b", {1, 1, 1}, 1.0, {Vec3(6, 0, 0), Quat(1, 0, 0, 0)});
@@ -453,14 +453,14 @@ TEST_CASE("bodies come and go with the model", "[rays]") {
   world.poses = poses_of(*more);
   world.rays.update(world.model, world.poses);
   CHECK(right());
-  // Another scene, whose meshes have the same numbers and other triangles
+  // Another scene, whose meshes have the same indices and other triangles
   world.model = mixed_bodies(48, 4.0, Vec3::Zero(), 34, true);
   world.poses = poses_of(*world.model);
   world.rays.update(world.model, world.poses);
   CHECK(right());
 }
 
-TEST_CASE("what is seen and what is touched are told apart", "[rays]") {
+TEST_CASE("visible and colliding shapes are distinguished", "[rays]") {
   ModelBuilder builder;
   const int ghost = builder.box("ghost", {1, 1, 1}, 1.0, {Vec3(3, 0, 0), Quat(1, 0, 0, 0)});
   const int glass = builder.box("glass", {1, 1, 1}, 1.0, {Vec3(6, 0, 0), Quat(1, 0, 0, 0)});
@@ -495,7 +495,7 @@ TEST_CASE("a convex mesh is seen as its triangles and touched as its hull", "[ra
   CHECK(near_to(hit.normal, {0, 0, 1}, 1e-12));
   CHECK(hit.triangle == -1);
   CHECK_FALSE(hit.inside);
-  // From inside the way out is the hull's outside: at half a facet's turn, cos(pi/16) of the rim.
+  // From inside the exit is the hull's surface: at half a facet's turn, cos(pi/16) of the rim.
   const double turn = 3.14159265358979323846 / 16;
   const RayHit out = world.rays.cast(ray_from(Vec3::Zero(), {std::cos(turn), std::sin(turn), 0}));
   CHECK(out.distance == Approx(1.25 * std::cos(turn)).margin(1e-9));

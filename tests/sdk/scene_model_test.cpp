@@ -11,7 +11,7 @@ namespace {
 Pose at(double x, double y = 0, double z = 0) { return {Vec3(x, y, z), Quat(1, 0, 0, 0)}; }
 }  // namespace
 
-TEST_CASE("joints get consecutive places in the flat arrays", "[model]") {
+TEST_CASE("joints get consecutive indices in the flat arrays", "[model]") {
   ModelBuilder b;
   const int a = b.sphere("a", 0.1, 1, at(0)), c = b.sphere("c", 0.1, 1, at(1));
   const int d = b.sphere("d", 0.1, 1, at(2));
@@ -60,7 +60,7 @@ TEST_CASE("the joint that closes a loop is the later one", "[model]") {
     CHECK(model->joints[static_cast<std::size_t>(i)].closes_loop == (i == 3));
 }
 
-TEST_CASE("the collision filter lets pass what must not touch", "[model]") {
+TEST_CASE("the collision filter excludes bodies that must not touch", "[model]") {
   ModelBuilder b;
   const int ball = b.sphere("ball", 0.1, 1, at(0)), arm = b.sphere("arm", 0.1, 1, at(1));
   const int hand = b.sphere("hand", 0.1, 1, at(2)), floor = b.plane("floor");
@@ -91,7 +91,7 @@ TEST_CASE("the collision filter lets pass what must not touch", "[model]") {
     CHECK_FALSE(filter.collide(wall, ball));
     CHECK_FALSE(filter.collide(kWorld, ball));
   }
-  SECTION("what is removed neither touches nor excludes") {
+  SECTION("removed bodies neither touch nor exclude") {
     b.model.bodies[static_cast<std::size_t>(ball)].removed = true;
     b.model.joints[1].removed = true;
     const CollisionFilter filter(*b.build());
@@ -121,7 +121,7 @@ TEST_CASE("the filter holds a long list of pairs", "[model]") {
   CHECK(agrees);
 }
 
-TEST_CASE("the scene decides what two materials do", "[model]") {
+TEST_CASE("the scene sets the contact of two materials", "[model]") {
   ModelBuilder b;
   const int ice = b.material("ice", 0.04, 0.1), rubber = b.material("rubber", 1.0, 0.8);
   const int wet = b.material("", 0.5, 0.0);  // an override of rubber
@@ -164,7 +164,7 @@ TEST_CASE("an assembly has the bodies of those inside it", "[model]") {
   CHECK(bodies_of(b.model, gripper) == std::vector<int>{c});
 }
 
-TEST_CASE("names are looked up among what is there", "[model]") {
+TEST_CASE("names are looked up among existing elements", "[model]") {
   ModelBuilder b;
   const int a = b.sphere("a", 0.1, 1, at(0)), again = b.sphere("a", 0.1, 1, at(0));
   CHECK(find_body(b.model, "a") == a);
@@ -174,7 +174,7 @@ TEST_CASE("names are looked up among what is there", "[model]") {
   CHECK(find_joint(b.model, "a") == -1);
 }
 
-TEST_CASE("places read file:line:column", "[model]") {
+TEST_CASE("positions read file:line:column", "[model]") {
   SceneModel model;
   model.files = {"maze.scene.xml"};
   CHECK(place_of(model, {0, 27, 48, 3}) == "maze.scene.xml:27:48");

@@ -72,34 +72,34 @@ TEST_CASE("u runs to the right and v upwards on every surface seen from outside"
                ShapeType::plane, ShapeType::mesh, ShapeType::heightmap);
   Shape shape = shape_of(type, GENERATE(false, true));
   shape.mesh = shape.heightmap = 0;
-  std::vector<std::pair<Vec3, Vec3>> places;  // point, normal
+  std::vector<std::pair<Vec3, Vec3>> samples;  // point, normal
   switch (type) {
     case ShapeType::box:
     case ShapeType::mesh:
       for (int axis = 0; axis < 3; ++axis)
         for (const double sign : {-1.0, 1.0}) {
           const Vec3 n = sign * Vec3::Unit(axis);
-          places.emplace_back(Vec3(0.1, 0.2, 0.3) + n.cwiseProduct(shape.size / 2), n);
+          samples.emplace_back(Vec3(0.1, 0.2, 0.3) + n.cwiseProduct(shape.size / 2), n);
         }
       break;
     case ShapeType::sphere:
       for (const Vec3& n : {Vec3(1, 2, 2), Vec3(2, -1, -2), Vec3(-1, 2, 2)})
-        places.emplace_back(shape.radius * n / 3, n / 3);
+        samples.emplace_back(shape.radius * n / 3, n / 3);
       break;
     case ShapeType::cylinder:
-      places.emplace_back(Vec3(0.3, -0.4, 0.7), Vec3(0.6, -0.8, 0));
-      places.emplace_back(Vec3(0.1, 0.1, 1.5), Vec3(0, 0, 1));
-      places.emplace_back(Vec3(0.1, 0.1, -1.5), Vec3(0, 0, -1));
+      samples.emplace_back(Vec3(0.3, -0.4, 0.7), Vec3(0.6, -0.8, 0));
+      samples.emplace_back(Vec3(0.1, 0.1, 1.5), Vec3(0, 0, 1));
+      samples.emplace_back(Vec3(0.1, 0.1, -1.5), Vec3(0, 0, -1));
       break;
     case ShapeType::capsule:
-      places.emplace_back(Vec3(0.3, -0.4, 0.7), Vec3(0.6, -0.8, 0));
-      places.emplace_back(Vec3(-1, 2, 2) / 6 + Vec3(0, 0, 1.5), Vec3(-1, 2, 2) / 3);
-      places.emplace_back(Vec3(-1, 2, -2) / 6 - Vec3(0, 0, 1.5), Vec3(-1, 2, -2) / 3);
+      samples.emplace_back(Vec3(0.3, -0.4, 0.7), Vec3(0.6, -0.8, 0));
+      samples.emplace_back(Vec3(-1, 2, 2) / 6 + Vec3(0, 0, 1.5), Vec3(-1, 2, 2) / 3);
+      samples.emplace_back(Vec3(-1, 2, -2) / 6 - Vec3(0, 0, 1.5), Vec3(-1, 2, -2) / 3);
       break;
     default:
-      places.emplace_back(Vec3(0.3, -0.4, 0), Vec3(0, 0, 1));
+      samples.emplace_back(Vec3(0.3, -0.4, 0), Vec3(0, 0, 1));
   }
-  for (const auto& [point, normal] : places) {
+  for (const auto& [point, normal] : samples) {
     INFO(to_string(type) << " at " << point.transpose());
     const Vec3 t1 = normal.unitOrthogonal(), t2 = normal.cross(t1);
     const double h = 1e-6;
@@ -196,7 +196,7 @@ TEST_CASE("a mesh uses its own coordinates where it has them", "[surface]") {
   check(texture_coordinates(model, shape, {1, 2, 3}, {c, c, 0}, 0), -1.0, 3.0);
 }
 
-TEST_CASE("a picture is the right way up and repeats", "[surface]") {
+TEST_CASE("a picture has the right orientation and repeats", "[surface]") {
   const Image image = four();
   check(sample(image, {0.25, 0.75}), 1, 0, 0);
   check(sample(image, {0.75, 0.75}), 0, 1, 0);
@@ -210,7 +210,7 @@ TEST_CASE("a picture is the right way up and repeats", "[surface]") {
   check(sample(image, {1.0, 1.0}), 0.5, 0.5, 0.5);
   check(sample(image, {0.0, 0.75}), 0.5, 0.5, 0);
   check(sample(image, {-1e-17, 1e-17}), 0.5, 0.5, 0.5);
-  // Nothing sensible can be said, but nothing breaks
+  // Undefined input, but no crash
   check(sample(image, {std::nan(""), 0.0}), 1, 1, 1);
   check(sample(Image{}, {0.0, 0.0}), 1, 1, 1);
 }
@@ -229,7 +229,7 @@ TEST_CASE("grey and transparent pictures are sampled too", "[surface]") {
   CHECK(sample(image, {0.3, 0.8}).a == Approx(0.8));
 }
 
-TEST_CASE("a texture store reads each file once and says what went wrong", "[surface]") {
+TEST_CASE("a texture store reads each file once and reports errors", "[surface]") {
   TextureStore store;
   Material material;
   CHECK(store.texture(material) == nullptr);

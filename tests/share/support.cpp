@@ -26,13 +26,13 @@ bool is_there(const std::string& program) { return !program.empty() && fs::exist
 void require_program(const std::string& program, const std::string& what) {
   if (!is_there(program)) {
     throw std::runtime_error(what + " is not installed, and the test needs it: run scripts/test, " +
-                             "which installs it, or install it and configure anew");
+                             "which installs it, or install it and configure again");
   }
 }
 
-std::vector<char*> pointers(const std::vector<std::string>& words) {
+std::vector<char*> pointers(const std::vector<std::string>& arguments) {
   std::vector<char*> out;
-  for (const std::string& word : words) out.push_back(const_cast<char*>(word.c_str()));
+  for (const std::string& argument : arguments) out.push_back(const_cast<char*>(argument.c_str()));
   out.push_back(nullptr);
   return out;
 }
@@ -66,8 +66,8 @@ int free_port() {
 
 Outcome run_program(const std::vector<std::string>& args, const Environment& environment) {
   static const Folder home;
-  std::vector<std::string> words = {COGRSIM_PROGRAM}, variables;
-  words.insert(words.end(), args.begin(), args.end());
+  std::vector<std::string> arguments = {COGRSIM_PROGRAM}, variables;
+  arguments.insert(arguments.end(), args.begin(), args.end());
   Environment all = {{"PATH", "/usr/bin:/bin"}, {"HOME", home.path}, {"TMPDIR", home.path}};
   for (const char* name : {"LD_LIBRARY_PATH", "ASAN_OPTIONS", "UBSAN_OPTIONS"}) {
     if (const char* value = std::getenv(name)) all[name] = value;
@@ -76,7 +76,7 @@ Outcome run_program(const std::vector<std::string>& args, const Environment& env
   for (const auto& [name, value] : all) variables.push_back(name + "=" + value);
   int out[2], err[2];
   if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
-  const auto argv = pointers(words), envp = pointers(variables);
+  const auto argv = pointers(arguments), envp = pointers(variables);
   const pid_t child = fork();
   if (child == 0) {
     dup2(out[1], STDOUT_FILENO);
@@ -186,7 +186,7 @@ WebdavServer::WebdavServer() {
   fs::create_directories(folder_ / "root/open");
   fs::create_directories(folder_ / "uploads");
   write_to(folder_ / "users", "ada:engine number 1\n");
-  // The port is free now, and most probably still is in a moment.
+  // The port is free now, and most probably still is when the server starts.
   for (int attempt = 0; attempt < 5; ++attempt) {
     port_ = free_port();
     write_to(folder_ / "lighttpd.conf",
@@ -229,11 +229,11 @@ Environment WebdavServer::user() {
   return {{"COGRSIM_STORE_USER", "ada"}, {"COGRSIM_STORE_PASSWORD", "engine number 1"}};
 }
 
-S3Server::S3Server(const std::vector<std::string>& words) {
+S3Server::S3Server(const std::vector<std::string>& arguments) {
   require_program(COGRSIM_NODE, "node");
   std::vector<std::string> command = {COGRSIM_NODE, COGRSIM_SERVERS "/s3.mjs", folder_ / "objects",
                                       "robots",     "a secret of the tests/+", "eu-test-1"};
-  command.insert(command.end(), words.begin(), words.end());
+  command.insert(command.end(), arguments.begin(), arguments.end());
   start(command);
   port_ = read_port();
 }
@@ -282,14 +282,14 @@ std::string write_scene(const std::string& folder) {
            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
   write_to(folder + "/data/wave.csv", "time,waist\n0,0\n1,0.5\n2,0\n");
   write_to(folder + "/CMakeLists.txt", "cmake_minimum_required(VERSION 3.23)\nproject(nothing)\n");
-  write_to(folder + "/mind.cpp", "// the source of a controller\n");
-  write_to(folder + "/mind.h", "#pragma once\n");
-  // What does not belong to it, and must stay at home.
-  write_to(folder + "/mind.so",
+  write_to(folder + "/driver.cpp", "// the source of a controller\n");
+  write_to(folder + "/driver.h", "#pragma once\n");
+  // Files that do not belong to it, and must not be packed.
+  write_to(folder + "/controller.so",
            "\x7f"
            "ELF");
   write_to(folder + "/other.scene.xml", "<scene name=\"other\" version=\"1\"/>\n");
-  write_to(folder + "/notes.txt", "what nobody else is to read\n");
+  write_to(folder + "/notes.txt", "private notes\n");
   write_to(folder + "/data/unused.csv", "1,2\n");
   return folder + "/arm.scene.xml";
 }

@@ -9,7 +9,7 @@
 
 #include "../support/temporary_folder.h"
 
-/// How a program ended and what it said.
+/// The end of a program and its output.
 struct Outcome {
   int status = -1;  ///< exit status; 128 + n: killed by signal n
   std::string out, err;
@@ -40,7 +40,7 @@ class Server {
  protected:
   Server() = default;
   void start(const std::vector<std::string>& command);
-  /// What the server prints first.
+  /// The first line that the server prints.
   int read_port();
   pid_t child_ = -1;
   int port_ = 0, input_ = -1, output_ = -1;
@@ -51,7 +51,7 @@ class WebdavServer : public Server {
  public:
   WebdavServer();
   std::string url(const std::string& path) const;
-  /// On this machine: what a client sees as /dav.
+  /// The folder that a client sees as /dav.
   std::string folder() const { return folder_ / "root/dav"; }
   static Environment user();
 
@@ -62,7 +62,7 @@ class WebdavServer : public Server {
 /// s3rver behind a judge of signatures, with the bucket "robots".
 class S3Server : public Server {
  public:
-  explicit S3Server(const std::vector<std::string>& words = {});
+  explicit S3Server(const std::vector<std::string>& arguments = {});
   std::string endpoint() const;
   static Environment keys();
 

@@ -7,7 +7,7 @@
 
 #include "manifest.h"
 
-/// One member. What the local header says and what the directory says can differ.
+/// One member. The local header and the directory can differ.
 struct ZipMember {
   ZipMember(std::string called, std::string holds, std::uint32_t type_and_rights = 0100644)
       : name(std::move(called)), content(std::move(holds)), mode(type_and_rights) {}

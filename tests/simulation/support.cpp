@@ -4,7 +4,7 @@ namespace cogrsim::test {
 
 std::shared_ptr<PluginLoader> loader() {
   static const auto kLoader =
-      std::make_shared<PluginLoader>(std::vector<std::string>{COGRSIM_TEST_MINDS});
+      std::make_shared<PluginLoader>(std::vector<std::string>{COGRSIM_TEST_CONTROLLERS});
   return kLoader;
 }
 
@@ -25,13 +25,13 @@ Flywheel::Flywheel(MotorMode mode) : BareFlywheel(mode) {
   add_sensor("bot.encoder", encoder);
 }
 
-void Flywheel::add_mind(const std::string& mode, double rate, FaultPolicy policy) {
-  ControllerModel mind;
-  mind.plugin = "probe_mind";
-  mind.rate = rate;
-  mind.on_fault = policy;
-  mind.parameters["mode"] = mode;
-  BareFlywheel::add_mind(mind);
+void Flywheel::add_controller(const std::string& mode, double rate, FaultPolicy policy) {
+  ControllerModel controller;
+  controller.plugin = "probe_controller";
+  controller.rate = rate;
+  controller.on_fault = policy;
+  controller.parameters["mode"] = mode;
+  BareFlywheel::add_controller(controller);
 }
 
 ModelBuilder falling_ball() {

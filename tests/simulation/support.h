@@ -20,8 +20,8 @@ std::string refusal(const SceneModelPtr& scene, const std::string& backend);
 /// With an encoder "encoder".
 struct Flywheel : BareFlywheel {
   explicit Flywheel(MotorMode mode = MotorMode::velocity);
-  /// The mind "probe_mind".
-  void add_mind(const std::string& mode, double rate = 0.0,
+  /// The controller "probe_controller".
+  void add_controller(const std::string& mode, double rate = 0.0,
                 FaultPolicy policy = FaultPolicy::stop_controller);
 };
 

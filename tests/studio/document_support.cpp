@@ -17,32 +17,32 @@ void Listener::send(ClientId, std::string text) { send_all(std::move(text)); }
 void Listener::send_all(std::string text) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    told_.push_back(Json::parse(text));
+    published_.push_back(Json::parse(text));
   }
   changed_.notify_all();
 }
 
-Json Listener::wait(const std::string& tell, std::uint64_t version) {
+Json Listener::wait(const std::string& topic, std::uint64_t version) {
   std::unique_lock<std::mutex> lock(mutex_);
   Json found;
   const bool came = changed_.wait_for(lock, std::chrono::seconds(30), [&] {
-    for (auto it = told_.rbegin(); it != told_.rend(); ++it)
-      if ((*it)["tell"] == tell && (*it)["version"].get<std::uint64_t>() >= version &&
+    for (auto it = published_.rbegin(); it != published_.rend(); ++it)
+      if ((*it)["topic"] == topic && (*it)["version"].get<std::uint64_t>() >= version &&
           !(it->contains("compiling") && (*it)["compiling"] == true)) {
         found = *it;
         return true;
       }
     return false;
   });
-  INFO(tell << " of version " << version);
+  INFO(topic << " of version " << version);
   REQUIRE(came);
   return found;
 }
 
-std::size_t Listener::count(const std::string& tell) const {
+std::size_t Listener::count(const std::string& topic) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::size_t out = 0;
-  for (const Json& one : told_) out += one["tell"] == tell ? 1 : 0;
+  for (const Json& one : published_) out += one["topic"] == topic ? 1 : 0;
   return out;
 }
 
@@ -75,7 +75,7 @@ std::string Folder::read_file(const std::string& path) {
   return out.str();
 }
 
-Desk::Desk(const std::string& path, bool allow_build, const std::string& state_folder) {
+RequestHandler::RequestHandler(const std::string& path, bool allow_build, const std::string& state_folder) {
   DocumentOptions options;
   options.state_folder = state_folder;
   options.path = path;
@@ -87,7 +87,7 @@ Desk::Desk(const std::string& path, bool allow_build, const std::string& state_f
   page.wait("problems", 1);
 }
 
-Answer Desk::ask(const std::string& what, Json fields, ClientId client) {
+Answer RequestHandler::ask(const std::string& what, Json fields, ClientId client) {
   auto promise = std::make_shared<std::promise<Answer>>();
   auto answer = promise->get_future();
   document->handle({client, Role::operator_, what, std::move(fields)},
@@ -99,23 +99,23 @@ Answer Desk::ask(const std::string& what, Json fields, ClientId client) {
   return out;
 }
 
-Json Desk::get(const std::string& what, Json fields) {
+Json RequestHandler::get(const std::string& what, Json fields) {
   Answer answer = ask(what, std::move(fields));
   INFO(what << ": " << (answer ? std::string() : answer.error().text()));
   REQUIRE(answer);
   return *answer;
 }
 
-Json Desk::edit(Json op, const std::string& label) {
+Json RequestHandler::edit(Json op, const std::string& label) {
   return get("edit",
              {{"version", version}, {"ops", Json::array({std::move(op)})}, {"label", label}});
 }
 
-std::string Desk::text() { return page.wait("document", version)["text"].get<std::string>(); }
+std::string RequestHandler::text() { return page.wait("document", version)["text"].get<std::string>(); }
 
-Json Desk::tree() { return page.wait("tree", version)["elements"]; }
+Json RequestHandler::tree() { return page.wait("tree", version)["elements"]; }
 
-int Desk::id(const std::string& tag, const std::string& name) {
+int RequestHandler::id(const std::string& tag, const std::string& name) {
   for (const Json& e : tree())
     if (e["tag"] == tag && e["name"] == name) return e["id"].get<int>();
   FAIL("no " << tag << " " << name);

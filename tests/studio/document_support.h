@@ -16,7 +16,7 @@
 
 namespace cogrsim::studio::testing {
 
-/// Keeps what was sent, and waits for what is expected.
+/// Keeps the sent messages, and waits for expected ones.
 class Listener final : public Outbox {
  public:
   void send(ClientId client, std::string text) override;
@@ -25,14 +25,14 @@ class Listener final : public Outbox {
   void offer_picture(ClientId, const std::string&, Bytes) override {}
   bool wants_picture(ClientId) const override { return true; }
 
-  /// The newest tell of that name about at least that version; fails the test after 30 s.
-  Json wait(const std::string& tell, std::uint64_t version);
-  std::size_t count(const std::string& tell) const;
+  /// The newest message of that topic about at least that version; fails the test after 30 s.
+  Json wait(const std::string& topic, std::uint64_t version);
+  std::size_t count(const std::string& topic) const;
 
  private:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<Json> told_;
+  std::vector<Json> published_;
 };
 
 /// Takes every scene, or refuses all with a problem.
@@ -68,8 +68,8 @@ class Folder {
   test::TemporaryFolder folder_;
 };
 
-struct Desk {
-  explicit Desk(const std::string& path, bool allow_build = false,
+struct RequestHandler {
+  explicit RequestHandler(const std::string& path, bool allow_build = false,
                 const std::string& state_folder = {});
 
   /// Asks and waits for the answer.

@@ -68,27 +68,27 @@ Bytes FakeOutbox::last_picture() const {
   return pictures_.empty() ? nullptr : pictures_.back();
 }
 
-Json FakeOutbox::told(const std::string& tell) const {
+Json FakeOutbox::published(const std::string& topic) const {
   std::lock_guard lock(mutex_);
   for (auto text = to_all_.rbegin(); text != to_all_.rend(); ++text) {
-    if (text->at("tell") == tell) return *text;
+    if (text->at("topic") == topic) return *text;
   }
   return {};
 }
 
-std::vector<Json> FakeOutbox::all(ClientId client, const std::string& tell) const {
+std::vector<Json> FakeOutbox::all(ClientId client, const std::string& topic) const {
   std::lock_guard lock(mutex_);
   std::vector<Json> out;
   const auto found = texts_.find(client);
   if (found == texts_.end()) return out;
   for (const Json& text : found->second) {
-    if (text.at("tell") == tell) out.push_back(text);
+    if (text.at("topic") == topic) out.push_back(text);
   }
   return out;
 }
 
-Json FakeOutbox::last(ClientId client, const std::string& tell) const {
-  const std::vector<Json> found = all(client, tell);
+Json FakeOutbox::last(ClientId client, const std::string& topic) const {
+  const std::vector<Json> found = all(client, topic);
   return found.empty() ? Json() : found.back();
 }
 
@@ -159,16 +159,16 @@ Page::Page(std::unique_ptr<Run> run, FakeOutbox& outbox) : outbox_(&outbox), run
 Page::~Page() = default;
 
 std::vector<std::string> Page::show(const std::string& xml, std::uint64_t version) {
-  const std::size_t told = outbox_->all(1, "scene").size();
+  const std::size_t published = outbox_->all(1, "scene").size();
   std::promise<tl::expected<std::vector<std::string>, std::vector<Diagnostic>>> promise;
   auto future = promise.get_future();
   run_->show(scene_of(xml, version), [&](auto shown) { promise.set_value(std::move(shown)); });
   REQUIRE(future.wait_for(kPatience) == std::future_status::ready);
   auto shown = future.get();
   if (!shown) FAIL(dsl::to_text(shown.error()));
-  // The page hears of it a little later.
+  // The page receives it a little later.
   if (!status().is_null())
-    REQUIRE(outbox_->wait([&] { return outbox_->all(1, "scene").size() > told; }));
+    REQUIRE(outbox_->wait([&] { return outbox_->all(1, "scene").size() > published; }));
   return *shown;
 }
 

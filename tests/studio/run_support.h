@@ -29,11 +29,11 @@ class FakeOutbox final : public Outbox {
   std::size_t picture_count() const;
   Bytes last_frame(ClientId client) const;
   Bytes last_picture() const;
-  /// The last tell of that name that the client was sent, null: none.
-  Json last(ClientId client, const std::string& tell) const;
+  /// The last message of that topic that the client was sent, null: none.
+  Json last(ClientId client, const std::string& topic) const;
   /// The last one that all were sent.
-  Json told(const std::string& tell) const;
-  std::vector<Json> all(ClientId client, const std::string& tell) const;
+  Json published(const std::string& topic) const;
+  std::vector<Json> all(ClientId client, const std::string& topic) const;
 
   /// Until it holds, at most half a minute; false: it did not.
   bool wait(const std::function<bool()>& holds) const;
@@ -57,7 +57,7 @@ struct ReadFrame {
 };
 ReadFrame read_frame(const std::string& bytes);
 
-/// The compiled scene, or the test fails with what is wrong.
+/// The compiled scene; the test fails with its errors.
 Scene scene_of(const std::string& xml, std::uint64_t version = 1);
 
 /// A run, asked things one after the other.
@@ -69,7 +69,7 @@ class Page {
 
   /// The notes; the test fails when the scene is refused.
   std::vector<std::string> show(const std::string& xml, std::uint64_t version = 1);
-  /// What the engine says of a scene it does not take.
+  /// The engine's errors for a scene that it refuses.
   std::string refused(const std::string& xml);
 
   void join(ClientId client, Role role = Role::operator_);
@@ -83,7 +83,7 @@ class Page {
   /// The status once it is in that state.
   Json status(const std::string& state);
   Json status();
-  /// Steps until that many are done and tells the state's hash.
+  /// Steps until that many are done and returns the state's hash.
   std::string hash_after(int steps);
 
   FakeOutbox& outbox() { return *outbox_; }

@@ -13,8 +13,8 @@
 
 namespace cogrsim::studio {
 
-/// A port for servers that come and go at one: nobody takes it in between, as the system gives it to nobody
-/// who leaves the choice to it, and tests that run beside this one have others.
+/// A port for servers that start and end at the same one: it is not taken in between, as the system
+/// does not give it out by itself, and tests that run beside this one have others.
 unsigned short own_port();
 
 /// A TCP connection; nothing waits for longer than a minute.
@@ -64,7 +64,7 @@ class SocketClient {
     std::string payload;
   };
   bool send(const std::string& text, int opcode = 1);
-  /// Empty: the other side has closed without more words. Answers no pings.
+  /// Empty: the other side has closed without a message. Answers no pings.
   std::optional<Message> receive();
   /// The next of that kind, others left out.
   std::optional<Message> receive(int opcode);
@@ -76,7 +76,7 @@ class SocketClient {
   HttpReply answer_;
 };
 
-/// What the network handed on.
+/// What the network has received.
 class FakeInbox final : public Inbox {
  public:
   void joined(ClientId client, Role role) override;
@@ -117,7 +117,7 @@ class Served {
 
   /// GET with `more` header lines, each with its "\r\n".
   HttpReply get(const std::string& target, const std::string& more = {});
-  /// The answer to what is written here, as it is.
+  /// The answer to this raw request.
   HttpReply raw(std::string_view request);
 
  private:

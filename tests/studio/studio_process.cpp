@@ -18,21 +18,21 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kPatience = std::chrono::seconds(60);
 
 /// Starts `cogrsim`, its standard output in a pipe.
-pid_t start(const std::vector<std::string>& words,
+pid_t start(const std::vector<std::string>& arguments,
             const std::map<std::string, std::string>& environment, int& output) {
   int ends[2];
   REQUIRE(::pipe2(ends, O_CLOEXEC) == 0);
   std::vector<std::string> all = {COGRSIM_PROGRAM};
-  all.insert(all.end(), words.begin(), words.end());
-  std::vector<char*> arguments;
-  for (std::string& word : all) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& argument : all) argv.push_back(argument.data());
+  argv.push_back(nullptr);
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
     ::dup2(ends[1], 1);
     for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
-    ::execv(arguments[0], arguments.data());
+    ::execv(argv[0], argv.data());
     ::_exit(127);
   }
   ::close(ends[1]);
@@ -49,10 +49,10 @@ int wait_for(pid_t child) {
 
 }  // namespace
 
-StudioProcess::StudioProcess(const std::vector<std::string>& words,
+StudioProcess::StudioProcess(const std::vector<std::string>& arguments,
                              const std::map<std::string, std::string>& environment) {
   std::vector<std::string> all = {"studio", "--no-open"};
-  all.insert(all.end(), words.begin(), words.end());
+  all.insert(all.end(), arguments.begin(), arguments.end());
   child_ = start(all, environment, output_);
   const auto end_of_patience = Clock::now() + kPatience;
   while (address_.find('\n') == std::string::npos && Clock::now() < end_of_patience) {
@@ -103,9 +103,9 @@ bool LivePage::take() {
     socket_.send(picture ? "p" : "a");
   } else if (message->opcode == 1) {
     Json text = Json::parse(message->payload);
-    if (text.contains("tell")) {
-      const std::string name = text["tell"];
-      tells_[name] = std::move(text);
+    if (text.contains("topic")) {
+      const std::string name = text["topic"];
+      topics_[name] = std::move(text);
     } else {
       const int id = text.at("id");
       answers_[id] = std::move(text);
@@ -131,15 +131,15 @@ Json LivePage::get(const std::string& what, Json fields) {
   return answer;
 }
 
-Json LivePage::wait(const std::string& tell, const std::function<bool(const Json&)>& holds) {
+Json LivePage::wait(const std::string& topic, const std::function<bool(const Json&)>& holds) {
   const auto end = Clock::now() + kPatience;
   for (;;) {
-    const auto found = tells_.find(tell);
-    if (found != tells_.end() && holds(found->second)) return found->second;
+    const auto found = topics_.find(topic);
+    if (found != topics_.end() && holds(found->second)) return found->second;
     const bool late = Clock::now() > end;
     if (late || !take()) {
       FAIL((late ? "waited in vain for '" : "the studio went away before '")
-           << tell << "': " << (found == tells_.end() ? Json() : found->second));
+           << topic << "': " << (found == topics_.end() ? Json() : found->second));
     }
   }
 }
@@ -153,9 +153,9 @@ std::string LivePage::picture() {
   return first;
 }
 
-std::string run_cogrsim(const std::vector<std::string>& words) {
+std::string run_cogrsim(const std::vector<std::string>& arguments) {
   int output = -1;
-  const pid_t child = start(words, {}, output);
+  const pid_t child = start(arguments, {}, output);
   std::string text;
   char buffer[4096];
   for (ssize_t got = 0; (got = ::read(output, buffer, sizeof buffer)) > 0;) {

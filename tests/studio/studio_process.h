@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 /// The program, until its end. The variables of `environment` are set for it, the others are ours.
 class StudioProcess {
  public:
-  StudioProcess(const std::vector<std::string>& words,
+  StudioProcess(const std::vector<std::string>& arguments,
                 const std::map<std::string, std::string>& environment = {});
   ~StudioProcess();
   StudioProcess(const StudioProcess&) = delete;
@@ -49,8 +49,8 @@ class LivePage {
   Json ask(const std::string& what, Json fields = Json::object());
   /// The answer, which must be good.
   Json get(const std::string& what, Json fields = Json::object());
-  /// The newest tell of that name for which `holds` is true; the test fails after half a minute.
-  Json wait(const std::string& tell, const std::function<bool(const Json&)>& holds);
+  /// The newest message of that topic for which `holds` is true; the test fails after 30 s.
+  Json wait(const std::string& topic, const std::function<bool(const Json&)>& holds);
   /// The next picture, head and all.
   std::string picture();
 
@@ -62,11 +62,11 @@ class LivePage {
   SocketClient socket_;
   int last_id_ = 0;
   std::map<int, Json> answers_;
-  std::map<std::string, Json> tells_;
+  std::map<std::string, Json> topics_;
   std::vector<std::string> pictures_;
 };
 
-/// Runs `cogrsim` with these words; what it wrote to standard output. The test fails if it fails.
-std::string run_cogrsim(const std::vector<std::string>& words);
+/// Runs `cogrsim` with these arguments; returns its standard output. The test fails if it fails.
+std::string run_cogrsim(const std::vector<std::string>& arguments);
 
 }  // namespace cogrsim::studio::testing

@@ -1,4 +1,5 @@
-// The engines of this build (COGRSIM_ENGINES, see tests/CMakeLists.txt). What holds on every engine is tested on all.
+// The engines of this build (COGRSIM_ENGINES, see tests/CMakeLists.txt). Properties of every engine
+// are tested on all engines.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -16,8 +17,9 @@ inline const std::vector<std::string>& all_engines() {
 /// For GENERATE(): one after the other.
 inline auto engines() { return Catch::Generators::from_range(all_engines()); }
 
-/// Does it promise the figures of rigid bodies that a test states? An engine as it ships has its own,
-/// in its table of the conformance suite; of it a test asks that the feature works.
+/// Whether it guarantees the figures of rigid bodies that a test states. An engine with its default
+/// settings has its own figures, in its table of the conformance suite; a test only requires that
+/// the feature works.
 inline bool states_figures(const std::string& engine) { return engine == "cogrsim"; }
 
 }  // namespace cogrsim::test

@@ -1,4 +1,4 @@
-// A variable of the environment, as it was before again at the end of the scope.
+// Sets an environment variable, and restores it at the end of the scope.
 #pragma once
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// A small robot for controllers to be tried in; without Catch2, for programs beside the tests too.
+// A small robot for testing controllers; without Catch2, so that other programs can use it, too.
 #pragma once
 
 #include <string>
@@ -30,11 +30,11 @@ struct BareFlywheel {
     builder.model.sensors.push_back(std::move(sensor));
   }
 
-  /// As "bot.mind".
-  void add_mind(ControllerModel mind) {
-    mind.name = "bot.mind";
-    mind.assembly = assembly;
-    builder.model.controllers.push_back(std::move(mind));
+  /// As "bot.driver".
+  void add_controller(ControllerModel controller) {
+    controller.name = "bot.driver";
+    controller.assembly = assembly;
+    builder.model.controllers.push_back(std::move(controller));
   }
 };
 

@@ -1,5 +1,4 @@
-// The C library's own malloc and friends, by the names under which it exports them for those who stand in
-// front of them.
+// The C library's own malloc functions, by the names under which it exports them for wrappers.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Simulations for tests, and what they say.
+// Simulations for tests, and their messages.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -11,7 +11,7 @@
 
 namespace cogrsim::test {
 
-/// A simulation, or the test fails with what create() said.
+/// A simulation, or the test fails with the diagnostics of create().
 inline std::unique_ptr<Simulation> simulate(const SceneModelPtr& scene,
                                             const SimulationOptions& options,
                                             std::shared_ptr<PluginLoader> plugins) {
@@ -23,7 +23,7 @@ inline std::unique_ptr<Simulation> simulate(const SceneModelPtr& scene,
   return std::move(*simulation);
 }
 
-/// What create() said of a scene that must be refused, one line each.
+/// The diagnostics of create() for a scene that must be refused, one line each.
 inline std::string refusal(const SceneModelPtr& scene, const std::string& backend,
                            std::shared_ptr<PluginLoader> plugins) {
   SimulationOptions options;
@@ -36,7 +36,7 @@ inline std::string refusal(const SceneModelPtr& scene, const std::string& backen
   return out;
 }
 
-/// The messages of a run, but for what its backend says at the start of what it approximates.
+/// The messages of a run, except those of its backend at the start about approximations.
 inline std::vector<RunMessage> run_messages(const Simulation& simulation) {
   std::vector<RunMessage> out;
   for (const RunMessage& m : simulation.messages()) {
@@ -54,8 +54,8 @@ inline std::string messages_of(const Simulation& simulation) {
   return out;
 }
 
-/// Of a flywheel that was run for longer: its controller had a fault at `time`, told once, and the run
-/// ended there or went on without it, as the policy says.
+/// Of a flywheel that was run for longer: its controller had a fault at `time`, reported once, and
+/// the run ended there or continued without it, according to the policy.
 inline void check_fault(Simulation& simulation, RunStatus end, FaultPolicy policy, double time) {
   REQUIRE(run_messages(simulation).size() == 1);
   CHECK(run_messages(simulation)[0].time == Approx(time));
@@ -64,7 +64,7 @@ inline void check_fault(Simulation& simulation, RunStatus end, FaultPolicy polic
     CHECK(simulation.time() == Approx(time));
   } else {
     CHECK(end == RunStatus::completed);
-    // Without its controller the wheel is brought to rest.
+    // Without its controller the wheel comes to rest.
     CHECK(simulation.frame()->state.joint_velocities[0] == Approx(0.0).margin(1e-9));
   }
 }

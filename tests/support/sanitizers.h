@@ -1,5 +1,6 @@
-// Whether a sanitizer of the compiler looks on: it catches signals, takes far more memory than any bound
-// lets it, and the one for threads knows no threads in a child of a process that has some.
+// Whether a sanitizer of the compiler is active: it catches signals, takes far more memory than any
+// limit allows, and the thread sanitizer does not support threads in a child of a multi-threaded
+// process.
 #pragma once
 
 namespace cogrsim::test {

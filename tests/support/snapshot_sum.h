@@ -1,4 +1,4 @@
-// The sum at the end of a snapshot file, for tests that forge one.
+// The checksum at the end of a snapshot file, for tests that forge one.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace cogrsim {
 
-/// What SnapshotFile::read() expects to stand as "checksum" beside this "content".
+/// The "checksum" that SnapshotFile::read() expects for this "content".
 inline std::string snapshot_sum(const nlohmann::ordered_json& content) {
   const std::string text =
       content.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

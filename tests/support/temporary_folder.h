@@ -1,5 +1,5 @@
-// A new empty folder, removed with all in it at the end of the scope. Its name is nobody else's: cases run side by side,
-// and beside those of other users.
+// A new empty folder, removed with its content at the end of the scope. Its name is unique: cases
+// run in parallel, also with those of other users.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct TemporaryFolder {
 
   std::string operator/(const std::string& name) const { return (path / name).string(); }
 
-  /// Returns the path; folders on the way are made.
+  /// Returns the path; its folders are created.
   std::string write(const std::string& name, const std::string& bytes) const {
     const std::filesystem::path file = path / name;
     std::filesystem::create_directories(file.parent_path());
@@ -35,7 +35,7 @@ struct TemporaryFolder {
     return file.string();
   }
 
-  /// Names of what is in it, sorted.
+  /// Names of its entries, sorted.
   std::vector<std::string> files() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(path))

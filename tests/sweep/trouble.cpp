@@ -1,4 +1,4 @@
-// A supervisor that does what its parameter says: nothing, or something that ends its process. With
+// A supervisor that acts as its parameter says: nothing, or something that ends its process. With
 // `above` > 0 only in runs whose first random number is above it, so that the seed decides.
 #include <chrono>
 #include <csignal>
@@ -14,18 +14,18 @@ namespace {
 
 class Trouble final : public cogrsim::Supervisor {
  public:
-  void configure(cogrsim::Stage& stage) override {
-    what_ = std::get<std::string>(*stage.parameter("what"));
-    const double above = std::get<double>(*stage.parameter("above"));
-    draw_ = stage.uniform(0.0, 1.0);
+  void configure(cogrsim::SupervisorContext& context) override {
+    what_ = std::get<std::string>(*context.parameter("what"));
+    const double above = std::get<double>(*context.parameter("above"));
+    draw_ = context.uniform(0.0, 1.0);
     if (draw_ < above) what_ = "nothing";
   }
-  void update(const cogrsim::Tick& tick, cogrsim::Stage& stage) override {
-    stage.publish("draw", draw_);
+  void update(const cogrsim::Tick& tick, cogrsim::SupervisorContext& context) override {
+    context.publish("draw", draw_);
     if (tick.count != 3) return;
     if (what_ == "crash") std::raise(SIGSEGV);
     if (what_ == "abort") {
-      std::fputs("the last words\n", stderr);
+      std::fputs("the last message\n", stderr);
       std::abort();
     }
     if (what_ == "exit") std::exit(7);
@@ -35,7 +35,7 @@ class Trouble final : public cogrsim::Supervisor {
     if (what_ == "eat") {
       for (;;) eaten_.push_back(std::vector<char>(16u << 20, 1));
     }
-    if (what_ == "end") stage.send(cogrsim::EndRun{"enough"});
+    if (what_ == "end") context.send(cogrsim::EndRun{"enough"});
   }
 
  private:

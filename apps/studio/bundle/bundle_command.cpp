@@ -14,14 +14,14 @@
 #include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/recording/recording.h"
 #include "document_file.h"
-#include "frames.h"
-#include "interrupt.h"
-#include "narrator.h"
-#include "output_file.h"
-#include "progress.h"
-#include "refuse.h"
-#include "scene_loading.h"
-#include "terminal.h"
+#include "render/frames.h"
+#include "common/interrupt.h"
+#include "run/run_log.h"
+#include "common/output_file.h"
+#include "common/progress.h"
+#include "common/refuse.h"
+#include "common/scene_loading.h"
+#include "common/terminal.h"
 
 namespace cogrsim::studio {
 
@@ -42,7 +42,7 @@ std::string default_output(const std::string& source) {
   return name + ".html";
 }
 
-// What became of it, for the page and for people.
+// How the run ended, for the page and for the terminal.
 struct Gathered {
   BundleAbout about;
   std::unique_ptr<RunSamples> samples;
@@ -78,14 +78,14 @@ OriginsPtr shared(const dsl::ModelOrigins& from) {
 
 // Simulates to `duration` [s] in pieces, so that the progress line moves.
 RunStatus simulate(Simulation& simulation, double duration, cli::Progress& progress,
-                   cli::Narrator& narrator) {
+                   cli::RunLog& run_log) {
   RunStatus status = simulation.status();
   while (simulation.time() < duration - 0.5 * simulation.dt()) {
     status = simulation.run_until(std::min(duration, simulation.time() + 50.0 * simulation.dt()));
-    narrator.tell_messages();
+    run_log.print_messages();
     progress.show(simulation.time());
     const bool goes_on = status == RunStatus::running || status == RunStatus::completed;
-    // Nobody is there to resume a run that a supervisor paused.
+    // Nothing can resume a run that a supervisor paused.
     if (!goes_on || simulation.paused()) break;
   }
   if (status != RunStatus::running) return status;
@@ -140,14 +140,7 @@ Gathered run_scene(const BundleOptions& options) {
   settings.seed = source.seed;
   auto created = Simulation::create(model, settings, loader);
   if (!created) {
-    for (const Diagnostic& d : created.error()) {
-      if (d.code.empty()) cli::print_error(Error(d.message, "", d.help).text());
-    }
-    std::vector<Diagnostic> coded = created.error();
-    coded.erase(std::remove_if(coded.begin(), coded.end(),
-                               [](const Diagnostic& d) { return d.code.empty(); }),
-                coded.end());
-    cli::print_diagnostics(coded);
+    cli::print_problems(created.error());
     return out;
   }
   Simulation& simulation = **created;
@@ -162,12 +155,12 @@ Gathered run_scene(const BundleOptions& options) {
   RunStatus status = RunStatus::running;
   {
     cli::Progress progress(simulation.backend().name(), duration);
-    cli::Narrator narrator(simulation, progress, nullptr, false);
+    cli::RunLog run_log(simulation, progress, nullptr, false);
     cli::catch_interrupts();
     const cli::InterruptStops stops(simulation);
-    status = simulate(simulation, duration, progress, narrator);
+    status = simulate(simulation, duration, progress, run_log);
     progress.finish();
-    narrator.finish();
+    run_log.finish();
   }
   if (samples.samples().empty()) samples.take(simulation.frame());
   samples.finish();
@@ -190,7 +183,7 @@ Gathered run_scene(const BundleOptions& options) {
   return out;
 }
 
-// The scene's own text is what its recorder attached first.
+// The scene's own text is the first attachment of a recording.
 std::optional<BundleText> attached_text(const RecordingInfo& info) {
   if (info.attachments.empty() || !is_utf8(info.attachments.front().data)) return std::nullopt;
   const Attachment& first = info.attachments.front();
@@ -212,11 +205,11 @@ Gathered read_recording(const BundleOptions& options) {
   Recording& recording = **opened;
   const RecordingInfo& info = recording.info();
   if (!info.damage.empty()) {
-    cli::print_warning(fmt::format("{}: {}; going on with what is readable, up to {}", source.scene,
+    cli::print_warning(fmt::format("{}: {}; using what is readable, up to {}", source.scene,
                                    info.damage, cli::time_text(info.end)));
   }
   if (recording.frame_count() == 0) {
-    cli::refuse(Error(fmt::format("'{}' has no frames", source.scene), "", "record the run anew"));
+    cli::refuse(Error(fmt::format("'{}' has no frames", source.scene), "", "record the run again"));
     return out;
   }
   auto first = recording.frame(0);

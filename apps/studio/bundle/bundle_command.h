@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "options.h"
+#include "common/options.h"
 
 namespace cogrsim::studio {
 

@@ -83,8 +83,8 @@ class BundleWriter {
     const auto& all = samples_.samples();
     const std::uint32_t number = all[from].scene;
     const RunSamples::SceneCurves& curves = samples_.curves(number);
-    const auto tell = samples_.scenes().tell(number);
-    scenes.push_back(tell ? Json::parse(*tell) : Json());
+    const auto topic = samples_.scenes().topic(number);
+    scenes.push_back(topic ? Json::parse(*topic) : Json());
     Json signals = Json::array();
     for (const RunSamples::Curve& curve : curves.curves) {
       signals.push_back({{"name", curve.name}, {"unit", curve.unit}, {"owner", curve.owner}});
@@ -165,7 +165,7 @@ class BundleWriter {
       for (const PlotSeries& s : plot.series) {
         list.push_back({{"x", s.x}, {"y", s.y}, {"z", s.z}, {"label", s.label}});
       }
-      // Times need more digits than a float has; what is drawn over them does not.
+      // Times need more digits than a float has; drawn values do not.
       for (const figures::Series& s : drawn->series) {
         const std::vector<float> y(s.y.begin(), s.y.end()), z(s.z.begin(), s.z.end());
         series.push_back({{"label", s.label},

@@ -1,4 +1,4 @@
-// All that the page is told of a run, as the data of its bundle.
+// All data of a run that the page needs, as the data of its bundle.
 #pragma once
 
 #include <map>
@@ -14,7 +14,7 @@
 
 namespace cogrsim::studio {
 
-/// The scene's text, and what stands where in it.
+/// The scene's text, and its elements.
 struct BundleText {
   std::string file;  ///< as the page names it
   std::string text;
@@ -22,7 +22,7 @@ struct BundleText {
   std::vector<Diagnostic> problems;
 };
 
-/// What is to be known of the run beside its frames.
+/// The data of the run beside its frames.
 struct BundleAbout {
   std::string file;  ///< path of the scene or recording
   std::string backend, engine_version;
@@ -33,13 +33,13 @@ struct BundleAbout {
   std::optional<BundleText> text;
 };
 
-/// Compressed; see payload.h and ../web/src/bundle/unpack.ts. What found no place is added to `left_out`,
-/// a sentence each.
+/// Compressed; see payload.h and ../web/src/bundle/unpack.ts. What did not fit is added to
+/// `left_out`, a sentence each.
 std::string bundle_data(const BundleAbout& about, RunSamples& samples,
                         std::vector<std::string>& left_out);
 
-/// Of a text whose scene was compiled elsewhere: which of its elements made what of `model`, where
-/// dotted names tell. Fills in the elements' paths.
+/// Of a text whose scene was compiled elsewhere: which of its elements made what of `model`, as far
+/// as dotted names show it. Fills in the elements' paths.
 Origins origins_by_name(std::vector<dsl::OutlineElement>& elements, const SceneModel& model);
 
 }  // namespace cogrsim::studio

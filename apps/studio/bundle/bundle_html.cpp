@@ -7,8 +7,8 @@
 
 #include "hash.h"
 #include "page.h"
-#include "report_pictures.h"
-#include "zoom_chart.h"
+#include "compare/report_pictures.h"
+#include "compare/zoom_chart.h"
 
 namespace cogrsim::studio {
 
@@ -57,7 +57,7 @@ std::string bundle_html(const std::string& title, std::string_view data) {
   out +=
       "<noscript>This run is shown by a script that came with it; this browser runs none."
       "</noscript>\n<p id=\"cg-unpacking\" role=\"status\">Unpacking the run\u2026</p>\n";
-  // Of a type that no browser runs, and in letters that end no element.
+  // Of a type that no browser runs, and in characters that end no element.
   constexpr const char* kData = "<script type=\"application/octet-stream\" id=\"{}\">";
   out += fmt::format(kData, "cg-data") + cli::base64(data) + "</script>\n";
   out += fmt::format(kData, "cg-viewer") + cli::base64(viewer.gzip) + "</script>\n";

@@ -6,7 +6,7 @@
 
 namespace cogrsim::studio {
 
-/// One page that needs nothing beside it and asks nobody for anything: `data`, compressed, and the
+/// One page that needs no other file and sends no request: `data`, compressed, and the
 /// viewer. Its scripts are known by their hashes; no other runs, and nothing is fetched.
 std::string bundle_html(const std::string& title, std::string_view data);
 

@@ -1,7 +1,7 @@
 // The data of a bundle: JSON and large blocks of numbers behind it, compressed as one.
 //
 // Before compression: u32 length of the JSON, the JSON, zeros up to a multiple of 8, the blocks, each
-// from a multiple of 8 on. All numbers are little-endian. Who reads it: ../web/src/bundle/unpack.ts.
+// from a multiple of 8 on. All numbers are little-endian. Read by ../web/src/bundle/unpack.ts.
 #pragma once
 
 #include <cstdint>

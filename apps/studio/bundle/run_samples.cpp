@@ -9,7 +9,7 @@
 #include "cogrsim/core/image.h"
 #include "cogrsim/rendering/renderer.h"
 #include "series.h"
-#include "terminal.h"
+#include "common/terminal.h"
 
 namespace cogrsim::studio {
 
@@ -23,9 +23,9 @@ constexpr int kJpegQuality = 80;
 class NoFrames final : public Frames {
  public:
   Extent extent() const override { return {}; }
-  Moment at(double) override { return {}; }
-  Moment before(double) override { return {}; }
-  std::vector<Moment> after(double, std::size_t) override { return {}; }
+  Instant at(double) override { return {}; }
+  Instant before(double) override { return {}; }
+  std::vector<Instant> after(double, std::size_t) override { return {}; }
   std::uint64_t epoch() const override { return 1; }
 };
 
@@ -75,7 +75,7 @@ void RunSamples::enter(const SceneModelPtr& model) {
     if (!body.removed && body.kind != BodyKind::fixed) moving.insert(body.name);
   }
   NoFrames none;
-  const Answer all = SeriesDesk(none, scenes_).signals();
+  const Answer all = SeriesRequests(none, scenes_).signals();
   SceneCurves& here = curves_[scene_];
   std::map<std::string, int> by_name;
   for (const Json& one : (*all)["signals"]) {
@@ -98,7 +98,7 @@ void RunSamples::enter(const SceneModelPtr& model) {
     }
     here.readings.push_back(std::move(columns));
   }
-  // What a figure draws may come later.
+  // Signals of a figure may be added later.
   figure_problems_.clear();
   for (const PlotModel& plot : model->plots) {
     const auto there = [&](const Figure& figure) { return figure.name == plot.name; };
@@ -112,7 +112,7 @@ void RunSamples::enter(const SceneModelPtr& model) {
   }
 }
 
-void RunSamples::begin_anew() {
+void RunSamples::begin_again() {
   samples_.clear();
   paths_.clear();
   events_.clear();
@@ -127,10 +127,10 @@ void RunSamples::begin_anew() {
 void RunSamples::take(const FramePtr& frame) {
   // The frame at the start is shown once more with the first step.
   const bool again = last_ && last_->step == frame->step;
-  const bool anew = last_ && frame->step < last_->step;
+  const bool restarted = last_ && frame->step < last_->step;
   last_ = frame;
   if (again) return;
-  if (anew) begin_anew();
+  if (restarted) begin_again();
   if (frame->model != model_) enter(frame->model);
   for (const Figure& figure : figures_) figure.sampler->take(*frame);
   paths_.take(*frame);

@@ -1,4 +1,4 @@
-// What a bundle keeps of a run while it goes by.
+// The samples of a run that a bundle keeps.
 #pragma once
 
 #include <cstdint>
@@ -23,9 +23,9 @@ struct SampleOptions {
   std::size_t pictures = 16u << 20;  ///< of the cameras' pictures [byte]
 };
 
-/// Frames of a run at the rate of a display. Where they would take more than allowed every second one
-/// is let go and the time between them doubles, so a run of any length fits. Figures of the scene and
-/// paths take every step.
+/// Frames of a run at the rate of a display. Where they would take more than allowed, every second
+/// one is dropped and the time between them doubles, so a run of any length fits. Figures of the
+/// scene and paths take every step.
 class RunSamples {
  public:
   using Channels = std::function<const std::vector<Channel>&(int sensor)>;
@@ -33,7 +33,7 @@ class RunSamples {
 
   /// What frames must contain for the curves and figures of this model.
   FrameContents needs(const SceneModelPtr& model);
-  /// Every frame of the run, in order. One that is earlier than the one before begins the run anew.
+  /// Every frame of the run, in order. One that is earlier than the one before restarts the run.
   void take(const FramePtr& frame);
   /// The last frame is there whenever it was taken. To be called once, after the last.
   void finish();
@@ -85,7 +85,7 @@ class RunSamples {
 
  private:
   void enter(const SceneModelPtr& model);
-  void begin_anew();
+  void begin_again();
   void add(const Frame& frame);
   void add_shots(const Frame& frame);
   void thin();

@@ -25,11 +25,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kMostLog = 1u << 20;  // [byte] kept of what is written
+constexpr std::size_t kMostLog = 1u << 20;  // [byte] of the log, kept at most
 constexpr auto kLongest = std::chrono::minutes(15);
 constexpr std::size_t kMostProblems = 200;
 
-/// The CMake package that lies with this program, installed or in its build tree; empty: none does.
+/// The CMake package beside this program, installed or in its build tree; empty: there is none.
 std::string own_package() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
@@ -92,26 +92,26 @@ Json problems_in(const std::string& log, const std::string& folder) {
       continue;
     }
     // "file.cpp:12:7: error: …"
-    for (const char* word : {"error", "fatal error", "warning"}) {
-      const std::string mark = std::string(": ") + word + ": ";
+    for (const char* severity : {"error", "fatal error", "warning"}) {
+      const std::string mark = std::string(": ") + severity + ": ";
       const std::size_t found = line.find(mark);
       if (found == std::string::npos || found == 0) continue;
       // Back over ":12:7" or ":12".
-      const std::string place = line.substr(0, found);
+      const std::string location = line.substr(0, found);
       std::vector<int> numbers;
-      std::size_t cut = place.size();
+      std::size_t cut = location.size();
       while (numbers.size() < 2) {
-        const std::size_t colon = place.rfind(':', cut - 1);
+        const std::size_t colon = location.rfind(':', cut - 1);
         if (colon == std::string::npos || colon == 0) break;
         std::size_t at = colon + 1;
-        const auto number = take_number(place, at);
+        const auto number = take_number(location, at);
         if (!number || at != cut) break;
         numbers.insert(numbers.begin(), *number);
         cut = colon;
       }
       if (numbers.empty()) continue;
-      add(std::string(word) == "warning" ? "advice" : "error", place.substr(0, cut), numbers[0],
-          numbers.size() > 1 ? numbers[1] : 1, line.substr(found + mark.size()));
+      add(std::string(severity) == "warning" ? "warning" : "error", location.substr(0, cut),
+          numbers[0], numbers.size() > 1 ? numbers[1] : 1, line.substr(found + mark.size()));
       break;
     }
   }
@@ -126,7 +126,7 @@ std::string Builder::mark() const {
   return text;
 }
 
-Result<int> Builder::run(const std::vector<std::string>& words, std::string& log) {
+Result<int> Builder::run(const std::vector<std::string>& command, std::string& log) {
   int pipe_ends[2];
   if (::pipe2(pipe_ends, O_CLOEXEC) != 0)
     return fail(std::string("no pipe: ") + std::strerror(errno));
@@ -141,7 +141,9 @@ Result<int> Builder::run(const std::vector<std::string>& words, std::string& log
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   posix_spawnattr_setpgroup(&attributes, 0);
   std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  for (const std::string& argument : command) {
+    arguments.push_back(const_cast<char*>(argument.c_str()));
+  }
   arguments.push_back(nullptr);
   pid_t child = -1;
   const int problem =
@@ -151,7 +153,7 @@ Result<int> Builder::run(const std::vector<std::string>& words, std::string& log
   ::close(pipe_ends[1]);
   if (problem != 0) {
     ::close(pipe_ends[0]);
-    return fail("'" + words[0] + "' cannot be started: " + std::strerror(problem), "",
+    return fail("'" + command[0] + "' cannot be started: " + std::strerror(problem), "",
                 "install it (Debian: apt install cmake g++)");
   }
   const auto end = std::chrono::steady_clock::now() + kLongest;
@@ -197,10 +199,10 @@ Result<Builder::Built> Builder::build() {
   }
   const std::string cache = user_folder("XDG_CACHE_HOME", ".cache");
   if (cache.empty()) return fail("there is no folder for builds", "", "set XDG_CACHE_HOME");
-  const fs::path place = fs::path(cache) / "cogrsim" / "studio" / mark();
-  fs::create_directories(place, error);
+  const fs::path work_folder = fs::path(cache) / "cogrsim" / "studio" / mark();
+  fs::create_directories(work_folder, error);
   if (error)
-    return fail("the folder for builds cannot be made: " + error.message(), place.string());
+    return fail("the folder for builds cannot be made: " + error.message(), work_folder.string());
 
   Built out;
   std::vector<std::string> configure = {
@@ -208,15 +210,15 @@ Result<Builder::Built> Builder::build() {
       "-S",
       fs::absolute(project).string(),
       "-B",
-      (place / "tree").string(),
+      (work_folder / "tree").string(),
       "-DCMAKE_BUILD_TYPE=Release",
-      "-DCOGRSIM_PLUGIN_OUTPUT_DIRECTORY=" + (place / "libraries").string()};
+      "-DCOGRSIM_PLUGIN_OUTPUT_DIRECTORY=" + (work_folder / "libraries").string()};
   if (const std::string package = own_package(); !package.empty())
     configure.push_back("-DCogRSim_DIR=" + package);
-  for (const std::vector<std::string>& words :
-       {configure, std::vector<std::string>{"cmake", "--build", (place / "tree").string(),
+  for (const std::vector<std::string>& command :
+       {configure, std::vector<std::string>{"cmake", "--build", (work_folder / "tree").string(),
                                             "--parallel", "2"}}) {
-    const auto status = run(words, out.log);
+    const auto status = run(command, out.log);
     if (!status) return tl::unexpected(status.error());
     out.ok = *status == 0;
     if (!out.ok) break;
@@ -225,19 +227,19 @@ Result<Builder::Built> Builder::build() {
   out.problems = problems_in(out.log, folder_);
   if (!out.ok) return out;
 
-  // A library that is mapped is never loaded anew from the same file.
+  // A library that is mapped is never loaded again from the same file.
   const fs::path fresh =
-      place /
+      work_folder /
       ("plugins-" + std::to_string(std::chrono::system_clock::now().time_since_epoch().count()));
   fs::create_directories(fresh, error);
-  for (fs::directory_iterator it(place / "libraries", error), end; !error && it != end;
+  for (fs::directory_iterator it(work_folder / "libraries", error), end; !error && it != end;
        it.increment(error))
     if (it->path().extension() == ".so")
       fs::copy_file(it->path(), fresh / it->path().filename(), error);
   if (error)
-    return fail("the libraries cannot be copied: " + error.message(), place.string(),
+    return fail("the libraries cannot be copied: " + error.message(), work_folder.string(),
                 "make plugins with cogrsim_add_plugin()");
-  for (fs::directory_iterator it(place, error), end; !error && it != end; it.increment(error))
+  for (fs::directory_iterator it(work_folder, error), end; !error && it != end; it.increment(error))
     if (it->path().filename().string().compare(0, 8, "plugins-") == 0 && it->path() != fresh)
       fs::remove_all(it->path(), error);
   out.plugins = fresh.string();

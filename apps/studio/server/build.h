@@ -1,4 +1,4 @@
-// Builds the controllers beside a scene. Runs what their CMakeLists.txt says: only where it is allowed.
+// Builds the controllers beside a scene. Runs the code of their CMakeLists.txt: only where allowed.
 #pragma once
 
 #include <atomic>
@@ -20,18 +20,19 @@ class Builder {
     std::string plugins;            ///< a new folder with the libraries
   };
   /// Configures and builds the project in the scene's folder, or in the one folder below it that has a
-  /// CMakeLists.txt, into a folder of the user's cache. The libraries are copied to a new place, so that
-  /// they are loaded beside those that run. Errors: there is no project, or several; no place to build
-  /// in; cmake cannot be started. What the compiler complains of is no error: see `ok`.
+  /// CMakeLists.txt, into a folder of the user's cache. The libraries are copied to a new folder,
+  /// so that they are loaded beside those that run. Errors: there is no project, or several; no
+  /// folder to build in; cmake cannot be started. Errors of the compiler are no error here:
+  /// see `ok`.
   Result<Built> build();
-  /// Ends a build that is under way, from any thread.
+  /// Ends a build that is running, from any thread.
   void stop() noexcept { stopped_ = true; }
 
   /// Part of the path of every folder made by builds of this project.
   std::string mark() const;
 
  private:
-  Result<int> run(const std::vector<std::string>& words, std::string& log);
+  Result<int> run(const std::vector<std::string>& command, std::string& log);
 
   std::string folder_;
   std::atomic<bool> stopped_{false};

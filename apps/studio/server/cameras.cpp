@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "cogrsim/rendering/standard_view.h"
-#include "cogrsim/sensing/instruments.h"
-#include "picture_file.h"
+#include "cogrsim/sensing/sensor_models.h"
+#include "render/picture_file.h"
 #include "run_fields.h"
 #include "run_wire.h"
 
@@ -16,13 +16,14 @@ namespace {
 constexpr std::int64_t kLeastSize = 16, kMostSize = 2048;  // [pixel]
 constexpr std::size_t kMostCameras = 32;                   // of one client
 constexpr int kJpegQuality = 80;
-/// Whether a client sees something new or takes another picture is looked at so often, and only
-/// while pictures are wished for.
+/// How often it is checked whether a client sees something new or takes another picture, and only
+/// while pictures are requested.
 constexpr auto kLookTime = std::chrono::milliseconds(15);
 
 const char* const kKinds[] = {"color", "depth", "segmentation"};
 
-/// Near is bright; what is not there is black. From the nearest to the farthest in the picture.
+/// Near is bright; pixels without a surface are black. Scaled to the nearest and the farthest
+/// depth.
 Result<std::string> depth_picture(const Picture& picture) {
   float least = std::numeric_limits<float>::infinity(), most = 0.0F;
   for (const float d : picture.depth) {
@@ -137,10 +138,10 @@ Answer Cameras::view(ClientId client, const Json& f) {
     if (q.norm() < 1e-6) return fields::wrong("pose", "seven numbers with a quaternion");
     wish.pose = Pose({v[0], v[1], v[2]}, q.normalized());
   }
-  if (!viewers_.seen(client)) return fail("there is nothing to look at yet");
+  if (!viewers_.seen(client)) return fail("there is no frame yet");
   std::lock_guard lock(mutex_);
   std::vector<Wish>& wishes = wishes_[client];
-  // The one asked for last is the one that is wanted.
+  // The last request counts.
   wishes.erase(std::remove_if(wishes.begin(), wishes.end(), [](const Wish& w) { return w.once; }),
                wishes.end());
   wishes.push_back(std::move(wish));
@@ -161,23 +162,23 @@ std::optional<Cameras::Job> Cameras::next_job() {
     for (const auto& [client, wishes] : wishes_) {
       if (!wishes.empty()) clients.push_back(client);
     }
-    // One picture of a client, then the next client's: nobody waits for another's many cameras.
+    // One picture of a client, then one of the next: no client waits for another's many cameras.
     std::stable_sort(clients.begin(), clients.end(),
                      [this](ClientId a, ClientId b) { return turns_[a] < turns_[b]; });
   }
   for (const ClientId client : clients) {
     if (!outbox_.wants_picture(client)) continue;
-    const Moment moment = viewers_.seen(client);
-    if (!moment) continue;
+    const Instant instant = viewers_.seen(client);
+    if (!instant) continue;
     std::lock_guard lock(mutex_);
     const auto found = wishes_.find(client);
     if (found == wishes_.end()) continue;
     std::vector<Wish>& wishes = found->second;
     for (std::size_t k = 0; k < wishes.size(); ++k) {
       const std::size_t i = (turns_[client] + k) % wishes.size();
-      if (!wishes[i].once && wishes[i].drawn == moment.frame) continue;
-      Job job{client, i, wishes[i], moment};
-      wishes[i].drawn = moment.frame;
+      if (!wishes[i].once && wishes[i].drawn == instant.frame) continue;
+      Job job{client, i, wishes[i], instant};
+      wishes[i].drawn = instant.frame;
       ++turns_[client];
       if (job.what.once) wishes.erase(wishes.begin() + static_cast<std::ptrdiff_t>(i));
       return job;
@@ -212,7 +213,7 @@ Result<RenderRequest> Cameras::request_of(const Wish& wish, const Frame& frame) 
 }
 
 Result<Bytes> Cameras::draw(const Job& job) {
-  const Frame& frame = *job.moment.frame;
+  const Frame& frame = *job.instant.frame;
   auto request = request_of(job.what, frame);
   if (!request) return tl::unexpected(request.error());
   request->color = job.what.kind == Kind::color;
@@ -243,7 +244,7 @@ Result<Bytes> Cameras::draw(const Job& job) {
 }
 
 void Cameras::run() {
-  std::string told;
+  std::string reported;
   for (;;) {
     {
       std::unique_lock lock(mutex_);
@@ -264,10 +265,10 @@ void Cameras::run() {
       outbox_.offer_picture(
           job->client, std::string(kKinds[static_cast<int>(job->what.kind)]) + " " + job->what.name,
           *drawn);
-    } else if (drawn.error().message != told) {
-      told = drawn.error().message;
-      const RunMessage message{job->moment.time(), Severity::error, job->what.name, told};
-      outbox_.send(job->client, Json{{"tell", "messages"}, {"messages", {to_json(message)}}}.dump(
+    } else if (drawn.error().message != reported) {
+      reported = drawn.error().message;
+      const RunMessage message{job->instant.time(), Severity::error, job->what.name, reported};
+      outbox_.send(job->client, Json{{"topic", "messages"}, {"messages", {to_json(message)}}}.dump(
                                     -1, ' ', false, Json::error_handler_t::replace));
     }
   }

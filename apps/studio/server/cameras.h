@@ -1,4 +1,4 @@
-// Live pictures: what cameras see of the moment each client looks at, in a thread of its own.
+// Live pictures: what cameras see at the instant that each client views, in a thread of its own.
 #pragma once
 
 #include <atomic>
@@ -48,7 +48,7 @@ class Cameras {
     ClientId client;
     std::size_t wish;
     Wish what;
-    Moment moment;
+    Instant instant;
   };
 
   void run();
@@ -67,7 +67,7 @@ class Cameras {
   std::mutex mutex_;
   std::condition_variable waiting_;
   std::map<ClientId, std::vector<Wish>> wishes_;
-  std::map<ClientId, std::size_t> turns_;  ///< whose turn it is among a client's wishes
+  std::map<ClientId, std::size_t> turns_;  ///< index of the next request of a client
   bool over_ = false;
   std::thread thread_;
 };

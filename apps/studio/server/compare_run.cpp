@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "compare.h"
+#include "compare/compare.h"
 
 namespace cogrsim::studio {
 
 namespace {
 
-/// Two clocks that tick the same are told to be so up to this share of a tick.
+/// Two clocks count as equal up to this fraction of a tick.
 constexpr double kSameTick = 1e-9;
 constexpr int kMostSteps = 1000;
 
@@ -21,7 +21,7 @@ bool can_move(const Body& body) { return !body.removed && body.kind != BodyKind:
 
 bool steps_meet(double a, double b) {
   const double small = std::min(a, b), large = std::max(a, b);
-  // p large steps are q small ones.
+  // p large steps take as long as q small ones.
   for (int p = 1; p <= kMostSteps; ++p) {
     const double q = p * large / small;
     if (q > kMostSteps) return false;
@@ -30,7 +30,8 @@ bool steps_meet(double a, double b) {
   return false;
 }
 
-std::optional<Parting::Found> Parting::look(const Frame& first, const Frame& second) {
+std::optional<DivergenceDetector::Found> DivergenceDetector::look(const Frame& first,
+                                                                  const Frame& second) {
   if (found_) return std::nullopt;
   if (models_[0] != first.model || models_[1] != second.model) {
     models_[0] = first.model;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cogrsim/simulation/simulation.h"
-#include "run_board.h"
+#include "run_status.h"
 
 namespace cogrsim::studio {
 
@@ -21,15 +21,15 @@ struct CompareWish {
 /// compared.
 bool steps_meet(double a, double b);
 
-/// Looks for the first time at which two runs are apart: a body by more than 1 cm or 1 degree.
-class Parting {
+/// Detects the first time at which two runs diverge: a body by more than 1 cm or 1 degree.
+class DivergenceDetector {
  public:
   struct Found {
     double time = 0.0;  ///< [s]
     std::string body;
     double distance = 0.0, angle = 0.0;  ///< [m], [rad]
   };
-  /// What this moment brings, once.
+  /// The divergence, once: when these frames are the first that differ by so much.
   std::optional<Found> look(const Frame& first, const Frame& second);
 
  private:
@@ -38,12 +38,12 @@ class Parting {
   bool found_ = false;
 };
 
-/// The simulation of the second run, and what it is called.
+/// The simulation of the second run, and its labels.
 struct SecondRun {
   CompareWish wish;
   std::unique_ptr<Simulation> simulation;
   std::array<std::string, 2> labels;
-  Parting parting;
+  DivergenceDetector divergence;
   std::optional<double> first_over;  ///< [s]
 };
 

@@ -16,7 +16,7 @@ bool in_name(char c) {
          (static_cast<unsigned char>(c) & 0x80) != 0;
 }
 
-/// Where the cursor stands, found by reading from the start: tolerant, whatever the text is.
+/// The context of the cursor, found by reading from the start; any text is accepted.
 struct Spot {
   enum class Kind { nothing, content, tag, end_tag, attribute, value } kind = Kind::content;
   std::vector<std::string> open;                  ///< elements around
@@ -25,6 +25,59 @@ struct Spot {
   std::string attribute;
   std::size_t begin = 0;  ///< byte offset of what is being written
 };
+
+// The rest of a start tag behind its name, from `at`. False: the cursor is in it.
+bool read_attributes(const std::string& text, std::size_t cursor, std::size_t& at, Spot& spot) {
+  bool closed = false;
+  while (at < cursor && !closed) {
+    if (is_blank(text[at])) {
+      ++at;
+      spot.kind = Spot::Kind::attribute;
+      spot.begin = at;
+    } else if (text[at] == '>') {
+      ++at;
+      closed = true;
+      spot.open.push_back(spot.tag);
+    } else if (text.compare(at, 2, "/>") == 0) {
+      at += 2;
+      closed = true;
+    } else if (text[at] == '<') {
+      closed = true;  // the previous tag is unfinished
+      spot.open.push_back(spot.tag);
+    } else if (in_name(text[at])) {
+      spot.kind = Spot::Kind::attribute;
+      spot.begin = at;
+      std::string name;
+      while (at < cursor && in_name(text[at])) name += text[at++];
+      if (at >= cursor) return false;
+      std::size_t next = at;
+      while (next < cursor && is_blank(text[next])) ++next;
+      if (next >= cursor || text[next] != '=') continue;
+      ++next;
+      while (next < cursor && is_blank(text[next])) ++next;
+      if (next >= cursor || (text[next] != '"' && text[next] != '\'')) {
+        spot.kind = Spot::Kind::nothing;
+        at = next;
+        continue;
+      }
+      const char quote = text[next];
+      at = next + 1;
+      spot.begin = at;
+      const std::size_t end = text.find_first_of(std::string(1, quote) + "<", at);
+      if (end == std::string::npos || end >= cursor) {
+        spot.kind = Spot::Kind::value;
+        spot.attribute = name;
+        return false;
+      }
+      spot.attributes[name] = text.substr(at, end - at);
+      at = end + (text[end] == quote ? 1 : 0);
+      spot.kind = Spot::Kind::nothing;
+    } else {
+      ++at;
+    }
+  }
+  return closed;
+}
 
 Spot find_spot(const std::string& text, std::size_t cursor) {
   Spot spot;
@@ -63,55 +116,7 @@ Spot find_spot(const std::string& text, std::size_t cursor) {
       while (at < cursor && in_name(text[at])) spot.tag += text[at++];
       spot.kind = Spot::Kind::tag;
       if (at >= cursor) return spot;
-      bool closed = false;
-      while (at < cursor && !closed) {
-        if (is_blank(text[at])) {
-          ++at;
-          spot.kind = Spot::Kind::attribute;
-          spot.begin = at;
-        } else if (text[at] == '>') {
-          ++at;
-          closed = true;
-          spot.open.push_back(spot.tag);
-        } else if (text.compare(at, 2, "/>") == 0) {
-          at += 2;
-          closed = true;
-        } else if (text[at] == '<') {
-          closed = true;  // the tag before was left unfinished
-          spot.open.push_back(spot.tag);
-        } else if (in_name(text[at])) {
-          spot.kind = Spot::Kind::attribute;
-          spot.begin = at;
-          std::string name;
-          while (at < cursor && in_name(text[at])) name += text[at++];
-          if (at >= cursor) return spot;
-          std::size_t next = at;
-          while (next < cursor && is_blank(text[next])) ++next;
-          if (next >= cursor || text[next] != '=') continue;
-          ++next;
-          while (next < cursor && is_blank(text[next])) ++next;
-          if (next >= cursor || (text[next] != '"' && text[next] != '\'')) {
-            spot.kind = Spot::Kind::nothing;
-            at = next;
-            continue;
-          }
-          const char quote = text[next];
-          at = next + 1;
-          spot.begin = at;
-          const std::size_t end = text.find_first_of(std::string(1, quote) + "<", at);
-          if (end == std::string::npos || end >= cursor) {
-            spot.kind = Spot::Kind::value;
-            spot.attribute = name;
-            return spot;
-          }
-          spot.attributes[name] = text.substr(at, end - at);
-          at = end + (text[end] == quote ? 1 : 0);
-          spot.kind = Spot::Kind::nothing;
-        } else {
-          ++at;
-        }
-      }
-      if (!closed) return spot;
+      if (!read_attributes(text, cursor, at, spot)) return spot;
     }
     spot.kind = Spot::Kind::content;
     spot.begin = cursor;
@@ -158,7 +163,7 @@ class Completer {
  private:
   void add(const std::string& label, const std::string& detail, const std::string& insert) {
     if (items_.size() >= kMostItems || label.compare(0, written_.size(), written_) != 0) return;
-    if (!told_.insert(label).second) return;
+    if (!listed_.insert(label).second) return;
     items_.push_back({{"label", label}, {"detail", detail}, {"insert", insert}});
   }
 
@@ -192,7 +197,7 @@ class Completer {
     return {};
   }
 
-  // With the attributes it cannot be without.
+  // With its required attributes.
   void add_element(const std::string& tag, const std::string& before) {
     const Json* e = element(tag);
     std::string insert = before + tag;
@@ -203,7 +208,7 @@ class Completer {
   }
 
   const Json* plugin_parameters() const {
-    // <set> stands in what names its plugin, which is not in the tag: the nearest such element.
+    // The plugin of <set> is named by an element around it: the nearest one.
     if (!schema_.contains("plugins") || spot_.open.empty()) return nullptr;
     const auto found = schema_["plugins"].find(spot_.open.back() + "s");
     return found == schema_["plugins"].end() ? nullptr : &*found;
@@ -238,9 +243,9 @@ class Completer {
                                 [&](const Json& one) { return one["name"] == spot_.attribute; });
     if (a == list.end()) return;
     const std::string kind = (*a)["kind"].get<std::string>();
-    const bool words =
+    const bool listed =
         kind == "references" || kind == "numbers" || kind == "number" || kind == "range";
-    if (words) {  // what is being written is the last word
+    if (listed) {  // what is being written is the last item
       const std::size_t blank = written_.find_last_of(" \t\r\n");
       if (blank != std::string::npos) {
         spot_.begin += blank + 1;
@@ -250,7 +255,7 @@ class Completer {
     if (a->contains("choices"))
       for (const Json& choice : (*a)["choices"]) add(choice, "", choice);
     if (kind == "boolean")
-      for (const char* word : {"true", "false"}) add(word, "", word);
+      for (const char* value : {"true", "false"}) add(value, "", value);
     if (kind == "reference" || kind == "references") names((*a)["wants"].get<std::string>());
     if (spot_.attribute == "plugin" && schema_.contains("plugins") &&
         schema_["plugins"].contains(spot_.tag + "s"))
@@ -311,7 +316,7 @@ class Completer {
   Spot spot_;
   std::string written_;
   Json items_ = Json::array();
-  std::set<std::string> told_;
+  std::set<std::string> listed_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What could stand at a place in a scene's text.
+// Completions at a position in a scene's text.
 #pragma once
 
 #include <string>

@@ -9,7 +9,7 @@
 #include "document_impl.h"
 #include "document_json.h"
 #include "mass.h"
-#include "progress.h"
+#include "common/progress.h"
 
 namespace cogrsim::studio {
 namespace {
@@ -20,7 +20,7 @@ std::string dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Editors in pages know one kind of line end: files keep theirs.
+/// Editors in pages know one kind of line end; files keep theirs.
 std::string with_line_ends_of(const std::string& old, std::string text) {
   const bool crlf = old.find("\r\n") != std::string::npos;
   const std::size_t all = static_cast<std::size_t>(std::count(old.begin(), old.end(), '\n'));
@@ -49,45 +49,45 @@ std::string empty_scene(const std::string& file) {
 
 // ---- the thread and its work
 
-bool DocumentMail::put(ClientId client, Role role, Letter letter) {
-  std::optional<Letter> older;
+bool DocumentQueue::put(ClientId client, Role role, Task task) {
+  std::optional<Task> older;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (closed_) return false;
-    if (letter.give_up) {
+    if (task.give_up) {
       older =
-          letters_.take_if(client, role, [&](const Letter& l) { return l.what == letter.what; });
+          tasks_.take_if(client, role, [&](const Task& l) { return l.what == task.what; });
     }
-    letters_.put(client, role, std::move(letter));
+    tasks_.put(client, role, std::move(task));
   }
   waiting_.notify_one();
   if (older) older->give_up();
   return true;
 }
 
-void DocumentMail::forget(ClientId client) {
-  std::deque<Letter> letters;  // whose end says so to those who asked
+void DocumentQueue::forget(ClientId client) {
+  std::deque<Task> forgotten;  // their destructors answer the requests
   const std::lock_guard<std::mutex> lock(mutex_);
-  letters = letters_.forget_viewer(client);
+  forgotten = tasks_.forget_viewer(client);
 }
 
-std::optional<DocumentMail::Letter> DocumentMail::take() {
+std::optional<DocumentQueue::Task> DocumentQueue::take() {
   std::unique_lock<std::mutex> lock(mutex_);
-  waiting_.wait(lock, [&] { return closed_ || !letters_.empty(); });
-  // What was typed is taken in to the end: it is in the journal then.
-  while (closed_ && !letters_.empty() && letters_.next().what != "set-text") letters_.take();
-  if (letters_.empty()) return std::nullopt;
-  return letters_.take();
+  waiting_.wait(lock, [&] { return closed_ || !tasks_.empty(); });
+  // Typed text is processed to the end, so that it is in the journal.
+  while (closed_ && !tasks_.empty() && tasks_.next().what != "set-text") tasks_.take();
+  if (tasks_.empty()) return std::nullopt;
+  return tasks_.take();
 }
 
-bool DocumentMail::next_changes_text() const {
+bool DocumentQueue::next_changes_text() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (closed_ || letters_.empty()) return closed_;
-  const std::string& what = letters_.next().what;
+  if (closed_ || tasks_.empty()) return closed_;
+  const std::string& what = tasks_.next().what;
   return what == "set-text" || what == "undo" || what == "redo" || what == "edit";
 }
 
-void DocumentMail::close() {
+void DocumentQueue::close() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     closed_ = true;
@@ -100,11 +100,11 @@ Result<std::unique_ptr<Document>> Document::open(DocumentOptions options,
                                                  Outbox& outbox) {
   auto file = SceneFile::open(options.path, kMostSceneBytes);
   if (!file) return tl::unexpected(file.error());
-  return std::unique_ptr<Document>(std::make_unique<DocumentDesk>(
+  return std::unique_ptr<Document>(std::make_unique<DocumentRequests>(
       std::move(options), std::move(*file), std::move(loader), run, outbox));
 }
 
-DocumentDesk::DocumentDesk(DocumentOptions options, SceneFile file,
+DocumentRequests::DocumentRequests(DocumentOptions options, SceneFile file,
                            std::shared_ptr<PluginLoader> loader, Run& run, Outbox& outbox)
     : options_(std::move(options)),
       run_(run),
@@ -119,26 +119,26 @@ DocumentDesk::DocumentDesk(DocumentOptions options, SceneFile file,
       sources_(file_.folder()),
       builder_(file_.folder()) {
   offer_found();
-  mail_->put([this] { compile(); });
+  queue_->put([this] { compile(); });
   thread_ = std::thread([this] { work(); });
 }
 
-DocumentDesk::~DocumentDesk() {
+DocumentRequests::~DocumentRequests() {
   builder_.stop();
   finish();
   if (build_thread_.joinable()) build_thread_.join();
 }
 
-void DocumentDesk::work() {
-  while (const auto letter = mail_->take()) {
-    letter->work();
+void DocumentRequests::work() {
+  while (const auto task = queue_->take()) {
+    task->work();
     // Of several changes in a row only the newest text is worth compiling.
-    if (stale_ && !mail_->next_changes_text()) compile();
+    if (stale_ && !queue_->next_changes_text()) compile();
   }
 }
 
-const std::map<std::string, DocumentDesk::Entry, std::less<>>& DocumentDesk::table() {
-  using D = DocumentDesk;
+const std::map<std::string, DocumentRequests::Entry, std::less<>>& DocumentRequests::table() {
+  using D = DocumentRequests;
   static const std::map<std::string, Entry, std::less<>> entries = {
       {"set-text", {&D::set_text, Access::operator_}},
       {"edit", {&D::edit, Access::operator_}},
@@ -159,28 +159,28 @@ const std::map<std::string, DocumentDesk::Entry, std::less<>>& DocumentDesk::tab
   return entries;
 }
 
-Part::Access DocumentDesk::access(std::string_view what) const {
+Part::Access DocumentRequests::access(std::string_view what) const {
   const auto found = table().find(what);
   return found == table().end() ? Access::none : found->second.access;
 }
 
-void DocumentDesk::handle(Request request, Reply reply) {
+void DocumentRequests::handle(Request request, Reply reply) {
   const ClientId client = request.client;
   const Role role = request.role;
-  DocumentMail::Letter letter{request.what, {}};
+  DocumentQueue::Task task{request.what, {}};
   if (request.what == "complete") {
-    // Whoever types on wants to know what may stand where the cursor is now.
-    letter.give_up = [reply] {
-      reply(fail("it was asked anew before its turn came", "", "", "superseded"));
+    // A user who keeps typing needs the completions at the present cursor.
+    task.give_up = [reply] {
+      reply(fail("the same was asked again before its turn came", "", "", "superseded"));
     };
   }
-  letter.work = [this, request = std::move(request), reply = std::move(reply)] {
+  task.work = [this, request = std::move(request), reply = std::move(reply)] {
     answer(request, reply);
   };
-  mail_->put(client, role, std::move(letter));
+  queue_->put(client, role, std::move(task));
 }
 
-void DocumentDesk::answer(const Request& request, const Reply& reply) {
+void DocumentRequests::answer(const Request& request, const Reply& reply) {
   const auto entry = table().find(request.what);
   if (entry == table().end())
     return reply(fail("the document does not answer '" + request.what + "'"));
@@ -193,26 +193,26 @@ void DocumentDesk::answer(const Request& request, const Reply& reply) {
   if (version_ == before) return;
   // What an edit left is compiled already.
   if (!stale_) {
-    tell(document_json(false));
-    tell(tree_tell());
-    tell(problems_tell());
+    publish(document_json(false));
+    publish(tree_topic());
+    publish(problems_topic());
     if (good_) show();
-  } else if (compile_seconds_ > kNoticed && !mail_->next_changes_text()) {
-    tell(document_json(true));
+  } else if (compile_seconds_ > kNoticed && !queue_->next_changes_text()) {
+    publish(document_json(true));
   }
 }
 
-void DocumentDesk::joined(ClientId client, Role role) {
-  mail_->put(client, role, {"", [this, client] {
-                              tell(document_json(stale_), client);
-                              tell(unsaved_tell(), client);
+void DocumentRequests::joined(ClientId client, Role role) {
+  queue_->put(client, role, {"", [this, client] {
+                              publish(document_json(stale_), client);
+                              publish(unsaved_topic(), client);
                               if (stale_) return;
-                              tell(tree_tell(), client);
-                              tell(problems_tell(), client);
+                              publish(tree_topic(), client);
+                              publish(problems_topic(), client);
                             }});
 }
 
-void DocumentDesk::tell(const Json& json, std::optional<ClientId> client) {
+void DocumentRequests::publish(const Json& json, std::optional<ClientId> client) {
   if (client)
     outbox_.send(*client, dump(json));
   else
@@ -221,7 +221,7 @@ void DocumentDesk::tell(const Json& json, std::optional<ClientId> client) {
 
 // ---- compiling
 
-dsl::CompileOptions DocumentDesk::compile_options() {
+dsl::CompileOptions DocumentRequests::compile_options() {
   dsl::CompileOptions options;
   options.set_parameters = options_.parameters;
   options.seed = options_.seed;
@@ -229,24 +229,24 @@ dsl::CompileOptions DocumentDesk::compile_options() {
   return options;
 }
 
-void DocumentDesk::changed(ClientId by) {
+void DocumentRequests::changed(ClientId by) {
   ++version_;
   by_ = by;
   stale_ = true;
   journal_due_ = true;
 }
 
-void DocumentDesk::compile() {
+void DocumentRequests::compile() {
   const auto start = std::chrono::steady_clock::now();
   take_in(dsl::compile_outlined(history_.text(), file_.path(), compile_options()));
   compile_seconds_ = cli::seconds_since(start);
-  tell(document_json(false));
-  tell(tree_tell());
-  tell(problems_tell());
+  publish(document_json(false));
+  publish(tree_topic());
+  publish(problems_topic());
   if (good_) show();
 }
 
-void DocumentDesk::take_in(dsl::OutlinedScene scene) {
+void DocumentRequests::take_in(dsl::OutlinedScene scene) {
   scene_ = std::move(scene);
   scene_version_ = version_;
   good_ = scene_.result.ok();
@@ -254,7 +254,7 @@ void DocumentDesk::take_in(dsl::OutlinedScene scene) {
   stale_ = false;
 }
 
-void DocumentDesk::show() {
+void DocumentRequests::show() {
   Scene scene;
   scene.model = scene_.result.model;
   scene.origins.version = version_;
@@ -274,22 +274,22 @@ void DocumentDesk::show() {
   take(origins.views, scene.origins.views);
   take(origins.regions, scene.origins.regions);
   take(origins.plots, scene.origins.plots);
-  run_.show(std::move(scene), [this, mail = mail_, version = version_](auto shown) {
+  run_.show(std::move(scene), [this, queue = queue_, version = version_](auto shown) {
     if (shown) return;
-    // Only the document's own thread, which lives as long as it takes letters, looks at `this`.
-    mail->put([this, version, faults = std::move(shown.error())] {
+    // Only the document's own thread, which lives as long as it takes tasks, uses `this`.
+    queue->put([this, version, faults = std::move(shown.error())] {
       if (version != version_) return;
       refused_ = faults;
-      tell(problems_tell());
+      publish(problems_topic());
     });
   });
 }
 
-Json DocumentDesk::document_json(bool compiling) const {
+Json DocumentRequests::document_json(bool compiling) const {
   const auto label = [](const std::optional<std::string>& text) {
     return text ? Json(*text) : Json(nullptr);
   };
-  return {{"tell", "document"},
+  return {{"topic", "document"},
           {"version", version_},
           {"text", history_.text()},
           {"file", file_.name()},
@@ -301,14 +301,14 @@ Json DocumentDesk::document_json(bool compiling) const {
           {"compiling", compiling}};
 }
 
-Json DocumentDesk::tree_tell() const {
-  return {{"tell", "tree"}, {"version", scene_version_}, {"elements", tree_json(scene_.elements)}};
+Json DocumentRequests::tree_topic() const {
+  return {{"topic", "tree"}, {"version", scene_version_}, {"elements", tree_json(scene_.elements)}};
 }
 
-Json DocumentDesk::problems_tell() const {
+Json DocumentRequests::problems_topic() const {
   std::vector<Diagnostic> all = scene_.result.diagnostics;
   all.insert(all.end(), refused_.begin(), refused_.end());
-  return {{"tell", "problems"},
+  return {{"topic", "problems"},
           {"version", scene_version_},
           {"good", good_},
           {"problems", problems_json(all, file_.path())}};
@@ -316,7 +316,7 @@ Json DocumentDesk::problems_tell() const {
 
 // ---- requests about the text
 
-Result<> DocumentDesk::check_version(const Request& request) const {
+Result<> DocumentRequests::check_version(const Request& request) const {
   const auto version = whole_field(request.fields, "version");
   if (!version) return tl::unexpected(version.error());
   if (*version != static_cast<std::int64_t>(version_))
@@ -325,7 +325,7 @@ Result<> DocumentDesk::check_version(const Request& request) const {
   return {};
 }
 
-Answer DocumentDesk::set_text(const Request& request) {
+Answer DocumentRequests::set_text(const Request& request) {
   if (auto good = check_version(request); !good) return tl::unexpected(good.error());
   auto text = text_field(request.fields, "text");
   if (!text) return tl::unexpected(text.error());
@@ -338,14 +338,14 @@ Answer DocumentDesk::set_text(const Request& request) {
   if (text->size() > kMostSceneBytes)
     return fail("a scene's text has at most " + std::to_string(kMostSceneBytes >> 20) + " MB", "",
                 "put large data into mesh files");
-  // Typing of two clients is no one step.
+  // Typing of two clients makes two steps.
   if (!group.empty()) group += "/" + std::to_string(request.client);
   if (history_.change(with_line_ends_of(history_.text(), std::move(*text)), "typing", group))
     changed(request.client);
   return Json{{"version", version_}};
 }
 
-Answer DocumentDesk::edit(const Request& request) {
+Answer DocumentRequests::edit(const Request& request) {
   if (auto good = check_version(request); !good) return tl::unexpected(good.error());
   const auto ops = request.fields.find("ops");
   auto operations = operations_from(ops == request.fields.end() ? Json() : *ops);
@@ -362,21 +362,21 @@ Answer DocumentDesk::edit(const Request& request) {
   return Json{{"version", version_}, {"created", made->created}};
 }
 
-Answer DocumentDesk::undo(const Request& request) {
+Answer DocumentRequests::undo(const Request& request) {
   const auto label = history_.undo();
   if (!label) return fail("there is nothing to undo");
   changed(request.client);
   return Json{{"version", version_}, {"label", *label}};
 }
 
-Answer DocumentDesk::redo(const Request& request) {
+Answer DocumentRequests::redo(const Request& request) {
   const auto label = history_.redo();
   if (!label) return fail("there is nothing to redo");
   changed(request.client);
   return Json{{"version", version_}, {"label", *label}};
 }
 
-Answer DocumentDesk::save(const Request& request) {
+Answer DocumentRequests::save(const Request& request) {
   const auto named = request.fields.find("file");
   std::string backup;
   if (named != request.fields.end() && !named->is_null()) {
@@ -385,39 +385,39 @@ Answer DocumentDesk::save(const Request& request) {
     if (*name != file_.name()) {
       if (auto saved = file_.save_as(*name, history_.text()); !saved)
         return tl::unexpected(saved.error());
-      keep_unsaved();  // of the file of before
+      keep_unsaved();  // of the previous file
       journal_ = Journal(file_.path(), options_.state_folder, kMostSceneBytes);
       offer_found();
-      tell(document_json(stale_));
-      tell(unsaved_tell());
+      publish(document_json(stale_));
+      publish(unsaved_topic());
       return Json{{"file", file_.name()}, {"backup", ""}};
     }
   }
   auto saved = file_.save(history_.text());
   if (!saved) return tl::unexpected(saved.error());
   journal_due_ = true;
-  tell(document_json(stale_));
+  publish(document_json(stale_));
   return Json{{"file", file_.name()}, {"backup", *saved}};
 }
 
-Answer DocumentDesk::revert(const Request& request) {
+Answer DocumentRequests::revert(const Request& request) {
   if (auto read = file_.reread(); !read) return tl::unexpected(read.error());
   journal_due_ = true;
   if (history_.change(*file_.text(), "revert"))
     changed(request.client);
   else
-    tell(document_json(stale_));
+    publish(document_json(stale_));
   return Json{{"version", version_}, {"text", history_.text()}};
 }
 
-const Json& DocumentDesk::vocabulary() {
+const Json& DocumentRequests::vocabulary() {
   if (!schema_) schema_ = Json::parse(dsl::write_schema_json(catalog_.get()));
   return *schema_;
 }
 
-Answer DocumentDesk::schema(const Request&) { return Json{{"schema", vocabulary()}}; }
+Answer DocumentRequests::schema(const Request&) { return Json{{"schema", vocabulary()}}; }
 
-Answer DocumentDesk::complete(const Request& request) {
+Answer DocumentRequests::complete(const Request& request) {
   auto text = text_field(request.fields, "text");
   if (!text) return tl::unexpected(text.error());
   const auto offset = whole_field(request.fields, "offset");
@@ -425,7 +425,7 @@ Answer DocumentDesk::complete(const Request& request) {
   return complete_at(*text, *offset, vocabulary(), scene_.elements);
 }
 
-Answer DocumentDesk::mass(const Request& request) {
+Answer DocumentRequests::mass(const Request& request) {
   const auto elements = ids_field(request.fields, "elements");
   if (!elements) return tl::unexpected(elements.error());
   if (stale_ || !good_)
@@ -435,15 +435,15 @@ Answer DocumentDesk::mass(const Request& request) {
 
 // ---- sources and building
 
-Answer DocumentDesk::sources(const Request&) { return sources_.list(); }
+Answer DocumentRequests::sources(const Request&) { return sources_.list(); }
 
-Answer DocumentDesk::open_source(const Request& request) {
+Answer DocumentRequests::open_source(const Request& request) {
   const auto name = text_field(request.fields, "name");
   if (!name) return tl::unexpected(name.error());
   return sources_.open(*name);
 }
 
-Answer DocumentDesk::save_source(const Request& request) {
+Answer DocumentRequests::save_source(const Request& request) {
   const auto name = text_field(request.fields, "name");
   if (!name) return tl::unexpected(name.error());
   const auto text = text_field(request.fields, "text");
@@ -454,17 +454,17 @@ Answer DocumentDesk::save_source(const Request& request) {
   return sources_.save(*name, *text, version);
 }
 
-void DocumentDesk::build(const Request& request, const Reply& reply) {
+void DocumentRequests::build(const Request& request, const Reply& reply) {
   if (!options_.allow_build)
     return reply(fail("nothing is built from the page", "", "start the studio with --allow-build",
                       "not-allowed"));
-  if (building_) return reply(fail("a build is under way", "", "wait for its end", "busy"));
+  if (building_) return reply(fail("a build is running already", "", "wait for its end", "busy"));
   if (build_thread_.joinable()) build_thread_.join();
   building_ = true;
-  build_thread_ = std::thread([this, mail = mail_, client = request.client, reply] {
+  build_thread_ = std::thread([this, queue = queue_, client = request.client, reply] {
     // The scene can be edited meanwhile; what was built is taken over on the document's own thread.
     auto built = std::make_shared<Result<Builder::Built>>(builder_.build());
-    const bool taken = mail->put([this, built, client, reply] {
+    const bool taken = queue->put([this, built, client, reply] {
       building_ = false;
       reply(use_built(std::move(*built), client));
     });
@@ -472,11 +472,11 @@ void DocumentDesk::build(const Request& request, const Reply& reply) {
   });
 }
 
-Answer DocumentDesk::use_built(Result<Builder::Built> built, ClientId client) {
+Answer DocumentRequests::use_built(Result<Builder::Built> built, ClientId client) {
   if (!built) return tl::unexpected(built.error());
   const Json answer{{"built", built->ok}, {"log", built->log}, {"problems", built->problems}};
   if (!built->ok) return answer;
-  // New libraries come first; those that run keep the old ones mapped until they are let go.
+  // New libraries come first; running controllers keep the old ones mapped until they are replaced.
   std::vector<std::string> folders{built->plugins};
   for (const std::string& folder : loader_->folders())
     if (folder.find(builder_.mark()) == std::string::npos) folders.push_back(folder);
@@ -484,7 +484,7 @@ Answer DocumentDesk::use_built(Result<Builder::Built> built, ClientId client) {
   catalog_ = std::make_unique<dsl::LoaderCatalog>(loader_);
   schema_.reset();
   built_ = true;
-  changed(client);  // what plugins say of themselves may be something else
+  changed(client);  // the plugins' descriptions may have changed
   return answer;
 }
 

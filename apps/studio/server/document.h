@@ -23,18 +23,18 @@ struct DocumentOptions {
 };
 
 /// The part that answers everything in PROTOCOL.md under "The document". Works on a thread of its
-/// own: compiling is never in the way of the network or the run.
+/// own: compiling never delays the network or the run.
 class Document : public Part {
  public:
-  /// Compiles and hands what is good to `show`. Errors: the file is there and cannot be read, or is
+  /// Compiles and passes good scenes to `show`. Errors: the file is there and cannot be read, or is
   /// no UTF-8.
   static Result<std::unique_ptr<Document>> open(DocumentOptions options,
                                                 std::shared_ptr<PluginLoader> loader, Run& run,
                                                 Outbox& outbox);
 
-  /// What the user should know of what was not saved before: a sentence each.
+  /// What the user should know of earlier unsaved changes: a sentence each.
   virtual const std::vector<std::string>& notes() const = 0;
-  /// Nothing is answered any more. Returns what became of what was not saved; "": all was.
+  /// Nothing is answered any more. Returns where unsaved changes are kept; "": all is saved.
   virtual std::string finish() = 0;
 };
 

@@ -70,7 +70,7 @@ Result<std::string> read_text_file(const std::string& path, std::size_t most) {
 }
 
 Result<> write_text_file(const std::string& path, const std::string& text) {
-  // The new file takes the place of what a link points at, not of the link.
+  // The new file replaces the target of a link, not the link.
   std::error_code error;
   fs::path target = path;
   if (fs::is_symlink(fs::symlink_status(target, error))) {
@@ -108,8 +108,8 @@ Result<> write_text_file(const std::string& path, const std::string& text) {
   if (::rename(pattern.c_str(), target.c_str()) != 0) return give_up("it cannot be replaced");
   const std::string folder =
       target.parent_path().empty() ? std::string(".") : target.parent_path().string();
-  const Descriptor place{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-  if (place >= 0) ::fsync(place);
+  const Descriptor opened{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (opened >= 0) ::fsync(opened);
   return {};
 }
 
@@ -159,13 +159,13 @@ Result<std::string> SceneFile::save(const std::string& text) {
   if (there) {
     const auto now = read_text_file(path_, most_bytes_);
     if (!now || !text_ || *now != *text_)
-      return fail("somebody else changed '" + name() + "' since it was read", path_,
-                  "revert to take what is there, or save under another name", "changed");
+      return fail("another program changed '" + name() + "' since it was read", path_,
+                  "revert to load the file, or save under another name", "changed");
   }
   std::string backup;
   if (there && text_) {
     const std::string path = path_ + "~";
-    // Never through a link that somebody laid there.
+    // Never through a link that another user put there.
     if (fs::is_symlink(fs::symlink_status(path, error))) fs::remove(path, error);
     if (auto kept = write_text_file(path, *text_); !kept)
       return fail("no backup could be written: " + kept.error().message, path, kept.error().hint);

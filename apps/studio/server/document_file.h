@@ -1,4 +1,5 @@
-// The scene's file: read once, written whole or not at all, never over somebody else's work.
+// The scene's file: read once, written whole or not at all, never over the changes of another
+// program.
 #pragma once
 
 #include <optional>
@@ -20,7 +21,7 @@ Result<> write_text_file(const std::string& path, const std::string& text);
 /// Whether it is UTF-8 throughout.
 bool is_utf8(const std::string& text);
 
-/// Tells contents apart, keeps nothing secret: 16 hexadecimal digits.
+/// A hash that distinguishes contents, without secrecy: 16 hexadecimal digits.
 std::string version_of(const std::string& text);
 
 /// A bare name ending in `ending`: no folders, no leading dot, no control characters.
@@ -38,9 +39,10 @@ class SceneFile {
   const std::optional<std::string>& text() const { return text_; }
 
   /// Writes it. What was there until now is kept as `FILE~`, replacing an older one: answers its
-  /// name, "" when there was nothing. Errors: somebody else changed the file since; write_text_file's.
+  /// name, "" when there was nothing. Errors: another program changed the file since;
+  /// write_text_file's.
   Result<std::string> save(const std::string& text);
-  /// Goes on under another name in the same folder. Errors: the name is no bare `….scene.xml`, or
+  /// Continues under another name in the same folder. Errors: the name is no bare `….scene.xml`, or
   /// taken by another file.
   Result<> save_as(const std::string& name, const std::string& text);
   /// Reads what is on disk now. Errors: as for open(); it is gone.

@@ -7,7 +7,7 @@
 
 namespace cogrsim::studio {
 
-/// What stands between undo and redo. Steps are kept as what was taken out and put in.
+/// The text with undo and redo. A step is kept as the removed and the inserted text.
 class TextHistory {
  public:
   explicit TextHistory(std::string text = {}, std::size_t most_bytes = 64u << 20)
@@ -15,7 +15,7 @@ class TextHistory {
 
   const std::string& text() const { return text_; }
 
-  /// A new step; what was undone is gone. With the same non-empty group as the step right before,
+  /// A new step; undone steps are gone. With the same non-empty group as the step right before,
   /// both are one. False: nothing changes.
   bool change(std::string text, const std::string& label, const std::string& group = {});
   /// The label of the step; nullopt: there is none.
@@ -38,7 +38,7 @@ class TextHistory {
   std::size_t most_bytes_;  // of all steps; the oldest go first
   std::size_t bytes_ = 0;
   std::deque<Step> done_, undone_;
-  bool in_a_row_ = false;  // the last thing that happened was a change
+  bool in_a_row_ = false;  // the last operation was a change
 };
 
 }  // namespace cogrsim::studio

@@ -1,4 +1,4 @@
-// What document.cpp is made of. One thread does everything in here, but for the mail box.
+// The classes of document.cpp. One thread uses everything here, except the queue.
 #pragma once
 
 #include <condition_variable>
@@ -23,53 +23,53 @@
 
 namespace cogrsim::studio {
 
-/// What a scene begins with: ground to stand on, light to see by.
+/// The text of a new scene: a floor and a light.
 std::string empty_scene(const std::string& file);
 
 constexpr std::size_t kMostSceneBytes = 16u << 20;  ///< of a scene's text, as the compiler's limit
 
-/// Work for the document's thread, by turns of those who ask. Others may hold on to it longer than the
-/// document lives.
-class DocumentMail {
+/// Tasks for the document's thread; the clients take turns. Other threads may keep it longer than
+/// the document lives.
+class DocumentQueue {
  public:
   using Work = std::function<void()>;
-  struct Letter {
+  struct Task {
     std::string what;  ///< the request's name; empty: no request
     Work work;
-    Work give_up = {};  ///< called instead when the client asks the same anew, and only then
+    Work give_up = {};  ///< called instead when the client asks the same again, and only then
   };
   /// `client` 0: the document's own. False: closed, and thrown away.
-  bool put(ClientId client, Role role, Letter letter);
+  bool put(ClientId client, Role role, Task task);
   bool put(Work work) { return put(0, Role::operator_, {"", std::move(work)}); }
   /// A viewer has left.
   void forget(ClientId client);
   /// Waits; nullopt: closed.
-  std::optional<Letter> take();
+  std::optional<Task> take();
   bool next_changes_text() const;  ///< or there is no next: it is closed
   void close();
 
  private:
   mutable std::mutex mutex_;
   std::condition_variable waiting_;
-  Turns<Letter> letters_;
+  Turns<Task> tasks_;
   bool closed_ = false;
 };
 
-class DocumentDesk final : public Document {
+class DocumentRequests final : public Document {
  public:
-  DocumentDesk(DocumentOptions options, SceneFile file, std::shared_ptr<PluginLoader> loader,
+  DocumentRequests(DocumentOptions options, SceneFile file, std::shared_ptr<PluginLoader> loader,
                Run& run, Outbox& outbox);
-  ~DocumentDesk() override;
+  ~DocumentRequests() override;
 
   Access access(std::string_view what) const override;
   void handle(Request request, Reply reply) override;
   void joined(ClientId client, Role role) override;
   const std::vector<std::string>& notes() const override { return notes_; }
   std::string finish() override;
-  void left(ClientId client) override { mail_->forget(client); }
+  void left(ClientId client) override { queue_->forget(client); }
 
  private:
-  using Handler = Answer (DocumentDesk::*)(const Request&);
+  using Handler = Answer (DocumentRequests::*)(const Request&);
   struct Offer {
     std::uint64_t number = 0;  ///< never used twice
     UnsavedText unsaved;
@@ -90,16 +90,16 @@ class DocumentDesk final : public Document {
   void show();
   dsl::CompileOptions compile_options();
   Json document_json(bool compiling) const;
-  Json tree_tell() const;
-  Json problems_tell() const;
-  Json unsaved_tell() const;
+  Json tree_topic() const;
+  Json problems_topic() const;
+  Json unsaved_topic() const;
   bool dirty() const;
   std::string base() const;
-  /// What the journal held is offered from now on.
+  /// The texts of the journal are offered from now on.
   void offer_found();
-  /// The journal is what is not saved now.
+  /// Writes the unsaved texts to the journal.
   void keep_unsaved();
-  void tell(const Json& json, std::optional<ClientId> client = std::nullopt);
+  void publish(const Json& json, std::optional<ClientId> client = std::nullopt);
 
   // Requests.
   Answer set_text(const Request& request);
@@ -127,11 +127,11 @@ class DocumentDesk final : public Document {
   Outbox& outbox_;
   SceneFile file_;
   TextHistory history_;
-  std::vector<Offer> offers_;  ///< texts of before that nobody has decided on, newest first
+  std::vector<Offer> offers_;  ///< earlier texts, neither restored nor discarded yet, newest first
   std::uint64_t last_offer_ = 0;
   Journal journal_;
-  bool journal_due_ = false;  ///< it is not what it should be
-  std::string not_kept_;      ///< why what is not saved is not in the journal either; "": it is
+  bool journal_due_ = false;  ///< it has to be written
+  std::string not_kept_;      ///< why unsaved changes are not in the journal either; "": they are
   std::vector<std::string> notes_;
   std::shared_ptr<PluginLoader> loader_;  ///< of this thread alone
   bool built_ = false;                    ///< the run is to take plugins from loader_'s folders
@@ -148,7 +148,7 @@ class DocumentDesk final : public Document {
   SourceFolder sources_;
   Builder builder_;
 
-  std::shared_ptr<DocumentMail> mail_ = std::make_shared<DocumentMail>();
+  std::shared_ptr<DocumentQueue> queue_ = std::make_shared<DocumentQueue>();
   std::thread thread_, build_thread_;
   bool building_ = false;
 };

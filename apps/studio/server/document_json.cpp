@@ -200,7 +200,7 @@ Json problems_json(const std::vector<Diagnostic>& diagnostics, const std::string
                        {"file", named(note.file)},
                        {"line", note.line},
                        {"column", note.column}});
-    out.push_back({{"severity", d.severity == Severity::error ? "error" : "advice"},
+    out.push_back({{"severity", severity_name(d.severity)},
                    {"code", d.code},
                    {"message", d.message},
                    {"help", d.help},

@@ -1,4 +1,4 @@
-// What was not saved: kept, offered again, restored.
+// Unsaved changes: kept, offered again, restored.
 #include <algorithm>
 #include <ctime>
 
@@ -9,11 +9,11 @@
 
 namespace cogrsim::studio {
 
-bool DocumentDesk::dirty() const { return !file_.text() || *file_.text() != history_.text(); }
+bool DocumentRequests::dirty() const { return !file_.text() || *file_.text() != history_.text(); }
 
-std::string DocumentDesk::base() const { return file_.text() ? version_of(*file_.text()) : ""; }
+std::string DocumentRequests::base() const { return file_.text() ? version_of(*file_.text()) : ""; }
 
-void DocumentDesk::offer_found() {
+void DocumentRequests::offer_found() {
   offers_.clear();
   for (const UnsavedText& one : journal_.found()) {
     const bool known = one.text == history_.text() || (file_.text() && one.text == *file_.text());
@@ -30,10 +30,10 @@ void DocumentDesk::offer_found() {
                   file_.name(), when));
 }
 
-void DocumentDesk::keep_unsaved() {
+void DocumentRequests::keep_unsaved() {
   journal_due_ = false;
   std::vector<UnsavedText> texts;
-  // A scene that is new, and as it was made, is nobody's work.
+  // A new scene without a change holds no work that could be lost.
   const bool untouched = !file_.text() && history_.text() == empty_scene(file_.name());
   if (dirty() && !untouched) texts.push_back({history_.text(), base(), std::time(nullptr)});
   for (const Offer& offer : offers_) texts.push_back(offer.unsaved);
@@ -41,10 +41,10 @@ void DocumentDesk::keep_unsaved() {
   const std::string why = kept ? "" : kept.error().message;
   if (why == not_kept_) return;
   not_kept_ = why;
-  tell(unsaved_tell());
+  publish(unsaved_topic());
 }
 
-Json DocumentDesk::unsaved_tell() const {
+Json DocumentRequests::unsaved_topic() const {
   Json offer;
   if (!offers_.empty()) {
     const Offer& first = offers_.front();
@@ -53,14 +53,14 @@ Json DocumentDesk::unsaved_tell() const {
              {"changed", first.unsaved.base != base()},
              {"more", offers_.size() - 1}};
   }
-  return {{"tell", "unsaved"},
+  return {{"topic", "unsaved"},
           {"version", version_},
           {"offer", std::move(offer)},
           {"not_kept", not_kept_}};
 }
 
-std::string DocumentDesk::finish() {
-  mail_->close();
+std::string DocumentRequests::finish() {
+  queue_->close();
   if (thread_.joinable()) thread_.join();
   if (!not_kept_.empty()) return "what was not saved is lost: " + not_kept_;
   if (journal_.path().empty()) return "";
@@ -70,7 +70,7 @@ std::string DocumentDesk::finish() {
 
 // ---- requests
 
-Result<std::vector<DocumentDesk::Offer>::iterator> DocumentDesk::offer_of(const Request& request) {
+Result<std::vector<DocumentRequests::Offer>::iterator> DocumentRequests::offer_of(const Request& request) {
   const auto number = whole_field(request.fields, "number");
   if (!number) return tl::unexpected(number.error());
   const auto found = std::find_if(offers_.begin(), offers_.end(), [&](const Offer& offer) {
@@ -82,28 +82,28 @@ Result<std::vector<DocumentDesk::Offer>::iterator> DocumentDesk::offer_of(const 
   return found;
 }
 
-Answer DocumentDesk::unsaved(const Request& request) {
+Answer DocumentRequests::unsaved(const Request& request) {
   const auto offer = offer_of(request);
   if (!offer) return tl::unexpected(offer.error());
   return Json{{"text", (*offer)->unsaved.text}};
 }
 
-Answer DocumentDesk::restore(const Request& request) {
+Answer DocumentRequests::restore(const Request& request) {
   const auto offer = offer_of(request);
   if (!offer) return tl::unexpected(offer.error());
   if (history_.change((*offer)->unsaved.text, "restore")) changed(request.client);
   offers_.erase(*offer);
   journal_due_ = true;
-  tell(unsaved_tell());
+  publish(unsaved_topic());
   return Json{{"version", version_}};
 }
 
-Answer DocumentDesk::discard(const Request& request) {
+Answer DocumentRequests::discard(const Request& request) {
   const auto offer = offer_of(request);
   if (!offer) return tl::unexpected(offer.error());
   offers_.erase(*offer);
   journal_due_ = true;
-  tell(unsaved_tell());
+  publish(unsaved_topic());
   return Json::object();
 }
 

@@ -1,22 +1,22 @@
-// Obeying and keeping time.
+// Executes requests, and paces the run.
 #include "engine.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "terminal.h"
+#include "common/terminal.h"
 
 namespace cogrsim::studio {
 
 namespace {
 
-/// A piece of work between two looks at what is asked for.
+/// A piece of work between two checks for requests.
 constexpr auto kPiece = std::chrono::milliseconds(8);
-/// Short sleeps cost more than they bring: steps are done in handfuls.
+/// Short sleeps are inaccurate: several steps are done at a time.
 constexpr auto kNap = std::chrono::milliseconds(2);
-constexpr auto kBetweenTold = std::chrono::milliseconds(50);
-/// A run that cannot keep up does not run after time that is lost.
-constexpr double kMostBehind = 0.1;  // [s] of the wall
+constexpr auto kStatusInterval = std::chrono::milliseconds(50);
+/// A run that cannot keep up does not catch up later.
+constexpr double kMostBehind = 0.1;  // [s] of wall-clock time
 /// A plugin that does not return for so long is not waited for at the end, as in runs from the
 /// command line.
 constexpr double kMostAtEnd = 3.0;  // [s]
@@ -42,17 +42,17 @@ Error to_error(const Refusal& found) {
 }
 
 Engine::Engine(RunOptions options, std::vector<std::string> plugin_folders, History& history,
-               Scenes& scenes, Board& board, std::function<void()> restarted)
+               Scenes& scenes, StatusPublisher& publisher, std::function<void()> restarted)
     : options_(std::move(options)),
       plugin_folders_(std::move(plugin_folders)),
       history_(history),
       scenes_(scenes),
-      board_(board),
+      publisher_(publisher),
       restarted_(std::move(restarted)),
       backend_(options_.backend) {
   if (options_.step > 0.0) dt_ = options_.step;
   thread_ = std::thread([this] { run(); });
-  onlooker_ = std::thread([this] { look_on(); });
+  onlooker_ = std::thread([this] { watch_calls(); });
 }
 
 Engine::~Engine() {
@@ -177,12 +177,12 @@ void Engine::run_piece() {
   }
   collect_messages();
   measure();
-  if (going && Clock::now() - told_ < kBetweenTold) return;
-  told_ = Clock::now();
+  if (going && Clock::now() - status_published_ < kStatusInterval) return;
+  status_published_ = Clock::now();
   publish(!going);
 }
 
-/// By the rule of runs from the command line: over at the step's end that is nearest to it.
+/// As runs from the command line: the run is over at the end of the step nearest to its duration.
 bool Engine::within_duration() const {
   const std::optional<double>& duration = scene_->model->physics.duration;
   return duration && simulation_->time() + 0.5 * simulation_->dt() < *duration;
@@ -196,7 +196,7 @@ bool Engine::step_main() {
     found_status();
     return false;
   }
-  // A supervisor has paused it; to step on is to go on.
+  // A supervisor has paused it; stepping resumes it.
   state_ = State::paused;
   return false;
 }
@@ -215,7 +215,7 @@ bool Engine::step_ghost() {
     if (other.step_count() != before) return true;
     other.send(Resume{});  // the first run alone is paused
   }
-  end("the second run (" + ghost_->labels[1] + ") stands still");
+  end("the second run (" + ghost_->labels[1] + ") does not advance");
   return false;
 }
 
@@ -230,14 +230,14 @@ bool Engine::advance() {
       if (ahead < 1e-6 * tick ? !step_main() : !step_ghost()) return false;
     } while (std::fabs(simulation_->time() - ghost_->simulation->time()) > 1e-6 * tick);
   }
-  take_moment(due_to_be_kept());
+  take_instant(due_to_be_kept());
   return true;
 }
 
-/// After standing still: the newest moment can be sought, and whoever waits is answered.
+/// When the run stops: the newest instant can be sought, and pending requests are answered.
 void Engine::settle() {
   steps_left_ = 0;
-  if (simulation_ && state_ != State::playing && latest_) take_moment(true);
+  if (simulation_ && state_ != State::playing && latest_) take_instant(true);
   if (step_reply_) std::exchange(step_reply_, nullptr)(Json::object());
 }
 
@@ -264,7 +264,7 @@ Answer Engine::pause() {
 }
 
 void Engine::pause(const Reply& reply) {
-  const bool answered = board_.pause_meanwhile();
+  const bool answered = publisher_.pause_meanwhile();
   if (answered) reply(Json::object());
   post([this, reply, answered] {
     Answer answer = pause();
@@ -277,7 +277,7 @@ Answer Engine::stop(bool then_play) {
   settle();
   const std::optional<CompareWish> wish =
       ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
-  if (auto done = begin_anew(*scene_, backend_, dt_, wish); !done) {
+  if (auto done = begin_again(*scene_, backend_, dt_, wish); !done) {
     return tl::unexpected(to_error(done.error()));
   }
   return then_play ? play() : Answer(Json::object());
@@ -316,8 +316,8 @@ Answer Engine::reload(const std::optional<std::string>& controller) {
   if (controller) {
     names.push_back(*controller);
   } else {
-    for (const ControllerModel& mind : simulation_->model()->controllers) {
-      if (!mind.removed) names.push_back(mind.name);
+    for (const ControllerModel& each : simulation_->model()->controllers) {
+      if (!each.removed) names.push_back(each.name);
     }
   }
   if (names.empty()) return fail("the scene has no controllers");
@@ -352,11 +352,11 @@ Answer Engine::set_step(std::optional<double> dt) {
   if (simulation_->step_count() == 0) {
     const auto wish = ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
     const bool playing = state_ == State::playing;
-    if (auto done = begin_anew(*scene_, backend_, dt, wish); !done) {
+    if (auto done = begin_again(*scene_, backend_, dt, wish); !done) {
       return tl::unexpected(to_error(done.error()));
     }
     dt_ = dt;
-    // What was told in between still had the step of before.
+    // The status published in between still had the previous step.
     publish(true);
     return playing ? play() : Answer(Json::object());
   }
@@ -380,9 +380,9 @@ Answer Engine::set_backend(const std::string& name) {
   if (ghost_ || !simulation_ || simulation_->step_count() == 0 || state_ == State::ended) {
     const auto wish = ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
     if (simulation_ && simulation_->step_count() > 0) {
-      notes.push_back(ghost_ ? "the comparison begins anew" : "the run begins anew: it had ended");
+      notes.push_back(ghost_ ? "the comparison restarts" : "the run restarts: it had ended");
     }
-    if (auto done = begin_anew(*scene_, name, dt_, wish); !done) {
+    if (auto done = begin_again(*scene_, name, dt_, wish); !done) {
       return tl::unexpected(to_error(done.error()));
     }
   } else {
@@ -402,7 +402,7 @@ Answer Engine::compare(CompareWish wish) {
   if (!scene_) return fail("there is no scene yet that can be run");
   settle();
   const bool playing = state_ == State::playing;
-  if (auto done = begin_anew(*scene_, backend_, dt_, std::move(wish)); !done) {
+  if (auto done = begin_again(*scene_, backend_, dt_, std::move(wish)); !done) {
     return tl::unexpected(to_error(done.error()));
   }
   return playing ? play() : Answer(Json::object());
@@ -416,7 +416,7 @@ Answer Engine::end_compare() {
     state_ = State::paused;  // the second one alone had ended
     ending_.clear();
   }
-  take_moment(true);
+  take_instant(true);
   publish(true);
   return Json::object();
 }

@@ -19,7 +19,7 @@
 #include "compare_run.h"
 #include "history.h"
 #include "run.h"
-#include "run_board.h"
+#include "run_status.h"
 #include "run_scenes.h"
 
 namespace cogrsim::studio {
@@ -36,14 +36,15 @@ class Engine {
  public:
   /// `restarted`: called when all frames before are gone.
   Engine(RunOptions options, std::vector<std::string> plugin_folders, History& history,
-         Scenes& scenes, Board& board, std::function<void()> restarted);
+         Scenes& scenes, StatusPublisher& publisher, std::function<void()> restarted);
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
   /// To be done on the engine's thread between two steps, in order. From any thread.
   void post(std::function<void()> task);
-  /// The same for what ends the present run: a controller that does not return, and can be ended, is.
+  /// The same for requests that end the present run: a controller that does not return is ended, if
+  /// it can be.
   void post_ending(std::function<void()> task);
   /// Pauses; while a plugin does not return the answer is not waited for. From any thread.
   void pause(const Reply& reply);
@@ -75,10 +76,10 @@ class Engine {
   using Made = tl::expected<std::unique_ptr<Simulation>, Refusal>;
 
   void run();
-  void look_on();
+  void watch_calls();
   bool run_tasks();
   void settle();
-  /// One step, or what leads to the next time both runs have in common. False: the run stands.
+  /// One step, or the steps to the next common time of both runs. False: the run does not advance.
   bool advance();
   bool within_duration() const;
   bool step_main();
@@ -87,12 +88,12 @@ class Engine {
   Clock::duration until_due() const;
   void anchor();
 
-  // engine_scene.cpp: what simulations are made of
+  // engine_scene.cpp: scenes and simulations
   SimulationOptions simulation_options() const;
   Made make(const SceneModelPtr& model, const SimulationOptions& options) const;
-  tl::expected<void, Refusal> begin_anew(const Scene& scene, const std::string& backend,
+  tl::expected<void, Refusal> begin_again(const Scene& scene, const std::string& backend,
                                          std::optional<double> dt, std::optional<CompareWish> wish);
-  /// `new_plugins`: the run goes on with them even where nothing else has changed.
+  /// `new_plugins`: the run continues with them even where nothing else has changed.
   tl::expected<std::vector<std::string>, Refusal> carry_over(const Scene& scene,
                                                              const std::string& backend,
                                                              bool new_plugins = false);
@@ -103,11 +104,11 @@ class Engine {
   Result<std::string> recording_path(const std::optional<std::string>& file) const;
   void end_recording(const std::string& why);
 
-  // engine_watch.cpp: what is kept and told
+  // engine_watch.cpp: what is kept and published
   void on_frame(const FramePtr& frame);
-  void take_moment(bool keep);
+  void take_instant(bool keep);
   bool due_to_be_kept() const;
-  Moment moment();
+  Instant instant();
   void end(const std::string& why);
   void found_status();
   void collect_messages();
@@ -118,10 +119,10 @@ class Engine {
   std::vector<std::string> plugin_folders_;
   History& history_;
   Scenes& scenes_;
-  Board& board_;
+  StatusPublisher& publisher_;
   const std::function<void()> restarted_;
 
-  // What is wished for.
+  // What the requests have set.
   std::optional<Scene> scene_;
   OriginsPtr origins_;
   std::string backend_;
@@ -131,7 +132,7 @@ class Engine {
   std::unique_ptr<Simulation> simulation_;
   std::shared_ptr<const Provenance> provenance_;  ///< of it
   FramePtr latest_;            ///< of the last step
-  SceneModelPtr told_model_;   ///< the one that has a number
+  SceneModelPtr numbered_model_;   ///< the one that has a number
   bool same_lineage_ = false;  ///< the next number is for the same scene
   SimulationOptions created_with_;
   std::uint32_t scene_number_ = 0;
@@ -153,7 +154,7 @@ class Engine {
   double anchor_time_ = 0.0;
   Clock::time_point measured_wall_{};
   double measured_time_ = 0.0, factor_ = 0.0;
-  Clock::time_point published_{}, told_{};
+  Clock::time_point published_{}, status_published_{};
 
   std::mutex mutex_;
   std::condition_variable waiting_;
@@ -161,7 +162,7 @@ class Engine {
   std::atomic<bool> asked_{false};  ///< there are tasks, or it is to end
   bool over_ = false, ended_ = false;
 
-  // Who does not return, as another thread sees it.
+  // The plugin call that does not return, as another thread sees it.
   PluginWatch watch_;
   std::atomic<int> endings_{0};  ///< post_ending()'s that have not begun
   std::condition_variable ending_or_time_;

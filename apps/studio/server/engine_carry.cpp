@@ -48,7 +48,7 @@ class Placing {
   }
 
   /// False: nothing was moved.
-  bool place(WorldState& state) {
+  bool apply(WorldState& state) {
     bool any = false;
     for (std::size_t i = 0; i < now_.bodies.size(); ++i) {
       if (edited(now_.bodies[i])) any = moved_[find(i)] = true;
@@ -93,8 +93,8 @@ class Placing {
     return body;
   }
 
-  /// Not what came during the run: it has no place in the file. What is new in the file stands
-  /// where it should already; its joints tell whether others are concerned.
+  /// Not what was added during the run: it is not in the file. What is new in the file is already
+  /// where it should be; its joints show whether others are concerned.
   bool edited(const Body& body) const {
     if (body.removed) return false;
     const Body* then = in(bodies_before_, body.name);
@@ -124,7 +124,7 @@ class Placing {
 Result<bool> place_edited(Simulation& simulation, const SceneModel& before,
                           const SceneModel& after) {
   WorldState state = simulation.frame()->state;
-  if (!Placing(*simulation.model(), before, after).place(state)) return false;
+  if (!Placing(*simulation.model(), before, after).apply(state)) return false;
   // A step while paused applies commands and nothing else.
   const std::size_t said = simulation.messages().size();
   simulation.send(Pause{});

@@ -1,10 +1,10 @@
-// Recordings of what goes on.
+// Recordings of the run.
 #include <filesystem>
 #include <system_error>
 
 #include "engine.h"
-#include "options.h"
-#include "recording_start.h"
+#include "common/options.h"
+#include "run/recording_start.h"
 
 namespace cogrsim::studio {
 
@@ -20,7 +20,7 @@ bool ends_so(const std::string& name) {
          name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
 }
 
-/// Letters of a name that may stand in a file's name.
+/// Characters that are allowed in a file's name.
 std::string plain(const std::string& name) {
   std::string out;
   for (const char c : name) {
@@ -36,7 +36,7 @@ Result<std::string> Engine::recording_path(const std::optional<std::string>& fil
   const fs::path folder = options_.folder.empty() ? fs::path(".") : fs::path(options_.folder);
   std::error_code ignored;
   if (!file || file->empty()) {
-    // One that is free: nobody has said that an older one may go.
+    // A free name: an older recording is never replaced without being asked for.
     const std::string stem = plain(simulation_->model()->name);
     for (int number = 1;; ++number) {
       const std::string name = stem + (number > 1 ? "-" + std::to_string(number) : "") + kEnding;
@@ -89,9 +89,9 @@ void Engine::end_recording(const std::string& why) {
   const auto done = recorder_->finish(simulation_->status());
   recorder_.reset();
   if (!done) {
-    board_.add_messages({{simulation_->time(), Severity::error, "recording", done.error().text()}});
+    publisher_.add_messages({{simulation_->time(), Severity::error, "recording", done.error().text()}});
   } else if (!why.empty()) {
-    board_.add_messages({{simulation_->time(), Severity::advice, "recording",
+    publisher_.add_messages({{simulation_->time(), Severity::note, "recording",
                           "'" + recording_ + "' is written: " + why}});
   }
   recording_.clear();

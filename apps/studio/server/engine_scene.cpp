@@ -1,4 +1,4 @@
-// What the run is made of: scenes, engines, going on with others.
+// Scenes and engines of the run, and continuing a run with other ones.
 #include <unistd.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ Refusal refusal(const Error& error) {
   return {d};
 }
 
-/// A folder that nobody else can look into, gone with this object.
+/// A folder that only this user can read, removed with this object.
 class PrivateFolder {
  public:
   PrivateFolder() {
@@ -45,7 +45,7 @@ class PrivateFolder {
   fs::path path_;
 };
 
-/// The whole state of a run, to go on from with another scene or engine.
+/// The whole state of a run, from which it continues with another scene or engine.
 Result<SnapshotFile> snapshot_of(const Simulation& simulation) {
   const PrivateFolder folder;
   if (folder.path().empty())
@@ -57,7 +57,7 @@ Result<SnapshotFile> snapshot_of(const Simulation& simulation) {
   return SnapshotFile::read(file);
 }
 
-/// An edit may rename the scene; its state is its own all the same.
+/// An edit may rename the scene; its state is still valid.
 SceneModelPtr renamed(const SceneModelPtr& model, const std::string& name) {
   if (model->name == name) return model;
   auto copy = std::make_shared<SceneModel>(*model);
@@ -66,7 +66,7 @@ SceneModelPtr renamed(const SceneModelPtr& model, const std::string& name) {
 }
 
 bool of_another_scene(const std::string& note) {
-  return note.rfind("the scene is not the one of then", 0) == 0;
+  return note.rfind("the scene is not that of the snapshot", 0) == 0;
 }
 
 }  // namespace
@@ -81,32 +81,32 @@ SimulationOptions Engine::simulation_options() const {
 }
 
 Engine::Made Engine::make(const SceneModelPtr& model, const SimulationOptions& options) const {
-  // Loaders are for one thread, and remember what they have loaded: a plugin that was built anew is
+  // Loaders are for one thread, and remember what they have loaded: a plugin that was rebuilt is
   // found by another one.
   return Simulation::create(model, options, std::make_shared<PluginLoader>(plugin_folders_));
 }
 
 void Engine::adopt(std::unique_ptr<Simulation> simulation) {
-  end_recording("the run goes on as another one");
+  end_recording("the run continues as another one");
   latest_.reset();
   simulation_ = std::move(simulation);
   provenance_ = std::make_shared<const Provenance>(simulation_->provenance());
   messages_seen_ = 0;
   latest_ = simulation_->frame();
-  told_model_.reset();
+  numbered_model_.reset();
   FrameContents contents;
   contents.contacts = true;
   simulation_->observe(contents, [this](const FramePtr& frame) { on_frame(frame); });
 }
 
 void Engine::forget_past() {
-  board_.discard(history_.clear());
-  board_.clear_events();
+  publisher_.discard(history_.clear());
+  publisher_.clear_events();
   last_kept_.reset();
   restarted_();
 }
 
-tl::expected<void, Refusal> Engine::begin_anew(const Scene& scene, const std::string& backend,
+tl::expected<void, Refusal> Engine::begin_again(const Scene& scene, const std::string& backend,
                                                std::optional<double> dt,
                                                std::optional<CompareWish> wish) {
   SimulationOptions options = simulation_options();
@@ -143,7 +143,7 @@ tl::expected<void, Refusal> Engine::begin_anew(const Scene& scene, const std::st
   end_reason_.clear();
   factor_ = 0.0;
   forget_past();
-  take_moment(true);
+  take_instant(true);
   scenes_.forget();
   collect_messages();
   publish(true);
@@ -163,18 +163,18 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
   if (!resumed) return tl::unexpected(resumed.error());
   bool same_scene = resumed->same_scene;
   if (!same_scene && options.step != created_with_.step && options.backend == backend_) {
-    // A step that was changed on the way makes it look like another scene.
+    // A step that was changed during the run makes it look like another scene.
     const auto as_then = resume(*snapshot, model, created_with_, loader());
     same_scene =
         as_then && as_then->same_scene && scene.model->physics.step == scene_->model->physics.step;
   }
   if (same_scene && !new_plugins) {
-    // Comments, places in the file: nothing the run could notice, so it does not.
+    // Comments or source positions: nothing that the run depends on, so it is not restarted.
     origins_ = std::make_shared<const Origins>(scene.origins);
     scene_ = scene;
-    told_model_.reset();
+    numbered_model_.reset();
     same_lineage_ = true;
-    take_moment(true);
+    take_instant(true);
     publish(true);
     return std::vector<std::string>();
   }
@@ -184,7 +184,8 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
     notes.push_back("what was edited is not where it should be: " + placed.error().message);
   }
   if (!recording_.empty()) {
-    notes.push_back("the recording '" + recording_ + "' ends here: the run goes on as another one");
+    notes.push_back("the recording '" + recording_ +
+                    "' ends here: the run continues as another one");
   }
   if (scene_->model->physics.duration != scene.model->physics.duration) ending_.clear();
   if (!(scene_->model == scene.model)) {
@@ -194,7 +195,7 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
   created_with_ = options;
   adopt(std::move(resumed->simulation));
   anchor();
-  take_moment(true);
+  take_instant(true);
   collect_messages();
   publish(true);
   return notes;
@@ -211,11 +212,11 @@ tl::expected<std::vector<std::string>, Refusal> Engine::show(Scene scene) {
   }
   std::vector<std::string> notes;
   if (begun) {
-    notes.push_back(ghost_ ? "the comparison begins anew"
-                           : "the run begins anew: it had ended (" + ending_ + ")");
+    notes.push_back(ghost_ ? "the comparison restarts"
+                           : "the run restarts: it had ended (" + ending_ + ")");
   }
   const auto wish = ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
-  if (auto done = begin_anew(scene, backend_, dt_, wish); !done) {
+  if (auto done = begin_again(scene, backend_, dt_, wish); !done) {
     return tl::unexpected(done.error());
   }
   if (playing) {

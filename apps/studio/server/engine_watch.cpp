@@ -1,4 +1,4 @@
-// What is kept of a run, and what is told.
+// What is kept of a run, and what is published.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace cogrsim::studio {
 
 namespace {
 
-/// Of scenes with no more bodies than this every step is kept; of others as many as one can see.
+/// Of scenes with no more bodies than this, every step is kept; of others the rate of a display.
 constexpr std::size_t kSmallScene = 64;
 constexpr double kBetweenKept = 0.01;  // [s]
 constexpr auto kBetweenPublished = std::chrono::microseconds(15'000);
@@ -18,7 +18,7 @@ constexpr auto kBetweenPublished = std::chrono::microseconds(15'000);
 constexpr double kLong = 0.5;  // [s]
 constexpr auto kBetweenLooks = std::chrono::milliseconds(200);
 
-/// Frames are kept by the thousand: pictures are made anew from them when somebody looks.
+/// Thousands of frames are kept: pictures are rendered again from them when a client asks.
 FramePtr without_pictures(const FramePtr& frame) {
   const auto has = [](const Reading& reading) { return reading.picture != nullptr; };
   if (std::none_of(frame->readings.begin(), frame->readings.end(), has)) return frame;
@@ -36,8 +36,8 @@ std::string described(const PluginWatch::Call& call) {
   return out;
 }
 
-void Engine::look_on() {
-  bool told = false, over = false;
+void Engine::watch_calls() {
+  bool reported = false, over = false;
   while (true) {
     {
       std::unique_lock lock(mutex_);
@@ -47,8 +47,8 @@ void Engine::look_on() {
     auto call = watch_.call();
     if (call && call->lasts < kLong) call.reset();
     if (call && (over || endings_ > 0)) watch_.give_up();
-    if (call || told) board_.set_waiting(call);
-    told = call.has_value();
+    if (call || reported) publisher_.set_waiting(call);
+    reported = call.has_value();
   }
 }
 
@@ -66,34 +66,34 @@ Answer Engine::end_controller() {
 void Engine::on_frame(const FramePtr& frame) {
   // The frame at the start is shown once more with the first step.
   const bool again = latest_ && latest_->step == frame->step;
-  if (latest_ && frame->step < latest_->step) forget_past();  // a supervisor has begun anew
+  if (latest_ && frame->step < latest_->step) forget_past();  // a supervisor has restarted the run
   latest_ = frame;
   if (again) return;
   for (const Event& event : frame->events) {
     if (event.kind == "ended") end_reason_ = event.message;
-    board_.add_event(event);
+    publisher_.add_event(event);
   }
 }
 
 bool Engine::due_to_be_kept() const {
   if (steps_left_ > 0 || !last_kept_ || latest_->model->bodies.size() <= kSmallScene) return true;
-  // Half a step of slack, so that rounding does not make it every other time.
+  // Half a step of slack, so that rounding does not halve the rate.
   return latest_->time - *last_kept_ >= kBetweenKept - 0.5 * simulation_->dt();
 }
 
-Moment Engine::moment() {
-  Moment out;
+Instant Engine::instant() {
+  Instant out;
   out.frame = without_pictures(latest_);
   if (ghost_) {
     const FramePtr other = without_pictures(ghost_->simulation->frame());
     // Where one of them ended it may be a step ahead.
     if (std::fabs(other->time - latest_->time) < 0.5 * simulation_->dt()) out.ghost = other;
   }
-  if (latest_->model != told_model_) {
-    const bool same_lineage = told_model_ != nullptr || same_lineage_;
-    told_model_ = latest_->model;
+  if (latest_->model != numbered_model_) {
+    const bool same_lineage = numbered_model_ != nullptr || same_lineage_;
+    numbered_model_ = latest_->model;
     same_lineage_ = false;
-    scene_number_ = scenes_.add(told_model_, origins_, same_lineage,
+    scene_number_ = scenes_.add(numbered_model_, origins_, same_lineage,
                                 [this](int sensor) -> const std::vector<Channel>& {
                                   return simulation_->channels(sensor);
                                 });
@@ -102,32 +102,32 @@ Moment Engine::moment() {
   return out;
 }
 
-void Engine::take_moment(bool keep) {
+void Engine::take_instant(bool keep) {
   history_.paths().take(*latest_);
   const bool publish_due = Clock::now() - published_ >= kBetweenPublished;
-  if (!keep && !publish_due && !ghost_ && latest_->model == told_model_) return;
-  Moment now = moment();
+  if (!keep && !publish_due && !ghost_ && latest_->model == numbered_model_) return;
+  Instant now = instant();
   if (now.ghost && !ghost_->first_over) {
-    if (const auto found = ghost_->parting.look(*now.frame, *now.ghost)) {
+    if (const auto found = ghost_->divergence.look(*now.frame, *now.ghost)) {
       ghost_->first_over = found->time;
       Event event;
       event.time = found->time;
-      event.kind = "parted";
+      event.kind = "diverged";
       event.source = found->body;
       event.message =
-          fmt::format("{} and {} are {:.3g} cm and {:.3g} degrees apart", ghost_->labels[0],
+          fmt::format("{} and {} have diverged by {:.3g} cm and {:.3g} degrees", ghost_->labels[0],
                       ghost_->labels[1], 100.0 * found->distance, found->angle * 180.0 / M_PI);
-      board_.add_event(std::move(event));
+      publisher_.add_event(std::move(event));
       keep = true;
     }
   }
   if (keep) {
     last_kept_ = now.time();
-    board_.discard(history_.add(now));
+    publisher_.discard(history_.add(now));
   }
   if (keep && !publish_due && state_ == State::playing) return;
   published_ = Clock::now();
-  board_.set_newest(std::move(now));
+  publisher_.set_newest(std::move(now));
 }
 
 void Engine::end(const std::string& why) {
@@ -158,14 +158,14 @@ void Engine::found_status() {
       end(to_string(status));
       break;
   }
-  // The step in which it ended was seen; of one that failed there is nothing to see.
-  if (latest_) take_moment(true);
+  // The step in which it ended was observed; a failed step has no frame.
+  if (latest_) take_instant(true);
 }
 
 void Engine::collect_messages() {
   const std::vector<RunMessage>& all = simulation_->messages();
   if (messages_seen_ >= all.size()) return;
-  board_.add_messages({all.begin() + static_cast<std::ptrdiff_t>(messages_seen_), all.end()});
+  publisher_.add_messages({all.begin() + static_cast<std::ptrdiff_t>(messages_seen_), all.end()});
   messages_seen_ = all.size();
 }
 
@@ -216,7 +216,7 @@ void Engine::publish(bool urgent) {
     s.state_hash = fmt::format("{:016x}", state_hash(latest_->state));
   }
   if (ghost_) s.compare = {ghost_->labels, ghost_->first_over};
-  board_.set_situation(std::move(s), urgent);
+  publisher_.set_situation(std::move(s), urgent);
 }
 
 }  // namespace cogrsim::studio

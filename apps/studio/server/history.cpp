@@ -6,15 +6,15 @@ namespace cogrsim::studio {
 
 namespace {
 
-/// So many frames stay whatever they take: less would be no history.
+/// At least so many frames stay, whatever memory they take.
 constexpr std::size_t kFewest = 16;
 
-std::size_t bytes_of(const Moment& moment) {
-  return sizeof(Moment) + studio::bytes_of(*moment.frame) +
-         (moment.ghost ? studio::bytes_of(*moment.ghost) : 0);
+std::size_t bytes_of(const Instant& instant) {
+  return sizeof(Instant) + studio::bytes_of(*instant.frame) +
+         (instant.ghost ? studio::bytes_of(*instant.ghost) : 0);
 }
 
-bool earlier(double time, const Moment& moment) { return time < moment.time(); }
+bool earlier(double time, const Instant& instant) { return time < instant.time(); }
 
 }  // namespace
 
@@ -36,46 +36,46 @@ std::size_t bytes_of(const Frame& frame) {
   return bytes;
 }
 
-std::vector<Moment> History::add(Moment moment) {
-  std::vector<Moment> gone;
-  const std::size_t bytes = bytes_of(moment);
+std::vector<Instant> History::add(Instant instant) {
+  std::vector<Instant> gone;
+  const std::size_t bytes = bytes_of(instant);
   std::lock_guard lock(mutex_);
-  // Time goes up; what is not later than what there is takes its place.
-  while (!moments_.empty() && moments_.back().time() >= moment.time()) {
-    bytes_ -= bytes_of(moments_.back());
-    gone.push_back(std::move(moments_.back()));
-    moments_.pop_back();
+  // Times increase; an instant that is not later than existing ones replaces them.
+  while (!instants_.empty() && instants_.back().time() >= instant.time()) {
+    bytes_ -= bytes_of(instants_.back());
+    gone.push_back(std::move(instants_.back()));
+    instants_.pop_back();
   }
-  moments_.push_back(std::move(moment));
+  instants_.push_back(std::move(instant));
   bytes_ += bytes;
-  if (bytes_ > limit_ && moments_.size() > kFewest) {
-    for (Moment& thinned : thin()) gone.push_back(std::move(thinned));
+  if (bytes_ > limit_ && instants_.size() > kFewest) {
+    for (Instant& thinned : thin()) gone.push_back(std::move(thinned));
   }
   return gone;
 }
 
-std::vector<Moment> History::thin() {
-  std::vector<Moment> gone;
-  const std::size_t half = moments_.size() / 2;
+std::vector<Instant> History::thin() {
+  std::vector<Instant> gone;
+  const std::size_t half = instants_.size() / 2;
   std::size_t kept = 1;
-  for (std::size_t i = 1; i < moments_.size(); ++i) {
+  for (std::size_t i = 1; i < instants_.size(); ++i) {
     if (i < half && i % 2 == 1) {
-      bytes_ -= bytes_of(moments_[i]);
-      gone.push_back(std::move(moments_[i]));
+      bytes_ -= bytes_of(instants_[i]);
+      gone.push_back(std::move(instants_[i]));
     } else {
-      if (kept != i) moments_[kept] = std::move(moments_[i]);
+      if (kept != i) instants_[kept] = std::move(instants_[i]);
       ++kept;
     }
   }
-  moments_.resize(kept);
+  instants_.resize(kept);
   return gone;
 }
 
-std::vector<Moment> History::clear() {
+std::vector<Instant> History::clear() {
   paths().clear();
-  std::vector<Moment> gone;
+  std::vector<Instant> gone;
   std::lock_guard lock(mutex_);
-  gone.swap(moments_);
+  gone.swap(instants_);
   bytes_ = 0;
   ++epoch_;
   return gone;
@@ -83,29 +83,29 @@ std::vector<Moment> History::clear() {
 
 Frames::Extent History::extent() const {
   std::lock_guard lock(mutex_);
-  if (moments_.empty()) return {};
-  return {moments_.front().time(), moments_.back().time(), moments_.size()};
+  if (instants_.empty()) return {};
+  return {instants_.front().time(), instants_.back().time(), instants_.size()};
 }
 
-Moment History::at(double time) {
+Instant History::at(double time) {
   std::lock_guard lock(mutex_);
-  if (moments_.empty()) return {};
-  const auto next = std::upper_bound(moments_.begin(), moments_.end(), time, earlier);
-  return next == moments_.begin() ? moments_.front() : *std::prev(next);
+  if (instants_.empty()) return {};
+  const auto next = std::upper_bound(instants_.begin(), instants_.end(), time, earlier);
+  return next == instants_.begin() ? instants_.front() : *std::prev(next);
 }
 
-Moment History::before(double time) {
+Instant History::before(double time) {
   std::lock_guard lock(mutex_);
-  const auto next = std::lower_bound(moments_.begin(), moments_.end(), time,
-                                     [](const Moment& m, double t) { return m.time() < t; });
-  return next == moments_.begin() ? Moment() : *std::prev(next);
+  const auto next = std::lower_bound(instants_.begin(), instants_.end(), time,
+                                     [](const Instant& m, double t) { return m.time() < t; });
+  return next == instants_.begin() ? Instant() : *std::prev(next);
 }
 
-std::vector<Moment> History::after(double time, std::size_t most) {
+std::vector<Instant> History::after(double time, std::size_t most) {
   std::lock_guard lock(mutex_);
-  const auto first = std::upper_bound(moments_.begin(), moments_.end(), time, earlier);
+  const auto first = std::upper_bound(instants_.begin(), instants_.end(), time, earlier);
   const auto count =
-      std::min<std::ptrdiff_t>(moments_.end() - first, static_cast<std::ptrdiff_t>(most));
+      std::min<std::ptrdiff_t>(instants_.end() - first, static_cast<std::ptrdiff_t>(most));
   return {first, first + count};
 }
 

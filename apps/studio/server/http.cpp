@@ -85,11 +85,11 @@ bool any_part(std::string_view list, char separator, const Visit& visit) {
 }
 
 bool accepts_gzip(std::string_view accepted) {
-  return any_part(accepted, ',', [](std::string_view word) {
-    const auto weight = word.find(';');
-    if (!same_word(trimmed(word.substr(0, weight)), "gzip")) return false;
+  return any_part(accepted, ',', [](std::string_view item) {
+    const auto weight = item.find(';');
+    if (!same_word(trimmed(item.substr(0, weight)), "gzip")) return false;
     if (weight == std::string_view::npos) return true;
-    const std::string_view q = trimmed(word.substr(weight + 1));
+    const std::string_view q = trimmed(item.substr(weight + 1));
     // "q=0", "q=0.000": not wanted.
     return !(q.substr(0, 3) == "q=0" && q.find_first_of("123456789") == std::string_view::npos);
   });
@@ -113,7 +113,7 @@ const char* picture_type(const std::string& bytes) {
   return "application/octet-stream";
 }
 
-// A regular file and its tag; a pipe or a device would keep everybody waiting.
+// A regular file and its tag; a pipe or a device would block the server.
 struct FileContent {
   std::string bytes, etag;
 };
@@ -176,7 +176,7 @@ HttpAnswer refusal(int status, std::string text) {
 Gate::Gate(Secrets secrets, unsigned short port, std::function<std::string(std::size_t)> asset)
     : secrets_(std::move(secrets)), port_(std::to_string(port)), asset_(std::move(asset)) {}
 
-// A name that somebody else's server of names gives out may lead here (DNS rebinding): only addresses
+// A name that an attacker's DNS server gives out may lead here (DNS rebinding): only addresses
 // that are this machine's, and the name that never leaves it, are answered.
 bool Gate::known_host(std::string_view host, std::string_view local_address) const {
   std::string_view name = host, port = "80";
@@ -194,17 +194,17 @@ std::optional<Role> Gate::role_of(const std::vector<std::string_view>& protocols
   bool ours = false;
   std::optional<Role> role;
   for (const std::string_view header : protocols) {
-    any_part(header, ',', [&](std::string_view word) {
-      ours = ours || word == kSubprotocol;
-      if (same_token(word, secrets_.operator_token)) role = Role::operator_;
-      if (same_token(word, secrets_.viewer_token)) role = Role::viewer;
+    any_part(header, ',', [&](std::string_view item) {
+      ours = ours || item == kSubprotocol;
+      if (same_token(item, secrets_.operator_token)) role = Role::operator_;
+      if (same_token(item, secrets_.viewer_token)) role = Role::viewer;
       return false;
     });
   }
   return ours ? role : std::nullopt;
 }
 
-// For a browser whose command line other users may read: what stands there is worth nothing afterwards.
+// For a browser whose command line other users may read: the token in it is valid once only.
 HttpAnswer Gate::launch(std::string_view token, bool head) {
   if (head || !same_token(token, secrets_.launch_token)) {
     return refusal(
@@ -237,7 +237,7 @@ HttpAnswer Gate::page(std::string_view path, const HttpRequest& request) {
     answer.headers.emplace_back("Content-Encoding", "gzip");
     answer.lasting = file->gzip;
   } else {
-    // Anybody may ask for it again and again.
+    // Clients may request a file again and again: it is inflated once.
     std::string& plain = inflated_[file->path];
     if (plain.empty()) plain = inflated(*file);
     answer.lasting = plain;
@@ -248,7 +248,7 @@ HttpAnswer Gate::page(std::string_view path, const HttpRequest& request) {
 HttpAnswer Gate::asset(std::string_view path, const HttpRequest& request) const {
   const auto slash = path.find('/');
   if (slash == std::string_view::npos || !same_token(path.substr(0, slash), secrets_.asset_token)) {
-    return refusal(403, "This address of a texture is none that the page was told.");
+    return refusal(403, "This address of a texture is none that the server has given to a page.");
   }
   const std::string_view number = path.substr(slash + 1);
   std::size_t index = 0;

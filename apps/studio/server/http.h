@@ -1,4 +1,4 @@
-// Who may come in by HTTP, and what they are given: rules alone, no network.
+// Which HTTP requests are accepted, and how they are answered: rules alone, no network.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace cogrsim::studio {
 
-/// What of a request's head counts here. Empty: not there.
+/// The parts of a request's head that are used here. Empty: not there.
 struct HttpRequest {
   std::string_view method, target, host, origin, accept_encoding, if_none_match;
   std::vector<std::string_view> protocols;  ///< the values of all Sec-WebSocket-Protocol headers
@@ -26,28 +26,28 @@ struct HttpAnswer {
   int status = 200;
   std::vector<std::pair<std::string, std::string>> headers;
   std::string body;
-  std::string_view lasting;  ///< in the place of `body`: bytes that live as long as the gate
-  bool with_body = true;     ///< false: its length alone is told (HEAD)
+  std::string_view lasting;  ///< instead of `body`: bytes that live as long as the gate
+  bool with_body = true;     ///< false: only its length is sent (HEAD)
 
   /// Status line and headers as they go over the wire, with those that every answer has.
   std::string head(bool keep_alive) const;
-  /// What follows them.
+  /// The body.
   std::string_view content() const;
 };
 
 /// A plain text with the reason of a refusal.
 HttpAnswer refusal(int status, std::string text);
 
-/// What a page's WebSocket asks for, beside its token: see Gate.
+/// The subprotocol that a page's WebSocket requests, beside its token: see Gate.
 constexpr std::string_view kSubprotocol = "cogrsim-studio";
 
-/// Refused by what it says, in this order: its Host, its Origin, its method, its address, its secret.
+/// Checks requests, in this order: Host, Origin, method, address, secret.
 ///
 /// The page itself is no secret. Its token comes in the printed address behind the '#', which browsers
-/// send to nobody, and is shown in the opening of the WebSocket: Sec-WebSocket-Protocol has
-/// kSubprotocol and the token. There are no cookies: they do not tell ports apart, so that every server
-/// at the same address would be sent them. Textures have the secret in their addresses, which the page
-/// is told over the WebSocket, as images can be asked for in no other way.
+/// never send, and is shown in the opening of the WebSocket: Sec-WebSocket-Protocol has
+/// kSubprotocol and the token. There are no cookies: they do not distinguish ports, so that every
+/// server at the same address would be sent them. Textures have the secret in their addresses,
+/// which the page receives over the WebSocket, as images can be requested in no other way.
 class Gate {
  public:
   struct Secrets {

@@ -24,10 +24,10 @@ using Json = nlohmann::json;
 
 namespace {
 
-constexpr std::size_t kMostHead = 4096;  // of the line that says what follows [byte]
+constexpr std::size_t kMostHead = 4096;  // of the first line [byte]
 
 // The first line is {"cogrsim-journal": 1, "texts": [{"base", "bytes", "time"}, …]}; the texts follow as
-// they are, so that one can be taken out by hand.
+// they are, so that a user can extract one by hand.
 std::string written(const std::vector<UnsavedText>& texts) {
   Json list = Json::array();
   std::string all;
@@ -128,80 +128,82 @@ Journal::Journal(const std::string& scene_path, const std::string& state_folder,
   std::error_code error;
   const fs::path scene = fs::absolute(scene_path, error).lexically_normal();
   const std::string name = "." + scene.filename().string() + ".journal";
-  places_.push_back({(scene.parent_path() / name).string(), Descriptor()});
+  locations_.push_back({(scene.parent_path() / name).string(), Descriptor()});
   if (!state_folder.empty()) {
-    // One name for each scene there is.
+    // A name of its own for each scene.
     const fs::path folder = fs::path(state_folder) / "cogrsim/studio/unsaved";
-    places_.push_back(
+    locations_.push_back(
         {(folder / ("." + version_of(scene.string()) + name)).string(), Descriptor()});
   }
-  for (Place& place : places_) take(place);
+  for (Location& location : locations_) take(location);
   std::stable_sort(found_.begin(), found_.end(),
                    [](const UnsavedText& a, const UnsavedText& b) { return a.time > b.time; });
 }
 
-void Journal::take(Place& place) {
-  remove_remains(place.path);
+void Journal::take(Location& location) {
+  remove_remains(location.path);
   const auto complain = [&](const std::string& why) {
-    complaints_.push_back("what was not saved may be in '" + place.path +
+    complaints_.push_back("what was not saved may be in '" + location.path +
                           "', which cannot be read: " + why);
   };
   struct stat about {};
-  if (::lstat(place.path.c_str(), &about) != 0) return;
+  if (::lstat(location.path.c_str(), &about) != 0) return;
   if (!S_ISREG(about.st_mode)) return complain("it is no regular file");
-  Descriptor file(::open(place.path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  Descriptor file(::open(location.path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   if (file < 0) return complain(std::strerror(errno));
   if (::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return;
-  if (!is_at(file, place.path)) return;  // its studio has just written another
+  if (!is_at(file, location.path)) return;  // its studio has just written another
   const auto bytes = content(file, kMostBytes + kMostHead);
   if (!bytes) return complain(bytes.error().message);
   auto texts = texts_in(*bytes, most_bytes_);
   if (!texts) return complain(texts.error().message);
-  place.held = std::move(file);
-  if (path_.empty()) path_ = place.path;
+  location.held = std::move(file);
+  if (path_.empty()) path_ = location.path;
   for (UnsavedText& text : *texts) found_.push_back(std::move(text));
 }
 
-bool Journal::is_free(const Place& place) {
+bool Journal::is_free(const Location& location) {
   struct stat about {};
-  return is_at(place.held, place.path) ||
-         (::lstat(place.path.c_str(), &about) != 0 && errno == ENOENT);
+  return is_at(location.held, location.path) ||
+         (::lstat(location.path.c_str(), &about) != 0 && errno == ENOENT);
 }
 
-Result<> Journal::write(Place& place, const std::string& bytes) {
-  if (!is_free(place)) return fail("'" + place.path + "' is another studio's, or something else");
-  if (auto done = write_output_file(place.path, OutputKind::journal, bytes); !done) return done;
-  place.held =
-      Descriptor(::open(place.path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+Result<> Journal::write(Location& location, const std::string& bytes) {
+  if (!is_free(location)) {
+    return fail("'" + location.path + "' is another studio's, or something else");
+  }
+  if (auto done = write_output_file(location.path, OutputKind::journal, bytes); !done) return done;
+  location.held =
+      Descriptor(::open(location.path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   // Where locks are not offered, two studios of one scene do not see each other.
-  if (place.held >= 0) ::flock(place.held, LOCK_EX | LOCK_NB);
+  if (location.held >= 0) ::flock(location.held, LOCK_EX | LOCK_NB);
   return {};
 }
 
 Result<> Journal::keep(const std::vector<UnsavedText>& texts) {
   Result<> kept;
-  const Place* into = nullptr;
+  const Location* into = nullptr;
   if (!texts.empty()) {
     const std::string bytes = written(texts);
     std::string why;
-    for (Place& place : places_) {
-      if (&place != &places_.front()) {
+    for (Location& location : locations_) {
+      if (&location != &locations_.front()) {
         std::error_code error;
-        fs::create_directories(fs::path(place.path).parent_path(), error);
+        fs::create_directories(fs::path(location.path).parent_path(), error);
       }
-      if (auto done = write(place, bytes)) {
-        into = &place;
+      if (auto done = write(location, bytes)) {
+        into = &location;
         break;
       } else {
         why += (why.empty() ? "" : "; ") + done.error().message;
       }
     }
-    if (!into) return fail(why, "", "save under another name where there is room");
+    if (!into) return fail(why, "", "save under another name where there is space");
   }
-  for (Place& place : places_) {
-    if (&place == into) continue;
-    if (is_at(place.held, place.path)) ::unlink(place.path.c_str());
-    place.held = Descriptor();
+  for (Location& location : locations_) {
+    if (&location == into) continue;
+    if (is_at(location.held, location.path)) ::unlink(location.path.c_str());
+    location.held = Descriptor();
   }
   path_ = into ? into->path : "";
   return {};

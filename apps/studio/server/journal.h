@@ -1,4 +1,4 @@
-// What was not saved, on disk: whatever ends the studio, the next one has it.
+// Unsaved changes on disk: whatever ends the studio, the next one has them.
 #pragma once
 
 #include <cstdint>
@@ -44,17 +44,17 @@ class Journal {
   const std::string& path() const { return path_; }
 
  private:
-  struct Place {
+  struct Location {
     std::string path;
     Descriptor held;  ///< locked for other studios
   };
 
-  void take(Place& place);
-  static bool is_free(const Place& place);
-  static Result<> write(Place& place, const std::string& bytes);
+  void take(Location& location);
+  static bool is_free(const Location& location);
+  static Result<> write(Location& location, const std::string& bytes);
 
   std::size_t most_bytes_;
-  std::vector<Place> places_;
+  std::vector<Location> locations_;
   std::vector<UnsavedText> found_;
   std::vector<std::string> complaints_;
   std::string path_;

@@ -31,7 +31,7 @@ tl::unexpected<Error> failed(const std::string& what, const std::string& where) 
   return fail(what + ": " + std::strerror(errno), where);
 }
 
-/// A folder in another one, made if it is not there, that is nobody else's to look into.
+/// A folder in another one, made if it is not there, that only this user can read.
 Result<Descriptor> private_folder(int parent, const char* name, const std::string& path) {
   if (::mkdirat(parent, name, 0700) != 0 && errno != EEXIST) {
     return failed("the folder cannot be made", path);
@@ -39,7 +39,7 @@ Result<Descriptor> private_folder(int parent, const char* name, const std::strin
   Descriptor folder(::openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (folder < 0) return failed("this is no folder that can be opened", path);
   struct stat about {};
-  if (::fstat(folder, &about) != 0) return failed("the folder cannot be looked at", path);
+  if (::fstat(folder, &about) != 0) return failed("the folder cannot be read", path);
   if (about.st_uid != ::geteuid()) return fail("the folder is another user's", path);
   if ((about.st_mode & 077) != 0 && ::fchmod(folder, 0700) != 0) {
     return failed("the folder is open to others", path);
@@ -58,7 +58,7 @@ Result<Descriptor> tokens_folder(const std::string& base) {
   return private_folder(*ours, "studio", base + "/cogrsim/studio");
 }
 
-/// Nothing: there is no file, or none to be believed.
+/// nullopt: there is no file, or none that is trusted.
 std::optional<KeptTokens> read_tokens(int folder, const std::string& name, bool of_any_age) {
   const Descriptor file(
       ::openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
@@ -128,7 +128,7 @@ Result<KeptTokens> kept_tokens(const std::string& base, const std::string& name)
 void keep_tokens(const std::string& base, const std::string& name) noexcept {
   try {
     const auto folder = tokens_folder(base);
-    // A file that is gone, or no longer fit to be read, is not made good by this.
+    // A file that is gone or no longer trusted is not restored by this.
     if (folder && read_tokens(*folder, name, true)) {
       ::utimensat(*folder, name.c_str(), nullptr, AT_SYMLINK_NOFOLLOW);
     }
@@ -141,7 +141,7 @@ Result<> forget_tokens(const std::string& base, const std::string& name) {
   const auto folder = tokens_folder(base);
   if (!folder) return tl::unexpected(folder.error());
   if (::unlinkat(*folder, name.c_str(), 0) != 0 && errno != ENOENT) {
-    return failed("the tokens of before cannot be removed", base + "/cogrsim/studio/" + name);
+    return failed("the previous tokens cannot be removed", base + "/cogrsim/studio/" + name);
   }
   return {};
 }

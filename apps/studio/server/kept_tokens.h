@@ -1,4 +1,4 @@
-// Tokens that outlive the program, so that pages find the studio again when it is started anew.
+// Tokens that outlive the program, so that pages find the studio again after a restart.
 #pragma once
 
 #include <string>
@@ -17,15 +17,15 @@ std::string kept_tokens_base();
 
 /// The tokens of a server at `name` ("127.0.0.1_8642"), from `base`/cogrsim/studio: those that
 /// keep_tokens() or this function left there in the last 24 hours, else new ones, which are left
-/// there. To be called by whoever holds the port: that keeps others away from the file.
+/// there. To be called by the process that holds the port: that keeps others away from the file.
 ///
 /// The folders are made with mode 0700 and the file with 0600. A file is believed only if it is this
-/// user's, nobody else may read or write it, and it is a plain file under one name; any other, and one
-/// with another content, is replaced. Errors: a folder is another user's, leads elsewhere or cannot be
-/// written to.
+/// user's, no one else may read or write it, and it is a plain file under one name; any other, and
+/// one with another content, is replaced. Errors: a folder is another user's, leads elsewhere or
+/// cannot be written to.
 Result<KeptTokens> kept_tokens(const std::string& base, const std::string& name);
 
-/// The 24 hours begin anew: for the end of a server.
+/// The 24 hours start again: for the end of a server.
 void keep_tokens(const std::string& base, const std::string& name) noexcept;
 
 /// The next kept_tokens() makes new ones. Errors: as above.

@@ -13,7 +13,7 @@ bool Mailbox::put_text(Bytes text) {
   if (closed_ || overfull_) return false;
   text_bytes_ += text->size();
   texts_.push_back(std::move(text));
-  // The first one does not count: a large scene must not shut out those who are to see it.
+  // The first one does not count: a large scene must not cut off the client that receives it.
   if (text_bytes_ - texts_.front()->size() > limit_) {
     overfull_ = true;
     texts_.clear();
@@ -28,14 +28,14 @@ bool Mailbox::put_frame(Bytes frame) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (closed_ || overfull_) return false;
   frame_ = std::move(frame);
-  return !frame_on_way_ && wake();
+  return !frame_in_flight_ && wake();
 }
 
 bool Mailbox::put_picture(const std::string& key, Bytes picture) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (closed_ || overfull_) return false;
   pictures_[key] = std::move(picture);
-  return !picture_on_way_ && wake();
+  return !picture_in_flight_ && wake();
 }
 
 void Mailbox::wake_seen() {
@@ -45,7 +45,7 @@ void Mailbox::wake_seen() {
 
 bool Mailbox::wants_picture() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return !closed_ && !overfull_ && !picture_on_way_ && pictures_.empty();
+  return !closed_ && !overfull_ && !picture_in_flight_ && pictures_.empty();
 }
 
 bool Mailbox::overfull() const {
@@ -68,17 +68,17 @@ std::optional<Mailbox::Item> Mailbox::next() {
     text_bytes_ -= item.bytes->size();
     return item;
   }
-  if (frame_ && !frame_on_way_) {
-    frame_on_way_ = true;
+  if (frame_ && !frame_in_flight_) {
+    frame_in_flight_ = true;
     return Item{std::move(frame_), true};
   }
-  if (!pictures_.empty() && !picture_on_way_) {
+  if (!pictures_.empty() && !picture_in_flight_) {
     auto turn = pictures_.upper_bound(last_key_);
     if (turn == pictures_.end()) turn = pictures_.begin();
     last_key_ = turn->first;
     Item item{std::move(turn->second), true};
     pictures_.erase(turn);
-    picture_on_way_ = true;
+    picture_in_flight_ = true;
     return item;
   }
   return std::nullopt;
@@ -86,12 +86,12 @@ std::optional<Mailbox::Item> Mailbox::next() {
 
 void Mailbox::frame_taken() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  frame_on_way_ = false;
+  frame_in_flight_ = false;
 }
 
 void Mailbox::picture_taken() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  picture_on_way_ = false;
+  picture_in_flight_ = false;
 }
 
 void Mailbox::close() {

@@ -1,4 +1,4 @@
-// What waits to be sent to one client: bounded, whatever the client does.
+// The messages that wait for one client: bounded, whatever the client does.
 #pragma once
 
 #include <deque>
@@ -12,25 +12,25 @@
 namespace cogrsim::studio {
 
 /// Texts are kept all and in order; of frames, and of pictures of each key, only the newest. One frame and
-/// one picture are on their way at a time, until the client says that it has taken them in.
+/// one picture are in flight at a time, until the client acknowledges them.
 /// Every function may be called from any thread.
 class Mailbox {
  public:
-  /// `limit`: of the texts that wait [byte], not counting the one whose turn it is.
+  /// `limit`: of the waiting texts [byte], not counting the next one.
   explicit Mailbox(std::size_t limit) : limit_(limit) {}
 
-  /// Each: whether the network has to be told that there is something to send. It is told once until it
-  /// has answered with wake_seen().
+  /// Each: whether the network thread has to be woken. It is woken once, until it has answered with
+  /// wake_seen().
   bool put_text(Bytes text);
   bool put_frame(Bytes frame);
   bool put_picture(const std::string& key, Bytes picture);
   void wake_seen();
 
-  /// No picture waits, and none is on its way.
+  /// No picture waits, and none is in flight.
   bool wants_picture() const;
-  /// More texts waited than allowed: they were given up, the client has to go.
+  /// More texts waited than allowed: they were dropped, the client is to be cut off.
   bool overfull() const;
-  /// What all that waits takes [byte].
+  /// Size of all waiting messages [byte].
   std::size_t waiting_bytes() const;
 
   struct Item {
@@ -53,7 +53,7 @@ class Mailbox {
   Bytes frame_;
   std::map<std::string, Bytes> pictures_;
   std::string last_key_;  ///< of the picture sent last: the others take turns
-  bool frame_on_way_ = false, picture_on_way_ = false;
+  bool frame_in_flight_ = false, picture_in_flight_ = false;
   bool woken_ = false, overfull_ = false, closed_ = false;
 };
 

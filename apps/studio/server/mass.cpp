@@ -13,7 +13,7 @@ bool is_inside(const std::vector<dsl::OutlineElement>& elements, int id, int aro
   return id >= 0;
 }
 
-/// Bodies that stand in an element, or were made by something that does.
+/// Bodies inside an element, or made by an element inside it.
 void collect(int element, const dsl::OutlinedScene& scene, std::set<int>& bodies) {
   const SceneModel& model = *scene.result.model;
   for (std::size_t i = 0; i < scene.origins.bodies.size(); ++i)

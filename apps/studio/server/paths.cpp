@@ -43,7 +43,7 @@ std::vector<Followed> followed(const SceneModel& model) {
   return out;
 }
 
-/// A tenth of what a path may be off: numbers stay short.
+/// A tenth of the tolerance of a path: numbers stay short.
 double rounded(double metres) { return std::round(metres * 1e6) / 1e6; }
 
 void append(Json& to, const Vec3& point) {

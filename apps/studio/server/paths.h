@@ -1,4 +1,5 @@
-// Where the things of a run have been: of every step, but no more points than it takes to say so.
+// The paths of bodies during a run: made from every step, with as few points as the tolerance
+// allows.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +39,7 @@ struct Path {
 };
 
 /// The paths of a run: of each top-level assembly the first body that moves, and of those outside of
-/// any all that move; what has a controller comes first. At most 64. From any thread.
+/// any all that move; those with a controller come first. At most 64. From any thread.
 class Paths {
  public:
   /// The next frame of the run. A frame with an earlier time than the last clears the paths first.

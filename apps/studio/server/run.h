@@ -1,5 +1,5 @@
-// The run the studio shows: simulations on a thread of their own, all frames so far, and what is
-// asked about them.
+// The run that the studio shows: simulations on a thread of their own, all frames so far, and the
+// answers about them.
 #pragma once
 
 #include <map>
@@ -15,7 +15,7 @@
 
 namespace cogrsim::studio {
 
-/// What of a compiled scene the page is told beside the model: which element of the text made what.
+/// What the page needs of a compiled scene beside the model: which element of the text made what.
 /// Element ids as in the document's version; -1: none (made by an import, a prototype, a program).
 struct Origins {
   struct Origin {
@@ -32,7 +32,7 @@ struct Scene {
   SceneModelPtr model;
   Origins origins;
   /// Not empty: plugins were built, and come from these folders from now on (a new PluginLoader with
-  /// them; what is loaded already stays loaded beside).
+  /// them; loaded plugins stay loaded beside).
   std::vector<std::string> plugin_folders = {};
 };
 
@@ -43,9 +43,9 @@ struct RunOptions {
   std::map<std::string, std::string> parameters;  ///< `--set`, for recordings
   std::string folder;                             ///< where recordings go: the scene's
   /// Frames kept for the timeline take this much memory; beyond, every second one of the older half
-  /// is let go [byte].
+  /// is dropped [byte].
   std::size_t history_bytes = 512u << 20;
-  Isolation isolation = Isolation::process;  ///< of controllers that do not say
+  Isolation isolation = Isolation::process;  ///< of controllers without the attribute
 };
 
 /// The part that answers everything in PROTOCOL.md under "The run" and "Numbers and pictures".
@@ -59,10 +59,11 @@ class Run : public Part {
                                                    std::shared_ptr<PluginLoader> loader,
                                                    Outbox& outbox);
 
-  /// Goes on with another scene: at time 0 anew; later with the state carried over by name where the
-  /// element did not change its place, as Simulation's resume() does. One that a newer one follows
-  /// before its turn comes is left out. From any thread; `done` is called once, from the run's: with
-  /// what could not be carried over, or with why the engine refused the scene (the one before then stays).
+  /// Continues with another scene: from the start at time 0; later with the state carried over by
+  /// name, as Simulation's resume() does, where the element did not change its pose. One that a
+  /// newer one follows before its turn comes is left out. From any thread; `done` is called once,
+  /// from the run's: with what could not be carried over, or with why the engine refused the scene
+  /// (the one before then stays).
   virtual void show(
       Scene scene,
       std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>

@@ -1,4 +1,4 @@
-// Reads the fields of a request; what is wrong with one is said with its name.
+// Reads the fields of a request; errors name the field.
 #pragma once
 
 #include <cmath>

@@ -1,9 +1,9 @@
-// A run that goes on.
+// A run that is simulated now.
 #include <algorithm>
 #include <atomic>
 
 #include "engine.h"
-#include "run_desk.h"
+#include "run_requests.h"
 #include "run_fields.h"
 
 namespace cogrsim::studio {
@@ -17,21 +17,21 @@ class LiveRun final : public Run {
  public:
   LiveRun(RunOptions options, const PluginLoader& loader, Outbox& outbox)
       : history_(options.history_bytes),
-        desk_(history_, scenes_, board_, outbox, loader.folders()),
-        engine_(std::move(options), loader.folders(), history_, scenes_, board_,
-                [this] { desk_.viewers().follow_all(); }) {}
+        requests_(history_, scenes_, publisher_, outbox, loader.folders()),
+        engine_(std::move(options), loader.folders(), history_, scenes_, publisher_,
+                [this] { requests_.viewers().follow_all(); }) {}
 
-  ~LiveRun() override { desk_.stop(); }
+  ~LiveRun() override { requests_.stop(); }
 
-  Access access(std::string_view what) const override { return Desk::access(what); }
+  Access access(std::string_view what) const override { return RequestHandler::access(what); }
 
   void handle(Request request, Reply reply) override {
-    if (Desk::answers(request.what)) return desk_.handle(request, reply);
+    if (RequestHandler::answers(request.what)) return requests_.handle(request, reply);
     if (auto done = steer(request, reply); !done) reply(tl::unexpected(done.error()));
   }
 
-  void joined(ClientId client, Role) override { desk_.viewers().joined(client); }
-  void left(ClientId client) override { desk_.left(client); }
+  void joined(ClientId client, Role) override { requests_.viewers().joined(client); }
+  void left(ClientId client) override { requests_.left(client); }
 
   void show(Scene scene,
             std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>
@@ -52,7 +52,7 @@ class LiveRun final : public Run {
   std::string asset(std::size_t number) const override { return scenes_.asset(number); }
 
  private:
-  /// What the engine is to do is handed on, and answered there. Errors: a field is wrong.
+  /// Passes requests for the engine on; they are answered there. Errors: a field is wrong.
   Result<> steer(const Request& request, const Reply& reply) {
     const Json& f = request.fields;
     const std::string& what = request.what;
@@ -129,9 +129,9 @@ class LiveRun final : public Run {
 
   std::atomic<std::uint64_t> shows_{0};  ///< asked for
   Scenes scenes_;
-  Board board_;
+  StatusPublisher publisher_;
   History history_;
-  Desk desk_;
+  RequestHandler requests_;
   Engine engine_;
 };
 

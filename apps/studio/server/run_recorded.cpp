@@ -1,10 +1,10 @@
-// A recording, to be looked at: no simulation.
+// A recording to view: no simulation.
 #include <algorithm>
 #include <atomic>
 #include <deque>
 
 #include "cogrsim/recording/recording.h"
-#include "run_desk.h"
+#include "run_requests.h"
 
 namespace cogrsim::studio {
 
@@ -24,28 +24,28 @@ class RecordedFrames final : public Frames {
     return {recording_->time_of(0), recording_->time_of(count - 1), count};
   }
 
-  Moment at(double time) override {
+  Instant at(double time) override {
     std::lock_guard lock(mutex_);
-    return recording_->frame_count() == 0 ? Moment() : read(recording_->index_at(time));
+    return recording_->frame_count() == 0 ? Instant() : read(recording_->index_at(time));
   }
 
-  Moment before(double time) override {
+  Instant before(double time) override {
     std::lock_guard lock(mutex_);
     if (recording_->frame_count() == 0) return {};
     std::size_t index = recording_->index_at(time);
     while (index > 0 && recording_->time_of(index) >= time) --index;
-    return recording_->time_of(index) < time ? read(index) : Moment();
+    return recording_->time_of(index) < time ? read(index) : Instant();
   }
 
-  std::vector<Moment> after(double time, std::size_t most) override {
+  std::vector<Instant> after(double time, std::size_t most) override {
     std::lock_guard lock(mutex_);
     const std::size_t count = recording_->frame_count();
     if (count == 0) return {};
     std::size_t index = recording_->index_at(time);
     while (index < count && recording_->time_of(index) <= time) ++index;
-    std::vector<Moment> out;
+    std::vector<Instant> out;
     for (; index < count && out.size() < most; ++index) {
-      if (Moment moment = read(index)) out.push_back(std::move(moment));
+      if (Instant instant = read(index)) out.push_back(std::move(instant));
     }
     return out;
   }
@@ -53,25 +53,25 @@ class RecordedFrames final : public Frames {
   std::uint64_t epoch() const override { return 1; }
 
  private:
-  Moment read(std::size_t index) {
-    for (const auto& [number, moment] : kept_) {
-      if (number == index) return moment;
+  Instant read(std::size_t index) {
+    for (const auto& [number, instant] : kept_) {
+      if (number == index) return instant;
     }
     const auto frame = recording_->frame(index);
     if (!frame) return {};
-    Moment moment;
+    Instant instant;
     const auto has = [](const Reading& reading) { return reading.picture != nullptr; };
     if (std::any_of((*frame)->readings.begin(), (*frame)->readings.end(), has)) {
       auto plain = std::make_shared<Frame>(**frame);
       for (Reading& reading : plain->readings) reading.picture.reset();
-      moment.frame = std::move(plain);
+      instant.frame = std::move(plain);
     } else {
-      moment.frame = *frame;
+      instant.frame = *frame;
     }
-    moment.scene = number_of(moment.frame->model);
-    kept_.emplace_back(index, moment);
+    instant.scene = number_of(instant.frame->model);
+    kept_.emplace_back(index, instant);
     if (kept_.size() > kFramesKept) kept_.pop_front();
-    return moment;
+    return instant;
   }
 
   std::uint32_t number_of(const SceneModelPtr& model) {
@@ -88,7 +88,7 @@ class RecordedFrames final : public Frames {
   mutable std::mutex mutex_;
   const std::unique_ptr<Recording> recording_;
   Scenes& scenes_;
-  std::deque<std::pair<std::size_t, Moment>> kept_;
+  std::deque<std::pair<std::size_t, Instant>> kept_;
   std::vector<std::pair<SceneModelPtr, std::uint32_t>> models_;
 };
 
@@ -98,7 +98,7 @@ class RecordedRun final : public Run {
       : info_(recording->info()),
         messages_(recording->messages()),
         frames_(std::move(recording), scenes_),
-        desk_(frames_, scenes_, board_, outbox, loader.folders()) {
+        requests_(frames_, scenes_, publisher_, outbox, loader.folders()) {
     Situation s;
     s.state = "recording";
     s.ending = info_.complete ? info_.status : "it breaks off: " + info_.damage;
@@ -108,42 +108,42 @@ class RecordedRun final : public Run {
       s.provenance = std::make_shared<const Provenance>(*info_.provenance);
     }
     s.dt = s.scene_dt = info_.step;
-    board_.add_messages(messages_);
-    if (Moment last = frames_.at(info_.end)) {
+    publisher_.add_messages(messages_);
+    if (Instant last = frames_.at(info_.end)) {
       s.time = last.time();
       s.step_count = last.frame->step;
       s.scene = last.scene;
-      board_.set_newest(std::move(last));
+      publisher_.set_newest(std::move(last));
     }
-    board_.set_situation(std::move(s), true);
-    // Events and paths are where the frames are: to be read through while the first page is on its way.
-    desk_.post([this] { read_through(); });
+    publisher_.set_situation(std::move(s), true);
+    // Events and paths are where the frames are: to be read while the first page loads.
+    requests_.post([this] { read_through(); });
   }
   ~RecordedRun() override {
     over_ = true;
-    desk_.stop();
+    requests_.stop();
   }
 
-  Access access(std::string_view what) const override { return Desk::access(what); }
+  Access access(std::string_view what) const override { return RequestHandler::access(what); }
 
   void handle(Request request, Reply reply) override {
-    if (Desk::answers(request.what)) return desk_.handle(request, reply);
-    reply(fail("a recording is only looked at: there is nothing to " + request.what, "",
+    if (RequestHandler::answers(request.what)) return requests_.handle(request, reply);
+    reply(fail("a recording can only be viewed: there is nothing to " + request.what, "",
                "open the scene to run it"));
   }
 
   /// It begins where the recording begins.
   void joined(ClientId client, Role) override {
-    desk_.viewers().joined(client);
-    static_cast<void>(desk_.viewers().seek(client, info_.start));
+    requests_.viewers().joined(client);
+    static_cast<void>(requests_.viewers().seek(client, info_.start));
   }
-  void left(ClientId client) override { desk_.left(client); }
+  void left(ClientId client) override { requests_.left(client); }
 
   void show(Scene,
             std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>
                 done) override {
     Diagnostic d;
-    d.message = "a recording is only looked at";
+    d.message = "a recording can only be viewed";
     if (done) done(tl::unexpected(std::vector<Diagnostic>{d}));
   }
 
@@ -152,23 +152,23 @@ class RecordedRun final : public Run {
  private:
   void read_through() {
     for (double time = info_.start - 1.0; !over_;) {
-      const std::vector<Moment> more = frames_.after(time, 200);
+      const std::vector<Instant> more = frames_.after(time, 200);
       if (more.empty()) return;
-      for (const Moment& moment : more) {
-        time = moment.time();
-        frames_.paths().take(*moment.frame);
-        for (const Event& event : moment.frame->events) board_.add_event(event);
+      for (const Instant& instant : more) {
+        time = instant.time();
+        frames_.paths().take(*instant.frame);
+        for (const Event& event : instant.frame->events) publisher_.add_event(event);
       }
     }
   }
 
   Scenes scenes_;
-  Board board_;
+  StatusPublisher publisher_;
   std::atomic<bool> over_{false};
   const RecordingInfo info_;
   const std::vector<RunMessage> messages_;
   RecordedFrames frames_;
-  Desk desk_;
+  RequestHandler requests_;
 };
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace cogrsim::studio {
 namespace {
 
 /// Texts of scenes that are kept: clients that look at different times may need different ones.
-constexpr std::size_t kTellsKept = 4;
+constexpr std::size_t kTopicsKept = 4;
 
 }  // namespace
 
@@ -55,14 +55,14 @@ void Scenes::forget() {
   while (records_.size() > 1) records_.erase(records_.begin());
 }
 
-std::shared_ptr<const std::string> Scenes::tell(std::uint32_t number) {
+std::shared_ptr<const std::string> Scenes::topic(std::uint32_t number) {
   SceneRecordPtr record;
   std::map<std::string, std::size_t> assets;
   {
     std::lock_guard lock(mutex_);
-    const auto made = std::find_if(tells_.begin(), tells_.end(),
-                                   [&](const auto& tell) { return tell.first == number; });
-    if (made != tells_.end()) return made->second;
+    const auto made = std::find_if(topics_.begin(), topics_.end(),
+                                   [&](const auto& topic) { return topic.first == number; });
+    if (made != topics_.end()) return made->second;
     const auto found = records_.find(number);
     if (found == records_.end()) return nullptr;
     record = found->second;
@@ -70,8 +70,8 @@ std::shared_ptr<const std::string> Scenes::tell(std::uint32_t number) {
   }
   auto text = std::make_shared<const std::string>(to_text(scene_json(*record, assets)));
   std::lock_guard lock(mutex_);
-  if (tells_.size() >= kTellsKept) tells_.erase(tells_.begin());
-  tells_.emplace_back(number, text);
+  if (topics_.size() >= kTopicsKept) topics_.erase(topics_.begin());
+  topics_.emplace_back(number, text);
   return text;
 }
 

@@ -18,7 +18,7 @@ using OriginsPtr = std::shared_ptr<const Origins>;
 
 struct SceneRecord {
   std::uint32_t number = 0;
-  /// The same for a scene and for what it became while it ran: indices into the model then hold
+  /// The same for a scene and for its changes during the run: indices into the model then hold
   /// from one to the next.
   std::uint32_t lineage = 0;
   SceneModelPtr model;
@@ -36,14 +36,14 @@ class Scenes {
   /// The new scene's number; counts from 1. `channels`: called for each sensor.
   std::uint32_t add(SceneModelPtr model, OriginsPtr origins, bool same_lineage,
                     const std::function<const std::vector<Channel>&(int)>& channels);
-  /// nullptr: it was let go.
+  /// nullptr: it was dropped.
   SceneRecordPtr get(std::uint32_t number) const;
   SceneRecordPtr newest() const;
-  /// Lets go of all but the newest: no frame of theirs can be looked at any more.
+  /// Drops all but the newest: none of their frames can be viewed any more.
   void forget();
 
-  /// The `scene` tell, made once as long as few are looked at.
-  std::shared_ptr<const std::string> tell(std::uint32_t number);
+  /// The `scene` message, made once as long as few scenes are viewed.
+  std::shared_ptr<const std::string> topic(std::uint32_t number);
 
   /// The file of a texture, "" for none.
   std::string asset(std::size_t number) const;
@@ -56,7 +56,7 @@ class Scenes {
   std::uint32_t last_ = 0, lineage_ = 0;
   std::vector<std::string> assets_;
   std::map<std::string, std::size_t> asset_numbers_;
-  std::vector<std::pair<std::uint32_t, std::shared_ptr<const std::string>>> tells_;
+  std::vector<std::pair<std::uint32_t, std::shared_ptr<const std::string>>> topics_;
 };
 
 }  // namespace cogrsim::studio

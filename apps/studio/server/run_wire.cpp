@@ -63,18 +63,18 @@ std::string tail_text(const Frame& frame, Tail wanted) {
 
 }  // namespace
 
-std::string encode_frame(const Moment& moment, bool live, Tail tail) {
-  const Frame& frame = *moment.frame;
+std::string encode_frame(const Instant& instant, bool live, Tail tail) {
+  const Frame& frame = *instant.frame;
   const std::string text = tail_text(frame, tail);
   const std::size_t bodies = frame.state.poses.size();
-  const std::size_t ghosts = moment.ghost ? moment.ghost->state.poses.size() : 0;
+  const std::size_t ghosts = instant.ghost ? instant.ghost->state.poses.size() : 0;
   std::string out;
   out.reserve(40 + (bodies + ghosts) * 28 + text.size());
   Bytewriter to(out);
   to.put(std::uint8_t{1});
-  to.put(static_cast<std::uint8_t>((live ? 1 : 0) | (moment.ghost ? 2 : 0)));
+  to.put(static_cast<std::uint8_t>((live ? 1 : 0) | (instant.ghost ? 2 : 0)));
   to.put(std::uint16_t{0});
-  to.put(moment.scene);
+  to.put(instant.scene);
   to.put(frame.time);
   to.put(static_cast<double>(frame.step));
   to.put(static_cast<std::uint32_t>(bodies));
@@ -82,7 +82,7 @@ std::string encode_frame(const Moment& moment, bool live, Tail tail) {
   to.put(static_cast<std::uint32_t>(text.size()));
   to.put(std::uint32_t{0});
   to.put_poses(frame);
-  if (moment.ghost) to.put_poses(*moment.ghost);
+  if (instant.ghost) to.put_poses(*instant.ghost);
   out += text;
   return out;
 }
@@ -109,7 +109,7 @@ Json to_json(const IndexedEvent& event) {
 
 Json to_json(const RunMessage& message) {
   return {{"time", message.time},
-          {"severity", message.severity == Severity::error ? "error" : "advice"},
+          {"severity", severity_name(message.severity)},
           {"source", message.source},
           {"message", message.message}};
 }
@@ -117,7 +117,7 @@ Json to_json(const RunMessage& message) {
 Json to_json(const Provenance& provenance) { return Json::parse(to_json_text(provenance)); }
 
 Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t viewers) {
-  Json out = {{"tell", "status"},
+  Json out = {{"topic", "status"},
               {"state", s.state},
               {"ending", s.ending},
               {"time", s.time},

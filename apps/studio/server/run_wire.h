@@ -3,19 +3,19 @@
 
 #include <string>
 
-#include "run_board.h"
+#include "run_status.h"
 #include "talk.h"
 
 namespace cogrsim::studio {
 
-/// What of a frame's tail a client wants.
+/// The contents of a frame's tail that a client has subscribed to.
 struct Tail {
   bool contacts = false;
   bool readings = false;
 };
 
 /// "Frames (binary, little-endian)".
-std::string encode_frame(const Moment& moment, bool live, Tail tail);
+std::string encode_frame(const Instant& instant, bool live, Tail tail);
 
 /// "Pictures (binary)": the head and the file. `kind`: 0 colour, 1 depth, 2 segmentation.
 std::string encode_picture(int kind, const std::string& name, int width, int height, double time,

@@ -1,4 +1,4 @@
-// A thread for what takes long: jobs one after the other, by turns of those who asked.
+// A thread for long jobs, one after the other; the clients take turns.
 #pragma once
 
 #include <condition_variable>
@@ -17,7 +17,7 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// `client` 0: nobody asked.
+  /// `client` 0: no client asked.
   void post(ClientId client, Role role, std::function<void()> job) {
     std::lock_guard lock(mutex_);
     jobs_.put(client, role, std::move(job));

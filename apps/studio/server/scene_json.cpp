@@ -5,7 +5,7 @@
 
 #include "cogrsim/rendering/looks.h"
 #include "cogrsim/rendering/standard_view.h"
-#include "cogrsim/sensing/instruments.h"
+#include "cogrsim/sensing/sensor_models.h"
 
 namespace cogrsim::studio {
 
@@ -40,7 +40,7 @@ class SceneWriter {
   Json write() {
     plane_ = plane_extent();
     const Origins& from = *record_.origins;
-    Json out = {{"tell", "scene"},
+    Json out = {{"topic", "scene"},
                 {"scene", record_.number},
                 {"version", from.version},
                 {"name", model_.name},
@@ -71,8 +71,8 @@ class SceneWriter {
               {"size", to_json(r.size)},
               {"radius", r.radius}};
     });
-    out["controllers"] = list(model_.controllers, from.controllers, mind);
-    out["supervisors"] = list(model_.supervisors, from.supervisors, mind);
+    out["controllers"] = list(model_.controllers, from.controllers, controller);
+    out["supervisors"] = list(model_.supervisors, from.supervisors, controller);
     out["lights"] = list(model_.lights, from.lights, light);
     out["views"] = list(model_.views, from.views, [](const ViewModel& v) -> Json {
       return {{"pose", to_json(v.X_WV)}, {"fov", v.fov}};
@@ -88,7 +88,7 @@ class SceneWriter {
   }
 
  private:
-  /// Each with its name, what is to be said of all, and where it stands in the file.
+  /// Each with its name, the common fields, and its element in the file.
   template <class Elements, class Write>
   static Json list(const Elements& elements, const std::vector<Origins::Origin>& origins,
                    Write write) {
@@ -104,7 +104,7 @@ class SceneWriter {
     }
     return out;
   }
-  // What has the mark says so.
+  // Only with that attribute.
   template <class Element>
   static auto put_removed(const Element& element, Json& out, int)
       -> decltype(static_cast<void>(element.removed)) {
@@ -179,7 +179,7 @@ class SceneWriter {
             {"joint", s.joint}, {"show", s.show}, {"rays", std::move(rays)}};
   }
 
-  static Json mind(const ControllerModel& m) {
+  static Json controller(const ControllerModel& m) {
     return {{"plugin", m.plugin}, {"assembly", m.assembly}};
   }
 
@@ -230,8 +230,7 @@ class SceneWriter {
     Frame start;
     start.model = record_.model;
     for (const Body& b : model_.bodies) start.state.poses.push_back(b.X_WB);
-    const Bounds all = visible_bounds(start);
-    return std::max(kPlaneLeast, kPlaneShare * (all.high - all.low).norm());
+    return std::max(kPlaneLeast, kPlaneShare * 2.0 * visible_bounds(start).half().norm());
   }
 
   const SceneRecord& record_;

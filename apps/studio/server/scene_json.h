@@ -1,4 +1,4 @@
-// What the page is told of a scene, see PROTOCOL.md, "Scene".
+// A scene as JSON for the page, see PROTOCOL.md, "Scene".
 #pragma once
 
 #include <map>
@@ -15,7 +15,7 @@ Json to_json(const Vec3& v);
 /// Text of a message. What is not UTF-8 is replaced; numbers that are not finite become null.
 std::string to_text(const Json& json);
 
-/// The `scene` tell. `assets`: number of every texture by its path.
+/// The message of the topic `scene`. `assets`: number of every texture by its path.
 Json scene_json(const SceneRecord& record, const std::map<std::string, std::size_t>& assets);
 
 }  // namespace cogrsim::studio

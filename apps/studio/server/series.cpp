@@ -47,7 +47,7 @@ struct Thinned {
 
 }  // namespace
 
-void SeriesDesk::forget_old() {
+void SeriesRequests::forget_old() {
   const std::uint64_t epoch = frames_.epoch();
   for (auto entry = curves_.begin(); entry != curves_.end();) {
     entry = entry->second.epoch != epoch ? curves_.erase(entry) : std::next(entry);
@@ -55,7 +55,7 @@ void SeriesDesk::forget_old() {
   for (auto entry = figures_.begin(); entry != figures_.end();) {
     entry = entry->second.epoch != epoch ? figures_.erase(entry) : std::next(entry);
   }
-  if (parted_.epoch != epoch) parted_ = {};
+  if (divergence_.epoch != epoch) divergence_ = {};
   while (curves_.size() > kCurvesKept) {
     curves_.erase(std::min_element(
         curves_.begin(), curves_.end(),
@@ -63,7 +63,7 @@ void SeriesDesk::forget_old() {
   }
 }
 
-Answer SeriesDesk::signals() {
+Answer SeriesRequests::signals() {
   const SceneRecordPtr record = scenes_.newest();
   Json list = Json::array();
   if (!record) return Json{{"signals", list}};
@@ -78,11 +78,11 @@ Answer SeriesDesk::signals() {
   for (const char* energy : {"kinetic", "potential", "total"}) {
     add(std::string("energy.") + energy, "energy");
   }
-  const auto add_places = [&](const auto& places) {
-    for (const auto& place : places) {
-      if (place.removed) continue;
+  const auto add_poses = [&](const auto& elements) {
+    for (const auto& element : elements) {
+      if (element.removed) continue;
       for (const char* quantity : {"x", "y", "z", "speed", "roll", "pitch", "yaw"}) {
-        add(place.name + "." + quantity, place.name);
+        add(element.name + "." + quantity, element.name);
       }
     }
   };
@@ -93,8 +93,8 @@ Answer SeriesDesk::signals() {
     plain.name = body.name;
     moving.push_back(std::move(plain));
   }
-  add_places(moving);
-  add_places(model.assemblies);
+  add_poses(moving);
+  add_poses(model.assemblies);
   for (const Joint& joint : model.joints) {
     if (joint.removed) continue;
     for (const char* quantity : {"position", "velocity", "effort"}) {
@@ -114,16 +114,16 @@ Answer SeriesDesk::signals() {
       add(model.sensors[i].name + "." + channel.name, model.sensors[i].name);
     }
   }
-  for (const auto* minds : {&model.controllers, &model.supervisors}) {
-    for (const ControllerModel& mind : *minds) {
-      if (mind.removed) continue;
-      for (const OutputModel& output : mind.outputs) add(mind.name + "." + output.name, mind.name);
+  for (const auto* controllers : {&model.controllers, &model.supervisors}) {
+    for (const ControllerModel& controller : *controllers) {
+      if (controller.removed) continue;
+      for (const OutputModel& output : controller.outputs) add(controller.name + "." + output.name, controller.name);
     }
   }
   return Json{{"signals", std::move(list)}};
 }
 
-void SeriesDesk::look_up(Curve& curve, const SceneModelPtr& model, std::uint32_t scene) {
+void SeriesRequests::look_up(Curve& curve, const SceneModelPtr& model, std::uint32_t scene) {
   curve.model = model;
   curve.signal = Signal();
   const SceneRecordPtr record = scenes_.get(scene);
@@ -131,17 +131,17 @@ void SeriesDesk::look_up(Curve& curve, const SceneModelPtr& model, std::uint32_t
   if (auto signal = parse(*record, *model, curve.text)) curve.signal = std::move(*signal);
 }
 
-void SeriesDesk::extend(Curve& curve) {
+void SeriesRequests::extend(Curve& curve) {
   double until = curve.times.empty() ? kNever : curve.times.back();
   for (;;) {
-    const std::vector<Moment> more = frames_.after(until, kPiece);
+    const std::vector<Instant> more = frames_.after(until, kPiece);
     if (more.empty() || frames_.epoch() != curve.epoch) return;
-    for (const Moment& moment : more) {
-      until = moment.time();
-      const FramePtr& frame = curve.ghost ? moment.ghost : moment.frame;
+    for (const Instant& instant : more) {
+      until = instant.time();
+      const FramePtr& frame = curve.ghost ? instant.ghost : instant.frame;
       double value = std::numeric_limits<double>::quiet_NaN();
       if (frame) {
-        if (frame->model != curve.model) look_up(curve, frame->model, moment.scene);
+        if (frame->model != curve.model) look_up(curve, frame->model, instant.scene);
         value = curve.signal.evaluate(*frame);
       }
       curve.times.push_back(until);
@@ -150,7 +150,7 @@ void SeriesDesk::extend(Curve& curve) {
   }
 }
 
-Result<SeriesDesk::Curve*> SeriesDesk::curve(const std::string& text, bool ghost) {
+Result<SeriesRequests::Curve*> SeriesRequests::curve(const std::string& text, bool ghost) {
   Curve& curve = curves_[{text, ghost}];
   if (curve.epoch == 0) {
     const SceneRecordPtr record = scenes_.newest();
@@ -170,7 +170,7 @@ Result<SeriesDesk::Curve*> SeriesDesk::curve(const std::string& text, bool ghost
   return &curve;
 }
 
-Answer SeriesDesk::series(const Json& f) {
+Answer SeriesRequests::series(const Json& f) {
   const Json* names = fields::find(f, "signals");
   if (!names || !names->is_array() || names->size() > kMostSignals) {
     return fields::wrong("signals", "a list of at most 100 signals");
@@ -192,7 +192,7 @@ Answer SeriesDesk::series(const Json& f) {
     curves.push_back(*found);
   }
   Json list = Json::array(), time = Json::array();
-  // All were looked at up to the same frame but for what has come in between.
+  // All were read up to the same frame, except for frames that have come in between.
   std::size_t first = 0, last = std::numeric_limits<std::size_t>::max();
   const Curve* shortest = nullptr;
   for (const Curve* one : curves) {
@@ -212,7 +212,7 @@ Answer SeriesDesk::series(const Json& f) {
   for (std::size_t i = 0; i < intervals; ++i) time.push_back(times[begin(i)]);
   for (const Curve* one : curves) {
     Json low = Json::array(), high = Json::array();
-    // A signal first asked for later may have been looked at where frames were let go since.
+    // A signal first asked for later may have been read from frames that were dropped since.
     std::size_t at = 0;
     for (std::size_t i = 0; i < intervals; ++i) {
       const std::size_t end = i + 1 < intervals ? begin(i + 1) : last;
@@ -234,7 +234,7 @@ Answer SeriesDesk::series(const Json& f) {
   return Json{{"time", std::move(time)}, {"series", std::move(list)}};
 }
 
-Answer SeriesDesk::plots() {
+Answer SeriesRequests::plots() {
   Json list = Json::array();
   if (const SceneRecordPtr record = scenes_.newest()) {
     for (const PlotModel& plot : record->model->plots) {
@@ -251,7 +251,7 @@ Answer SeriesDesk::plots() {
   return Json{{"plots", std::move(list)}};
 }
 
-Answer SeriesDesk::figure(const Json& f) {
+Answer SeriesRequests::figure(const Json& f) {
   const auto name = fields::text(f, "plot");
   if (!name) return tl::unexpected(name.error());
   forget_old();
@@ -274,13 +274,13 @@ Answer SeriesDesk::figure(const Json& f) {
               std::make_unique<figures::PlotSampler>(std::move(*made))};
   }
   for (;;) {
-    const std::vector<Moment> more = frames_.after(figure.until, kPiece);
+    const std::vector<Instant> more = frames_.after(figure.until, kPiece);
     if (more.empty()) break;
-    for (const Moment& moment : more) {
-      figure.until = moment.time();
-      // Of the scene as it was before an edit the plot may know nothing.
-      const SceneRecordPtr of = scenes_.get(moment.scene);
-      if (of && of->lineage == figure.lineage) figure.sampler->take(*moment.frame);
+    for (const Instant& instant : more) {
+      figure.until = instant.time();
+      // The plot may not fit the scene before an edit.
+      const SceneRecordPtr of = scenes_.get(instant.scene);
+      if (of && of->lineage == figure.lineage) figure.sampler->take(*instant.frame);
     }
   }
   auto drawn = figures::figure_of({figure.sampler.get()}, {});
@@ -298,23 +298,24 @@ Answer SeriesDesk::figure(const Json& f) {
               {"series", std::move(series)}};
 }
 
-Answer SeriesDesk::divergence(const std::array<std::string, 2>& labels, const Json& first) {
+Answer SeriesRequests::divergence(const std::array<std::string, 2>& labels, const Json& first) {
   forget_old();
-  if (!parted_.comparison) {
-    parted_.epoch = frames_.epoch();
-    parted_.until = kNever;
-    parted_.comparison = std::make_unique<cli::Comparison>(
+  if (!divergence_.comparison) {
+    divergence_.epoch = frames_.epoch();
+    divergence_.until = kNever;
+    divergence_.comparison = std::make_unique<cli::Comparison>(
         std::vector<std::string>{labels[0], labels[1]}, cli::CompareOptions());
   }
   for (;;) {
-    const std::vector<Moment> more = frames_.after(parted_.until, kPiece);
+    const std::vector<Instant> more = frames_.after(divergence_.until, kPiece);
     if (more.empty()) break;
-    for (const Moment& moment : more) {
-      parted_.until = moment.time();
-      if (moment.ghost) parted_.comparison->add(moment.time(), {moment.frame, moment.ghost});
+    for (const Instant& instant : more) {
+      divergence_.until = instant.time();
+      if (!instant.ghost) continue;
+      divergence_.comparison->add(instant.time(), {instant.frame, instant.ghost});
     }
   }
-  cli::Comparison copy = *parted_.comparison;
+  cli::Comparison copy = *divergence_.comparison;
   const cli::CompareResult result = copy.finish();
   std::vector<double> worst(result.times.size(), 0.0), worst_angle(result.times.size(), 0.0);
   const auto raise = [](std::vector<double>& most, const std::vector<double>& by) {

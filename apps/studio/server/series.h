@@ -7,17 +7,17 @@
 #include <vector>
 
 #include "cogrsim/figures/plot_sampler.h"
-#include "compare.h"
+#include "compare/compare.h"
 #include "history.h"
 #include "run_scenes.h"
 #include "talk.h"
 
 namespace cogrsim::studio {
 
-/// Of one thread. What was computed once is kept, so that only new frames cost anything.
-class SeriesDesk {
+/// Used by one thread. Results are kept, so that only new frames are computed.
+class SeriesRequests {
  public:
-  SeriesDesk(Frames& frames, Scenes& scenes) : frames_(frames), scenes_(scenes) {}
+  SeriesRequests(Frames& frames, Scenes& scenes) : frames_(frames), scenes_(scenes) {}
 
   Answer signals();
   Answer series(const Json& fields);
@@ -27,7 +27,7 @@ class SeriesDesk {
   Answer divergence(const std::array<std::string, 2>& labels, const Json& first);
 
  private:
-  /// One signal of one run, at every frame that was ever looked at.
+  /// One signal of one run, at every frame that was ever read.
   struct Curve {
     std::string text;
     bool ghost = false;
@@ -54,11 +54,11 @@ class SeriesDesk {
   std::uint64_t uses_ = 0;
   std::map<std::pair<std::string, bool>, Curve> curves_;
   std::map<std::string, Figure> figures_;
-  struct Parted {
+  struct Divergence {
     std::uint64_t epoch = 0;
     double until = 0.0;
     std::unique_ptr<cli::Comparison> comparison;
-  } parted_;
+  } divergence_;
 };
 
 }  // namespace cogrsim::studio

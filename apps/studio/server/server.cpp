@@ -81,7 +81,7 @@ struct Server::Impl {
   asio::steady_timer goodbye{io}, accept_again{io};
 
   void accept();
-  bool make_room(const asio::ip::address& from);
+  bool make_space(const asio::ip::address& from);
   void shut();
   void gone();
   std::shared_ptr<Mailbox> box(ClientId client) const {
@@ -93,8 +93,8 @@ struct Server::Impl {
   std::string address(const std::string& rest) const;
 
   Result<> make_secrets();
-  /// Under which its tokens are kept.
-  std::string place() const {
+  /// The name under which its tokens are kept.
+  std::string endpoint_name() const {
     return fmt::format("{}_{}", endpoint.address().to_string(), endpoint.port());
   }
 };
@@ -135,7 +135,7 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
     });
   }
 
-  // Sends what there is to send, one message at a time.
+  // Sends the waiting messages, one at a time.
   void pump() {
     if (writing_ || ended_) return;
     if (box_->overfull()) return end();  // it reads nothing, so no reason would reach it
@@ -286,7 +286,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   const asio::ip::address& from() const { return from_; }
-  /// When it began to say what it wants, or to be answered.
+  /// When it began to send its request, or to be answered.
   Clock::time_point since() const { return since_; }
 
   void read() {
@@ -342,7 +342,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return answer(refusal(413, "A request has no body here."), false);
     }
     if (!decision.upgrade) {
-      // Whoever is refused may go: nothing is kept open for them.
+      // A refused client is dropped: nothing is kept open for it.
       const bool keep = message.keep_alive() && decision.answer.status < 400;
       return answer(std::move(decision.answer), keep);
     }
@@ -370,13 +370,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
                       [self = shared_from_this(), keep_alive](error_code error, std::size_t) {
                         self->out_ = {};
                         if (error || self->server_.stopping) return;
-                        keep_alive ? self->read() : self->part();
+                        keep_alive ? self->read() : self->close_gracefully();
                       });
   }
 
-  // Closing with something unread would take the answer away from the other side: reads on for a
-  // while.
-  void part() {
+  // Closing with unread bytes would make the other side lose the answer: keeps reading for a while.
+  void close_gracefully() {
     error_code ignored;
     stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
     stream_.expires_after(kLinger);
@@ -415,8 +414,8 @@ void Server::Impl::accept() {
     }
     error_code ignored;
     const auto from = socket.remote_endpoint(ignored).address();
-    // Without room it is closed as it goes out of scope.
-    if (!ignored && make_room(from)) {
+    // Beyond the limits it is closed as it goes out of scope.
+    if (!ignored && make_space(from)) {
       socket.set_option(tcp::no_delay(true), ignored);
       std::make_shared<Connection>(*this, std::move(socket))->read();
     }
@@ -424,8 +423,8 @@ void Server::Impl::accept() {
   });
 }
 
-// For one more connection: whoever says nothing keeps nobody out.
-bool Server::Impl::make_room(const asio::ip::address& from) {
+// For one more connection: silent connections keep no client out.
+bool Server::Impl::make_space(const asio::ip::address& from) {
   Connection *oldest = nullptr, *oldest_there = nullptr;
   std::size_t there = 0;
   const auto older = [](const Connection* one, const Connection* other) {
@@ -461,7 +460,7 @@ void Server::Impl::shut() {
   gone();
 }
 
-// Somebody went: when the server ends and all are gone, nobody is waited for.
+// A client has left: when the server ends and all are gone, the wait is over.
 void Server::Impl::gone() {
   if (stopping && !over && clients.empty() && connections.empty()) goodbye.cancel();
 }
@@ -477,8 +476,9 @@ Result<> Server::Impl::make_secrets() {
   std::vector<std::string*> wanted = {&secrets.launch_token, &secrets.asset_token};
   Result<KeptTokens> kept = fail("not asked for");
   if (!options.tokens.empty()) {
-    Result<> ready = options.new_tokens ? forget_tokens(options.tokens, place()) : Result<>();
-    kept = ready ? kept_tokens(options.tokens, place())
+    Result<> ready =
+        options.new_tokens ? forget_tokens(options.tokens, endpoint_name()) : Result<>();
+    kept = ready ? kept_tokens(options.tokens, endpoint_name())
                  : tl::unexpected<Error>(std::move(ready.error()));
     if (!kept) {
       fmt::print(stderr, "warning: pages will not find the studio again after a restart: {}\n",
@@ -588,12 +588,12 @@ void Server::run(Inbox& inbox) {
       impl_->io.run();
       break;
     } catch (const std::exception& e) {
-      // Memory, most likely: whoever asked is not answered, the others go on.
-      fmt::print(stderr, "warning: a request failed: {}\n", words_of(e));
+      // Memory, most likely: this client gets no answer, the others continue.
+      fmt::print(stderr, "warning: a request failed: {}\n", message_of(e));
     }
   }
   impl_->over = true;
-  if (!impl_->options.tokens.empty()) keep_tokens(impl_->options.tokens, impl_->place());
+  if (!impl_->options.tokens.empty()) keep_tokens(impl_->options.tokens, impl_->endpoint_name());
 }
 
 void Server::stop() noexcept {

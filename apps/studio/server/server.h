@@ -1,4 +1,4 @@
-// HTTP and WebSocket: who may come in, what they are given, and never waiting for them.
+// HTTP and WebSocket: access, answers and messages, without ever waiting for a client.
 #pragma once
 
 #include <memory>
@@ -23,8 +23,8 @@ struct ServerOptions {
     std::size_t viewer_message_bytes = 256u << 10;
     std::size_t clients = 32;  ///< WebSockets at a time
     std::size_t viewers = 24;  ///< of these: the others are for operators
-    /// TCP at a time. Beyond, whoever has been at the same thing longest goes for the next one: who says
-    /// nothing, or takes an answer in slowly. WebSockets stay.
+    /// TCP at a time. Beyond, the connection that has been silent or has read an answer for the
+    /// longest time is closed for the next one. WebSockets stay.
     std::size_t connections = 128;
     std::size_t of_one_address = 64;        ///< of these, WebSockets not counted
     double messages_per_second = 400.0;     ///< of one client, on average; bursts of twice as many
@@ -40,18 +40,18 @@ class Server final : public Outbox {
   static Result<std::unique_ptr<Server>> listen(const ServerOptions& options);
   ~Server() override;
 
-  /// "http://127.0.0.1:40213/#token=…", for those who may do all, or only look on.
+  /// "http://127.0.0.1:40213/#token=…", for operators, or for viewers.
   std::string address(Role role) const;
   /// Leads to the operator's, once: for a browser whose command line other users may read.
   std::string launch_address() const;
-  /// "/asset/…/": what textures' numbers stand behind.
+  /// "/asset/…/": the address before the numbers of textures.
   std::string assets() const;
   std::size_t client_count() const;
 
-  /// Serves until stop(), on the calling thread; once. What is sent afterwards goes nowhere.
+  /// Serves until stop(), on the calling thread; once. Later messages are dropped.
   void run(Inbox& inbox);
   /// From any thread or a signal handler, also before run(): clients are sent the goodbye and have a
-  /// second to take in what waits for them.
+  /// second to read their waiting messages.
   void stop() noexcept;
 
   void send(ClientId client, std::string text) override;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kDeepest = 3;
 constexpr std::size_t kMostFiles = 200;
-constexpr std::size_t kMostEntries = 20000;  // looked at
+constexpr std::size_t kMostEntries = 20000;  // searched
 constexpr std::size_t kMostBytes = 1u << 20;
 
 bool is_source(const fs::path& path) {
@@ -83,7 +83,7 @@ Answer SourceFolder::save(const std::string& name, const std::string& text,
   const auto old = read_text_file(*path, kMostBytes);
   if (!old) return tl::unexpected(old.error());
   if (version && *version != version_of(*old))
-    return fail("somebody else changed '" + name + "' since it was opened", "",
+    return fail("another program changed '" + name + "' since it was opened", "",
                 "open it again to take what is there", "stale");
   if (*old != text) {
     std::error_code error;

@@ -19,8 +19,8 @@ class SourceFolder {
   Answer list() const;
   /// `text`, `version` (of the content).
   Answer open(const std::string& name) const;
-  /// Writes it as a scene is written, what was there being kept as `NAME~`. With a `version` only if the
-  /// file still is as it was opened (else the code "stale"). Answers the new `version`.
+  /// Writes it as a scene is written; the old content is kept as `NAME~`. With a `version` only if
+  /// the file still is as it was opened (else the code "stale"). Answers the new `version`.
   Answer save(const std::string& name, const std::string& text,
               const std::optional<std::string>& version) const;
 

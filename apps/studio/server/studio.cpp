@@ -14,7 +14,8 @@
 namespace cogrsim::studio {
 namespace {
 
-// All of PROTOCOL.md, to tell a slip of the pen from what this studio does not have.
+// All requests of PROTOCOL.md, to distinguish a typing error from a request that this studio does
+// not answer.
 const std::vector<std::string>& known_requests() {
   static const std::vector<std::string> names = {
       "hello",         "play",     "pause",       "stop",      "restart",     "step",
@@ -28,7 +29,7 @@ const std::vector<std::string>& known_requests() {
   return names;
 }
 
-// Deeper than a reader that calls itself would like: counted before anything is read.
+// Nesting is counted before parsing, since the parser is recursive.
 bool too_deep(const std::string& text, std::size_t limit) {
   std::size_t depth = 0;
   bool quoted = false;
@@ -54,11 +55,11 @@ std::string dumped(const Json& message) {
 }
 
 Json refused(const Error& error) {
-  Json told = {{"message", error.message}};
-  if (!error.hint.empty()) told["help"] = error.hint;
-  if (!error.where.empty()) told["where"] = error.where;
-  if (!error.code.empty()) told["code"] = error.code;
-  return told;
+  Json out = {{"message", error.message}};
+  if (!error.hint.empty()) out["help"] = error.hint;
+  if (!error.where.empty()) out["where"] = error.where;
+  if (!error.code.empty()) out["code"] = error.code;
+  return out;
 }
 
 }  // namespace
@@ -83,7 +84,7 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
     Role role = Role::viewer;
     std::size_t requests = 0, bytes = 0;
   };
-  std::map<ClientId, Load> loads;  // of the clients there are
+  std::map<ClientId, Load> loads;  // of the present clients
   bool ending = false;
 
   // Of the dispatcher's thread.
@@ -144,7 +145,7 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
     }
   }
 
-  // One request, until it is answered: once, by whoever holds it last if by nobody else.
+  // One request, until it is answered: exactly once, at the latest by its destructor.
   class Pending {
    public:
     Pending(std::shared_ptr<Impl> studio, ClientId client, Json id, std::size_t bytes)
@@ -157,17 +158,17 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
 
     void answer(Answer answer) {
       if (answered_.exchange(true)) return;
-      Json told;
+      Json reply;
       if (answer) {
-        told = answer->is_object() ? std::move(*answer) : Json::object();
-        told["ok"] = true;
+        reply = answer->is_object() ? std::move(*answer) : Json::object();
+        reply["ok"] = true;
       } else {
-        told["ok"] = false;
-        told["error"] = refused(answer.error());
+        reply["ok"] = false;
+        reply["error"] = refused(answer.error());
       }
-      told["id"] = id_;
+      reply["id"] = id_;
       studio_->done(client_, bytes_);
-      studio_->tell(client_, told);
+      studio_->send(client_, reply);
     }
 
    private:
@@ -186,7 +187,7 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
     load->second.bytes -= bytes;
   }
 
-  void tell(ClientId client, const Json& message) {
+  void send(ClientId client, const Json& message) {
     {
       const std::lock_guard<std::mutex> lock(mutex);
       if (ending) return;
@@ -251,7 +252,7 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
       responsible->handle(std::move(request),
                           [pending](Answer answer) { pending->answer(std::move(answer)); });
     } catch (const std::exception& e) {
-      pending->answer(fail(fmt::format("'{}' failed: {}", what, words_of(e))));
+      pending->answer(fail(fmt::format("'{}' failed: {}", what, message_of(e))));
     }
   }
 
@@ -322,7 +323,7 @@ void Studio::left(ClientId client) {
     if (load == impl_->loads.end()) return;
     role = load->second.role;
     impl_->loads.erase(load);
-    // Nobody waits for the answers, and who comes back at once has all its requests again.
+    // The answers are not needed, and a client that reconnects may send as many requests as before.
     impl_->events.forget_viewer(client);
   }
   impl_->put({Impl::Event::Kind::left, client, role, {}});
@@ -352,7 +353,7 @@ void Studio::received(ClientId client, std::string text) {
       id = fields["id"];
     }
   }
-  impl_->tell(client, {{"id", id},
+  impl_->send(client, {{"id", id},
                        {"ok", false},
                        {"error", refused(Error("too many requests wait for their answers", "",
                                                "wait for some of them", "busy"))}});

@@ -1,4 +1,4 @@
-// Between the network and the parts: reads requests, says who may ask what, and hands them on.
+// Between the network and the parts: reads requests, checks access, and passes them on.
 #pragma once
 
 #include <memory>
@@ -9,11 +9,11 @@
 
 namespace cogrsim::studio {
 
-/// Of PROTOCOL.md, as `hello` tells it: goes up with every change that a page of before does not
+/// Of PROTOCOL.md, as `hello` reports it: goes up with every change that an older page does not
 /// understand. kProtocol in web/src/core/protocol.ts is the page's.
-constexpr int kProtocol = 1;
+constexpr int kProtocol = 2;
 
-/// What a page is told when it says hello.
+/// What a page receives in answer to hello.
 struct StudioInfo {
   std::string version;
   std::string kind;  ///< "scene" or "recording"
@@ -23,11 +23,11 @@ struct StudioInfo {
   std::string assets;  ///< Server::assets()
 };
 
-/// Requests as in PROTOCOL.md. A page says `hello` first; the parts are told then that it joined, on
-/// the same thread on which they handle requests.
+/// Requests as in PROTOCOL.md. A page says `hello` first; then joined() of the parts is called, on
+/// the thread on which they handle requests.
 class Studio final : public Inbox {
  public:
-  /// What a client may have under way at a time; more is refused with the code "busy".
+  /// What a client may have pending at a time; more is refused with the code "busy".
   struct Limits {
     std::size_t requests = 256;     ///< without an answer yet
     std::size_t bytes = 64u << 20;  ///< of their texts
@@ -39,7 +39,7 @@ class Studio final : public Inbox {
          Outbox& outbox, Limits limits);
   Studio(StudioInfo info, std::vector<Part*> parts, std::function<std::string(std::size_t)> asset,
          Outbox& outbox);
-  /// Waits for the request that is being handled; those behind it are given up.
+  /// Waits for the request that is being handled; those behind it are dropped.
   ~Studio() override;
 
   void joined(ClientId client, Role role) override;

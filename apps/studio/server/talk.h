@@ -1,4 +1,4 @@
-// What the parts of the studio's server say to each other. Who answers what: ../PROTOCOL.md.
+// The interfaces between the parts of the studio's server. Requests and answers: ../PROTOCOL.md.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,12 @@ enum class Role { viewer, operator_ };
 /// Immutable bytes that several clients may be sent.
 using Bytes = std::shared_ptr<const std::string>;
 
-/// Where messages to the pages go. From any thread; returns at once, whatever the network does.
+/// Sends messages to the pages. From any thread; returns at once, whatever the network does.
 class Outbox {
  public:
   virtual ~Outbox() = default;
 
-  /// A text message. A client that does not take its texts in is let go when too many wait.
+  /// A text message. A client that does not read its texts is cut off when too many wait.
   virtual void send(ClientId client, std::string text) = 0;
   /// To every client.
   virtual void send_all(std::string text) = 0;
@@ -40,13 +40,13 @@ class Outbox {
   virtual bool wants_picture(ClientId client) const = 0;
 };
 
-/// What the network hands on. Called from its thread; returns at once.
+/// Receives what comes from the network. Called from its thread; returns at once.
 class Inbox {
  public:
   virtual ~Inbox() = default;
   virtual void joined(ClientId client, Role role) = 0;
   virtual void left(ClientId client) = 0;
-  /// A text message that is no acknowledgement; at most so long as the network's limit.
+  /// A text message that is no acknowledgement; at most as long as the network's limit.
   virtual void received(ClientId client, std::string text) = 0;
   /// The file behind /asset/NUMBER: absolute path, "" for none. From the network's thread.
   virtual std::string asset(std::size_t number) = 0;
@@ -72,7 +72,7 @@ class Part {
   /// Whether it answers requests of that name, and whether viewers may ask.
   enum class Access { none, viewer, operator_ };
   virtual Access access(std::string_view what) const = 0;
-  /// Called from one thread, one request at a time; what takes long is done elsewhere.
+  /// Called from one thread, one request at a time; long work is done in another thread.
   virtual void handle(Request request, Reply reply) = 0;
   virtual void joined(ClientId, Role) {}
   virtual void left(ClientId) {}

@@ -1,4 +1,5 @@
-// Whose turn it is: what the house does itself, then operators, then viewers, and within each by turns.
+// Turns of clients: the server's own work, then operators, then viewers, and round-robin within
+// each.
 #pragma once
 
 #include <array>
@@ -12,12 +13,13 @@
 
 namespace cogrsim::studio {
 
-/// A queue in which nobody waits for another's many: the next is of the first kind that has any, and of
-/// those of one kind each client has one before any has its second. A client's own keep their order.
+/// A queue in which no client waits for the many items of another: the next is of the first kind
+/// that has any, and within one kind each client has one before any has its second. The items of
+/// one client keep their order.
 template <class Item>
 class Turns {
  public:
-  /// `client` 0: the house itself. A client always comes in the same role.
+  /// `client` 0: the server itself. A client always comes in the same role.
   void put(ClientId client, Role role, Item item) {
     lines_[kind(client, role)].of[client].push_back(std::move(item));
   }
@@ -29,13 +31,13 @@ class Turns {
     return true;
   }
 
-  /// What take() gives. Not of an empty one.
+  /// The item that take() returns. Not of an empty queue.
   const Item& next() const {
     const Line& line = *first_line(lines_);
     return turn(line)->second.front();
   }
 
-  /// Not of an empty one.
+  /// Not of an empty queue.
   Item take() {
     Line& line = *first_line(lines_);
     const auto at = turn(line);
@@ -80,7 +82,7 @@ class Turns {
  private:
   struct Line {
     std::map<ClientId, std::deque<Item>> of;  ///< none of them empty
-    ClientId last = 0;                        ///< whose turn it was
+    ClientId last = 0;                        ///< the client that had the last turn
   };
 
   static std::size_t kind(ClientId client, Role role) {

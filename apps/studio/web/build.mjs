@@ -8,13 +8,13 @@ import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
-const word = (name, otherwise) => {
+const option = (name, otherwise) => {
   const at = process.argv.indexOf(name);
   return at < 0 ? otherwise : resolve(process.argv[at + 1]);
 };
-const out = word("--out", join(here, "dist"));
+const out = option("--out", join(here, "dist"));
 const dev = process.argv.includes("--dev");
-const modules = word("--modules", join(here, "node_modules"));
+const modules = option("--modules", join(here, "node_modules"));
 
 rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });

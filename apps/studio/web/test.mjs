@@ -1,5 +1,5 @@
 // Runs the unit tests beside the sources (src/**/*.test.ts) with Node's own test runner:
-//   node test.mjs [--modules DIR/node_modules] [WORD]      only files whose path has WORD in it
+//   node test.mjs [--modules DIR/node_modules] [TEXT]      only files whose path contains TEXT
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -12,14 +12,14 @@ const at = process.argv.indexOf("--modules");
 const modules = at < 0 ? join(here, "node_modules") : resolve(process.argv[at + 1]);
 // The packages need not lie above this file.
 const { build } = createRequire(join(modules, "esbuild/package.json"))("esbuild");
-const words = process.argv.slice(2).filter((w, i, all) => w !== "--modules" && all[i - 1] !== "--modules");
+const filters = process.argv.slice(2).filter((w, i, all) => w !== "--modules" && all[i - 1] !== "--modules");
 
 const found = [];
 const look = (folder) => {
   for (const entry of readdirSync(folder)) {
     const path = join(folder, entry);
     if (statSync(path).isDirectory()) look(path);
-    else if (/\.test\.tsx?$/.test(entry) && words.every((w) => path.includes(w))) found.push(path);
+    else if (/\.test\.tsx?$/.test(entry) && filters.every((w) => path.includes(w))) found.push(path);
   }
 };
 look(join(here, "src"));

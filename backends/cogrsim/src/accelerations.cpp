@@ -1,5 +1,7 @@
 #include "accelerations.h"
 
+#include "loops.h"
+
 namespace cogrsim::dynamics {
 Accelerations::Accelerations(Mechanism& mechanism)
     : mechanism_(mechanism),
@@ -8,7 +10,13 @@ Accelerations::Accelerations(Mechanism& mechanism)
       body_forces_(mechanism.matter.getNumBodies(),
                    SimTK::SpatialVec(SimTK::Vec3(0), SimTK::Vec3(0))) {}
 
-void Accelerations::compute(const std::vector<AxisLaw>& laws, SimTK::Vector& udot) {
+void Accelerations::compute(const std::vector<AxisLaw>& laws, SimTK::Vector& udot,
+                            const Middle* middle) {
+  compute_open(laws, udot);
+  if (mechanism_.has_loops()) close(middle, udot);
+}
+
+void Accelerations::compute_open(const std::vector<AxisLaw>& laws, SimTK::Vector& udot) {
   Mechanism& m = mechanism_;
   const SimTK::Vector& q = m.state.getQ();
   const SimTK::Vector& u = m.state.getU();
@@ -36,9 +44,49 @@ void Accelerations::compute(const std::vector<AxisLaw>& laws, SimTK::Vector& udo
       find_bias(m, c, weights_, local_.data());
       solve_block(c, accelerations);
     }
-    return;
+  } else {
+    compute_with_simbody(udot);
   }
-  compute_with_simbody(udot);
+}
+
+void Accelerations::close(const Middle* middle, SimTK::Vector& udot) {
+  Mechanism& m = mechanism_;
+  if (!middle && !m.closed_form()) m.matter.calcBiasForSystemJacobian(m.state, body_bias_);
+  for (Component& c : m.components()) {
+    if (c.welds.empty()) continue;
+    update_component(m, c);
+    const std::size_t size = std::size_t(c.size());
+    wanted_.resize(6 * c.welds.size());
+    if (middle) {
+      // G (u0 + h / 2 udot) = 0, where G u0 is what is found here less h / 2 of what led here.
+      find_loop_speeds(m, c, wanted_.data());
+      for (double& e : wanted_) e *= -2.0 / middle->h;
+      start_.resize(size);
+      for (std::size_t k = 0; k < size; ++k) start_[k] = (*middle->udot)[c.speeds[k]];
+      add_loop_rows(c, 1.0, start_.data(), wanted_.data());
+    } else {
+      if (!m.closed_form()) take_bias(c);
+      find_loop_bias(m, c, wanted_.data());
+      for (double& e : wanted_) e = -e;
+    }
+    local_.resize(size);
+    for (std::size_t k = 0; k < size; ++k) local_[k] = udot[c.speeds[k]];
+    close_loops(c, local_.data(), wanted_.data());
+    for (std::size_t k = 0; k < size; ++k) udot[c.speeds[k]] = local_[k];
+  }
+}
+
+// Simbody has accelerations of the bodies' origins, Component::bias those of the space about its own.
+void Accelerations::take_bias(Component& c) const {
+  c.bias.resize(c.links.size());
+  for (std::size_t i = 0; i < c.links.size(); ++i) {
+    const LinkMotion& motion = mechanism_.motions()[std::size_t(c.links[i])];
+    const Link& link = mechanism_.links()[std::size_t(c.links[i])];
+    const SimTK::SpatialVec& a = body_bias_[int(link.mobod.getMobilizedBodyIndex())];
+    c.bias[i].angular = from_simtk(a[0]);
+    c.bias[i].linear = from_simtk(a[1]) - motion.angular.cross(motion.linear) +
+                       c.bias[i].angular.cross(c.origin - motion.X.p);
+  }
 }
 
 // udot of one component; `local_` holds its bias.
@@ -65,12 +113,7 @@ void Accelerations::compute_with_simbody(SimTK::Vector& udot) {
     const SimTK::Vec3 arm = to_simtk(motions[i].X.R * link.com);
     body_forces[int(link.mobod.getMobilizedBodyIndex())] = SimTK::SpatialVec(arm % weight, weight);
   }
-  if (m.has_loops()) {
-    m.system.realize(m.state, SimTK::Stage::Dynamics);
-    m.matter.calcAcceleration(m.state, mobility_forces_, body_forces_, udot, body_accelerations_);
-    return;
-  }
-  if (m.largest_component() > Mechanism::kLargestDense) {
+  if (m.largest_tree() > Mechanism::kLargestDense) {
     m.system.realize(m.state, SimTK::Stage::Dynamics);
     m.matter.calcAccelerationIgnoringConstraints(m.state, mobility_forces_, body_forces_, udot,
                                                  body_accelerations_);

@@ -120,7 +120,7 @@ class DynamicsBackend final : public Backend {
     ours(StepStage::contact_law, "Solver, impulses of non-penetration");
     ours(StepStage::friction, "Solver, Coulomb's cone");
     ours(StepStage::restitution, "Solver, Newton's law");
-    ours(StepStage::joints, "Mechanism on SimTK::SimbodyMatterSubsystem, loops by rows of Solver");
+    ours(StepStage::joints, "Mechanism on SimTK::SimbodyMatterSubsystem, loops by projection");
     ours(StepStage::limits, "Rows");
     ours(StepStage::motors, "Drives, implicit");
     ours(StepStage::integrator, "Stepper");
@@ -137,7 +137,7 @@ class DynamicsBackend final : public Backend {
     try {
       return std::make_unique<DynamicsWorld>(model, *options);
     } catch (const std::exception& e) {
-      return fail("Simbody: " + words_of(e), place_of(*model, model->physics.origin));
+      return fail("Simbody: " + message_of(e), place_of(*model, model->physics.origin));
     }
   }
 

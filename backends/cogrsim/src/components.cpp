@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "loops.h"
 #include "mechanism.h"
 #include "products.h"
 
@@ -23,13 +24,14 @@ Inertia world_inertia(const Link& link, const Placement& X, const Vec3& origin) 
   return out;
 }
 
-// In place, lower triangle, row-major; the diagonal is inverted.
-void factorize(std::vector<double>& a, int n) {
-  for (int i = 0; i < n; ++i) {
+// In place, lower triangle, row-major; the diagonal is inverted. The block of one tree.
+void factorize(std::vector<double>& a, int n, const Component::Range& tree) {
+  const int first = tree.first;
+  for (int i = first; i < tree.end; ++i) {
     double* const ai = &a[std::size_t(i * n)];
-    for (int j = 0; j <= i; ++j) {
+    for (int j = first; j <= i; ++j) {
       const double* const aj = &a[std::size_t(j * n)];
-      const double rest = ai[j] - product(ai, aj, j);
+      const double rest = ai[j] - product(ai + first, aj + first, j - first);
       ai[j] = i == j ? 1.0 / std::sqrt(std::max(rest, 1e-300)) : rest * aj[j];
     }
   }
@@ -87,39 +89,6 @@ void find_columns(const Mechanism& mechanism, const Link& link, const Placement&
   if (mounting.slide >= 0) column[mounting.slide] = {Vec3::Zero(), axis};
 }
 
-void update_loops(const Mechanism& mechanism, Component& c) {
-  const int n = c.size(), m = 6 * int(c.welds.size());
-  c.loop_rows.setZero(m, n);
-  std::vector<double> row;
-  for (std::size_t w = 0; w < c.welds.size(); ++w) {
-    const Weld& weld = c.welds[w];
-    const Placement X = mechanism.placement(mechanism.links()[std::size_t(weld.ghost)]);
-    const Vec3 r = X.p - c.origin;
-    for (int axis = 0; axis < 6; ++axis) {
-      const Vec3 d = Vec3::Unit(axis % 3);
-      const Spatial wrench = axis < 3 ? Spatial{d, Vec3::Zero()} : Spatial{r.cross(d), d};
-      row.assign(std::size_t(n), 0.0);
-      fill_row(c, c.find(weld.ghost), wrench, 1.0, row.data());
-      const int master = c.find(weld.master);
-      if (master >= 0) fill_row(c, master, wrench, -1.0, row.data());
-      for (int k = 0; k < n; ++k) c.loop_rows(6 * int(w) + axis, k) = row[std::size_t(k)];
-    }
-  }
-  c.loop_response.resize(n, m);
-  for (int i = 0; i < m; ++i) {
-    Eigen::VectorXd x = c.loop_rows.row(i).transpose();
-    solve_mass(c, x.data());
-    c.loop_response.col(i) = x;
-  }
-  // A planar loop of hinges forbids three of its six rows twice: the pseudo-inverse shares alike.
-  const Eigen::MatrixXd A = c.loop_rows * c.loop_response;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (A + A.transpose()));
-  const double cut = 1e-9 * eigen.eigenvalues().cwiseAbs().maxCoeff();
-  Eigen::VectorXd inverse = eigen.eigenvalues();
-  for (int i = 0; i < m; ++i) inverse[i] = inverse[i] > cut ? 1.0 / inverse[i] : 0.0;
-  c.loop_solve = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
-}
-
 }  // namespace
 
 int Component::find(int link) const {
@@ -129,8 +98,9 @@ int Component::find(int link) const {
 }
 
 void update_component(const Mechanism& mechanism, Component& c) {
-  if (c.current) return;
-  c.current = true;
+  const SimTK::ValueVersion version = mechanism.state.getQValueVersion();
+  if (c.version == version) return;
+  c.version = version;
   c.has_inverse = false;
   const int n = c.size();
   const auto link_of = [&](std::size_t i) -> const Link& {
@@ -180,7 +150,7 @@ void update_component(const Mechanism& mechanism, Component& c) {
       }
     }
   }
-  factorize(c.factor, n);
+  for (const Component::Range& tree : c.trees) factorize(c.factor, n, tree);
   if (!c.welds.empty()) update_loops(mechanism, c);
 }
 
@@ -200,7 +170,8 @@ void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>
   const auto velocity_of = [&](const LinkMotion& motion) -> Spatial {
     return {motion.angular, motion.velocity_at(c.origin)};
   };
-  static thread_local std::vector<Spatial> velocity, acceleration, force;
+  static thread_local std::vector<Spatial> velocity, force;
+  std::vector<Spatial>& acceleration = c.bias;
   const std::size_t count = c.links.size();
   velocity.resize(count);
   acceleration.resize(count);
@@ -248,21 +219,37 @@ void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>
   }
 }
 
+namespace {
+
+void solve_tree(const Component& c, double* x, const Component::Range& tree) {
+  const int n = c.size(), first = tree.first, end = tree.end;
+  const double* const L = c.factor.data() + first;
+  x += first;
+  for (int i = first; i < end; ++i) {
+    const int k = i - first;
+    x[k] = (x[k] - product(L + i * n, x, k)) * L[i * n + k];
+  }
+  for (int i = end; i-- > first;) {
+    const int k = i - first;
+    const double xi = x[k] *= L[i * n + k];
+    add_scaled(-xi, L + i * n, k, x);
+  }
+}
+
+}  // namespace
+
 void solve_mass(const Component& c, double* x) {
-  assert(c.current);
   if (c.lone) {
     Eigen::Map<Vec3> angular(x), linear(x + 3);
     angular = (c.inverse_inertia * angular).eval();
     linear *= c.inverse_mass;
     return;
   }
-  const int n = c.size();
-  const double* const L = c.factor.data();
-  for (int i = 0; i < n; ++i) x[i] = (x[i] - product(L + i * n, x, i)) * L[i * n + i];
-  for (int i = n; i-- > 0;) {
-    const double xi = x[i] *= L[i * n + i];
-    add_scaled(-xi, L + i * n, i, x);
-  }
+  for (const Component::Range& tree : c.trees) solve_tree(c, x, tree);
+}
+
+void solve_mass(const Component& c, double* x, int position_of_link) {
+  solve_tree(c, x, c.trees[std::size_t(c.tree[std::size_t(position_of_link)])]);
 }
 
 void solve_mass_often(Component& c, const double* j, double* w) {
@@ -280,14 +267,6 @@ void solve_mass_often(Component& c, const double* j, double* w) {
   for (int i = 0; i < n; ++i) {
     if (j[i] != 0.0) add_scaled(j[i], &c.inverse[std::size_t(i * n)], n, w);
   }
-}
-
-void close_loop_velocities(const Component& c, double* x, double* loop_impulse) {
-  if (c.welds.empty()) return;
-  Eigen::Map<Eigen::VectorXd> v(x, c.size());
-  const Eigen::VectorXd impulse = -(c.loop_solve * (c.loop_rows * v));
-  v += c.loop_response * impulse;
-  if (loop_impulse) Eigen::Map<Eigen::VectorXd>(loop_impulse, impulse.size()) += impulse;
 }
 
 void fill_row(const Component& c, int position_of_link, const Spatial& wrench, double sign,

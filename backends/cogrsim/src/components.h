@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cogrsim/core/types.h"
+#include "simbody_types.h"
 
 namespace cogrsim::dynamics {
 
@@ -43,6 +44,23 @@ struct Inertia {
 struct Weld {
   int ghost = -1;
   int master = -1;
+  int ghost_at = -1, master_at = -1;  ///< positions in Component::links
+  int first = 0, end = 0;             ///< local degrees of freedom of their trees lie between
+};
+
+/// What the welds of a component forbid at one configuration, see loops.h.
+struct Loops {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  struct Kept {
+    int weld = 0, row = 0;
+    int lead = 0;        ///< the first entry of its row of `factor` that is not zero
+    double scale = 1.0;  ///< of the row in `factor`
+  };
+  Rows G;                      ///< (6 nweld x size)
+  Rows W;                      ///< M^-1 G', by rows as G
+  std::vector<Kept> kept;      ///< rows that say something of their own
+  std::vector<double> factor;  ///< lower Cholesky factor of those of G M^-1 G', its diagonal
+                               ///< inverted; rows of 6 nweld
 };
 
 struct Component {
@@ -51,13 +69,18 @@ struct Component {
   std::vector<int> speeds;   ///< global u index of each local degree of freedom
   std::vector<int> first;    ///< first local degree of freedom of each of `links`
   std::vector<int> inboard;  ///< position in `links` of the parent; -1: none in this component
-  std::vector<Weld> welds;
-  bool lone = false;  ///< one free body: closed forms hold
-  int offset = 0;     ///< of its degrees of freedom in arrays over all components
+  struct Range {
+    int first = 0, end = 0;
+  };
+  std::vector<Range> trees;  ///< degrees of freedom of each; one, unless there are welds
+  std::vector<int> tree;     ///< of each of `links`
+  std::vector<Weld> welds;   ///< with some, `links` go tree by tree
+  bool lone = false;         ///< one free body: closed forms hold
+  int offset = 0;            ///< of its degrees of freedom in arrays over all components
   int size() const { return int(speeds.size()); }
 
-  // At one configuration; valid when `current`.
-  bool current = false;
+  // At one configuration: that of this version of the state's coordinates.
+  SimTK::ValueVersion version = -1;
   Vec3 origin = Vec3::Zero();           ///< what `motion` refers to [m]
   std::vector<Inertia> inertias;        ///< of each of `links`; not of a lone body
   std::vector<Spatial> motion;          ///< velocity of the outboard bodies per unit speed (size)
@@ -67,9 +90,9 @@ struct Component {
                                         ///< its diagonal inverted
   std::vector<double> inverse;          ///< M^-1 (size x size), the loops ignored; small ones only
   bool has_inverse = false;             ///< `inverse` is of this configuration
-  Eigen::MatrixXd loop_rows;            ///< G: what the welds forbid (6 nweld x size)
-  Eigen::MatrixXd loop_solve;           ///< (G M^-1 G^T)^+
-  Eigen::MatrixXd loop_response;        ///< M^-1 G^T
+  Loops loops;
+  std::vector<Spatial>
+      bias;  ///< find_bias: accelerations of `links` while the coordinates' are zero
 
   /// Position of a link in `links`.
   int find(int link) const;
@@ -89,14 +112,11 @@ void find_bias(const Mechanism& mechanism, Component& component, const std::vect
 
 /// x := M^-1 x, the loops ignored.
 void solve_mass(const Component& component, double* x);
+/// The same of one tree, that of a link at a position in `links`; the rest of x stays as it is.
+void solve_mass(const Component& component, double* x, int position_of_link);
 
 /// w := M^-1 j, the loops ignored; for many j at one configuration.
 void solve_mass_often(Component& component, const double* j, double* w);
-
-/// x := the part of M^-1 x that keeps the loops closed, when x came from solve_mass:
-/// x - M^-1 G^T (G M^-1 G^T)^+ G x. Returns the impulses of the welds through `loop_impulse`
-/// (6 nweld), added to, when not null.
-void close_loop_velocities(const Component& component, double* x, double* loop_impulse);
 
 /// Row J of the velocity of a link along `wrench` (force and torque about the component's origin).
 void fill_row(const Component& component, int position_of_link, const Spatial& wrench, double sign,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loops.h"
+
 namespace cogrsim::dynamics {
 namespace {
 
@@ -100,7 +102,7 @@ void classify_laws(Mechanism& mechanism, const std::vector<Drive>& drives, doubl
     column.assign(std::size_t(c.size()), 0.0);
     column[std::size_t(law.local)] = 1.0;
     solve_mass(c, column.data());
-    close_loop_velocities(c, column.data(), nullptr);
+    close_loops(c, column.data());
     const double x = gain * column[std::size_t(law.local)];
     law.implicit = x > kExplicitLimit;
     law.theta = fitted_theta(x);

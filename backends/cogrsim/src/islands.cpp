@@ -26,6 +26,8 @@ constexpr double kIdle = 10.0, kSlow = 0.3;
 // left undone when it was not. What drives has something to do in every step.
 constexpr double kIdleMoving = 30.0;
 constexpr double kIdleLarge = 300.0, kSlowLarge = 0.7;
+// What the sweeps did not solve is solved at once in islands of up to so many rows.
+constexpr std::size_t kDirect = 36;
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Read6 = Eigen::Map<const Vec6>;
@@ -117,6 +119,7 @@ void Island::clear() {
   blocks.clear();
   speeds.clear();
   pairs.clear();
+  components.clear();
   p.clear();
   bearings_.clear();
 }
@@ -200,6 +203,8 @@ double Island::relax_bearing(const Bearing& bearing) {
     before[i] = line.lambda;
     residual[i] = line.bias + Rows::along(line, v.data()) + line.gamma * line.lambda;
   }
+  const double mean = bearing.shared * before.sum();
+  for (int i = 0; i < bearing.count; ++i) residual[i] -= mean;
   Eigen::Vector4d wanted = before - bearing.inverse * residual;
   if (wanted.minCoeff() < 0.0) {
     constexpr int kPasses = 6;
@@ -228,8 +233,9 @@ double Island::relax_two(const Bearing& bearing) {
   Line& two = lines[std::size_t(bearing.line[1])];
   const double a = bearing.response(0, 0), b = bearing.response(0, 1), d = bearing.response(1, 1);
   const double before1 = one.lambda, before2 = two.lambda;
-  const double r1 = one.bias + Rows::along(one, v.data()) + one.gamma * before1;
-  const double r2 = two.bias + Rows::along(two, v.data()) + two.gamma * before2;
+  const double mean = bearing.shared * (before1 + before2);
+  const double r1 = one.bias + Rows::along(one, v.data()) + one.gamma * before1 - mean;
+  const double r2 = two.bias + Rows::along(two, v.data()) + two.gamma * before2 - mean;
   double l1 = before1 - (bearing.inverse(0, 0) * r1 + bearing.inverse(0, 1) * r2);
   double l2 = before2 - (bearing.inverse(0, 1) * r1 + bearing.inverse(1, 1) * r2);
   if (l1 < 0.0 || l2 < 0.0) {
@@ -247,6 +253,18 @@ double Island::relax_two(const Bearing& bearing) {
   two.lambda = l2;
   Rows::apply_both(one, change1, two, change2, v.data());
   return std::max(std::abs(a * change1 + b * change2), std::abs(b * change1 + d * change2));
+}
+
+void Island::prepare() {
+  is_heap_ = lines.size() > kSmall && contacts == 0 &&
+             std::all_of(lines.begin(), lines.end(), [](const Line& line) { return line.lone; }) &&
+             std::all_of(blocks.begin(), blocks.end(), [](const Block& block) {
+               return block.friction_kind == FrictionKind::point;
+             });
+  if (is_heap_)
+    heap_.fill(lines, blocks, pairs, components);
+  else
+    find_bearings();
 }
 
 void Island::find_bearings() {
@@ -269,6 +287,15 @@ void Island::find_bearings() {
       }
       bearing.response(i, i) = a.diagonal + a.gamma;
     }
+    // Beyond the mean of this step, not of the last as the target says: else what lands on a light
+    // body would fall until the mean has grown.
+    const double gamma = lines[std::size_t(bearing.line[0])].gamma;
+    double load = 0.0;
+    for (int i = 0; i < size; ++i) load += lines[std::size_t(bearing.line[i])].lambda;
+    for (int i = 0; i < size; ++i) lines[std::size_t(bearing.line[i])].bias += gamma * load / size;
+    bearing.shared = Bearing::kShared * gamma / size;
+    for (int i = 0; i < size; ++i)
+      for (int k = 0; k < size; ++k) bearing.response(i, k) -= bearing.shared;
     bearing.inverse = bearing.response.inverse();
     for (int i = 0; i < size; ++i) blocks[contacts + first + std::size_t(i)].borne = true;
     blocks[contacts + first].bearing = blocks[contacts + end - 1].bearing = int(bearings_.size());
@@ -293,6 +320,7 @@ double Island::sweep(bool backwards) {
 }
 
 int Island::solve_velocities(const SolverOptions& options) {
+  if (is_heap_) return heap_.solve_velocities(options, lines, v);
   const bool alone = std::all_of(lines.begin(), lines.end(), [this](const Line& line) {
     return line.size[1] == 0 && line.at[0] == 0 && std::size_t(line.size[0]) == v.size();
   });
@@ -341,6 +369,7 @@ int Island::solve_velocities_of(const SolverOptions& options) {
     }
     if (accelerate && backwards && count < options.iterations) last_size = go_on(last_size);
   }
+  if (rows <= kDirect) solve_directly(small * options.tolerance);
   return options.iterations;
 }
 
@@ -442,6 +471,7 @@ void Island::hold_sticking(double h) {
 }
 
 void Island::solve_positions(const SolverOptions& options, double h, std::vector<Row>& rows) {
+  if (is_heap_) return heap_.solve_positions(options, h, lines, rows, p);
   if (!measure_gaps(h, rows)) return;
   const std::size_t normals = gaps_.size();
   hold_sticking(h);

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "heap.h"
 #include "rows.h"
 
 namespace cogrsim::dynamics {
@@ -42,8 +43,13 @@ struct Block {
 /// one, because each point yields but little (see README).
 struct Bearing {
   static constexpr int kMost = 4;
+  /// To so much of the mean load no point yields. Not quite all: points that joints hold may have no
+  /// other say in it.
+  static constexpr double kShared = 1.0 - 1e-6;
   int count = 0;
   int line[kMost] = {0, 0, 0, 0};
+  double shared = 0.0;  ///< each point yields to what it bears beyond the mean of all [1/kg]: this
+                        ///< times their sum is taken off
   Eigen::Matrix4d response = Eigen::Matrix4d::Zero();  ///< J W^T and what the points yield
   Eigen::Matrix4d inverse = Eigen::Matrix4d::Zero();
 };
@@ -56,12 +62,13 @@ class Island {
   std::size_t contacts = 0;   ///< where those of contacts begin
   std::vector<int> speeds;    ///< of each speed, where it is in arrays over all components
   std::vector<int> pairs;     ///< of each contact's block, a number that those of one pair share
-  std::vector<double> v;      ///< change of the speeds
-  std::vector<double> p;      ///< displacement; empty: none
+  std::vector<const Component*> components;
+  std::vector<double> v;  ///< change of the speeds
+  std::vector<double> p;  ///< displacement; empty: none
 
   void clear();
-  /// Finds the resting pairs. After all lines and blocks are there.
-  void find_bearings();
+  /// Makes ready what the sweeps need. After all lines and blocks are there.
+  void prepare();
   /// Velocity stage, from the impulses in the lines, which are not in `v` yet. Returns the sweeps.
   int solve_velocities(const SolverOptions& options);
   /// Position stage, after the other: fills `p` and the gaps of the rows in `rows`, all rows there
@@ -69,6 +76,7 @@ class Island {
   void solve_positions(const SolverOptions& options, double h, std::vector<Row>& rows);
 
  private:
+  void find_bearings();
   // A row with a gap, or one that must not slide: how far it is from its target, and the multiplier
   // of its displacement.
   struct Gap {
@@ -94,10 +102,14 @@ class Island {
   template <class Rows>
   double sweep(bool backwards);
   double go_on(double last_size);
+  // Returns whether all rows hold then; see direct.cpp.
+  bool solve_directly(double tolerance);
   double go_on_settling(double last_size);
   bool measure_gaps(double h, std::vector<Row>& rows);
   void hold_sticking(double h);
 
+  bool is_heap_ = false;
+  Heap heap_;  ///< with is_heap_: does all the work
   std::vector<Bearing> bearings_;
   std::vector<Gap> gaps_;
   std::vector<double> last_lambda_, last_v_, along_lambda_, along_v_;

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "cogrsim/model/joint_kinematics.h"
+#include "loops.h"
 
 namespace cogrsim::dynamics {
 namespace {
@@ -94,7 +95,6 @@ void join_suddenly(Mechanism& mechanism, const SceneModel& model, const std::vec
   int n = 0;
   for (auto& [number, offset] : first) {
     Component& component = mechanism.components()[std::size_t(number)];
-    component.current = false;
     update_component(mechanism, component);
     offset = n;
     n += component.size();
@@ -122,7 +122,7 @@ void join_suddenly(Mechanism& mechanism, const SceneModel& model, const std::vec
     for (const auto& [number, offset] : first) {
       const Component& component = mechanism.components()[std::size_t(number)];
       solve_mass(component, &W(r, offset));
-      close_loop_velocities(component, &W(r, offset), nullptr);
+      close_loops(component, &W(r, offset));
     }
   }
   const Eigen::MatrixXd A = J * W.transpose();
@@ -139,7 +139,6 @@ void join_suddenly(Mechanism& mechanism, const SceneModel& model, const std::vec
     Component& component = mechanism.components()[std::size_t(number)];
     for (int k = 0; k < component.size(); ++k)
       u[component.speeds[std::size_t(k)]] += change[offset + k];
-    component.current = false;
   }
   mechanism.realize_velocity();
 }

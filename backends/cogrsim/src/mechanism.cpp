@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+
+#include "loops.h"
 
 namespace cogrsim::dynamics {
 namespace {
 
-constexpr double kLoopTolerance = 1e-10;  // [m], [rad]: what project() brings closed loops to
+constexpr double kClosed = 1e-13;      // [m], [rad]: what project() brings closed loops to, and
+constexpr int kMostProjections = 100;  // gives up after;
+constexpr double kLeastShare = 1e-2;   // goes no shorter way than this share of one of them;
+constexpr double kCannotClose = 1e-6;  // what of a gap is then an error.
 
 }  // namespace
 
@@ -16,7 +22,6 @@ Mechanism::Mechanism(SceneModelPtr model)
   matter.setShowDefaultGeometry(false);
   links_.reserve(plan_.links.size());
   for (const PlannedLink& plan : plan_.links) add_link(plan);
-  close_loops();
 
   state = system.realizeTopology();
   system.realizeModel(state);
@@ -87,15 +92,6 @@ void Mechanism::add_link(const PlannedLink& plan) {
   links_.push_back(link);
 }
 
-void Mechanism::close_loops() {
-  for (Link& link : links_) {
-    if (!link.plan.ghost) continue;
-    Link& master = links_[std::size_t(plan_.body_link[std::size_t(link.plan.body)])];
-    SimTK::Constraint::Weld(master.mobod, link.mobod);
-    has_loops_ = true;
-  }
-}
-
 void Mechanism::make_components() {
   // Trees are numbered by their first link; welds then tie trees together.
   std::vector<int> root(links_.size());
@@ -110,6 +106,7 @@ void Mechanism::make_components() {
   }
   for (std::size_t i = 0; i < links_.size(); ++i) {
     if (!links_[i].plan.ghost) continue;
+    has_loops_ = true;
     const int a = find(int(i)), b = find(body_link(links_[i].plan.body));
     root[std::size_t(std::max(a, b))] = std::min(a, b);
   }
@@ -125,24 +122,54 @@ void Mechanism::make_components() {
     }
     Component& c = components_[std::size_t(number)];
     link.component = number;
-    c.first.push_back(c.size());
-    c.inboard.push_back(link.plan.parent < 0 ? -1 : c.find(link.plan.parent));
     c.links.push_back(int(i));
-    for (int k = 0; k < link.nu; ++k) c.speeds.push_back(link.first_u + k);
-    if (link.plan.ghost) c.welds.push_back({int(i), body_link(link.plan.body)});
   }
   int offset = 0;
   for (Component& c : components_) {
+    // Tree by tree, a parent before its children.
+    std::vector<int> tree_root(links_.size(), -1);
+    for (int i : c.links) {
+      const int parent = links_[std::size_t(i)].plan.parent;
+      const bool inside = parent >= 0 && !links_[std::size_t(parent)].kinematic;
+      tree_root[std::size_t(i)] = inside ? tree_root[std::size_t(parent)] : i;
+    }
+    std::stable_sort(c.links.begin(), c.links.end(), [&](int a, int b) {
+      return tree_root[std::size_t(a)] < tree_root[std::size_t(b)];
+    });
+    for (std::size_t at = 0; at < c.links.size(); ++at) {
+      const Link& link = links_[std::size_t(c.links[at])];
+      c.first.push_back(c.size());
+      c.inboard.push_back(link.plan.parent < 0 ? -1 : c.find(link.plan.parent));
+      if (c.inboard.back() < 0) c.trees.push_back({c.size(), c.size()});
+      c.tree.push_back(int(c.trees.size()) - 1);
+      for (int k = 0; k < link.nu; ++k) c.speeds.push_back(link.first_u + k);
+      c.trees.back().end = c.size();
+    }
+    for (const Component::Range& tree : c.trees)
+      largest_ = std::max(largest_, tree.end - tree.first);
+    for (int i : c.links) {
+      const PlannedLink& plan = links_[std::size_t(i)].plan;
+      if (!plan.ghost) continue;
+      Weld weld;
+      weld.ghost = i;
+      weld.master = body_link(plan.body);
+      weld.ghost_at = c.find(weld.ghost);
+      weld.master_at = c.find(weld.master);
+      const Component::Range& a = c.trees[std::size_t(c.tree[std::size_t(weld.ghost_at)])];
+      const Component::Range& b = c.trees[std::size_t(c.tree[std::size_t(weld.master_at)])];
+      weld.first = std::min(a.first, b.first);
+      weld.end = std::max(a.end, b.end);
+      c.welds.push_back(weld);
+    }
     c.offset = offset;
     offset += c.size();
     c.lone = c.links.size() == 1 && links_[std::size_t(c.links[0])].plan.joint < 0;
     c.motion.resize(std::size_t(c.size()));
-    largest_ = std::max(largest_, c.size());
   }
-  closed_form_ = !has_loops_ && largest_ <= kLargestDense &&
-                 std::none_of(links_.begin(), links_.end(), [](const Link& link) {
-                   return link.mounting.kind == Mounting::Kind::other;
-                 });
+  closed_form_ =
+      largest_ <= kLargestDense && std::none_of(links_.begin(), links_.end(), [](const Link& link) {
+        return link.mounting.kind == Mounting::Kind::other;
+      });
 }
 
 int Mechanism::axis_speed(int joint, int axis) const {
@@ -187,16 +214,63 @@ void Mechanism::normalize_quaternions() {
 void Mechanism::project() {
   normalize_quaternions();
   if (!has_loops_) return;
-  SimTK::ProjectOptions options(kLoopTolerance);
-  options.setOption(SimTK::ProjectOptions::DontThrow);
-  SimTK::ProjectResults result;
-  SimTK::Vector none;
-  system.realize(state, SimTK::Stage::Position);
-  system.projectQ(state, none, options, result);
-  if (result.getExitStatus() != SimTK::ProjectResults::Succeeded && result.getNormOnExit() > 1e-6)
+  close_coordinates();
+  project_speeds();
+}
+
+void Mechanism::close_coordinates() {
+  static thread_local std::vector<double> gaps, change;
+  SimTK::Vector from, shift(state.getNU()), rates(state.getNQ());
+  double before = std::numeric_limits<double>::infinity(), share = 1.0;
+  const auto measure = [&](Component& c) {
+    gaps.resize(6 * c.welds.size());
+    return find_loop_gaps(*this, c, gaps.data());
+  };
+  for (int count = 0; count < kMostProjections; ++count) {
+    double most = 0.0;
+    for (Component& c : components_)
+      if (!c.welds.empty()) most = std::max(most, measure(c));
+    // What is left does not get less: rounding.
+    if (most <= kClosed || (most < kCannotClose && most > 0.5 * before)) return;
+    if (most < before || share < kLeastShare) {
+      share = 1.0;
+      before = most;
+      shift.setToZero();
+      for (Component& c : components_) {
+        if (c.welds.empty() || !(measure(c) > kClosed)) continue;
+        update_component(*this, c);
+        change.assign(std::size_t(c.size()), 0.0);
+        for (double& e : gaps) e = -e;
+        close_loops(c, change.data(), gaps.data());
+        for (int k = 0; k < c.size(); ++k) shift[c.speeds[std::size_t(k)]] = change[std::size_t(k)];
+      }
+      copy(state.getQ(), from);
+      multiply_by_n(shift, rates);
+    } else {
+      share *= 0.5;  // too far to be a straight way
+    }
+    add(from, share, rates, state.updQ());
+    normalize_quaternions();
+  }
+  if (!(before < kCannotClose))
     throw std::runtime_error("joints that close a loop cannot all be satisfied");
-  system.realize(state, SimTK::Stage::Velocity);
-  system.projectU(state, none, options, result);
+}
+
+void Mechanism::project_speeds() {
+  static thread_local std::vector<double> wanted, change;
+  SimTK::Vector projected = state.getU();
+  for (Component& c : components_) {
+    if (c.welds.empty()) continue;
+    update_component(*this, c);
+    wanted.resize(6 * c.welds.size());
+    find_loop_speeds(*this, c, wanted.data());
+    for (double& e : wanted) e = -e;
+    change.assign(std::size_t(c.size()), 0.0);
+    close_loops(c, change.data(), wanted.data());
+    for (int k = 0; k < c.size(); ++k)
+      projected[c.speeds[std::size_t(k)]] += change[std::size_t(k)];
+  }
+  copy(projected, state.updU());
 }
 
 void Mechanism::set_base(const Link& link, const Pose& X_WB, const Twist& V_WB) {

@@ -40,10 +40,10 @@ class Mechanism {
   int joint_link(int joint) const { return plan_.joint_link[std::size_t(joint)]; }
   std::vector<Component>& components() { return components_; }
   bool has_loops() const { return has_loops_; }
-  int largest_component() const { return largest_; }
+  int largest_tree() const { return largest_; }
   /// Beyond this many degrees of freedom in one tree the recursion beats the dense block.
   static constexpr int kLargestDense = 48;
-  /// Small trees of joints with fixed axes, no loops: mass matrix and bias forces are found without
+  /// Small trees of joints with fixed axes: mass matrix and bias forces are found without
   /// Simbody, whose stages cost several times as much.
   bool closed_form() const { return closed_form_; }
 
@@ -64,6 +64,8 @@ class Mechanism {
   /// Quaternions back to unit length and, with loops, coordinates and speeds back onto them.
   void project();
   void normalize_quaternions();
+  /// Speeds to the nearest that keep loops closed, at the state's coordinates.
+  void project_speeds();
 
   // Of one link's own coordinates, without touching the others.
   void set_base(const Link& link, const Pose& X_WB, const Twist& V_WB);
@@ -78,8 +80,9 @@ class Mechanism {
 
  private:
   void add_link(const PlannedLink& plan);
-  void close_loops();
   void make_components();
+  // Least changes, in the norm of the mass matrix, that close the loops; see loops.h.
+  void close_coordinates();
 
   SceneModelPtr model_;
   TreePlan plan_;

@@ -45,7 +45,6 @@ void add_contacts(const Mechanism& m, const StepRecord& record, std::vector<Mome
 void share_loops(Mechanism& m, Component& c, const StepRecord& record,
                  const std::vector<Momenta>& through, std::vector<Momenta>& own) {
   const SceneModel& model = m.model();
-  c.current = false;
   update_component(m, c);
   // s . (wrench through the joint) is the joint's effort along s.
   Eigen::VectorXd excess = Eigen::VectorXd::Zero(c.size());
@@ -64,7 +63,7 @@ void share_loops(Mechanism& m, Component& c, const StepRecord& record,
           excess[local] -= (*record.joint_efforts)[std::size_t(joint.speed_offset + model_axis)];
     }
   }
-  const Eigen::MatrixXd Gt = c.loop_rows.transpose();
+  const Eigen::MatrixXd Gt = c.loops.G.transpose();
   const Eigen::VectorXd f = Gt.completeOrthogonalDecomposition().solve(excess);
   for (std::size_t w = 0; w < c.welds.size(); ++w) {
     const Vec3 torque = f.segment<3>(Eigen::Index(6 * w)) * record.dt;

@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "cogrsim/core/constants.h"
+#include "loops.h"
 
 namespace cogrsim::dynamics {
 namespace {
 
 // A gap that closes to less than this by the end of the step counts as touching [m], [rad].
 constexpr double kTouching = 1e-5;
-// Speed at which bodies that overlap at the start of a run are pushed apart [m/s].
-constexpr double kRecoverySpeed = 1.0;
 // A contact point with less than this part of its bodies' own inverse mass is held by joints.
 constexpr double kHeld = 1e-10;
 // Slower than this, what lands needs no pull onto the surface [m/s].
@@ -160,7 +159,7 @@ void RowBuilder::finish_row(Row& row) {
     double* const w = &set_.pool[side.w];
     if (c.lone) continue;  // add_lone_side did it
     solve_mass_often(c, j, w);
-    close_loop_velocities(c, w, nullptr);
+    close_loops(c, w);
     for (int k = 0; k < side.size; ++k) row.diagonal += j[k] * w[k];
   }
 }
@@ -347,6 +346,11 @@ void RowBuilder::add_law(const StepContext& context, const AxisLaw& law) {
   row.gamma = 1.0 / (h * K);
 }
 
+bool RowBuilder::jointed(int link) const {
+  const int component = link < 0 ? -1 : mechanism_.links()[std::size_t(link)].component;
+  return component >= 0 && !mechanism_.components()[std::size_t(component)].lone;
+}
+
 void RowBuilder::add_contact(const StepContext& context, const ContactPoint& point, int body_a,
                              int body_b, const SurfacePair& surface, const Line& line) {
   const int link_a = mechanism_.body_link(body_a), link_b = mechanism_.body_link(body_b);
@@ -373,6 +377,7 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   }
   Approach approach;
   const double h = context.h;
+  row.deep = point.gap < -kTouching && (jointed(link_a) || jointed(link_b));
   approach.restitution = surface.restitution;
   approach.speed = row.now - 0.5 * h * set_.along(row, context.start_udot);
   approach.gap = point.gap - 0.5 * h * approach.speed;

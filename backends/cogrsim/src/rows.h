@@ -4,11 +4,13 @@
 #include <limits>
 #include <vector>
 
-#include "collision/contact_point.h"
+#include "cogrsim/geometry/manifold.h"
 #include "drives.h"
 #include "mechanism.h"
 
 namespace cogrsim::dynamics {
+
+using geometry::ContactPoint;
 
 /// Numbers of a row that concern one component: J and W = M^-1 J^T, in the pool of the set.
 struct RowSide {
@@ -37,6 +39,7 @@ struct Row {
   bool has_gap = false;
   bool pull = false;  ///< brought to `gap_target` from above, too, when it pressed
   bool hits = false;  ///< its impulse, if there is one, is an impact's
+  bool deep = false;  ///< joints hold the bodies, which overlap
   double gap = 0.0;
   double gap_target = 0.0;
   double push = 0.0;     ///< impulse-like multiplier of the displacement; before: to start from
@@ -127,6 +130,9 @@ struct StepContext {
   const SimTK::Vector* start_u = nullptr;
 };
 
+/// Speed at which bodies that overlap at the start of a run are pushed apart [m/s].
+inline constexpr double kRecoverySpeed = 1.0;
+
 /// Gap and speed along a unilateral row, and what the step shall make of them.
 struct Approach {
   double gap = 0.0;           ///< at the start [m]
@@ -170,6 +176,7 @@ class RowBuilder {
   Row& add_twist_row(int link_a, int link_b, const Vec3& axis);
   void add_lone_side(Row& row, const Component& c, const Spatial& wrench, double sign);
   void finish_row(Row& row);
+  bool jointed(int link) const;
   Vec3 point_velocity(int link, const Vec3& point) const;
   void add_limits(const StepContext& context, int joint);
   void add_ball_limit(const StepContext& context, int joint);

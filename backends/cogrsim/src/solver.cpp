@@ -52,6 +52,7 @@ int Solver::add_line(const RowSet& set, int index, Island& island) {
     if (first < 0) {
       first = int(island.speeds.size());
       for (int k = 0; k < side.size; ++k) island.speeds.push_back(side.speeds + k);
+      island.components.push_back(&(*components_)[std::size_t(side.component)]);
     }
     line.at[s] = first;
     line.size[s] = side.size;
@@ -119,13 +120,14 @@ void Solver::fill_islands(const RowSet& set) {
   }
 }
 
-int Solver::solve_velocities(RowSet& set, double* dv) {
+int Solver::solve_velocities(RowSet& set, const std::vector<Component>& components, double* dv) {
+  components_ = &components;
   partition(set);
   fill_islands(set);
   int most = 0;
   for (int i = 0; i < count_; ++i) {
     Island& island = islands_[std::size_t(i)];
-    island.find_bearings();
+    island.prepare();
     island.v.resize(island.speeds.size());
     for (std::size_t k = 0; k < island.speeds.size(); ++k) island.v[k] = dv[island.speeds[k]];
     most = std::max(most, island.solve_velocities(options_));

@@ -21,7 +21,7 @@ class Solver {
   /// Velocity stage: finds the impulses of all rows, starting from those in the rows, and adds what
   /// they do to `dv` (over all components), which the warm starts must not be in yet. Returns the
   /// most sweeps that an island took.
-  int solve_velocities(RowSet& set, double* dv);
+  int solve_velocities(RowSet& set, const std::vector<Component>& components, double* dv);
 
   /// Position stage ("split impulse"), right after the other: displacements `p`, along W of the
   /// unilateral rows, that bring gaps at the end of the step `h` [s] to their targets. Adds no
@@ -36,6 +36,7 @@ class Solver {
   int add_line(const RowSet& set, int index, Island& island);
 
   SolverOptions options_;
+  const std::vector<Component>* components_ = nullptr;
   std::vector<Island> islands_;  ///< the first `count_` are in use
   int count_ = 0;
   std::vector<int> root_, number_;  ///< by component

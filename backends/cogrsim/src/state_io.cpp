@@ -146,7 +146,7 @@ Result<> DynamicsWorld::set_state(const WorldState& state) {
   } catch (const std::exception& e) {
     m.state.updQ() = q;
     m.state.updU() = u;
-    return fail("Simbody: " + words_of(e));
+    return fail("Simbody: " + message_of(e));
   }
   engine_->stepper.memory.clear();
   progress_.reactions_kept = false;
@@ -218,7 +218,7 @@ Result<> DynamicsWorld::rebuild(const SceneModelPtr& next, SceneStep step) {
     if (swapped) engine_.swap(engine);
     engine_->mechanism.state.updU() = old.u;
     progress_ = old;
-    return fail("Simbody: " + words_of(e));
+    return fail("Simbody: " + message_of(e));
   }
   progress_.reactions = std::move(reactions);
   progress_.reactions_kept = true;

@@ -14,6 +14,13 @@ constexpr double kWatch = 1e-4;
 constexpr double kFlush = 1e-5;
 constexpr double kTilt = 1e-3;
 
+// Stages of Runge-Kutta disagree that would change speeds by more than this share of them. Laws that
+// are only just not stiff (kExplicitLimit in drives.cpp) reach 0.03.
+constexpr double kDoubt = 0.05;
+
+// What overlaps is not pushed apart where a link would move by more than this times what is gained.
+constexpr double kMostWay = 10.0;
+
 // One tree on a free base, tied to nothing else.
 bool is_free(const Mechanism& mechanism, const Component& c) {
   for (std::size_t i = 0; i < c.links.size(); ++i) {
@@ -62,7 +69,6 @@ Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions&
 void Stepper::set(const SimTK::Vector& q, const SimTK::Vector& u) {
   copy(q, mechanism_.state.updQ());
   copy(u, mechanism_.state.updU());
-  for (Component& c : mechanism_.components()) c.current = false;
 }
 
 void Stepper::advance(double dt, const std::vector<Drive>& drives,
@@ -211,7 +217,6 @@ void Stepper::move(double h) {
   copy(m.state.getQ(), q0_);
   copy(m.state.getU(), u0_);
   m.calc_qdot(qdot0_);
-  for (Component& c : m.components()) c.current = false;
   classify_laws(m, *drives_, h, laws_);
   measure_speeds(h);
   measure_momenta(false);
@@ -228,7 +233,9 @@ void Stepper::move(double h) {
   add(q0_, 0.5 * h, qdot0_, qm_);
   add(u0_, 0.5 * h, start_udot_, um_);
   set(qm_, um_);
-  accelerations_.compute(laws_, udot_);
+  const Accelerations::Middle middle{h, &start_udot_};
+  const bool smooth = !remembered && options_.scheme != Scheme::midpoint;
+  accelerations_.compute(laws_, udot_, smooth ? nullptr : &middle);
   detect(h);
   const bool rows = build_rows(h);
 
@@ -246,6 +253,7 @@ void Stepper::move(double h) {
         apart || (untouched_[std::size_t(&c - m.components().data())] && !c.lone && c.size() > 0);
   apart = apart && options_.scheme != Scheme::midpoint;
   if (!apart) std::fill(untouched_.begin(), untouched_.end(), 0);
+  if (smooth && m.has_loops()) accelerations_.compute(laws_, udot_, &middle);
   solve_rows(h);
   if (apart) {
     copy(displaced_, smooth_q_);
@@ -275,6 +283,8 @@ void Stepper::runge_kutta(double h, bool have_first) {
     add(u0_, step, k_[from], stage_);
     set(displaced_, stage_);
   };
+  EffortSums before;
+  if (m.has_loops()) before = impulses;
   copy(qdot0_, qk_[0]);
   if (have_first) {
     copy(udot_, k_[1]);
@@ -301,6 +311,114 @@ void Stepper::runge_kutta(double h, bool have_first) {
     add(displaced_, weight, qk_[i], displaced_);
     add(stage_, weight, k_[i], stage_);
   }
+  if (!m.has_loops()) return;
+  doubtful_.assign(m.components().size(), 0);
+  for (std::size_t i = 0; i < m.components().size(); ++i)
+    doubtful_[i] = untouched_[i] && disagree(m.components()[i], h);
+  if (std::count(doubtful_.begin(), doubtful_.end(), 1) > 0) pass_singular(h, before);
+}
+
+bool Stepper::disagree(const Component& c, double h) const {
+  if (c.welds.empty()) return false;
+  double middle = 0.0, ends = 0.0, size = 0.0, speed = 0.0;
+  for (int u : c.speeds) {
+    const double a = k_[0][u], b = k_[1][u], d = k_[2][u], e = k_[3][u];
+    middle += (d - b) * (d - b);
+    ends += (a - b - d + e) * (a - b - d + e);
+    size += b * b;
+    speed += u0_[u] * u0_[u];
+  }
+  // Written so that a NaN disagrees.
+  return !(h * std::sqrt(std::max(middle, ends)) <=
+           kDoubt * (std::sqrt(speed) + h * std::sqrt(size)));
+}
+
+void Stepper::pass_singular(double h, const EffortSums& efforts) {
+  Mechanism& m = mechanism_;
+  copy(displaced_, qk_[2]);
+  copy(stage_, k_[2]);
+  // um = P(qm) (u0 + h / 2 a) with `a` at the start, the loops ignored: P never enlarges it.
+  set(q0_, u0_);
+  accelerations_.compute_open(laws_, k_[0]);
+  add(q0_, 0.5 * h, qdot0_, displaced_);
+  add(u0_, 0.5 * h, k_[0], stage_);
+  set(displaced_, stage_);
+  m.project_speeds();
+  add(m.state.getU(), -1.0, u0_, k_[0]);
+  k_[0] *= 2.0 / h;
+  const Accelerations::Middle middle{h, &k_[0]};
+  accelerations_.compute(laws_, k_[1], &middle);
+  add(u0_, h, k_[1], stage_);
+  m.multiply_by_n(stage_, qk_[1]);
+  add(displaced_, 0.5 * h, qk_[1], displaced_);
+  for (const AxisLaw& law : laws_) {
+    if (law.implicit || !doubtful_[std::size_t(law.component)]) continue;
+    const double impulse = h * law.effort_at(m.state.getQ(), m.state.getU());
+    impulses.joints[std::size_t(law.effort)] = efforts.joints[std::size_t(law.effort)] + impulse;
+    if (law.motor >= 0)
+      impulses.motors[std::size_t(law.motor)] = efforts.motors[std::size_t(law.motor)] + impulse;
+  }
+  for (const Link& link : m.links()) {
+    if (link.component >= 0 && doubtful_[std::size_t(link.component)]) continue;
+    for (int k = 0; k < link.nq; ++k) displaced_[link.first_q + k] = qk_[2][link.first_q + k];
+    for (int k = 0; k < link.nu; ++k) stage_[link.first_u + k] = k_[2][link.first_u + k];
+  }
+}
+
+void Stepper::limit_displacements(double h) {
+  constexpr double kNone = -1.0;
+  static thread_local std::vector<double> gained;  // most by which a gap of the component opens [m]
+  gained.assign(mechanism_.components().size(), kNone);
+  bool deep = false;
+  for (const ContactRows& contact : set_.contacts) {
+    const Row& row = set_.rows[std::size_t(contact.first)];
+    for (int s = 0; row.deep && s < row.sides; ++s) {
+      double& most = gained[std::size_t(row.side[s].component)];
+      most = std::max({most, row.settled, 0.0});
+      deep = true;
+    }
+  }
+  if (!deep) return;
+  for (const Component& c : mechanism_.components()) {
+    const double gain = gained[std::size_t(&c - mechanism_.components().data())];
+    if (gain < 0.0 || c.lone) continue;
+    const double share = allowed_share(c, h, gain);
+    for (int k = 0; k < c.size(); ++k) displacement_[std::size_t(c.offset + k)] *= share;
+  }
+  for (Row& row : set_.rows)
+    if (row.has_gap) row.settled = set_.along(row, displacement_.data());
+}
+
+// Of a component's displacement, such that no link moves by more, root mean square over its mass, than
+// its own speed and that of recovery make in a step. None at all where a link would move by much more
+// than any gap gains: joints hold it there, and motors would be wound up in vain.
+double Stepper::allowed_share(const Component& c, double h, double gained) const {
+  static thread_local std::vector<Spatial> moves;
+  moves.assign(c.links.size(), Spatial());
+  double share = 1.0;
+  for (std::size_t i = 0; i < c.links.size(); ++i) {
+    const std::size_t index = std::size_t(c.links[i]);
+    const Link& link = mechanism_.links()[index];
+    const LinkMotion& motion = mechanism_.motions()[index];
+    Spatial& move = moves[i];
+    if (c.inboard[i] >= 0) move = moves[std::size_t(c.inboard[i])];
+    for (int k = c.first[i]; k < c.first[i] + link.nu; ++k) {
+      const double d = displacement_[std::size_t(c.offset + k)];
+      move.angular += d * c.motion[std::size_t(k)].angular;
+      move.linear += d * c.motion[std::size_t(k)].linear;
+    }
+    const Placement& X = motion.X;
+    const Vec3 com = X * link.com;
+    const auto mean = [&](const Vec3& turn, const Vec3& shift) {
+      const Vec3 local = X.R.transpose() * turn;
+      return std::sqrt(shift.squaredNorm() + local.dot(link.inertia * local) / link.mass);
+    };
+    const double way = mean(move.angular, move.linear + move.angular.cross(com - c.origin));
+    const double most = h * (kRecoverySpeed + mean(motion.angular, motion.velocity_at(com)));
+    if (way > kFlush + kMostWay * gained) return 0.0;
+    if (way > most) share = std::min(share, most / way);
+  }
+  return share;
 }
 
 void Stepper::solve_rows(double h) {
@@ -317,9 +435,10 @@ void Stepper::solve_rows(double h) {
       dv_[std::size_t(c.offset + k)] = h * (udot[u] - 0.5 * start_udot[u]);
     }
   warm_start(h);
-  balance_pairs();
-  solver_.solve_velocities(set_, dv_.data());
+  balance_pairs(h);
+  solver_.solve_velocities(set_, m.components(), dv_.data());
   solver_.solve_positions(set_, h, displacement_.data());
+  limit_displacements(h);
   sum_efforts(m.state.getQ(), m.state.getU(), h, false);
 
   // u at the end; q over the second half with it, and the displacement of the position stage.

@@ -73,11 +73,21 @@ class Stepper {
   // The smooth motion, from q0_, u0_, qdot0_, to displaced_ and stage_; with `have_first`, k_[0],
   // udot_ and the state hold the first two stages. Sums the efforts in `untouched_` components.
   void runge_kutta(double h, bool have_first);
+  // Whether the stages k_ of Runge-Kutta disagree for a component, as they do where its loops are too
+  // near a singular position for accelerations to mean anything over the step; see loops.h.
+  bool disagree(const Component& component, double h) const;
+  // Takes the components marked in `doubtful_` by the midpoint scheme instead, from q0_, u0_,
+  // qdot0_; the state is anywhere after. `efforts`: sums without those of the step.
+  void pass_singular(double h, const EffortSums& efforts);
   // The motion with all rows, to displaced_ and stage_; the state is at the middle.
   void solve_rows(double h);
   // Where the bodies are at the middle of the step, of length h; what would have moved by more than
   // its own thickness is looked at where it started, lest it be beyond a wall by then.
   void detect(double h);
+  // Links that joints hold inside each other would have to go far to come apart by little, and those
+  // that cannot come apart would be thrown about: none goes farther than what is pushed apart freely.
+  void limit_displacements(double h);
+  double allowed_share(const Component& component, double h, double gained) const;
   // At the middle of the step. False when no row came out of it.
   bool build_rows(double h);
   // The line, if any, that a point of points_ is an end of: of a cylinder or capsule on its side.
@@ -101,7 +111,7 @@ class Stepper {
   // Shares the load of a resting pair among its points: makes each yield a little to what it bears
   // beyond the mean of the last step. Without it rigid contact leaves the shares to chance, and a
   // wheel rolls on one of its rims.
-  void balance_pairs();
+  void balance_pairs(double h);
   void remember(double h);
   // Adds the rows' impulses to `impulses` and `records`.
   void report();
@@ -119,6 +129,7 @@ class Stepper {
 
   RowSet set_;
   std::vector<char> untouched_;  ///< (ncomponent): no row concerns it in this step
+  std::vector<char> doubtful_;   ///< (ncomponent): see disagree()
   struct Gain {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   };

@@ -136,11 +136,15 @@ void Stepper::share_warm_friction() {
   }
 }
 
-void Stepper::balance_pairs() {
-  constexpr double kYield = 5e-3;  // of the inverse mass that the point feels
+void Stepper::balance_pairs(double h) {
+  constexpr double kYield = 5e-3;  // of the inverse mass that the points feel
+  // A light body under a heavy one feels little mass and much load: beyond a load of so many times its
+  // weight it yields less, or the heavy one would tilt on it by and by.
+  constexpr double kLoad = 100.0;
+  const double most = kLoad * h * model_.physics.gravity.norm();
   std::vector<ContactRows>& contacts = set_.contacts;
   for (std::size_t first = 0, end = 0; first < contacts.size(); first = end) {
-    double sum = 0.0;
+    double sum = 0.0, inverse_mass = 0.0;
     int resting = 0;
     const auto row_of = [&](std::size_t i) -> Row& {
       return set_.rows[std::size_t(contacts[i].first)];
@@ -155,13 +159,20 @@ void Stepper::balance_pairs() {
          ++end) {
       if (!rests(end)) continue;
       sum += row_of(end).lambda;
+      inverse_mass += row_of(end).diagonal;
       ++resting;
     }
     if (resting < 2) continue;
+    // The same yield for all: then the loads are the last step's mean, projected onto those that
+    // balance, which never adds to them. Else points that press against each other would.
+    double yield = kYield * inverse_mass / resting;
+    const double speed = inverse_mass * sum / (resting * resting);
+    if (most > 0.0 && speed > most)
+      yield *= std::max(most / speed * (most / speed), 0.1 * most / speed);
     for (std::size_t i = first; i < end; ++i) {
       if (!rests(i)) continue;
       Row& row = row_of(i);
-      row.gamma = kYield * row.diagonal;
+      row.gamma = yield;
       row.target = row.gamma * sum / resting;
       row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
     }
@@ -193,7 +204,8 @@ void Stepper::remember(double h) {
   for (const Row& row : set_.rows) {
     if (!row.hits || row.lambda <= 0.0) continue;
     for (int s = 0; s < row.sides; ++s)
-      for (int u : mechanism_.components()[std::size_t(row.side[s].component)].speeds) udot[u] = 0.0;
+      for (int u : mechanism_.components()[std::size_t(row.side[s].component)].speeds)
+        udot[u] = 0.0;
   }
   memory.had_rows = true;
 }

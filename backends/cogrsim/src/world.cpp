@@ -161,7 +161,7 @@ Result<> DynamicsWorld::restore(const SnapshotPtr& snapshot) {
       engine_ = std::make_unique<Engine>(mine->progress.placed, options_);
     apply(mine->progress);
   } catch (const std::exception& e) {
-    return fail("Simbody: " + words_of(e));
+    return fail("Simbody: " + message_of(e));
   }
   return {};
 }
@@ -170,7 +170,7 @@ Result<> DynamicsWorld::reset() {
   try {
     start(initial_);
   } catch (const std::exception& e) {
-    return fail("Simbody: " + words_of(e));
+    return fail("Simbody: " + message_of(e));
   }
   return {};
 }

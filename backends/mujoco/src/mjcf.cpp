@@ -10,7 +10,7 @@
 #include "surfaces.h"
 
 #include "cogrsim/core/constants.h"
-#include "cogrsim/model/hull_faces.h"
+#include "cogrsim/geometry/hull_faces.h"
 #include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/physics/backend_checks.h"
 
@@ -25,9 +25,7 @@ constexpr double kHeavier = 1e8, kHeavierLever = 10.0;
 
 std::string text(const Vec3& v) { return numbers(v.data(), 3); }
 std::string text(const Quat& q) {
-  double values[4];
-  put(values, q);
-  return numbers(values, 4);
+  return numbers(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()).data(), 4);
 }
 bool is_far(const Pose& X) { return !(X.p.cwiseAbs().maxCoeff() < kFarthest); }
 

@@ -94,10 +94,9 @@ Result<> MujocoWorld::reset() {
   put_kept_state();
   forget_reports();
   // Turns as MuJoCo's compiler normalised them.
-  for (const int qpos : program_->free_qpos) {
-    if (qpos < 0 || vec_at(model_->qpos0 + qpos) != vec_at(data_->qpos + qpos)) continue;
-    std::copy_n(model_->qpos0 + qpos, 7, data_->qpos + qpos);
-  }
+  for (const int i : program_->free_qpos)
+    if (i >= 0 && vec_at(model_->qpos0 + i) == vec_at(data_->qpos + i))
+      std::copy_n(model_->qpos0 + i, 7, data_->qpos + i);
   return {};
 }
 
@@ -130,6 +129,8 @@ Result<> MujocoWorld::change(const SceneModelPtr& next) {
 Result<> MujocoWorld::become(const SceneModelPtr& next, const std::vector<int>& attached) {
   WorldState now;
   get_state(now);
+  std::vector<Contact> contacts;
+  get_contacts(contacts);
   append_new(*next, program_->references.size(), now);
   const auto program = make_program(next, now.poses, program_->references, attached);
   if (!program) return tl::unexpected(program.error());
@@ -140,6 +141,9 @@ Result<> MujocoWorld::become(const SceneModelPtr& next, const std::vector<int>& 
                     kept_.twists.end());
   put_kept_state();
   forget_reports();
+  const auto here = [&](int b) { return program_->bodies[static_cast<std::size_t>(b)] >= 0; };
+  for (const Contact& contact : contacts)
+    if (here(contact.body_a) && here(contact.body_b)) kept_contacts_.push_back(contact);
   return {};
 }
 

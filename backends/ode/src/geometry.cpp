@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cogrsim/model/hull_faces.h"
+#include "cogrsim/geometry/hull_faces.h"
+#include "cogrsim/geometry/triangles.h"
 #include "convert.h"
 
 namespace cogrsim::ode {
@@ -17,25 +18,6 @@ void copy_mesh(const TriangleMesh& mesh, Triangles& out) {
     out.vertices.insert(out.vertices.end(), v.data(), v.data() + 3);
   for (const auto& t : mesh.triangles) {
     for (int i = 0; i < 3; ++i) out.triangles.push_back(static_cast<dTriIndex>(t[i]));
-  }
-}
-
-void copy_heightmap(const HeightGrid& grid, Triangles& out) {
-  for (int r = 0; r < grid.rows; ++r) {
-    for (int c = 0; c < grid.columns; ++c) {
-      out.vertices.push_back(grid.size_x * (static_cast<double>(c) / (grid.columns - 1) - 0.5));
-      out.vertices.push_back(grid.size_y * (static_cast<double>(r) / (grid.rows - 1) - 0.5));
-      out.vertices.push_back(grid.heights[static_cast<std::size_t>(r * grid.columns + c)]);
-    }
-  }
-  const auto index = [&](int r, int c) { return static_cast<dTriIndex>(r * grid.columns + c); };
-  for (int r = 0; r + 1 < grid.rows; ++r) {
-    for (int c = 0; c + 1 < grid.columns; ++c) {
-      for (const auto i : {index(r, c), index(r, c + 1), index(r + 1, c + 1), index(r, c),
-                           index(r + 1, c + 1), index(r + 1, c)}) {
-        out.triangles.push_back(i);
-      }
-    }
   }
 }
 
@@ -89,7 +71,8 @@ const std::shared_ptr<Triangles>& ShapeData::triangles(const SceneModel& model,
   if (is_mesh) {
     copy_mesh(model.meshes[static_cast<std::size_t>(shape.mesh)], *out);
   } else {
-    copy_heightmap(model.heightmaps[static_cast<std::size_t>(shape.heightmap)], *out);
+    copy_mesh(geometry::triangles_of(model.heightmaps[static_cast<std::size_t>(shape.heightmap)]),
+              *out);
   }
   out->data = dGeomTriMeshDataCreate();
   dGeomTriMeshDataBuildDouble(out->data, out->vertices.data(), 3 * sizeof(double),

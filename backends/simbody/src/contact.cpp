@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 namespace cogrsim::simbody {
 
@@ -13,6 +14,7 @@ GeneralContact::GeneralContact(const Mechanism& mechanism, const Options& option
       surfaces_(mechanism.model().materials.size() * mechanism.model().materials.size()) {
   const SceneModel& model = mechanism.model();
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    motions_.emplace_back().index = mechanism.mobod(int(b)).getMobilizedBodyIndex();
     if (mechanism.body_link(int(b)) < 0 && !model.bodies[b].removed)
       detector_.place(int(b), dynamics::Placement(mechanism.places()[b]), 0.0);
   }
@@ -41,16 +43,13 @@ double GeneralContact::stiffness(const dynamics::Collider& a, const dynamics::Co
   return options_.frequency * options_.frequency / (inverse_mass(a.body) + inverse_mass(b.body));
 }
 
-SimTK::Vec3 GeneralContact::push(const SimTK::State& state,
-                                 const dynamics::ContactPoint& point) const {
+SimTK::Vec3 GeneralContact::push(const dynamics::ContactPoint& point) const {
   const dynamics::Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
   const dynamics::Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
   const Surface& between = surface(a.material, b.material);
-  const SimTK::MobilizedBody &A = mechanism_.mobod(a.body), &B = mechanism_.mobod(b.body);
-  const SimTK::SpatialVec &V_a = A.getBodyVelocity(state), &V_b = B.getBodyVelocity(state);
+  const Motion &A = motions_[std::size_t(a.body)], &B = motions_[std::size_t(b.body)];
   const SimTK::Vec3 n = to_simtk(point.normal), at = to_simtk(point.point);
-  const SimTK::Vec3 v = V_b[1] + V_b[0] % (at - B.getBodyOriginLocation(state)) - V_a[1] -
-                        V_a[0] % (at - A.getBodyOriginLocation(state));
+  const SimTK::Vec3 v = B.V[1] + B.V[0] % (at - B.p) - A.V[1] - A.V[0] % (at - A.p);
   const double apart = SimTK::dot(v, n);
   const double f = stiffness(a, b) * -point.gap * (1.0 - between.c * apart);
   if (point.gap >= 0.0 || f <= 0.0) return SimTK::Vec3(0);
@@ -61,29 +60,33 @@ SimTK::Vec3 GeneralContact::push(const SimTK::State& state,
 
 void GeneralContact::calcForce(const SimTK::State& state, SimTK::Vector_<SimTK::SpatialVec>& forces,
                                SimTK::Vector_<SimTK::Vec3>&, SimTK::Vector&) const {
-  read(state, contacts_);
-  for (const Contact& contact : contacts_) {
+  for (const Contact& contact : read(state)) {
     const SimTK::Vec3 force = to_simtk(contact.force), at = to_simtk(contact.point);
-    const SimTK::MobilizedBody &A = mechanism_.mobod(contact.body_a),
-                               &B = mechanism_.mobod(contact.body_b);
-    forces[A.getMobilizedBodyIndex()] -=
-        SimTK::SpatialVec((at - A.getBodyOriginLocation(state)) % force, force);
-    forces[B.getMobilizedBodyIndex()] +=
-        SimTK::SpatialVec((at - B.getBodyOriginLocation(state)) % force, force);
+    const Motion &A = motions_[std::size_t(contact.body_a)],
+                 &B = motions_[std::size_t(contact.body_b)];
+    forces[A.index] -= SimTK::SpatialVec((at - A.p) % force, force);
+    forces[B.index] += SimTK::SpatialVec((at - B.p) % force, force);
   }
 }
 
-void GeneralContact::read(const SimTK::State& state, std::vector<Contact>& out) const {
+const std::vector<Contact>& GeneralContact::read(const SimTK::State& state) const {
+  // Where a step of the integrator ends the next one begins.
+  const auto same = [](const SimTK::Vector& a, const SimTK::Vector& b) {
+    return a.size() > 0 && a.size() == b.size() && std::equal(&a[0], &a[0] + a.size(), &b[0]);
+  };
+  if (same(q_, state.getQ()) && same(u_, state.getU())) return contacts_;
   for (const Link& link : mechanism_.links()) {
     if (link.slave || detector_.reach(link.body) <= 0.0) continue;
     const SimTK::Transform& X = link.mobod.getBodyTransform(state);
+    Motion& motion = motions_[std::size_t(link.body)];
+    motion = {X.p(), link.mobod.getBodyVelocity(state), motion.index};
     detector_.place(
         link.body,
         dynamics::Placement(Eigen::Map<const Mat3>(&X.R().asMat33()(0, 0)), from_simtk(X.p())),
         0.0);
   }
   detector_.detect(points_);
-  out.clear();
+  contacts_.clear();
   for (const dynamics::ContactPoint& point : points_) {
     const dynamics::Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
     const dynamics::Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
@@ -95,26 +98,26 @@ void GeneralContact::read(const SimTK::State& state, std::vector<Contact>& out) 
     contact.point = point.point;
     contact.normal = point.normal;
     contact.depth = -point.gap;
-    contact.force = from_simtk(push(state, point));
-    out.push_back(contact);
+    contact.force = from_simtk(push(point));
+    contacts_.push_back(contact);
   }
-}
-
-void ContactReport::start(const std::vector<Contact>& now) {
-  last_ = now;
-  sums_.clear();
+  q_ = state.getQ();
+  u_ = state.getU();
+  return contacts_;
 }
 
 void ContactReport::add(const std::vector<Contact>& now, double h) {
-  const auto shapes = [](const Contact& c) {
-    return std::tie(c.body_a, c.body_b, c.shape_a, c.shape_b);
+  const auto before = [](const Contact& a, const Contact& b) {
+    return std::tie(a.body_a, a.body_b, a.shape_a, a.shape_b) <
+           std::tie(b.body_a, b.body_b, b.shape_a, b.shape_b);
   };
-  const auto add_part = [&](const std::vector<Contact>& part) {
-    for (const Contact& contact : part) {
-      auto sum = std::find_if(sums_.begin(), sums_.end(), [&](const Contact& old) {
-        return shapes(old) == shapes(contact) && (old.point - contact.point).norm() < 0.02;
+  for (const std::vector<Contact>* part : {&std::as_const(last_), &now}) {
+    for (const Contact& contact : *part) {
+      const auto [first, end] = std::equal_range(sums_.begin(), sums_.end(), contact, before);
+      auto sum = std::find_if(first, end, [&](const Contact& old) {
+        return (old.point - contact.point).norm() < 0.02;
       });
-      if (sum == sums_.end()) {
+      if (sum == end) {
         sum = sums_.insert(sum, contact);
         sum->force = Vec3::Zero();
       }
@@ -123,19 +126,13 @@ void ContactReport::add(const std::vector<Contact>& now, double h) {
       sum->normal = contact.normal;
       sum->depth = contact.depth;
     }
-  };
-  add_part(last_);
-  add_part(now);
+  }
   last_ = now;
 }
 
 void ContactReport::get(double dt, std::vector<Contact>& out) const {
   out = sums_;
   for (Contact& contact : out) contact.force /= dt;
-  std::stable_sort(out.begin(), out.end(), [](const Contact& a, const Contact& b) {
-    return std::tie(a.body_a, a.body_b, a.shape_a, a.shape_b) <
-           std::tie(b.body_a, b.body_b, b.shape_a, b.shape_b);
-  });
 }
 
 }  // namespace cogrsim::simbody

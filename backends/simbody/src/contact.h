@@ -25,9 +25,14 @@ class GeneralContact final : public SimTK::Force::Custom::Implementation {
   SimTK::Real calcPotentialEnergy(const SimTK::State&) const override { return 0.0; }  // not asked
 
   /// What touches, with the forces now. The state is realized to Stage::Velocity.
-  void read(const SimTK::State& state, std::vector<Contact>& out) const;
+  const std::vector<Contact>& read(const SimTK::State& state) const;
 
  private:
+  struct Motion {
+    SimTK::Vec3 p{0};
+    SimTK::SpatialVec V{SimTK::Vec3(0)};
+    SimTK::MobilizedBodyIndex index;
+  };
   struct Surface {
     double mu = 0.0, c = 0.0, k = 0.0;
     bool known = false;
@@ -36,12 +41,14 @@ class GeneralContact final : public SimTK::Force::Custom::Implementation {
   const Surface& surface(int material_a, int material_b) const;
   double stiffness(const dynamics::Collider& a, const dynamics::Collider& b) const;
   /// On b, world [N].
-  SimTK::Vec3 push(const SimTK::State& state, const dynamics::ContactPoint& point) const;
+  SimTK::Vec3 push(const dynamics::ContactPoint& point) const;
 
   const Mechanism& mechanism_;
   const Options options_;
   mutable dynamics::Detector detector_;
   mutable std::vector<dynamics::ContactPoint> points_;
+  mutable std::vector<Motion> motions_;  // of what contacts_ was found for, by body
+  mutable SimTK::Vector q_, u_;          // likewise
   mutable std::vector<Contact> contacts_;
   mutable std::vector<Surface> surfaces_;  // nmaterial x nmaterial
 };
@@ -50,13 +57,13 @@ class GeneralContact final : public SimTK::Force::Custom::Implementation {
 /// pair of shapes that are nearer to each other than 2 cm are the same.
 class ContactReport {
  public:
-  void start(const std::vector<Contact>& now);
+  void start(const std::vector<Contact>& now) { last_ = now, sums_.clear(); }
   void add(const std::vector<Contact>& now, double h);
   void get(double dt, std::vector<Contact>& out) const;
 
  private:
   std::vector<Contact> last_;  ///< forces [N]
-  std::vector<Contact> sums_;  ///< impulses [N s]
+  std::vector<Contact> sums_;  ///< impulses [N s], in the order of bodies and shapes
 };
 
 }  // namespace cogrsim::simbody

@@ -71,7 +71,7 @@ Result<std::unique_ptr<World>> SimbodyWorld::create(const SceneModelPtr& model) 
   try {
     return std::unique_ptr<World>(new SimbodyWorld(model, *options));
   } catch (const std::exception& e) {
-    return fail("Simbody: " + words_of(e), place_of(*model, model->physics.origin));
+    return fail("Simbody: " + message_of(e), place_of(*model, model->physics.origin));
   }
 }
 
@@ -209,7 +209,7 @@ void SimbodyWorld::run_integrator(double end) {
 
 void SimbodyWorld::read_contacts(const SimTK::State& state) {
   now_.clear();
-  if (engine_->contact) engine_->contact->read(state, now_);
+  if (engine_->contact) now_ = engine_->contact->read(state);
   if (engine_->trackers) engine_->trackers->read(state, now_);
 }
 

@@ -49,7 +49,7 @@ Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
     model_ = old_model;
     last_seen_ = old_seen;
     state_ = old_state;
-    return fail("Simbody: " + words_of(e));
+    return fail("Simbody: " + message_of(e));
   }
 
   // The last step's reports stay, but for what is gone.

@@ -83,7 +83,7 @@ Result<> SimbodyWorld::set_state(const WorldState& state) {
   } catch (const std::exception& e) {
     state_.updQ() = q;
     state_.updU() = u;
-    return fail("Simbody: " + words_of(e));
+    return fail("Simbody: " + message_of(e));
   }
   next_step_ = 0.0;
   forget_reports();
@@ -122,7 +122,7 @@ Result<> SimbodyWorld::restore(const SnapshotPtr& snapshot) {
     state_.updU() = saved->u;
     m.set_rates(state_);
   } catch (const std::exception& e) {
-    return fail("Simbody: " + words_of(e));
+    return fail("Simbody: " + message_of(e));
   }
   model_ = saved->model;
   time_ = saved->time;
@@ -138,7 +138,7 @@ Result<> SimbodyWorld::reset() {
   try {
     start();
   } catch (const std::exception& e) {
-    return fail("Simbody: " + words_of(e));
+    return fail("Simbody: " + message_of(e));
   }
   return {};
 }

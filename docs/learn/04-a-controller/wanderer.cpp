@@ -1,4 +1,4 @@
-// Drives ahead until something is near, then turns until the way is free.
+// Drives forward until an obstacle is near, then turns until the path is free.
 #include <cogrsim/control/controller.h>
 
 #include <algorithm>
@@ -36,5 +36,5 @@ class Wanderer final : public cogrsim::Controller {
 
 COGRSIM_CONTROLLER(
     Wanderer, "wanderer", version("1.0.0"), author("you"), summary("drives about and avoids walls"),
-    parameter("speed", 0.3, "m/s", "of driving ahead").range(0.0, 2.0),
+    parameter("speed", 0.3, "m/s", "of driving forward").range(0.0, 2.0),
     parameter("near", 0.25, "m", "a wall nearer than this makes it turn").range(0.05, 5.0))

@@ -1,4 +1,4 @@
-// Learns to crawl: tries what its arm can do, and keeps what moved it ahead.
+// Learns to crawl: tries what its arm can do, and keeps what moved it forward.
 #include <cogrsim/algorithms/learner.h>
 #include <cogrsim/control/controller.h>
 
@@ -51,7 +51,7 @@ class Crawler final : public cogrsim::Controller {
   static constexpr std::array<double, kPlaces> kElbow = {1.05, 1.48, 1.92, 2.36};   // [rad]
 
   std::int64_t state() const { return up_ * kPlaces + bent_; }
-  // What a learner refuses is our mistake; thrown, it is told with robot and time.
+  // An error of the learner is our mistake; thrown, it is reported with robot and time.
   template <class Value>
   static Value check(cogrsim::Result<Value> result) {
     if (!result) throw std::runtime_error(result.error().text());

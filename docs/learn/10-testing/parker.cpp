@@ -1,4 +1,4 @@
-// Drives towards what is ahead and stops in front of it.
+// Drives towards an obstacle and stops in front of it.
 #include <cogrsim/control/controller.h>
 
 #include <algorithm>

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kDiagonal = 1.4142135623730951;
 
-const char* word(Side side) {
+const char* name_of(Side side) {
   switch (side) {
     case Side::north:
       return "north";
@@ -44,7 +44,7 @@ Cell beside(const Cell& cell, Side side) {
 Result<> check_cost(const std::string& what, double cost) {
   if (cost > 0.0) return {};
   return fail(fmt::format(
-      "the cost of {} is {}, but must be above 0, or infinite where nobody passes", what, cost));
+      "the cost of {} is {}, but must be above 0, or infinite to block it", what, cost));
 }
 
 }  // namespace
@@ -98,13 +98,13 @@ Result<> Grid::set_cost(const Cell& cell, double cost) {
 
 Result<> Grid::set_cost(const GridEdge& edge, double cost) {
   const std::string what =
-      fmt::format("the edge {} of cell {}", word(edge.side), to_string(edge.cell));
+      fmt::format("the edge {} of cell {}", name_of(edge.side), to_string(edge.cell));
   if (!contains(edge.cell)) {
     return fail(fmt::format("{} is outside of the grid of {} x {}", what, rows_, columns_));
   }
   if (!contains(beside(edge.cell, edge.side))) {
-    return fail(fmt::format("{} is the rim of the grid of {} x {}, which stays closed", what, rows_,
-                            columns_));
+    return fail(fmt::format("{} is an outer edge of the grid of {} x {}, which is closed", what,
+                            rows_, columns_));
   }
   if (Result<> checked = check_cost(what, cost); !checked) return checked;
   edge_at(edge) = cost;
@@ -173,7 +173,7 @@ Grid grid_of(const MazeModel& maze, bool doors_open, GridMoves moves) {
   const auto passable = [&](int what) {
     return what == MazeModel::kOpen || (what >= 0 && doors_open);
   };
-  // Inner edges only, so that nothing can fail.
+  // Only inner edges, so that set_cost() cannot fail.
   for (int row = 0; row < maze.rows; ++row) {
     for (int column = 0; column < maze.columns; ++column) {
       if (column + 1 < maze.columns && !passable(maze.east(row, column))) {
@@ -206,7 +206,7 @@ std::vector<GridEdge> edges_of_door(const MazeModel& maze, int door) {
 std::optional<Cell> cell_at(const MazeModel& maze, const Vec3& p_W) {
   const Vec3 p_M = maze.X_WM.inverse() * p_W;
   const double row = std::floor(p_M.y() / maze.cell), column = std::floor(p_M.x() / maze.cell);
-  // Written so that NaN is outside.
+  // This form of the comparison makes NaN lie outside.
   if (!(row >= 0.0 && row < maze.rows && column >= 0.0 && column < maze.columns)) return {};
   return Cell{static_cast<int>(row), static_cast<int>(column)};
 }
@@ -217,9 +217,9 @@ Vec3 centre_of(const MazeModel& maze, const Cell& cell) {
 
 Result<Cell> find_cell(const MazeModel& maze, const std::string& name) {
   std::vector<std::string> names;
-  for (const MazeModel::Place& place : maze.places) {
-    if (place.name == name) return Cell{place.row, place.column};
-    names.push_back(place.name);
+  for (const MazeModel::Place& named : maze.places) {
+    if (named.name == name) return Cell{named.row, named.column};
+    names.push_back(named.name);
   }
   for (int row = 0; row < maze.rows; ++row) {
     for (int column = 0; column < maze.columns; ++column) {

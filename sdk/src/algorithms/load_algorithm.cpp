@@ -4,27 +4,27 @@
 #include "cogrsim/algorithms/learner.h"
 #include "cogrsim/core/output_file.h"
 #include "cogrsim/plugin/loader.h"
-#include "simulation/impl.h"
 
 namespace cogrsim {
 
 namespace {
 
-/// Where a learner's table lies: in the output folder of the run. Errors: elsewhere.
-Result<> place_table(Parameters& parameters, const std::string& scene_folder) {
+/// Path of the table of a learner, which must be in the output folder of the run. Errors: it is
+/// not.
+Result<> resolve_table(Parameters& parameters, const std::string& scene_folder) {
   const auto table = parameters.find("table");
   if (table == parameters.end()) return {};
   auto* file = std::get_if<std::string>(&table->second);
   if (file == nullptr || file->empty() || scene_folder.empty())
-    return {};  // a program's own choice
+    return {};  // chosen by a program
   const std::string folder = output_folder(scene_folder);
-  const auto place = output_in(folder, *file);
-  if (!place) return tl::unexpected(place.error());
+  const auto path = output_in(folder, *file);
+  if (!path) return tl::unexpected(path.error());
   OutputRules rules;
   rules.folder = folder;
-  rules.overwrite = true;  // one that is there is read first, and refused where it is no table
-  if (auto allowed = check_output(*place, OutputKind::learner, rules); !allowed) return allowed;
-  *file = *place;
+  rules.overwrite = true;  // an existing file is read first, and rejected unless it is a table
+  if (auto allowed = check_output(*path, OutputKind::learner, rules); !allowed) return allowed;
+  *file = *path;
   return {};
 }
 
@@ -47,8 +47,8 @@ Result<std::shared_ptr<void>> load_algorithm_of(PluginLoader& loader, const std:
                 "CG0904");
   }
   if (std::string(family) == Learner::kFamily) {
-    if (auto placed = place_table(*complete, folder); !placed) {
-      return tl::unexpected(placed.error());
+    if (auto resolved = resolve_table(*complete, folder); !resolved) {
+      return tl::unexpected(resolved.error());
     }
   }
   void* made = nullptr;
@@ -57,21 +57,6 @@ Result<std::shared_ptr<void>> load_algorithm_of(PluginLoader& loader, const std:
   }
   return std::shared_ptr<void>(
       made, [keep = *plugin, destroy = entry->destroy](void* object) { destroy(object); });
-}
-
-std::shared_ptr<void> Assembly::find_algorithm(const std::string& name, const char* family,
-                                               const Parameters& parameters) {
-  Simulation::Impl& simulation = *access_->simulation;
-  // Two algorithms of a controller, and two controllers with the same algorithm, draw apart.
-  const std::string path = access_->mind + "." + name;
-  const std::uint64_t seed = RandomStream(simulation.original->physics.seed, path).next();
-  auto made = load_algorithm_of(*simulation.loader, name, family, parameters, seed,
-                                scene_folder().empty() ? "." : scene_folder());
-  if (made) return *made;
-  std::string mistake = made.error().message;
-  if (!made.error().hint.empty()) mistake += "; " + made.error().hint;
-  access_->mistakes.push_back(std::move(mistake));
-  return nullptr;
 }
 
 }  // namespace cogrsim

@@ -15,7 +15,7 @@ Result<> check_point(const char* what, const SpaceProblem& problem, const SpaceP
                             problem.lower.size()));
   }
   for (std::size_t i = 0; i < point.size(); ++i) {
-    // Written so that NaN is outside.
+    // This form of the comparison makes NaN lie outside.
     if (point[i] >= problem.lower[i] && point[i] <= problem.upper[i]) continue;
     return fail(fmt::format("coordinate {} of the {} is {}, outside of {} to {}", i, what, point[i],
                             problem.lower[i], problem.upper[i]));
@@ -56,9 +56,9 @@ Result<> check_problem(const SpaceProblem& problem) {
   }
   if (problem.iterations < 1) {
     return fail(
-        fmt::format("{} iterations are asked for, at least 1 is needed", problem.iterations));
+        fmt::format("{} iterations are requested, at least 1 is needed", problem.iterations));
   }
-  if (!problem.valid) return fail("the problem has no valid(): nobody knows what is free");
+  if (!problem.valid) return fail("the problem has no valid(), so free points are unknown");
   if (Result<> checked = check_point("start", problem, problem.start); !checked) return checked;
   return check_point("goal", problem, problem.goal);
 }

@@ -16,7 +16,7 @@ bool finite(const PlanarPoint& point) { return std::isfinite(point.x) && std::is
 Result<> check_points(const char* what, const std::vector<PlanarPoint>& points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!finite(points[i])) {
-      return fail(fmt::format("{} point {} is ({}, {}), which is no place", what, i, points[i].x,
+      return fail(fmt::format("{} point {} is ({}, {}), which is not finite", what, i, points[i].x,
                               points[i].y));
     }
   }
@@ -33,8 +33,8 @@ struct Bound {
 
 Result<> check_task(const SteeringTask& task) {
   if (!(finite({task.pose.x, task.pose.y}) && std::isfinite(task.pose.heading))) {
-    return fail(fmt::format("the pose is ({}, {}, {}), which is no place", task.pose.x, task.pose.y,
-                            task.pose.heading));
+    return fail(fmt::format("the pose is ({}, {}, {}), which is not finite", task.pose.x,
+                            task.pose.y, task.pose.heading));
   }
   if (!(std::isfinite(task.velocity.forward) && std::isfinite(task.velocity.turn))) {
     return fail(fmt::format("the present velocity is ({}, {}), which is none",

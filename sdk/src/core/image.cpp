@@ -11,7 +11,7 @@
 namespace cogrsim {
 namespace {
 
-/// A compressed picture of the largest size we read stays below this [byte].
+/// A compressed image of the largest accepted size is smaller than this [byte].
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 30;
 
 std::string reason(int error) { return std::strerror(error); }

@@ -1,4 +1,4 @@
-// The two picture formats, each in a file of its own.
+// The two image formats, each implemented in a file of its own.
 #pragma once
 
 #include "cogrsim/core/image.h"
@@ -8,9 +8,10 @@ namespace cogrsim {
 Result<Image> decode_png(std::string_view bytes);
 Result<Image> decode_jpeg(std::string_view bytes);
 
-/// Errors: a side that is not positive, or above kMaxImagePixels.
+/// Checks the size of an image. Errors: a side is not positive, or more than kMaxImagePixels
+/// pixels.
 Result<> check_image_size(std::int64_t width, std::int64_t height);
-/// Errors also: a number of channels that does not exist, or `data` of another length.
+/// Checks a whole image. Errors: as above, or an invalid number of channels or length of `data`.
 Result<> check_image(const Image& image);
 
 }  // namespace cogrsim

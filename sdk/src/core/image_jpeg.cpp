@@ -1,8 +1,8 @@
-// JPEG by libjpeg. Its errors jump out of C code (longjmp): the functions they jump over hold no
-// object with a destructor.
+// JPEG by libjpeg. The library reports errors with longjmp; the functions that are jumped over must
+// therefore not hold objects with destructors.
 #include <cstddef>
 #include <cstdio>
-// jpeglib.h wants the two above first.
+// jpeglib.h needs the two headers above.
 #include <jpeglib.h>
 
 #include <csetjmp>
@@ -13,8 +13,8 @@
 namespace cogrsim {
 namespace {
 
-/// Each pass of a progressive file goes over the whole picture; no camera or program writes more
-/// than some ten. Thousands of tiny ones would keep the reader busy for hours.
+/// Each scan of a progressive file covers the whole image. Cameras and programs write about ten
+/// scans; a file with thousands of tiny scans would take hours to decode.
 constexpr int kMaxScans = 200;
 
 struct ErrorManager {
@@ -29,7 +29,7 @@ struct ErrorManager {
   longjmp(manager->jump, 1);
 }
 
-// The library goes on after damage with a warning and grey areas; we do not.
+// After damage the library issues a warning and continues with grey areas; this is an error here.
 void warning_is_error(j_common_ptr info, int level) {
   if (level < 0) leave(info);
 }
@@ -136,7 +136,7 @@ bool write_jpeg(WriteJob& job, ErrorManager& manager) {
   jpeg_start_compress(&info, TRUE);
   while (info.next_scanline < info.image_height) {
     const std::uint8_t* const source = image.pixel(0, static_cast<int>(info.next_scanline));
-    // The library only reads from its rows.
+    // The library only reads from the rows.
     JSAMPROW row = const_cast<JSAMPROW>(source);
     if (image.channels == 4) {
       for (int x = 0; x < image.width; ++x)

@@ -1,5 +1,5 @@
-// PNG by libpng. Its errors jump out of C code (longjmp): the functions they jump over hold no
-// object with a destructor.
+// PNG by libpng. The library reports errors with longjmp; the functions that are jumped over must
+// therefore not hold objects with destructors.
 #include <png.h>
 #include <zlib.h>
 
@@ -18,8 +18,8 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-// libpng lets damage pass in what it thinks is of little importance, such as transparency. Each
-// chunk carries a checksum; with all of them right, nothing was damaged on the way.
+// libpng accepts damage in ancillary chunks such as transparency. Each chunk has a checksum; if all
+// of them are correct, the file is not damaged.
 Result<> check_chunks(std::string_view bytes) {
   constexpr std::string_view signature("\x89PNG\r\n\x1a\n", 8);
   if (bytes.substr(0, 8) != signature) return fail("the PNG file is damaged in its first bytes");
@@ -39,7 +39,7 @@ Result<> check_chunks(std::string_view bytes) {
   return fail("the PNG file is cut off after " + std::to_string(bytes.size()) + " bytes");
 }
 
-struct WriteJob {
+struct PngJob {
   int width, height, color_type, bit_depth;
   const std::uint8_t* data;
   std::size_t row_bytes;
@@ -48,7 +48,7 @@ struct WriteJob {
 };
 
 void keep_error(png_structp png, png_const_charp text) {
-  auto* const job = static_cast<WriteJob*>(png_get_error_ptr(png));
+  auto* const job = static_cast<PngJob*>(png_get_error_ptr(png));
   std::strncpy(job->message, text, sizeof job->message - 1);
   longjmp(png_jmpbuf(png), 1);
 }
@@ -61,14 +61,14 @@ void append_bytes(png_structp png, png_bytep data, size_t length) {
   try {
     out->append(reinterpret_cast<const char*>(data), length);
   } catch (...) {
-    good = false;  // no exception may pass through C code
+    good = false;  // an exception must not propagate through C code
   }
   if (!good) png_error(png, "out of memory");
 }
 
 void no_flush(png_structp) {}
 
-bool write_png(WriteJob& job) {
+bool write_png(PngJob& job) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &job, keep_error, no_warning);
   if (png == nullptr) return false;
   png_infop info = png_create_info_struct(png);
@@ -82,7 +82,7 @@ bool write_png(WriteJob& job) {
   png_set_IHDR(png, info, static_cast<png_uint_32>(job.width), static_cast<png_uint_32>(job.height),
                job.bit_depth, job.color_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                PNG_FILTER_TYPE_DEFAULT);
-  // Pictures are written while a simulation runs: most of the gain for a part of the time.
+  // Images are written while a simulation runs: a fast level gives most of the compression.
   png_set_compression_level(png, 3);
   png_write_info(png, info);
   if (job.bit_depth == 16) png_set_swap(png);  // files have the high byte first
@@ -93,7 +93,7 @@ bool write_png(WriteJob& job) {
   return true;
 }
 
-Result<std::string> encode(WriteJob job) {
+Result<std::string> encode(PngJob job) {
   std::string out;
   job.out = &out;
   if (!write_png(job)) return fail(std::string("the picture cannot be encoded: ") + job.message);
@@ -104,8 +104,8 @@ Result<std::string> encode(WriteJob job) {
 
 Result<Image> decode_png(std::string_view bytes) {
   if (auto good = check_chunks(bytes); !good) return tl::unexpected(good.error());
-  // The library's simplified interface catches its own jumps and converts palettes, sixteen bits
-  // and other colour spaces to sRGB.
+  // The simplified interface of the library catches its own jumps and converts palettes,
+  // sixteen-bit values and other colour spaces to sRGB.
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   const auto damaged = [&] {
@@ -118,7 +118,7 @@ Result<Image> decode_png(std::string_view bytes) {
     png_image_free(&png);
     return tl::unexpected(good.error());
   }
-  // Sixteen bits without a word about their meaning are sRGB, as eight are.
+  // Sixteen-bit values without a stated colour space are sRGB, as eight-bit values are.
   png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
   Image image;
   const bool alpha = (png.format & PNG_FORMAT_FLAG_ALPHA) != 0;
@@ -136,7 +136,7 @@ Result<Image> decode_png(std::string_view bytes) {
 
 Result<std::string> encode_png(const Image& image) {
   if (auto good = check_image(image); !good) return tl::unexpected(good.error());
-  WriteJob job{};
+  PngJob job{};
   job.width = image.width;
   job.height = image.height;
   job.color_type = image.channels == 1   ? PNG_COLOR_TYPE_GRAY
@@ -154,7 +154,7 @@ Result<std::string> encode_png16(int width, int height, const std::vector<std::u
   if (data.size() != wanted)
     return fail("a picture of this size has " + std::to_string(wanted) + " values, not " +
                 std::to_string(data.size()));
-  WriteJob job{};
+  PngJob job{};
   job.width = width;
   job.height = height;
   job.color_type = PNG_COLOR_TYPE_GRAY;

@@ -1,4 +1,5 @@
-// Our indices are int, since -1 means the world or none; containers want std::size_t.
+// Conversion of indices: CogRSim uses int, where -1 means the world or none; standard containers
+// use std::size_t.
 #pragma once
 
 #include <cstddef>

@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::string_view_literals;
 
-constexpr std::size_t kBufferSize = 1 << 16;  // of bytes to be written [byte]
-constexpr std::size_t kMarkReach = 4096;      // marks lie that near to a file's begin or end [byte]
+constexpr std::size_t kBufferSize = 1 << 16;  // of the write buffer [byte]
+constexpr std::size_t kMarkRange = 4096;  // marks are within this distance of either end [byte]
 
 // PNG chunk "Software", with its CRC-32; before the last chunk.
 constexpr auto kPngMark = "\0\0\0\x10tEXtSoftware\0CogRSim\x9a\x9fZ\xe3"sv;
@@ -46,7 +46,7 @@ constexpr auto kPdfMark = "%CogRSim\n"sv;
 constexpr auto kJsonMark = "\"generator\": \"CogRSim\""sv;
 constexpr auto kScriptMark = "# CogRSim"sv;
 constexpr auto kJournalMark = "{\"cogrsim-journal\":"sv;
-// Headings of the tables that are written: of recordings, and of studies.
+// Headings of the tables of recordings and of studies.
 constexpr std::array kTableMarks = {"time [s],body,x [m],"sv, "time [s],joint,coordinate,"sv,
                                     "time [s],a,b,x [m],"sv, "time [s],sequence,valid"sv};
 
@@ -75,7 +75,7 @@ constexpr std::array<Format, 18> kFormats = {{{"a JSON file", {".json", ".jsonl"
                                               {"a table", {".md", ".tex"}},
                                               {"such a file", {}}}};
 
-// What is there to survive what comes.
+// Files that must survive a crash of the machine are synchronised to the disk.
 bool is_durable(OutputKind kind) {
   return kind == OutputKind::snapshot || kind == OutputKind::journal;
 }
@@ -111,7 +111,7 @@ std::string ending_of(const std::string& path) {
   return ending;
 }
 
-// Whether the begin and end of a file carry the mark of a kind.
+// Whether the beginning and end of a file carry the mark of a kind.
 bool is_ours(OutputKind kind, std::string_view head, std::string_view tail) {
   switch (kind) {
     case OutputKind::json:
@@ -146,7 +146,7 @@ bool is_ours(OutputKind kind, std::string_view head, std::string_view tail) {
     case OutputKind::learner:
       return begins_with(head, "cogrsim-learner ");
     case OutputKind::study:
-      // What tables it has may stand in its log yet; who opens it looks.
+      // Its tables may still be in the write-ahead log; whoever opens the database checks them.
       return begins_with(head, "SQLite format 3"sv);
     case OutputKind::journal:
       return begins_with(head, kJournalMark);
@@ -158,14 +158,14 @@ bool is_ours(OutputKind kind, std::string_view head, std::string_view tail) {
   return false;
 }
 
-// The begin and the end of a regular file; never waits, never follows a link.
+// Checks the beginning and the end of a regular file; never blocks and never follows a link.
 bool is_ours(OutputKind kind, const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return false;
-  std::string head(kMarkReach, '\0'), tail(kMarkReach, '\0');
+  std::string head(kMarkRange, '\0'), tail(kMarkRange, '\0');
   const ssize_t first = ::pread(file, head.data(), head.size(), 0);
   const off_t size = ::lseek(file, 0, SEEK_END);
-  const off_t start = std::max<off_t>(0, size - static_cast<off_t>(kMarkReach));
+  const off_t start = std::max<off_t>(0, size - static_cast<off_t>(kMarkRange));
   const ssize_t last = ::pread(file, tail.data(), tail.size(), start);
   ::close(file);
   if (first < 0 || last < 0) return false;
@@ -183,7 +183,7 @@ Result<> check_inside(const std::string& path, OutputKind kind, const std::strin
   const auto inside = std::mismatch(root.begin(), root.end(), parent.begin(), parent.end());
   if (inside.first != root.end()) {
     return refused(path, fmt::format("a scene may only write in its output folder '{}'", folder),
-                   "let the name stay in the folder, or choose the folder with --output-dir");
+                   "name a file inside that folder, or choose the folder with --output-dir");
   }
   const auto& endings = format_of(kind).endings;
   const std::string ending = ending_of(path);
@@ -233,7 +233,7 @@ Result<> check_output(const std::string& path, OutputKind kind, const OutputRule
     if (auto inside = check_inside(path, kind, rules.folder); !inside) return inside;
   }
   if (fs::path(path).filename().empty()) return refused(path, "it is a folder");
-  // The rule comes first, so that its reason is given and not a missing permission.
+  // The rules are checked first, so that their reason is reported and not a missing permission.
   if (::lstat(path.c_str(), &info) == 0) {
     if (S_ISDIR(info.st_mode)) return refused(path, "it is a folder");
     if (S_ISLNK(info.st_mode)) {
@@ -254,7 +254,7 @@ Result<> check_output(const std::string& path, OutputKind kind, const OutputRule
         rules.overwrite || (info.st_size == 0 && rules.folder.empty()) || is_ours(kind, path);
     if (!replaceable) {
       return refused(
-          path, fmt::format("it is there, and not {} that CogRSim wrote", format_of(kind).name),
+          path, fmt::format("it exists, and is not {} that CogRSim wrote", format_of(kind).name),
           "choose another name, or remove it, or replace it with --overwrite");
     }
     if (::access(path.c_str(), W_OK) != 0) {
@@ -274,8 +274,8 @@ std::string marked(OutputKind kind, std::string bytes) {
   const auto before_end = [&](std::size_t end, std::string_view mark) {
     if (bytes.size() >= end) bytes.insert(bytes.size() - end, mark);
   };
-  if (is_ours(kind, std::string_view(bytes).substr(0, kMarkReach),
-              std::string_view(bytes).substr(bytes.size() - std::min(bytes.size(), kMarkReach)))) {
+  if (is_ours(kind, std::string_view(bytes).substr(0, kMarkRange),
+              std::string_view(bytes).substr(bytes.size() - std::min(bytes.size(), kMarkRange)))) {
     return bytes;
   }
   switch (kind) {
@@ -329,11 +329,11 @@ Result<OutputFile> OutputFile::create(const std::string& path, OutputKind kind,
   struct stat info {};
   const bool exists = ::lstat(path.c_str(), &info) == 0;
   static std::atomic<unsigned> count{0};
-  const fs::path place(path);
-  // The ending stays: programs that write the file themselves choose its format by it.
+  const fs::path target(path);
+  // The extension is kept: external programs that write the file choose the format by it.
   file.temporary_ = (fs::path(folder_of(path)) /
-                     fmt::format(".{}.{}-{}.part{}", place.stem().string().substr(0, 200),
-                                 ::getpid(), count++, place.extension().string().substr(0, 20)))
+                     fmt::format(".{}.{}-{}.part{}", target.stem().string().substr(0, 200),
+                                 ::getpid(), count++, target.extension().string().substr(0, 20)))
                         .string();
   file.descriptor_ =
       ::open(file.temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
@@ -372,7 +372,7 @@ Result<> OutputFile::flush() {
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       return refused(path_, n == 0 ? "no space left on device" : system_reason(),
-                     "choose another file, or make room");
+                     "choose another file, or free some space");
     }
     bytes.remove_prefix(static_cast<std::size_t>(n));
   }
@@ -397,12 +397,12 @@ Result<> OutputFile::mark_film() {
 
 Result<> OutputFile::commit() {
   if (auto done = flush(); !done) return done;
-  // Another program wrote the film.
+  // An external program wrote the film.
   if (kind_ == OutputKind::film) {
     if (auto done = mark_film(); !done) return done;
   }
   if (auto done = flush(); !done) return done;
-  // Some file systems tell only here that there was no room.
+  // Some file systems report a full disk only here.
   const bool closed = !is_durable(kind_) || ::fsync(descriptor_) == 0;
   const int why = errno;
   if (::close(std::exchange(descriptor_, -1)) != 0 || !closed) {
@@ -414,7 +414,7 @@ Result<> OutputFile::commit() {
   if (is_durable(kind_)) {
     const int folder = ::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (folder >= 0) {
-      ::fsync(folder);  // the name, too; where that is not offered the rename has to do
+      ::fsync(folder);  // makes the renaming durable, where the file system supports that
       ::close(folder);
     }
   }

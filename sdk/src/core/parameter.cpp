@@ -39,7 +39,7 @@ std::string range_text(const ParameterSpec& spec) {
   return with_unit(spec, fmt::format("{} to {}", spec.minimum, spec.maximum));
 }
 
-/// Empty when `value` is a number the parameter may have.
+/// Checks the range of a number; returns an empty text if it is valid.
 std::string check_number(const ParameterSpec& spec, double value) {
   if (std::isnan(value)) return fmt::format("parameter '{}' is not a number (NaN)", spec.name);
   if (value >= spec.minimum && value <= spec.maximum) return {};
@@ -57,11 +57,10 @@ std::string check_text(const ParameterSpec& spec, const std::string& text) {
   const std::string near = nearest_name(text, spec.choices);
   return near.empty() ? out : out + fmt::format(" (did you mean '{}'?)", near);
 }
-
-/// A number where another of the numeric types is declared, as that type; what does not fit stays.
-/// Models that programs make need not tell 3 from 3.0 and from a list of one.
+/// Converts a numeric value to the declared numeric type; a value that does not fit stays
+/// unchanged. Programs that create models need not distinguish 3, 3.0 and a list of one number.
 void convert(ParameterType wanted, ParameterValue& value) {
-  // Beyond 2^53 neighbouring whole numbers are the same double: who wrote one may mean another.
+  // Above 2^53 a double no longer identifies one integer.
   constexpr double kLargestWhole = 9007199254740992.0;
   if (wanted == ParameterType::number || wanted == ParameterType::number_list) {
     if (const auto* whole = std::get_if<std::int64_t>(&value)) value = static_cast<double>(*whole);
@@ -76,8 +75,8 @@ void convert(ParameterType wanted, ParameterValue& value) {
   }
 }
 
-/// Checks one value and, where a number stands for another numeric type, converts it. Empty: all
-/// well.
+/// Converts one value to the declared numeric type if necessary and checks it; returns an empty
+/// text if it is valid.
 std::string check_value(const ParameterSpec& spec, ParameterValue& value) {
   convert(spec.type(), value);
   if (spec.type() == ParameterType::integer && std::holds_alternative<double>(value)) {
@@ -141,7 +140,9 @@ Result<Parameters> complete_parameters(const ParameterTable& table, const Parame
   std::vector<std::string> problems;
   for (const ParameterSpec& spec : table) {
     const auto found = given.find(spec.name);
-    // Assigned: where memory runs out while a variant's text is copied, GCC 12's constructor crashes.
+    // Assigned, not constructed: the constructor of GCC 12 crashes if memory runs out while the
+    // text of
+  // a variant is copied.
     ParameterValue& value = out[spec.name];
     value = found == given.end() ? spec.default_value : found->second;
     if (found != given.end()) {
@@ -160,14 +161,14 @@ Result<Parameters> complete_parameters(const ParameterTable& table, const Parame
   return out;
 }
 
-std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
-  std::size_t best = std::max<std::size_t>(1, word.size() / 3) + 1;
+std::string nearest_name(const std::string& text, const std::vector<std::string>& names) {
+  std::size_t best = std::max<std::size_t>(1, text.size() / 3) + 1;
   std::string nearest;
   for (const std::string& name : names) {
-    // The distance is at least the difference in length; this also bounds the work.
-    const std::size_t longer = std::max(name.size(), word.size());
-    if (longer - std::min(name.size(), word.size()) >= best) continue;
-    const std::size_t distance = edit_distance(word, name);
+    // The distance is at least the difference in length; this also limits the computation.
+    const std::size_t longer = std::max(name.size(), text.size());
+    if (longer - std::min(name.size(), text.size()) >= best) continue;
+    const std::size_t distance = edit_distance(text, name);
     if (distance < best) {
       best = distance;
       nearest = name;

@@ -17,7 +17,7 @@ std::uint64_t hash_bytes(const void* data, std::size_t bytes, std::uint64_t hash
 }
 
 RandomStream::RandomStream(std::uint64_t seed, std::string_view path) : state_(seed) {
-  // The seed goes through the generator first, so that neighbouring seeds share no pattern.
+  // The seed passes through the generator first, so that neighbouring seeds are uncorrelated.
   state_ = hash_bytes(path.data(), path.size(), 0xcbf29ce484222325ull ^ next());
 }
 
@@ -32,7 +32,7 @@ std::uint64_t RandomStream::next() {
 double RandomStream::uniform(double low, double high) {
   const double unit = static_cast<double>(next() >> 11) * 0x1p-53;
   const double value = low + (high - low) * unit;
-  // Rounding may land on `high` when the interval is narrow.
+  // Rounding may give `high` if the interval is narrow.
   return value < high ? value : low;
 }
 

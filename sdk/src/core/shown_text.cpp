@@ -17,7 +17,8 @@ struct CodePoint {
   bool valid = false;
 };
 
-/// The one at `at`, by RFC 3629: no overlong forms, no surrogates, nothing beyond U+10FFFF.
+/// Decodes the character at `at` by RFC 3629: no overlong forms, surrogates or code points above
+/// U+10FFFF.
 CodePoint code_point(const std::string& text, std::size_t at) {
   const auto byte = [&](std::size_t i) -> std::uint32_t {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;

@@ -86,7 +86,7 @@ const NamedUnit* find_unit(std::string_view name) {
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
-/// One factor, "m" or "s^2"; moves `at` behind it.
+/// Parses one factor such as "m" or "s^2" and moves `at` behind it.
 bool read_factor(std::string_view text, std::size_t& at, Unit& out, bool divide) {
   const std::size_t begin = at;
   while (at < text.size() && is_letter(text[at])) ++at;
@@ -249,10 +249,10 @@ std::string nearest_unit(std::string_view text) {
       {"RPM", "rpm"},     {"µm", "um"},       {"kg/m3", "kg/m^3"}, {"m/s2", "m/s^2"},
       {"Nms", "N*m*s"},   {"volt", "V"},      {"volts", "V"},      {"grams", "g"},
       {"M", "m"},         {"S", "s"},         {"CM", "cm"},        {"MM", "mm"}};
-  for (const auto& [word, unit] : kOthers) {
-    if (text == word) return unit;
+  for (const auto& [name, unit] : kOthers) {
+    if (text == name) return unit;
   }
-  if (text.size() < 2) return {};  // every one-letter word is near to some unit
+  if (text.size() < 2) return {};  // every single letter is similar to some unit
   std::vector<std::string> names;
   for (const NamedUnit& u : kUnits) names.emplace_back(u.name);
   return nearest_name(std::string(text), names);
@@ -261,7 +261,7 @@ std::string nearest_unit(std::string_view text) {
 std::optional<double> parse_number(std::string_view text) {
   if (text.empty()) return std::nullopt;
   std::string_view digits = text;
-  // from_chars takes no plus sign, and takes the words "nan" and "inf".
+  // from_chars accepts no plus sign, but accepts "nan" and "inf".
   if (digits[0] == '+' || digits[0] == '-') digits.remove_prefix(1);
   if (digits.empty() || !((digits[0] >= '0' && digits[0] <= '9') || digits[0] == '.')) {
     return std::nullopt;
@@ -271,7 +271,7 @@ std::optional<double> parse_number(std::string_view text) {
   const auto [stop, fault] = std::from_chars(digits.data(), end, value);
   if (stop != end) return std::nullopt;
   if (fault == std::errc::result_out_of_range) {
-    // Too small reads as 0, as everywhere else; too large is refused.
+    // Underflow gives 0; overflow is rejected.
     const bool tiny = digits.find("e-") != std::string_view::npos ||
                       digits.find("E-") != std::string_view::npos || digits[0] == '0' ||
                       digits[0] == '.';
@@ -286,12 +286,12 @@ std::optional<double> parse_number(std::string_view text) {
 
 std::string number_text(double value) {
   char buffer[64];
-  // The shortest way to write 100000 is 1e+05, which nobody expects of a counter or in a name.
+  // The shortest text of 100000 is 1e+05, which is unexpected for a counter or in a name.
   const bool whole = value == std::floor(value) && std::abs(value) < 1e15;
   const auto [end, fault] =
       whole ? std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed)
             : std::to_chars(buffer, buffer + sizeof buffer, value);
-  (void)fault;  // 64 bytes hold every double
+  (void)fault;  // 64 bytes are enough for every double
   return std::string(buffer, end);
 }
 

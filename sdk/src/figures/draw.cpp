@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kPatience = std::chrono::seconds(300);  // for the largest figures
-constexpr std::size_t kMostSaid = 4000;                // of gnuplot's own words [byte]
+constexpr std::size_t kMostSaid = 4000;                // of the output of gnuplot [byte]
 
 struct FileActions {
   posix_spawn_file_actions_t actions;
@@ -39,7 +39,7 @@ struct FileActions {
   FileActions& operator=(const FileActions&) = delete;
 };
 
-// The environment without what would change gnuplot's ways.
+// The environment without variables that affect gnuplot.
 std::vector<char*> neutral_environment() {
   std::vector<char*> out;
   for (char** entry = environ; *entry != nullptr; ++entry)
@@ -50,9 +50,9 @@ std::vector<char*> neutral_environment() {
   return out;
 }
 
-// Reads what the process says until it ends, or patience does, or it is cancelled. False: it was killed.
+// Reads the output of the process until it ends, times out or is cancelled. False: it was killed.
 bool listen(int pipe, pid_t process, const std::function<bool()>& cancelled, std::string& said) {
-  constexpr int kInterval = 50;  // between questions whether it is cancelled [ms]
+  constexpr int kInterval = 50;  // between calls of cancelled() [ms]
   const auto deadline = Clock::now() + kPatience;
   while (true) {
     if (Clock::now() > deadline || cancelled()) {
@@ -69,7 +69,7 @@ bool listen(int pipe, pid_t process, const std::function<bool()>& cancelled, std
   }
 }
 
-// `gnuplot ./NAME.gp` in `folder`, without a shell.
+// Runs `gnuplot ./NAME.gp` in `folder` without a shell.
 Result<> run_gnuplot(const fs::path& folder, const std::string& script,
                      const std::function<bool()>& cancelled) {
   int pipe[2];
@@ -101,17 +101,17 @@ Result<> run_gnuplot(const fs::path& folder, const std::string& script,
   int status = 0;
   while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
-  const std::string place = (folder / script).string();
+  const std::string where = (folder / script).string();
   if (!finished && cancelled()) return fail("interrupted: nothing was drawn");
   if (!finished)
-    return fail(fmt::format("gnuplot was ended after {} s", kPatience.count()), place,
+    return fail(fmt::format("gnuplot was ended after {} s", kPatience.count()), where,
                 "draw fewer samples: every=\"…\" in the scene, --every on the command line");
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    return fail(fmt::format("gnuplot could not draw the figure: {}", said), place);
+    return fail(fmt::format("gnuplot could not draw the figure: {}", said), where);
   return {};
 }
 
-// A folder that goes with its content.
+// A temporary folder that is removed with its contents.
 struct TemporaryFolder {
   fs::path path;
   ~TemporaryFolder() {
@@ -183,7 +183,7 @@ Result<std::vector<std::string>> draw(Figure figure, const std::string& path,
                                              : OutputKind::pdf;
   std::vector<OutputText> outputs;
   outputs.push_back({picture, kind, {}});
-  // Tables are ours where our script reads them.
+  // Tables belong to this figure if its script reads them.
   OutputRules tables = options.rules;
   const fs::path script = folder / job.script.name;
   if (fs::is_regular_file(fs::symlink_status(script, error)) &&
@@ -192,7 +192,7 @@ Result<std::vector<std::string>> draw(Figure figure, const std::string& path,
   for (TextFile& text : job.data)
     outputs.push_back({folder / text.name, OutputKind::csv, text.text});
   outputs.push_back({script, OutputKind::script, job.script.text});
-  // A figure that is drawn again beside its own data stays as it is.
+  // The data of a figure that is drawn again are unchanged.
   const fs::path data = folder / (stem + ".json");
   const bool is_input = std::any_of(
       options.rules.inputs.begin(), options.rules.inputs.end(), [&](const std::string& input) {
@@ -207,7 +207,7 @@ Result<std::vector<std::string>> draw(Figure figure, const std::string& path,
     if (auto good = check_output(output.path.string(), output.kind, rules_of(output)); !good)
       return tl::unexpected(good.error());
 
-  // Drawn in a folder of its own: what cannot be drawn changes nothing.
+  // The figure is drawn in a temporary folder, so that a failure changes nothing.
   TemporaryFolder work;
   std::string name = (folder / ".cogrsim-figure-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr)
@@ -220,12 +220,12 @@ Result<std::vector<std::string>> draw(Figure figure, const std::string& path,
       return fail(fmt::format("cannot write into '{}': {}", folder.string(), std::strerror(errno)));
   }
   if (const auto good = run_gnuplot(work.path, job.script.name, options.cancelled); !good) {
-    // The figure itself needs no gnuplot.
+    // The JSON file needs no gnuplot.
     if (!is_input && !options.cancelled())
       static_cast<void>(write_output_file(data.string(), OutputKind::figure, *json, options.rules));
     return tl::unexpected(good.error());
   }
-  // The script writes STEM.png whatever the case of the ending asked for.
+  // The script writes STEM.png regardless of the case of the requested extension.
   auto drawn = read_all(work.path / (stem + "." + *format));
   if (!drawn) return tl::unexpected(drawn.error());
   outputs.front().bytes = std::move(*drawn);

@@ -49,10 +49,10 @@ Result<> check_series(const Figure& figure, std::size_t index) {
     if (grid.z.size() != cells || (!grid.counts.empty() && grid.counts.size() != cells))
       return fail(fmt::format("the grid of {} has {} columns and {} rows, but {} values",
                               name_of(series, index), grid.x.size(), grid.y.size(), grid.z.size()));
-    for (const auto* places : {&grid.x, &grid.y})
-      for (std::size_t i = 0; i < places->size(); ++i)
-        if (!std::isfinite((*places)[i]) || (i > 0 && !((*places)[i - 1] < (*places)[i])))
-          return fail(fmt::format("the places of the grid's columns and rows must rise ({})",
+    for (const auto* positions : {&grid.x, &grid.y})
+      for (std::size_t i = 0; i < positions->size(); ++i)
+        if (!std::isfinite((*positions)[i]) || (i > 0 && !((*positions)[i - 1] < (*positions)[i])))
+          return fail(fmt::format("the positions of the grid's columns and rows must rise ({})",
                                   name_of(series, index)));
   }
   return {};
@@ -83,14 +83,14 @@ Figure figure_of(Kind kind) {
 
 const char* to_string(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 
-Result<Kind> kind_from(const std::string& word) {
+Result<Kind> kind_from(const std::string& name) {
   std::string all;
   for (std::size_t i = 0; i < kKinds.size(); ++i) {
-    if (word == kKinds[i]) return static_cast<Kind>(i);
+    if (name == kKinds[i]) return static_cast<Kind>(i);
     all += (i > 0 ? ", " : "") + std::string(kKinds[i]);
   }
-  const std::string near = nearest_name(word, {kKinds.begin(), kKinds.end()});
-  return fail(fmt::format("there is no figure of kind '{}'", word), "",
+  const std::string near = nearest_name(name, {kKinds.begin(), kKinds.end()});
+  return fail(fmt::format("there is no figure of kind '{}'", name), "",
               (near.empty() ? "" : "did you mean '" + near + "'? ") + "there are " + all);
 }
 

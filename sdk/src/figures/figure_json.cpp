@@ -1,4 +1,4 @@
-// Figures on file.
+// Figures as JSON.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -71,7 +71,7 @@ Json to_json(const Series& series) {
 
 // ---- reading
 
-/// Reads values of one JSON object and keeps the first thing that is wrong.
+/// Reads the values of one JSON object and stores the first error.
 class ObjectReader {
  public:
   ObjectReader(const Json& json, std::string path, std::string& problem)
@@ -287,7 +287,7 @@ Result<std::string> to_json(Figure figure) {
   }
   json["series"] = Json::array();
   for (const Series& series : figure.series) json["series"].push_back(to_json(series));
-  // Labels may hold anything; what is not UTF-8 must not throw.
+  // Labels are arbitrary; invalid UTF-8 must not throw.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 std::string cell(double value) { return drawable(value) ? fmt::format("{}", value) : "NaN"; }
 
-// A text as a CSV field (RFC 4180) on one line, since one line is skipped when it is read.
+// A text as a CSV field (RFC 4180) without line breaks, because gnuplot skips exactly one line.
 std::string field(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -26,7 +26,7 @@ std::string column(const Axis& axis, const char* otherwise) {
   return field(axis.unit.empty() || axis.unit == "1" ? label : label + " [" + axis.unit + "]");
 }
 
-// Borders of cells whose middles are given: halfway between, and as far outside.
+// Borders of cells with given centres: halfway between them, and as far beyond the outer ones.
 std::vector<double> borders(const std::vector<double>& centres) {
   if (centres.size() == 1) {
     const double half = centres[0] == 0.0 ? 0.5 : 0.05 * std::fabs(centres[0]);
@@ -59,7 +59,7 @@ PathData path_data(const Figure& figure, const Series& series) {
   out.csv = column(figure.x, "x") + "," + column(figure.y, "y") +
             (out.isolated > 0 ? ",\"single points\"\n" : "\n");
   for (std::size_t i = 0; i < series.x.size(); ++i) {
-    // A gap in one is a gap in both: gnuplot breaks lines at undefined y.
+    // A gap in x or y is a gap in both, because gnuplot interrupts lines at undefined y.
     out.csv += cell(series.x[i]) + "," + (shown(i) ? cell(series.y[i]) : "NaN");
     if (out.isolated > 0) out.csv += "," + (alone(i) ? cell(series.y[i]) : "NaN");
     out.csv += "\n";
@@ -106,7 +106,7 @@ std::string notch_csv(const Figure& figure) {
       csv += fmt::format("{},{}\n", x + side, cell(y));
     };
     for (const double side : {-1.0, 1.0}) {
-      // Up on the left, down on the right.
+      // Upwards on the left side, downwards on the right side.
       const bool left = side < 0;
       corner(side * kHalf, left ? box.q1 : box.q3);
       corner(side * kHalf, left ? box.notch_low : box.notch_high);
@@ -168,11 +168,11 @@ SurfaceData surface_data(const Figure& figure, const Grid& grid) {
           fmt::format("{},{},{},{}\n", cell(grid.x[i]), cell(grid.y[j]), cell(z),
                       grid.counts.empty() ? "NaN" : cell(grid.counts[j * columns + i]));
       if (std::isnan(z)) continue;
-      // Borders may lie beyond what can be drawn where centres do not.
+      // Borders may be out of the drawable range although the centres are not.
       if (!drawable(x[i]) || !drawable(x[i + 1]) || !drawable(y[j]) || !drawable(y[j + 1]))
         continue;
       if (out.csv.empty()) out.csv = head + "\n";
-      // Two lines of two points; blank lines part the tiles.
+      // Two lines of two points; blank lines separate the tiles.
       for (const std::size_t b : {j, j + 1}) {
         for (const std::size_t a : {i, i + 1}) {
           const double h = height(a, b);

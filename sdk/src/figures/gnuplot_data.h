@@ -1,4 +1,4 @@
-// The data files that gnuplot reads: CSV with one line of column names.
+// Data files for gnuplot: CSV with one line of column names.
 #pragma once
 
 #include <cmath>
@@ -10,12 +10,12 @@
 
 namespace cogrsim::figures {
 
-/// gnuplot computes with extents of axes: beyond these bounds they would overflow.
+/// Limits of drawable values; beyond them the computation of axis ranges in gnuplot overflows.
 inline bool drawable(double value) { return std::fabs(value) < 1e300; }
-/// Also above 0 where the axis is logarithmic.
+/// Whether a value can be drawn; on a logarithmic axis it must also be above 0.
 bool point_drawable(const Figure& figure, double x, double y);
 
-/// x, y and, where there are points between two gaps, a column that repeats the y of just those.
+/// x, y and, if there are single points between two gaps, a column with the y of those points.
 struct PathData {
   std::string csv;
   std::size_t isolated = 0;
@@ -32,8 +32,8 @@ bool has_outliers(const Figure& figure);
 /// Lower and upper edge of a bin, then the counts of each series.
 std::string histogram_csv(const Figure& figure);
 
-/// A cell is drawn as a tile: its colour is the cell's value, a corner is as high as the cells
-/// around it are on average, so that neighbours meet and a cell without neighbours still shows.
+/// A cell is drawn as a tile with the colour of its value. The height of a corner is the mean of
+/// the adjacent cells, so that neighbouring tiles join and a cell without neighbours is visible.
 struct SurfaceData {
   std::string csv;                    ///< x, y, height, value at four corners per tile; or empty
   std::string cells_csv;              ///< x, y, value, samples per cell

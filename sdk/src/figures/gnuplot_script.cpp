@@ -11,13 +11,13 @@
 namespace cogrsim::figures {
 namespace {
 
-// Distinguishable also in print; after seven the dashes change.
+// Colours that are distinguishable in print, too; after seven series the dash pattern changes.
 constexpr const char* kColors[] = {"#0072bd", "#d95319", "#edb120", "#7e2f8e",
                                    "#77ac30", "#4dbeee", "#a2142f"};
 constexpr std::size_t kColorCount = std::size(kColors);
 constexpr std::size_t kInnerLegend = 6;  // series in a legend that still fits inside the axes
 
-// Unit as print has it: "m/s^2" -> "m/s²", "N*m" -> "N·m".
+// Typographic form of a unit: "m/s^2" -> "m/s²", "N*m" -> "N·m".
 std::string printed_unit(const std::string& unit) {
   std::string out;
   for (std::size_t i = 0; i < unit.size(); ++i) {
@@ -39,7 +39,7 @@ std::string axis_title(const Axis& axis) {
   return axis.label + (axis.label.empty() ? "[" : " [") + printed_unit(axis.unit) + "]";
 }
 
-// Extent of what can be drawn along an axis.
+// Range of the drawable values along an axis.
 class Extent {
  public:
   explicit Extent(const Axis& axis) : axis_(axis) {}
@@ -53,8 +53,8 @@ class Extent {
   }
   bool empty() const { return low_ > high_; }
 
-  /// `[low:high]` for gnuplot; "*" leaves an end to it, which takes the next round number. With a
-  /// `margin` both ends are given, that part of the extent beyond the data.
+  /// `[low:high]` for gnuplot; "*" lets gnuplot choose an end as a round number. With a `margin`
+  /// both ends are set, at that fraction of the extent beyond the data.
   std::string range(double margin = 0.0) const {
     double low = low_, high = high_;
     if (empty()) {
@@ -71,7 +71,7 @@ class Extent {
       low -= more;
       high += more;
     } else {
-      // Constant: the line runs through the middle of a range that can be read.
+      // Constant data: the line is in the middle of a readable range.
       const double half = std::fabs(low) > 1e-290 ? 0.5 * std::fabs(low) : 1.0;
       low -= half;
       high += half;
@@ -79,7 +79,7 @@ class Extent {
     return text(fmt::format("{}", low), fmt::format("{}", high));
   }
 
-  /// Between about five labels; 0: left to gnuplot.
+  /// Step for about five labels; 0: gnuplot chooses it.
   double tic_step() const {
     if (empty() || axis_.log ||
         !(high_ - low_ > 1e-9 * std::max(std::fabs(low_), std::fabs(high_))))
@@ -87,7 +87,7 @@ class Extent {
     return rounded_step((high_ - low_) / 5.0);
   }
 
-  /// Of bars: they stand on 0, or reach below the last decade.
+  /// Range for bars, which start at 0, or below the last decade on a logarithmic axis.
   std::string range_from_zero() const {
     if (!axis_.log) return text("0", "*");
     return text(fmt::format("{}", low_ / 2.0), low_ < high_ ? "*" : fmt::format("{}", high_ * 10));
@@ -139,7 +139,7 @@ class Writer {
     script_ += fmt::format(text, std::forward<Args>(args)...) + "\n";
   }
 
-  // "./" keeps gnuplot from taking a name for a pipe or an option.
+  // "./" prevents gnuplot from interpreting a name as a pipe or an option.
   std::string file(const std::string& ending) const {
     return gnuplot_string("./" + stem_ + ending);
   }
@@ -205,7 +205,7 @@ class Writer {
     if (!log.empty() && log.back() == 'z') line("set logscale cb");
   }
 
-  /// Axes without data, which say so.
+  /// Axes with the text "no data".
   void nothing(const std::string& command = "plot") {
     line("set label 9 \"no data\" at {} center front textcolor rgb \"#808080\"",
          command == "plot" ? "graph 0.5, graph 0.5" : "screen 0.5, screen 0.5");
@@ -228,7 +228,9 @@ class Writer {
     return figure_.series.size() > 1 ? fmt::format("-{}.csv", series + 1) : ".csv";
   }
 
-  /// Data of one line. Points between two gaps are drawn as points: a line would not show them.
+  /// Data of one line. Single points between two gaps are drawn as points, because a line does not
+  /// show
+/// them.
   void add_line(std::size_t i, const std::string& dash, std::vector<std::string>& elements) {
     const Series& series = figure_.series[i];
     const PathData path = path_data(figure_, series);
@@ -290,7 +292,7 @@ class Writer {
         "$ends using 3:4:(color($5)) with points lc rgb variable pt 5 ps 1.3 notitle");
     elements.push_back("NaN with points lc rgb \"#606060\" pt 6 ps 1.6 lw 1.6 title \"start\"");
     elements.push_back("NaN with points lc rgb \"#606060\" pt 5 ps 1.3 title \"end\"");
-    // Numbers, since a colour that varies along the data is one.
+    // Numbers, because variable colours must be numbers.
     std::string colors;
     for (const char* color : kColors)
       colors += (colors.empty() ? "0x" : ", 0x") + std::string(color + 1);
@@ -364,7 +366,7 @@ class Writer {
     plot(elements);
   }
 
-  // Labels of tics are format strings on top of everything else.
+  // Labels of tics are also format strings.
   static std::string tic_label(const std::string& label) {
     std::string doubled;
     for (const char c : label) doubled += c == '%' ? std::string("%%") : std::string(1, c);
@@ -408,7 +410,7 @@ class Writer {
     line("set xrange {}", x.range());
     line("set yrange {}", y.range());
     line("set zrange {}", z.range());
-    // Labels along slanted axes need more room than gnuplot thinks.
+    // Labels along slanted axes need more space than gnuplot provides.
     for (const auto& [axis, extent] : {std::pair{'x', &x}, std::pair{'y', &y}})
       if (const double step = extent->tic_step(); step > 0.0) line("set {}tics {}", axis, step);
     line("set view 55, 322");
@@ -422,7 +424,7 @@ class Writer {
       return nothing("splot");
     }
     line("set cbrange {}", z.range());
-    // Viridis (CC0), every sixteenth of it or so.
+    // Viridis (CC0), about every sixteenth colour.
     line(
         "set palette defined (0 \"#440154\", 1 \"#482878\", 2 \"#3e4989\", 3 \"#31688e\", "
         "4 \"#26828e\", 5 \"#1f9e89\", 6 \"#35b779\", 7 \"#6ece58\", 8 \"#b5de2b\", "

@@ -1,4 +1,4 @@
-// A figure as a script for gnuplot and the data it reads.
+// Conversion of a figure to a gnuplot script and its data files.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 namespace cogrsim::figures {
 
 struct TextFile {
-  std::string name;  ///< without folder
+  std::string name;  ///< without the folder
   std::string text;
 };
 
@@ -18,14 +18,15 @@ struct GnuplotJob {
   std::vector<TextFile> data;
 };
 
-/// `stem` is the picture's name without ending, `format` "png", "svg" or "pdf". `figure` is
-/// complete.
+/// Creates the script. `stem` is the name of the image without extension, `format` is "png", "svg"
+/// or "pdf". `figure` must be complete.
 GnuplotJob gnuplot_job(const Figure& figure, const std::string& stem, const std::string& format,
                        const DrawOptions& options);
 
-/// `text` as a string of gnuplot's that stands for just these characters: what is not harmless is
-/// written as a number, so that nothing can end the string, be substituted or run. Bytes that are
-/// not UTF-8 and control characters become U+FFFD; line breaks stay if `lines`, else become blanks.
+/// Quotes `text` as a gnuplot string with exactly these characters. Unsafe characters are written
+/// as numbers, so that no text can end the string, be substituted or be executed. Invalid UTF-8 and
+/// control characters become U+FFFD; line breaks are preserved if `lines` is set and become blanks
+/// otherwise.
 std::string gnuplot_string(const std::string& text, bool lines = false);
 
 }  // namespace cogrsim::figures

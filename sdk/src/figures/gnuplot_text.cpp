@@ -1,4 +1,4 @@
-// Text from anywhere, made harmless.
+// Quoting of untrusted text for gnuplot.
 #include <cstdint>
 
 #include <fmt/format.h>
@@ -9,7 +9,7 @@ namespace cogrsim::figures {
 namespace {
 
 // Length of the UTF-8 sequence at `at`; 0: not well-formed (RFC 3629: shortest form, no surrogates,
-// up to U+10FFFF), or not a character that XML knows.
+// up to U+10FFFF), or not a character of XML.
 std::size_t utf8_length(const std::string& text, std::size_t at) {
   const auto byte = [&](std::size_t i) -> std::uint32_t {
     return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0u;

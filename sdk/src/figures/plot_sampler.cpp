@@ -8,8 +8,8 @@
 namespace cogrsim::figures {
 namespace {
 
-/// Label and unit of an axis from the signals along it: the signal's text if there is one only,
-/// else what they have in common.
+/// Label and unit of an axis from its signals: the text of a single signal, or else the common
+/// part.
 Axis axis_of(const std::vector<const Signal*>& signals) {
   Axis axis;
   if (signals.empty()) return axis;
@@ -28,7 +28,7 @@ Axis axis_of(const std::vector<const Signal*>& signals) {
   return axis;
 }
 
-/// The signal that tells series of a plot apart, for their labels.
+/// The signal that distinguishes the series of a plot, for their labels.
 const Signal& main_signal(Kind kind, const std::optional<Signal>& x, const std::optional<Signal>& y,
                           const std::optional<Signal>& z) {
   return kind == Kind::histogram ? *x : kind == Kind::surface ? *z : *y;
@@ -68,20 +68,20 @@ Result<PlotSampler> PlotSampler::create(const PlotModel& plot, const SceneModel&
   const SignalScope scope{model, channels, {}};
   for (const PlotSeries& series : plot.series) {
     Line line;
-    const std::string place = place_of(model, series.origin);
+    const std::string location = place_of(model, series.origin);
     const auto take = [&](const std::string& text, bool wanted, const char* optional,
                           const char* axis, std::optional<Signal>& signal) -> Result<> {
       const std::string given = text.empty() && wanted ? optional : text;
       if (given.empty() && wanted)
-        return fail(fmt::format("{}: a {} needs a signal for {}", name, plot.kind, axis), place);
+        return fail(fmt::format("{}: a {} needs a signal for {}", name, plot.kind, axis), location);
       if (!given.empty() && !wanted)
         return fail(
             fmt::format("{}: a {} has no use for {}, found '{}'", name, plot.kind, axis, given),
-            place);
+            location);
       if (given.empty()) return {};
       auto parsed = Signal::parse(scope, given);
       if (!parsed)
-        return fail(fmt::format("{}: {}", name, parsed.error().message), place,
+        return fail(fmt::format("{}: {}", name, parsed.error().message), location,
                     parsed.error().hint);
       sampler.needs_ = sampler.needs_ | parsed->needs();
       signal = std::move(*parsed);
@@ -100,7 +100,7 @@ Result<PlotSampler> PlotSampler::create(const PlotModel& plot, const SceneModel&
 
 void PlotSampler::take(const Frame& frame) {
   const double every = plot_.every;
-  // Times are sums of steps: what is due within a millionth of the interval is due.
+  // Times are sums of steps, so a sample is due up to a millionth of the interval early.
   if (every > 0.0) {
     if (frame.time < next_ - 1e-6 * every) return;
     next_ = (std::floor(frame.time / every + 1e-6) + 1.0) * every;
@@ -140,7 +140,7 @@ Result<Figure> figure_of(const std::vector<const PlotSampler*>& runs,
   figure.y = axis_of(y);
   figure.z = axis_of(z);
   if (figure.kind == Kind::histogram) figure.y.label = "count";
-  // Where units differ the axis has none, and each series says its own.
+  // If the units differ, the axis has none, and each series has its own.
   bool same_unit = true;
   for (const Signal* signal : all) same_unit = same_unit && signal->unit() == all.front()->unit();
   for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -149,7 +149,7 @@ Result<Figure> figure_of(const std::vector<const PlotSampler*>& runs,
       const Signal& signal = main_signal(first.kind_, line.x, line.y, line.z);
       const std::string& given = runs[r]->plot_.series[i].label;
       std::string label = given.empty() ? signal.text() : given;
-      // A path is somebody's, not the y coordinate's.
+      // The label of a path is the object and not its y coordinate.
       const std::string coordinate = "." + signal.quantity();
       if (given.empty() && first.kind_ == Kind::map && label.size() > coordinate.size() &&
           label.compare(label.size() - coordinate.size(), coordinate.size(), coordinate) == 0)

@@ -20,7 +20,7 @@ void keep_finite(std::vector<double>& samples) {
                 samples.end());
 }
 
-// Mean and standard deviation (n - 1), scaled first so that no square overflows.
+// Mean and standard deviation (n - 1), scaled so that no square overflows.
 struct Moments {
   double mean = 0.0, deviation = 0.0;
 };
@@ -37,7 +37,7 @@ Moments moments(const std::vector<double>& samples) {
   return {mean * scale, samples.size() < 2 ? 0.0 : scale * std::sqrt(squares / (n - 1.0))};
 }
 
-// Few different whole numbers: each gets a bin of its own.
+// Few different integers: each gets its own bin.
 bool are_few_integers(const std::vector<double>& sorted) {
   constexpr double kMostIntegers = 50.0;
   return sorted.back() - sorted.front() <= kMostIntegers && std::fabs(sorted.front()) < 1e15 &&
@@ -67,13 +67,13 @@ double rounded_step(double width) {
 double quantile(const std::vector<double>& sorted, double p) {
   if (sorted.empty()) return kNaN;
   assert(p >= 0.0 && p <= 1.0);
-  // Position of the quantile among the samples, counted from 0.
+  // Position of the quantile among the samples, from 0.
   const double at = p * static_cast<double>(sorted.size()) - 0.5;
   if (at <= 0.0) return sorted.front();
   const auto below = static_cast<std::size_t>(at);
   if (below + 1 >= sorted.size()) return sorted.back();
   const double part = at - static_cast<double>(below);
-  // Not a + part (b - a): the difference of two finite numbers may overflow.
+  // Not a + w (b - a), because the difference of two finite numbers may overflow.
   return sorted[below] * (1.0 - part) + sorted[below + 1] * part;
 }
 
@@ -146,14 +146,15 @@ Bins histogram_bins(std::vector<double> samples, BinRule rule) {
     width = 3.5 * moments(samples).deviation / root;
     bins.method = "Scott: width 3.5 s / n^(1/3)";
   }
-  // What differs by rounding only counts as constant: bins must be wide beside the last digit.
+  // Samples that differ only by rounding count as constant: bins must be wider than rounding
+  // errors.
   const double digit = std::max(std::fabs(low), std::fabs(high)) * 1e-14;
   if (!(high - low > digit)) return one_bin(low == 0.0 ? 1.0 : 0.1 * std::fabs(low));
   if (std::isfinite(width) && width > digit) width = rounded_step(width);
   const double span = high - low;
   const auto count = [&] { return std::ceil(high / width) - std::floor(low / width); };
   if (!(width > digit) || !std::isfinite(span) || !(count() <= kMostBins)) {
-    // Far outliers beside a narrow crowd.
+    // Distant outliers next to a narrow distribution.
     bins.edges.clear();
     for (std::size_t i = 0; i <= kMostBins; ++i) {
       const double part = static_cast<double>(i) / static_cast<double>(kMostBins);
@@ -167,7 +168,7 @@ Bins histogram_bins(std::vector<double> samples, BinRule rule) {
   const double first = std::floor(low / width);
   for (double k = first; k <= first + std::max(1.0, count()); k += 1.0)
     bins.edges.push_back(k * width);
-  // Rounding of k * width must not leave a sample outside.
+  // Rounding of k * width must not exclude a sample.
   bins.edges.front() = std::min(bins.edges.front(), low);
   bins.edges.back() = std::max(bins.edges.back(), high);
   return bins;
@@ -187,7 +188,7 @@ std::vector<double> bin_counts(const std::vector<double>& samples,
 
 namespace {
 
-// Lower end and cell size along one axis of a grid.
+// Lower end and cell size of a grid along one axis.
 struct Axis1 {
   double low = 0.0, high = 0.0, cell = 1.0;
   int cells = 1;
@@ -197,17 +198,17 @@ struct Axis1 {
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
     low = *least;
     high = *most;
-    // Halves first: the difference of two finite numbers may overflow.
+    // Computed with halves, because the difference of two finite numbers may overflow.
     cell = (*most / cells - *least / cells);
     if (cell > 1e-14 * std::max(std::fabs(*least), std::fabs(*most))) return;
-    // No extent: one line of cells, as wide as it is natural to draw.
+    // Without extent there is one line of cells of a suitable width.
     cells = 1;
     cell = low == 0.0 ? 1.0 : 0.1 * std::fabs(low);
     low -= 0.5 * cell;
     high = low + cell;
   }
-  // Samples that stand on a few equally spaced lines, again and again, get a line of cells for each:
-  // equal cells between the outermost ones would leave empty cells between them.
+  // Samples on a few equally spaced lines get one line of cells each; cells of any other size would
+  // leave empty cells between them.
   static std::optional<Axis1> on_lines(std::vector<double> values) {
     const std::size_t count = values.size();
     std::sort(values.begin(), values.end());
@@ -272,7 +273,7 @@ Grid grid_means(const std::vector<double>& x, const std::vector<double>& y,
   for (std::size_t i = 0; i < xs.size(); ++i) {
     const std::size_t cell = along.index(ys[i]) * grid.x.size() + across.index(xs[i]);
     grid.counts[cell] += 1.0;
-    // A running mean cannot overflow where the sum would.
+    // A running mean cannot overflow, in contrast to the sum.
     grid.z[cell] += zs[i] / grid.counts[cell] - grid.z[cell] / grid.counts[cell];
   }
   for (std::size_t i = 0; i < grid.z.size(); ++i)

@@ -1,4 +1,4 @@
-#include "geometry/bounds.h"
+#include "cogrsim/geometry/bounds.h"
 
 #include <numeric>
 

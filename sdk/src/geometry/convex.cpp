@@ -1,5 +1,6 @@
-#include "geometry/convex.h"
+#include "cogrsim/geometry/convex.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/gjk.h"
@@ -55,6 +56,40 @@ Vec3 Core::support(const Vec3& d) const {
   return points[best];
 }
 
+double Core::extent(const Vec3& d) const {
+  switch (kind) {
+    case Kind::point:
+      return margin;
+    case Kind::segment:
+      return margin + half.z() * std::abs(d.z());
+    case Kind::box:
+      return d.cwiseAbs().dot(half);
+    case Kind::cylinder:
+      return radius * std::hypot(d.x(), d.y()) + half.z() * std::abs(d.z());
+    case Kind::points:
+      break;
+  }
+  double most = -kInfinity;
+  for (std::size_t i = 0; i < count; ++i) most = std::max(most, points[i].dot(d));
+  return most;
+}
+
+Vec3 Core::half_extents(const Mat3& R) const {
+  switch (kind) {
+    case Kind::segment:
+      return half.z() * R.col(2).cwiseAbs() + Vec3::Constant(margin);
+    case Kind::box:
+      return R.cwiseAbs() * half;
+    case Kind::cylinder:
+      return half.z() * R.col(2).cwiseAbs() +
+             radius * (Vec3::Ones() - R.col(2).cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+    case Kind::point:
+    case Kind::points:
+      break;
+  }
+  return Vec3::Constant(margin);
+}
+
 std::optional<Vec3> Core::nearest(const Vec3& p) const {
   switch (kind) {
     case Kind::point:
@@ -74,12 +109,12 @@ std::optional<Vec3> Core::nearest(const Vec3& p) const {
 }
 
 Bounds Core::bounds(const Pose& X) const {
-  Bounds out;
-  const Placed placed{*this, X};
-  for (int i = 0; i < 3; ++i) {
-    out.high[i] = placed.support(Vec3::Unit(i))[i] + margin;
-    out.low[i] = placed.support(-Vec3::Unit(i))[i] - margin;
+  if (kind != Kind::points) {
+    const Vec3 extents = half_extents(X.q.toRotationMatrix());
+    return {X.p - extents, X.p + extents};
   }
+  Bounds out;
+  for (std::size_t i = 0; i < count; ++i) out.add(X * points[i]);
   return out;
 }
 
@@ -122,13 +157,55 @@ Core core_of(const Vec3* corners) {
   return core;
 }
 
+Bounds local_bounds(const SceneModel& model, const Shape& shape) {
+  switch (shape.type) {
+    case ShapeType::plane:
+      return {Vec3::Constant(-kInfinity), {kInfinity, kInfinity, 0.0}};
+    case ShapeType::heightmap: {
+      const HeightGrid& grid = model.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+      const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
+      return {{-0.5 * grid.size_x, -0.5 * grid.size_y, *low},
+              {0.5 * grid.size_x, 0.5 * grid.size_y, *high}};
+    }
+    default:
+      return core_of(model, shape).bounds({});
+  }
+}
+
+double bounding_radius(const SceneModel& model, const Shape& shape) {
+  if (shape.type == ShapeType::plane) return kInfinity;
+  if (shape.type == ShapeType::heightmap) {
+    const Bounds box = local_bounds(model, shape);
+    return box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs()).norm();
+  }
+  const Core core = core_of(model, shape);
+  double square = 0.0;
+  for (std::size_t i = 0; i < core.count; ++i)
+    square = std::max(square, core.points[i].squaredNorm());
+  if (core.kind == Core::Kind::points) return std::sqrt(square);
+  if (core.kind == Core::Kind::cylinder) return std::hypot(core.radius, core.half.z());
+  return core.half.norm() + core.margin;
+}
+
+Ball bounding_ball(const SceneModel& model, const Shape& shape) {
+  if (shape.mesh < 0 && shape.heightmap < 0) return {Vec3::Zero(), bounding_radius(model, shape)};
+  const Bounds box = local_bounds(model, shape);
+  Ball out{box.middle(), box.half().norm()};
+  if (shape.mesh < 0) return out;
+  const Core points = core_of(model, shape);
+  out.radius = 0.0;
+  for (std::size_t i = 0; i < points.count; ++i)
+    out.radius = std::max(out.radius, (points.points[i] - out.middle).norm());
+  return out;
+}
+
 Vec3 core_gap(const Placed& a, const Placed& b) {
   // About a point near both, so that coordinates are small.
   const Vec3 origin = 0.5 * (a.X_WS.p + b.X_WS.p);
   const Pose X_a{a.X_WS.p - origin, a.X_WS.q}, X_b{b.X_WS.p - origin, b.X_WS.q};
   const Placed A{a.core, X_a}, B{b.core, X_b};
   const auto difference = [&](const Vec3& d) -> Vec3 { return A.support(d) - B.support(-d); };
-  return gjk::nearest_to_origin(difference, difference(X_b.p - X_a.p));
+  return nearest_to_origin(difference, difference(X_b.p - X_a.p));
 }
 
 double core_distance(const Placed& a, const Placed& b) {

@@ -1,4 +1,4 @@
-#include "geometry/convex_hull.h"
+#include "cogrsim/geometry/convex_hull.h"
 
 // C, and written for another set of warnings.
 #pragma GCC diagnostic push
@@ -6,6 +6,7 @@
 #include <libqhull_r/qhull_ra.h>
 #pragma GCC diagnostic pop
 
+#include <algorithm>
 #include <cstdio>
 
 namespace cogrsim::geometry {
@@ -69,6 +70,31 @@ TriangleMesh convex_hull(const TriangleMesh& mesh) {
   int kept = 0, total = 0;
   qh_memfreeshort(qh, &kept, &total);
   return good && !out.triangles.empty() ? out : mesh;
+}
+
+std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
+  using Point = Eigen::Vector2d;
+  std::sort(points.begin(), points.end(), [](const Point& a, const Point& b) {
+    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+  });
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  std::vector<Point> out(2 * points.size());
+  std::size_t count = 0;
+  // `least`: corners that are there for good, and one more.
+  const auto turn_left_to = [&](const Point& p, std::size_t least) {
+    const auto left = [&] {
+      const Point a = out[count - 1] - out[count - 2], b = p - out[count - 2];
+      return a.x() * b.y() - a.y() * b.x() > 0.0;
+    };
+    while (count >= least && !left()) --count;
+    out[count++] = p;
+  };
+  for (const Point& p : points) turn_left_to(p, 2);
+  const std::size_t lower = count + 1;
+  for (auto p = points.rbegin() + 1; p != points.rend(); ++p) turn_left_to(*p, lower);
+  out.resize(count - 1);
+  return out;
 }
 
 }  // namespace cogrsim::geometry

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace cogrsim::gjk {
+namespace cogrsim::geometry {
 namespace {
 
 struct Nearest {
@@ -87,4 +87,4 @@ Vec3 reduce(Simplex& simplex) {
   return found.point;
 }
 
-}  // namespace cogrsim::gjk
+}  // namespace cogrsim::geometry

@@ -11,7 +11,7 @@
 
 #include "cogrsim/core/types.h"
 
-namespace cogrsim::gjk {
+namespace cogrsim::geometry {
 
 /// Points of which the origin's nearest in their hull is a combination of all.
 struct Simplex {
@@ -52,4 +52,4 @@ Vec3 nearest_to_origin(const Support& support, const Vec3& start) {
   return v;
 }
 
-}  // namespace cogrsim::gjk
+}  // namespace cogrsim::geometry

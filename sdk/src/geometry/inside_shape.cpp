@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/triangles.h"
+#include "cogrsim/geometry/triangles.h"
 
 namespace cogrsim::geometry {
 

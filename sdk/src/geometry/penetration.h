@@ -3,9 +3,9 @@
 
 #include <functional>
 
+#include "cogrsim/geometry/convex.h"
 #include "cogrsim/geometry/overlap.h"
-#include "geometry/convex.h"
-#include "geometry/triangles.h"
+#include "cogrsim/geometry/triangles.h"
 
 namespace cogrsim::geometry {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "cogrsim/core/constants.h"
-#include "geometry/convex.h"
-#include "geometry/triangles.h"
+#include "cogrsim/geometry/convex.h"
+#include "cogrsim/geometry/triangles.h"
 
 namespace cogrsim::geometry {
 struct SurfaceSet::Piece {
@@ -18,24 +18,19 @@ struct SurfaceSet::Piece {
   Core core;
   std::vector<Vec3> points;  // of a hull
   std::vector<Triangle> triangles;
-  BoundsTree tree;             // of them
-  Vec3 middle = Vec3::Zero();  // of the ball around it, in S
-  double reach = 0.0;          // its radius
+  BoundsTree tree;  // of them
+  Ball ball;        // around it, in S
 };
 
 namespace {
 
 using Piece = SurfaceSet::Piece;
 
-void enclose(Piece& piece, const Bounds& bounds) {
-  piece.middle = 0.5 * (bounds.low + bounds.high);
-  piece.reach = 0.5 * (bounds.high - bounds.low).norm();
-}
-
 std::shared_ptr<const Piece> piece_of(const SceneModel& model, int body, const Shape& shape) {
   auto piece = std::make_shared<Piece>();
   piece->body = body;
   piece->X_BS = shape.X_BS;
+  piece->ball = bounding_ball(model, shape);
   switch (shape.type) {
     case ShapeType::plane:
       piece->kind = Piece::Kind::plane;
@@ -49,21 +44,16 @@ std::shared_ptr<const Piece> piece_of(const SceneModel& model, int body, const S
         boxes.push_back(bounds_of(triangle));
       });
       piece->tree = BoundsTree(boxes);
-      if (!boxes.empty()) enclose(*piece, piece->tree.nodes()[0].bounds);
       break;
     }
     case ShapeType::convex_mesh: {
       piece->core = core_of(model, shape);
       piece->points.assign(piece->core.points, piece->core.points + piece->core.count);
       piece->core.points = piece->points.data();
-      Bounds bounds;
-      for (const Vec3& v : piece->points) bounds.add(v);
-      enclose(*piece, bounds);
       break;
     }
     default:
       piece->core = core_of(model, shape);
-      piece->reach = std::hypot(piece->core.radius, piece->core.half.norm()) + piece->core.margin;
   }
   return piece;
 }
@@ -138,7 +128,7 @@ void lower(const Item& a, const Item& b, double& best) {
   } else if (a.piece->kind == Kind::convex || b.piece->kind == Kind::convex) {
     const bool first = a.piece->kind == Kind::convex;
     const Item& convex = first ? a : b;
-    core_to_triangles({convex.piece->core, convex.X_WS}, convex.middle, convex.piece->reach,
+    core_to_triangles({convex.piece->core, convex.X_WS}, convex.middle, convex.piece->ball.radius,
                       first ? b : a, best);
   } else {
     const bool first = a.piece->triangles.size() <= b.piece->triangles.size();
@@ -161,7 +151,7 @@ std::vector<Item> items(const SurfaceSet& set, const std::vector<Pose>& poses,
     const auto body = static_cast<std::size_t>(piece->body);
     if (piece->body != kWorld && (body >= poses.size() || gone[body])) continue;
     const Pose X_WS = piece->body == kWorld ? piece->X_BS : poses[body] * piece->X_BS;
-    out.push_back({piece.get(), X_WS, X_WS * piece->middle});
+    out.push_back({piece.get(), X_WS, X_WS * piece->ball.middle});
   }
   return out;
 }
@@ -211,7 +201,7 @@ double surface_distance(const SurfaceSet& a, const SurfaceSet& b, const std::vec
           first[i].piece->kind == Piece::Kind::plane || second[j].piece->kind == Piece::Kind::plane;
       const double bound = plane ? 0.0
                                  : (first[i].middle - second[j].middle).norm() -
-                                       first[i].piece->reach - second[j].piece->reach;
+                                       first[i].piece->ball.radius - second[j].piece->ball.radius;
       pairs.push_back({bound, i, j});
     }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& p, const Pair& q) {

@@ -1,4 +1,4 @@
-#include "geometry/triangles.h"
+#include "cogrsim/geometry/triangles.h"
 
 #include <cmath>
 

@@ -7,9 +7,9 @@ namespace cogrsim::map_detail {
 
 namespace {
 
-// Long, thin areas are widened to this much, so that every drawing can be looked at.
+// Narrow areas are widened to this aspect ratio, so that every drawing is readable.
 constexpr double kMostStretched = 4.0;
-// Cairo writes lengths of vector drawings in points, 72 to the inch; one pixel is one point here.
+// Cairo measures vector drawings in points of 1/72 inch; one pixel is one point here.
 
 cairo_status_t append(void* closure, const unsigned char* data, unsigned int length) {
   static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
@@ -34,7 +34,7 @@ Result<Canvas> Canvas::make(const std::string& ending, const MapArea& area, int 
   canvas.width_ = width;
   canvas.header_ = header;
   canvas.scale_ = canvas.width_ / (a.x_max - a.x_min);
-  // Even numbers of pixels, because film encoders want them.
+  // Even numbers of pixels, as video encoders require.
   canvas.height_ = 2.0 * std::ceil(((a.y_max - a.y_min) * canvas.scale_ + header) / 2.0);
   a.y_min = a.y_max - (canvas.height_ - header) / canvas.scale_;
 

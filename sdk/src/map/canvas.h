@@ -17,10 +17,10 @@ struct Destroy {
   void operator()(cairo_t* context) const { cairo_destroy(context); }
 };
 
-/// World x to the right, y up, in a drawing of `width` by height() pixels.
+/// A drawing of `width` by height() pixels, with world x to the right and y up.
 class Canvas {
  public:
-  /// `bytes` receives the file when finish() is called. Errors: what cairo says.
+  /// `bytes` receives the file in finish(). Errors: those of cairo.
   static Result<Canvas> make(const std::string& ending, const MapArea& area, int width, int header,
                              std::string& bytes);
 

@@ -1,4 +1,4 @@
-// Drawing the plan view.
+// Drawing of maps.
 #include "cogrsim/map/map.h"
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <map>
 
 #include "cogrsim/core/image.h"
+#include "cogrsim/geometry/convex.h"
 #include "cogrsim/model/surface.h"
 #include "cogrsim/rendering/looks.h"
 #include "map/canvas.h"
@@ -45,7 +46,7 @@ void enclose_body(MapArea& area, const SceneModel& model, const Body& body, cons
   }
 }
 
-/// A shape to be drawn, in order of height.
+/// A shape to be drawn; shapes are sorted by height.
 struct Item {
   const Shape* shape = nullptr;
   int body = -1;
@@ -56,37 +57,11 @@ struct Item {
 
 // Height of the highest point of a shape.
 double top_of(const SceneModel& model, const Shape& shape, const Pose& X_WS) {
-  const Vec3 up = X_WS.q.conjugate() * Vec3::UnitZ();  // in the shape
-  double reach = 0.0;
-  switch (shape.type) {
-    case ShapeType::plane:
-      return -std::numeric_limits<double>::infinity();  // under everything
-    case ShapeType::box:
-      reach = 0.5 * up.cwiseAbs().dot(shape.size);
-      break;
-    case ShapeType::sphere:
-      reach = shape.radius;
-      break;
-    case ShapeType::cylinder:
-      reach = shape.radius * std::hypot(up.x(), up.y()) + 0.5 * shape.length * std::abs(up.z());
-      break;
-    case ShapeType::capsule:
-      reach = shape.radius + 0.5 * shape.length * std::abs(up.z());
-      break;
-    case ShapeType::convex_mesh:
-    case ShapeType::mesh:
-      reach = -std::numeric_limits<double>::infinity();
-      for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)].vertices) {
-        reach = std::max(reach, up.dot(v));
-      }
-      break;
-    case ShapeType::heightmap: {
-      const auto& heights = model.heightmaps[static_cast<std::size_t>(shape.heightmap)].heights;
-      reach = *std::min_element(heights.begin(), heights.end());  // what stands on it is seen
-      break;
-    }
-  }
-  return X_WS.p.z() + reach;
+  const Vec3 up = X_WS.q.conjugate() * Vec3::UnitZ();     // in the frame of the shape
+  if (shape.type == ShapeType::plane) return -kInfinity;  // below everything
+  if (shape.type == ShapeType::heightmap)                 // the lowest: shapes on it must be visible
+    return X_WS.p.z() + geometry::local_bounds(model, shape).low.z();
+  return X_WS.p.z() + geometry::core_of(model, shape).extent(up);
 }
 
 std::vector<Item> items_of(const Frame& frame) {
@@ -107,7 +82,7 @@ std::vector<Item> items_of(const Frame& frame) {
   return items;
 }
 
-// The colour a shape has from afar: its texture's mean, where it has one.
+// The mean colour of a shape, including its texture.
 Color far_color(const SceneModel& model, const Item& item, TextureStore& textures) {
   Color color = shown_color(model, item.body, *item.shape);
   const auto image =
@@ -133,15 +108,15 @@ Color darker(const Color& c, double factor) {
   return {c.r * factor, c.g * factor, c.b * factor, c.a};
 }
 
-// A level plane fills the map; one on edge fills its half; a slope fills it too.
+// A horizontal or sloped plane fills the map; a vertical one fills one half of it.
 void draw_plane(const Canvas& canvas, const Pose& X_WS, const Color& color) {
   const MapArea& a = canvas.area();
   std::vector<Eigen::Vector2d> region = {
       {a.x_min, a.y_min}, {a.x_max, a.y_min}, {a.x_max, a.y_max}, {a.x_min, a.y_max}};
   const Vec3 normal = X_WS.q * Vec3::UnitZ();
-  if (normal.z() < -0.5) return;  // a ceiling: one looks from inside the room
+  if (normal.z() < -0.5) return;  // a ceiling, which would hide the whole scene
   if (std::abs(normal.z()) < 1e-6) {
-    // Clip the map against the line where the wall stands (Sutherland and Hodgman's step).
+    // Clip the map against the line of the wall (one step of Sutherland and Hodgman).
     std::vector<Eigen::Vector2d> kept;
     const auto side = [&](const Eigen::Vector2d& p) {
       return normal.x() * (p.x() - X_WS.p.x()) + normal.y() * (p.y() - X_WS.p.y());
@@ -161,14 +136,14 @@ void draw_plane(const Canvas& canvas, const Pose& X_WS, const Color& color) {
   cairo_fill(canvas.context());
 }
 
-// Heights as brightness, in at most 64 x 64 patches.
+// Draws heights as brightness, in at most 64 x 64 patches.
 void draw_heightmap(const Canvas& canvas, const SceneModel& model, const Shape& shape,
                     const Pose& X_WS, const Color& color) {
   const HeightGrid& grid = model.heightmaps[static_cast<std::size_t>(shape.heightmap)];
   const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
   const double span = std::max(*high - *low, 1e-12);
   const int columns = std::min(grid.columns - 1, 64), rows = std::min(grid.rows - 1, 64);
-  cairo_set_antialias(canvas.context(), CAIRO_ANTIALIAS_NONE);  // no seams between patches
+  cairo_set_antialias(canvas.context(), CAIRO_ANTIALIAS_NONE);  // avoids seams between patches
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < columns; ++c) {
       const int gc = (2 * c + 1) * (grid.columns - 1) / (2 * columns);
@@ -208,7 +183,7 @@ void draw_shapes(const Canvas& canvas, const Frame& frame) {
     for (const auto& polygon : plan_outline(model, shape, item.X_WB)) canvas.path(polygon);
     canvas.paint(color);
     if (shape.type == ShapeType::mesh) {
-      cairo_fill(cr);  // the edges of all its triangles would hide it
+      cairo_fill(cr);  // without edges, because those of all triangles would hide it
       continue;
     }
     cairo_fill_preserve(cr);
@@ -233,7 +208,7 @@ void draw_ghosts(const Canvas& canvas, const std::vector<MapGhost>& ghosts) {
   }
 }
 
-// 1, 2 or 5 times a power of ten, nearest below.
+// The largest number of the form 1, 2 or 5 times a power of ten that is not above the value.
 double round_length(double length) {
   const double power = std::pow(10.0, std::floor(std::log10(length)));
   for (const double step : {5.0, 2.0}) {
@@ -259,7 +234,7 @@ void draw_grid(const Canvas& canvas) {
   cairo_stroke(cr);
 }
 
-/// Dark text with a light rim, readable on any ground.
+/// Dark text with a light outline, readable on any background.
 void write(const Canvas& canvas, double column, double row, const std::string& text) {
   cairo_t* cr = canvas.context();
   cairo_move_to(cr, column, row);
@@ -272,8 +247,8 @@ void write(const Canvas& canvas, double column, double row, const std::string& t
   cairo_fill(cr);
 }
 
-// Names of top-level assemblies and of bodies outside any, larger ones first, where nothing else is
-// written yet.
+// Draws the names of top-level assemblies and of bodies without an assembly, larger ones first,
+// where no other text is.
 void draw_names(const Canvas& canvas, const Frame& frame) {
   const SceneModel& model = *frame.model;
   cairo_t* cr = canvas.context();
@@ -306,7 +281,7 @@ void draw_names(const Canvas& canvas, const Frame& frame) {
       label.moves = label.moves || moves;
     }
   }
-  // What moves matters more than walls.
+  // Movable objects have priority over walls.
   std::stable_sort(labels.begin(), labels.end(),
                    [](const Label& a, const Label& b) { return a.moves && !b.moves; });
   std::vector<MapArea> taken;  // in pixels
@@ -358,14 +333,14 @@ void draw_trails(const Canvas& canvas, const std::vector<MapTrail>& trails) {
     canvas.paint(trail.color);
     cairo_stroke(cr);
     cairo_set_dash(cr, nullptr, 0, 0.0);
-    if (first != nullptr) {  // a ring where it began
+    if (first != nullptr) {  // a ring at the start
       cairo_arc(cr, canvas.column(first->x()), canvas.row(first->y()), 3.5, 0.0, 6.2831853);
       cairo_stroke(cr);
     }
   }
 }
 
-// A lidar's are one pale fan, which hides nothing; others are lines.
+// The rays of a lidar are one pale fan, which hides nothing; other rays are lines.
 void draw_rays(const Canvas& canvas, const SceneModel& model, const std::vector<SensorRay>& rays) {
   cairo_t* cr = canvas.context();
   const auto is_lidar = [&](const SensorRay& ray) {

@@ -18,7 +18,7 @@ void set_mass(Body& body, const MassProperties& properties) {
   body.inertia = properties.inertia;
 }
 
-/// What the scene compiler checks with a message is a bug when a program does it.
+/// An error that the scene compiler would report is a bug here, because a program caused it.
 MassProperties mass_or_assert(const Shape& shape, const SceneModel& model, double mass) {
   const Result<MassProperties> properties = shape_mass(shape, model.meshes, mass);
   assert(properties && "this shape cannot have a mass");
@@ -201,7 +201,8 @@ int ModelBuilder::assembly(const std::string& name, const std::vector<int>& bodi
 }
 
 SceneModelPtr ModelBuilder::build() {
-  // Coordinates that were not given follow from the bodies, which may have been moved since.
+  // Coordinates that were not set follow from the poses of the bodies, which may have changed
+  // since.
   const auto pose = [this](int body) {
     return body == kWorld ? Pose{} : model.bodies.at(static_cast<std::size_t>(body)).X_WB;
   };

@@ -1,4 +1,4 @@
-// Findings about elements of a model, with the element's place in the scene's files.
+// Diagnostics about elements of a model, with the source location of the element.
 #pragma once
 
 #include "cogrsim/core/diagnostic.h"
@@ -6,7 +6,7 @@
 
 namespace cogrsim {
 
-/// Fills in the place, when it is known.
+/// Fills in the source location if it is known.
 inline void locate(Diagnostic& d, const SceneModel& model, const SourceSpan& origin) {
   if (origin.file < 0 || static_cast<std::size_t>(origin.file) >= model.files.size()) return;
   d.file = model.files[static_cast<std::size_t>(origin.file)];

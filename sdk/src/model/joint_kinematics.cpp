@@ -14,7 +14,7 @@ Quat about_z(double angle) { return {std::cos(angle / 2), 0, 0, std::sin(angle /
 
 Quat quaternion_at(const double* q) { return Quat(q[0], q[1], q[2], q[3]).normalized(); }
 
-/// `angle` plus as many turns as bring it within pi of `previous`, or of 0.
+/// Adds full turns to `angle` so that it is within pi of `previous`, or of 0.
 double near_previous(double angle, const double* previous) {
   if (previous != nullptr) {
     return angle + 2 * kPi * std::round((*previous - angle) / (2 * kPi));
@@ -31,7 +31,7 @@ double angle_about(double axis_part, double scalar_part) {
 
 void put_quaternion(const Quat& value, const double* previous, double* q) {
   Quat unit = value.normalized();
-  // q and -q are the same orientation: stay on the side we came from.
+  // q and -q are the same orientation: keep the sign of the previous one.
   const double side = previous == nullptr
                           ? unit.w()
                           : unit.dot(Quat(previous[0], previous[1], previous[2], previous[3]));
@@ -140,7 +140,7 @@ void joint_position(const Joint& joint, const Pose& X_FM, const double* previous
     case JointType::fixed:
       break;
     case JointType::hinge:
-    case JointType::screw:  // the angle is what the joint turns by; travel follows from it
+    case JointType::screw:  // the angle is the coordinate; the travel follows from it
       q[0] = near_previous(turn_z, before(0));
       break;
     case JointType::slider:
@@ -151,7 +151,7 @@ void joint_position(const Joint& joint, const Pose& X_FM, const double* previous
       q[1] = X_FM.p.z();
       break;
     case JointType::universal: {
-      // M's y axis is (0, cos q0, sin q0) in F; what is left after q0 turns about y.
+      // The y axis of M is (0, cos q0, sin q0) in F; the remaining rotation is about y.
       const Vec3 y_M = X_FM.q * Vec3::UnitY();
       const double first = std::atan2(y_M.z(), y_M.y());
       const Quat rest = about_x(first).conjugate() * X_FM.q;
@@ -176,7 +176,7 @@ void joint_position(const Joint& joint, const Pose& X_FM, const double* previous
 
 void joint_velocity(const Joint& joint, const Pose& X_FM, const Twist& V_FM, const double* q,
                     double* u) {
-  (void)X_FM;  // no joint of ours has speeds that depend on more than q
+  (void)X_FM;  // the speeds of all joint types depend on q only
   const Vec3& v = V_FM.linear;
   const Vec3& w = V_FM.angular;
   switch (joint.type) {
@@ -194,7 +194,7 @@ void joint_velocity(const Joint& joint, const Pose& X_FM, const Twist& V_FM, con
       u[1] = v.z();
       break;
     case JointType::universal:
-      // The two axes are at right angles whatever q is, so projections solve for both.
+      // The two axes are perpendicular for every q, so projections give both speeds.
       u[0] = w.x();
       u[1] = w.y() * std::cos(q[0]) + w.z() * std::sin(q[0]);
       break;
@@ -219,7 +219,7 @@ JointError joint_error(const Joint& joint, const Pose& X_FM) {
   std::array<double, 7> q{}, near{};
   const double* previous = nullptr;
   if (joint.type == JointType::screw && joint.pitch != 0.0) {
-    // Orientation alone does not tell the number of turns; the travel does.
+    // The orientation does not determine the number of turns, but the travel does.
     near[0] = X_FM.p.z() * 2 * kPi / joint.pitch;
     previous = near.data();
   }

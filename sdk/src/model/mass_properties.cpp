@@ -22,20 +22,20 @@ struct Moments {
 
 Mat3 diagonal(double x, double y, double z) { return Vec3(x, y, z).asDiagonal(); }
 
-/// Inertia of a point of unit mass at r, about the origin.
+/// Inertia about the origin of a point of unit mass at r.
 Mat3 point_inertia(const Vec3& r) { return r.squaredNorm() * Mat3::Identity() - r * r.transpose(); }
 
-// Tetrahedra from one point to every triangle; signed, so that those outside cancel. For vertices
+// Sum over the signed tetrahedra from one point to every triangle. For the vertices
 // 0, a, b, c with determinant D: volume D/6, first moment D (a+b+c)/24, second moment
 // D/120 (a a' + b b' + c c' + s s') with s = a+b+c.
 Moments mesh_moments(const TriangleMesh& mesh) {
   Moments out;
   if (mesh.vertices.empty()) return out;
-  // From inside the solid the tetrahedra are small and little is lost to cancellation.
+  // With the point inside the solid the tetrahedra are small, and cancellation loses little.
   Vec3 middle = Vec3::Zero();
   for (const Vec3& v : mesh.vertices) middle += v / static_cast<double>(mesh.vertices.size());
-  double reach = 0.0;
-  for (const Vec3& v : mesh.vertices) reach = std::max(reach, (v - middle).norm());
+  double radius = 0.0;
+  for (const Vec3& v : mesh.vertices) radius = std::max(radius, (v - middle).norm());
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
   for (const Eigen::Vector3i& t : mesh.triangles) {
@@ -49,8 +49,8 @@ Moments mesh_moments(const TriangleMesh& mesh) {
     second +=
         D / 120 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
   }
-  // What is left when the tetrahedra of a flat mesh cancel is rounding.
-  if (std::abs(out.volume) < 1e-13 * reach * reach * reach) return {};
+  // The tetrahedra of a flat mesh cancel except for rounding errors.
+  if (std::abs(out.volume) < 1e-13 * radius * radius * radius) return {};
   const Vec3 centre = first / out.volume;
   second -= out.volume * centre * centre.transpose();
   out.com = middle + centre;
@@ -131,7 +131,7 @@ Result<MassProperties> shape_mass(const Shape& shape, const std::vector<Triangle
   out.mass = mass;
   out.com = shape.X_BS * m.com;
   out.inertia = mass / m.volume * R_BS * m.inertia * R_BS.transpose();
-  // Rotation leaves rounding in the last bit; engines compare the two halves.
+  // Rotation causes rounding errors in the last bit, and engines check the symmetry exactly.
   out.inertia = (0.5 * (out.inertia + out.inertia.transpose())).eval();
   return out;
 }
@@ -158,7 +158,7 @@ Result<> check_mass_properties(double mass, const Mat3& inertia) {
   if ((inertia - inertia.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale) {
     return fail("inertia must be symmetric: ixy = iyx, ixz = izx, iyz = izy");
   }
-  // Scaled, so that the moments of a grain of sand are no harder than those of a ship.
+  // Scaled, so that the check does not depend on the magnitude of the moments.
   const Mat3 scaled = scale > 0.0 ? Mat3(inertia / scale) : inertia;
   const Vec3 moments =
       scale * Eigen::SelfAdjointEigenSolver<Mat3>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
@@ -167,7 +167,7 @@ Result<> check_mass_properties(double mass, const Mat3& inertia) {
   if (!(moments[0] > 1e-14 * moments[2])) {
     return fail("inertia must be positive definite; its principal moments are " + values);
   }
-  // A flat plate reaches equality; files round.
+  // A flat plate gives equality; numbers in files are rounded.
   if (moments[0] + moments[1] < moments[2] * (1 - 1e-6)) {
     return fail(
         "no body has such an inertia: the largest principal moment exceeds the sum of the others "

@@ -15,7 +15,7 @@ std::uint64_t pair_key(int a, int b) {
   return std::uint64_t{static_cast<std::uint32_t>(a)} << 32 | static_cast<std::uint32_t>(b);
 }
 
-/// Where to look first for a key in a table of a power of two entries (Fibonacci hashing).
+/// First slot of a key in a table whose size is a power of two (Fibonacci hashing).
 std::size_t first_slot(std::uint64_t key, std::size_t entries) {
   return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ull) >> 32) & (entries - 1);
 }
@@ -151,7 +151,7 @@ void finish_model(SceneModel& model) {
 }
 
 void mark_loops(SceneModel& model) {
-  // Union-find; entry 0 is the ground, made of the world and all that is not moved by forces.
+  // Union-find; entry 0 is the ground: the world and all static and kinematic bodies.
   std::vector<std::size_t> root(model.bodies.size() + 1);
   std::iota(root.begin(), root.end(), std::size_t{0});
   const auto find = [&root](std::size_t i) {
@@ -178,7 +178,7 @@ CollisionFilter::CollisionFilter(const SceneModel& model) {
                       : body.kind == BodyKind::dynamic ? Part::mobile
                                                        : Part::immobile);
   }
-  std::vector<std::uint64_t> keys;  // those with the world do no harm: nobody asks for them
+  std::vector<std::uint64_t> keys;  // keys with the world are harmless: they are never queried
   for (const Joint& joint : model.joints) {
     if (joint.removed || joint.bodies_collide) continue;
     keys.push_back(pair_key(joint.parent, joint.child));

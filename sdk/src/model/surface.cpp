@@ -9,13 +9,13 @@ namespace cogrsim {
 namespace {
 
 /// A point and the extents of a flat face along the directions of u and v.
-struct FacePlace {
+struct FacePoint {
   Vec2 at = Vec2::Zero();
   Vec2 extent = Vec2::Ones();
 };
 
-/// Looks at the face whose outward normal has its largest component like `normal`.
-FacePlace face_place(const Vec3& point, const Vec3& normal, const Vec3& extents) {
+/// Selects the face whose outward normal has the same largest component as `normal`.
+FacePoint face_point(const Vec3& point, const Vec3& normal, const Vec3& extents) {
   const Vec3 size = normal.cwiseAbs();
   if (size.z() >= size.x() && size.z() >= size.y()) {
     const double v = normal.z() < 0.0 ? -point.y() : point.y();
@@ -29,9 +29,9 @@ FacePlace face_place(const Vec3& point, const Vec3& normal, const Vec3& extents)
   return {{u, point.z()}, {extents.y(), extents.z()}};
 }
 
-Vec2 on_face(const FacePlace& place, const std::optional<Vec2>& size) {
-  if (size) return place.at.cwiseQuotient(*size);
-  return place.at.cwiseQuotient(place.extent) + Vec2(0.5, 0.5);
+Vec2 on_face(const FacePoint& face, const std::optional<Vec2>& size) {
+  if (size) return face.at.cwiseQuotient(*size);
+  return face.at.cwiseQuotient(face.extent) + Vec2(0.5, 0.5);
 }
 
 /// u around the z axis.
@@ -40,7 +40,7 @@ double around(const Vec3& point, double radius, const std::optional<Vec2>& size)
   return (size ? radius * phi / size->x() : phi / (2.0 * kPi)) + 0.5;
 }
 
-/// Height above the middle along a capsule's outline.
+/// Height above the middle along the outline of a capsule.
 double outline(double z, double radius, double half_length) {
   const double beyond = std::abs(z) - half_length;
   if (beyond <= 0.0) return z;
@@ -72,7 +72,7 @@ Vec2 texture_coordinates(const SceneModel& model, const Shape& shape, const Vec3
   const double half = 0.5 * shape.length;
   switch (shape.type) {
     case ShapeType::box:
-      return on_face(face_place(point, normal, shape.size), size);
+      return on_face(face_point(point, normal, shape.size), size);
     case ShapeType::sphere: {
       const double latitude = std::asin(std::clamp(point.z() / shape.radius, -1.0, 1.0));
       const double v = size ? shape.radius * latitude / size->y() : latitude / kPi;
@@ -81,7 +81,7 @@ Vec2 texture_coordinates(const SceneModel& model, const Shape& shape, const Vec3
     case ShapeType::cylinder: {
       if (std::abs(normal.z()) * std::sqrt(2.0) >= 1.0) {
         const double width = 2.0 * shape.radius;
-        return on_face(face_place(point, {0.0, 0.0, normal.z()}, {width, width, width}), size);
+        return on_face(face_point(point, {0.0, 0.0, normal.z()}, {width, width, width}), size);
       }
       const double v = size ? (point.z() + half) / size->y() : point.z() / shape.length + 0.5;
       return {around(point, shape.radius, size), v};
@@ -105,7 +105,7 @@ Vec2 texture_coordinates(const SceneModel& model, const Shape& shape, const Vec3
   const auto index = static_cast<std::size_t>(triangle);
   if (triangle >= 0 && index < mesh.triangles.size() && 3 * index + 2 < mesh.uv.size())
     return on_triangle(mesh, index, point);
-  return on_face(face_place(point, normal, Vec3::Ones()), step);
+  return on_face(face_point(point, normal, Vec3::Ones()), step);
 }
 
 std::shared_ptr<const Image> TextureStore::texture(const Material& material) {
@@ -123,7 +123,7 @@ std::shared_ptr<const Image> TextureStore::texture(const Material& material) {
 
 Color sample(const Image& image, const Vec2& uv) {
   if (image.width <= 0 || image.height <= 0 || !uv.allFinite()) return {1.0, 1.0, 1.0, 1.0};
-  // Position in pixels from the middle of the top left one; v runs up, rows run down.
+  // Position in pixels from the centre of the top left pixel; v points up, rows run down.
   const double width = image.width, height = image.height;
   const double x = (uv.x() - std::floor(uv.x())) * width - 0.5;
   const double y = (std::ceil(uv.y()) - uv.y()) * height - 0.5;

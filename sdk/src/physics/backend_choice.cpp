@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kBlanks = " \t\r\n";
 constexpr const char* kHowTo = "write for example bullet(solver=dantzig iterations=50)";
 
-/// A number with or without the unit that the parameter has; empty: not that.
+/// Parses a number with or without a unit that matches the parameter; nullopt if it is none.
 std::optional<double> number_of(const std::string& text, const std::string& unit) {
   if (const auto plain = units::parse_number(text)) return plain;
   const auto split = text.find_first_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ%");
@@ -29,8 +29,8 @@ std::optional<double> number_of(const std::string& text, const std::string& unit
   return {};
 }
 
-/// The text as a value of the parameter's type; what does not fit stays a text, and
-/// complete_parameters() says what was expected.
+/// Converts the text to the type of the parameter. A text that cannot be converted is returned
+/// unchanged, so that complete_parameters() reports the expected type.
 ParameterValue value_of(const ParameterSpec& spec, const std::string& text) {
   switch (spec.type()) {
     case ParameterType::boolean:
@@ -76,7 +76,7 @@ Result<BackendChoice> parse_backend_choice(const std::string& text) {
   if (close == std::string::npos) return refuse("a bracket is not closed");
   if (!trimmed(text.substr(close + 1)).empty()) return refuse("something follows its options");
   const std::string inside = text.substr(open + 1, close - open - 1);
-  // Each '=' has its name before it; its value reaches to the name of the next one.
+  // The name is before each '='; the value extends to the name of the next option.
   std::size_t at = inside.find_first_not_of(" \t\r\n,");
   while (at != std::string::npos) {
     const auto equals = inside.find('=', at);
@@ -106,11 +106,11 @@ Result<BackendChoice> parse_backend_choice(const std::string& text) {
 
 std::vector<std::string> split_backend_choices(const std::string& text) {
   std::vector<std::string> out;
-  std::string word;
+  std::string choice;
   int depth = 0;
   const auto finish = [&] {
-    if (!word.empty()) out.push_back(word);
-    word.clear();
+    if (!choice.empty()) out.push_back(choice);
+    choice.clear();
   };
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -120,10 +120,10 @@ std::vector<std::string> split_backend_choices(const std::string& text) {
     if (depth == 0 && (c == ',' || blank)) {
       // "bullet (iterations=50)" is one choice.
       const auto next = blank ? text.find_first_not_of(kBlanks, i) : std::string::npos;
-      if (next != std::string::npos && text[next] == '(' && !word.empty()) continue;
+      if (next != std::string::npos && text[next] == '(' && !choice.empty()) continue;
       finish();
     } else {
-      word += c;
+      choice += c;
     }
   }
   finish();

@@ -10,19 +10,19 @@ namespace {
 
 constexpr int kShapeTypes = static_cast<int>(ShapeType::heightmap) + 1;
 
-/// Two shapes that could meet.
+/// Two shapes that can collide.
 struct ShapePair {
   const Shape* first;
   const Shape* second;
 };
 
-/// One body's shape among those of a type.
+/// A shape of a body, in the list of its shape type.
 struct ModelShape {
   int body;
   const Shape* shape;
 };
 
-/// Walks through a model and notes what the backend lacks.
+/// Traverses a model and reports the features that the backend lacks.
 class Check {
  public:
   Check(const SceneModel& model, const std::string& backend, const Capabilities& capabilities)
@@ -42,8 +42,8 @@ class Check {
   void check_joints();
   void check_motors();
 
-  /// Looks a feature up the first time it is asked for; `what`: "joint type 'screw'", `element`:
-  /// "joint 'lift'", the first that needs it.
+  /// Checks a feature on its first use. `what` describes the feature ("joint type 'screw'"), and
+  /// `element` the first element that needs it ("joint 'lift'").
   Diagnostic* need(const std::string& feature, const std::string& what, const std::string& element,
                    const SourceSpan& origin, const std::string& help);
 
@@ -62,7 +62,7 @@ Diagnostic* Check::need(const std::string& feature, const std::string& what,
   if (found.support == Support::exact) return nullptr;
   Diagnostic d;
   const bool lacking = found.support == Support::unsupported;
-  d.severity = lacking ? Severity::error : Severity::advice;
+  d.severity = lacking ? Severity::error : Severity::warning;
   d.code = lacking ? "CG0801" : "CG2008";
   d.message = fmt::format("backend '{}' {} {} ({})", backend_,
                           lacking ? "does not support" : "only approximates", what, element);
@@ -115,8 +115,8 @@ void Check::check_pairs() {
       }
     }
   }
-  // Only pairs the filter excludes are passed over before the first hit, so the search is as long
-  // as the list of exclusions, not as the square of the bodies.
+  // Only pairs that the filter excludes are skipped before the first hit, so the cost grows with
+  // the number of exclusions and not with the square of the number of bodies.
   const auto first_meeting = [&filter](const std::vector<ModelShape>& movers,
                                        const std::vector<ModelShape>& others) -> ShapePair {
     for (const ModelShape& a : movers) {
@@ -145,11 +145,11 @@ void Check::check_pairs() {
       if (d == nullptr) continue;
       DiagnosticNote other;
       other.message = fmt::format("the other shape, '{}'", pair.second->name);
-      const SourceSpan& place = pair.second->origin;
-      if (place.file >= 0 && static_cast<std::size_t>(place.file) < model_.files.size()) {
-        other.file = model_.files[static_cast<std::size_t>(place.file)];
-        other.line = place.line;
-        other.column = place.column;
+      const SourceSpan& span = pair.second->origin;
+      if (span.file >= 0 && static_cast<std::size_t>(span.file) < model_.files.size()) {
+        other.file = model_.files[static_cast<std::size_t>(span.file)];
+        other.line = span.line;
+        other.column = span.column;
         d->notes.push_back(std::move(other));
       }
     }
@@ -168,11 +168,11 @@ void Check::check_joints() {
     } else {
       need("joint." + type, fmt::format("joint type '{}'", type), element, joint.origin, help);
     }
-    const auto need_of_axis = [&](bool wanted, const char* property, const char* words) {
+    const auto need_of_axis = [&](bool wanted, const char* property, const char* text) {
       if (!wanted) return;
       need(fmt::format("joint.{}.{}", property, type),
-           fmt::format("{} of joint type '{}'", words, type), element, joint.origin,
-           fmt::format("leave the {} out, or run the scene on another backend", words));
+           fmt::format("{} of joint type '{}'", text, type), element, joint.origin,
+           fmt::format("leave the {} out, or run the scene on another backend", text));
     };
     for (const JointAxis& axis : joint.axes) {
       need_of_axis(axis.has_limit(), "limit", "limits");

@@ -122,14 +122,14 @@ Result<> check_provenance(const Provenance& provenance) {
   for (const StepStage stage : kStepStages) {
     const StageOrigin& origin = provenance[stage];
     if (origin.by == ComputedBy::unanswered) {
-      note(fmt::format("it does not answer who computes {}", to_string(stage)));
+      note(fmt::format("it does not declare what computes {}", to_string(stage)));
     } else if (origin.name.empty()) {
       note(fmt::format("it does not name what computes {}", to_string(stage)));
     }
   }
   if (lacking.empty()) return {};
   return fail(lacking, "",
-              "answer every stage of cogrsim/physics/provenance.h in Backend::provenance()");
+              "declare every stage of cogrsim/physics/provenance.h in Backend::provenance()");
 }
 
 std::string option_text(const ParameterValue& value) {

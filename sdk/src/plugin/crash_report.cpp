@@ -23,14 +23,14 @@ constexpr Crash kCrashes[] = {{SIGSEGV, "SIGSEGV, a wrong address or a stack tha
                               {SIGABRT, "SIGABRT, it gave up by abort()"}};
 constexpr std::size_t kKinds = std::size(kCrashes);
 
-// Shared with the signal handler, which reaches nothing but statics. Of the initial-exec model:
-// others may take memory when a thread first asks.
+// Shared with the signal handler, which can access only static data. The initial-exec model is
+// needed, because other models may allocate memory at the first access of a thread.
 __attribute__((tls_model("initial-exec"))) thread_local PluginCall* t_innermost = nullptr;
 thread_local PluginWatch* t_watch = nullptr;
 struct sigaction g_before[kKinds];
 std::atomic<bool> g_reporting{false};
 
-/// Text in a handler: no memory is taken, what does not fit is left out.
+/// Text in a signal handler: it allocates no memory, and text that does not fit is omitted.
 class Line {
  public:
   Line(char* text, std::size_t size) : text_(text), size_(size) {}
@@ -39,18 +39,18 @@ class Line {
   void put(char c) {
     if (length_ < size_) text_[length_++] = c;
   }
-  Line& operator<<(const char* words) {
-    for (; *words != '\0'; ++words) put(*words);
+  Line& operator<<(const char* text) {
+    for (; *text != '\0'; ++text) put(*text);
     return *this;
   }
-  /// In quotes; what could steer a terminal is a question mark.
-  Line& quoted(const char* words) {
+  /// Appends a text in quotes; characters that could control a terminal become question marks.
+  Line& quoted(const char* text) {
     put('\'');
-    for (; *words != '\0'; ++words) put(*words < 0x20 || *words > 0x7E ? '?' : *words);
+    for (; *text != '\0'; ++text) put(*text < 0x20 || *text > 0x7E ? '?' : *text);
     put('\'');
     return *this;
   }
-  /// To microseconds: "0.25".
+  /// Appends a number rounded to microseconds: "0.25".
   Line& seconds(double time) {
     if (!(std::abs(time) < 1e12)) return *this << "?";
     if (time < 0.0) put('-');
@@ -96,14 +96,14 @@ void on_crash(int number) {
   } else {
     line << "the program crashed while no plugin was called (" << crash->name << ")\n";
   }
-  // On a terminal a line of progress may stand there.
+  // On a terminal the current line may contain a progress display.
   const std::size_t from = ::isatty(STDERR_FILENO) != 0 ? 0 : 1;
   static_cast<void>(!::write(STDERR_FILENO, text + from, line.length() - from));
   ::sigaction(number, &g_before[crash - kCrashes], nullptr);
-  ::raise(number);  // comes when this returns
+  ::raise(number);  // delivered when the handler returns
 }
 
-/// A stack for the handler, since that of the thread may have overflowed.
+/// A stack for the handler, because that of the thread may have overflowed.
 class HandlerStack {
  public:
   HandlerStack() {

@@ -21,7 +21,7 @@ constexpr unsigned char kOwnClass = sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32
 constexpr unsigned char kOwnByteOrder =
     __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? ELFDATA2LSB : ELFDATA2MSB;
 
-/// A file of known size that is never read beyond its end.
+/// A file of known size that is not read beyond its end.
 class Bytes {
  public:
   Bytes(const std::string& path, std::uint64_t size)
@@ -41,7 +41,7 @@ class Bytes {
     return stream_.good();
   }
 
-  /// `count` records of type T; empty when they do not lie within the file.
+  /// Reads `count` records of type T; nullopt if they are not inside the file.
   template <class T>
   std::optional<std::vector<T>> read_array(std::uint64_t offset, std::uint64_t count) {
     if (count > size_ / sizeof(T) || !contains(offset, count * sizeof(T))) return std::nullopt;
@@ -71,15 +71,15 @@ Result<FileHeader> read_header(Bytes& file) {
   return header;
 }
 
-/// The system maps segments without looking at the file's size, and a program that touches a page
-/// beyond its end is killed.
+/// Checks that all segments are inside the file: the system maps segments without checking the file
+/// size, and access to a page beyond the end of the file kills the program.
 Result<> check_segments(Bytes& file, const FileHeader& header) {
   if (header.e_phentsize != sizeof(Segment)) return damaged("program headers of a wrong size");
   const auto segments = file.read_array<Segment>(header.e_phoff, header.e_phnum);
   if (!segments) return damaged("program headers beyond the end of the file");
   for (const Segment& segment : *segments) {
     if (segment.p_type == PT_LOAD && !file.contains(segment.p_offset, segment.p_filesz)) {
-      return damaged("a segment reaches beyond the end of the file");
+      return damaged("a segment extends beyond the end of the file");
     }
   }
   return {};
@@ -90,7 +90,7 @@ Result<> check_segments(Bytes& file, const FileHeader& header) {
 Result<std::vector<std::string>> exported_symbols(const std::string& path,
                                                   const std::string& prefix) {
   std::error_code error;
-  // Opening a pipe would wait for ever, so look first.
+  // Opening a pipe would block, so the type of the file is checked first.
   if (!std::filesystem::is_regular_file(path, error)) return fail("not a regular file");
   const std::uint64_t size = std::filesystem::file_size(path, error);
   if (error) return fail("cannot be read: " + error.message());
@@ -119,8 +119,8 @@ Result<std::vector<std::string>> exported_symbols(const std::string& path,
       if (symbol.st_shndx == SHN_UNDEF) continue;
       if (symbol.st_name >= text->size()) return damaged("a symbol name beyond its table");
       const char* name = text->data() + symbol.st_name;
-      const std::size_t room = text->size() - symbol.st_name;
-      const std::size_t length = strnlen(name, room);
+      const std::size_t space = text->size() - symbol.st_name;
+      const std::size_t length = strnlen(name, space);
       if (length >= prefix.size() && prefix.compare(0, prefix.size(), name, prefix.size()) == 0) {
         names.emplace_back(name, length);
       }

@@ -1,4 +1,4 @@
-// Reads what a shared library exports without loading it.
+// Reads the exported symbols of a shared library without loading it.
 #pragma once
 
 #include <string>

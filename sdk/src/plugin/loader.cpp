@@ -1,7 +1,5 @@
 #include "cogrsim/plugin/loader.h"
 
-#include "cogrsim/physics/backend_choice.h"
-
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,10 +15,7 @@
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
 
-#include "cogrsim/physics/backend.h"
-#include "cogrsim/physics/backend_plugin.h"
 #include "cogrsim/plugin/crash_report.h"
-#include "cogrsim/rendering/renderer.h"
 #include "elf_symbols.h"
 
 namespace cogrsim {
@@ -48,7 +43,7 @@ Error refused(const std::string& path, std::string reason, std::string hint = {}
   return Error(std::move(reason), path, std::move(hint), "CG0902");
 }
 
-/// "gcc12_cxx11, ABI 1" out of "cogrsim_abi_1_gcc12_cxx11".
+/// Description of an ABI symbol: "gcc12_cxx11, ABI 1" for "cogrsim_abi_1_gcc12_cxx11".
 std::string describe_mark(const std::string& mark) {
   const std::string tag = mark.substr(std::string(kMarkPrefix).size());
   const std::size_t end = tag.find('_');
@@ -56,7 +51,7 @@ std::string describe_mark(const std::string& mark) {
   return fmt::format("{}, ABI {}", tag.substr(end + 1), tag.substr(0, end));
 }
 
-/// Refuses a library that was not built for this CogRSim; runs nothing of it.
+/// Rejects a library that was not built for this CogRSim, without executing code of it.
 Result<> check_file(const std::string& path) {
   const Result<std::vector<std::string>> symbols = exported_symbols(path, "cogrsim_");
   if (!symbols) return tl::unexpected<Error>(refused(path, symbols.error().message));
@@ -68,7 +63,7 @@ Result<> check_file(const std::string& path) {
   });
   if (mark == symbols->end()) {
     return tl::unexpected<Error>(refused(path,
-                                         "not a CogRSim plugin (it bears no cogrsim_abi mark)",
+                                         "not a CogRSim plugin (it has no cogrsim_abi symbol)",
                                          "end its source with COGRSIM_CONTROLLER(…) or the like"));
   }
   if (!has(kOwnMark)) {
@@ -93,13 +88,13 @@ bool is_plain_name(const std::string& name) {
 /// Paths of all *.so in a folder, sorted.
 std::vector<std::string> libraries_in(const std::string& folder) {
   std::vector<std::string> out;
-  // The loop that throws: the other one's increment() ends the program when the memory runs out.
+  // The throwing form of the loop: increment() of the other one aborts if memory runs out.
   try {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
       if (entry.path().extension() == ".so") out.push_back(entry.path().string());
     }
   } catch (const fs::filesystem_error&) {
-    // a folder that is not there, or is not for us, holds no plugins
+    // a folder that does not exist or cannot be read has no plugins
   }
   std::sort(out.begin(), out.end());
   return out;
@@ -115,7 +110,7 @@ std::string one(PluginKind kind) {
   return (kind == PluginKind::algorithm ? "an " : "a ") + std::string(to_string(kind));
 }
 
-/// What the system said, without what Boost.DLL wraps around it.
+/// The message of the system without the additions of Boost.DLL.
 std::string system_text(const std::string& what) {
   constexpr std::string_view kBefore = "dlerror system message: ";
   const std::size_t begin = what.find(kBefore);
@@ -158,7 +153,7 @@ PluginLoader::PluginLoader(std::vector<std::string> extra_folders)
       if (end > begin) folders_.push_back(text.substr(begin, end - begin));
     }
   }
-  // Where this library lies; links such as libcogrsim.so.0 point into the same folder.
+  // The folder of this library; links such as libcogrsim.so.0 point into the same folder.
   std::error_code error;
   const fs::path own = fs::canonical(boost::dll::this_line_location(), error);
   if (!error) {
@@ -170,7 +165,7 @@ PluginLoader::PluginLoader(std::vector<std::string> extra_folders)
 
 namespace {
 
-/// Loads and checks the library of `path`, out of `file`: itself or a copy.
+/// Loads and checks the library `path` from `file`, which is the library itself or a copy.
 Result<PluginPtr> open_library(const std::string& path, const fs::path& file) {
   if (Result<> checked = check_file(file.string()); !checked) {
     return tl::unexpected<Error>(refused(path, checked.error().message, checked.error().hint));
@@ -181,12 +176,12 @@ Result<PluginPtr> open_library(const std::string& path, const fs::path& file) {
   const PluginCall call("library", impl->path.c_str(), "", "", "while it was loaded");
   try {
     using boost::dll::load_mode::type;
-    // The throwing overload carries the system's own text, the other one only an error number.
+    // The throwing overload has the message of the system, the other one only an error number.
     impl->library.load(file, type::rtld_now | type::rtld_local);
     impl->descriptor = impl->library.get<const PluginDescriptor*()>(kDescriptorSymbol)();
   } catch (const std::exception& e) {
     return tl::unexpected<Error>(
-        refused(path, fmt::format("cannot be loaded: {}", system_text(words_of(e))),
+        refused(path, fmt::format("cannot be loaded: {}", system_text(message_of(e))),
                 "link it with every library it uses; `ldd -r` lists what is missing"));
   } catch (...) {
     return tl::unexpected<Error>(refused(path, "cannot be loaded: it threw while starting"));
@@ -203,8 +198,8 @@ Result<PluginPtr> open_library(const std::string& path, const fs::path& file) {
   return std::make_shared<const Plugin>(std::move(impl));
 }
 
-/// A copy under a name that was never loaded: the system gives a library that it knows by name or
-/// by file back as it was. Beside the original if that can be, so that it finds what it lies beside.
+/// Creates a copy under a new name, because the system returns the loaded library for a known name
+/// or file. The copy is next to the original if possible, so that it finds neighbouring files.
 Result<fs::path> private_copy(const fs::path& original) {
   static std::atomic<int> count{0};
   const std::string name =
@@ -212,7 +207,7 @@ Result<fs::path> private_copy(const fs::path& original) {
   std::error_code error;
   for (const fs::path& folder : {original.parent_path(), fs::temp_directory_path(error)}) {
     const fs::path copy = folder / name;
-    fs::remove(copy, error);  // of a process that was killed and had the same number
+    fs::remove(copy, error);  // left by a killed process with the same number
     if (fs::copy_file(original, copy, error)) return copy;
   }
   return fail(fmt::format("cannot be copied: {}", error.message()), original.string(), "",
@@ -233,12 +228,12 @@ Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
   return opened;
 }
 
-Result<PluginPtr> PluginLoader::load_anew(const Plugin& plugin) {
+Result<PluginPtr> PluginLoader::load_fresh_copy(const Plugin& plugin) {
   const auto copy = private_copy(plugin.path());
   if (!copy) return tl::unexpected<Error>(copy.error());
   auto opened = open_library(plugin.path(), *copy);
   std::error_code error;
-  fs::remove(*copy, error);  // mapped, it stays as long as it is needed
+  fs::remove(*copy, error);  // it stays mapped as long as it is needed
   return opened;
 }
 
@@ -273,10 +268,10 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
       continue;
     }
     Result<PluginPtr> plugin = load_file(path);
-    // A broken library is not passed over for another one of that name further down the list.
+    // A damaged library is an error; other libraries of that name are not tried.
     if (!plugin) {
       Error e = plugin.error();
-      e.message = fmt::format("{} '{}' is refused: {}", to_string(kind), name, e.message);
+      e.message = fmt::format("{} '{}' is rejected: {}", to_string(kind), name, e.message);
       return tl::unexpected<Error>(std::move(e));
     }
     if ((*plugin)->descriptor().kind == kind) return plugin;
@@ -288,7 +283,7 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
                             one(kind)),
                 wrong_kind->path(), "", "CG0903");
   }
-  // By the names of files: a slip of the pen loads no code.
+  // Uses the names of files, so that a misspelt name loads no code.
   std::vector<std::string> names;
   for (const std::string& folder : folders_) {
     const std::string kept_for = fs::path(folder).filename().string();
@@ -308,56 +303,14 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
   const bool all = !names.empty() && names.size() <= kShown;
   std::string hint = fmt::format(
       "{}--plugin-path or COGRSIM_PLUGIN_PATH adds a folder; 'cogrsim "
-      "plugins' lists what there is",
+      "plugins' lists all plugins",
       all ? fmt::format("libraries there: {}; ", fmt::join(names, ", ")) : std::string());
   const bool with_suffix = name.size() > 3 && name.compare(name.size() - 3, 3, ".so") == 0;
   const std::string near =
       nearest_name(with_suffix ? name.substr(0, name.size() - 3) : name, names);
   if (!near.empty()) hint = fmt::format("did you mean '{}'? {}", near, hint);
-  return fail(fmt::format("there is no {} '{}'; looked at{}", to_string(kind), name, tried), "",
+  return fail(fmt::format("there is no {} '{}'; searched{}", to_string(kind), name, tried), "",
               hint, "CG0901");
-}
-
-namespace {
-constexpr const char* kDefaultRenderer = "osmesa";
-}
-
-Result<std::shared_ptr<const Backend>> PluginLoader::backend(const std::string& text) {
-  const auto choice = parse_backend_choice(text);
-  if (!choice) return tl::unexpected<Error>(choice.error());
-  const std::string& name = choice->name;
-  const Result<PluginPtr> plugin = load(PluginKind::backend, name);
-  if (!plugin) return tl::unexpected<Error>(plugin.error());
-  const auto* entry = static_cast<const BackendEntry*>((*plugin)->descriptor().factory);
-  const PluginCall call("backend", name.c_str(), "", "", "while it was started");
-  try {
-    if (const Backend* backend = entry->get()) {
-      if (const auto fine = option_values(*choice, backend->world_options()); !fine) {
-        return tl::unexpected<Error>(fine.error());
-      }
-      return std::shared_ptr<const Backend>(*plugin, backend);  // keeps the library, not the object
-    }
-  } catch (const std::exception& e) {
-    return tl::unexpected<Error>(refused(
-        (*plugin)->path(), fmt::format("backend '{}' did not start: {}", name, words_of(e))));
-  }
-  return tl::unexpected<Error>(
-      refused((*plugin)->path(), fmt::format("backend '{}' did not start", name)));
-}
-
-Result<std::shared_ptr<Renderer>> load_renderer(PluginLoader& loader, const std::string& name) {
-  const std::string wanted = name.empty() ? kDefaultRenderer : name;
-  const Result<PluginPtr> plugin = loader.load(PluginKind::renderer, wanted);
-  if (!plugin) return tl::unexpected<Error>(plugin.error());
-  const auto* entry = static_cast<const RendererEntry*>((*plugin)->descriptor().factory);
-  std::string problem;
-  const PluginCall call("renderer", wanted.c_str(), "", "", "while it was started");
-  if (Renderer* renderer = entry->create(&problem)) {
-    return std::shared_ptr<Renderer>(
-        renderer, [keep = *plugin, destroy = entry->destroy](Renderer* r) { destroy(r); });
-  }
-  return tl::unexpected<Error>(
-      refused((*plugin)->path(), fmt::format("renderer '{}' did not start: {}", wanted, problem)));
 }
 
 std::vector<PluginPtr> PluginLoader::all(std::vector<RefusedPlugin>* refused) {

@@ -50,8 +50,8 @@ BoxTree::BoxTree(const TreeDevice& device, bool moving) : device_(device.get()),
 
 BoxTree::~BoxTree() { rtcReleaseScene(scene_); }
 
-BoxTree::Bounds BoxTree::padded(const Box& box) const {
-  Bounds out;
+BoxTree::Padded BoxTree::padded(const geometry::Bounds& box) const {
+  Padded out;
   for (int i = 0; i < 3; ++i) {
     out.low[i] = static_cast<float>(box.low[i] - middle_[i] - kPadding * radius_);
     out.high[i] = static_cast<float>(box.high[i] - middle_[i] + kPadding * radius_);
@@ -59,18 +59,15 @@ BoxTree::Bounds BoxTree::padded(const Box& box) const {
   return out;
 }
 
-void BoxTree::build(const std::vector<Box>& boxes, double slack) {
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-  if (!boxes.empty()) low = boxes.front().low, high = boxes.front().high;
-  for (const Box& box : boxes) {
-    low = low.cwiseMin(box.low);
-    high = high.cwiseMax(box.high);
-  }
-  middle_ = 0.5 * (low + high);
+void BoxTree::build(const std::vector<geometry::Bounds>& boxes, double slack) {
+  geometry::Bounds all;
+  for (const geometry::Bounds& box : boxes) all.add(box);
+  if (boxes.empty()) all.add(Vec3::Zero());
+  middle_ = all.middle();
   // A little more than needed: rays are clipped to this sphere with rounding.
-  radius_ = 1.001 * slack * 0.5 * (high - low).norm();
-  bounds_.clear();
-  for (const Box& box : boxes) bounds_.push_back(padded(box));
+  radius_ = 1.001 * slack * all.half().norm();
+  padded_.clear();
+  for (const geometry::Bounds& box : boxes) padded_.push_back(padded(box));
   if (geometry_ != nullptr) rtcDetachGeometry(scene_, 0);
   geometry_ = nullptr;
   if (!boxes.empty()) {
@@ -82,7 +79,7 @@ void BoxTree::build(const std::vector<Box>& boxes, double slack) {
         geometry_,
         [](const RTCBoundsFunctionArguments* arguments) {
           const auto* const tree = static_cast<const BoxTree*>(arguments->geometryUserPtr);
-          const Bounds& b = tree->bounds_[arguments->primID];
+          const Padded& b = tree->padded_[arguments->primID];
           RTCBounds& out = *arguments->bounds_o;
           out.lower_x = b.low[0], out.lower_y = b.low[1], out.lower_z = b.low[2];
           out.upper_x = b.high[0], out.upper_y = b.high[1], out.upper_z = b.high[2];
@@ -96,10 +93,10 @@ void BoxTree::build(const std::vector<Box>& boxes, double slack) {
   commit();
 }
 
-bool BoxTree::move(unsigned index, const Box& box) {
+bool BoxTree::move(unsigned index, const geometry::Bounds& box) {
   const Vec3 corner = (box.low - middle_).cwiseAbs().cwiseMax((box.high - middle_).cwiseAbs());
   if (corner.squaredNorm() > radius_ * radius_) return false;
-  bounds_[index] = padded(box);
+  padded_[index] = padded(box);
   return true;
 }
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "cogrsim/core/types.h"
+#include "cogrsim/geometry/bounds.h"
 
 struct RTCDeviceTy;
 struct RTCSceneTy;
@@ -22,10 +22,6 @@ class TreeDevice {
 
  private:
   RTCDeviceTy* device_;
-};
-
-struct Box {
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
 };
 
 /// A ray on its way: called for each box, answers how far is still of interest.
@@ -55,9 +51,9 @@ class BoxTree {
 
   /// Forgets what was there. Boxes are finite. `slack`: how much R is larger than it must be at
   /// first, so that boxes can move.
-  void build(const std::vector<Box>& boxes, double slack = 1.0);
+  void build(const std::vector<geometry::Bounds>& boxes, double slack = 1.0);
   /// The box is elsewhere; to be followed by refit(). False: outside of R, build again.
-  bool move(unsigned index, const Box& box);
+  bool move(unsigned index, const geometry::Bounds& box);
   void refit();
 
   /// Visits boxes that the ray may meet between the distances `from` and `to`.
@@ -65,10 +61,10 @@ class BoxTree {
              BoxVisitor& visitor) const;
 
  private:
-  struct Bounds {
+  struct Padded {
     float low[3], high[3];
   };
-  Bounds padded(const Box& box) const;
+  Padded padded(const geometry::Bounds& box) const;
   void commit();
 
   RTCDeviceTy* device_;
@@ -78,7 +74,7 @@ class BoxTree {
   int refits_ = 0;  // since the tree was last built anew
   Vec3 middle_ = Vec3::Zero();
   double radius_ = 0.0;
-  std::vector<Bounds> bounds_;
+  std::vector<Padded> padded_;
 };
 
 }  // namespace cogrsim::rays

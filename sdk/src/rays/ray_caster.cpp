@@ -4,18 +4,18 @@
 #include <cmath>
 #include <cstring>
 
-#include "geometry/convex_hull.h"
-#include "geometry/triangles.h"
+#include "cogrsim/geometry/convex.h"
+#include "cogrsim/geometry/convex_hull.h"
+#include "cogrsim/geometry/triangles.h"
+#include "geometry/solids.h"
 #include "rays/box_tree.h"
-#include "rays/solids.h"
 #include "rays/triangle_set.h"
 
 namespace cogrsim {
 namespace {
 
-using rays::Box;
+using geometry::Bounds;
 using rays::BoxTree;
-using rays::Crossing;
 using rays::TriangleSet;
 
 /// What lies further than this from the other things would make everybody's padding large [m].
@@ -37,7 +37,7 @@ struct alignas(64) Placed {
   Mat3 R_WS = Mat3::Identity();
   Vec3 p_WS = Vec3::Zero();
   Vec3 middle_S = Vec3::Zero();                  // of the sphere
-  Vec3 half_S = Vec3::Zero();                    // half extents around that [m]
+  geometry::Core core;                           // of a solid
   std::shared_ptr<const TriangleSet> triangles;  // nullptr: a solid or a plane
 };
 
@@ -111,7 +111,7 @@ class Cast final : public rays::BoxVisitor {
       offer({nearest + hit.distance, &placed, hit.triangle, 0, inside});
       return;
     }
-    const auto crossing = rays::cross_solid(*placed.shape, o, d);
+    const auto crossing = geometry::cross_solid(*placed.shape, o, d);
     if (!crossing) return;
     if (nearest + crossing->in >= from_) {
       offer({nearest + crossing->in, &placed, -1, crossing->in_face, false});
@@ -177,7 +177,7 @@ struct RayCaster::Impl {
   std::shared_ptr<const TriangleSet> triangles(const Shape& shape);
   void set_extent(Placed& out);
   void place(Placed& out, const Pose& X_WB);
-  Box box_of(const Placed& p) const;
+  Bounds box_of(const Placed& p) const;
   void plant();
 };
 
@@ -207,9 +207,7 @@ void RayCaster::Impl::keep_triangles(const SceneModel& next) {
 std::shared_ptr<const TriangleSet> RayCaster::Impl::triangles(const Shape& shape) {
   const auto make = [&](std::shared_ptr<const TriangleSet>& known, const auto& mesh) {
     if (!known) {
-      TriangleMesh made = mesh();
-      known = std::make_shared<const TriangleSet>(device, std::move(made.vertices),
-                                                  std::move(made.triangles));
+      known = std::make_shared<const TriangleSet>(device, mesh());
     }
     return known;
   };
@@ -225,34 +223,15 @@ std::shared_ptr<const TriangleSet> RayCaster::Impl::triangles(const Shape& shape
 
 void RayCaster::Impl::set_extent(Placed& out) {
   const Shape& shape = *out.shape;
-  const double half = 0.5 * shape.length;
-  switch (shape.type) {
-    case ShapeType::box:
-      out.half_S = 0.5 * shape.size;
-      break;
-    case ShapeType::sphere:
-      out.half_S.setConstant(shape.radius);
-      break;
-    case ShapeType::cylinder:
-      out.half_S = Vec3(shape.radius, shape.radius, half);
-      break;
-    case ShapeType::capsule:
-      out.half_S = Vec3(shape.radius, shape.radius, half + shape.radius);
-      break;
-    case ShapeType::plane:
-      return;
-    case ShapeType::convex_mesh:
-    case ShapeType::mesh:
-    case ShapeType::heightmap:
-      out.triangles = triangles(shape);
-      out.middle_S = 0.5 * (out.triangles->box().low + out.triangles->box().high);
-      out.half_S = 0.5 * (out.triangles->box().high - out.triangles->box().low);
-      break;
+  if (shape.type == ShapeType::plane) return;
+  if (is_triangles(shape.type)) {
+    out.triangles = triangles(shape);
+    out.middle_S = out.triangles->box().middle();
+    out.reach = out.triangles->box().half().norm();
+  } else {
+    out.core = geometry::core_of(*model, shape);
+    out.reach = geometry::bounding_radius(*model, shape);
   }
-  out.reach = out.half_S.norm();
-  if (shape.type == ShapeType::sphere) out.reach = shape.radius;
-  if (shape.type == ShapeType::cylinder) out.reach = std::hypot(shape.radius, half);
-  if (shape.type == ShapeType::capsule) out.reach = shape.radius + half;
   // Room for the rounding in the test against it.
   out.reach *= 1.0 + 1e-9;
 }
@@ -272,17 +251,9 @@ void RayCaster::Impl::place(Placed& out, const Pose& X_WB) {
   out.place = listed ? Placed::Place::list : Placed::Place::tree;
 }
 
-Box RayCaster::Impl::box_of(const Placed& p) const {
-  Vec3 half = p.R_WS.cwiseAbs() * p.half_S;
-  const auto round = [&](double radius, double half_length) {
-    return Vec3(p.R_WS.col(2).cwiseAbs() * half_length +
-                radius * (Vec3::Ones() - p.R_WS.col(2).cwiseAbs2()).cwiseMax(0.0).cwiseSqrt());
-  };
-  const Shape& s = *p.shape;
-  if (s.type == ShapeType::sphere) half.setConstant(s.radius);
-  if (s.type == ShapeType::cylinder) half = round(s.radius, 0.5 * s.length);
-  if (s.type == ShapeType::capsule)
-    half = p.R_WS.col(2).cwiseAbs() * (0.5 * s.length) + Vec3::Constant(s.radius);
+Bounds RayCaster::Impl::box_of(const Placed& p) const {
+  const Vec3 half = p.triangles != nullptr ? Vec3(p.R_WS.cwiseAbs() * p.triangles->box().half())
+                                           : p.core.half_extents(p.R_WS);
   return {p.middle - half, p.middle + half};
 }
 
@@ -329,7 +300,7 @@ void RayCaster::Impl::plant() {
   }
   in_tree.clear();
   in_list.clear();
-  std::vector<Box> boxes;
+  std::vector<Bounds> boxes;
   for (std::size_t i = 0; i < placed.size(); ++i) {
     Placed& p = placed[i];
     place(p, poses[static_cast<std::size_t>(p.body)]);
@@ -419,7 +390,7 @@ RayHit RayCaster::cast(const Ray& ray, const std::vector<int>& ignored) const {
     if (!hull) hit.triangle = best.triangle;
   } else if (placed.shape->type != ShapeType::plane) {
     const Vec3 point_S = placed.R_WS.transpose() * (hit.point - placed.p_WS);
-    normal_S = rays::solid_normal(*placed.shape, point_S, best.face);
+    normal_S = geometry::solid_normal(*placed.shape, point_S, best.face);
   }
   hit.normal = placed.R_WS * normal_S;
   if (best.inside) hit.normal = -hit.normal;

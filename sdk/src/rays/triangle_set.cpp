@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/geometry/triangles.h"
+
 namespace cogrsim::rays {
 namespace {
 
@@ -41,30 +43,17 @@ class Shear {
   double shear_x_, shear_y_, scale_;
 };
 
-std::vector<Box> boxes_of(const std::vector<Vec3>& vertices,
-                          const std::vector<Eigen::Vector3i>& triangles) {
-  std::vector<Box> boxes;
-  boxes.reserve(triangles.size());
-  for (const Eigen::Vector3i& t : triangles) {
-    const Vec3& a = vertices[static_cast<std::size_t>(t[0])];
-    const Vec3& b = vertices[static_cast<std::size_t>(t[1])];
-    const Vec3& c = vertices[static_cast<std::size_t>(t[2])];
-    boxes.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
-  }
-  return boxes;
-}
-
 }  // namespace
 
-TriangleSet::TriangleSet(const TreeDevice& device, std::vector<Vec3> vertices,
-                         std::vector<Eigen::Vector3i> triangles)
-    : vertices_(std::move(vertices)), triangles_(std::move(triangles)), tree_(device, false) {
-  const std::vector<Box> boxes = boxes_of(vertices_, triangles_);
-  if (!boxes.empty()) box_ = boxes.front();
-  for (const Box& box : boxes) {
-    box_.low = box_.low.cwiseMin(box.low);
-    box_.high = box_.high.cwiseMax(box.high);
+TriangleSet::TriangleSet(const TreeDevice& device, TriangleMesh mesh)
+    : mesh_(std::move(mesh)), tree_(device, false) {
+  std::vector<geometry::Bounds> boxes;
+  boxes.reserve(mesh_.triangles.size());
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    boxes.push_back(geometry::bounds_of(geometry::triangle(mesh_, i)));
+    box_.add(boxes.back());
   }
+  if (boxes.empty()) box_.add(Vec3::Zero());
   tree_.build(boxes);
 }
 
@@ -74,10 +63,8 @@ TriangleSet::Hit TriangleSet::nearest(const Vec3& origin, const Vec3& direction,
     Visitor(const TriangleSet& triangles, const Vec3& ray_origin, const Vec3& ray_direction)
         : set(triangles), shear(ray_origin, ray_direction) {}
     double visit(unsigned index) override {
-      const Eigen::Vector3i& t = set.triangles_[index];
-      const double distance = shear.hit(set.vertices_[static_cast<std::size_t>(t[0])],
-                                        set.vertices_[static_cast<std::size_t>(t[1])],
-                                        set.vertices_[static_cast<std::size_t>(t[2])]);
+      const geometry::Triangle t = geometry::triangle(set.mesh_, index);
+      const double distance = shear.hit(t[0], t[1], t[2]);
       const int number = static_cast<int>(index);
       if (distance >= from &&
           (distance < best.distance || (distance == best.distance && number < best.triangle))) {
@@ -98,10 +85,7 @@ TriangleSet::Hit TriangleSet::nearest(const Vec3& origin, const Vec3& direction,
 }
 
 Vec3 TriangleSet::normal(int triangle) const {
-  const Eigen::Vector3i& t = triangles_[static_cast<std::size_t>(triangle)];
-  const Vec3& a = vertices_[static_cast<std::size_t>(t[0])];
-  const Vec3& b = vertices_[static_cast<std::size_t>(t[1])];
-  const Vec3& c = vertices_[static_cast<std::size_t>(t[2])];
+  const auto [a, b, c] = geometry::triangle(mesh_, static_cast<std::size_t>(triangle));
   return (b - a).cross(c - a).stableNormalized();
 }
 

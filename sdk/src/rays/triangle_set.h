@@ -2,7 +2,6 @@
 #pragma once
 
 #include <limits>
-#include <vector>
 
 #include "cogrsim/model/shapes.h"
 #include "rays/box_tree.h"
@@ -11,8 +10,7 @@ namespace cogrsim::rays {
 
 class TriangleSet {
  public:
-  TriangleSet(const TreeDevice& device, std::vector<Vec3> vertices,
-              std::vector<Eigen::Vector3i> triangles);
+  TriangleSet(const TreeDevice& device, TriangleMesh mesh);
 
   struct Hit {
     double distance = std::numeric_limits<double>::infinity();
@@ -26,12 +24,11 @@ class TriangleSet {
   /// Unit, from the side on which the corners run counter-clockwise.
   Vec3 normal(int triangle) const;
 
-  const Box& box() const { return box_; }
+  const geometry::Bounds& box() const { return box_; }
 
  private:
-  std::vector<Vec3> vertices_;
-  std::vector<Eigen::Vector3i> triangles_;
-  Box box_;
+  TriangleMesh mesh_;
+  geometry::Bounds box_;
   BoxTree tree_;
 };
 

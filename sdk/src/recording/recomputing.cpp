@@ -1,18 +1,18 @@
-// Readings anew from recorded frames: the sensors' own code, clocks and streams of noise, told when
-// they were switched on and off.
+// Recomputation of readings from recorded frames, with the code, timers and random streams of the
+// sensors, including the times at which they were switched on and off.
 #include <fmt/format.h>
 
+#include "core/rate_timer.h"
 #include "recording/recording_impl.h"
-#include "sensing/frame_sensing.h"
+#include "sensing/frame_sensor_context.h"
 #include "sensing/sensor_suite.h"
-#include "simulation/rate_timer.h"
 
 namespace cogrsim {
 
 namespace {
 
-// The world that sensors read at the end of `frame` when the coming step's scene is `next`: what
-// was added at that boundary stands where it was put.
+// The frame that sensors measure at the end of `frame` if the scene of the next step is `next`:
+// bodies that were added at that step boundary have their initial poses.
 FramePtr seen_by_sensors(const FramePtr& frame, const SceneModelPtr& next) {
   if (frame->model == next) return frame;
   auto out = std::make_shared<Frame>(*frame);
@@ -38,14 +38,14 @@ FramePtr seen_by_sensors(const FramePtr& frame, const SceneModelPtr& next) {
   return out;
 }
 
-// The sensors of a run as it goes through its frames.
+// The sensors of a run while its frames are processed.
 class Reader {
  public:
   // `contacts`: whether the frames have them.
   Reader(PluginLoader& loader, std::uint64_t seed, bool contacts)
       : loader_(loader), seed_(seed), contacts_(contacts), sensing_(loader) {}
 
-  // Sensors as at the start of a run.
+  // Sets up the sensors as at the start of a run.
   Result<> begin(const SceneModelPtr& model) {
     suite_.clear();
     timers_.clear();
@@ -53,14 +53,14 @@ class Reader {
     return follow(model);
   }
 
-  // The step from `from` to `to`, both as recorded.
+  // Processes the step from `from` to `to`, both as recorded.
   Result<> step(const FramePtr& from, const Frame& to) {
     if (auto done = follow(to.model); !done) return done;
     for (std::size_t i = 0; i < suite_.size(); ++i) {
       const bool due = timers_[i].due(from->time, to.dt);
       if (due) timers_[i].advance(from->time, to.dt);
       const std::uint64_t before = i < from->readings.size() ? from->readings[i].sequence : 0;
-      // Whether it was on at that moment is seen by whether it read.
+      // A sensor was enabled at that time if it has a reading.
       if (due) suite_.enable(i, to.readings[i].sequence > before);
     }
     if (suite_.begin(from->time, to.dt)) {
@@ -68,7 +68,7 @@ class Reader {
       for (const SensorFault& fault : suite_.read(sensing_)) {
         if (to.readings[static_cast<std::size_t>(fault.sensor)].valid) {
           const std::string& name = model_->sensors[static_cast<std::size_t>(fault.sensor)].name;
-          return fail(fmt::format("sensor '{}' cannot see: {}", name, fault.error.message), "",
+          return fail(fmt::format("sensor '{}' cannot measure: {}", name, fault.error.message), "",
                       fault.error.hint);
         }
       }
@@ -81,7 +81,7 @@ class Reader {
   void copy_readings(std::vector<Reading>& out) const { suite_.copy_readings(out); }
 
  private:
-  // Sensors that were added get instruments; those of what was removed are retired, as in the run.
+  // Sensors that were added are created, and those of removed elements are retired, as in the run.
   Result<> follow(const SceneModelPtr& model) {
     if (model == model_) return {};
     const std::size_t first = std::min(suite_.size(), model->sensors.size());
@@ -97,7 +97,7 @@ class Reader {
     model_ = model;
     if (!contacts_ && suite_.needs().contacts) {
       return fail(
-          "readings cannot be computed again: a sensor feels contacts, and they were not kept", "",
+          "readings cannot be recomputed: a sensor needs contacts, which were not recorded", "",
           "record with contacts=\"true\"");
     }
     return {};
@@ -106,7 +106,7 @@ class Reader {
   PluginLoader& loader_;
   std::uint64_t seed_;
   bool contacts_;
-  FrameSensing sensing_;
+  FrameSensorContext sensing_;
   SensorSuite suite_;
   std::vector<RateTimer> timers_;
   SceneModelPtr model_;
@@ -118,10 +118,10 @@ Result<> Recording::recompute(PluginLoader& loader,
                               const std::function<bool(const Frame&)>& visit) {
   Impl& impl = *impl_;
   const auto not_all = [](const std::string& why) {
-    return fail("readings cannot be computed again: " + why, "",
+    return fail("readings cannot be recomputed: " + why, "",
                 "record every step: leave 'every' out, and give the recording a fast disk");
   };
-  if (!impl.every_step) return not_all("not every step was kept");
+  if (!impl.every_step) return not_all("not every step was recorded");
   Reader reader(loader, impl.info.seed, impl.contacts);
   std::shared_ptr<Frame> before;
   for (std::size_t i = 0; i < impl.frames.size(); ++i) {

@@ -8,10 +8,10 @@
 
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/rendering/renderer.h"
+#include "core/rate_timer.h"
 #include "recording/recording_file.h"
 #include "recording/run_writer.h"
 #include "simulation/frame_pool.h"
-#include "simulation/rate_timer.h"
 
 namespace cogrsim {
 
@@ -19,10 +19,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kChunkBytes = 1u << 20;  // a chunk is closed when it has so much
-constexpr auto kChunkTime = std::chrono::milliseconds(400);  // … or is so old
-// The writer looks by itself so often, and is woken when this much waits: a wake-up costs a step
-// more than the queueing does.
+constexpr std::size_t kChunkBytes = 1u << 20;  // a chunk is closed at this size [byte]
+constexpr auto kChunkTime = std::chrono::milliseconds(400);  // … or at this age
+// The writer checks the queue at this interval and is woken up when the queue reaches this size,
+// because a wake-up costs a step more than the queueing.
 constexpr auto kLookTime = std::chrono::milliseconds(50);
 constexpr std::size_t kWakeBytes = 512u << 10;
 
@@ -33,7 +33,7 @@ std::size_t bytes_of(const Picture& picture) {
 }  // namespace
 
 struct Recorder::Impl {
-  /// What the run hands over; shared with the observer, which may outlive the recorder.
+  /// Data from the run; shared with the observer, which may outlive the recorder.
   struct Queue {
     struct Item {
       FramePtr frame;
@@ -48,12 +48,12 @@ struct Recorder::Impl {
     std::condition_variable waiting;
     std::deque<Item> items;
     std::size_t bytes = 0;
-    bool closed = false;         ///< nothing more comes
-    bool failed = false;         ///< the disk took no more
+    bool closed = false;         ///< there are no further frames
+    bool failed = false;         ///< writing has failed
     std::string problem;         ///< empty: none
-    std::uint64_t left_out = 0;  ///< frames that should have been kept
+    std::uint64_t left_out = 0;  ///< number of dropped frames
 
-    // The run's side alone.
+    // Used only by the thread of the run.
     std::size_t limit = 0;
     double every = 0.0;
     RateTimer timer;
@@ -78,7 +78,7 @@ struct Recorder::Impl {
   RecordingFile* file = nullptr;  // owned by the writer
   std::unique_ptr<RunWriter> writer;
   std::thread thread;
-  FramePtr last_unkept;  // the run's end is kept whatever `every` says
+  FramePtr last_unkept;  // the last frame of the run is always recorded
   std::uint64_t last_number = 0;
   double recorded_until = 0.0;
 
@@ -88,7 +88,7 @@ struct Recorder::Impl {
   Result<> end(const std::string& status);
 };
 
-// Pictures are large and shared by many frames: each counts once.
+// Images are large and shared by several frames, so each counts once.
 std::size_t Recorder::Impl::Queue::new_pictures(const Frame& frame) {
   std::size_t bytes_found = 0;
   pictures_seen.resize(frame.readings.size(), nullptr);
@@ -124,7 +124,7 @@ void Recorder::Impl::Queue::observe(const Simulation& simulation, const FramePtr
           "the disk is slower than the run: frames are left out of the recording from {:.6g} s on",
           frame->time);
     }
-    // What the run said is kept all the same.
+    // Messages of the run are recorded anyway.
     if (failed || item.messages.empty()) return;
     item.frame.reset();
     item.new_model = false;
@@ -176,7 +176,7 @@ void Recorder::Impl::write_items() {
       if (item.frame) time = item.frame->time;
       write(item);
       const std::size_t bytes = item.bytes;
-      item = {};  // back to the pool at once
+      item = {};  // returns the frame to the pool
       {
         std::lock_guard lock(queue->mutex);
         queue->bytes -= bytes;
@@ -189,7 +189,7 @@ void Recorder::Impl::write_items() {
         recorded_until = time;
       }
     }
-    if (failed) {  // let go of what nobody will write
+    if (failed) {  // release the frames that will not be written
       std::lock_guard lock(queue->mutex);
       queue->bytes = 0;
       queue->items.clear();
@@ -218,7 +218,7 @@ Result<> Recorder::Impl::end(const std::string& status) {
   thread.join();
   const bool failed = queue->failed;
   if (!failed && last_unkept) writer->frame(*last_unkept, true, last_number + 1);
-  // What the observer counted, less what is on file, is what is missing.
+  // The missing frames are those that the observer counted, less those in the file.
   const std::uint64_t offered = queue->number + (last_unkept ? 1 : 0);
   last_unkept.reset();
   const auto done =
@@ -233,7 +233,7 @@ Result<> Recorder::Impl::end(const std::string& status) {
   return fail(fmt::format("the recording '{}' lacks {} of {} frames: {}", path, offered - on_file,
                           offered, why),
               "",
-              "what is in the file can be read; give the recording more room, or keep fewer "
+              "the rest of the file can be read; provide more disk space, or record fewer "
               "frames with every=\"10 ms\"");
 }
 
@@ -273,7 +273,7 @@ Result<std::unique_ptr<Recorder>> Recorder::start(Simulation& simulation, Record
   if (auto done = impl->writer->attach_textures(*model); !done) {
     return tl::unexpected(done.error());
   }
-  // The scene is on file before anything happens, so that even the shortest run can be read.
+  // The scene is written before the first frame, so that even the shortest run can be read.
   SensorChannels channels;
   for (std::size_t i = 0; i < model->sensors.size(); ++i) {
     channels.push_back(
@@ -281,7 +281,7 @@ Result<std::unique_ptr<Recorder>> Recorder::start(Simulation& simulation, Record
   }
   impl->writer->model(model, channels, simulation.time());
   if (auto done = impl->writer->flush(); !done) return tl::unexpected(done.error());
-  if (auto done = on_disk->take_place(); !done) return tl::unexpected(done.error());
+  if (auto done = on_disk->replace_target(); !done) return tl::unexpected(done.error());
 
   Impl::Queue& queue = *impl->queue;
   queue.limit = options.queue_limit;
@@ -300,7 +300,7 @@ Result<std::unique_ptr<Recorder>> Recorder::start(Simulation& simulation, Record
 }
 
 Result<> Recorder::finish(RunStatus status) {
-  if (!impl_->thread.joinable()) return fail("the recording was finished before");
+  if (!impl_->thread.joinable()) return fail("the recording is already finished");
   Impl::Queue::Item last;
   impl_->queue->take_messages(*impl_->simulation, last.messages);
   if (!last.messages.empty()) {

@@ -20,17 +20,15 @@ add_custom_command(OUTPUT ${made}/schemas.cpp
   DEPENDS ${made}/cogrsim.bin ${made}/foxglove.bin ${here}/proto/embed.cmake VERBATIM)
 
 target_sources(cogrsim_sdk PRIVATE
-  ${here}/mcap_reader.cpp
-  ${here}/mcap_writer.cpp
-  ${here}/messages.cpp
-  ${here}/model_check.cpp
-  ${here}/model_json.cpp
+  ${here}/mcap/mcap_reader.cpp
+  ${here}/mcap/mcap_writer.cpp
+  ${here}/mcap/messages.cpp
   ${here}/recomputing.cpp
   ${here}/recorder.cpp
   ${here}/recording.cpp
   ${here}/recording_file.cpp
   ${here}/run_writer.cpp
-  ${here}/scene_messages.cpp
+  ${here}/mcap/scene_messages.cpp
   ${made}/schemas.cpp)
 set_property(SOURCE src/physics/provenance.cpp ${here}/recorder.cpp ${here}/run_writer.cpp APPEND PROPERTY
   COMPILE_DEFINITIONS COGRSIM_VERSION="${PROJECT_VERSION}")

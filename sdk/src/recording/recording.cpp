@@ -14,13 +14,13 @@
 #include "cogrsim/rendering/renderer.h"
 #include "recording/recording_impl.h"
 #include "recording/run_writer.h"
-#include "recording/scene_messages.h"
+#include "recording/mcap/scene_messages.h"
 
 namespace cogrsim {
 
 namespace {
 
-using Places = std::vector<mcap::Reader::Place>;
+using Locations = std::vector<mcap::Reader::Location>;
 using Entries = std::map<std::string, std::string>;
 
 std::string entry(const Entries& entries, const char* key) {
@@ -55,7 +55,7 @@ std::vector<Channel> channels_from(const std::string& text) {
   return out;
 }
 
-// No scene has more sensors; an index beyond is damaged.
+// No scene has more sensors; a larger index is damaged.
 constexpr std::size_t kMaxSensors = 1'000'000;
 
 }  // namespace
@@ -78,7 +78,7 @@ Result<std::string> TextureFolder::put(const std::string& name, const std::strin
   }
   const std::string path = fmt::format("{}/{}_{}", folder_, files_.size(),
                                        std::filesystem::path(name).filename().string());
-  std::ofstream out(path, std::ios::binary);  // in a folder of our own
+  std::ofstream out(path, std::ios::binary);  // in a private folder
   out.write(data.data(), static_cast<std::streamsize>(data.size()));
   if (!out.flush())
     return fail(fmt::format("the recording's textures cannot be unpacked into '{}'", path));
@@ -86,11 +86,11 @@ Result<std::string> TextureFolder::put(const std::string& name, const std::strin
   return path;
 }
 
-const mcap::Reader::Place* find_place(const Places& places, std::uint64_t sequence) {
+const mcap::Reader::Location* find_location(const Locations& locations, std::uint64_t sequence) {
   const auto found = std::lower_bound(
-      places.begin(), places.end(), sequence,
-      [](const mcap::Reader::Place& place, std::uint64_t s) { return place.sequence < s; });
-  return found != places.end() && found->sequence == sequence ? &*found : nullptr;
+      locations.begin(), locations.end(), sequence,
+      [](const mcap::Reader::Location& one, std::uint64_t s) { return one.sequence < s; });
+  return found != locations.end() && found->sequence == sequence ? &*found : nullptr;
 }
 
 Recording::Recording(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -138,7 +138,7 @@ Result<> Recording::Impl::read_info() {
       info.backend = entry(entries, "backend");
       info.engine_version = entry(entries, "engine_version");
       info.library_version = entry(entries, "library_version");
-      // Recordings of version 0.1 have none; a damaged one is as good as none.
+      // Recordings of version 0.1 have no provenance; a damaged one is ignored.
       if (auto read = parse_provenance(entry(entries, "provenance"))) info.provenance = *read;
       info.seed = number_of<std::uint64_t>(entry(entries, "seed"));
       info.step = number_of<double>(entry(entries, "step"));
@@ -155,10 +155,10 @@ Result<> Recording::Impl::read_info() {
     return fail(info.damage.empty() ? "it does not say what was recorded"
                                     : "nothing of it can be read: " + info.damage);
   }
-  for (const mcap::AttachmentPlace& place : file->attachments()) {
-    auto data = file->attachment(place);
+  for (const mcap::AttachmentLocation& location : file->attachments()) {
+    auto data = file->attachment(location);
     if (data) {
-      info.attachments.push_back({place.name, place.media_type, std::move(*data)});
+      info.attachments.push_back({location.name, location.media_type, std::move(*data)});
     } else {
       info.complete = false;
       info.damage += (info.damage.empty() ? "" : "; ") + data.error().message;
@@ -180,29 +180,29 @@ void Recording::Impl::find_topics() {
   const auto none = std::make_shared<const std::vector<Channel>>();
   SensorChannels all;
   for (const auto& [id, channel] : file->channels()) {
-    const Places& places = file->places(id);
+    const Locations& locations = file->locations(id);
     RecordingInfo::Topic topic;
     topic.name = channel.topic;
     topic.encoding = channel.encoding;
-    topic.messages = places.size();
+    topic.messages = locations.size();
     const auto schema = file->schemas().find(channel.schema);
     if (schema != file->schemas().end()) topic.schema = schema->second.name;
     info.topics.push_back(std::move(topic));
-    if (channel.topic == "/frame") frames = places;
-    if (channel.topic == "/model") models = places;
-    if (channel.topic == "/events") events = places;
-    if (channel.topic == "/log") logs = places;
+    if (channel.topic == "/frame") frames = locations;
+    if (channel.topic == "/model") models = locations;
+    if (channel.topic == "/events") events = locations;
+    if (channel.topic == "/log") logs = locations;
     const std::size_t slot = sensor_slot(channel);
     if (slot >= kMaxSensors) continue;
     SensorTopics& sensor = sensors[slot];
     const std::string part = entry(channel.metadata, "part");
-    Places* const list = part == "reading"        ? &sensor.readings
+    Locations* const list = part == "reading"        ? &sensor.readings
                          : part == "color"        ? &sensor.color
                          : part == "depth"        ? &sensor.depth
                          : part == "segmentation" ? &sensor.segmentation
                                                   : nullptr;
     if (list == nullptr) continue;
-    list->insert(list->end(), places.begin(), places.end());
+    list->insert(list->end(), locations.begin(), locations.end());
     if (part != "reading") continue;
     all.resize(sensors.size(), none);
     all[slot] = std::make_shared<const std::vector<Channel>>(
@@ -210,9 +210,9 @@ void Recording::Impl::find_topics() {
   }
   all.resize(sensors.size(), none);
   channels = std::make_shared<const SensorChannels>(std::move(all));
-  // A sensor that took another's place goes on counting where that one stopped.
+  // A sensor that replaced another one continues its count.
   for (SensorTopics& sensor : sensors) {
-    for (Places* list : {&sensor.readings, &sensor.color, &sensor.depth, &sensor.segmentation}) {
+    for (Locations* list : {&sensor.readings, &sensor.color, &sensor.depth, &sensor.segmentation}) {
       std::sort(list->begin(), list->end(), [](const auto& a, const auto& b) {
         return std::pair(a.chunk, a.offset) < std::pair(b.chunk, b.offset);
       });
@@ -229,8 +229,8 @@ void Recording::Impl::find_topics() {
   for (std::size_t i = 1; i < frames.size(); ++i) {
     if (frames[i].time < frames[i - 1].time) in_order = false;
   }
-  // Frames are numbered as the run showed them: gaps are what was left out. A whole file says so at
-  // its end, and nothing of it is unpacked for that.
+  // Frames have the numbers of the run, so gaps are dropped frames. A complete file has their
+  // number at its end, so that no chunk needs to be decompressed.
   if (file->complete()) return;
   const std::uint64_t shown = std::uint64_t{frames.back().sequence} + 1;
   if (shown > frames.size()) info.dropped = std::max(info.dropped, shown - frames.size());
@@ -244,12 +244,12 @@ double Recording::time_of(std::size_t index) const {
 }
 
 std::size_t Recording::index_at(double time) const {
-  const Places& frames = impl_->frames;
+  const Locations& frames = impl_->frames;
   const std::uint64_t wanted = nanoseconds(time);
   if (impl_->in_order) {
     const auto after = std::upper_bound(
         frames.begin(), frames.end(), wanted,
-        [](std::uint64_t t, const mcap::Reader::Place& place) { return t < place.time; });
+        [](std::uint64_t t, const mcap::Reader::Location& location) { return t < location.time; });
     return after == frames.begin() ? 0 : static_cast<std::size_t>(after - frames.begin()) - 1;
   }
   for (std::size_t i = frames.size(); i > 0; --i) {
@@ -266,9 +266,9 @@ Result<SceneModelPtr> Recording::Impl::model(std::uint32_t index) {
   if (const auto known = known_models.find(index); known != known_models.end()) {
     return known->second;
   }
-  const mcap::Reader::Place* place = find_place(models, index);
-  if (place == nullptr) return fail(fmt::format("scene {} of the recording is lost", index));
-  auto model = with_message(*place, [](std::string_view bytes) { return take_model(bytes); });
+  const mcap::Reader::Location* location = find_location(models, index);
+  if (location == nullptr) return fail(fmt::format("scene {} of the recording is lost", index));
+  auto model = with_message(*location, [](std::string_view bytes) { return take_model(bytes); });
   if (!model) return tl::unexpected(model.error());
   SceneModelPtr out = *model;
   for (std::size_t i = 0; i < out->materials.size(); ++i) {
@@ -277,7 +277,7 @@ Result<SceneModelPtr> Recording::Impl::model(std::uint32_t index) {
         std::find_if(info.attachments.begin(), info.attachments.end(),
                      [&](const Attachment& file_there) { return file_there.name == texture; });
     if (texture.empty()) continue;
-    // Never the file of that name: a recording from elsewhere could name any.
+    // The file with this name is never read: a recording from another source could name any file.
     auto path = attached == info.attachments.end() ? Result<std::string>("")
                                                    : textures.put(texture, attached->data);
     if (!path) return tl::unexpected(path.error());
@@ -292,19 +292,20 @@ Result<SceneModelPtr> Recording::Impl::model(std::uint32_t index) {
 std::shared_ptr<const Picture> Recording::Impl::picture(SensorTopics& topics,
                                                         const ReadingRecord& record) {
   if (record.width == 0 || record.height == 0) return nullptr;
-  const auto same = [](const PicturePlaces& a, const PicturePlaces& b) {
+  const auto same = [](const PictureLocations& a, const PictureLocations& b) {
     return a.color == b.color && a.depth == b.depth && a.segmentation == b.segmentation;
   };
-  if (topics.picture && same(topics.picture_places, record.picture)) return topics.picture;
+  if (topics.picture && same(topics.picture_locations, record.picture)) return topics.picture;
   auto out = std::make_shared<Picture>();
   out->width = record.width;
   out->height = record.height;
   const std::size_t pixels =
       static_cast<std::size_t>(out->width) * static_cast<std::size_t>(out->height);
-  const auto image = [&](const Places& places, std::uint64_t count, auto take) {
-    const mcap::Reader::Place* place = count == 0 ? nullptr : find_place(places, count - 1);
-    if (place == nullptr) return ImageRecord();
-    return with_message(*place,
+  const auto image = [&](const Locations& locations, std::uint64_t count, auto take) {
+    const mcap::Reader::Location* location =
+        count == 0 ? nullptr : find_location(locations, count - 1);
+    if (location == nullptr) return ImageRecord();
+    return with_message(*location,
                         [&](std::string_view bytes) -> Result<ImageRecord> { return take(bytes); })
         .value_or(ImageRecord());
   };
@@ -332,7 +333,7 @@ std::shared_ptr<const Picture> Recording::Impl::picture(SensorTopics& topics,
     }
   }
   topics.picture = out;
-  topics.picture_places = record.picture;
+  topics.picture_locations = record.picture;
   return out;
 }
 
@@ -343,9 +344,9 @@ Reading Recording::Impl::reading(std::size_t sensor, std::uint64_t count, const 
   if (count == 0 || sensor >= sensors.size()) return none;
   SensorTopics& topics = sensors[sensor];
   if (topics.last == count) return topics.reading;
-  const mcap::Reader::Place* place = find_place(topics.readings, count - 1);
-  if (place == nullptr) return none;  // lost with a damaged part of the file
-  auto record = with_message(*place, [](std::string_view bytes) { return take_reading(bytes); });
+  const mcap::Reader::Location* location = find_location(topics.readings, count - 1);
+  if (location == nullptr) return none;  // lost with a damaged part of the file
+  auto record = with_message(*location, [](std::string_view bytes) { return take_reading(bytes); });
   if (!record) return none;
   topics.reading = std::move(record->reading);
   topics.reading.sensor = none.sensor;
@@ -374,9 +375,9 @@ Result<std::shared_ptr<Frame>> Recording::Impl::frame(std::size_t index) {
   }
   const std::uint64_t last = std::min<std::uint64_t>(known->events, std::uint64_t{1} << 32);
   for (std::uint64_t i = last - std::min<std::uint64_t>(known->new_events, last); i < last; ++i) {
-    const mcap::Reader::Place* place = find_place(events, i);
-    if (place == nullptr) break;  // lost with a damaged part of the file
-    auto event = with_message(*place, [](std::string_view bytes) { return take_event(bytes); });
+    const mcap::Reader::Location* location = find_location(events, i);
+    if (location == nullptr) break;  // lost with a damaged part of the file
+    auto event = with_message(*location, [](std::string_view bytes) { return take_event(bytes); });
     if (event) out->events.push_back(std::move(*event));
   }
   return out;
@@ -391,9 +392,9 @@ Result<FramePtr> Recording::frame(std::size_t index) {
 const std::vector<RunMessage>& Recording::messages() const {
   if (!impl_->messages) {
     impl_->messages.emplace();
-    for (const mcap::Reader::Place& place : impl_->logs) {
+    for (const mcap::Reader::Location& location : impl_->logs) {
       auto message = impl_->with_message(
-          place, [](std::string_view bytes) -> Result<RunMessage> { return take_log(bytes); });
+          location, [](std::string_view bytes) -> Result<RunMessage> { return take_log(bytes); });
       if (message) impl_->messages->push_back(std::move(*message));
     }
   }

@@ -24,7 +24,7 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-// Closes a descriptor, and with it gives up its lock.
+// Closes a descriptor and thereby releases its lock.
 struct Descriptor {
   int number = -1;
   ~Descriptor() {
@@ -32,10 +32,10 @@ struct Descriptor {
   }
 };
 
-// Errors: somebody holds the lock of what `path` names.
+// Errors: another recorder holds the lock of the file `path`.
 Result<> nobody_writes(const std::string& path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  // One that is not there, or may not be read, is nobody's we could know of.
+  // A file that does not exist or cannot be read has no known lock.
   if (file.number < 0 || ::flock(file.number, LOCK_EX | LOCK_NB) == 0) return {};
   if (errno != EWOULDBLOCK) return {};
   return fail(fmt::format("'{}' is being written by another recorder", path), "",
@@ -59,7 +59,7 @@ Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::string& 
       (folder_of(target) / ("." + target.filename().string() + ".XXXXXX")).string();
   const int descriptor = ::mkostemp(temporary.data(), O_CLOEXEC);
   if (descriptor < 0) return cannot(system_reason());
-  // mkostemp makes files that only their owner may read; a recording is like any other file.
+  // mkostemp creates files that only the owner can read; a recording has the usual permissions.
   const mode_t mask = ::umask(0);
   ::umask(mask);
   ::fchmod(descriptor, 0666 & ~mask);
@@ -72,8 +72,8 @@ RecordingFile::~RecordingFile() {
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
-Result<> RecordingFile::take_place() {
-  // Two recorders that begin at the same time ask one after the other.
+Result<> RecordingFile::replace_target() {
+  // Two recorders that start at the same time are serialised here.
   const Descriptor folder{::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   if (folder.number >= 0) ::flock(folder.number, LOCK_EX);
   if (auto free = nobody_writes(path_); !free) return free;

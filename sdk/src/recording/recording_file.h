@@ -1,29 +1,29 @@
-// The file a recorder writes: nobody else writes it, and what was there before is replaced only
-// when the new recording has begun well.
+// The file of a recorder. It is locked against other recorders, and an existing file is replaced
+// only after the new recording has started successfully.
 #pragma once
 
 #include <memory>
 #include <string>
 
 #include "cogrsim/core/output_file.h"
-#include "recording/mcap_writer.h"
+#include "recording/mcap/mcap_writer.h"
 
 namespace cogrsim {
 
 class RecordingFile final : public mcap::Sink {
  public:
-  /// Makes a new file beside `path`, locked against other recorders. Errors:
-  /// check_output()'s, or a recorder of this or another process writes it.
+  /// Creates a new file next to `path` that is locked against other recorders. Errors: those of
+  /// check_output(), or a recorder of this or another process is writing the file.
   static Result<std::unique_ptr<RecordingFile>> create(const std::string& path,
                                                        const OutputRules& rules);
-  ~RecordingFile() override;  ///< a file that did not take its place is removed
+  ~RecordingFile() override;  ///< removes the new file if it has not replaced `path`
 
-  /// Takes the place of what `path` named. Errors: another recorder was quicker, or the system's.
-  Result<> take_place();
+  /// Replaces `path`. Errors: another recorder was faster, or those of the operating system.
+  Result<> replace_target();
 
   Result<> append(std::string_view bytes) override;
   Result<> cut(std::uint64_t size) override;
-  /// Errors: what the system held back until now.
+  /// Closes the file. Errors: those that the operating system reports only now.
   Result<> close();
 
  private:
@@ -35,7 +35,7 @@ class RecordingFile final : public mcap::Sink {
 
   std::string path_;
   OutputRules rules_;
-  std::string temporary_;  // where it is until it takes its place; empty after
+  std::string temporary_;  // name until it replaces `path`; empty afterwards
   int descriptor_;
 };
 

@@ -1,4 +1,4 @@
-// The inside of a Recording.
+// Implementation of Recording.
 #pragma once
 
 #include <map>
@@ -7,20 +7,20 @@
 #include <vector>
 
 #include "cogrsim/recording/recording.h"
-#include "recording/mcap_reader.h"
-#include "recording/messages.h"
+#include "recording/mcap/mcap_reader.h"
+#include "recording/mcap/messages.h"
 
 namespace cogrsim {
 
-/// The pictures a recording carries for materials whose files are not there any more; gone with the
-/// object.
+/// Temporary files with the textures in a recording whose original files do not exist any more;
+/// they are removed with the object.
 class TextureFolder {
  public:
   TextureFolder() = default;
   TextureFolder(const TextureFolder&) = delete;
   TextureFolder& operator=(const TextureFolder&) = delete;
   ~TextureFolder();
-  /// Path of a file with this content. Errors: the system's.
+  /// Path of a file with this content. Errors: those of the operating system.
   Result<std::string> put(const std::string& name, const std::string& data);
 
  private:
@@ -28,29 +28,30 @@ class TextureFolder {
   std::map<std::string, std::string> files_;
 };
 
-using MessagePlaces = std::vector<mcap::Reader::Place>;
+using MessageLocations = std::vector<mcap::Reader::Location>;
 
-/// The message with this sequence number; nullptr: it is not in the file.
-const mcap::Reader::Place* find_place(const MessagePlaces& places, std::uint64_t sequence);
+/// The message with this sequence number, or nullptr if it is not in the file.
+const mcap::Reader::Location* find_location(const MessageLocations& locations,
+                                            std::uint64_t sequence);
 
 struct Recording::Impl {
-  using Places = MessagePlaces;
+  using Locations = MessageLocations;
 
   struct SensorTopics {
-    Places readings, color, depth, segmentation;
-    // The reading that was asked for last: many frames share it.
+    Locations readings, color, depth, segmentation;
+    // The last decoded reading, which many frames share.
     std::uint64_t last = 0;
     Reading reading;
     std::shared_ptr<const Picture> picture;
-    PicturePlaces picture_places;
+    PictureLocations picture_locations;
   };
 
   std::unique_ptr<mcap::Reader> file;
   RecordingInfo info;
   bool every_step = false;
   bool contacts = true;
-  Places frames, models, events, logs;
-  bool in_order = true;  ///< times never go back
+  Locations frames, models, events, logs;
+  bool in_order = true;  ///< the times are ascending
   std::vector<SensorTopics> sensors;
   std::shared_ptr<const SensorChannels> channels;
   std::map<std::uint32_t, SceneModelPtr> known_models;
@@ -61,13 +62,13 @@ struct Recording::Impl {
   void find_topics();
   std::size_t sensor_slot(const mcap::Channel& channel);
 
-  /// Errors: the bytes are damaged.
+  /// Decodes a frame. Errors: the bytes are damaged.
   template <class Take>
-  auto with_message(const mcap::Reader::Place& place, Take&& take)
+  auto with_message(const mcap::Reader::Location& location, Take&& take)
       -> decltype(take(std::string_view())) {
-    const auto chunk = file->chunk(place.chunk);
+    const auto chunk = file->chunk(location.chunk);
     if (!chunk) return tl::unexpected(chunk.error());
-    const auto message = mcap::Reader::message_at(**chunk, place.offset);
+    const auto message = mcap::Reader::message_at(**chunk, location.offset);
     if (!message) return tl::unexpected(message.error());
     return take(message->data);
   }

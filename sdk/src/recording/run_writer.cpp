@@ -10,15 +10,15 @@
 #include <nlohmann/json.hpp>
 
 #include "cogrsim/rendering/renderer.h"
-#include "recording/scene_messages.h"
-#include "recording/schemas.h"
+#include "recording/mcap/scene_messages.h"
+#include "recording/mcap/schemas.h"
 
 namespace cogrsim {
 
 namespace {
 
-constexpr double kTransformPeriod = 1.0 / 30.0;       // of /tf, simulated [s]
-constexpr std::size_t kAttachmentLimit = 256u << 20;  // of all textures together [byte]
+constexpr double kTransformPeriod = 1.0 / 30.0;       // of /tf in simulated time [s]
+constexpr std::size_t kAttachmentLimit = 256u << 20;  // total size of the textures [byte]
 
 using Json = nlohmann::ordered_json;
 
@@ -34,7 +34,7 @@ std::string channels_json(const std::vector<Channel>& channels) {
   return dump(out);
 }
 
-// Dots separate names in a scene, slashes in topics.
+// Names are separated by dots in a scene and by slashes in topics.
 std::string topic_name(const std::string& sensor) {
   std::string out = "/sensors/" + sensor;
   std::replace(out.begin(), out.end(), '.', '/');
@@ -106,9 +106,9 @@ Result<> RunWriter::attach_textures(const SceneModel& model) {
       data.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
     }
     if (data.empty()) {
-      message({0.0, Severity::advice, "recorder",
+      message({0.0, Severity::warning, "recorder",
                fmt::format("texture '{}' is not in the recording: {}", material.texture,
-                           error || !in ? "it cannot be read" : "all together are too large")});
+                           error || !in ? "it cannot be read" : "the total size is too large")});
       continue;
     }
     bytes += data.size();
@@ -125,7 +125,7 @@ void RunWriter::model(const SceneModelPtr& model, const SensorChannels& channels
                 [&](std::string& out) { put_model(out, *model, models_); });
   mcap_.message(scene_topic_, scenes_++, now,
                 [&](std::string& out) { put_scene(out, *model, now); });
-  // Names for those who read only the packed numbers. A full disk shows at the next chunk.
+  // Names for readers of the packed numbers. A full disk is detected at the next chunk.
   static_cast<void>(mcap_.metadata(fmt::format("{} {}", kModelMetadata, models_),
                                    {{"bodies", names_json(model->bodies)},
                                     {"joints", names_json(model->joints)},
@@ -143,11 +143,11 @@ void RunWriter::sensor_topics(std::size_t index, const SensorModel& sensor,
                               const std::vector<Channel>& channels) {
   SensorTopics& topics = sensors_[index];
   std::string json = channels_json(channels);
-  // Of what was removed the channels are not known any more.
+  // The channels of removed sensors are not known any more.
   if (topics.reading != 0 && topics.name == sensor.name &&
       (sensor.removed || topics.channels == json))
     return;
-  // Sensors of one type with the same values share a schema.
+  // Sensors of one type with the same channels share a schema.
   const auto [known, is_new] = reading_schemas_.try_emplace(sensor.type + json);
   if (is_new) {
     const int count = ++schema_names_[sensor.type];
@@ -175,11 +175,11 @@ std::uint16_t RunWriter::image_topic(std::size_t index, const SensorModel& senso
                {{"sensor", std::to_string(index)}, {"name", sensor.name}, {"part", part}});
 }
 
-PicturePlaces RunWriter::picture(std::size_t index, const Picture& picture, std::uint64_t time) {
+PictureLocations RunWriter::picture(std::size_t index, const Picture& picture, std::uint64_t time) {
   SensorTopics& topics = sensors_[index];
   const SensorModel& sensor = model_->sensors[index];
   const std::string frame_id = sensor.name + "/optical";
-  PicturePlaces places;
+  PictureLocations locations;
   if (!picture.color.data.empty()) {
     const auto data = options_.jpeg ? encode_jpeg(picture.color) : encode_png(picture.color);
     if (data) {
@@ -188,7 +188,7 @@ PicturePlaces RunWriter::picture(std::size_t index, const Picture& picture, std:
           topics.color, static_cast<std::uint32_t>(topics.colors), time, [&](std::string& out) {
             put_compressed_image(out, frame_id, *data, options_.jpeg ? "jpeg" : "png", time);
           });
-      places.color = ++topics.colors;
+      locations.color = ++topics.colors;
     } else {
       message({static_cast<double>(time) / 1e9, Severity::error, sensor.name, data.error().text()});
     }
@@ -202,13 +202,13 @@ PicturePlaces RunWriter::picture(std::size_t index, const Picture& picture, std:
                     put_raw_image(out, frame_id, picture.width, picture.height, "32FC1",
                                   4 * picture.width, data, time);
                   });
-    places.depth = ++topics.depths;
+    locations.depth = ++topics.depths;
   }
   if (!picture.bodies.empty()) {
     if (topics.segmentation == 0) {
       topics.segmentation = image_topic(index, sensor, "segmentation", raw_image_);
     }
-    // Body + 1 in 16 bits, which viewers show; scenes with more bodies get all 32.
+    // Body index + 1 in 16 bits, which viewers can display; scenes with more bodies need 32 bits.
     const bool wide = model_->bodies.size() >= 65535;
     std::string data;
     data.reserve(picture.bodies.size() * 4);
@@ -222,9 +222,9 @@ PicturePlaces RunWriter::picture(std::size_t index, const Picture& picture, std:
                                   wide ? "32SC1" : "16UC1", (wide ? 4 : 2) * picture.width, data,
                                   time);
                   });
-    places.segmentation = ++topics.segmentations;
+    locations.segmentation = ++topics.segmentations;
   }
-  return places;
+  return locations;
 }
 
 void RunWriter::reading(std::size_t index, const Reading& reading, double time) {
@@ -232,13 +232,13 @@ void RunWriter::reading(std::size_t index, const Reading& reading, double time) 
   const bool same = topics.any && reading.sequence == topics.sequence &&
                     reading.time == topics.time && reading.valid == topics.valid &&
                     reading.enabled == topics.enabled && reading.picture.get() == topics.picture;
-  // Before its first reading a sensor has nothing to tell.
+  // A sensor has no message before its first reading.
   if (same || (!topics.any && reading.sequence == 0 && reading.enabled)) return;
   const std::uint64_t now = nanoseconds(time);
   if (!options_.images) {
-    topics.places = {};
+    topics.locations = {};
   } else if (reading.picture.get() != topics.picture) {
-    topics.places = reading.picture ? picture(index, *reading.picture, now) : PicturePlaces{};
+    topics.locations = reading.picture ? picture(index, *reading.picture, now) : PictureLocations{};
   }
   topics.any = true;
   topics.sequence = reading.sequence;
@@ -246,11 +246,11 @@ void RunWriter::reading(std::size_t index, const Reading& reading, double time) 
   topics.valid = reading.valid;
   topics.enabled = reading.enabled;
   topics.picture = reading.picture.get();
-  topics.kept_picture = reading.picture;  // so that no other picture gets its address
+  topics.kept_picture = reading.picture;  // so that its address is not reused
   mcap_.message(topics.reading, static_cast<std::uint32_t>(topics.readings), now,
                 [&](std::string& out) {
                   if (options_.images || !reading.picture) {
-                    put_reading(out, reading, topics.places, topics.named);
+                    put_reading(out, reading, topics.locations, topics.named);
                   } else {
                     Reading without = reading;
                     without.picture.reset();
@@ -282,9 +282,9 @@ void RunWriter::frame(const Frame& frame, bool keep, std::uint64_t number) {
   mcap_.message(frame_topic_, static_cast<std::uint32_t>(number), now, [&](std::string& out) {
     encoder_.frame(out, frame, models_ - 1, reading_counts_, events_, options_.contacts);
   });
-  if (frame.time < last_time_) next_transform_ = 0.0;  // the run began anew
+  if (frame.time < last_time_) next_transform_ = 0.0;  // the run was restarted
   last_time_ = frame.time;
-  // Half a nanosecond, so that steps that divide the period evenly are not late by one.
+  // A tolerance of half a nanosecond, so that steps that divide the period evenly are on time.
   if (frame.time + 5e-10 >= next_transform_) {
     next_transform_ = (std::floor((frame.time + 5e-10) / kTransformPeriod) + 1) * kTransformPeriod;
     mcap_.message(transform_topic_, transforms_++, now,

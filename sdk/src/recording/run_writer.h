@@ -1,4 +1,4 @@
-// Turns what a run shows into messages of an MCAP file. Knows nothing of threads and queues.
+// Conversion of the frames of a run to messages of an MCAP file, without threads and queues.
 #pragma once
 
 #include <map>
@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "cogrsim/recording/recording.h"
-#include "recording/mcap_writer.h"
-#include "recording/messages.h"
+#include "recording/mcap/mcap_writer.h"
+#include "recording/mcap/messages.h"
 
 namespace cogrsim {
 
-/// Version of the topics and schemas; see docs/recording.md.
+/// Version of the topics and schemas; see docs/guide/recording.md.
 inline constexpr int kFormatVersion = 1;
 
 /// Names of metadata records.
@@ -25,25 +25,25 @@ class RunWriter {
  public:
   RunWriter(std::unique_ptr<mcap::Sink> sink, const RecorderOptions& options);
 
-  /// Header, metadata, attachments. Errors: the disk's.
+  /// Writes header, metadata and attachments. Errors: those of the disk.
   Result<> start(const std::map<std::string, std::string>& about);
-  /// Adds files that `model`'s materials name, as far as they can be read and are not too large.
+  /// Attaches the textures of the materials of `model` that can be read and are not too large.
   Result<> attach_textures(const SceneModel& model);
 
-  /// The model of the frames to come.
+  /// Sets the model of the following frames.
   void model(const SceneModelPtr& model, const SensorChannels& channels, double time);
-  /// New readings and events of a frame, and the frame itself if `keep`. `number`: running number
-  /// of frames that should be kept, with gaps where some were left out.
+  /// Writes the new readings and events of a frame, and the frame itself if `keep` is set. `number`
+  /// is the number of the frame among those to be recorded; dropped frames leave gaps.
   void frame(const Frame& frame, bool keep, std::uint64_t number);
   void message(const RunMessage& message);
 
-  /// What waits in memory [byte].
+  /// Size of the data in memory [byte].
   std::size_t pending() const { return mcap_.pending(); }
   Result<> flush() { return mcap_.flush(); }
-  /// Errors: the disk's.
+  /// Writes the data in memory. Errors: those of the disk.
   Result<> finish(const std::map<std::string, std::string>& end);
 
-  /// Frames in the file, without those in memory.
+  /// Number of frames in the file, without those in memory.
   std::uint64_t frames_on_file() const { return mcap_.messages_on_file(frame_topic_); }
 
  private:
@@ -51,15 +51,15 @@ class RunWriter {
     std::string name;
     std::uint16_t reading = 0, color = 0, depth = 0, segmentation = 0, scan = 0;
     bool named = true;
-    std::string channels;  // as JSON, to notice a change
+    std::string channels;  // as JSON, to detect a change
     std::uint64_t readings = 0, colors = 0, depths = 0, segmentations = 0;
-    // What was written last, to notice what is new.
+    // The last written data, to detect new ones.
     std::uint64_t sequence = 0;
     double time = 0.0;
     bool valid = false, enabled = true, any = false;
     const Picture* picture = nullptr;
     std::shared_ptr<const Picture> kept_picture;
-    PicturePlaces places;
+    PictureLocations locations;
   };
 
   std::uint16_t topic(std::string name, std::uint16_t schema,
@@ -69,7 +69,7 @@ class RunWriter {
   std::uint16_t image_topic(std::size_t index, const SensorModel& sensor, const char* part,
                             std::uint16_t schema);
   void reading(std::size_t index, const Reading& reading, double time);
-  PicturePlaces picture(std::size_t index, const Picture& picture, std::uint64_t time);
+  PictureLocations picture(std::size_t index, const Picture& picture, std::uint64_t time);
 
   mcap::Writer mcap_;
   RecorderOptions options_;
@@ -88,7 +88,7 @@ class RunWriter {
   double next_transform_ = 0.0, last_time_ = 0.0;
 };
 
-/// Simulated time as MCAP has it [ns].
+/// Simulated time in the unit of MCAP [ns].
 std::uint64_t nanoseconds(double time);
 
 }  // namespace cogrsim

@@ -35,7 +35,7 @@ Result<> check_camera(const Camera& camera) {
                             camera.width, camera.height, pixels, kMaxImagePixels));
   }
   if (!is_finite(camera.X_WC)) return fail("the camera's pose is not finite");
-  // A pose that drifted is none of ours to mend; one that was never set is a mistake.
+  // Small deviations of the norm are accepted; an orientation that was never set is an error.
   const double norm = camera.X_WC.q.norm();
   if (std::abs(norm - 1.0) > 1e-3) {
     return fail(fmt::format("the camera's orientation has length {:g}, expected 1", norm));

@@ -7,7 +7,7 @@ namespace cogrsim {
 namespace {
 
 constexpr Color kGround{0.89, 0.89, 0.875, 1.0}, kFixed{0.71, 0.69, 0.66, 1.0};
-// Equally light, so that none stands out.
+// Colours of equal lightness.
 constexpr Color kPalette[] = {{0.42, 0.58, 0.74, 1.0}, {0.80, 0.53, 0.41, 1.0},
                               {0.52, 0.67, 0.50, 1.0}, {0.80, 0.69, 0.42, 1.0},
                               {0.63, 0.54, 0.71, 1.0}, {0.42, 0.67, 0.66, 1.0},

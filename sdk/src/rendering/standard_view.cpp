@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/geometry/convex.h"
+
 namespace cogrsim {
 
 namespace {
@@ -10,50 +12,8 @@ namespace {
 // In the order of StandardView.
 constexpr const char* kNames[] = {"front", "back", "left", "right", "top", "bottom", "iso"};
 
-// Half extents and middle of a shape in its own frame [m].
-Bounds local_bounds(const SceneModel& model, const Shape& shape) {
-  Vec3 half = Vec3::Zero();
-  switch (shape.type) {
-    case ShapeType::plane:
-      break;
-    case ShapeType::box:
-      half = 0.5 * shape.size;
-      break;
-    case ShapeType::sphere:
-      half = Vec3::Constant(shape.radius);
-      break;
-    case ShapeType::cylinder:
-      half = Vec3(shape.radius, shape.radius, 0.5 * shape.length);
-      break;
-    case ShapeType::capsule:
-      half = Vec3(shape.radius, shape.radius, 0.5 * shape.length + shape.radius);
-      break;
-    case ShapeType::convex_mesh:
-    case ShapeType::mesh: {
-      const auto& vertices = model.meshes[static_cast<std::size_t>(shape.mesh)].vertices;
-      Bounds b{vertices.front(), vertices.front()};
-      for (const Vec3& v : vertices) {
-        b.low = b.low.cwiseMin(v);
-        b.high = b.high.cwiseMax(v);
-      }
-      return b;
-    }
-    case ShapeType::heightmap: {
-      const HeightGrid& grid = model.heightmaps[static_cast<std::size_t>(shape.heightmap)];
-      const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
-      return {{-0.5 * grid.size_x, -0.5 * grid.size_y, *low},
-              {0.5 * grid.size_x, 0.5 * grid.size_y, *high}};
-    }
-  }
-  return {-half, half};
-}
-
-Vec3 corner_of(const Bounds& b, int i) {
-  return {i & 1 ? b.high.x() : b.low.x(), i & 2 ? b.high.y() : b.low.y(),
-          i & 4 ? b.high.z() : b.low.z()};
-}
-
-// Orientation of a camera that looks along `forward` (unit), with `up` towards the picture's top.
+// Orientation of a camera with the viewing direction `forward` (unit) and `up` towards the image
+// top.
 Quat looking(const Vec3& forward, const Vec3& up) {
   Mat3 R;
   R.col(0) = forward;
@@ -96,48 +56,45 @@ std::optional<StandardView> standard_view(const std::string& name) {
   return std::nullopt;
 }
 
-Bounds joined(const Bounds& a, const Bounds& b) {
-  return {a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)};
-}
-
-Bounds visible_bounds(const Frame& frame) {
+geometry::Bounds visible_bounds(const Frame& frame) {
   const SceneModel& model = *frame.model;
-  std::optional<Bounds> all;
+  geometry::Bounds all;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Body& body = model.bodies[i];
     if (body.removed) continue;
     for (const Shape& shape : body.shapes) {
       if (!shape.visible || shape.type == ShapeType::plane) continue;
       const Pose X_WS = frame.state.poses[i] * shape.X_BS;
-      const Bounds local = local_bounds(model, shape);
+      const geometry::Bounds local = geometry::local_bounds(model, shape);
       for (int k = 0; k < 8; ++k) {
-        const Vec3 p = X_WS * corner_of(local, k);
-        if (!p.allFinite()) continue;
-        all = all ? joined(*all, {p, p}) : Bounds{p, p};
+        const Vec3 p = X_WS * local.corner(k);
+        if (p.allFinite()) all.add(p);
       }
     }
   }
-  return all.value_or(Bounds{});
+  if (all.empty()) return {Vec3::Constant(-1.0), Vec3::Constant(1.0)};
+  return all;
 }
 
-Camera standard_camera(StandardView view, const Bounds& bounds, int width, int height, double fov) {
+Camera standard_camera(StandardView view, const geometry::Bounds& bounds, int width, int height,
+                       double fov) {
   constexpr double kMargin = 1.05;
   const Quat q = orientation_of(view);
-  const Vec3 middle = 0.5 * (bounds.low + bounds.high);
+  const Vec3 middle = bounds.middle();
   const double tan_x = std::tan(0.5 * fov) / kMargin;
   const double tan_y = tan_x * height / width;
-  // From `back` behind the middle, a corner at (x, y, z) of the camera's axes is seen if
+  // At the distance `back` behind the middle, a corner at (x, y, z) in camera axes is visible if
   // |y| <= (x + back) tan_x and |z| <= (x + back) tan_y.
-  double back = 1e-3, reach = 1e-3;
+  double back = 1e-3, radius = 1e-3;
   for (int i = 0; i < 8; ++i) {
-    const Vec3 p = q.conjugate() * (corner_of(bounds, i) - middle);
+    const Vec3 p = q.conjugate() * (bounds.corner(i) - middle);
     back = std::max({back, std::abs(p.y()) / tan_x - p.x(), std::abs(p.z()) / tan_y - p.x()});
-    reach = std::max(reach, p.norm());
+    radius = std::max(radius, p.norm());
   }
   Camera camera = make_camera({middle - q * Vec3(back, 0, 0), q}, width, height, fov);
   camera.near = std::max(1e-3, 1e-3 * back);
-  // Far enough for the ground behind, too.
-  camera.far = 20.0 * (back + reach);
+  // Far enough to include the ground in the background.
+  camera.far = 20.0 * (back + radius);
   return camera;
 }
 

@@ -1,13 +1,13 @@
-// The table of the SDK's own sensors, and what they share.
+// The table of the built-in sensors, and their common functions.
 #include <algorithm>
 #include <cmath>
 
-#include "cogrsim/sensing/instruments.h"
-#include "sensing/instrument.h"
+#include "cogrsim/sensing/sensor_models.h"
+#include "sensing/sensor_model.h"
 
 namespace cogrsim {
 
-namespace instruments {
+namespace sensor_models {
 
 SensorMotion motion_of(const SensorModel& sensor, const WorldState& state) {
   SensorMotion motion;
@@ -52,7 +52,7 @@ const std::vector<PluginDescriptor>& table() {
   return all;
 }
 
-/// The parameters of a built-in sensor with its defaults; empty when they are wrong.
+/// The complete parameters of a built-in sensor, including defaults; empty if they are invalid.
 std::optional<Parameters> completed(const SensorModel& sensor) {
   for (const PluginDescriptor& d : table()) {
     if (d.name != sensor.type) continue;
@@ -63,50 +63,50 @@ std::optional<Parameters> completed(const SensorModel& sensor) {
 
 }  // namespace
 
-}  // namespace instruments
+}  // namespace sensor_models
 
 const SensorEntry* built_in_sensor(const std::string& type) {
-  for (const PluginDescriptor& d : instruments::table()) {
+  for (const PluginDescriptor& d : sensor_models::table()) {
     if (d.name == type) return static_cast<const SensorEntry*>(d.factory);
   }
   return nullptr;
 }
 
-std::vector<PluginDescriptor> built_in_sensors() { return instruments::table(); }
+std::vector<PluginDescriptor> built_in_sensors() { return sensor_models::table(); }
 
 Pose sensor_pose(const SensorModel& sensor, const WorldState& state) {
-  return instruments::motion_of(sensor, state).X_WS;
+  return sensor_models::motion_of(sensor, state).X_WS;
 }
 
 std::vector<Vec3> ray_directions(const SensorModel& sensor) {
   const bool lidar = sensor.type == "lidar";
   if (!lidar && sensor.type != "infrared") return {};
-  const auto parameters = instruments::completed(sensor);
+  const auto parameters = sensor_models::completed(sensor);
   if (!parameters) return {};
-  auto directions = lidar ? instruments::lidar_directions(*parameters)
-                          : instruments::infrared_directions(*parameters);
+  auto directions = lidar ? sensor_models::lidar_directions(*parameters)
+                          : sensor_models::infrared_directions(*parameters);
   return directions ? std::move(*directions) : std::vector<Vec3>{};
 }
 
 RangeLimits range_limits(const SensorModel& sensor) {
   if (sensor.type != "lidar" && sensor.type != "infrared") return {};
-  const auto parameters = instruments::completed(sensor);
+  const auto parameters = sensor_models::completed(sensor);
   if (!parameters) return {};
-  const auto range = instruments::range_of(*parameters);
+  const auto range = sensor_models::range_of(*parameters);
   return range ? RangeLimits{range->first, range->second} : RangeLimits{};
 }
 
 Result<RenderRequest> camera_request(const SceneModel& model, const SensorModel& sensor,
                                      const WorldState& state) {
-  if (sensor.type != "camera") return fail("sensor '" + sensor.name + "' is no camera");
-  const PluginDescriptor d = instruments::camera();
+  if (sensor.type != "camera") return fail("sensor '" + sensor.name + "' is not a camera");
+  const PluginDescriptor d = sensor_models::camera();
   const auto parameters = complete_parameters(d.parameters, sensor.parameters);
   if (!parameters) return tl::unexpected(parameters.error());
-  auto request = instruments::camera_settings(*parameters);
+  auto request = sensor_models::camera_settings(*parameters);
   if (!request) return request;
   request->camera.X_WC = sensor_pose(sensor, state);
   const bool sees_own = std::get<bool>(parameters->at("sees-own-body"));
-  if (sensor.body != kWorld && (!sees_own || instruments::in_own_body(model, sensor))) {
+  if (sensor.body != kWorld && (!sees_own || sensor_models::in_own_body(model, sensor))) {
     request->hidden_bodies = {sensor.body};
   }
   return request;

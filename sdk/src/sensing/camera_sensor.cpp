@@ -3,13 +3,13 @@
 
 #include "cogrsim/core/random.h"
 #include "cogrsim/rendering/renderer.h"
-#include "cogrsim/sensing/instruments.h"
+#include "cogrsim/sensing/sensor_models.h"
 #include "geometry/inside_shape.h"
-#include "sensing/instrument.h"
+#include "sensing/sensor_model.h"
 
 namespace cogrsim {
 
-namespace instruments {
+namespace sensor_models {
 
 namespace {
 
@@ -21,8 +21,8 @@ bool inside_body(const SceneModel& model, int body, const Vec3& p_W) {
   });
 }
 
-/// Noise on a field of numbers, term by term as apply_noise() has it; `holes` says whether dropout
-/// makes single entries NaN (and is not for the caller).
+/// Adds noise to an array of numbers, term by term as apply_noise(). If `holes` is set, dropout
+/// makes single entries NaN instead of dropping the whole reading.
 template <class Number>
 void disturb_field(const std::vector<NoiseTerm>& noise, int group, double period,
                    RandomStream& random, double& walk, bool holes, std::vector<Number>& field) {
@@ -57,13 +57,14 @@ void disturb_field(const std::vector<NoiseTerm>& noise, int group, double period
   }
 }
 
-/// Pictures from a pinhole with lens distortion, see Camera in cogrsim/rendering/renderer.h.
-/// Reading::picture has what was asked for of colour, depth and segmentation; the values are the
-/// mean brightness (of all colour values, 0 to 1) and the smallest depth [m], NaN without.
+/// Pinhole camera with lens distortion, see Camera in cogrsim/rendering/renderer.h.
+/// Reading::picture has the requested images of colour, depth and segmentation. The values are the
+/// mean brightness (of all colour values, 0 to 1) and the smallest depth [m], or NaN without such
+/// an image.
 ///
-/// Noise, group 0: on every colour value as a number from 0 to 1, clamped afterwards; dropout loses
-/// the whole picture. Group 1: on every depth; dropout makes holes (NaN). Bias and bias walk are
-/// the same for all pixels of a picture.
+/// Noise of group 0 acts on every colour value as a number from 0 to 1, which is clamped
+/// afterwards; dropout loses the whole image. Noise of group 1 acts on every depth; dropout makes
+/// single pixels NaN. Bias and bias walk are the same for all pixels of an image.
 class CameraInstrument final : public Sensor {
  public:
   Result<> configure(const SceneModel& model, const SensorModel& sensor,
@@ -80,9 +81,9 @@ class CameraInstrument final : public Sensor {
   std::vector<Channel> channels() const override {
     return {{"brightness", "1", false, 0}, {"nearest", "m", false, 1}};
   }
-  Result<> read(Sensing& sensing, Reading& reading) override {
-    request_.camera.X_WC = motion_of(sensor_, sensing.frame().state).X_WS;
-    auto pictures = sensing.render({request_});
+  Result<> read(SensorContext& context, Reading& reading) override {
+    request_.camera.X_WC = motion_of(sensor_, context.frame().state).X_WS;
+    auto pictures = context.render({request_});
     if (!pictures) return tl::unexpected(pictures.error());
     fresh_ = std::make_shared<Picture>(std::move(pictures->front()));
     reading.picture = fresh_;
@@ -94,17 +95,17 @@ class CameraInstrument final : public Sensor {
     const std::shared_ptr<Picture> picture = std::move(fresh_);
     fresh_.reset();
     if (noise.empty() || !picture || reading.picture != picture) return true;
-    bool heard = true;
+    bool received = true;
     for (const NoiseTerm& term : noise) {
       if (term.kind != NoiseTerm::Kind::dropout || term.group != 0) continue;
-      if (random.uniform() < term.a) heard = false;
+      if (random.uniform() < term.a) received = false;
     }
     disturb_color(noise, period, random, walk[0], picture->color);
     disturb_field(noise, 1, period, random, walk[1], true, picture->depth);
-    for (float& depth : picture->depth) depth = std::max(depth, 0.0f);  // holes stay holes
+    for (float& depth : picture->depth) depth = std::max(depth, 0.0f);  // NaN stays NaN
     finish(reading);
-    if (!heard) reading.picture.reset();
-    return heard;
+    if (!received) reading.picture.reset();
+    return received;
   }
 
  private:
@@ -155,7 +156,7 @@ Result<RenderRequest> camera_settings(const Parameters& parameters) {
   if (size.size() != 2 || size[0] != std::floor(size[0]) || size[1] != std::floor(size[1])) {
     return fail("the resolution takes two whole numbers", "", "write resolution=\"320 240\"");
   }
-  // What does not fit an int is refused by check_camera as too large all the same.
+  // check_camera() also rejects sizes that exceed the range of int.
   const auto pixels = [](double v) { return static_cast<int>(std::clamp(v, -1.0, 2.0e9)); };
   request.camera = make_camera({}, pixels(size[0]), pixels(size[1]), number(parameters, "fov"));
   request.camera.near = number(parameters, "near");
@@ -199,11 +200,11 @@ PluginDescriptor camera() {
       "camera", "pictures: colour, depth, segmentation",
       {parameter("resolution", std::vector<double>{320, 240}, "", "columns and rows [pixel]"),
        parameter("fov", M_PI / 3.0, "rad", "horizontal opening angle"),
-       parameter("near", 0.01, "m", "nothing nearer is seen"),
-       parameter("far", 100.0, "m", "nothing farther is seen"),
+       parameter("near", 0.01, "m", "nearer surfaces are invisible"),
+       parameter("far", 100.0, "m", "farther surfaces are invisible"),
        parameter("color", true, "takes a colour picture"),
        parameter("depth", false, "takes a depth picture"),
-       parameter("segmentation", false, "tells the body in every pixel"),
+       parameter("segmentation", false, "takes an image of the body in every pixel"),
        parameter("distortion", std::vector<double>{}, "", "of the lens: k1 k2 p1 p2 k3"),
        parameter("principal-point", std::vector<double>{}, "",
                  "column and row [pixel]; the middle if left out"),
@@ -214,7 +215,7 @@ PluginDescriptor camera() {
                  "the body it is mounted on is seen; never when the camera is inside it")});
 }
 
-}  // namespace instruments
+}  // namespace sensor_models
 
 std::vector<BuriedCamera> buried_cameras(const SceneModel& model) {
   std::vector<BuriedCamera> found;
@@ -226,7 +227,7 @@ std::vector<BuriedCamera> buried_cameras(const SceneModel& model) {
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
       const int body = static_cast<int>(i);
       if (model.bodies[i].removed || body == sensor.body) continue;
-      if (!instruments::inside_body(model, body, eye)) continue;
+      if (!sensor_models::inside_body(model, body, eye)) continue;
       found.push_back(
           {static_cast<int>(s),
            Error("camera '" + sensor.name + "' lies inside body '" + model.bodies[i].name + "'", "",

@@ -1,34 +1,34 @@
 #include <algorithm>
 
-#include "sensing/instrument.h"
+#include "sensing/sensor_model.h"
 
-namespace cogrsim::instruments {
+namespace cogrsim::sensor_models {
 
 namespace {
 
-/// Touch: what presses on a body, or on all bodies of the assembly it stands in (what touches
-/// within the assembly is left out then). A point counts when it carries force or the surfaces
-/// overlap; engines also list points that are about to touch. Values: how many points and how many
-/// other bodies, and the sum of the forces on what is felt, in the sensor's axes, mean over the
-/// last step. Reading::contacts has the points themselves, with body_b as what is felt. Noise is on
-/// the force, which then saturates.
+/// Contact sensor: the contacts of a body, or of all bodies of its assembly (without the contacts
+/// inside the assembly). A contact point counts if it carries a force or if the surfaces overlap;
+/// engines also list points that are about to touch. The values are the number of points, the
+/// number of other bodies, and the total force on the sensing bodies, in the axes of the sensor,
+/// mean over the last step. Reading::contacts has the points, with the sensing body as body_b.
+/// Noise acts on the force, which is then saturated.
 class ContactSense final : public Sensor {
  public:
   Result<> configure(const SceneModel& model, const SensorModel& sensor,
                      const Parameters& parameters) override {
     sensor_ = sensor;
     max_force_ = number(parameters, "max-force");
-    felt_.clear();
+    own_bodies_.clear();
     if (boolean(parameters, "whole-assembly")) {
       if (sensor.assembly < 0) {
-        return fail("it stands in no assembly that it could feel as a whole");
+        return fail("it does not belong to an assembly, so it cannot sense a whole one");
       }
-      felt_ = bodies_of(model, sensor.assembly);
-      std::sort(felt_.begin(), felt_.end());
+      own_bodies_ = bodies_of(model, sensor.assembly);
+      std::sort(own_bodies_.begin(), own_bodies_.end());
     } else if (sensor.body != kWorld) {
-      felt_ = {sensor.body};
+      own_bodies_ = {sensor.body};
     }
-    if (felt_.empty()) return fail("it is mounted on no body", "", "name one: on=\"…\"");
+    if (own_bodies_.empty()) return fail("it is mounted on no body", "", "name one: on=\"…\"");
     channels_ = {{"points", "1", false}, {"bodies", "1", false}};
     for (const char* axis : {"fx", "fy", "fz"}) channels_.push_back({axis, "N", true});
     return {};
@@ -39,12 +39,12 @@ class ContactSense final : public Sensor {
     contents.contacts = true;
     return contents;
   }
-  Result<> read(Sensing& sensing, Reading& reading) override {
-    const Frame& frame = sensing.frame();
+  Result<> read(SensorContext& context, Reading& reading) override {
+    const Frame& frame = context.frame();
     Vec3 total = Vec3::Zero();
     others_.clear();
     for (const Contact& contact : frame.contacts) {
-      const bool a = feels(contact.body_a), b = feels(contact.body_b);
+      const bool a = is_own(contact.body_a), b = is_own(contact.body_b);
       if (a == b || (contact.depth < 0.0 && contact.force.isZero(0.0))) continue;
       reading.contacts.push_back(b ? contact : turned(contact));
       total += reading.contacts.back().force;
@@ -59,9 +59,9 @@ class ContactSense final : public Sensor {
   }
   bool disturb(const std::vector<NoiseTerm>& noise, double period, RandomStream& random,
                std::vector<double>& walk, Reading& reading) override {
-    const bool heard = apply_noise(noise, channels_, period, random, walk, reading.values);
+    const bool received = apply_noise(noise, channels_, period, random, walk, reading.values);
     saturate(reading.values, 2, 5, max_force_);
-    return heard;
+    return received;
   }
 
  private:
@@ -72,11 +72,13 @@ class ContactSense final : public Sensor {
     contact.force = -contact.force;
     return contact;
   }
-  bool feels(int body) const { return std::binary_search(felt_.begin(), felt_.end(), body); }
+  bool is_own(int body) const {
+    return std::binary_search(own_bodies_.begin(), own_bodies_.end(), body);
+  }
 
   SensorModel sensor_;
   std::vector<Channel> channels_;
-  std::vector<int> felt_;    // sorted
+  std::vector<int> own_bodies_;    // sorted
   std::vector<int> others_;  // scratch
   double max_force_ = 0.0;
 };
@@ -87,9 +89,9 @@ PluginDescriptor contact() {
   return describe<ContactSense>(
       "contact", "what touches a body: points, bodies, and the total force in the sensor's axes",
       {parameter("whole-assembly", false,
-                 "feels all bodies of the assembly it stands in, not only its own"),
+                 "senses all bodies of its assembly, not only its own"),
        parameter("max-force", 0.0, "N", "largest component it reads; 0: no limit")
            .range(0.0, kInfinity)});
 }
 
-}  // namespace cogrsim::instruments
+}  // namespace cogrsim::sensor_models

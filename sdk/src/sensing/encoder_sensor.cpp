@@ -1,15 +1,15 @@
 #include <cmath>
 
 #include "cogrsim/model/joint_kinematics.h"
-#include "sensing/instrument.h"
+#include "sensing/sensor_model.h"
 
-namespace cogrsim::instruments {
+namespace cogrsim::sensor_models {
 
 namespace {
 
-/// Position q and speed u of one axis of a joint. An incremental encoder counts: with a resolution
-/// r the position is r round(q / r), within r / 2 of the truth, after the noise. The speed is the
-/// joint's own, not a difference of counts.
+/// Encoder: position q and speed u of one axis of a joint. With a resolution r the position is
+/// r round(q / r) as in an incremental encoder, within r / 2 of the true value; it is rounded after
+/// the noise. The speed is the exact speed of the joint, not a difference of counts.
 class Encoder final : public Sensor {
  public:
   Result<> configure(const SceneModel& model, const SensorModel& sensor,
@@ -32,7 +32,7 @@ class Encoder final : public Sensor {
         return fail("joint '" + joint.name + "' slides, so there are no counts per turn", "",
                     "give the resolution as a length");
       }
-      if (resolution_ > 0.0) return fail("'counts' and 'resolution' say the same thing twice");
+      if (resolution_ > 0.0) return fail("'counts' and 'resolution' exclude each other");
       resolution_ = 2.0 * M_PI / static_cast<double>(counts);
     }
     const std::string unit = linear ? "m" : "rad";
@@ -42,18 +42,18 @@ class Encoder final : public Sensor {
     return {};
   }
   std::vector<Channel> channels() const override { return channels_; }
-  Result<> read(Sensing& sensing, Reading& reading) override {
-    const WorldState& state = sensing.frame().state;
+  Result<> read(SensorContext& context, Reading& reading) override {
+    const WorldState& state = context.frame().state;
     reading.values = {state.joint_positions[position_], state.joint_velocities[speed_]};
     return {};
   }
   bool disturb(const std::vector<NoiseTerm>& noise, double period, RandomStream& random,
                std::vector<double>& walk, Reading& reading) override {
-    const bool heard = apply_noise(noise, channels_, period, random, walk, reading.values);
+    const bool received = apply_noise(noise, channels_, period, random, walk, reading.values);
     double& position = reading.values[0];
     if (resolution_ > 0.0) position = resolution_ * std::round(position / resolution_);
     saturate(reading.values, 1, 2, max_speed_);
-    return heard;
+    return received;
   }
 
  private:
@@ -75,4 +75,4 @@ PluginDescriptor encoder() {
            .range(0.0, kInfinity)});
 }
 
-}  // namespace cogrsim::instruments
+}  // namespace cogrsim::sensor_models

@@ -1,13 +1,13 @@
-#include "sensing/instrument.h"
+#include "sensing/sensor_model.h"
 
-namespace cogrsim::instruments {
+namespace cogrsim::sensor_models {
 
 namespace {
 
-/// What a joint transmits: force and torque that its parent exerts on its child, about the origin
-/// of the joint's frame M in the child and in M's axes, mean over the last step. An arm that hangs
-/// at rest reads f = -m g and t = -c x m g, c from the joint to the centre of mass.
-/// Noise: group 0 on the force, group 1 on the torque; then both saturate.
+/// Force-torque sensor: force and torque that the parent of a joint exerts on its child, about the
+/// origin and in the axes of the joint frame M of the child, mean over the last step. For an arm
+/// that hangs at rest it measures f = -m g and t = -c x m g, with c from the joint to the centre of
+/// mass. Noise of group 0 acts on the force and of group 1 on the torque; both are then saturated.
 class ForceTorque final : public Sensor {
  public:
   Result<> configure(const SceneModel& model, const SensorModel& sensor,
@@ -30,10 +30,10 @@ class ForceTorque final : public Sensor {
     contents.joint_reactions = true;
     return contents;
   }
-  Result<> read(Sensing& sensing, Reading& reading) override {
-    const Frame& frame = sensing.frame();
+  Result<> read(SensorContext& context, Reading& reading) override {
+    const Frame& frame = context.frame();
     if (joint_ >= frame.joint_reactions.size()) {
-      return fail("the backend does not tell what joints transmit");
+      return fail("the backend does not report joint reactions");
     }
     const Quat q_WC =
         child_ == kWorld ? Quat(1, 0, 0, 0) : frame.state.poses[static_cast<std::size_t>(child_)].q;
@@ -44,10 +44,10 @@ class ForceTorque final : public Sensor {
   }
   bool disturb(const std::vector<NoiseTerm>& noise, double period, RandomStream& random,
                std::vector<double>& walk, Reading& reading) override {
-    const bool heard = apply_noise(noise, channels_, period, random, walk, reading.values);
+    const bool received = apply_noise(noise, channels_, period, random, walk, reading.values);
     saturate(reading.values, 0, 3, max_force_);
     saturate(reading.values, 3, 6, max_torque_);
-    return heard;
+    return received;
   }
 
  private:
@@ -69,4 +69,4 @@ PluginDescriptor force_torque() {
            .range(0.0, kInfinity)});
 }
 
-}  // namespace cogrsim::instruments
+}  // namespace cogrsim::sensor_models

@@ -1,13 +1,14 @@
-#include "sensing/instrument.h"
+#include "sensing/sensor_model.h"
 
-namespace cogrsim::instruments {
+namespace cogrsim::sensor_models {
 
 namespace {
 
-/// Specific force f = R_SW (a_S - g) and angular velocity R_SW w, in the sensor's axes, with
-/// a_S = a_B + alpha x r + w x (w x r), r from the body's origin to the sensor. The acceleration is
-/// the mean over the last step (a difference of twists), as an instrument integrating over its
-/// sample time would report. Noise: group 0 on f, group 1 on w; then both saturate.
+/// Inertial measurement unit: specific force f = R_SW (a_S - g) and angular velocity R_SW w, in the
+/// axes of the sensor, with a_S = a_B + alpha x r + w x (w x r) and r from the body origin to the
+/// sensor. The acceleration is the mean over the last step (a difference of twists), as for a
+/// device that integrates over its sampling period. Noise of group 0 acts on f and of group 1 on w;
+/// both are then saturated.
 class Imu final : public Sensor {
  public:
   Result<> configure(const SceneModel& model, const SensorModel& sensor,
@@ -28,8 +29,8 @@ class Imu final : public Sensor {
     contents.accelerations = true;
     return contents;
   }
-  Result<> read(Sensing& sensing, Reading& reading) override {
-    const Frame& frame = sensing.frame();
+  Result<> read(SensorContext& context, Reading& reading) override {
+    const Frame& frame = context.frame();
     std::vector<double>& values = reading.values;
     const SensorMotion motion = motion_of(sensor_, frame.state);
     const auto body = static_cast<std::size_t>(sensor_.body);
@@ -46,10 +47,10 @@ class Imu final : public Sensor {
   }
   bool disturb(const std::vector<NoiseTerm>& noise, double period, RandomStream& random,
                std::vector<double>& walk, Reading& reading) override {
-    const bool heard = apply_noise(noise, channels_, period, random, walk, reading.values);
+    const bool received = apply_noise(noise, channels_, period, random, walk, reading.values);
     saturate(reading.values, 0, 3, max_acceleration_);
     saturate(reading.values, 3, 6, max_angular_speed_);
-    return heard;
+    return received;
   }
 
  private:
@@ -70,4 +71,4 @@ PluginDescriptor imu() {
            .range(0.0, kInfinity)});
 }
 
-}  // namespace cogrsim::instruments
+}  // namespace cogrsim::sensor_models

@@ -1,19 +1,19 @@
 #include <cmath>
 
 #include "cogrsim/rays/ray_caster.h"
-#include "sensing/instrument.h"
+#include "sensing/sensor_model.h"
 
-namespace cogrsim::instruments {
+namespace cogrsim::sensor_models {
 
 namespace {
 
-/// More rays than this in one reading are refused.
+/// Maximum number of rays of a reading.
 constexpr std::int64_t kMaxRays = 1'000'000;
 
-/// Distances in many directions: `rings` levels, the lowest first, each of `rays` directions from
-/// right to left (counter-clockwise seen from above). All rays of a reading see the same frame: a
-/// turning mirror, whose rays leave one after the other, is not modelled. Noise is on the
-/// distances; the limits are applied to what comes out of it.
+/// Lidar: distances in many directions, in `rings` levels with the lowest first, each with `rays`
+/// directions from right to left (counter-clockwise seen from above). All rays of a reading measure
+/// the same frame; the skew of a rotating scanner is not modelled. Noise acts on the distances, and
+/// the limits are applied afterwards.
 class Lidar final : public Sensor {
  public:
   Result<> configure(const SceneModel&, const SensorModel& sensor,
@@ -44,19 +44,19 @@ class Lidar final : public Sensor {
     return {};
   }
   std::vector<Channel> channels() const override { return channels_; }
-  Result<> read(Sensing& sensing, Reading& reading) override {
-    const Pose X_WS = motion_of(sensor_, sensing.frame().state).X_WS;
+  Result<> read(SensorContext& context, Reading& reading) override {
+    const Pose X_WS = motion_of(sensor_, context.frame().state).X_WS;
     rays_.resize(directions_.size());
     const Mat3 R_WS = X_WS.q.toRotationMatrix();
     for (std::size_t i = 0; i < rays_.size(); ++i) {
       rays_[i].origin = X_WS.p;
       rays_[i].direction = R_WS * directions_[i];
-      rays_[i].max_distance = kReach * most_;
+      rays_[i].max_distance = kRayLength * most_;
     }
-    sensing.rays().cast(rays_, hits_, ignored_);
-    seen_.resize(rays_.size());
+    context.rays().cast(rays_, hits_, ignored_);
+    unlimited_.resize(rays_.size());
     for (std::size_t i = 0; i < rays_.size(); ++i) {
-      seen_[i] = hits_[i].distance;
+      unlimited_[i] = hits_[i].distance;
       if (has_bodies_) reading.values[rays_.size() + i] = hits_[i].body;
     }
     finish(reading);
@@ -65,20 +65,22 @@ class Lidar final : public Sensor {
   bool disturb(const std::vector<NoiseTerm>& noise, double period, RandomStream& random,
                std::vector<double>& walk, Reading& reading) override {
     if (noise.empty()) return true;
-    std::copy(seen_.begin(), seen_.end(), reading.values.begin());
-    const bool heard = apply_noise(noise, channels_, period, random, walk, reading.values);
-    std::copy_n(reading.values.begin(), seen_.size(), seen_.begin());
+    std::copy(unlimited_.begin(), unlimited_.end(), reading.values.begin());
+    const bool received = apply_noise(noise, channels_, period, random, walk, reading.values);
+    std::copy_n(reading.values.begin(), unlimited_.size(), unlimited_.begin());
     finish(reading);
-    return heard;
+    return received;
   }
 
  private:
-  static constexpr double kReach = 3.0;  ///< as of an infrared
+  static constexpr double kRayLength = 3.0;  ///< relative to the maximum range, as for an infrared
 
   void finish(Reading& reading) const {
-    for (std::size_t i = 0; i < seen_.size(); ++i) {
-      reading.values[i] = limited(seen_[i], least_, most_);
-      if (has_bodies_ && reading.values[i] == kInfinity) reading.values[seen_.size() + i] = -1.0;
+    for (std::size_t i = 0; i < unlimited_.size(); ++i) {
+      reading.values[i] = limited(unlimited_[i], least_, most_);
+      if (has_bodies_ && reading.values[i] == kInfinity) {
+        reading.values[unlimited_.size() + i] = -1.0;
+      }
     }
   }
 
@@ -88,14 +90,15 @@ class Lidar final : public Sensor {
   std::vector<int> ignored_;
   std::vector<Ray> rays_;
   std::vector<RayHit> hits_;
-  std::vector<double> seen_;  ///< distances before the limits
+  std::vector<double> unlimited_;  ///< distances before the limits are applied
   double least_ = 0.0, most_ = 0.0;
   bool has_bodies_ = false;
 };
 
 }  // namespace
 
-// Evenly over the field of view, both ends included, unless it is a full turn, whose ends are one.
+// The directions are evenly spaced over the field of view, including both ends. For a full turn the
+// two ends coincide, so only one of them is used.
 Result<std::vector<Vec3>> lidar_directions(const Parameters& parameters) {
   const std::int64_t rays = integer(parameters, "rays"), rings = integer(parameters, "rings");
   if (rays * rings > kMaxRays) {
@@ -133,8 +136,8 @@ PluginDescriptor lidar() {
            .range(0.0, M_PI),
        parameter("range", std::vector<double>{0.0, 30.0}, "m", "least and largest distance")
            .range(0.0, kInfinity),
-       parameter("bodies", false, "tells the body met by every ray too"),
+       parameter("bodies", false, "measures also which body every ray hits"),
        parameter("sees-own-body", false, "the body it is mounted on is seen too")});
 }
 
-}  // namespace cogrsim::instruments
+}  // namespace cogrsim::sensor_models

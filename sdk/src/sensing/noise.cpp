@@ -8,11 +8,11 @@ namespace cogrsim {
 bool apply_noise(const std::vector<NoiseTerm>& noise, const std::vector<Channel>& channels,
                  double period, RandomStream& random, std::vector<double>& walk,
                  std::vector<double>& values) {
-  bool heard = true;
+  bool received = true;
   for (const NoiseTerm& term : noise) {
-    // One draw per reading, whatever came before: dropping out must not shift later draws.
+    // The draws do not depend on earlier results: a dropout must not change later random numbers.
     if (term.kind == NoiseTerm::Kind::dropout) {
-      if (random.uniform() < term.a) heard = false;
+      if (random.uniform() < term.a) received = false;
       continue;
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -39,7 +39,7 @@ bool apply_noise(const std::vector<NoiseTerm>& noise, const std::vector<Channel>
       }
     }
   }
-  return heard;
+  return received;
 }
 
 }  // namespace cogrsim

@@ -1,10 +1,11 @@
-#include "sensing/instrument.h"
+#include "sensing/sensor_model.h"
 
-namespace cogrsim::instruments {
+namespace cogrsim::sensor_models {
 
 namespace {
 
-/// Ideal tracking: pose and twist of the sensor's frame in the world. Noise is on the position.
+/// Pose sensor: pose and twist of the sensor frame in the world, as an ideal tracking system
+/// measures them. Noise acts on the position.
 class PoseOfFrame final : public Sensor {
  public:
   Result<> configure(const SceneModel&, const SensorModel& sensor, const Parameters&) override {
@@ -19,9 +20,9 @@ class PoseOfFrame final : public Sensor {
     for (const char* axis : {"wx", "wy", "wz"}) all.push_back({axis, "rad/s", false});
     return all;
   }
-  Result<> read(Sensing& sensing, Reading& reading) override {
+  Result<> read(SensorContext& context, Reading& reading) override {
     std::vector<double>& values = reading.values;
-    const SensorMotion motion = motion_of(sensor_, sensing.frame().state);
+    const SensorMotion motion = motion_of(sensor_, context.frame().state);
     put(values, 0, motion.X_WS.p);
     const Quat& q = motion.X_WS.q;
     values[3] = q.w();
@@ -43,4 +44,4 @@ PluginDescriptor pose() {
   return describe<PoseOfFrame>("pose", "ideal pose and twist of the sensor's frame in the world");
 }
 
-}  // namespace cogrsim::instruments
+}  // namespace cogrsim::sensor_models

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cogrsim/sensing/instruments.h"
+#include "cogrsim/sensing/sensor_models.h"
 
 namespace cogrsim {
 
@@ -22,14 +22,14 @@ std::vector<SensorRay> sensor_rays(const Frame& frame) {
     if (!reading.valid || reading.values.empty()) continue;
     std::vector<Vec3> directions;
     if (sensor.type == "infrared") {
-      directions = {Vec3::UnitX()};  // a cone has one distance, drawn along its middle
+      directions = {Vec3::UnitX()};  // a cone has one distance, drawn along its axis
     } else {
       directions = ray_directions(sensor);
     }
     const RangeLimits limits = range_limits(sensor);
     const Pose X_WS = sensor_pose(sensor, frame.state);
     for (std::size_t k = 0; k < directions.size() && k < reading.values.size(); ++k) {
-      const double distance = reading.values[k];  // -inf: nearer than the least, inf: nothing
+      const double distance = reading.values[k];  // -inf: below the minimum range, inf: no hit
       if (std::isnan(distance)) continue;
       SensorRay ray;
       ray.sensor = static_cast<int>(i);

@@ -14,7 +14,7 @@ PluginCall SensorSuite::calling(const Slot& slot, const char* doing, double time
 
 void SensorSuite::take_down(Slot& slot) {
   if (!slot.sensor) return;
-  const PluginCall call = calling(slot, "while it was taken down", kNaN);
+  const PluginCall call = calling(slot, "while it was destroyed", kNaN);
   slot.sensor.reset();
 }
 
@@ -74,7 +74,7 @@ std::vector<Diagnostic> SensorSuite::build(const SceneModelPtr& model, std::uint
   return found;
 }
 
-void SensorSuite::imitate(std::size_t count) {
+void SensorSuite::set_count(std::size_t count) {
   cut(0);
   slots_.resize(count);
   for (std::size_t i = 0; i < count; ++i) slots_[i].memory.reading.sensor = static_cast<int>(i);
@@ -105,7 +105,7 @@ std::optional<FrameContents> SensorSuite::begin(double time, double dt) {
   return needed;
 }
 
-std::vector<SensorFault> SensorSuite::read(Sensing& sensing) {
+std::vector<SensorFault> SensorSuite::read(SensorContext& context) {
   std::vector<SensorFault> faults;
   for (const std::size_t i : due_) {
     Slot& slot = slots_[i];
@@ -115,11 +115,13 @@ std::vector<SensorFault> SensorSuite::read(Sensing& sensing) {
     reading.picture.reset();
     reading.contacts.clear();
     const PluginCall call = calling(slot, "in a reading", now_);
-    const Result<> seen = slot.sensor->read(sensing, reading);
-    if (!seen && !slot.memory.complained) faults.push_back({static_cast<int>(i), seen.error()});
-    slot.memory.complained = !seen;
-    reading.valid =
-        seen && slot.sensor->disturb(slot.noise, period, slot.random, slot.memory.walk, reading);
+    const Result<> measured = slot.sensor->read(context, reading);
+    if (!measured && !slot.memory.complained) {
+      faults.push_back({static_cast<int>(i), measured.error()});
+    }
+    slot.memory.complained = !measured;
+    reading.valid = measured && slot.sensor->disturb(slot.noise, period, slot.random,
+                                                     slot.memory.walk, reading);
     reading.time = now_;
     ++reading.sequence;
   }
@@ -131,7 +133,7 @@ void SensorSuite::copy_readings(std::vector<Reading>& out) const {
   out.resize(slots_.size());
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     const Reading& reading = slots_[i].memory.reading;
-    // Assigning would keep the memory of the values that were there before the sensor was retired.
+    // Assignment would retain the memory of the values from before the sensor was retired.
     if (reading.values.empty())
       out[i] = Reading(reading);
     else

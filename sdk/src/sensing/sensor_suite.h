@@ -1,5 +1,6 @@
-// All sensors of a run: their instruments, clocks, noise and latest readings. A simulation reads
-// them from its own frames, a recording from those it kept: the same frames give the same readings.
+// All sensors of a run: their sensor models, timers, noise and latest readings. A simulation
+// applies them to its own frames and a recording to the recorded frames; equal frames give equal
+// readings.
 #pragma once
 
 #include <memory>
@@ -11,26 +12,28 @@
 #include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/plugin/loader.h"
 #include "cogrsim/sensing/sensor.h"
-#include "simulation/rate_timer.h"
+#include "core/rate_timer.h"
 
 namespace cogrsim {
 
-/// What a sensor carries from one reading to the next; with it, a run goes on as it would have.
+/// State of a sensor between two readings. A run that continues with this state gives the same
+/// readings.
 struct SensorMemory {
   RateTimer timer;
   bool enabled = true;
-  bool complained = false;  ///< its last attempt failed, and the run was told
+  bool complained = false;  ///< its last measurement failed, and the error was reported
   std::uint64_t random = 0;
   std::vector<double> walk;
   Reading reading;
 };
 
-/// A sensor that could not see.
+/// A failed measurement of a sensor.
 struct SensorFault {
-  int sensor = -1;  ///< SceneModel::sensors
+  int sensor = -1;  ///< index into SceneModel::sensors
   Error error;
 };
 
+/// The sensors of a run. Not thread-safe.
 class SensorSuite {
  public:
   SensorSuite() = default;
@@ -38,45 +41,46 @@ class SensorSuite {
   SensorSuite(const SensorSuite&) = delete;
   SensorSuite& operator=(const SensorSuite&) = delete;
 
-  /// Makes and configures the instruments of `model`'s sensors from index `first` on; those before
-  /// stay as they are, those behind are thrown away. Streams of noise are keyed by `seed` and the
-  /// sensor's name. Errors, at the sensor's place: an unknown type (the loader's codes), CG0906
-  /// what the instrument refuses, or a code of its own.
+  /// Creates and configures the sensors of `model` from index `first` on; existing ones before
+  /// `first` are unchanged, the others are destroyed. The random streams depend on `seed` and the
+  /// name of the sensor. Errors, with the source location of the sensor: an unknown type (codes of
+  /// the loader), or a configuration that the sensor rejects (its own code or CG0906).
   std::vector<Diagnostic> build(const SceneModelPtr& model, std::uint64_t seed,
                                 PluginLoader& loader, std::size_t first = 0);
-  /// `count` sensors that only have readings, given by upd_reading(): in a controller's process.
-  void imitate(std::size_t count);
+  /// Creates `count` sensors without models, whose readings are set through upd_reading(); for the
+  /// process of an isolated controller.
+  void set_count(std::size_t count);
   Reading& upd_reading(std::size_t sensor) { return slots_[sensor].memory.reading; }
-  /// Throws away the sensors from `count` on.
+  /// Destroys the sensors from index `count` on.
   void cut(std::size_t count);
   void clear() { cut(0); }
   std::size_t size() const { return slots_.size(); }
 
-  /// What the frame at `time` must contain for the sensors that are due then, empty when none is;
-  /// `dt`: length of the coming step [s], both [s]. To be called once for every step, read() after
-  /// it: ticks of sensors that are switched off pass too.
+  /// Determines the sensors that are due at `time` [s] and returns the frame contents that they
+  /// need, or nullopt if none is due. `dt` is the duration of the next step [s]. Must be called
+  /// once in every step, followed by read(); the timers of disabled sensors advance, too.
   std::optional<FrameContents> begin(double time, double dt);
-  /// Reads the sensors that begin() found due from sensing.frame(), and applies their noise.
-  /// Returns those that could not see, each once until it sees again.
-  std::vector<SensorFault> read(Sensing& sensing);
+  /// Applies the sensors that are due to context.frame() and adds their noise. Returns the failed
+  /// measurements; consecutive failures of a sensor are returned only once.
+  std::vector<SensorFault> read(SensorContext& context);
 
   const Reading& reading(std::size_t sensor) const { return slots_[sensor].memory.reading; }
   const std::vector<Channel>& channels(std::size_t sensor) const {
     return *slots_[sensor].channels;
   }
-  /// The same of all, as in Frame::channels.
+  /// The channels of all sensors, as in Frame::channels.
   std::shared_ptr<const SensorChannels> channels() const;
   /// The latest readings of all sensors, as in Frame::readings.
   void copy_readings(std::vector<Reading>& out) const;
 
   void enable(std::size_t sensor, bool on);
-  /// Switches off the sensor of what was removed, for good, and frees what it holds, its channels
-  /// and values too; its place stays.
+  /// Switches off the sensor of a removed element permanently and frees its memory, including
+  /// channels and values. Its index remains in use.
   void retire(std::size_t sensor);
   bool enabled(std::size_t sensor) const { return slots_[sensor].memory.enabled; }
-  /// What the sensors that are on need of the frames they read.
+  /// The frame contents that the enabled sensors need.
   FrameContents needs() const;
-  /// Whether a sensor that is on needs accelerations: they take the twists of the step before.
+  /// Whether an enabled sensor needs accelerations, which require the twists of the previous step.
   bool wants_accelerations() const;
 
   std::vector<SensorMemory> save() const;
@@ -93,23 +97,23 @@ class SensorSuite {
     FrameContents needs;
     std::vector<NoiseTerm> noise;
     RandomStream random{0, ""};
-    SensorMemory memory;  ///< `random` is up to date in save() only
+    SensorMemory memory;  ///< `random` is current only in save()
   };
 
-  /// To be kept while a sensor is called.
+  /// Crash-report scope for a call of a sensor.
   static PluginCall calling(const Slot& slot, const char* doing, double time);
   static void take_down(Slot& slot);
   std::vector<Diagnostic> make(const SceneModel& model, std::size_t index, PluginLoader& loader,
                                Slot& slot) const;
 
   std::vector<Slot> slots_;
-  mutable std::shared_ptr<const SensorChannels> channels_;  ///< of the slots; nullptr: not gathered
+  mutable std::shared_ptr<const SensorChannels> channels_;  ///< of all slots; nullptr: not built
   std::vector<std::size_t> due_;
   double now_ = 0.0;
 };
 
-/// Mean accelerations over the last step, `dt` long: differences of twists (nbody of `now`); bodies
-/// that were not there before have zero.
+/// Mean accelerations over the last step of duration `dt` [s], as differences of twists (one entry
+/// per entry of `now`). Bodies that did not exist before have zero.
 void mean_accelerations(const std::vector<Twist>& before, const std::vector<Twist>& now, double dt,
                         std::vector<Twist>& out);
 

@@ -17,7 +17,7 @@ namespace {
 constexpr int kDeepest = 50;
 
 struct Number final : Signal::Node {
-  /// `unit_text` empty: a bare number.
+  /// An empty `unit_text` means a number without a unit.
   Number(double v, std::string written, const units::Unit& u, std::string unit_text)
       : number(u.to_si(v)), of(u.dimension), without_unit(unit_text.empty()) {
     text = quantity = without_unit ? std::move(written) : fmt::format("{} {}", written, unit_text);
@@ -35,10 +35,10 @@ struct Number final : Signal::Node {
 
 enum class Operation { none, sum, product };
 
-// What a node is at its root; only a sum or a product may need brackets.
+// Kind of the root of an expression; only a sum or a product may need brackets.
 Operation operation_of(const SignalNode& node);
-// A node's text inside another's. Brackets stand only where it would else be read otherwise: then a
-// signal's text is never nested deeper than what it was read from, and is within the limit, too.
+// Text of a node inside another one. Brackets are only added where the meaning would change
+// otherwise, so that the text is never nested deeper than the original and stays within the limit.
 std::string operand(const SignalNode& node, bool bracket) {
   return bracket ? "(" + node->text + ")" : node->text;
 }
@@ -67,7 +67,7 @@ struct Binary final : Signal::Node {
   Binary(SignalNode first, char op, SignalNode second, std::string unit_text)
       : a(std::move(first)), b(std::move(second)), sign(op) {
     const Operation left = operation_of(a), right = operation_of(b);
-    // Blanks beside * and / end a number's unit.
+    // Blanks next to * and / end the unit of a number.
     text = fmt::format("{} {} {}", operand(a, product() && left == Operation::sum), sign,
                        operand(b, product() ? right != Operation::none : right == Operation::sum));
     quantity = a->quantity == b->quantity ? a->quantity : text;
@@ -86,7 +86,7 @@ struct Binary final : Signal::Node {
       case '*':
         return x * y;
       default:
-        return y == 0.0 ? kNaN : x / y;  // nothing that could be compared or averaged
+        return y == 0.0 ? kNaN : x / y;  // infinity could not be compared or averaged
     }
   }
   std::uint64_t revision(const Frame& frame) const override {
@@ -110,7 +110,7 @@ struct Binary final : Signal::Node {
   bool product() const { return sign == '*' || sign == '/'; }
   SignalNode a, b;
   char sign;
-  bool all_bare = false;  // kept: asked at each operator of a long expression
+  bool all_bare = false;  // cached, because every operator of a long expression uses it
   std::optional<units::Dimension> of;
 };
 
@@ -143,7 +143,7 @@ class Arithmetic {
   bool blank(std::size_t i) const {
     return i < text_.size() && std::isspace(static_cast<unsigned char>(text_[i]));
   }
-  // Between terms, a plus or minus has blanks on both sides.
+  // A plus or minus between terms has blanks on both sides.
   bool sign_between() const {
     return (next() == '+' || next() == '-') && at_ > 0 && blank(at_ - 1) && blank(at_ + 1);
   }
@@ -170,7 +170,7 @@ class Arithmetic {
   Result<SignalNode> added(const SignalNode& a, char sign, const SignalNode& b) const {
     const bool number_a = a->bare(), number_b = b->bare();
     const auto da = a->dimension(), db = b->dimension();
-    // A unit that is not known (a plugin's channel) is taken on trust.
+    // An unknown unit (of a plugin's channel) is accepted.
     const bool fit = a->unit == b->unit || number_a || number_b || a->unit.empty() ||
                      b->unit.empty() || (da && db && *da == *db);
     if (!fit) {
@@ -266,8 +266,7 @@ class Arithmetic {
     return SignalNode(std::make_shared<Number>(value, written, *units::parse_unit(name), name));
   }
 
-  // The longest text from here on that is a unit and ends where a word may end: of "m/robot.x" it
-  // is "m".
+  // The longest text from here that is a unit and ends at the end of a token: "m" in "m/robot.x".
   std::string unit_name() const {
     const auto in_word = [](char c) {
       return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.';
@@ -285,13 +284,13 @@ class Arithmetic {
   tl::unexpected<Error> unknown_unit(const std::string& number) const {
     std::size_t end = at_;
     while (end < text_.size() && std::isalnum(static_cast<unsigned char>(text_[end]))) ++end;
-    const std::string word = text_.substr(at_, end - at_), near = units::nearest_unit(word);
-    return fail(fmt::format("there is no unit '{}'", word), "",
+    const std::string token = text_.substr(at_, end - at_), near = units::nearest_unit(token);
+    return fail(fmt::format("there is no unit '{}'", token), "",
                 near.empty() ? "write one such as m, cm, deg, s, m/s or N*m"
                              : fmt::format("did you mean {} {}?", number, near));
   }
 
-  // Up to the next operator; what is in brackets belongs to it: distance(a, b), scan[3].
+  // Text up to the next operator outside of brackets: distance(a, b), scan[3].
   Result<SignalNode> signal() {
     const std::size_t start = at_;
     int open = 0;

@@ -14,10 +14,10 @@ namespace cogrsim {
 ///     product = factor { ("*" | "/") factor }
 ///     factor  = "-" factor | number | "(" sum ")" | "abs(" sum ")" | signal
 ///
-/// where `signal` reads what is none of that. Plus and minus between two terms stand between
-/// blanks, since names may hold a minus. Units: those of a sum must be the same (a bare number takes
-/// the other's), those of a product are written side by side. Errors: the grammar, units that do
-/// not go together, more than 50 brackets inside each other, and `signal`'s own.
+/// where `signal` parses all other text. Plus and minus between two terms need blanks on both
+/// sides, because names may contain a minus. The terms of a sum must have the same unit (a number
+/// without a unit has that of the other term); the units of a product are concatenated. Errors: the
+/// grammar, different units, more than 50 nested brackets, and those of `signal`.
 Result<SignalNode> parse_arithmetic(
     const std::string& text, const std::function<Result<SignalNode>(const std::string&)>& signal);
 

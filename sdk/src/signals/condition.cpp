@@ -36,7 +36,7 @@ constexpr const char* kUsage =
     "write a condition such as time lt 2 s, or distance(a, b) lt 20 cm and not inside(a, goal)";
 
 enum class Relation { lt, le, gt, ge, eq, ne };
-constexpr std::array<const char*, 6> kWords = {"lt", "le", "gt", "ge", "eq", "ne"};
+constexpr std::array<const char*, 6> kKeywords = {"lt", "le", "gt", "ge", "eq", "ne"};
 constexpr std::array<const char*, 6> kSigns = {"<", "<=", ">", ">=", "==", "!="};
 
 struct Unknown final : Condition::Node {
@@ -54,7 +54,7 @@ void add_signal(std::vector<Signal>& signals, const Signal& signal) {
 struct Comparison final : Condition::Node {
   Comparison(SignalNode left, Relation relation, SignalNode right)
       : a(std::move(left)), b(std::move(right)), how(relation) {
-    text = fmt::format("{} {} {}", a->text, kWords[static_cast<std::size_t>(how)], b->text);
+    text = fmt::format("{} {} {}", a->text, kKeywords[static_cast<std::size_t>(how)], b->text);
     needs = a->needs | b->needs;
     for (const SignalNode& side : {a, b})
       if (!side->constant()) add_signal(signals, Signal(side));
@@ -81,7 +81,7 @@ struct Comparison final : Condition::Node {
   Relation how;
 };
 
-/// A signal that is not 0.
+/// Whether a signal is not 0.
 struct NotZero final : Condition::Node {
   explicit NotZero(SignalNode of) : a(std::move(of)) {
     text = a->text;
@@ -97,7 +97,7 @@ struct NotZero final : Condition::Node {
 
 struct Not final : Condition::Node {
   explicit Not(ConditionNode of) : a(std::move(of)) {
-    text = fmt::format(a->kind() != Kind::one ? "not ({})" : "not {}", a->text);
+    text = a->kind() != Kind::one ? "not (" + a->text + ")" : "not " + a->text;
     needs = a->needs;
     signals = a->signals;
   }
@@ -108,12 +108,12 @@ struct Not final : Condition::Node {
   ConditionNode a;
 };
 
-/// `and` of all parts, or `or`.
+/// The conjunction or disjunction of several conditions.
 struct Several final : Condition::Node {
   Several(std::vector<ConditionNode> of, bool both) : parts(std::move(of)), all(both) {
     for (const ConditionNode& part : parts) {
       if (!text.empty()) text += all ? " and " : " or ";
-      // `and` binds tighter than `or`.
+      // `and` has a higher precedence than `or`.
       const bool bracket = part->kind() == Kind::any || (all && part->kind() == Kind::all);
       text += bracket ? "(" + part->text + ")" : part->text;
       needs = needs | part->needs;
@@ -141,13 +141,13 @@ bool in_name(char c) {
          static_cast<unsigned char>(c) >= 0x80;
 }
 
-/// A word or a sign of comparison outside of all brackets.
+/// A keyword or comparison operator outside of all brackets.
 struct Token {
   std::size_t at = 0, length = 0;
-  std::string_view word;
+  std::string_view text;
 };
 
-/// All words and signs of `text` that stand outside of brackets.
+/// All keywords and comparison operators of `text` outside of brackets.
 std::vector<Token> tokens(std::string_view text) {
   std::vector<Token> found;
   int open = 0;
@@ -184,28 +184,28 @@ class ConditionParser {
   }
 
  private:
-  ParsedCondition several(const std::string& text, std::string_view word) {
+  ParsedCondition several(const std::string& text, std::string_view keyword) {
     std::vector<ConditionNode> parts;
     std::size_t start = 0;
     const auto add = [&](std::size_t end) -> Result<> {
       const std::string part = trimmed(text.substr(start, end - start));
       if (part.empty())
-        return fail(fmt::format("something is missing beside '{}' in '{}'", word, text), "",
+        return fail(fmt::format("something is missing beside '{}' in '{}'", keyword, text), "",
                     kUsage);
-      ParsedCondition made = word == "or" ? several(part, "and") : negated(part);
+      ParsedCondition made = keyword == "or" ? several(part, "and") : negated(part);
       if (!made) return tl::unexpected(made.error());
       parts.push_back(std::move(*made));
       return {};
     };
     if (text.empty()) return fail("the condition is empty", "", kUsage);
     for (const Token& token : tokens(text)) {
-      if (token.word != word) continue;
+      if (token.text != keyword) continue;
       if (auto added = add(token.at); !added) return tl::unexpected(added.error());
       start = token.at + token.length;
     }
     if (auto added = add(text.size()); !added) return tl::unexpected(added.error());
     if (parts.size() == 1) return parts.front();
-    return ConditionNode(std::make_shared<Several>(std::move(parts), word == "and"));
+    return ConditionNode(std::make_shared<Several>(std::move(parts), keyword == "and"));
   }
 
   ParsedCondition negated(const std::string& text) {
@@ -227,26 +227,26 @@ class ConditionParser {
     std::optional<Token> found;
     Relation relation = Relation::lt;
     for (const Token& token : tokens(text)) {
-      const auto word = std::find(kWords.begin(), kWords.end(), token.word);
-      const auto sign = std::find(kSigns.begin(), kSigns.end(), token.word);
-      if (word == kWords.end() && sign == kSigns.end()) {
-        if (token.word == "=" || token.word == "!")
-          return fail(fmt::format("'{}' does not belong in '{}'", token.word, text), "",
-                      token.word == "=" ? "write eq or ==" : "write not");
+      const auto keyword = std::find(kKeywords.begin(), kKeywords.end(), token.text);
+      const auto sign = std::find(kSigns.begin(), kSigns.end(), token.text);
+      if (keyword == kKeywords.end() && sign == kSigns.end()) {
+        if (token.text == "=" || token.text == "!")
+          return fail(fmt::format("'{}' does not belong in '{}'", token.text, text), "",
+                      token.text == "=" ? "write eq or ==" : "write not");
         continue;
       }
       if (found)
         return fail(fmt::format("'{}' compares more than two values", text), "",
                     "write two comparisons: 1 m lt a.x and a.x lt 2 m");
       found = token;
-      relation = static_cast<Relation>(word != kWords.end() ? word - kWords.begin()
-                                                            : sign - kSigns.begin());
+      relation = static_cast<Relation>(keyword != kKeywords.end() ? keyword - kKeywords.begin()
+                                                                  : sign - kSigns.begin());
     }
     if (!found) return enclosed(text) ? parse(text.substr(1, text.size() - 2)) : alone(text);
     const std::string left = trimmed(text.substr(0, found->at));
     const std::string right = trimmed(text.substr(found->at + found->length));
     if (left.empty() || right.empty())
-      return fail(fmt::format("something is missing beside '{}' in '{}'", found->word, text), "",
+      return fail(fmt::format("something is missing beside '{}' in '{}'", found->text, text), "",
                   kUsage);
     auto a = parse_signal(scope_, left);
     if (!a) return tl::unexpected(a.error());
@@ -256,7 +256,7 @@ class ConditionParser {
     return ConditionNode(std::make_shared<Comparison>(*a, relation, *b));
   }
 
-  /// Whether the first bracket closes at the very end.
+  /// Whether the closing bracket of the first bracket is the last character.
   static bool enclosed(const std::string& text) {
     if (text.front() != '(' || text.back() != ')') return false;
     int open = 0;
@@ -295,7 +295,7 @@ class ConditionParser {
                       : fmt::format("write {} {}", number->text, unit));
     }
     const auto da = a.dimension(), db = b.dimension();
-    // A unit that is not known (a plugin's channel) is taken on trust.
+    // An unknown unit (of a plugin's channel) is accepted.
     if (!da || !db || units::fits(*da, *db) || units::fits(*db, *da)) return {};
     return fail(fmt::format("'{}' is {} and '{}' is {}", a.text, units::describe(*da), b.text,
                             units::describe(*db)),
@@ -324,8 +324,7 @@ Result<Condition> Condition::parse(const SignalScope& scope, const std::string& 
     open += text[i] == '(' ? 1 : text[i] == ')' ? -1 : 0;
   if (open != 0)
     return fail(
-        fmt::format(
-            open > 0 ? "a bracket of '{}' is not closed" : "a bracket of '{}' is not opened", text),
+        fmt::format("a bracket of '{}' is not {}", text, open > 0 ? "closed" : "opened"),
         "", "every ( needs its )");
   auto node = ConditionParser(scope).parse(text);
   if (!node) return tl::unexpected(node.error());

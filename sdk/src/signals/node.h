@@ -1,4 +1,4 @@
-// What signals are made of.
+// Nodes of the expression tree of a signal.
 #pragma once
 
 #include <optional>
@@ -16,15 +16,15 @@ struct Signal::Node {
   virtual ~Node() = default;
   virtual double value(const Frame& frame) const = 0;
   virtual std::uint64_t revision(const Frame& frame) const { return frame.step; }
-  /// nullopt: not known (a plugin's channel in a unit of its own).
+  /// nullopt: unknown (a channel of a plugin with its own unit).
   virtual std::optional<units::Dimension> dimension() const {
     if (unit == "1") return units::dim::kNone;
     const auto known = units::parse_unit(unit);
     return known ? std::optional(known->dimension) : std::nullopt;
   }
-  /// Made of numbers alone.
+  /// Consists only of numbers.
   virtual bool constant() const { return false; }
-  /// Made of numbers without a unit alone: takes the unit of what it stands beside.
+  /// Consists only of numbers without units; takes the unit of the other operand.
   virtual bool bare() const { return false; }
 };
 

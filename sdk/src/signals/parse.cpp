@@ -1,4 +1,4 @@
-// From the text of a signal to what it means.
+// Parser of signals.
 #include <algorithm>
 #include <charconv>
 #include <limits>
@@ -20,31 +20,31 @@ namespace cogrsim {
 
 namespace {
 
-constexpr std::size_t kMostListed = 16;      // names shown in a help
+constexpr std::size_t kMostListed = 16;      // names listed in a help text
 constexpr std::size_t kMostCompared = 4000;  // names compared with an unknown one
 
 using Parsed = Result<SignalNode>;
 
-template <class Words>
-std::string listed(const Words& words) {
+template <class Names>
+std::string listed(const Names& names) {
   std::string out;
   std::size_t shown = 0;
-  for (const auto& word : words) {
+  for (const auto& name : names) {
     if (shown++ == kMostListed) return out + ", …";
-    out += (out.empty() ? "" : ", ") + std::string(word);
+    out += (out.empty() ? "" : ", ") + std::string(name);
   }
   return out;
 }
 
-template <class Words>
-std::vector<std::string> strings(const Words& words) {
-  return {words.begin(), words.end()};
+template <class Names>
+std::vector<std::string> strings(const Names& names) {
+  return {names.begin(), names.end()};
 }
 
-template <class Words>
-int index_of(const Words& words, const std::string& word) {
-  const auto it = std::find(words.begin(), words.end(), word);
-  return it == words.end() ? -1 : static_cast<int>(it - words.begin());
+template <class Names>
+int index_of(const Names& names, const std::string& name) {
+  const auto it = std::find(names.begin(), names.end(), name);
+  return it == names.end() ? -1 : static_cast<int>(it - names.begin());
 }
 
 template <class Element>
@@ -54,20 +54,21 @@ int find_named(const std::vector<Element>& elements, const std::string& name) {
   return -1;
 }
 
-// "word[12]" into "word" and 12. No bracket: no number; anything else in it: nullopt.
+// Splits "name[12]" into "name" and 12. Without brackets there is no index; nullopt if the brackets
+// contain anything else.
 struct Indexed {
-  std::string word;
+  std::string name;
   std::optional<int> index;
 };
-std::optional<Indexed> split_index(const std::string& word) {
-  const auto open = word.find('[');
-  if (open == std::string::npos) return Indexed{word, {}};
+std::optional<Indexed> split_index(const std::string& name) {
+  const auto open = name.find('[');
+  if (open == std::string::npos) return Indexed{name, {}};
   int index = 0;
-  const char* begin = word.data() + open + 1;
-  const char* end = word.data() + word.size();
+  const char* begin = name.data() + open + 1;
+  const char* end = name.data() + name.size();
   const auto [rest, error] = std::from_chars(begin, end, index);
   if (error != std::errc{} || index < 0 || rest + 1 != end || *rest != ']') return std::nullopt;
-  return Indexed{word.substr(0, open), index};
+  return Indexed{name.substr(0, open), index};
 }
 
 class Parser {
@@ -94,7 +95,7 @@ class Parser {
     return full.empty() ? name : full;
   }
 
-  // What is looked up in every model anew, since something of it may come and go.
+  // A signal that is resolved in every model again, because its elements may be added and removed.
   Parsed late(const Parsed& now) const;
 
   std::vector<std::string> names() const {
@@ -114,7 +115,7 @@ class Parser {
     return all;
   }
 
-  // Compares with whole names and their ends, since names may be relative where they stand.
+  // Compares with whole names and with their ends, because names in a scene may be relative.
   std::string nearest(const std::string& name) const {
     std::vector<std::string> candidates;
     for (const std::string& full : names()) {
@@ -131,7 +132,7 @@ class Parser {
   tl::unexpected<Error> unknown(const std::string& name) const {
     const std::string near = nearest(name);
     std::vector<std::string> all = names();
-    // A rigid assembly and the body it is share a name.
+    // A rigid assembly and its body have the same name.
     std::vector<std::string> shown;
     for (std::string& each : all)
       if (index_of(shown, each) < 0 && shown.size() <= kMostListed) shown.push_back(each);
@@ -141,30 +142,30 @@ class Parser {
                              : fmt::format("did you mean '{}'?", near));
   }
 
-  std::optional<SignalPlace> place(const std::string& full) const {
-    if (const int body = find_body(model_, full); body >= 0) return SignalPlace{body, {}};
+  std::optional<SignalPose> pose(const std::string& full) const {
+    if (const int body = find_body(model_, full); body >= 0) return SignalPose{body, {}};
     if (const int frame = find_named(model_.frames, full); frame >= 0) {
       const NamedFrame& named = model_.frames[static_cast<std::size_t>(frame)];
-      return SignalPlace{named.body, named.X_BF};
+      return SignalPose{named.body, named.X_BF};
     }
     if (const int assembly = find_assembly(model_, full); assembly >= 0) {
       const std::vector<int> bodies = bodies_of(model_, assembly);
-      if (!bodies.empty()) return SignalPlace{bodies.front(), {}};
+      if (!bodies.empty()) return SignalPose{bodies.front(), {}};
     }
     return std::nullopt;
   }
 
   bool exists(const std::string& full) const {
-    return place(full) || find_assembly(model_, full) >= 0 || find_joint(model_, full) >= 0 ||
+    return pose(full) || find_assembly(model_, full) >= 0 || find_joint(model_, full) >= 0 ||
            find_named(model_.regions, full) >= 0 || find_named(model_.doors, full) >= 0;
   }
 
-  /// Whether the text, but for an index, is the name of something.
+  /// Whether the text without an index is the name of an element.
   bool names_element() const {
     const auto parts = split_index(text_);
-    const std::string full = parts ? resolved(parts->word) : std::string();
+    const std::string full = parts ? resolved(parts->name) : std::string();
     return !full.empty() &&
-           (place(full) || find_joint(model_, full) >= 0 || find_named(model_.motors, full) >= 0 ||
+           (pose(full) || find_joint(model_, full) >= 0 || find_named(model_.motors, full) >= 0 ||
             find_named(model_.sensors, full) >= 0 || find_named(model_.controllers, full) >= 0 ||
             find_named(model_.supervisors, full) >= 0);
   }
@@ -181,13 +182,13 @@ class Parser {
 
   // ---- element.quantity
 
-  template <class Words>
+  template <class Names>
   tl::unexpected<Error> no_quantity(const std::string& what, const std::string& quantity,
-                                    const Words& words) const {
-    const std::string near = nearest_name(quantity, strings(words));
+                                    const Names& names) const {
+    const std::string near = nearest_name(quantity, strings(names));
     return fail(
         fmt::format("{} has no '{}'", what, quantity), "",
-        (near.empty() ? "" : fmt::format("did you mean '{}'? ", near)) + "it has " + listed(words));
+        (near.empty() ? "" : fmt::format("did you mean '{}'? ", near)) + "it has " + listed(names));
   }
 
   tl::unexpected<Error> bad_index() const {
@@ -210,7 +211,7 @@ class Parser {
     const std::string quantity = dot == npos ? "" : text_.substr(dot + 1);
     if (dot != npos)
       if (const std::string full = resolved(owner); !full.empty())
-        // Of an assembly "robot", "robot.eye" is no quantity but a sensor in it.
+        // For an assembly "robot", "robot.eye" is not a quantity but a sensor in it.
         if (auto found = of_element(full, quantity); found && (*found || !names_element()))
           return *found;
     if (owner == "energy" && dot != npos) {
@@ -222,13 +223,13 @@ class Parser {
   }
   static constexpr auto npos = std::string::npos;
 
-  // nullopt: there is no element of that name.
+  // nullopt: no element has this name.
   std::optional<Parsed> of_element(const std::string& full, const std::string& quantity) const {
     const std::string text = full + "." + quantity;
-    if (const auto at = place(full)) {
-      const int which = index_of(kPlaceQuantities, quantity);
-      if (which >= 0) return place_term(text, *at, which);
-      return Parsed(no_quantity(fmt::format("'{}'", full), quantity, kPlaceQuantities));
+    if (const auto at = pose(full)) {
+      const int which = index_of(kPoseQuantities, quantity);
+      if (which >= 0) return pose_term(text, *at, which);
+      return Parsed(no_quantity(fmt::format("'{}'", full), quantity, kPoseQuantities));
     }
     if (const int joint = find_joint(model_, full); joint >= 0)
       return of_joint(joint, quantity, text);
@@ -239,10 +240,10 @@ class Parser {
     }
     if (const int sensor = find_named(model_.sensors, full); sensor >= 0)
       return of_sensor(sensor, quantity, text);
-    if (const int mind = find_named(model_.controllers, full); mind >= 0)
-      return of_mind(false, mind, quantity, text);
-    if (const int mind = find_named(model_.supervisors, full); mind >= 0)
-      return of_mind(true, mind, quantity, text);
+    if (const int controller = find_named(model_.controllers, full); controller >= 0)
+      return of_controller(false, controller, quantity, text);
+    if (const int controller = find_named(model_.supervisors, full); controller >= 0)
+      return of_controller(true, controller, quantity, text);
     if (find_assembly(model_, full) >= 0)
       return Parsed(fail(fmt::format("assembly '{}' has no body", full)));
     return std::nullopt;
@@ -254,17 +255,17 @@ class Parser {
         fmt::format("joint '{}' ({})", joint.name, cogrsim::to_string(joint.type));
     const auto parts = split_index(quantity);
     if (!parts) return bad_index();
-    const int which = index_of(kJointQuantities, parts->word);
-    if (which < 0) return no_quantity(what, parts->word, kJointQuantities);
+    const int which = index_of(kJointQuantities, parts->name);
+    if (which < 0) return no_quantity(what, parts->name, kJointQuantities);
     const int entries = joint_entries(joint, which);
-    if (entries == 0) return fail(what + " cannot move, so it has no " + parts->word);
+    if (entries == 0) return fail(what + " cannot move, so it has no " + parts->name);
     const int entry = parts->index.value_or(0);
     if (!parts->index && entries > 1)
-      return fail(fmt::format("{} has {} entries in '{}'", what, entries, parts->word), "",
+      return fail(fmt::format("{} has {} entries in '{}'", what, entries, parts->name), "",
                   fmt::format("say which one: {}[0] to {}[{}]", text, text, entries - 1));
     if (entry >= entries)
-      return fail(fmt::format("{} has no {}[{}]", what, parts->word, entry), "",
-                  entries == 1 ? "it has one, write '" + parts->word + "'"
+      return fail(fmt::format("{} has no {}[{}]", what, parts->name, entry), "",
+                  entries == 1 ? "it has one, write '" + parts->name + "'"
                                : fmt::format("they are counted from 0 to {}", entries - 1));
     return joint_term(text, joint, index, which, entry);
   }
@@ -285,33 +286,33 @@ class Parser {
     return no_quantity(what, quantity, known);
   }
 
-  Parsed of_mind(bool supervisor, int index, const std::string& quantity,
+  Parsed of_controller(bool supervisor, int index, const std::string& quantity,
                  const std::string& text) const {
-    const ControllerModel& mind =
+    const ControllerModel& controller =
         (supervisor ? model_.supervisors : model_.controllers)[static_cast<std::size_t>(index)];
-    // Outputs are known once the plugin is; until then they are taken on trust.
+    // Outputs are known when the plugin is loaded; until then every name is accepted.
     std::string unit;
     std::vector<std::string> known;
-    for (const OutputModel& output : mind.outputs) {
+    for (const OutputModel& output : controller.outputs) {
       known.push_back(output.name);
       if (output.name == quantity) unit = output.unit.empty() ? "1" : output.unit;
     }
     if (!known.empty() && index_of(known, quantity) < 0)
       return no_quantity(
-          fmt::format("{} '{}'", supervisor ? "supervisor" : "controller", mind.name), quantity,
-          known);
-    return mind_term(text, supervisor, index, quantity, unit);
+          fmt::format("{} '{}'", supervisor ? "supervisor" : "controller", controller.name),
+          quantity, known);
+    return controller_term(text, supervisor, index, quantity, unit);
   }
 
   // SENSOR[3], or a name without a quantity.
   Parsed whole_name(const std::string& owner, const std::string& quantity) const {
     const auto parts = split_index(text_);
     if (!parts) return bad_index();
-    const std::string full = resolved(parts->word);
+    const std::string full = resolved(parts->name);
     const int sensor = full.empty() ? -1 : find_named(model_.sensors, full);
     if (sensor >= 0 && parts->index) return indexed_sensor(sensor, full, *parts->index);
     if (!full.empty() &&
-        (place(full) || find_joint(model_, full) >= 0 || sensor >= 0 ||
+        (pose(full) || find_joint(model_, full) >= 0 || sensor >= 0 ||
          find_named(model_.motors, full) >= 0 || find_named(model_.controllers, full) >= 0 ||
          find_named(model_.supervisors, full) >= 0)) {
       if (parts->index) return bad_index();
@@ -339,18 +340,19 @@ class Parser {
   }
 
   std::string examples_of(const std::string& full) const {
-    const auto with = [&](const auto& words) {
+    const auto with = [&](const auto& names) {
       std::string out;
-      for (const auto& word : words)
-        out += (out.empty() ? "" : ", ") + (text_ + "." + std::string(word));
+      for (const auto& name : names)
+        out += (out.empty() ? "" : ", ") + (text_ + "." + std::string(name));
       return out;
     };
-    if (place(full)) return with(kPlaceQuantities);
+    if (pose(full)) return with(kPoseQuantities);
     if (find_joint(model_, full) >= 0) return with(kJointQuantities);
-    for (const auto* minds : {&model_.controllers, &model_.supervisors})
-      if (const int mind = find_named(*minds, full); mind >= 0) {
+    for (const auto* controllers : {&model_.controllers, &model_.supervisors})
+      if (const int controller = find_named(*controllers, full); controller >= 0) {
         std::vector<std::string> outputs;
-        for (const OutputModel& output : (*minds)[static_cast<std::size_t>(mind)].outputs)
+        const ControllerModel& model = (*controllers)[static_cast<std::size_t>(controller)];
+        for (const OutputModel& output : model.outputs)
           outputs.push_back(output.name);
         return outputs.empty() ? text_ + ".OUTPUT" : with(outputs);
       }
@@ -381,8 +383,8 @@ class Parser {
         "the names of two things"},
        {"mass", 1, 1, "write mass(a)", "the name of one body or assembly"},
        {"inside", 2, 2, "write inside(a, region)", "the names of a thing and a region"},
-       {"event", 1, 3, "write event(enter, region, a), or less of it for any",
-        "a kind of event, then who raised it and who took part"},
+       {"event", 1, 3, "write event(enter, region, a), or fewer names to match any",
+        "a kind of event, then its source and its subject"},
        {"open", 1, 1, "write open(door)", "the name of one door"}}};
   Parsed call() const {
     const auto open = text_.find('(');
@@ -420,24 +422,24 @@ class Parser {
 
   Parsed distance(const std::string& function, const std::vector<std::string>& arguments) const {
     const bool surfaces = function == "distance";
-    std::vector<SignalPlace> places;
+    std::vector<SignalPose> poses;
     std::vector<geometry::SurfaceSet> sets;
     std::vector<std::vector<int>> of;
     std::vector<std::string> full;
     for (const std::string& name : arguments) {
       full.push_back(resolved(name));
-      const auto at = full.back().empty() ? std::nullopt : place(full.back());
+      const auto at = full.back().empty() ? std::nullopt : pose(full.back());
       if (!at) return wrong_argument(name, full.back(), "body, frame or assembly");
-      places.push_back(*at);
+      poses.push_back(*at);
       if (!surfaces) continue;
       of.push_back(bodies(full.back()));
       sets.push_back(of.back().empty() ? geometry::SurfaceSet::of_point(at->body, at->X_BF)
                                        : geometry::SurfaceSet::of_bodies(model_, of.back()));
     }
     std::string text = fmt::format("{}({}, {})", function, full[0], full[1]);
-    if (!surfaces) return origin_distance_term(std::move(text), places[0], places[1]);
-    if (auto apart = disjoint(arguments, of[0], of[1]); !apart)
-      return tl::unexpected(apart.error());
+    if (!surfaces) return origin_distance_term(std::move(text), poses[0], poses[1]);
+    if (auto checked = disjoint(arguments, of[0], of[1]); !checked)
+      return tl::unexpected(checked.error());
     return surface_distance_term(std::move(text), std::move(sets[0]), std::move(sets[1]));
   }
 
@@ -445,7 +447,7 @@ class Parser {
     const std::string full = resolved(name);
     std::vector<int> all = full.empty() ? std::vector<int>{} : bodies(full);
     if (all.empty()) return wrong_argument(name, full, "body or assembly");
-    // What is static need not have a mass.
+    // A static body need not have a mass.
     all.erase(std::remove_if(all.begin(), all.end(),
                              [&](int body) {
                                return model_.bodies[static_cast<std::size_t>(body)].kind ==
@@ -458,7 +460,7 @@ class Parser {
 
   Parsed inside(const std::vector<std::string>& arguments) const {
     const std::string full = resolved(arguments[0]);
-    const auto at = full.empty() ? std::nullopt : place(full);
+    const auto at = full.empty() ? std::nullopt : pose(full);
     if (!at) return wrong_argument(arguments[0], full, "body, frame or assembly");
     const std::string name = resolved(arguments[1]);
     const int region = find_named(model_.regions, name);
@@ -502,7 +504,7 @@ class Parser {
     for (std::size_t i = 1; i < arguments.size(); ++i) {
       const std::string& name = arguments[i];
       const EventParty party = i == 1 ? known->source : known->subject;
-      // Names of the event's own are as they are; templates have no signals.
+      // Names that an event defines itself are used unchanged; templates have no signals.
       const std::string full = party == EventParty::name ? name : resolved(name);
       if (party == EventParty::region && find_named(model_.regions, full) < 0)
         return no_such(model_.regions, "region", name);
@@ -536,8 +538,8 @@ class Parser {
     }
     if (sets.size() == 1) sets.emplace_back();
     if (!sets[1].empty())
-      if (auto apart = disjoint(arguments, sets[0], sets[1]); !apart)
-        return tl::unexpected(apart.error());
+      if (auto checked = disjoint(arguments, sets[0], sets[1]); !checked)
+        return tl::unexpected(checked.error());
     return contact_term(fmt::format("{}({})", function, text), sets[0], sets[1],
                         function == "force");
   }
@@ -556,10 +558,11 @@ class Parser {
   const SignalScope& scope_;
   const SceneModel& model_;
   std::string text_;
-  mutable bool late_ = false;  // a name was met that may come during the run
+  mutable bool late_ = false;  // the text has a name that may be added during the run
 };
 
-/// Those the frame knows, of plugins' sensors too, else the SDK's own.
+/// The channels of the frame, which include those of plugins, or else those of the built-in
+/// sensors.
 ChannelLookup channels_of(const Frame& frame) {
   if (!frame.channels) return built_in_channels(*frame.model);
   return [all = frame.channels](int sensor) -> const std::vector<Channel>* {
@@ -568,7 +571,7 @@ ChannelLookup channels_of(const Frame& frame) {
   };
 }
 
-/// Means the same text in every model the run has.
+/// A signal whose text is resolved again in every model of the run.
 struct LateTerm final : Signal::Node {
   double value(const Frame& frame) const override {
     const SignalNode node = in(frame);
@@ -612,7 +615,7 @@ Parsed Parser::late(const Parsed& now) const {
       const auto comma = std::min(text_.find(',', start), text_.size() - 1);
       const std::string name = trimmed(text_.substr(start, comma - start));
       const std::string full = name.empty() ? name : resolved(name);
-      // What cannot come must be there.
+      // A name that cannot be added during the run must exist.
       if (full.empty() || (!scope_.may_come(name) && !exists(full))) return now;
       term->text += (arguments == 0 ? function + "(" : ", ") + full;
       start = comma + 1;
@@ -630,9 +633,9 @@ Parsed Parser::late(const Parsed& now) const {
   if (dot == npos || !scope_.may_come(owner)) return now;
   term->quantity = text_.substr(dot + 1);
   term->text = resolved(owner) + "." + term->quantity;
-  const int which = index_of(kPlaceQuantities, term->quantity);
-  // Else of a joint or a sensor, whose unit nobody knows before it is there.
-  if (which >= 0) term->unit = place_unit(which);
+  const int which = index_of(kPoseQuantities, term->quantity);
+  // Otherwise it is a joint or a sensor, whose unit is unknown until it exists.
+  if (which >= 0) term->unit = pose_unit(which);
   return SignalNode(std::move(term));
 }
 

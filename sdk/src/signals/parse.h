@@ -1,4 +1,4 @@
-// The grammar of signals, for whoever has them as parts of something larger.
+// The grammar of signals, for parsers of larger expressions.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace cogrsim {
 
 inline constexpr std::size_t kLongestSignal = 4096;  ///< [byte]
 
-/// A signal with sums, products and numbers. Errors: as Signal::parse().
+/// Parses a signal with sums, products and numbers. Errors: as Signal::parse().
 Result<SignalNode> parse_signal(const SignalScope& scope, const std::string& text);
 
 }  // namespace cogrsim

@@ -12,26 +12,26 @@
 namespace cogrsim {
 namespace {
 
-/// Whether the frame still has the element.
+/// Whether the element still exists in the frame.
 template <class Element>
 bool present(const std::vector<Element>& elements, int index) {
   return index >= 0 && at(index) < elements.size() && !elements[at(index)].removed;
 }
 
-/// Whether the place has a pose in this frame; the world's always has.
-bool present(const SignalPlace& place, const Frame& frame) {
-  return place.body == kWorld ||
-         (present(frame.model->bodies, place.body) && at(place.body) < frame.state.poses.size());
+/// Whether the frame has the pose; the world frame always exists.
+bool present(const SignalPose& pose, const Frame& frame) {
+  return pose.body == kWorld ||
+         (present(frame.model->bodies, pose.body) && at(pose.body) < frame.state.poses.size());
 }
 
-Pose pose_of(const SignalPlace& place, const Frame& frame) {
-  return place.body == kWorld ? place.X_BF : frame.state.poses[at(place.body)] * place.X_BF;
+Pose pose_of(const SignalPose& pose, const Frame& frame) {
+  return pose.body == kWorld ? pose.X_BF : frame.state.poses[at(pose.body)] * pose.X_BF;
 }
 
-Twist twist_of(const SignalPlace& place, const Frame& frame) {
-  if (place.body == kWorld) return {};
-  const Twist& body = frame.state.twists[at(place.body)];
-  const Vec3 arm = frame.state.poses[at(place.body)].q * place.X_BF.p;
+Twist twist_of(const SignalPose& pose, const Frame& frame) {
+  if (pose.body == kWorld) return {};
+  const Twist& body = frame.state.twists[at(pose.body)];
+  const Vec3 arm = frame.state.poses[at(pose.body)].q * pose.X_BF.p;
   return {body.at(arm), body.angular};
 }
 
@@ -52,14 +52,14 @@ struct TimeTerm final : Signal::Node {
 };
 
 struct PlaceTerm final : Signal::Node {
-  SignalPlace place;
+  SignalPose pose;
   int which = 0;
 
   double value(const Frame& frame) const override {
-    if (!present(place, frame)) return kNaN;
-    if (which < 3) return pose_of(place, frame).p[which];
-    if (which < 6) return roll_pitch_yaw(pose_of(place, frame).q)[which - 3];
-    const Twist twist = twist_of(place, frame);
+    if (!present(pose, frame)) return kNaN;
+    if (which < 3) return pose_of(pose, frame).p[which];
+    if (which < 6) return roll_pitch_yaw(pose_of(pose, frame).q)[which - 3];
+    const Twist twist = twist_of(pose, frame);
     if (which < 9) return twist.linear[which - 6];
     if (which == 9) return twist.linear.norm();
     if (which < 13) return twist.angular[which - 10];
@@ -129,7 +129,7 @@ struct EnergyTerm final : Signal::Node {
 };
 
 struct OriginDistanceTerm final : Signal::Node {
-  SignalPlace a, b;
+  SignalPose a, b;
 
   double value(const Frame& frame) const override {
     if (!present(a, frame) || !present(b, frame)) return kNaN;
@@ -164,15 +164,15 @@ struct MassTerm final : Signal::Node {
 };
 
 struct InsideTerm final : Signal::Node {
-  SignalPlace place;
+  SignalPose pose;
   int index = -1;
 
   double value(const Frame& frame) const override {
-    if (!present(place, frame) || !present(frame.model->regions, index)) return kNaN;
+    if (!present(pose, frame) || !present(frame.model->regions, index)) return kNaN;
     const RegionModel& region = frame.model->regions[at(index)];
-    const SignalPlace middle{region.body, region.X_BR};
+    const SignalPose middle{region.body, region.X_BR};
     if (!present(middle, frame)) return kNaN;
-    const Vec3 p = pose_of(middle, frame).inverse() * pose_of(place, frame).p;
+    const Vec3 p = pose_of(middle, frame).inverse() * pose_of(pose, frame).p;
     if (region.type == RegionModel::Type::sphere) return p.norm() <= region.radius;
     return ((2.0 * p.cwiseAbs() - region.size).array() <= 0.0).all();
   }
@@ -205,17 +205,17 @@ struct OpenTerm final : Signal::Node {
   }
 };
 
-struct MindTerm final : Signal::Node {
+struct ControllerTerm final : Signal::Node {
   bool supervisor = false;
   int index = -1;
   std::string output;
 
   double value(const Frame& frame) const override {
-    const auto& minds = supervisor ? frame.model->supervisors : frame.model->controllers;
+    const auto& controllers = supervisor ? frame.model->supervisors : frame.model->controllers;
     const auto& values = supervisor ? frame.supervisor_outputs : frame.controller_outputs;
-    if (!present(minds, index) || at(index) >= values.size()) return kNaN;
-    // The model of the scene may not know the outputs, that of a run does.
-    const auto& outputs = minds[at(index)].outputs;
+    if (!present(controllers, index) || at(index) >= values.size()) return kNaN;
+    // The outputs are known in the model of a run, but perhaps not in that of the scene.
+    const auto& outputs = controllers[at(index)].outputs;
     for (std::size_t i = 0; i < outputs.size() && i < values[at(index)].size(); ++i)
       if (outputs[i].name == output) return values[at(index)][i];
     return kNaN;
@@ -239,7 +239,7 @@ struct ContactTerm final : Signal::Node {
     int points = 0;
     Vec3 sum = Vec3::Zero();
     for (const Contact& contact : frame.contacts) {
-      // Contacts within the bodies themselves are none of theirs with the rest of the world.
+      // Contacts among the bodies themselves do not count as contacts with the rest of the world.
       const bool first = among(a, contact.body_a) &&
                          (b.empty() ? !among(a, contact.body_b) : among(b, contact.body_b));
       const bool second = among(a, contact.body_b) &&
@@ -254,18 +254,18 @@ struct ContactTerm final : Signal::Node {
 
 }  // namespace
 
-const char* place_unit(int quantity) {
+const char* pose_unit(int quantity) {
   return quantity < 3 ? "m" : quantity < 6 ? "rad" : quantity < 10 ? "m/s" : "rad/s";
 }
 
 SignalNode time_term() { return std::make_shared<TimeTerm>(); }
 
-SignalNode place_term(std::string text, const SignalPlace& place, int quantity) {
+SignalNode pose_term(std::string text, const SignalPose& pose, int quantity) {
   auto term = std::make_shared<PlaceTerm>();
   term->text = std::move(text);
-  term->unit = place_unit(quantity);
-  term->quantity = kPlaceQuantities[at(quantity)];
-  term->place = place;
+  term->unit = pose_unit(quantity);
+  term->quantity = kPoseQuantities[at(quantity)];
+  term->pose = pose;
   term->which = quantity;
   return term;
 }
@@ -311,7 +311,7 @@ SignalNode energy_term(int quantity) {
   return term;
 }
 
-SignalNode origin_distance_term(std::string text, const SignalPlace& a, const SignalPlace& b) {
+SignalNode origin_distance_term(std::string text, const SignalPose& a, const SignalPose& b) {
   auto term = std::make_shared<OriginDistanceTerm>();
   term->text = std::move(text);
   term->unit = "m";
@@ -340,12 +340,12 @@ SignalNode mass_term(std::string text, std::vector<int> bodies) {
   return term;
 }
 
-SignalNode inside_term(std::string text, const SignalPlace& place, int region) {
+SignalNode inside_term(std::string text, const SignalPose& pose, int region) {
   auto term = std::make_shared<InsideTerm>();
   term->text = std::move(text);
   term->unit = "1";
   term->quantity = "inside";
-  term->place = place;
+  term->pose = pose;
   term->index = region;
   return term;
 }
@@ -370,14 +370,14 @@ SignalNode open_term(std::string text, int door) {
   return term;
 }
 
-SignalNode mind_term(std::string text, bool supervisor, int mind, std::string output,
-                     std::string unit) {
-  auto term = std::make_shared<MindTerm>();
+SignalNode controller_term(std::string text, bool supervisor, int controller, std::string output,
+                           std::string unit) {
+  auto term = std::make_shared<ControllerTerm>();
   term->text = std::move(text);
   term->unit = std::move(unit);
   term->quantity = output;
   term->supervisor = supervisor;
-  term->index = mind;
+  term->index = controller;
   term->output = std::move(output);
   return term;
 }

@@ -1,4 +1,4 @@
-// Commands, applied at a step boundary, in the order they came.
+// Commands, applied at a step boundary in the order of their arrival.
 #include <algorithm>
 #include <cmath>
 
@@ -36,11 +36,11 @@ void Simulation::Impl::apply_commands() {
   std::size_t waiting = 0;
   {
     std::lock_guard lock(queue_mutex);
-    waiting = queue.size();  // those that come while these are applied wait for the next boundary
+    waiting = queue.size();  // commands that arrive meanwhile wait for the next boundary
   }
   for (; waiting > 0 && !single_step; --waiting) {
     std::unique_lock lock(queue_mutex);
-    if (queue.empty()) return;  // a restart has taken some out
+    if (queue.empty()) return;  // a restart has removed some
     QueuedCommand queued = std::move(queue.front());
     queue.pop_front();
     if (queued.own) --own_in_queue;
@@ -50,9 +50,10 @@ void Simulation::Impl::apply_commands() {
 }
 
 void Simulation::Impl::refused(const Error& error) {
-  if (error.code == kTooMany && std::exchange(living.memory.spawn_limit_told, true)) return;
+  const bool too_many = error.code == kTooMany;
+  if (too_many && std::exchange(event_system.memory.spawn_limit_reported, true)) return;
   report(Severity::error, "command", error.text());
-  happen({time(), "refused", "", error.message, ""});
+  publish_event({time(), "refused", "", error.message, ""});
 }
 
 void Simulation::Impl::apply(Command& command) {
@@ -111,18 +112,18 @@ void Simulation::Impl::apply(Command& command) {
                  },
                  [&](SetState& c) -> Result<> { return world->set_state(c.state); },
                  [&](EndRun& c) -> Result<> {
-                   // With the step it is part of, so that its last events are seen.
+                   // At the end of its step, so that the last events are published.
                    ending = true;
-                   happen({time(), "ended", "", c.reason, ""});
-                   if (!c.reason.empty()) report(Severity::advice, "run", "ended: " + c.reason);
+                   publish_event({time(), "ended", "", c.reason, ""});
+                   if (!c.reason.empty()) report(Severity::note, "run", "ended: " + c.reason);
                    return {};
                  },
-                 [&](Tell& c) -> Result<> {
-                   report(Severity::advice, "scene", c.message);
+                 [&](LogMessage& c) -> Result<> {
+                   report(Severity::note, "scene", c.message);
                    return {};
                  },
                  [&](Raise& c) -> Result<> {
-                   happen({time(), "raised", c.event, c.message, ""});
+                   publish_event({time(), "raised", c.event, c.message, ""});
                    return {};
                  }},
       command);
@@ -142,8 +143,9 @@ Result<> Simulation::Impl::set_motor(const std::string& name, double target) {
 
 Result<> Simulation::Impl::add_assembly(const AddAssembly& command, const std::string& subject) {
   if (!command.fragment) return fail("cannot add assembly '" + command.name + "': it is empty");
-  if (auto room = room_to_add("'" + command.name + "'", command.fragment->bodies.size()); !room) {
-    return room;
+  const std::size_t bodies = command.fragment->bodies.size();
+  if (auto checked = check_capacity("'" + command.name + "'", bodies); !checked) {
+    return checked;
   }
   auto next = with_added(*model, *command.fragment, command.name, command.pose);
   if (!next) return tl::unexpected(next.error());
@@ -155,7 +157,7 @@ Result<> Simulation::Impl::add_assembly(const AddAssembly& command, const std::s
     name_outputs(*named, *loader);
     next = SceneModelPtr(std::move(named));
   }
-  // Devices first, on the new model: what they refuse must leave the world as it was.
+  // Devices are built first, on the new model, so that an error leaves the world unchanged.
   const SceneModelPtr before = model;
   const std::size_t sensors_before = sensors.size(), controllers_before = controllers.size();
   const std::size_t motors_before = motors.size();
@@ -172,22 +174,22 @@ Result<> Simulation::Impl::add_assembly(const AddAssembly& command, const std::s
   world_changed();
   build_motors(motors_before);
   std::vector<Diagnostic> found = build_sensors(sensors_before);
-  for (Diagnostic& d : build_minds(controllers_before, false)) found.push_back(std::move(d));
+  for (Diagnostic& d : build_controllers(controllers_before, false)) found.push_back(std::move(d));
   if (!found.empty()) {
     const std::string why = joined(found);
-    // The bodies are in the world already: they are taken out again, as removed ones.
+    // The bodies are already in the world, so they are removed again.
     auto without = with_removed(**next, command.name);
     undo();
     if (without && world->remove(*without)) {
       model = *without;
       build_motors(motors_before);
       build_sensors(sensors_before);
-      build_minds(controllers_before, false);
+      build_controllers(controllers_before, false);
     }
     return fail("cannot add assembly '" + command.name + "': " + why);
   }
-  ++living.memory.added_in_step;
-  happen({time(), "added", command.name, "", subject});
+  ++event_system.memory.added_in_step;
+  publish_event({time(), "added", command.name, "", subject});
   return {};
 }
 
@@ -205,7 +207,7 @@ Result<> Simulation::Impl::remove_named(const std::string& name) {
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     if (model->sensors[i].removed) sensors.retire(i);
   }
-  // What held it to others has let go; its own joints are gone with it.
+  // Its joints to other assemblies are detached; its own joints are removed with it.
   for (std::size_t i = 0; i < model->joints.size(); ++i) {
     const Joint& joint = model->joints[i];
     if (!joint.removed || before->joints[i].removed) continue;
@@ -213,20 +215,20 @@ Result<> Simulation::Impl::remove_named(const std::string& name) {
         model->assemblies[static_cast<std::size_t>(joint.assembly)].removed) {
       continue;
     }
-    happen(
+    publish_event(
         {time(), "detached", joint.name, "",
          joint.child == kWorld ? "" : model->bodies[static_cast<std::size_t>(joint.child)].name});
   }
-  happen({time(), "removed", name, "", ""});
+  publish_event({time(), "removed", name, "", ""});
   return {};
 }
 
 Result<> Simulation::Impl::restart(std::optional<std::uint64_t> seed) {
-  if (restart_anew) {
+  if (rebuild_on_restart) {
     auto fresh = backend->create_world(original);
     if (!fresh) return tl::unexpected(fresh.error());
     world = std::move(*fresh);
-    restart_anew = false;
+    rebuild_on_restart = false;
   } else if (auto done = world->reset(); !done) {
     return done;
   }
@@ -243,10 +245,10 @@ Result<> Simulation::Impl::restart(std::optional<std::uint64_t> seed) {
   start_shown = false;
   status = RunStatus::running;
   ending = false;
-  living.reset(*model, model->physics.seed);
+  event_system.reset(*model, model->physics.seed);
   world_changed();
   {
-    // What the run before has sent does not reach into this one.
+    // Commands that the previous run has sent do not apply to this one.
     std::lock_guard lock(queue_mutex);
     queue.erase(std::remove_if(queue.begin(), queue.end(),
                                [](const QueuedCommand& queued) { return queued.own; }),
@@ -256,7 +258,7 @@ Result<> Simulation::Impl::restart(std::optional<std::uint64_t> seed) {
   events.clear();
   event_causes.clear();
   const std::vector<Diagnostic> found = build_all();
-  happen({0.0, "restarted", "", "", ""});
+  publish_event({0.0, "restarted", "", "", ""});
   if (!found.empty()) {
     status = RunStatus::fault;
     return fail("restart: " + joined(found));

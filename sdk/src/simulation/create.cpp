@@ -1,4 +1,4 @@
-// Building a simulation: backend, world, sensors, controllers.
+// Construction of a simulation: backend, world, sensors, controllers.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/physics/backend_choice.h"
-#include "cogrsim/sensing/instruments.h"
+#include "cogrsim/sensing/sensor_models.h"
 #include "model/diagnose.h"
 #include "simulation/impl.h"
 
@@ -40,7 +40,7 @@ Diagnostic from_error(const Error& error, const std::string& default_code) {
   return d;
 }
 
-// The options a run overrules, and the engine's own options with their defaults filled in.
+// Applies the options that the run overrides, and completes the engine-specific options.
 tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneModel& scene,
                                                                    const SimulationOptions& options,
                                                                    const BackendChoice& choice,
@@ -86,13 +86,13 @@ tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneMo
 }  // namespace
 
 void name_outputs(SceneModel& model, PluginLoader& loader) {
-  const auto name = [&](std::vector<ControllerModel>& minds, PluginKind kind) {
-    for (ControllerModel& mind : minds) {
-      const auto plugin = loader.load(kind, mind.plugin);
-      if (!plugin) continue;  // told when it is built
-      mind.outputs.clear();
+  const auto name = [&](std::vector<ControllerModel>& controllers, PluginKind kind) {
+    for (ControllerModel& controller : controllers) {
+      const auto plugin = loader.load(kind, controller.plugin);
+      if (!plugin) continue;  // reported when the controller is built
+      controller.outputs.clear();
       for (const PluginOutput& output : (*plugin)->descriptor().outputs) {
-        mind.outputs.push_back({output.name, output.unit});
+        controller.outputs.push_back({output.name, output.unit});
       }
     }
   };
@@ -123,7 +123,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   }
   impl->backend = *backend;
 
-  // The loader has taken the name apart before: it is one.
+  // The loader has already parsed the name, so it is valid.
   const BackendChoice choice = *parse_backend_choice(name);
   auto settled = settled_model(*scene, options, choice, *impl->backend, *impl->loader);
   if (!settled) return Failure(settled.error());
@@ -132,12 +132,12 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   if (!provenance) {
     Error error = provenance.error();
     error.message =
-        fmt::format("backend '{}' does not say who computes its results:\n{}", name, error.message);
+        fmt::format("backend '{}' does not declare what computes its results:\n{}", name, error.message);
     return Failure(std::vector<Diagnostic>{from_error(error, "CG0901")});
   }
   impl->provenance = std::move(*provenance);
   impl->dt = impl->model->physics.step;
-  impl->living.reset(*impl->model, impl->model->physics.seed);
+  impl->event_system.reset(*impl->model, impl->model->physics.seed);
   impl->speed = options.speed;
   impl->isolation = options.isolation;
 
@@ -145,7 +145,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
       check_capabilities(*impl->model, choice.name, impl->backend->capabilities());
   const auto is_error = [](const Diagnostic& d) { return d.severity == Severity::error; };
   if (std::none_of(found.begin(), found.end(), is_error)) {
-    const PluginCall call("backend", impl->backend->name(), "", "", "while the world was made");
+    const PluginCall call("backend", impl->backend->name(), "", "", "while the world was created");
     auto world = impl->backend->create_world(impl->model);
     if (world) {
       impl->world = std::move(*world);
@@ -158,10 +158,10 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
     const Error& error = buried.error;
     found.push_back(impl->problem(error.message, sensor.origin, error.code, error.hint));
   }
-  // Minds are configured even when the physics was refused: all mistakes in one go.
+  // Controllers are configured even if the world could not be built, to report all errors at once.
   for (Diagnostic& d : impl->build_all()) found.push_back(std::move(d));
   if (std::any_of(found.begin(), found.end(), is_error)) return Failure(std::move(found));
-  for (const Diagnostic& d : found) impl->report(Severity::advice, "backend", d.message);
+  for (const Diagnostic& d : found) impl->report(Severity::warning, "backend", d.message);
   return std::unique_ptr<Simulation>(new Simulation(std::move(impl)));
 }
 
@@ -181,7 +181,7 @@ std::vector<Diagnostic> Simulation::Impl::build_sensors(std::size_t first) {
   return sensors.build(model, original->physics.seed, *loader, first);
 }
 
-std::vector<Diagnostic> Simulation::Impl::build_minds(std::size_t first_controller,
+std::vector<Diagnostic> Simulation::Impl::build_controllers(std::size_t first_controller,
                                                       bool with_supervisors) {
   std::vector<Diagnostic> found;
   const auto collect = [&found](std::vector<Diagnostic> more) {
@@ -194,7 +194,7 @@ std::vector<Diagnostic> Simulation::Impl::build_minds(std::size_t first_controll
   }
   if (!with_supervisors) return found;
   supervisors.clear();
-  if (!world) return found;  // supervisors look at frames, and there are none
+  if (!world) return found;  // supervisors need frames, which do not exist without a world
   for (const ControllerModel& description : model->supervisors) {
     collect(build_supervisor(description));
   }
@@ -204,7 +204,7 @@ std::vector<Diagnostic> Simulation::Impl::build_minds(std::size_t first_controll
 std::vector<Diagnostic> Simulation::Impl::build_all() {
   build_motors(0);
   std::vector<Diagnostic> found = build_sensors(0);
-  for (Diagnostic& d : build_minds(0, true)) found.push_back(std::move(d));
+  for (Diagnostic& d : build_controllers(0, true)) found.push_back(std::move(d));
   return found;
 }
 

@@ -1,4 +1,4 @@
-// Frames are reused: their vectors keep their memory from one to the next.
+// A pool of frames, whose vectors retain their memory when the frames are reused.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace cogrsim {
 
-/// Memory that a frame holds [byte], but for its pictures, which many frames share.
+/// Memory of a frame [byte], without its images, which several frames share.
 inline std::size_t bytes_of(const Frame& frame) {
   const auto of = [](const auto& elements) {
     return elements.capacity() * sizeof(elements.front());
@@ -30,7 +30,7 @@ inline std::size_t bytes_of(const Frame& frame) {
   return bytes;
 }
 
-/// Consumers may hold frames in other threads and longer than the simulation lives.
+/// Consumers may hold frames in other threads and after the simulation has been destroyed.
 class FramePool : public std::enable_shared_from_this<FramePool> {
  public:
   std::shared_ptr<Frame> take() {
@@ -52,7 +52,7 @@ class FramePool : public std::enable_shared_from_this<FramePool> {
   }
 
  private:
-  /// Where shared pointers count their owners: blocks of one size, which are kept, too.
+  /// Allocator of the control blocks of the shared pointers, which are reused, too.
   template <class T>
   struct BlockAllocator {
     using value_type = T;
@@ -98,8 +98,8 @@ class FramePool : public std::enable_shared_from_this<FramePool> {
     ::operator delete(block);
   }
 
-  // Frames that wait for the disk come back in batches; so many are kept that the next batch needs
-  // no new memory, but never more than this much of it.
+  // Frames that were written to disk come back in batches. Enough are retained for the next batch
+  // to need no new memory, up to this limit.
   static constexpr std::size_t kKeptFrames = 4096;
   static constexpr std::size_t kKeptBytes = 64u << 20;
 
@@ -107,7 +107,7 @@ class FramePool : public std::enable_shared_from_this<FramePool> {
     std::unique_ptr<Frame> owned(frame);
     owned->model.reset();
     owned->channels.reset();
-    // A frame that lies idle holds on to no picture.
+    // An idle frame must not retain an image.
     for (Reading& reading : owned->readings) reading.picture.reset();
     const std::size_t most = std::max<std::size_t>(16, kKeptBytes / bytes_of(*owned));
     std::lock_guard lock(mutex_);
@@ -116,7 +116,7 @@ class FramePool : public std::enable_shared_from_this<FramePool> {
 
   std::mutex mutex_;
   std::vector<std::unique_ptr<Frame>> free_;
-  std::vector<void*> blocks_;  ///< idle, see BlockAllocator
+  std::vector<void*> blocks_;  ///< idle blocks, see BlockAllocator
 };
 
 }  // namespace cogrsim

@@ -1,4 +1,4 @@
-// The inside of a Simulation.
+// Implementation of Simulation.
 #pragma once
 
 #include <atomic>
@@ -13,47 +13,47 @@
 #include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/sensing/sensor.h"
 #include "cogrsim/simulation/simulation.h"
-#include "control/hosted_controller.h"
-#include "sensing/frame_sensing.h"
+#include "core/rate_timer.h"
+#include "sensing/frame_sensor_context.h"
 #include "sensing/sensor_suite.h"
+#include "simulation/controllers/hosted_controller.h"
 #include "simulation/frame_pool.h"
-#include "simulation/living.h"
+#include "simulation/events/event_system.h"
 #include "simulation/motor_law.h"
-#include "simulation/rate_timer.h"
 
 namespace cogrsim {
 
-/// What the handles of one controller reach through; lives as long as they do.
+/// Access of the handles of one controller to the simulation; lives as long as the handles.
 struct AssemblyAccess {
   Simulation::Impl* simulation = nullptr;
   int assembly = -1;
   std::string name;
-  std::string mind;  ///< dotted name of the controller
+  std::string controller;  ///< dotted name of the controller
   std::string plugin;
   const ParameterTable* table = nullptr;
   Parameters parameters;
   const std::vector<PluginOutput>* declared = nullptr;
-  std::vector<double> outputs;  ///< as declared
+  std::vector<double> outputs;  ///< in the order of `declared`
   std::optional<RandomStream> random;
-  std::vector<int> motors;            ///< those it asked for
-  std::vector<std::string> mistakes;  ///< of configure()
-  std::optional<std::string> fault;   ///< of the update that is running
+  std::vector<int> motors;            ///< the motors that it requested
+  std::vector<std::string> mistakes;  ///< errors in configure()
+  std::optional<std::string> fault;   ///< error in the current update
 };
 
-/// Sets one of the declared outputs, or says what is wrong.
+/// Sets one of the declared outputs; returns an error message if it is not declared.
 std::optional<std::string> publish_output(const std::vector<PluginOutput>& declared,
                                           const std::string& name, double value,
                                           std::vector<double>& outputs);
 
-/// When a mind ran last.
-struct MindClock {
+/// Timing of the updates of a controller.
+struct ControllerClock {
   RateTimer timer;
   bool stopped = false;
   double last_time = 0.0;
   std::uint64_t count = 0;
 };
 
-/// What the handles of a new controller reach through; `parameters` are complete.
+/// Creates the access of a new controller; `parameters` are complete.
 std::shared_ptr<AssemblyAccess> make_access(Simulation::Impl& simulation,
                                             const ControllerModel& description,
                                             const PluginPtr& plugin, Parameters parameters);
@@ -62,43 +62,43 @@ struct ControllerSlot {
   PluginPtr plugin;
   std::shared_ptr<AssemblyAccess> access;
   std::unique_ptr<HostedController> controller;
-  MindClock clock;
+  ControllerClock clock;
 };
 
-/// What was wrong when a mind was configured.
+/// Errors in the configuration of a controller.
 struct StartOutcome {
-  std::vector<std::string> mistakes;   ///< it noted, or was found to have made
+  std::vector<std::string> mistakes;   ///< errors that were collected
   std::optional<std::string> failure;  ///< "threw while being configured: …"
 };
 
-/// The scene as controllers in processes of their own see it, as text: without shapes, meshes, rules
-/// and what else does not concern them. Made once for each model.
-struct SceneForMinds {
+/// The scene as text for controllers in processes of their own, without shapes, meshes, rules and
+/// other elements that they do not need. Computed once for each model.
+struct SceneForControllers {
   SceneModelPtr model, original;
   std::string text;
   const std::string& of(const SceneModelPtr& now, const SceneModelPtr& at_start);
 };
 
-class SupervisorStage;
+class LiveSupervisorContext;
 
 struct SupervisorSlot {
   PluginPtr plugin;
   const SupervisorEntry* entry = nullptr;
-  std::unique_ptr<SupervisorStage> stage;
+  std::unique_ptr<LiveSupervisorContext> context;
   std::unique_ptr<Supervisor, void (*)(Supervisor*)> supervisor{nullptr, nullptr};
   FrameContents needs;
   std::vector<Event> events;  ///< since its last update
-  MindClock clock;
+  ControllerClock clock;
   SupervisorSlot();
   SupervisorSlot(SupervisorSlot&&) noexcept;
   SupervisorSlot& operator=(SupervisorSlot&&) noexcept;
   ~SupervisorSlot();
 };
 
-/// A command on its way to the next step boundary.
+/// A command that waits for the next step boundary.
 struct QueuedCommand {
   Command command;
-  bool own = false;  ///< a supervisor's: part of snapshots; else from outside, which are not
+  bool own = false;  ///< from a supervisor, part of snapshots; false: from outside, not part
 };
 
 struct SimulationSnapshot {
@@ -109,14 +109,14 @@ struct SimulationSnapshot {
   RunStatus status = RunStatus::running;
   std::vector<MotorState> motors;
   std::vector<SensorMemory> sensors;
-  std::vector<MindClock> controllers, supervisors;
+  std::vector<ControllerClock> controllers, supervisors;
   std::vector<std::uint64_t> controller_random, supervisor_random;
   std::vector<std::vector<double>> controller_outputs, supervisor_outputs;
   std::vector<std::vector<Event>> supervisor_events;
   std::vector<Twist> twists_before;
   std::vector<double> joint_efforts_before, motor_efforts_before;
-  LivingMemory living;
-  std::vector<QueuedCommand> sent;  ///< by supervisors, for the next boundary
+  EventState event_system;
+  std::vector<QueuedCommand> sent;  ///< commands of supervisors for the next step boundary
 };
 
 struct Simulation::Impl {
@@ -127,96 +127,97 @@ struct Simulation::Impl {
   std::shared_ptr<const Backend> backend;
   Provenance provenance;
   std::unique_ptr<World> world;
-  SceneModelPtr original;     ///< as given, with the options' seed and step
-  SceneModelPtr model;        ///< as it is now
-  bool restart_anew = false;  ///< the world began with another scene than `original`
+  SceneModelPtr original;           ///< the initial scene, with the seed and step of the options
+  SceneModelPtr model;              ///< the current scene
+  bool rebuild_on_restart = false;  ///< the world was created from another scene than `original`
 
-  // Clock: time = base_time + steps_since_base * dt, so that no rounding accumulates.
+  // Clock: time = base_time + steps_since_base * dt, so that rounding errors do not accumulate.
   double dt = 1e-3;
   double base_time = 0.0;
   std::uint64_t steps = 0, steps_since_base = 0;
   double speed = std::numeric_limits<double>::infinity();
-  Isolation isolation = Isolation::none;  ///< of controllers that do not say
+  Isolation isolation = Isolation::none;  ///< of controllers whose isolation is not set
   bool paused = false;
-  bool single_step = false;  ///< one step although paused
+  bool single_step = false;  ///< make one step although paused
   RunStatus status = RunStatus::running;
   std::atomic<bool> stop_requested{false};
 
   std::vector<MotorState> motors;
   std::vector<Drive> drives;
   SensorSuite sensors;
-  FrameSensing sensing;
+  FrameSensorContext sensing;
   std::vector<ControllerSlot> controllers;
   std::vector<SupervisorSlot> supervisors;
-  SceneForMinds scene_for_minds;
+  SceneForControllers scene_for_controllers;
   std::vector<RunMessage> messages;
   bool spin_reported = false;
   std::vector<Event> events;         ///< since the last frame
-  std::vector<Causes> event_causes;  ///< of each of them
-  Causes causes;                     ///< of the action that is being applied
-  Living living;
+  std::vector<Causes> event_causes;  ///< of each entry of `events`
+  Causes causes;                     ///< of the current action
+  EventSystem event_system;
   bool ending = false;  ///< the run ends with this step
 
   std::mutex queue_mutex;
   std::deque<QueuedCommand> queue;
-  std::size_t own_in_queue = 0;  ///< commands of supervisors among them
+  std::size_t own_in_queue = 0;  ///< number of commands of supervisors in the queue
 
-  std::vector<std::shared_ptr<Observation::Watcher>> watchers;
-  bool start_shown = false;  ///< watchers have seen the frame at the start
+  std::vector<std::shared_ptr<Observation::Slot>> observers;
+  bool start_shown = false;  ///< the observers have received the initial frame
 
   std::shared_ptr<FramePool> pool = std::make_shared<FramePool>();
-  FramePtr cached;  ///< of the present step
+  FramePtr cached;  ///< frame of the current step
   FrameContents cached_contents;
-  WorldState state;  ///< scratch: present state
+  WorldState state;  ///< cached current state, valid if `state_fresh`
   bool state_fresh = false;
-  std::vector<Twist> twists_before;  ///< of the step before; empty when nobody needs them
+  std::vector<Twist> twists_before;  ///< of the previous step; empty if not needed
   double last_dt = 0.0;
-  /// Efforts of the step before, as WorldState has them, where the engine does not know them: after
-  /// going on from a file.
+  /// Efforts of the previous step, as in WorldState, if the engine does not have them: after
+  /// resuming from a snapshot file.
   std::vector<double> joint_efforts_before, motor_efforts_before;
 
   double time() const { return base_time + static_cast<double>(steps_since_base) * dt; }
-  /// Of the world, with the efforts that only this knows; present_state(): kept until it changes.
+  /// The state of the world, including `joint_efforts_before`; present_state() caches it.
   void get_state(WorldState& out) const;
   const WorldState& present_state();
   FramePtr frame_with(const FrameContents& contents);
   void copy_controller_outputs(Frame& frame) const;
   void world_changed();
 
-  // create.cpp: building what the model names; errors as diagnostics at the element's place.
+  // create.cpp: builds the elements of the model; errors have the source location of the element.
   void build_motors(std::size_t first);
   std::vector<Diagnostic> build_sensors(std::size_t first);
-  std::vector<Diagnostic> build_minds(std::size_t first_controller, bool with_supervisors);
+  std::vector<Diagnostic> build_controllers(std::size_t first_controller, bool with_supervisors);
   std::vector<Diagnostic> build_all();
 
-  // minds.cpp
+  // controllers.cpp
   Diagnostic problem(const std::string& message, const SourceSpan& origin, const std::string& code,
                      const std::string& help = {}) const;
   std::vector<Diagnostic> build_controller(std::size_t index);
-  /// Makes and configures the controller of a slot that has its plugin and its access.
+  /// Creates and configures the controller of a slot that has its plugin and its access.
   StartOutcome start_controller(ControllerSlot& slot, std::size_t index);
   std::vector<Diagnostic> build_supervisor(const ControllerModel& description);
-  void run_minds();
-  void fault(const ControllerModel& description, MindClock& clock, const std::string& message);
-  void let_go(const AssemblyAccess& access);
+  void run_controllers();
+  void fault(const ControllerModel& description, ControllerClock& clock,
+             const std::string& message);
+  void stop_motors(const AssemblyAccess& access);
 
   // reload.cpp
   Result<Reloaded> reload(const std::string& name);
-  std::optional<std::string> take_over(const ControllerSlot& old, ControllerSlot& fresh,
-                                       std::size_t index, Reloaded& done);
+  std::optional<std::string> transfer_state(const ControllerSlot& old, ControllerSlot& fresh,
+                                            std::size_t index, Reloaded& done);
 
   // step.cpp
   void read_sensors();
   RunStatus step();
   void show_start();
-  void show_frame();  ///< the present one, to the watchers
+  void show_frame();  ///< passes the current frame to the observers
   void report(Severity severity, const std::string& source, const std::string& message);
-  void watch_spin();
+  void check_spin();
 
-  // rules.cpp: what happens by itself
-  void happen(Event event);  ///< into the next frame, caused by what is being applied
-  void look_around();        ///< after a step and at the start: regions, doors, rules
-  void apply_due();          ///< at a boundary: what rules set off, lifetimes that are over
+  // rules.cpp: events and rules
+  void publish_event(Event event);  ///< adds an event with the current causes to the next frame
+  void detect_events();             ///< regions, doors and rules, after a step and at the start
+  void apply_due();                 ///< applies scheduled actions and removes expired assemblies
   void fire(std::size_t rule, const Causes& led_to);
   void fire_rules();
 
@@ -237,12 +238,12 @@ struct Simulation::Impl {
   Result<> set_static(const SetStatic& action);
   Result<> move_door(const MoveDoor& action);
   Result<> change_to(Result<SceneModelPtr> next);
-  Result<> room_to_add(const std::string& what, std::size_t bodies);
+  Result<> check_capacity(const std::string& what, std::size_t bodies);
 
   bool wants_accelerations() const;
 };
 
-/// What is not there by that name, with the nearest that is.
+/// Index of the element with this name; the error has the most similar name.
 template <class Elements>
 Result<int> find_named(const Elements& elements, const std::string& kind, const std::string& name) {
   std::vector<std::string> names;
@@ -256,15 +257,15 @@ Result<int> find_named(const Elements& elements, const std::string& kind, const 
               near.empty() ? "" : "did you mean '" + near + "'?");
 }
 
-/// Fills in what the model's minds publish, as their plugins say.
+/// Fills in the outputs of the controllers and supervisors that their plugins declare.
 void name_outputs(SceneModel& model, PluginLoader& loader);
 
-/// The side of a supervisor's Stage that belongs to the simulation.
-class SupervisorStage final : public Stage {
+/// Implementation of SupervisorContext in a simulation.
+class LiveSupervisorContext final : public SupervisorContext {
  public:
-  SupervisorStage(Simulation::Impl& simulation, const ControllerModel& description,
-                  Parameters parameters, const std::vector<PluginOutput>& declared,
-                  std::uint64_t seed)
+  LiveSupervisorContext(Simulation::Impl& simulation, const ControllerModel& description,
+                        Parameters parameters, const std::vector<PluginOutput>& declared,
+                        std::uint64_t seed)
       : simulation_(simulation),
         name_(description.name),
         plugin_(description.plugin),
@@ -283,11 +284,11 @@ class SupervisorStage final : public Stage {
   void show(FramePtr frame) { frame_ = std::move(frame); }
   RandomStream& random() { return random_; }
   std::vector<double>& outputs() { return outputs_; }
-  /// To be kept while the supervisor is called.
+  /// Crash-report scope for a call of the supervisor.
   PluginCall calling(const char* doing) const {
     return {"supervisor", name_.c_str(), "", plugin_.c_str(), doing, simulation_.time()};
   }
-  /// What went wrong since the last call.
+  /// Returns and clears the error since the last call.
   std::optional<std::string> take_fault() { return std::exchange(fault_, std::nullopt); }
 
  private:

@@ -14,22 +14,22 @@ int shifted(int index, std::size_t offset) {
   return index < 0 ? index : index + static_cast<int>(offset);
 }
 
-int mapped(int index, const std::vector<int>& places) {
-  return index < 0 ? index : places[static_cast<std::size_t>(index)];
+int mapped(int index, const std::vector<int>& indices) {
+  return index < 0 ? index : indices[static_cast<std::size_t>(index)];
 }
 
-/// Adds to `to` what it does not have; the place of each of `from` in it.
+/// Appends the entries of `from` that `to` does not have; returns the index in `to` of each entry.
 template <class Element, class Same>
 std::vector<int> shared(std::vector<Element>& to, const std::vector<Element>& from,
                         const Same& same) {
-  std::vector<int> places;
+  std::vector<int> indices;
   for (const Element& element : from) {
     const auto known = std::find_if(to.begin(), to.end(),
                                     [&](const Element& other) { return same(other, element); });
-    places.push_back(static_cast<int>(known - to.begin()));
+    indices.push_back(static_cast<int>(known - to.begin()));
     if (known == to.end()) to.push_back(element);
   }
-  return places;
+  return indices;
 }
 
 bool same_mesh(const TriangleMesh& a, const TriangleMesh& b) {
@@ -41,7 +41,7 @@ bool same_heights(const HeightGrid& a, const HeightGrid& b) {
          a.size_y == b.size_y && a.heights == b.heights;
 }
 
-// All but where it was written.
+// Compares everything except the source location.
 bool same_material(const Material& a, const Material& b) {
   return a.name == b.name && a.base == b.base && a.density == b.density &&
          a.friction == b.friction && a.restitution == b.restitution && a.stiffness == b.stiffness &&
@@ -49,7 +49,7 @@ bool same_material(const Material& a, const Material& b) {
          a.color.a == b.color.a && a.texture == b.texture && a.texture_size == b.texture_size;
 }
 
-/// Puts the elements of a fragment behind those of a model, indices and names adapted.
+/// Appends the elements of a fragment to a model and adapts their indices and names.
 class Appender {
  public:
   Appender(SceneModel& model, const SceneModel& fragment, std::string prefix, const Pose& pose)
@@ -77,7 +77,7 @@ class Appender {
   }
 
  private:
-  // The new top-level assembly stands where the fragment's own index would be -1.
+  // The new top-level assembly replaces the index -1 of the fragment.
   int assembly(int index) const { return index < 0 ? root_ : index + root_ + 1; }
 
   template <class Element>
@@ -87,13 +87,13 @@ class Appender {
     return element;
   }
 
-  // What the model has already is not added again, however often a template comes: a material is
-  // then the same one, with its pairs.
+  // Equal entries of the model are reused, however often a template is spawned, so that a material
+  // stays the same one with its pairs.
   void append_materials() {
     std::vector<Material> theirs = from_.materials;
     for (Material& material : theirs) material.origin.file = mapped(material.origin.file, files_);
     for (Material& material : theirs) {
-      material.base = mapped(material.base, materials_);  // stands before it
+      material.base = mapped(material.base, materials_);  // the base precedes the material
       const auto known =
           std::find_if(to_.materials.begin(), to_.materials.end(),
                        [&](const Material& m) { return same_material(m, material); });
@@ -192,7 +192,7 @@ class Appender {
       region.body = shifted(original.body, bodies_);
       if (original.body == kWorld) region.X_BR = pose_ * original.X_BR;
       region.assembly = assembly(original.assembly);
-      // Names of what comes along with it; others are of what is there already.
+      // Names of the elements of the fragment get its prefix; other names are of existing elements.
       for (std::string& who : region.who) {
         if (has_name(who)) who = prefix_ + who;
       }
@@ -216,12 +216,12 @@ class Appender {
   const SceneModel& from_;
   std::string prefix_;
   Pose pose_;
-  std::vector<int> files_, meshes_, heightmaps_, materials_;  // where theirs are in ours
+  std::vector<int> files_, meshes_, heightmaps_, materials_;  // fragment index to model index
   std::size_t bodies_, joints_, motors_;
   int root_ = -1;
 };
 
-/// What is left to choose from, for a message about a name that is not there.
+/// The existing names, for a message about an unknown name.
 template <class Element>
 void collect_names(const std::vector<Element>& elements, std::vector<std::string>& out) {
   for (const Element& element : elements) {
@@ -234,20 +234,20 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
   return near.empty() ? "" : "did you mean '" + near + "'?";
 }
 
-/// Frees what nobody asks of an element that is gone: it keeps its place for the whole run. Shapes stay,
-/// as backends number them.
+/// Frees the memory of a removed element, whose index stays in use for the whole run. The shapes
+/// remain, because backends number them.
 void strip_removed(SceneModel& model) {
   for (SensorModel& sensor : model.sensors) {
     if (!sensor.removed) continue;
     sensor.parameters.clear();
     sensor.noise.clear();
   }
-  for (ControllerModel& mind : model.controllers) {
-    if (mind.removed) mind.parameters.clear();
+  for (ControllerModel& controller : model.controllers) {
+    if (controller.removed) controller.parameters.clear();
   }
 }
 
-/// Marks what hangs on elements that are gone: joints on bodies, motors on joints, and so on.
+/// Marks the elements that depend on removed ones: joints of bodies, motors of joints, and so on.
 void remove_dependents(SceneModel& model) {
   const auto body_gone = [&model](int body) {
     return body >= 0 && model.bodies[static_cast<std::size_t>(body)].removed;
@@ -298,17 +298,18 @@ Result<> check_limits(const std::string& joint, JointType type, const JointAxis&
               " is not below upper limit " + std::to_string(axis.upper));
 }
 
-/// As many axes as JointAxis says that a joint of this type has.
+/// The number of axes of a joint of this type, see Joint::axes.
 std::size_t axis_count(JointType type) {
   if (type == JointType::ball) return 1;
   return type == JointType::free ? 0 : static_cast<std::size_t>(speed_count(type));
 }
 
-/// Errors: a kind that cannot be changed, or a body that could not be moved by forces.
+/// Checks a change of the kind of a body. Errors: the kind cannot be changed, or the body cannot be
+/// moved by forces.
 Result<> check_kind_change(const Body& body, bool on) {
   const std::string what = "cannot make body '" + body.name + "' " + (on ? "static" : "dynamic");
   if (body.kind == BodyKind::kinematic) {
-    return fail(what + ": it is kinematic, it moves as it is told", "",
+    return fail(what + ": it is kinematic, its motion is commanded", "",
                 on ? "give it a twist of zero instead" : "");
   }
   if (on) return {};
@@ -371,7 +372,7 @@ Result<SceneModelPtr> with_removed(const SceneModel& model, const std::string& n
     return SceneModelPtr(std::move(next));
   }
   std::vector<char> gone(model.assemblies.size(), 0);
-  // Parents come before their children, so one pass finds all that lies inside.
+  // Parents precede their children, so one pass finds all nested assemblies.
   for (std::size_t i = 0; i < gone.size(); ++i) {
     const int parent = model.assemblies[i].parent;
     gone[i] =
@@ -410,7 +411,7 @@ Result<SceneModelPtr> with_joint(const SceneModel& model, Joint joint) {
   for (const int end : {joint.parent, joint.child}) {
     const bool there = end == kWorld || (end >= 0 && end < static_cast<int>(model.bodies.size()) &&
                                          !model.bodies[static_cast<std::size_t>(end)].removed);
-    if (!there) return fail(what + "a body it is to hold is not there");
+    if (!there) return fail(what + "one of its bodies does not exist");
   }
   if (joint.parent == joint.child) return fail(what + "both its ends are the same body");
   if (joint.axes.empty()) joint.axes.resize(axis_count(joint.type));
@@ -427,7 +428,7 @@ Result<SceneModelPtr> with_joint(const SceneModel& model, Joint joint) {
   auto next = std::make_shared<SceneModel>(model);
   next->joints.push_back(std::move(joint));
   finish_model(*next);
-  // It is the last, so that none of those before it changes.
+  // It is the last joint, so that the other joints do not change.
   SceneModel marked = *next;
   mark_loops(marked);
   next->joints.back().closes_loop = marked.joints.back().closes_loop;

@@ -1,4 +1,4 @@
-// New scene models from old ones: what a running simulation adds and removes.
+// Changed copies of a scene model, for adding and removing elements of a running simulation.
 #pragma once
 
 #include <optional>
@@ -9,37 +9,36 @@
 
 namespace cogrsim {
 
-/// More bodies than this in one run, removed ones counted, are refused.
+/// Maximum number of bodies of a run, including removed ones.
 inline constexpr std::size_t kMaxBodies = 100000;
 
-/// `model` with the elements of `fragment` at the end, in a new assembly `name`, its world frame at
-/// `pose`. Errors: a name that is taken or empty, too many bodies.
+/// Appends the elements of `fragment` to `model` as a new assembly `name`, with the world frame of
+/// the fragment at `pose`. Errors: the name is empty or exists, or there are too many bodies.
 Result<SceneModelPtr> with_added(const SceneModel& model, const SceneModel& fragment,
                                  const std::string& name, const Pose& pose);
 
-/// `model` with the assembly (or a body that belongs to none), all in it and all joints to it marked
-/// as removed, and what hangs on those: motors, sensors, doors, regions. Errors: no such assembly or
-/// body, with what there is; a body inside an assembly.
+/// Marks an assembly (or a body that belongs to none), its contents, all joints to it, and the
+/// motors, sensors, doors and regions that depend on them as removed. Errors: the assembly or body
+/// does not exist (with the existing names), or the body belongs to an assembly.
 Result<SceneModelPtr> with_removed(const SceneModel& model, const std::string& name);
 
-/// `model` with `joint` at the end: between bodies that are there, holding them as `joint` says.
-/// Decides `closes_loop` of it; empty axes are filled with plain ones. Errors: a name that is empty
-/// or taken, an end that is not there, both ends the same, axes that do not fit the type or have
-/// limits the wrong way round, too many joints.
+/// Appends `joint` between two existing bodies. Sets its `closes_loop`; missing axes get the
+/// defaults. Errors: the name is empty or exists, a body does not exist, both bodies are the same,
+/// the axes do not match the type or have inverted limits, or there are too many joints.
 Result<SceneModelPtr> with_joint(const SceneModel& model, Joint joint);
 
-/// `model` without a joint, its motors, the sensors on it and the doors it moves. A joint that
-/// closed a loop with it carries from now on. Errors: no such joint.
+/// Marks a joint, its motors, its sensors and its doors as removed. A joint that closed a loop with
+/// it becomes a tree joint. Errors: the joint does not exist.
 Result<SceneModelPtr> with_joint_removed(const SceneModel& model, const std::string& name);
 
-/// `model` with other limits on one axis of a joint; empty: as it was.
-/// Errors: no such joint or axis, not a number, lower not below upper, a lower limit on a ball.
+/// Changes the limits of one axis of a joint; an empty limit is unchanged. Errors: the joint or
+/// axis does not exist, a limit is NaN, lower exceeds upper, or a ball joint gets a lower limit.
 Result<SceneModelPtr> with_limits(const SceneModel& model, const std::string& joint, int axis,
                                   std::optional<double> lower, std::optional<double> upper);
 
-/// `model` with a body, or all bodies of an assembly, made static or dynamic again; which joints
-/// close loops is decided anew, since static bodies are ground. Errors: neither body nor assembly;
-/// kinematic bodies; bodies made dynamic without mass, or with shapes that only static bodies have.
+/// Makes a body, or all bodies of an assembly, static or dynamic. `closes_loop` of the joints is
+/// determined again, because static bodies belong to the ground. Errors: the name is neither a body
+/// nor an assembly, a body is kinematic, or a body cannot be dynamic because of its mass or shapes.
 Result<SceneModelPtr> with_static(const SceneModel& model, const std::string& name, bool on);
 
 }  // namespace cogrsim

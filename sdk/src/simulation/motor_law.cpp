@@ -25,8 +25,8 @@ Drive velocity_drive(double velocity, double max_effort) {
   return drive;
 }
 
-// Without a bound it would fight a stop with no end: it ends where the stop is. From beyond one it
-// goes back no faster than a stop pushes [rad/s], [m/s].
+// Without an effort limit the motor would exert an infinite effort against a joint limit, so its
+// target ends there. Beyond a joint limit it returns no faster than this speed [rad/s], [m/s].
 double within_stops(double velocity, const JointAxis& axis, double q, double dt) {
   constexpr double kReturn = 1.0;
   double low = (axis.lower - q) / dt, high = (axis.upper - q) / dt;
@@ -35,8 +35,8 @@ double within_stops(double velocity, const JointAxis& axis, double q, double dt)
   return std::clamp(velocity, low, high);
 }
 
-// Constant effort up to the speed limit, which is then held: a speed source at the limit that may
-// push no harder than asked.
+// Constant effort up to the speed limit, which is then held: a speed source at the limit whose
+// effort is limited to the target.
 Drive torque_drive(double effort, double max_speed, double max_effort) {
   const double bounded = clamp_to(effort, max_effort);
   if (max_speed < kInfinity)
@@ -50,11 +50,11 @@ Drive torque_drive(double effort, double max_speed, double max_effort) {
 Drive servo_drive(const Motor& motor, MotorState& state, double q, double last_effort, double dt,
                   double max_speed, double max_effort) {
   double error = state.target - q;
-  // Anti-windup by conditional integration: not while the drive is saturated in the error's
-  // direction.
+  // Anti-windup by conditional integration: the integral does not grow while the drive is saturated
+  // in the direction of the error.
   const bool saturated = std::abs(last_effort) >= max_effort * (1.0 - 1e-9);
   if (motor.ki > 0.0 && !(saturated && last_effort * error > 0.0)) state.integral += error * dt;
-  // A PD drive cruises at kp * error / kd: bounding the error bounds the speed.
+  // A PD drive reaches the speed kp * error / kd, so limiting the error limits the speed.
   if (max_speed < kInfinity && motor.kp > 0.0 && motor.kd > 0.0) {
     error = clamp_to(error, motor.kd * max_speed / motor.kp);
   }
@@ -67,7 +67,7 @@ Drive servo_drive(const Motor& motor, MotorState& state, double q, double last_e
   return drive;
 }
 
-// Current i = (V - ke g u) / R, effort g kt i: a damper of g^2 kt ke / R around the effort at rest.
+// Current i = (V - ke g u) / R, effort g kt i: the stall effort and a damping of g^2 kt ke / R.
 Drive dc_drive(const Motor& motor, double voltage, double max_effort) {
   const double per_ampere = motor.gear * motor.kt;
   Drive drive;
@@ -145,7 +145,7 @@ void make_drives(const SceneModel& model, const WorldState& state, double dt,
         drives[i] = torque_drive(target, max_speed, max_effort);
         break;
       case MotorMode::position: {
-        // A first-order approach; faster than one step would overshoot.
+        // First-order approach; a time constant below one step would overshoot.
         const double rate = (target - q) / std::max(motor.response, dt);
         drives[i] = velocity_drive(clamp_to(rate, max_speed), max_effort);
         break;

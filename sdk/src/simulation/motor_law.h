@@ -1,4 +1,4 @@
-// Turns what a motor aims at into the drive of one step.
+// Conversion of the target of a motor to the drive of one step.
 #pragma once
 
 #include <vector>
@@ -9,28 +9,29 @@
 
 namespace cogrsim {
 
-/// What a motor remembers.
+/// State of a motor.
 struct MotorState {
-  double target = 0.0;
-  double integral = 0.0;  ///< of a servo's position error [rad s] or [m s]
+  double target = 0.0;    ///< unit: see Motor
+  double integral = 0.0;  ///< of the position error of a servo [rad s] or [m s]
 };
 
-/// At time 0: the scene's target, else 0, or the joint's initial position for position and servo.
+/// The state at time 0: the target of the scene, or else 0, or the initial joint position in the
+/// position and servo modes.
 MotorState initial_motor_state(const SceneModel& model, const Motor& motor);
 
-/// `target` within what the motor can be asked for.
+/// Clamps a target to the limits of the motor.
 double clamp_target(const SceneModel& model, const Motor& motor, double target);
 
-/// The smaller of the motor's and its joint's bounds.
+/// The smaller of the limits of the motor and its joint.
 double motor_max_effort(const SceneModel& model, const Motor& motor);
 double motor_max_speed(const SceneModel& model, const Motor& motor);
 
-/// Where the driven coordinate and its speed stand in the flat arrays of a state.
+/// Indices of the driven coordinate and its speed in the flat arrays of a state.
 int motor_position_index(const SceneModel& model, const Motor& motor);
 int motor_speed_index(const SceneModel& model, const Motor& motor);
 
-/// The drives of all motors for a step of `dt`; advances the servos' integrals. `state` is the one
-/// before the step.
+/// Computes the drives of all motors for a step of `dt` [s] from the state before the step, and
+/// updates the integrals of the servos.
 void make_drives(const SceneModel& model, const WorldState& state, double dt,
                  std::vector<MotorState>& motors, std::vector<Drive>& drives);
 

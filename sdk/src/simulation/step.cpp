@@ -12,7 +12,7 @@ namespace cogrsim {
 
 namespace {
 
-/// A controller that reports every tick must not fill the memory.
+/// Limits the memory for the messages of a controller that reports in every update.
 constexpr std::size_t kMaxMessages = 1000;
 
 bool covers(const FrameContents& has, const FrameContents& wanted) {
@@ -22,14 +22,14 @@ bool covers(const FrameContents& has, const FrameContents& wanted) {
 
 }  // namespace
 
-struct Observation::Watcher {
+struct Observation::Slot {
   FrameContents contents;
-  Simulation::Observer observer;
+  Simulation::Observer call;
   bool ended = false;
 };
 
 void Observation::end() {
-  if (const auto watcher = watcher_.lock()) watcher->ended = true;
+  if (const auto slot = slot_.lock()) slot->ended = true;
 }
 
 void Simulation::Impl::get_state(WorldState& out) const {
@@ -45,7 +45,7 @@ const WorldState& Simulation::Impl::present_state() {
   if (!state_fresh) {
     if (world) {
       get_state(state);
-    } else {  // the physics was refused: handles still answer while mistakes are collected
+    } else {  // the world could not be built; handles still work while errors are collected
       state.poses.resize(model->bodies.size());
       state.twists.resize(model->bodies.size());
       state.joint_positions.assign(static_cast<std::size_t>(model->joint_positions), 0.0);
@@ -98,7 +98,7 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   copy_controller_outputs(*frame);
   frame->supervisor_outputs.resize(supervisors.size());
   for (std::size_t i = 0; i < supervisors.size(); ++i) {
-    if (supervisors[i].stage) frame->supervisor_outputs[i] = supervisors[i].stage->outputs();
+    if (supervisors[i].context) frame->supervisor_outputs[i] = supervisors[i].context->outputs();
   }
   cached = std::move(frame);
   cached_contents = wanted;
@@ -109,7 +109,7 @@ void Simulation::Impl::report(Severity severity, const std::string& source,
                               const std::string& message) {
   if (messages.size() > kMaxMessages) return;
   if (messages.size() == kMaxMessages) {
-    messages.push_back({time(), Severity::advice, "run", "more messages came and were not kept"});
+    messages.push_back({time(), Severity::warning, "run", "further messages are not stored"});
     return;
   }
   messages.push_back({time(), severity, source, message});
@@ -119,7 +119,7 @@ bool Simulation::Impl::wants_accelerations() const {
   return sensors.wants_accelerations() ||
          std::any_of(supervisors.begin(), supervisors.end(),
                      [](const SupervisorSlot& s) { return s.needs.accelerations; }) ||
-         std::any_of(watchers.begin(), watchers.end(),
+         std::any_of(observers.begin(), observers.end(),
                      [](const auto& w) { return w->contents.accelerations && !w->ended; });
 }
 
@@ -129,14 +129,15 @@ void Simulation::Impl::read_sensors() {
   sensing.show(frame_with(*needed));
   for (const SensorFault& fault : sensors.read(sensing)) {
     const std::string& name = model->sensors[static_cast<std::size_t>(fault.sensor)].name;
-    report(Severity::error, name, "sensor '" + name + "' cannot see: " + fault.error.text());
+    report(Severity::error, name, "sensor '" + name + "' cannot measure: " + fault.error.text());
   }
   sensing.hide();
 }
 
-// Once a run. Schemes of any order lose their way where a step is a good part of a turn; wheels on the
-// ground slip. Looked at from time to time only, as the state is not free of cost.
-void Simulation::Impl::watch_spin() {
+// Warns once in a run about rotations that are too fast for the time step: integrators of any order
+// lose accuracy if a body turns by a large angle in a step, and wheels slip. Checked only in some
+// steps, because reading the state has a cost.
+void Simulation::Impl::check_spin() {
   constexpr std::uint64_t kEvery = 64;  // steps
   constexpr double kMost = 0.5;         // [rad] in a step
   if (spin_reported || steps % kEvery != 1) return;
@@ -145,7 +146,7 @@ void Simulation::Impl::watch_spin() {
     const double turned = now.twists[i].angular.norm() * dt;
     if (model->bodies[i].removed || !(turned > kMost)) continue;
     spin_reported = true;
-    report(Severity::advice, model->bodies[i].name,
+    report(Severity::warning, model->bodies[i].name,
            fmt::format("body '{}' turns by {:.2g} rad in a step of {} ms: beyond {} rad engines "
                        "gain or lose energy; a step of {:.2g} ms keeps it below",
                        model->bodies[i].name, turned, 1e3 * dt, kMost, 1e3 * dt * kMost / turned));
@@ -154,20 +155,20 @@ void Simulation::Impl::watch_spin() {
 }
 
 void Simulation::Impl::show_frame() {
-  watchers.erase(std::remove_if(watchers.begin(), watchers.end(),
-                                [](const auto& watcher) { return watcher->ended; }),
-                 watchers.end());
-  if (watchers.empty()) return;
+  observers.erase(std::remove_if(observers.begin(), observers.end(),
+                                [](const auto& observer) { return observer->ended; }),
+                 observers.end());
+  if (observers.empty()) return;
   FrameContents needed;
-  for (const auto& watcher : watchers) needed = needed | watcher->contents;
+  for (const auto& observer : observers) needed = needed | observer->contents;
   if (needed.for_sensors) needed = needed | sensors.needs();
   const FramePtr frame = frame_with(needed);
-  for (const auto& watcher : watchers)
-    if (!watcher->ended) watcher->observer(frame);
+  for (const auto& observer : observers)
+    if (!observer->ended) observer->call(frame);
 }
 
 void Simulation::Impl::show_start() {
-  if (start_shown || watchers.empty()) return;
+  if (start_shown || observers.empty()) return;
   start_shown = true;
   show_frame();
 }
@@ -177,17 +178,17 @@ RunStatus Simulation::Impl::step() {
   const auto begin = [this] {
     if (status != RunStatus::running) return;
     show_start();
-    if (!living.memory.started) look_around();
+    if (!event_system.memory.started) detect_events();
     apply_due();
   };
   begin();
-  apply_commands();                     // also after the end: a Restart begins anew
-  if (!living.memory.started) begin();  // the new run
+  apply_commands();                     // also after the end, because of Restart
+  if (!event_system.memory.started) begin();  // the new run
   if (ending && paused && !single_step) status = RunStatus::stopped;
   if (status != RunStatus::running || (paused && !single_step)) return status;
   single_step = false;
   read_sensors();
-  run_minds();
+  run_controllers();
   if (status != RunStatus::running) return status;
   if (!model->motors.empty()) make_drives(*model, present_state(), dt, motors, drives);
   if (wants_accelerations()) {
@@ -206,7 +207,7 @@ RunStatus Simulation::Impl::step() {
     status = RunStatus::diverged;
     const std::string body =
         result.body >= 0 ? model->bodies[static_cast<std::size_t>(result.body)].name : "";
-    // Some engines name the body themselves; once is enough.
+    // Some engines already name the body in their message.
     const bool named = body.empty() || result.message.find("'" + body + "'") != std::string::npos;
     report(Severity::error, body.empty() ? "physics" : body,
            "diverged: " + (named ? "" : "body '" + body + "': ") + result.message);
@@ -215,12 +216,12 @@ RunStatus Simulation::Impl::step() {
   ++steps;
   ++steps_since_base;
   last_dt = dt;
-  watch_spin();
-  look_around();
+  check_spin();
+  detect_events();
   show_frame();
   events.clear();
   event_causes.clear();
-  living.memory.added_in_step = 0;
+  event_system.memory.added_in_step = 0;
   if (ending) status = RunStatus::stopped;
   return status;
 }
@@ -228,7 +229,7 @@ RunStatus Simulation::Impl::step() {
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Simulation::~Simulation() {
-  // Minds and sensors go before what they look at.
+  // Controllers and sensors are destroyed before the world that they use.
   impl_->controllers.clear();
   impl_->supervisors.clear();
   impl_->sensors.clear();
@@ -249,11 +250,11 @@ bool Simulation::paused() const { return impl_->paused; }
 FramePtr Simulation::frame() { return impl_->frame_with({true, true, true}); }
 
 Observation Simulation::observe(FrameContents contents, Observer observer) {
-  auto watcher = std::make_shared<Observation::Watcher>();
-  watcher->contents = contents;
-  watcher->observer = std::move(observer);
-  impl_->watchers.push_back(watcher);
-  return Observation(watcher);
+  auto slot = std::make_shared<Observation::Slot>();
+  slot->contents = contents;
+  slot->call = std::move(observer);
+  impl_->observers.push_back(slot);
+  return Observation(slot);
 }
 
 const std::vector<Channel>& Simulation::channels(int sensor) const {
@@ -267,7 +268,7 @@ RunStatus Simulation::run_until(double end_time) {
   Clock::time_point wall_start = Clock::now();
   double simulated_start = time();
   double speed = impl_->speed;
-  // Half a step of slack: the end is reached when the nearest boundary is.
+  // With a tolerance of half a step: the end is the nearest step boundary.
   while (impl_->status == RunStatus::running && time() + 0.5 * impl_->dt < end_time) {
     const double before = time();
     step();
@@ -284,7 +285,7 @@ RunStatus Simulation::run_until(double end_time) {
     const auto due =
         wall_start + std::chrono::duration_cast<Clock::duration>(
                          std::chrono::duration<double>((time() - simulated_start) / speed));
-    // In small naps, so that stop() is heard.
+    // Sleeps in short intervals, so that stop() takes effect.
     while (Clock::now() < due && !impl_->stop_requested.load()) {
       std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(10)));
     }

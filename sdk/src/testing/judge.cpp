@@ -13,8 +13,8 @@ namespace {
 
 using Kind = ExpectationModel::Kind;
 
-constexpr std::size_t kBefore = 3, kAfter = 2;  // samples kept around a failure
-constexpr int kSamples = 100;                   // of a whole run, so far apart are they
+constexpr std::size_t kBefore = 3, kAfter = 2;  // samples shown around a failure
+constexpr int kSamples = 100;                   // samples per run, which determines their spacing
 
 std::string seconds(double time) { return fmt::format("{:.6g} s", time); }
 
@@ -38,18 +38,18 @@ std::string expectation_text(const ExpectationModel& e) {
   return text;
 }
 
-/// One expectation being watched.
+/// Evaluation of one expectation.
 struct Watch {
   ExpectationModel model;
-  Condition condition;          // empty with `signals`
+  Condition condition;          // unused if there are `signals`
   std::vector<Signal> signals;  // compared with `equals`, or between runs
-  std::vector<Signal> shown;    // values beside the verdict
+  std::vector<Signal> shown;    // signals in the table of the verdict
   Verdict verdict;
   bool decided = false;
-  double spacing = 0.0;            // between samples kept
+  double spacing = 0.0;            // time between samples
   double next = 0.0, last = -1.0;  // time of the next sample; of the last frame
   std::deque<Verdict::Sample> before;
-  std::size_t after = 0;  // samples still wanted
+  std::size_t after = 0;  // number of samples still to be taken
   bool ever = false;      // the condition was known at least once
 
   bool complete() const { return decided && after == 0; }
@@ -92,7 +92,7 @@ struct Watch {
     }
   }
 
-  /// Of the condition, or of the signal near enough to `equals`.
+  /// Value of the condition, or whether the signal is close enough to `equals`.
   Truth truth(const Frame& frame) const {
     if (!model.equals) return condition.evaluate(frame);
     const double value = signals[0].evaluate(frame);
@@ -125,7 +125,7 @@ double norm_between(const std::vector<Signal>& signals, const Frame& a, const Fr
   double sum = 0.0;
   for (const Signal& signal : signals) {
     const double x = signal.evaluate(a), y = signal.evaluate(b);
-    if (std::isnan(x) && std::isnan(y)) continue;  // there in neither
+    if (std::isnan(x) && std::isnan(y)) continue;  // missing in both
     if (std::isnan(x) || std::isnan(y)) return std::numeric_limits<double>::quiet_NaN();
     sum += (x - y) * (x - y);
   }
@@ -152,13 +152,13 @@ Result<std::vector<Signal>> parse_agreement(const SignalScope& scope, const std:
   if (one) return std::vector<Signal>{*one};
   const std::string ending = ".position";
   const auto last = text.find_last_not_of(" \t\r\n");
-  const std::string word = last == std::string::npos ? text : text.substr(0, last + 1);
-  if (word.size() > ending.size() &&
-      word.compare(word.size() - ending.size(), ending.size(), ending) == 0) {
-    const std::string place = word.substr(0, word.size() - ending.size());
+  const std::string base = last == std::string::npos ? text : text.substr(0, last + 1);
+  if (base.size() > ending.size() &&
+      base.compare(base.size() - ending.size(), ending.size(), ending) == 0) {
+    const std::string pose = base.substr(0, base.size() - ending.size());
     std::vector<Signal> all;
     for (const char* axis : {".x", ".y", ".z"})
-      if (auto signal = Signal::parse(scope, place + axis)) all.push_back(std::move(*signal));
+      if (auto signal = Signal::parse(scope, pose + axis)) all.push_back(std::move(*signal));
     if (all.size() == 3) return all;
   }
   return tl::unexpected(one.error());
@@ -180,15 +180,15 @@ struct TestJudge::Impl {
     for (const Signal& signal : watch.signals)
       watch.ever = watch.ever || !std::isnan(signal.evaluate(first));
     for (std::size_t i = 1; i < frames.size(); ++i) {
-      const double apart = norm_between(watch.signals, first, *frames[i]);
-      if (apart <= watch.model.tolerance) continue;
+      const double error = norm_between(watch.signals, first, *frames[i]);
+      if (error <= watch.model.tolerance) continue;
       const std::string& unit = watch.signals[0].unit();
       watch.fail_here(
-          frames, std::isnan(apart)
-                      ? fmt::format("{} and {} part at {}: one of them has no value", runs[0],
+          frames, std::isnan(error)
+                      ? fmt::format("{} and {} diverge at {}: one of them has no value", runs[0],
                                     runs[i], seconds(first.time))
-                      : fmt::format("{} and {} part at {}: {} between them, {} allowed", runs[0],
-                                    runs[i], seconds(first.time), value_text(apart, unit),
+                      : fmt::format("{} and {} diverge at {}: {} between them, {} allowed", runs[0],
+                                    runs[i], seconds(first.time), value_text(error, unit),
                                     value_text(watch.model.tolerance, unit)));
       return;
     }
@@ -282,7 +282,7 @@ FrameContents TestJudge::needs() const {
 void TestJudge::see(const std::vector<FramePtr>& frames) {
   const double time = frames.front()->time;
   for (Watch& watch : impl_->watches) {
-    // A run that starts again is judged from its new start.
+    // A restarted run is evaluated from its new start.
     if (time <= watch.last && !watch.decided) watch.before.clear(), watch.next = time;
     watch.last = time;
     if (watch.complete()) continue;
@@ -345,8 +345,8 @@ std::vector<Verdict> TestJudge::finish(const std::string& early) {
 }
 
 std::string to_text(const Verdict& verdict, const SceneModel& model) {
-  const std::string place = place_of(model, verdict.origin);
-  std::string out = fmt::format("{}{}{}\n", place, place.empty() ? "" : ": ", verdict.expectation);
+  const std::string where = place_of(model, verdict.origin);
+  std::string out = fmt::format("{}{}{}\n", where, where.empty() ? "" : ": ", verdict.expectation);
   if (verdict.passed) return out;
   out += "  " + verdict.message + "\n";
   if (verdict.samples.empty() || verdict.columns.empty()) return out;

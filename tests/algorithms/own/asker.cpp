@@ -1,4 +1,4 @@
-// Asks for algorithms, and tells what it was given.
+// Requests algorithms, and reports what it received.
 #include <stdexcept>
 
 #include "cogrsim/algorithms/grid_planner.h"
@@ -21,10 +21,10 @@ class Asker final : public cogrsim::Controller {
   void update(const cogrsim::Tick&) override {
     planner_->set_grid(cogrsim::Grid(3, 3));
     const auto path = planner_->plan({0, 0}, {2, 2});
-    std::string told = path ? "path " + std::to_string(path->cells.size()) : path.error().message;
-    told += ", choices ";
-    for (int i = 0; i < 24; ++i) told += std::to_string(*learner_->choose(0, 4, true));
-    robot_->report(told);
+    std::string text = path ? "path " + std::to_string(path->cells.size()) : path.error().message;
+    text += ", choices ";
+    for (int i = 0; i < 24; ++i) text += std::to_string(*learner_->choose(0, 4, true));
+    robot_->report(text);
     const auto learnt = learner_->learn({0, 1, 1.0, 0, true, -1});
     if (!learnt) throw std::runtime_error(learnt.error().text());
   }

@@ -1,4 +1,4 @@
-// Drives straight to the goal and stops in front of what is in the way.
+// Drives straight to the goal and stops in front of obstacles.
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +20,7 @@ class Beeline final : public cogrsim::Steering {
     for (const cogrsim::PlanarPoint& point : task.obstacles) {
       if (std::hypot(point.x - task.pose.x, point.y - task.pose.y) < task.radius + clearance_) {
         command.stuck = true;
-        command.why = "something is in the way";
+        command.why = "an obstacle blocks the path";
         return command;
       }
     }

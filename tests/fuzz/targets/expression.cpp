@@ -2,9 +2,9 @@
 
 #include "cogrsim/core/random.h"
 #include "cogrsim/dsl/study.h"
-#include "element.h"
+#include "syntax/element.h"
 #include "targets.h"
-#include "value.h"
+#include "values/value.h"
 
 namespace cogrsim::fuzz {
 namespace {

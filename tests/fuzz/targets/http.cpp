@@ -12,7 +12,7 @@ namespace {
 
 using namespace studio;
 
-// Answers every text, so that the way out is taken too.
+// Answers every text, so that the output path is tested, too.
 class Echo final : public Inbox {
  public:
   explicit Echo(Outbox& out) : out_(out) {}
@@ -111,7 +111,7 @@ void http(std::string_view input) {
   require(answer.empty() || answer.rfind("HTTP/1.", 0) == 0, "an answer is HTTP");
   if (input.find("$TOKEN") == std::string_view::npos &&
       input.find("$VIEWER") == std::string_view::npos) {
-    require(answer.rfind("HTTP/1.1 101", 0) != 0, "nobody comes in without a token");
+    require(answer.rfind("HTTP/1.1 101", 0) != 0, "no connection without a token");
   }
 }
 

@@ -4,7 +4,7 @@
 namespace cogrsim::fuzz {
 
 void image(std::string_view input) {
-  // What a header promises is allocated: pictures of a page's size are enough to find faults.
+  // The size in a header is allocated: pictures of a page's size are enough to find faults.
   const Result<Image> read = decode_image(input);
   if (!read) {
     require(!read.error().message.empty(), "a refusal has a reason");

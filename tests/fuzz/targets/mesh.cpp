@@ -1,4 +1,4 @@
-#include "mesh_file.h"
+#include "assets/mesh_file.h"
 
 #include <cmath>
 

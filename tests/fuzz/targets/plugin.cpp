@@ -5,7 +5,7 @@
 namespace cogrsim::fuzz {
 
 void plugin(std::string_view input) {
-  // Nothing is loaded: a library that bears the right marks would run.
+  // Nothing is loaded: a library with the right marks would run.
   const MemoryFile file(input);
   const auto all = exported_symbols(file.path(), "");
   const auto ours = exported_symbols(file.path(), "cogrsim_");

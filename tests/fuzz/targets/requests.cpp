@@ -19,15 +19,15 @@ namespace fs = std::filesystem;
 
 constexpr ClientId kOperator = 1, kViewer = 2;
 
-// Counts the answers, and looks whether what is sent can be read.
+// Counts the answers, and checks that they can be parsed.
 class Page final : public Outbox {
  public:
   void send(ClientId, std::string text) override {
-    const Json told = Json::parse(text, nullptr, false);
-    require(told.is_object(), "what is told is an object");
-    if (!told.contains("ok")) return;
-    require(told["ok"].is_boolean() && told.contains("id"), "an answer says whether, and to what");
-    require(told["ok"] == true || told["error"]["message"].is_string(), "a refusal has a reason");
+    const Json answer = Json::parse(text, nullptr, false);
+    require(answer.is_object(), "an answer is an object");
+    if (!answer.contains("ok")) return;
+    require(answer["ok"].is_boolean() && answer.contains("id"), "an answer has ok and id");
+    require(answer["ok"] == true || answer["error"]["message"].is_string(), "a refusal has a reason");
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       ++answers_;
@@ -35,7 +35,7 @@ class Page final : public Outbox {
     changed_.notify_all();
   }
   void send_all(std::string text) override {
-    require(!Json::parse(text, nullptr, false).is_discarded(), "what is told to all is JSON");
+    require(!Json::parse(text, nullptr, false).is_discarded(), "a published message is JSON");
   }
   void offer_frame(ClientId, Bytes frame) override { require(frame->size() >= 40, "a frame"); }
   void offer_picture(ClientId, const std::string&, Bytes) override {}
@@ -54,7 +54,7 @@ class Page final : public Outbox {
   std::size_t answers_ = 0;
 };
 
-// A run of a few steps on file, made once.
+// A recorded run of a few steps, made once.
 const std::string& recorded_run() {
   static const std::string path = [] {
     const std::string file = scratch_folder() + "/run.mcap";

@@ -16,7 +16,7 @@ constexpr const char* kPart = R"xml(<scene name="part" version="1">
     <cylinder name="wheel" radius="${r}" length="1 cm" mass="0.1" material="rubber"/></prototype>
 </scene>)xml";
 
-// Something to import and to load beside the scene.
+// Files to import and to load beside the scene.
 void put_files() {
   static const bool done = [] {
     const std::filesystem::path folder = scratch_folder();
@@ -37,7 +37,7 @@ void scene(std::string_view input) {
   dsl_test::FakeCatalog catalog;
   dsl::CompileOptions options;
   options.plugins = &catalog;
-  // A file that multiplies is given up sooner, so that many files are tried in a second.
+  // A file that multiplies elements is refused sooner, so that many files are tested per second.
   options.limits.expanded_elements = 2000;
   options.limits.files = 16;
   const std::string name = scratch_folder() + "/t.scene.xml";

@@ -9,7 +9,7 @@
 namespace cogrsim::fuzz {
 namespace {
 
-// As a clever forger would: the sum that stands in the file fits its content.
+// As a clever forger would: the checksum in the file fits its content.
 std::string with_sum(std::string_view input) {
   using Json = nlohmann::ordered_json;
   Json file = Json::parse(input, nullptr, false);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "cogrsim/core/constants.h"
-#include "cogrsim/model/hull_faces.h"
+#include "cogrsim/geometry/hull_faces.h"
 
 namespace cogrsim::test {
 
@@ -53,7 +53,7 @@ double least_overlap(const Extent& a, const Extent& b, int count) {
   double least = tries.front().overlap;
   for (std::ptrdiff_t i = 0; i < kImproved; ++i) {
     Try best = tries[static_cast<std::size_t>(i)];
-    double turn = 0.0;  // another one each time: a valley may lead between eight directions
+    double turn = 0.0;  // a different one each time: a valley may lie between eight directions
     for (double step = 0.05; step > 1e-7; turn += 1.0) {
       const Vec3 x = best.n.unitOrthogonal(), y = best.n.cross(x);
       bool better = false;
@@ -114,9 +114,9 @@ Quat random_turn(RandomStream& random) {
   return {q[0], q[1], q[2], q[3]};
 }
 
-Pose random_pose(RandomStream& random, double reach) {
-  const Vec3 p(random.uniform(-reach, reach), random.uniform(-reach, reach),
-               random.uniform(-reach, reach));
+Pose random_pose(RandomStream& random, double extent) {
+  const Vec3 p(random.uniform(-extent, extent), random.uniform(-extent, extent),
+               random.uniform(-extent, extent));
   return {p, random_turn(random)};
 }
 

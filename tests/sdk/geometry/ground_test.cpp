@@ -1,4 +1,4 @@
-// Planes, heightmaps and meshes: what is in them, and how deep.
+// Planes, heightmaps and meshes: penetration of shapes.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -6,8 +6,8 @@
 
 #include "brute_force.h"
 #include "cogrsim/core/constants.h"
+#include "cogrsim/geometry/triangles.h"
 #include "geometry/inside_shape.h"
-#include "geometry/triangles.h"
 
 using namespace cogrsim;
 using namespace cogrsim::test;
@@ -52,7 +52,7 @@ double height_on(const geometry::Triangle& t, double x, double y) {
   return t[0].z() - (n.x() * (x - t[0].x()) + n.y() * (y - t[0].y())) / n.z();
 }
 
-// Points of a convex shape's boundary: where directions spread over the sphere are reached.
+// Points of a convex shape's boundary: the support points of directions spread over the sphere.
 std::vector<Vec3> boundary(const SceneModel& model, const Shape& shape, const Pose& X, int count) {
   std::vector<Vec3> out;
   const double golden = kPi * (3.0 - std::sqrt(5.0));
@@ -61,7 +61,8 @@ std::vector<Vec3> boundary(const SceneModel& model, const Shape& shape, const Po
   for (int i = 0; i < count; ++i) {
     const double z = 1.0 - (2.0 * i + 1.0) / count, r = std::sqrt(1.0 - z * z);
     const Vec3 d(r * std::cos(golden * i), r * std::sin(golden * i), z);
-    // From the middle to where it ends: bisection, by whether some direction parts point and shape.
+    // From the centre to the boundary: bisection, by whether some direction separates point and
+    // shape.
     double in = 0.0, out_at = 2.0;
     for (int k = 0; k < 40; ++k) {
       const double at = 0.5 * (in + out_at);
@@ -93,7 +94,7 @@ TEST_CASE("the ground of a heightmap lies on its triangles, not between the four
     CHECK(geometry::inside_shape(model, shape, {x, y, ground - 1e-6}));
     CHECK_FALSE(geometry::inside_shape(model, shape, {x, y, ground + 1e-6}));
   }
-  // The saddle that tells the two apart: bilinear it is 0.5 in the middle, its diagonal is 0.
+  // The saddle that distinguishes the two: bilinear it is 0.5 in the middle, its diagonal is 0.
   HeightGrid saddle;
   saddle.columns = saddle.rows = 2;
   saddle.heights = {0.0, 1.0, 1.0, 0.0};
@@ -103,7 +104,7 @@ TEST_CASE("the ground of a heightmap lies on its triangles, not between the four
   CHECK(geometry::ground_height(saddle, 0.500001, 0.0) == -kInfinity);
 }
 
-TEST_CASE("the triangles near a box are those that are not apart from it") {
+TEST_CASE("the triangles near a box are those not separated from it") {
   RandomStream random(4, "near");
   const HeightGrid grid = hills(random, 0.1);
   for (int i = 0; i < 200; ++i) {
@@ -123,7 +124,7 @@ TEST_CASE("the triangles near a box are those that are not apart from it") {
   }
 }
 
-TEST_CASE("every convex kind is as deep in a plane as it reaches below it") {
+TEST_CASE("the penetration of every convex shape in a plane is its extent below it") {
   RandomStream random(5, "plane");
   Shape plane;
   plane.type = ShapeType::plane;
@@ -145,7 +146,7 @@ TEST_CASE("every convex kind is as deep in a plane as it reaches below it") {
   CHECK(deep > 50);
 }
 
-TEST_CASE("a shape is as deep in a heightmap as it must be lifted") {
+TEST_CASE("the penetration in a heightmap is the lift that separates the shape") {
   // Between the points of a boundary that are compared the ground may be higher by the slope times
   // their distance: 1 m sqrt(4 pi / 4000) < 0.06 m apart, a slope of 0.6 for ground and shape each.
   constexpr int kPoints = 4000;
@@ -159,7 +160,7 @@ TEST_CASE("a shape is as deep in a heightmap as it must be lifted") {
       const HeightGrid grid = hills(random, 0.15);
       const Shape ground = heightmap(model, grid);
       Pose X_GS = random_pose(random, 0.8);
-      if (trial == 0) X_GS.p.z() = -3.0;  // buried, and not near any triangle
+      if (trial == 0) X_GS.p.z() = -3.0;  // below the ground, and not near any triangle
       const Pose X_WG = random_pose(random, 4.0), X_WS = X_WG * X_GS;
       double lift = -kInfinity;
       for (const Vec3& p : boundary(model, shape, X_GS, kPoints))
@@ -171,7 +172,7 @@ TEST_CASE("a shape is as deep in a heightmap as it must be lifted") {
       if (lift <= 0.0) continue;
       ++deep;
       CHECK((in.normal - X_WG.q * Vec3::UnitZ()).norm() < 1e-12);
-      // Lifted by so much it touches and no more; by less it does not.
+      // Lifted by this distance it just touches; by less it still penetrates.
       const auto lifted = [&](double by) {
         const Pose X(X_WS.p + by * in.normal, X_WS.q);
         return penetration(model, ground, X_WG, shape, X).depth;
@@ -182,7 +183,7 @@ TEST_CASE("a shape is as deep in a heightmap as it must be lifted") {
   CHECK(deep >= 15);
 }
 
-TEST_CASE("a shape is as deep in a mesh as in the triangle it is deepest in") {
+TEST_CASE("the penetration in a mesh is that of the deepest triangle") {
   RandomStream random(8, "mesh");
   int deep = 0;
   for (const std::string& kind : convex_kinds())
@@ -205,7 +206,7 @@ TEST_CASE("a shape is as deep in a mesh as in the triangle it is deepest in") {
       }
       INFO(kind << ", trial " << trial);
       const auto in = penetration(model, ground, X_WG, shape, X_WS);
-      // What is tried is never below the truth, and comes near to it.
+      // The tried value is never below the true one, and close to it.
       CHECK(in.depth <= tried * (1.0 + 1e-4) + 1e-8);
       CHECK(in.depth >= tried * (1.0 - 1e-3) - 1e-6);
       if (in.depth > 1e-6) ++deep;
@@ -213,7 +214,7 @@ TEST_CASE("a shape is as deep in a mesh as in the triangle it is deepest in") {
   CHECK(deep > 15);
 }
 
-TEST_CASE("what stands exactly on ground is not in it") {
+TEST_CASE("a shape that rests exactly on ground does not penetrate it") {
   SceneModel model;
   HeightGrid flat;
   flat.columns = flat.rows = 5;
@@ -240,7 +241,7 @@ TEST_CASE("what stands exactly on ground is not in it") {
       }
 }
 
-TEST_CASE("what a closed mesh holds touches nothing, and ground touches no ground") {
+TEST_CASE("a shape inside a closed mesh touches nothing, and ground touches no ground") {
   SceneModel model;
   HeightGrid flat;
   flat.columns = flat.rows = 2;

@@ -1,4 +1,4 @@
-// Which bodies of a scene are compared, and found.
+// Which pairs of bodies are compared, and found to overlap.
 #include <catch2/catch.hpp>
 
 #include <map>
@@ -66,7 +66,7 @@ TEST_CASE("the tree of boxes loses no pair of a heap") {
   }
 }
 
-TEST_CASE("what is joined, kept apart or without a collision is not compared") {
+TEST_CASE("joined, filtered and non-colliding bodies are not compared") {
   const auto count = [](const std::function<void(ModelBuilder&)>& change) {
     ModelBuilder builder("two");
     builder.cylinder("a", 0.5, 1.0, 1.0, at(0, 0, 0));
@@ -99,7 +99,7 @@ TEST_CASE("normal and point say where two bodies meet") {
   CHECK((found.pairs[0].point - Vec3(0, 0, 0.45)).norm() < 1e-9);
 }
 
-TEST_CASE("models made to be slow are given up, and say so") {
+TEST_CASE("checks of models made to be slow are aborted and reported") {
   Shape rod;
   rod.type = ShapeType::cylinder;
   const auto rods = [&](int bodies, int shapes, const Pose& X, const Vec3& step) {
@@ -121,7 +121,7 @@ TEST_CASE("models made to be slow are given up, and say so") {
   const geometry::Overlaps near = rods(3000, 1, X, {0, 0.001, 0});
   CHECK(near.pairs.empty());
   CHECK_FALSE(near.complete);
-  // Two bodies of many in the same place, where each comparison takes long.
+  // Two bodies of many shapes at the same position, where each comparison takes long.
   rod.radius = 1.0;
   const geometry::Overlaps same = rods(2, 1000, {}, Vec3::Zero());
   CHECK(same.pairs.size() == 1);

@@ -1,4 +1,4 @@
-// Depths of convex shapes in each other, against directions tried one by one and closed forms.
+// Penetration depths of convex shapes, against brute-force directions and closed forms.
 #include <catch2/catch.hpp>
 
 #include "brute_force.h"
@@ -32,7 +32,7 @@ double depth(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB)
   return penetration(SceneModel(), a, X_WA, b, X_WB).depth;
 }
 
-/// Two shapes, at places far from each other's frames, keep their depth wherever the pair stands.
+/// Two shapes keep their penetration depth at any pose of the pair.
 void check_everywhere(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                       double expected, double tolerance) {
   RandomStream random(1, "everywhere");
@@ -46,7 +46,7 @@ void check_everywhere(const Shape& a, const Pose& X_WA, const Shape& b, const Po
 }  // namespace
 
 TEST_CASE("the depth of every pair of convex kinds is the least overlap of all directions") {
-  int deep = 0, apart = 0;
+  int deep = 0, separated = 0;
   for (std::size_t i = 0; i < convex_kinds().size(); ++i)
     for (std::size_t j = i; j < convex_kinds().size(); ++j) {
       RandomStream random(7, convex_kinds()[i] + convex_kinds()[j]);
@@ -55,7 +55,7 @@ TEST_CASE("the depth of every pair of convex kinds is the least overlap of all d
         SceneModel model;
         const Shape a = convex_shape(convex_kinds()[i], random, model);
         const Shape b = convex_shape(convex_kinds()[j], random, model);
-        // From one inside the other to out of reach.
+        // From one inside the other to separated.
         const Pose X_WA = random_pose(random, 3.0);
         const Pose X_AB = random_pose(random, 0.1 + 0.05 * trial);
         const Pose X_WB = X_WA * X_AB;
@@ -66,10 +66,10 @@ TEST_CASE("the depth of every pair of convex kinds is the least overlap of all d
         REQUIRE(in.normal.norm() == Approx(1.0));
         if (in.depth <= 0.0) {
           CHECK(tried <= kAbsolute);
-          ++apart;
+          ++separated;
           continue;
         }
-        // The way out that is given is one, and there is none shorter.
+        // The given separation separates them, and there is none shorter.
         CHECK(overlap_along(A, B, in.normal) == Approx(in.depth).epsilon(1e-6).margin(kAbsolute));
         CHECK(in.depth <= tried * (1.0 + kRelative) + kAbsolute);
         CHECK(tried > 0.0);
@@ -79,14 +79,14 @@ TEST_CASE("the depth of every pair of convex kinds is the least overlap of all d
       }
     }
   CHECK(deep > 150);
-  CHECK(apart > 50);
+  CHECK(separated > 50);
 }
 
-TEST_CASE("shapes that stand in each other regularly have the depth of the closed form") {
+TEST_CASE("shapes in regular configurations have the depth of the closed form") {
   const Pose here;
   const Pose beside({0.3, 0.0, 0.0}, Quat(1, 0, 0, 0));
   const Quat quarter(Eigen::AngleAxisd(1.5707963267948966, Vec3::UnitX()));
-  // The same place: out through the nearest side.
+  // The same position: out through the nearest side.
   check_everywhere(box(1, 2, 3), here, box(1, 2, 3), here, 1.0, kAbsolute);
   check_everywhere(box(1, 2, 3), here, box(0.1, 0.1, 0.1), here, 0.55, kAbsolute);
   check_everywhere(box(1, 1, 1), here, box(1, 1, 1), beside, 0.7, kAbsolute);
@@ -100,7 +100,7 @@ TEST_CASE("shapes that stand in each other regularly have the depth of the close
   check_everywhere(pill, here, pill, Pose({0, 0, 1.3}, Quat(1, 0, 0, 0)), 0.1, kAbsolute);
   check_everywhere(pill, here, pill, here, 0.4, kAbsolute);
   check_everywhere(pill, here, pill, Pose({0.1, 0, 0.4}, Quat(1, 0, 0, 0)), 0.3, kAbsolute);
-  // Cylinders with one axis: sideways the way out is the same all round.
+  // Cylinders with one axis: sideways the separation is the same all around.
   const Shape log = round(ShapeType::cylinder, 0.3, 2.0);
   check_everywhere(log, here, round(ShapeType::cylinder, 0.1, 2.0), here, 0.4, 0.4 * kRelative);
   check_everywhere(log, here, log, Pose({0, 0, 1.9}, Quat(1, 0, 0, 0)), 0.1, 1e-8);
@@ -109,7 +109,7 @@ TEST_CASE("shapes that stand in each other regularly have the depth of the close
   check_everywhere(log, here, pill, here, 0.5, 0.5 * kRelative);
 }
 
-TEST_CASE("what touches exactly has no depth that counts") {
+TEST_CASE("exact contact has no penetration") {
   const Quat straight(1, 0, 0, 0);
   const Quat eighth(Eigen::AngleAxisd(0.7853981633974483, Vec3::UnitX()));
   const Pose here;

@@ -1,5 +1,5 @@
 // An S3 store for the tests: s3rver keeps the objects, and in front of it every request is signed
-// again by the signer of Amazon's own SDK. What was not signed the same way is refused, and so is a
+// again by the signer of Amazon's own SDK. A request with another signature is refused, and so is a
 // body that is not what its hash says; s3rver itself does not look at version 4 signatures.
 //
 // node s3.mjs FOLDER BUCKET SECRET REGION [no-conditions]
@@ -10,7 +10,7 @@ import { Sha256 } from "@aws-crypto/sha256-js";
 import { SignatureV4 } from "@smithy/signature-v4";
 import S3rver from "s3rver";
 
-const [folder, bucket, secret, region, ...words] = process.argv.slice(2);
+const [folder, bucket, secret, region, ...options] = process.argv.slice(2);
 const store = new S3rver({
   address: "127.0.0.1",
   port: 0,
@@ -87,7 +87,7 @@ const server = http.createServer((request, response) => {
     const body = Buffer.concat(pieces);
     const fault = await judge(request, body);
     if (fault) return refuse(response, 403, ...fault);
-    if (words.includes("no-conditions") && request.headers["if-none-match"]) {
+    if (options.includes("no-conditions") && request.headers["if-none-match"]) {
       return refuse(response, 501, "NotImplemented", "a header is not implemented");
     }
     const headers = { ...request.headers, "content-length": body.length };

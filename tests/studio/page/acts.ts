@@ -6,12 +6,12 @@ import { basename, dirname, join } from "node:path";
 import { inflateSync } from "node:zlib";
 import { repository, StudioServer, test, visit } from "./harness";
 
-/** What is told or answered: JSON of PROTOCOL.md. */
+/** Published messages and answers: JSON of PROTOCOL.md. */
 // eslint-disable-next-line @typescript-eslint/no-explicit-any
 export type Json = any;
 
 /** A server on a copy of a scene: a path in the repository, or the text of a scene. */
-export async function serve(scene: string, words: string[] = [], port = 0): Promise<StudioServer> {
+export async function serve(scene: string, options: string[] = [], port = 0): Promise<StudioServer> {
   const folder = mkdtempSync(join(tmpdir(), "studio-"));
   let file = join(folder, "test.scene.xml");
   if (scene.trimStart().startsWith("<")) {
@@ -20,7 +20,7 @@ export async function serve(scene: string, words: string[] = [], port = 0): Prom
     cpSync(dirname(join(repository, scene)), folder, { recursive: true });
     file = join(folder, basename(scene));
   }
-  const server = new StudioServer(file, words);
+  const server = new StudioServer(file, options);
   await server.start(port);
   return server;
 }
@@ -37,10 +37,10 @@ export interface Fresh {
 }
 
 /** A server and a page of its own for each test of a file: none finds what another left. */
-export function fresh(scene: string, ...words: string[]): Fresh {
+export function fresh(scene: string, ...options: string[]): Fresh {
   const both = {} as Fresh;
   test.beforeEach(async ({ page }) => {
-    both.server = await serve(scene, words);
+    both.server = await serve(scene, options);
     both.page = page;
     await visit(page, both.server);
   });
@@ -50,7 +50,7 @@ export function fresh(scene: string, ...words: string[]): Fresh {
 
 /**
  * A second client, on a WebSocket that the page itself opens: what is quicker said than clicked. Waits for the answer.
- * Keeps the last of every tell, and the poses of the last frame.
+ * Keeps the last message of every topic, and the poses of the last frame.
  */
 export async function ask(page: Page, what: string, fields: Record<string, unknown> = {}): Promise<Json> {
   return page.evaluate(
@@ -60,14 +60,14 @@ export async function ask(page: Page, what: string, fields: Record<string, unkno
         ready: Promise<void>;
         next: number;
         waiting: Map<number, (answer: unknown) => void>;
-        tells: Record<string, unknown>;
+        topics: Record<string, unknown>;
         newest: number; // version of the text that an answer has named
       }
       const holder = window as unknown as { second?: Second };
       if (!holder.second || holder.second.socket.readyState > 1) {
         const socket = new WebSocket(`ws://${location.host}/socket`, ["cogrsim-studio", sessionStorage.getItem("cogrsim:key") ?? ""]);
         socket.binaryType = "arraybuffer";
-        const second: Second = { socket, ready: Promise.resolve(), next: 1, waiting: new Map(), tells: {}, newest: 0 };
+        const second: Second = { socket, ready: Promise.resolve(), next: 1, waiting: new Map(), topics: {}, newest: 0 };
         second.ready = new Promise((done, failed) => {
           second.waiting.set(0, () => done());
           socket.onopen = () => socket.send(JSON.stringify({ id: 0, do: "hello" }));
@@ -79,13 +79,13 @@ export async function ask(page: Page, what: string, fields: Record<string, unkno
             const frame = view.getUint8(0) === 1;
             if (frame) {
               const poses = Array.from(new Float32Array((data as ArrayBuffer).slice(40, 40 + 28 * view.getUint32(24, true))));
-              second.tells.frame = { time: view.getFloat64(8, true), scene: view.getUint32(4, true), poses };
+              second.topics.frame = { time: view.getFloat64(8, true), scene: view.getUint32(4, true), poses };
             }
             socket.send(frame ? "a" : "p");
             return;
           }
-          const message = JSON.parse(data) as { id?: number; tell?: string; version?: unknown };
-          if (message.tell) second.tells[message.tell] = message;
+          const message = JSON.parse(data) as { id?: number; topic?: string; version?: unknown };
+          if (message.topic) second.topics[message.topic] = message;
           else {
             if (message.id! > 0 && typeof message.version === "number") second.newest = message.version;
             second.waiting.get(message.id!)?.(message);
@@ -95,7 +95,7 @@ export async function ask(page: Page, what: string, fields: Record<string, unkno
       }
       const { second } = holder;
       await second.ready;
-      if (what === "tells") return { ...second.tells, newest: second.newest };
+      if (what === "topics") return { ...second.topics, newest: second.newest };
       const id = second.next++;
       return new Promise((done) => {
         second.waiting.set(id, done);
@@ -109,32 +109,32 @@ export async function ask(page: Page, what: string, fields: Record<string, unkno
 /** How often one looks whether something has come [ms]. */
 export const kOften = [10, 20, 40, 80, 160];
 
-/** The last that the second client was told: "status", "scene", "document", "tree", "problems", "frame". */
-export async function told(page: Page, what: string): Promise<Json> {
-  return (await ask(page, "tells"))[what];
+/** The last message of a topic that the second client received: "status", "scene", "document", "tree", "problems", "frame". */
+export async function published(page: Page, what: string): Promise<Json> {
+  return (await ask(page, "topics"))[what];
 }
 
-/** Waits until what was told is as it should be. */
-export async function until(page: Page, what: string, good: (tell: Json) => boolean, why: string): Promise<Json> {
+/** Waits until the last message of a topic is as it should be. */
+export async function until(page: Page, what: string, good: (message: Json) => boolean, why: string): Promise<Json> {
   let last: Json;
   await expect
     .poll(async () => {
-      last = await told(page, what);
+      last = await published(page, what);
       return last !== undefined && good(last);
     }, { message: why, timeout: 30_000, intervals: kOften })
     .toBe(true);
   return last;
 }
 
-/** The tree of the newest text, when it has been compiled. What an answer has named as newest may be told after it. */
+/** The tree of the newest text, when it has been compiled. What an answer has named as newest may be published after it. */
 export async function tree(page: Page): Promise<{ version: number; elements: Json[] }> {
   let found: Json;
   await expect
     .poll(async () => {
-      const tells = await ask(page, "tells");
-      found = tells.tree;
-      const versions = [tells.document, tells.tree, tells.problems].map((told) => told?.version as number | undefined);
-      return versions[0] !== undefined && versions[0] >= tells.newest && versions.every((v) => v === versions[0]);
+      const topics = await ask(page, "topics");
+      found = topics.tree;
+      const versions = [topics.document, topics.tree, topics.problems].map((message) => message?.version as number | undefined);
+      return versions[0] !== undefined && versions[0] >= topics.newest && versions.every((v) => v === versions[0]);
     }, { message: "the tree of the newest text", intervals: kOften })
     .toBe(true);
   return found;
@@ -146,7 +146,7 @@ export async function edit(page: Page, label: string, make: (elements: Json[]) =
   return ask(page, "edit", { version, label, ops: make(elements) });
 }
 
-/** Writes the whole text anew. */
+/** Replaces the whole text. */
 export async function write(page: Page, text: string): Promise<Json> {
   const { version } = await tree(page);
   const answer = await ask(page, "set-text", { version, text });
@@ -271,5 +271,5 @@ export async function layout(page: Page, name: "Run" | "Edit" | "Analyse" | "Com
 /** Waits for the text that is now the scene's. */
 export async function text_of(page: Page): Promise<string> {
   await tree(page);
-  return (await told(page, "document")).text;
+  return (await published(page, "document")).text;
 }

@@ -124,7 +124,7 @@ test("box plot, histogram and surface", async () => {
   }
 });
 
-test("two engines side by side: a ghost, how far they are apart, and where they part first", async () => {
+test("two engines side by side: a ghost, how far they diverge, and where first", async () => {
   const { page } = its;
   await layout(page, "Compare");
   await ask(page, "stop");
@@ -142,7 +142,7 @@ test("two engines side by side: a ghost, how far they are apart, and where they 
   const answer = await ask(page, "divergence");
   expect(answer.worst.at(-1)).toBeGreaterThan(0.001);
   expect(answer.first).not.toBeNull();
-  await page.getByRole("button", { name: "Go to the first parting" }).click();
+  await page.getByRole("button", { name: "Go to the first divergence" }).click();
   await expect.poll(() => view.getAttribute("data-time").then(Number)).toBeLessThan(answer.first.time + 0.011);
   await keep(page, "compared");
   const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save divergence as CSV" }).click()]);

@@ -1,4 +1,4 @@
-// A run in one page, as somebody opens it who was sent it: from a file, without a network.
+// A run in one page, as its recipient opens it: from a file, without a network.
 import { type Page } from "@playwright/test";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
@@ -10,7 +10,7 @@ import { expect, keep, program, test } from "./harness";
 
 const kEvil = "</script></title><img src=x onerror=alert(1)>";
 const kEscaped = "&lt;/script>&lt;/title>&lt;img src=x onerror=alert(1)>";
-/** Nothing in its way: z = 4 m - g t^2 / 2, 0.9 m at the end. The post makes the whole fall fit into the picture. */
+/** Free fall: z = 4 m - g t^2 / 2, 0.9 m at the end. The post makes the whole fall fit into the picture. */
 const kFall = `<?xml version="1.0" encoding="UTF-8"?>
 <scene name="${kEscaped}" version="1">
   <!-- ${kEvil} -->
@@ -42,12 +42,12 @@ function watch(page: Page, file: string): string[] {
 }
 
 /** A file name that is text, too. */
-function bundled(scene: string, words: string[] = []): { file: string; folder: string } {
+function bundled(scene: string, options: string[] = []): { file: string; folder: string } {
   const folder = mkdtempSync(join(tmpdir(), "bundle-"));
   const source = join(folder, "<img src=x onerror=alert(1)>.scene.xml");
   const file = join(folder, "run.html");
   writeFileSync(source, scene);
-  execFileSync(program, ["bundle", source, "-o", file, ...words], { stdio: "pipe" });
+  execFileSync(program, ["bundle", source, "-o", file, ...options], { stdio: "pipe" });
   rmSync(source);
   expect(readdirSync(folder)).toEqual(["run.html"]);
   return { file, folder };

@@ -1,6 +1,6 @@
-// The scene's text beside the picture: errors where they are, the last good scene goes on, completion, both ways.
+// The scene's text beside the picture: errors where they are, the last good scene keeps running, completion, both directions.
 import { expect, keep, test } from "./harness";
-import { ask, fresh, kOften, layout, row, text_of, told, until, write, type Json } from "./acts";
+import { ask, fresh, kOften, layout, row, text_of, published, until, write, type Json } from "./acts";
 
 const kScene = `<scene name="text" version="1">
   <physics backend="bullet" step="5 ms" duration="3600 s"/>
@@ -18,9 +18,9 @@ test.beforeEach(async () => {
 });
 
 /** Puts the cursor behind a word in the editor, as one would with the mouse and the keys. */
-async function cursor_behind(word: string): Promise<void> {
+async function cursor_behind(text_before: string): Promise<void> {
   const { page } = its;
-  const at = await page.locator(".cm-content").evaluate((content, word) => {
+  const at = await page.locator(".cm-content").evaluate((content, text_before) => {
     const walk = document.createTreeWalker(content, NodeFilter.SHOW_TEXT);
     let text = "";
     const nodes: [Text, number][] = [];
@@ -28,34 +28,34 @@ async function cursor_behind(word: string): Promise<void> {
       nodes.push([walk.currentNode as Text, text.length]);
       text += walk.currentNode.textContent;
     }
-    const end = text.indexOf(word) + word.length;
+    const end = text.indexOf(text_before) + text_before.length;
     const [node, start] = nodes.find(([n, s]) => s < end && end <= s + n.length)!;
     const range = document.createRange();
     range.setStart(node, end - start - 1);
     range.setEnd(node, end - start);
     const box = range.getBoundingClientRect();
     return [box.right, box.top + box.height / 2];
-  }, word);
+  }, text_before);
   await page.mouse.click(at[0]! - 1, at[1]!);
 }
 
-test("broken text is underlined at its place, the old scene goes on, and the mark goes when it is mended", async () => {
+test("broken text is underlined at its position, the old scene keeps running, and the mark goes with the error", async () => {
   const { page } = its;
   await ask(page, "play");
-  const scene = (await told(page, "scene")).scene;
+  const scene = (await published(page, "scene")).scene;
   await cursor_behind('mass="3 kg');
   await page.keyboard.type("x");
   const mark = page.locator(".cm-lintRange-error");
   await expect(mark).toHaveText("kgx");
-  const problems = await until(page, "problems", (p) => p.problems.length > 0, "the problem is told");
+  const problems = await until(page, "problems", (p) => p.problems.length > 0, "the problem is reported");
   expect(problems.problems[0]).toMatchObject({ line: 5, column: kScene.split("\n")[4]!.indexOf("kg\"") + 1, length: 3 });
   await mark.hover();
   await expect(page.locator(".cm-tooltip .cm-diagnostic")).toContainText("kgx");
   await keep(page, "broken_text");
-  // The old scene runs, and time goes on.
-  const { time } = await told(page, "status");
+  // The old scene keeps running.
+  const { time } = await published(page, "status");
   await until(page, "status", (s) => s.state === "playing" && s.time > time + 0.05, "the last good scene runs");
-  expect((await told(page, "scene")).scene).toBe(scene);
+  expect((await published(page, "scene")).scene).toBe(scene);
   await expect(page.getByTestId("problem-count")).toBeVisible();
   await expect(row(page, "crate box")).toBeVisible();
 
@@ -93,9 +93,9 @@ test("an edit in the text shows in 3D, and one in the forms changes just its lin
   await page.getByTestId("view3d").click({ position: { x: 5, y: 5 } });
   for (let i = 0; (await text_of(page)) !== kScene; ++i) {
     expect(i).toBeLessThan(3);
-    const { version } = await told(page, "document");
+    const { version } = await published(page, "document");
     await page.keyboard.press("Control+z");
-    await expect.poll(async () => (await told(page, "document")).version, { intervals: kOften }).toBeGreaterThan(version);
+    await expect.poll(async () => (await published(page, "document")).version, { intervals: kOften }).toBeGreaterThan(version);
   }
   await expect(page.locator(".cm-content")).toContainText('xyz="0 0 0.2"');
 });
@@ -113,7 +113,7 @@ test("completion and help come from the schema", async () => {
   await expect(page.locator(".cg-code-hover")).toContainText("<physics>");
 });
 
-test("a click in the console goes to the place", async () => {
+test("a click in the console goes to the line", async () => {
   const { page } = its;
   await cursor_behind('size="40 40 40 cm');
   await page.keyboard.type("m");

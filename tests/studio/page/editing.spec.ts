@@ -1,6 +1,6 @@
 // Editing as a user does it: what is edited stays, one undo brings everything back, the text and the picture are one.
 import { expect, keep, test } from "./harness";
-import { ask, edit, fresh, kOften, row, text_of, told, tree, until, type Json } from "./acts";
+import { ask, edit, fresh, kOften, row, text_of, published, tree, until, type Json } from "./acts";
 
 const kScene = `<?xml version="1.0" encoding="UTF-8"?>
 <!-- What is written here, and how, stays. -->
@@ -37,7 +37,7 @@ test("an edit is kept when the run is stopped", async () => {
   await until(page, "status", (s) => s.time === 0 && s.state !== "playing", "the run is at its start");
   expect(await text_of(page)).toBe(kScene.replace('xyz="0 0 0.2"', 'xyz="0.25 0 0.2"'));
   await expect(field).toHaveValue("0.25");
-  const scene = await told(page, "scene");
+  const scene = await published(page, "scene");
   expect(scene.bodies.find((b: Json) => b.name === "crate").pose[0]).toBeCloseTo(0.25, 9);
   await keep(page, "edit_survives_stop");
 });
@@ -116,19 +116,19 @@ test("a handle that is dragged in 3D changes the one line concerned", async () =
   expect(changed).toHaveLength(1);
   const [was, is] = changed[0]!;
   expect(was).toContain('name="ball"');
-  const place = /xyz="([-\d.]+) ([-\d.]+) ([-\d.]+)"/.exec(is)!;
-  expect(is.replace(place[0], 'xyz="1 0 0.1"')).toBe(was);
+  const position = /xyz="([-\d.]+) ([-\d.]+) ([-\d.]+)"/.exec(is)!;
+  expect(is.replace(position[0], 'xyz="1 0 0.1"')).toBe(was);
   // the ball fills the view, which is some 500 pixels high: 60 of them are 2 or 3 cm
-  expect(Number(place[1])).toBeGreaterThan(1.015);
-  expect(Number(place[1])).toBeLessThan(1.06);
-  expect(Number(place[2])).toBeCloseTo(0, 6);
-  expect(Number(place[3])).toBeCloseTo(0.1, 6);
+  expect(Number(position[1])).toBeGreaterThan(1.015);
+  expect(Number(position[1])).toBeLessThan(1.06);
+  expect(Number(position[2])).toBeCloseTo(0, 6);
+  expect(Number(position[3])).toBeCloseTo(0.1, 6);
   await keep(page, "handle_dragged");
   await page.locator("[data-command='handles:move']").click();
   await page.locator("[data-command='view:iso']").click();
 });
 
-test("several bodies become one with what it weighs shown before, and come apart again", async () => {
+test("several bodies become one with what it weighs shown before, and are separated again", async () => {
   const { page } = its;
   await row(page, "crate box").click();
   await row(page, "ball sphere").click({ modifiers: ["Control"] });
@@ -171,7 +171,7 @@ test("forms come from the schema, and say what is out of range", async () => {
   await expect(mass.locator(".cg-prop-problem")).toHaveCount(0);
 });
 
-test("what is typed into a form at the moment it appears stays", async () => {
+test("what is typed into a form as soon as it appears stays", async () => {
   const { page } = its;
   await row(page, "floor plane").click();
   await expect(page.locator(".cg-prop[data-attribute='mass']")).toHaveCount(0);
@@ -214,19 +214,19 @@ test("200 edits of all kinds, all undone with Ctrl+Z: the text is byte-equal", a
     const { version, elements } = await tree(page);
     const bodies = elements.filter((e) => kBodies.includes(e.tag) && e.single);
     const body = bodies[random(bodies.length)] ?? elements[0];
-    const place = [random(40) / 10 - 2, random(40) / 10 - 2, 0.5 + random(20) / 10];
+    const at = [random(40) / 10 - 2, random(40) / 10 - 2, 0.5 + random(20) / 10];
     let kind = ["set", "insert", "remove", "move", "rename", "duplicate", "place", "assemble", "disassemble", "text", "hand"][random(11)]!;
     // the scene stays small
     if (elements.length > 30 && ["insert", "duplicate"].includes(kind)) kind = "remove";
     let answer: Json;
-    const before = (await told(page, "document")).text as string;
+    const before = (await published(page, "document")).text as string;
     const act = (op: Json) => ask(page, "edit", { version, label: `${kind} ${i}`, ops: [op] });
     switch (kind) {
       case "set":
         answer = await act({ op: "set", element: body.id, attribute: "color", value: `#${(0x100000 + random(0xeffff)).toString(16)}` });
         break;
       case "insert":
-        answer = await act({ op: "insert", parent: 0, before: null, xml: `<sphere name="pearl" radius="5 cm" xyz="${place.join(" ")}"/>` });
+        answer = await act({ op: "insert", parent: 0, before: null, xml: `<sphere name="pearl" radius="5 cm" xyz="${at.join(" ")}"/>` });
         break;
       case "remove":
         answer = await act({ op: "remove", elements: [body.id] });
@@ -238,10 +238,10 @@ test("200 edits of all kinds, all undone with Ctrl+Z: the text is byte-equal", a
         answer = await act({ op: "rename", element: body.id, name: `n${i}` });
         break;
       case "duplicate":
-        answer = await act({ op: "duplicate", element: body.id, offset: place });
+        answer = await act({ op: "duplicate", element: body.id, offset: at });
         break;
       case "place":
-        answer = await act({ op: "place", element: body.id, pose: [...place, 0.8, 0, 0, 0.6] });
+        answer = await act({ op: "place", element: body.id, pose: [...at, 0.8, 0, 0, 0.6] });
         break;
       case "assemble": {
         const beside = bodies.filter((b) => b.parent === body.parent).slice(0, 3).map((b) => b.id);
@@ -264,7 +264,7 @@ test("200 edits of all kinds, all undone with Ctrl+Z: the text is byte-equal", a
         if (!near) continue;
         await rows.locator(`[data-element="${near.id}"]`).click();
         await page.keyboard.press(random(2) ? "Control+d" : "Delete");
-        await expect.poll(async () => (await told(page, "document")).version, { intervals: kOften }).toBeGreaterThan(version);
+        await expect.poll(async () => (await published(page, "document")).version, { intervals: kOften }).toBeGreaterThan(version);
         answer = { ok: true };
       }
     }
@@ -282,9 +282,9 @@ test("200 edits of all kinds, all undone with Ctrl+Z: the text is byte-equal", a
   await keep(page, "walk_before_undo");
   await page.getByTestId("map").click({ position: { x: 5, y: 5 } });
   for (let i = 0; i < steps; ++i) {
-    const { version } = await told(page, "document");
+    const { version } = await published(page, "document");
     await page.keyboard.press("Control+z");
-    await expect.poll(async () => (await told(page, "document")).version, { intervals: kOften }).toBeGreaterThan(version);
+    await expect.poll(async () => (await published(page, "document")).version, { intervals: kOften }).toBeGreaterThan(version);
   }
   expect(await text_of(page)).toBe(kScene);
   await keep(page, "walk_after_undo");

@@ -17,12 +17,12 @@ export class StudioServer {
 
   constructor(
     readonly file: string,
-    readonly words: string[],
+    readonly options: string[],
   ) {}
 
   async start(port = 0): Promise<void> {
     const at = port > 0 ? ["--port", String(port)] : [];
-    const child = spawn(program, ["studio", this.file, "--no-open", ...at, ...this.words], {
+    const child = spawn(program, ["studio", this.file, "--no-open", ...at, ...this.options], {
       stdio: ["ignore", "pipe", "pipe"],
     });
     this.process = child;
@@ -61,7 +61,7 @@ export class StudioServer {
 
 export interface Fixtures {
   /** Starts a server on a copy of a scene: a path in the repository, the text of a scene, or "new": a file that is not there. */
-  studio: (scene: string, ...words: string[]) => Promise<StudioServer>;
+  studio: (scene: string, ...options: string[]) => Promise<StudioServer>;
   /** Opens the page and waits until it shows a scene. */
   open: (server: StudioServer, page?: Page) => Promise<Page>;
 }
@@ -70,7 +70,7 @@ export const test = base.extend<Fixtures>({
   studio: async ({}, use) => {
     const servers: StudioServer[] = [];
     const folders: string[] = [];
-    await use(async (scene, ...words) => {
+    await use(async (scene, ...options) => {
       const folder = mkdtempSync(join(tmpdir(), "studio-"));
       folders.push(folder);
       let file = join(folder, "test.scene.xml");
@@ -82,7 +82,7 @@ export const test = base.extend<Fixtures>({
         cpSync(dirname(join(repository, scene)), folder, { recursive: true });
         file = join(folder, basename(scene));
       }
-      const server = new StudioServer(file, words);
+      const server = new StudioServer(file, options);
       await server.start();
       servers.push(server);
       return server;

@@ -1,4 +1,5 @@
-// The path of docs/studio.md as a newcomer goes it: from no file at all to a robot, a comparison and a run without the page.
+// Follows docs/guide/studio.md as a newcomer does: from no file at all to a robot, a comparison and a run
+// without the page.
 import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -9,10 +10,10 @@ import { small_png } from "./small_png";
 
 /** Where pictures for the documentation go; empty: none are made. */
 const kPictures = process.env.STUDIO_PICTURES ?? "";
-/** What docs/studio.md shows. */
+/** What docs/guide/studio.md shows. */
 const kShown = ["wheels", "robot", "controller", "playing", "scrubbed", "assemble", "compare", "ended"];
 
-/** Keeps a picture of a stage: `name` as docs/studio.md shows it. */
+/** Keeps a picture of a stage: `name` as docs/guide/studio.md shows it. */
 async function stage(page: Page, name: string): Promise<void> {
   const file = await keep(page, `newcomer-${name}`);
   if (kPictures !== "" && kShown.includes(name)) writeFileSync(join(kPictures, `studio-${name}.png`), small_png(read_png(file)));
@@ -72,9 +73,9 @@ class Hands {
 
 /** State hash at the end of a run without the page. */
 function hash_of(file: string, backend: string): string {
-  const words = ["run", file, "--backend", backend, "--json", "-"];
-  const told = execFileSync(program, words, { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
-  const { state_hash } = JSON.parse(told) as { state_hash: string };
+  const options = ["run", file, "--backend", backend, "--json", "-"];
+  const printed = execFileSync(program, options, { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
+  const { state_hash } = JSON.parse(printed) as { state_hash: string };
   expect(state_hash).toMatch(/^[0-9a-f]{16}$/);
   return state_hash;
 }

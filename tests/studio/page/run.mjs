@@ -1,6 +1,6 @@
 // Runs the page's tests in Debian's Chromium:
-//   node run.mjs --modules BUILD/…/node_modules --cogrsim BUILD/bin/cogrsim --out DIR [WORD …]
-// WORDs go to Playwright: parts of file names, or options like --headed and -g TITLE. Screenshots and traces stay in DIR.
+//   node run.mjs --modules BUILD/…/node_modules --cogrsim BUILD/bin/cogrsim --out DIR [OPTION …]
+// OPTIONs go to Playwright: parts of file names, or options like --headed and -g TITLE. Screenshots and traces stay in DIR.
 import { spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, readdirSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -8,14 +8,14 @@ import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
-const words = process.argv.slice(2);
+const options = process.argv.slice(2);
 const take = (name) => {
-  const at = words.indexOf(name);
-  if (at < 0 || at + 1 >= words.length) {
+  const at = options.indexOf(name);
+  if (at < 0 || at + 1 >= options.length) {
     console.error(`${name} is missing`);
     process.exit(2);
   }
-  return resolve(words.splice(at, 2)[1]);
+  return resolve(options.splice(at, 2)[1]);
 };
 const modules = take("--modules");
 const cogrsim = take("--cogrsim");
@@ -49,7 +49,7 @@ await build({
   logLevel: "warning",
 });
 const playwright = join(modules, "@playwright/test/cli.js");
-const run = spawnSync(process.execPath, [playwright, "test", "--config", join(tests, "playwright.config.mjs"), ...words], {
+const run = spawnSync(process.execPath, [playwright, "test", "--config", join(tests, "playwright.config.mjs"), ...options], {
   stdio: "inherit",
   cwd: tests,
   env: {

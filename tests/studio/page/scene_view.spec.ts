@@ -1,8 +1,8 @@
-// What is seen: tree, 3D view and map show and select the same things at the same places.
+// What is seen: tree, 3D view and map show and select the same things at the same positions.
 import { expect, keep, test } from "./harness";
 import { ask, blue, fresh, green, layout, look, red, row, still, until } from "./acts";
 
-// Three flat things at one height, seen from above: the outer two are known places in any picture of them.
+// Three flat things at one height, seen from above: the outer two are known positions in any picture of them.
 const kScene = `<scene name="three" version="1">
   <physics backend="bullet" step="5 ms" gravity="0 0 0" duration="20 s"/>
   <box name="west" size="20 20 2 cm" xyz="-1 -0.5 0" static="true" color="#00d000"/>
@@ -38,7 +38,7 @@ test("a click in the tree highlights in 3D and on the map, and a pixel that is c
   }
   await page.keyboard.press("Escape");
 
-  // The other way: the pixel in the middle of the blue box.
+  // The other direction: the pixel in the middle of the blue box.
   const east = before.find(blue);
   await view.click({ position: { x: east.x, y: east.y } });
   await expect(row(page, "east box")).toHaveAttribute("aria-selected", "true");
@@ -51,7 +51,7 @@ test("a click in the tree highlights in 3D and on the map, and a pixel that is c
   await expect(row(page, "east box")).toHaveAttribute("aria-selected", "false");
 });
 
-test("3D and map show the same place at a time that was scrubbed to", async () => {
+test("3D and map show the same position at a time that was scrubbed to", async () => {
   const { page } = its;
   await layout(page, "Run");
   const view = page.getByTestId("view3d");
@@ -59,7 +59,7 @@ test("3D and map show the same place at a time that was scrubbed to", async () =
   await view.click({ position: { x: 5, y: 5 } });
   await page.keyboard.press("5");
   // the trail has the puck's colour
-  await page.getByRole("button", { name: "What is drawn on the map" }).click();
+  await page.getByRole("button", { name: "Contents of the map" }).click();
   await page.getByRole("menuitemcheckbox", { name: /Trajectories/ }).click();
   await ask(page, "step", { count: 500 });
   await until(page, "status", (s) => s.last > 2.499 && s.state === "paused", "two and a half seconds were run");
@@ -81,21 +81,21 @@ test("3D and map show the same place at a time that was scrubbed to", async () =
     frames.add(String(time));
     const above = await still(view);
     const flat = await still(map);
-    // From two known places to any other: a picture from straight above is the plane turned, scaled and shifted.
-    const place = (picture: typeof above): [number, number] => {
+    // From two known positions to any other: a picture from straight above is the plane turned, scaled and shifted.
+    const position = (picture: typeof above): [number, number] => {
       const [a, b, c] = [picture.find(green), picture.find(blue), picture.find(red)];
       for (const found of [a, b, c]) expect(found.count).toBeGreaterThan(30);
       const [dx, dy] = [b.x - a.x, a.y - b.y];
       const [px, py] = [c.x - a.x, a.y - c.y];
-      // (2, 1) m in the world is (dx, dy) pixels: complex division tells scale and turn
+      // (2, 1) m in the world is (dx, dy) pixels: complex division gives scale and rotation
       const square = dx * dx + dy * dy;
       const [u, v] = [(px * dx + py * dy) / square, (py * dx - px * dy) / square];
       return [-1 + 2 * u - v, -0.5 + 2 * v + u];
     };
-    const [x3, y3] = place(above);
-    const [x2, y2] = place(flat);
+    const [x3, y3] = position(above);
+    const [x2, y2] = position(flat);
     await keep(page, `scrubbed_${time.toFixed(3)}`);
-    // free of forces: the place is known. A pixel is about 4 mm here, and middles of things are found to half of one;
+    // free of forces: the position is known. A pixel is about 4 mm here, and middles of things are found to half of one;
     // edges blended with what is behind, and the puck's visible sides, make up for some more.
     for (const [x, y] of [[x3, y3], [x2, y2]] as const) {
       expect(Math.abs(x - (-0.6 + 0.5 * time))).toBeLessThan(0.012);

@@ -10,11 +10,11 @@ const kEvil = '<img src=x onerror="window.pwned=1">';
 const kWritten = kEvil.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;").replaceAll('"', "&quot;");
 const kPlain = `<scene name="plain" version="1"><physics backend="bullet" duration="5 s"/><plane name="floor"/></scene>`;
 // A name may not hold such signs, but everything else may: titles, messages, reasons, events, and the errors that quote names.
-const kTold = `<scene name="told" version="1">
+const kMessages = `<scene name="messages" version="1">
   <physics backend="bullet" step="5 ms" duration="5 s"/>
   <box name="crate" size="40 40 40 cm" mass="3 kg" xyz="0 0 0.2"/>
   <plot name="p" kind="curve" title="${kWritten}" y="crate.x"/>
-  <on time="20 ms"><tell message="${kWritten}"/><raise event="ready" message="${kWritten}"/></on>
+  <on time="20 ms"><log message="${kWritten}"/><raise event="ready" message="${kWritten}"/></on>
   <on time="100 ms"><end reason="${kWritten}"/></on>
 </scene>
 `;
@@ -30,7 +30,7 @@ test.beforeEach(async () => {
 });
 test.afterEach(async () => dismiss(server));
 
-/** Says `text` on a connection of its own; what comes back until the other side ends it or a header and a moment have come. */
+/** Says `text` on a connection of its own; what comes back until the other side ends it, or a short time after a header. */
 function say(text: string): Promise<string> {
   return new Promise((resolve, reject) => {
     const socket = connect(server.port, "127.0.0.1", () => socket.write(text));
@@ -84,9 +84,9 @@ test("wrong token, Origin, Host and paths are refused on raw sockets", async () 
   }
 });
 
-test("another server at the same address is told no secret", async ({ page }) => {
+test("another server at the same address receives no secret", async ({ page }) => {
   await visit(page, server);
-  // Cookies do not tell ports apart: whatever else listens at this address would be sent them.
+  // Cookies do not distinguish ports: any other server at this address would be sent them.
   const heard: string[] = [];
   const other = createServer((request, answer) => {
     heard.push(JSON.stringify([request.url, request.headers]));
@@ -104,16 +104,16 @@ test("another server at the same address is told no secret", async ({ page }) =>
   }
 });
 
-test("the key stays with the tab over a reload, and nobody else has it", async ({ page }) => {
+test("the key stays with the tab over a reload, and no one else has it", async ({ page }) => {
   const asked: string[] = [];
   page.on("request", (request) => asked.push(request.url()));
   await visit(page, server);
-  // The address shows it no longer, and it went to nobody in one.
+  // The address shows it no longer, and it was never sent in one.
   expect(page.url()).toBe(`http://127.0.0.1:${server.port}/`);
   await page.reload();
   await expect(page.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
   expect(asked.join("\n")).not.toContain(server.token);
-  // A tab of its own, without the whole address, is told what it needs.
+  // A new tab without the whole address says what it needs.
   const other = await page.context().newPage();
   await other.goto(`http://127.0.0.1:${server.port}/`);
   await expect(other.getByTestId("no-key")).toContainText("needs a key");
@@ -123,7 +123,7 @@ test("the key stays with the tab over a reload, and nobody else has it", async (
   expect(other.url()).toBe(`http://127.0.0.1:${server.port}/`);
 });
 
-test("a texture comes to the page and to nobody else", async ({ page }) => {
+test("a texture is sent to the page and to no other client", async ({ page }) => {
   const eyes = await serve("examples/045_eyes/eyes.scene.xml");
   try {
     const [texture] = await Promise.all([page.waitForResponse((answer) => answer.url().includes("/asset/")), visit(page, eyes)]);
@@ -137,7 +137,7 @@ test("a texture comes to the page and to nobody else", async ({ page }) => {
   }
 });
 
-for (const [what, scene] of [["messages, titles and reasons", kTold], ["names that the compiler complains of", kNamed]] as const) {
+for (const [what, scene] of [["messages, titles and reasons", kMessages], ["names that the compiler complains of", kNamed]] as const) {
   test(`hostile ${what} are text`, async ({ page }) => {
     const hostile = await serve(kPlain);
     try {
@@ -149,7 +149,7 @@ for (const [what, scene] of [["messages, titles and reasons", kTold], ["names th
       await page.locator(".cm-content").click();
       await page.keyboard.press("Control+a");
       await page.keyboard.insertText(scene);
-      if (scene === kTold) {
+      if (scene === kMessages) {
         await expect(row(page, "crate box")).toBeVisible();
         await page.getByTestId("view3d").click({ position: { x: 5, y: 5 } });
         await page.getByTestId("play").click();
@@ -166,7 +166,7 @@ for (const [what, scene] of [["messages, titles and reasons", kTold], ["names th
         await page.locator(".cm-lintRange-error").first().hover();
         await expect(page.locator(".cm-tooltip .cm-diagnostic").first()).toBeVisible();
       }
-      await keep(page, scene === kTold ? "hostile_messages" : "hostile_names");
+      await keep(page, scene === kMessages ? "hostile_messages" : "hostile_names");
       // No element was made of it, nothing ran, nothing was asked for.
       expect(await page.locator('img[src="x"], img[onerror]').count()).toBe(0);
       expect(await page.evaluate(() => (window as unknown as { pwned?: number }).pwned)).toBeUndefined();

@@ -19,7 +19,7 @@ test.beforeEach(async () => {
   await page.getByTestId("view3d").click({ position: { x: 5, y: 5 } });
 });
 
-/** Everything is in its place: panels do not overlap, and fill the dock. */
+/** Checks the layout: panels do not overlap, and fill the dock. */
 async function tidy(): Promise<void> {
   const { page } = its;
   const dock = (await page.locator("#dock").boundingBox())!;
@@ -40,22 +40,22 @@ async function tidy(): Promise<void> {
 
 test("panels are closed, reopened, dragged and resized without deforming the rest, and all that is remembered", async () => {
   const { page } = its;
-  const place = async (name: string) => (await page.getByTestId(`panel-${name}`).boundingBox())!;
-  const before = await place("properties");
+  const rect = async (name: string) => (await page.getByTestId(`panel-${name}`).boundingBox())!;
+  const before = await rect("properties");
   await page.getByRole("tab", { name: "Console", exact: true }).locator(".lm-TabBar-tabCloseIcon").click();
   await expect(page.getByTestId("panel-console")).toHaveCount(0);
   await tidy();
-  expect(await place("properties")).toEqual(before);
+  expect(await rect("properties")).toEqual(before);
   await page.getByRole("menuitem", { name: "View", exact: true }).click();
   await page.locator(".lm-Menu-item", { hasText: /^Panels/ }).click();
   await page.locator(".lm-Menu-item", { hasText: /^Console/ }).click();
   await expect(page.getByTestId("panel-console")).toBeVisible();
   await tidy();
-  expect(await place("properties")).toEqual(before);
+  expect(await rect("properties")).toEqual(before);
 
   // the tab of the map into the lower part of the code; at the very edge it would go below everything
   const tab = (await page.getByRole("tab", { name: "Map", exact: true }).boundingBox())!;
-  const code = await place("code");
+  const code = await rect("code");
   await page.mouse.move(tab.x + 15, tab.y + 8);
   await page.mouse.down();
   await page.mouse.move(tab.x + 60, tab.y + 80, { steps: 4 });
@@ -65,24 +65,24 @@ test("panels are closed, reopened, dragged and resized without deforming the res
   await expect(page.getByTestId("panel-view3d")).toBeVisible();
   await tidy();
   await keep(page, "panel_dragged");
-  expect(await place("properties")).toEqual(before);
+  expect(await rect("properties")).toEqual(before);
 
   // the border between tree and picture
-  const tree = await place("tree");
+  const tree = await rect("tree");
   await page.mouse.move(tree.x + tree.width + 2, tree.y + 60);
   await page.mouse.down();
   await page.mouse.move(tree.x + tree.width + 62, tree.y + 60, { steps: 4 });
   await page.mouse.up();
-  await expect.poll(async () => Math.round((await place("tree")).width - tree.width)).toBeGreaterThan(40);
+  await expect.poll(async () => Math.round((await rect("tree")).width - tree.width)).toBeGreaterThan(40);
   await tidy();
-  const map = await place("map");
+  const map = await rect("map");
   await expect.poll(() => page.evaluate(() => Object.keys(localStorage).filter((k) => k.includes("layout")).length)).toBe(1);
   await page.waitForFunction(() => Object.entries(localStorage).some(([k, v]) => k.includes("layout") && v.includes("map")));
-  // what is written a moment after the last change must have been written
+  // what is written shortly after the last change must have been written
   await expect(async () => {
     await page.reload();
     await expect(page.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
-    const now = await place("map");
+    const now = await rect("map");
     for (const side of ["x", "y", "width", "height"] as const) expect(Math.abs(now[side] - map[side])).toBeLessThan(3);
   }).toPass();
 });
@@ -180,7 +180,7 @@ test("speed, step, backend and recording from the control bar", async () => {
   await page.getByTestId("play").click();
   await until(page, "status", (s) => s.time > 0.3, "it runs");
   await page.getByTestId("backend").selectOption("cogrsim");
-  await until(page, "status", (s) => s.backend === "cogrsim" && s.time > 0.3, "it goes on there");
+  await until(page, "status", (s) => s.backend === "cogrsim" && s.time > 0.3, "it continues there");
   await keep(page, "backend_switched");
   await page.getByTestId("pause").click();
   await until(page, "status", (s) => s.state === "paused", "it rests");
@@ -201,7 +201,7 @@ test("speed, step, backend and recording from the control bar", async () => {
   await until(page, "status", (s) => s.time === 0 && s.state !== "playing", "back at the start");
 });
 
-test("a viewer looks on and changes nothing", async ({ browser }) => {
+test("a viewer sees the run and changes nothing", async ({ browser }) => {
   const { server } = its;
   const address = [...server.said.matchAll(/http:\/\/\S+token=[0-9a-f]+/g)].map((m) => m[0]).find((a) => a !== server.address);
   expect(address, `an address for viewers in: ${server.said}`).toBeDefined();

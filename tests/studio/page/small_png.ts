@@ -16,7 +16,7 @@ export function small_png(picture: Picture): Buffer {
     color[i] = rgb;
     count.set(rgb, (count.get(rgb) ?? 0) + 1);
   }
-  // Shades that hardly differ share a place in the palette, so that gradients do not fill it.
+  // Shades that hardly differ share an entry of the palette, so that gradients do not fill it.
   const near = new Map<number, [number, number]>();
   for (const [rgb, n] of count) {
     const cell = (rgb >> 2) & 0x3f3f3f;

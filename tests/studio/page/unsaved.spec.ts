@@ -1,6 +1,6 @@
 // What was not saved when the studio ended is kept; paths are those of the run, whatever the page saw of it.
 import { readFileSync } from "node:fs";
-import { ask, dismiss, layout, serve, text_of, told, until, write, type Json } from "./acts";
+import { ask, dismiss, layout, serve, text_of, published, until, write, type Json } from "./acts";
 import { expect, keep, test, visit } from "./harness";
 
 const scene = (mass: string): string => `<scene name="kept" version="1">
@@ -25,7 +25,7 @@ test("an edit outlives the studio that is killed", async ({ page }) => {
     const alert = page.getByRole("alert").filter({ hasText: "Connection lost" });
     await expect(alert).toBeVisible();
     const downloading = page.waitForEvent("download");
-    await alert.getByRole("button", { name: "Download what I have" }).click();
+    await alert.getByRole("button", { name: "Download my text" }).click();
     expect(readFileSync(await (await downloading).path(), "utf8")).toBe(scene("2 kg"));
     await keep(page, "connection_lost");
 
@@ -64,7 +64,7 @@ test("paths hold every step of the run, after a reload and at full speed", async
     await page.reload();
     await expect(page.getByTestId("view3d")).toHaveAttribute("data-frames", /[1-9]/);
     expect(await paths()).toEqual(before);
-    expect((await told(page, "status")).time).toBeGreaterThanOrEqual(4);
+    expect((await published(page, "status")).time).toBeGreaterThanOrEqual(4);
   } finally {
     await dismiss(server);
   }

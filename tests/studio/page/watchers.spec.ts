@@ -74,7 +74,7 @@ test("hiding a camera stops its traffic", async ({ page }) => {
   await keep(page, "camera_windows");
   await page.getByRole("button", { name: "Hide camera eye" }).click();
   await expect(page.getByTestId("camera-eye")).toHaveCount(0);
-  // one may have been on its way
+  // one may have been in flight
   await more("other", 2);
   const at_rest = count.eye!;
   await more("other", 3);
@@ -89,7 +89,7 @@ test("hiding a camera stops its traffic", async ({ page }) => {
     await expect(page.getByTestId("camera-eye").locator("canvas")).toHaveAttribute("aria-label", new RegExp(`^${kind}.* at \\d`, "i"));
   }
   // raised and dragged
-  const bar = page.getByTestId("camera-eye").getByRole("group", { name: "Place of camera eye" });
+  const bar = page.getByTestId("camera-eye").getByRole("group", { name: "Position of camera eye" });
   const before = (await page.getByTestId("camera-eye").boundingBox())!;
   const grip = (await bar.locator("strong").boundingBox())!;
   await page.mouse.move(grip.x + 5, grip.y + 5);
@@ -109,7 +109,7 @@ test("hiding a camera stops its traffic", async ({ page }) => {
   await page.getByRole("button", { name: "Hide all" }).click();
 });
 
-/** A WebSocket by hand that says hello and then reads nothing until told. */
+/** A WebSocket by hand that says hello and then reads nothing until commanded. */
 async function frozen_client(): Promise<Socket> {
   const host = `127.0.0.1:${server.port}`;
   const socket = connect(server.port, "127.0.0.1");
@@ -128,15 +128,15 @@ async function frozen_client(): Promise<Socket> {
   return socket;
 }
 
-test("a client frozen for 10 s costs nothing, and the others go on", async ({ page }) => {
+test("a client that hangs for 10 s costs nothing, and the others continue", async ({ page }) => {
   const memory = (): number => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${server.pid}/status`, "utf8"))![1]);
   await visit(page, server);
   await ask(page, "stop");
   await ask(page, "speed", { factor: 1 });
   await page.getByTestId("play").click();
-  await until(page, "status", (s) => s.time > 0.5, "the run is under way");
+  await until(page, "status", (s) => s.time > 0.5, "the run has begun");
   const [still, silent] = [await frozen_client(), await frozen_client()];
-  await until(page, "status", (s) => s.viewers >= 4, "the frozen ones are there");
+  await until(page, "status", (s) => s.viewers >= 4, "the hanging ones are there");
   const start = await until(page, "status", () => true, "the time now");
   const before = memory();
   // ten seconds of the clock are what is asked for; the run goes at the clock's pace
@@ -146,7 +146,7 @@ test("a client frozen for 10 s costs nothing, and the others go on", async ({ pa
   expect(shown).toBeGreaterThan(start.time);
   // 10 s of frames for them would be 2000 of about 130 bytes each, and as many texts; what grows is the run's own past
   expect(memory() - before).toBeLessThan(20_000);
-  // When it wakes up it gets what had been under way, and then the newest: not 10 s of frames.
+  // When it wakes up it gets what had been in flight, and then the newest: not 10 s of frames.
   let bytes = 0;
   still.on("data", (data) => (bytes += data.length));
   still.resume();
@@ -157,7 +157,7 @@ test("a client frozen for 10 s costs nothing, and the others go on", async ({ pa
   await ask(page, "stop");
 });
 
-test("the server started anew on the same port: the page is there again", async ({ page }) => {
+test("the server is restarted on the same port: the page connects again", async ({ page }) => {
   await visit(page, server);
   const { port } = server;
   await server.stop("SIGKILL");

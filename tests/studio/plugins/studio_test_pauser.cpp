@@ -5,11 +5,11 @@ namespace {
 
 class Pauser final : public cogrsim::Supervisor {
  public:
-  void configure(cogrsim::Stage& stage) override { at_ = std::get<double>(*stage.parameter("at")); }
-  void update(const cogrsim::Tick&, cogrsim::Stage& stage) override {
-    if (done_ || stage.frame().time < at_) return;
+  void configure(cogrsim::SupervisorContext& context) override { at_ = std::get<double>(*context.parameter("at")); }
+  void update(const cogrsim::Tick&, cogrsim::SupervisorContext& context) override {
+    if (done_ || context.frame().time < at_) return;
     done_ = true;
-    stage.send(cogrsim::Pause{});
+    context.send(cogrsim::Pause{});
   }
 
  private:

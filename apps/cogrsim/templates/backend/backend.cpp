@@ -1,4 +1,4 @@
-// The backend @NAME@ as CogRSim knows it: what it can do, its options, and its worlds.
+// The backend @NAME@: its capabilities, its options, and its worlds.
 #include <memory>
 #include <string>
 #include <variant>
@@ -15,16 +15,16 @@ using cogrsim::JointType;
 using cogrsim::ShapeType;
 using cogrsim::Support;
 
-// Every feature that cogrsim/physics/capabilities.h names: exact, approximate (say how), or
-// unsupported (say why). Scenes are refused by this table before create_world() is called, with the
-// reason given here, so it must be honest.
+// All features of cogrsim/physics/capabilities.h: exact, approximate (state how), or unsupported
+// (state why). CogRSim rejects scenes by this table before create_world() is called, with the
+// reason given here, so it must be correct.
 Capabilities make_capabilities() {
   Capabilities c;
   const auto cannot = [&c](const std::string& feature, const char* reason) {
     c.set(feature, Support::unsupported, reason);
   };
   for (const ShapeType a : cogrsim::kShapeTypes) {
-    // A shape alone does nothing but be seen; what touches is a pair.
+    // A single shape is only drawn; collisions are features of pairs.
     c.set(std::string("shape.") + to_string(a), Support::exact);
     for (const ShapeType b : cogrsim::kShapeTypes) {
       cannot(pair_feature(a, b), "collisions are not computed");
@@ -57,10 +57,10 @@ Capabilities make_capabilities() {
 class @CLASS@Backend final : public cogrsim::Backend {
  public:
   const char* name() const override { return "@NAME@"; }
-  // Ask your engine's library, so that the answer is that of the library that runs.
+  // Query the library of your engine, so that the version is that of the library in use.
   const char* engine_version() const override { return "0.1"; }
-  // Every result says who computed it: the engine, or code of this folder (cogrsim), by class or
-  // function. The conformance suite refuses a backend that leaves a stage out.
+  // Every result states which code computed it: the engine, or code of this folder (cogrsim), by
+  // class or function. The conformance suite rejects a backend that omits a stage.
   cogrsim::Provenance provenance(const cogrsim::Parameters&) const override {
     cogrsim::Provenance out;
     out.engine = "flight";
@@ -81,7 +81,8 @@ class @CLASS@Backend final : public cogrsim::Backend {
     if (auto possible = adapter::check_scene(*model); !possible) {
       return tl::unexpected(possible.error());
     }
-    // What the scene has in its block <@NAME@ …/>; a scene made by a program may have none.
+    // The options in the block <@NAME@ …/> of the scene; a scene created by a program may have
+    // none.
     cogrsim::Parameters given;
     if (const auto block = model->physics.engine_options.find("@NAME@");
         block != model->physics.engine_options.end()) {
@@ -96,7 +97,7 @@ class @CLASS@Backend final : public cogrsim::Backend {
  private:
   Capabilities capabilities_ = make_capabilities();
   cogrsim::ParameterTable options_ = {
-      cogrsim::parameter("substeps", 1, "equal parts that each step is made in").range(1, 1000)};
+      cogrsim::parameter("substeps", 1, "number of equal parts of each step").range(1, 1000)};
 };
 
 }  // namespace

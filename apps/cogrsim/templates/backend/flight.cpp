@@ -3,9 +3,10 @@
 namespace flight {
 namespace {
 
-// The angular velocity that belongs to the body's momentum at orientation `q`.
+// The angular velocity for the momentum of the body at the orientation `q`.
 Vec3 spin_at(const Body& body, const Quat& q) {
-  // The inertia is constant in body axes, so the momentum goes there, and the result comes back.
+  // The inertia is constant in body axes, so the momentum is transformed there, and the result
+  // back.
   return q * body.inertia.ldlt().solve(q.conjugate() * body.angular_momentum);
 }
 

@@ -1,5 +1,5 @@
-// The engine: rigid bodies in free flight under gravity. It knows nothing of CogRSim; where you
-// connect an engine that exists already, its library takes the place of this file and flight.cpp.
+// The engine: rigid bodies in free flight under gravity. It does not depend on CogRSim. To connect
+// an existing engine, replace this file and flight.cpp by its library.
 #pragma once
 
 #include <vector>
@@ -14,12 +14,12 @@ using Mat3 = Eigen::Matrix3d;
 using Quat = Eigen::Quaterniond;
 
 enum class Motion {
-  still,    ///< stays where it is
-  carried,  ///< moves with the velocities it has, whatever happens
-  free      ///< falls and turns
+  still,    ///< never moves
+  carried,  ///< moves with its prescribed velocities
+  free      ///< moves under gravity
 };
 
-/// As most engines have it: place and velocity are those of the centre of mass. World axes.
+/// As in most engines, position and velocity are those of the centre of mass, in world axes.
 struct Body {
   Motion motion = Motion::free;
   double mass = 1.0;                    ///< [kg]
@@ -31,7 +31,7 @@ struct Body {
   Vec3 angular_momentum = Vec3::Zero();  ///< of a free body, about its centre [kg m^2/s]
 };
 
-/// Sets the angular velocity, and of a free body the momentum that belongs to it.
+/// Sets the angular velocity, and for a free body also its angular momentum.
 void set_spin(Body& body, const Vec3& angular_velocity);
 
 /// Advances one body by `dt` [s] under `gravity` [m/s^2].
@@ -40,8 +40,8 @@ void set_spin(Body& body, const Vec3& angular_velocity);
 ///
 ///     dq/dt = (0, w) q / 2,   w = R(q) I^-1 R(q)^T L,   L constant,
 ///
-/// integrated by the classical Runge-Kutta method of fourth order; the angular momentum L is kept
-/// as it is and does not drift.
+/// integrated by the classical Runge-Kutta method of fourth order; the angular momentum L is stored
+/// and does not drift.
 void advance(Body& body, const Vec3& gravity, double dt);
 
 }  // namespace flight

@@ -1,4 +1,4 @@
-// The engine by itself, against what is known in closed form. Catch2 2.13 or 3.
+// Tests of the engine against closed-form solutions. Catch2 2.13 or 3.
 #define CATCH_CONFIG_MAIN
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
@@ -17,7 +17,7 @@ TEST_CASE("a thrown body follows its parabola") {
   body.velocity = Vec3(3, -2, 5);
   const Vec3 g(0, 0, -9.81);
   for (int i = 0; i < 1000; ++i) flight::advance(body, g, 1e-3);
-  // The method is exact; what is left is the rounding of 1000 additions of numbers below 10.
+  // The method is exact except for the rounding of 1000 additions of numbers below 10.
   CHECK((body.position - (Vec3(3, -2, 5) + 0.5 * g)).norm() < 1e-11);
   CHECK((body.velocity - (Vec3(3, -2, 5) + g)).norm() < 1e-11);
 }
@@ -42,7 +42,7 @@ TEST_CASE("a symmetric top precesses") {
   CHECK((body.angular_momentum - L).norm() == 0.0);
 }
 
-TEST_CASE("what is still stays, what is carried goes on") {
+TEST_CASE("a still body does not move, a carried body keeps its velocity") {
   Body body;
   body.motion = flight::Motion::still;
   body.velocity = Vec3(1, 0, 0);

@@ -18,10 +18,10 @@ using cogrsim::SceneModelPtr;
 using cogrsim::Twist;
 using cogrsim::Vec3;
 
-// Beyond these a body counts as gone: 1000 km, 100 km/s, 1e6 rad/s.
+// Beyond these limits a body has diverged: 1000 km, 100 km/s, 1e6 rad/s.
 constexpr double kFarthest = 1e6, kFastest = 1e5, kFastestSpin = 1e6;
 
-// CogRSim means the body's own origin, the engine the centre of mass.
+// CogRSim uses the origin of the body, the engine its centre of mass.
 void place(const cogrsim::Body& model, const Pose& X_WB, const Twist& V_WB, flight::Body& body) {
   body.orientation = flight::Quat(X_WB.q).normalized();
   const Vec3 arm = body.orientation * model.com;  // from the origin to the centre of mass
@@ -42,7 +42,7 @@ flight::Body make_body(const cogrsim::Body& model) {
   body.mass = model.mass;
   body.inertia = model.inertia;
   place(model, model.X_WB, model.V_WB, body);
-  // What is carried turns about its origin, so that is what the engine moves.
+  // A carried body rotates about its origin, so the engine moves the origin.
   if (body.motion == flight::Motion::carried) {
     body.position = model.X_WB.p;
     body.velocity = model.V_WB.linear;
@@ -50,7 +50,7 @@ flight::Body make_body(const cogrsim::Body& model) {
   return body;
 }
 
-// Of the point that the engine moves, in body axes: the centre of mass, but see make_body().
+// The point that the engine moves, in body axes: the centre of mass, but see make_body().
 Vec3 moved_point(const cogrsim::Body& model) {
   return model.kind == cogrsim::BodyKind::kinematic ? Vec3(Vec3::Zero()) : model.com;
 }
@@ -58,7 +58,7 @@ Vec3 moved_point(const cogrsim::Body& model) {
 }  // namespace
 
 Result<> check_scene(const SceneModel& model) {
-  // The caller has asked capabilities() before; this is for those who did not.
+  // The caller has normally checked capabilities() before.
   for (const cogrsim::Joint& joint : model.joints) {
     if (!joint.removed) {
       return fail("joint '" + joint.name + "': bodies fly freely here, there are no joints",
@@ -77,7 +77,7 @@ Result<> check_scene(const SceneModel& model) {
 
 FlightWorld::FlightWorld(SceneModelPtr model, int substeps)
     : first_(std::move(model)), substeps_(substeps) {
-  static_cast<void>(reset());  // of this world it cannot fail
+  static_cast<void>(reset());  // cannot fail for this world
 }
 
 Result<> FlightWorld::reset() {
@@ -88,14 +88,14 @@ Result<> FlightWorld::reset() {
 }
 
 cogrsim::StepResult FlightWorld::step(double dt, const std::vector<cogrsim::Drive>&) {
-  // On a copy: a step that fails leaves the world as it was.
+  // On a copy, so that a failed step leaves the world unchanged.
   trial_ = now_.bodies;
   const Vec3& gravity = now_.model->physics.gravity;
   for (std::size_t i = 0; i < trial_.size(); ++i) {
     if (now_.model->bodies[i].removed) continue;
     flight::Body& body = trial_[i];
     for (int part = 0; part < substeps_; ++part) flight::advance(body, gravity, dt / substeps_);
-    // Written so that a NaN fails.
+    // This form of the comparison also rejects NaN.
     const bool fine = body.position.norm() < kFarthest && body.velocity.norm() < kFastest &&
                       body.angular_velocity.norm() < kFastestSpin;
     if (!fine) {
@@ -123,7 +123,7 @@ void FlightWorld::get_state(cogrsim::WorldState& out) const {
     const Twist V{body.velocity, body.angular_velocity};
     out.twists[i] = {V.at(-arm), body.angular_velocity};
   }
-  // There are no joints; entries of removed ones keep their places.
+  // There are no joints.
   out.joint_positions.assign(static_cast<std::size_t>(model.joint_positions), 0.0);
   out.joint_velocities.assign(static_cast<std::size_t>(model.joint_speeds), 0.0);
   out.joint_efforts.assign(static_cast<std::size_t>(model.joint_speeds), 0.0);
@@ -132,7 +132,7 @@ void FlightWorld::get_state(cogrsim::WorldState& out) const {
 
 Result<> FlightWorld::set_state(const cogrsim::WorldState& state) {
   const SceneModel& model = *now_.model;
-  // All is looked at before anything is changed.
+  // Everything is checked before anything is changed.
   if (auto fine = check_state(model, state); !fine) return fine;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     if (model.bodies[i].removed) continue;
@@ -145,7 +145,7 @@ Result<> FlightWorld::set_state(const cogrsim::WorldState& state) {
 }
 
 void FlightWorld::get_contacts(std::vector<cogrsim::Contact>& out) const {
-  out.clear();  // nothing ever touches
+  out.clear();  // there are no contacts
 }
 
 Result<> FlightWorld::add(const SceneModelPtr& next) {
@@ -158,7 +158,7 @@ Result<> FlightWorld::add(const SceneModelPtr& next) {
 }
 
 Result<> FlightWorld::remove(const SceneModelPtr& next) {
-  now_.model = next;  // step() leaves out what is marked there; its last values stay
+  now_.model = next;  // step() skips removed bodies; their last values remain
   return {};
 }
 
@@ -172,7 +172,7 @@ Result<> FlightWorld::change(const SceneModelPtr& next) {
     const cogrsim::Body& before = now_.model->bodies[i];
     cogrsim::Body after = next->bodies[i];
     if (before.kind == after.kind || after.removed) continue;
-    // It stops, or starts at rest, where it is.
+    // The body keeps its pose and has zero velocity.
     after.X_WB = state.poses[i];
     after.V_WB = Twist();
     now_.bodies[i] = make_body(after);

@@ -1,4 +1,4 @@
-// A running world: translates between CogRSim's scene and the engine in flight.h.
+// A running world: converts between the scene of CogRSim and the engine in flight.h.
 #pragma once
 
 #include <vector>
@@ -9,12 +9,12 @@
 
 namespace adapter {
 
-/// Whether the engine can make a world of this scene. Errors name the element and its place.
+/// Checks that the engine can build this scene. Errors name the element and its source location.
 cogrsim::Result<> check_scene(const cogrsim::SceneModel& model);
 
 class FlightWorld final : public cogrsim::World, public cogrsim::KinematicDrive {
  public:
-  /// Precondition: check_scene(*model). Every step is made in `substeps` equal parts, >= 1.
+  /// Precondition: check_scene(*model). Every step consists of `substeps` >= 1 equal parts.
   FlightWorld(cogrsim::SceneModelPtr model, int substeps);
 
   const cogrsim::SceneModelPtr& model() const override { return now_.model; }
@@ -34,18 +34,18 @@ class FlightWorld final : public cogrsim::World, public cogrsim::KinematicDrive 
   cogrsim::Result<> set_kinematic_twist(int body, const cogrsim::Twist& twist) override;
 
  private:
-  // All that changes while it runs: a snapshot is a copy of it.
+  // The complete state; a snapshot is a copy of it.
   struct Everything {
     cogrsim::SceneModelPtr model;
     double time = 0.0;
-    std::vector<flight::Body> bodies;  // one per SceneModel::bodies
+    std::vector<flight::Body> bodies;  // one per entry of SceneModel::bodies
   };
   struct Snapshot;
 
-  cogrsim::SceneModelPtr first_;  // as it was created
+  cogrsim::SceneModelPtr first_;  // the initial scene
   int substeps_;
   Everything now_;
-  std::vector<flight::Body> trial_;  // kept so that a step allocates nothing
+  std::vector<flight::Body> trial_;  // reused, so that a step allocates no memory
 };
 
 }  // namespace adapter

@@ -1,5 +1,5 @@
-// What may happen to a running world. The conformance suite tests it with bodies that touch, which
-// is more than this backend can do so far.
+// Changes of a running world. The conformance suite tests them with touching bodies, which this
+// backend does not support yet.
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
 #else
@@ -21,7 +21,7 @@ using cogrsim::Vec3;
 
 namespace {
 
-// Two boxes whose centres of mass are not their origins, thrown and tumbling.
+// Two tumbling boxes whose centres of mass are not their origins.
 cogrsim::ModelBuilder thrown() {
   cogrsim::ModelBuilder builder;
   for (const double y : {0.0, 2.0}) {
@@ -50,7 +50,7 @@ std::uint64_t hash_of(const FlightWorld& world) { return cogrsim::state_hash(sta
 
 }  // namespace
 
-TEST_CASE("a run goes on from a restore as it did from the save, to the last bit") {
+TEST_CASE("a run after a restore is bit-identical to that after the save") {
   const auto model = thrown().build();
   FlightWorld world(model, 1), other(model, 1);
   run(world, 100);
@@ -66,7 +66,7 @@ TEST_CASE("a run goes on from a restore as it did from the save, to the last bit
   CHECK(other.time() == world.time());
 }
 
-TEST_CASE("a reset world equals a fresh one") {
+TEST_CASE("a reset world equals a new one") {
   const auto model = thrown().build();
   FlightWorld fresh(model, 2), used(model, 2);
   run(used, 50);
@@ -77,7 +77,7 @@ TEST_CASE("a reset world equals a fresh one") {
   CHECK(hash_of(used) == hash_of(fresh));
 }
 
-TEST_CASE("what comes and goes leaves the rest alone") {
+TEST_CASE("adding and removing bodies does not affect the other bodies") {
   const auto model = thrown().build();
   FlightWorld world(model, 1), undisturbed(model, 1);
   run(world, 50);
@@ -98,15 +98,15 @@ TEST_CASE("what comes and goes leaves the rest alone") {
     CHECK(found.poses[i].p == expected.poses[i].p);
     CHECK(found.twists[i].angular == expected.twists[i].angular);
   }
-  CHECK(found.poses[2].p == last.p);  // it keeps its last values
-  // Joints are refused, and nothing has changed then.
+  CHECK(found.poses[2].p == last.p);  // its last values remain
+  // Joints are rejected without changing anything.
   auto jointed = std::make_shared<cogrsim::SceneModel>(*fewer);
   jointed->joints.emplace_back();
   CHECK_FALSE(world.add(jointed));
   CHECK(world.model() == fewer);
 }
 
-TEST_CASE("a state that is set is the state") {
+TEST_CASE("get_state returns the state that was set") {
   const auto model = thrown().build();
   FlightWorld source(model, 1), target(model, 1);
   run(source, 100);
@@ -114,7 +114,7 @@ TEST_CASE("a state that is set is the state") {
   REQUIRE(target.set_state(state_of(source)));
   const auto found = state_of(target), expected = state_of(source);
   for (std::size_t i = 0; i < 2; ++i) {
-    // Rounding of a change from the body's origin to its centre of mass and back.
+    // Rounding of the conversion from the body origin to the centre of mass and back.
     CHECK((found.poses[i].p - expected.poses[i].p).norm() < 1e-13);
     CHECK((found.twists[i].linear - expected.twists[i].linear).norm() < 1e-12);
   }
@@ -128,16 +128,16 @@ TEST_CASE("a state that is set is the state") {
   CHECK(hash_of(target) == before);
 }
 
-TEST_CASE("a body made static stays, made dynamic it falls from rest") {
+TEST_CASE("a body made static keeps its pose, and made dynamic it falls from rest") {
   const auto model = thrown().build();
   FlightWorld world(model, 1);
   run(world, 100);
-  auto frozen = std::make_shared<cogrsim::SceneModel>(*model);
-  frozen->bodies[0].kind = cogrsim::BodyKind::fixed;
-  REQUIRE(world.change(frozen));
+  auto made_static = std::make_shared<cogrsim::SceneModel>(*model);
+  made_static->bodies[0].kind = cogrsim::BodyKind::fixed;
+  REQUIRE(world.change(made_static));
   const Pose there = state_of(world).poses[0];
   run(world, 100);
-  // Here and below: the way to the centre of mass and back, rounded.
+  // Here and below: rounding of the conversion to the centre of mass and back.
   CHECK((state_of(world).poses[0].p - there.p).norm() < 1e-14);
   REQUIRE(world.change(model));
   run(world, 100);
@@ -146,7 +146,7 @@ TEST_CASE("a body made static stays, made dynamic it falls from rest") {
   CHECK(state.twists[0].angular.norm() == 0.0);
 }
 
-TEST_CASE("a body beyond all bounds is named, and time stands still") {
+TEST_CASE("a diverged body is named, and the time does not advance") {
   cogrsim::ModelBuilder builder = thrown();
   builder.model.bodies[1].V_WB.linear.x() = 1e300;
   FlightWorld world(builder.build(), 1);

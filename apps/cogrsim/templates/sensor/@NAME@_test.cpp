@@ -1,4 +1,4 @@
-// What the scene cannot say: statistics of the noise, and what is out of range.
+// Tests that the scene cannot express: statistics of the noise, and surfaces out of range.
 // Catch2 2.13 or 3. COGRSIM_TEST_BACKENDS="a,b" in the environment limits it to some backends.
 #define CATCH_CONFIG_MAIN
 #include <cogrsim/dsl/loader_catalog.h>
@@ -18,32 +18,32 @@ cogrsim::SceneModelPtr scene() {
 
 }  // namespace
 
-TEST_CASE("the noise is as large as the scene says") {
+TEST_CASE("the noise has the standard deviation of the scene") {
   const std::string backend = GENERATE(cogrsim::testing::backends());
   CAPTURE(backend);
   const auto run = cogrsim::testing::start(scene(), backend);
-  const auto way = cogrsim::testing::record(
+  const auto trajectory = cogrsim::testing::record(
       *run, {"probe.real.distance - probe.ideal.distance"}, 4.0, 0.02);
   double sum = 0.0, squares = 0.0;
   int samples = 0;
-  for (const std::vector<double>& row : way.values) {
+  for (const std::vector<double>& row : trajectory.values) {
     if (std::isnan(row[0])) continue;
     sum += row[0];
     squares += row[0] * row[0];
     ++samples;
   }
-  // Read at 50 Hz for 4 s, and recorded as often.
+  // Measured at 50 Hz for 4 s, and sampled at the same rate.
   REQUIRE(samples >= 200);
   const double mean = sum / samples;
   const double deviation = std::sqrt(squares / samples - mean * mean);
-  // Of n samples the mean errs by sigma / sqrt(n), the deviation by sigma / sqrt(2 n): allowed are
-  // five times that.
+  // For n samples the standard error of the mean is sigma / sqrt(n), and that of the deviation
+  // sigma / sqrt(2 n); five times these values are allowed.
   const double sigma = 4e-3;
   CHECK(std::abs(mean) < 5.0 * sigma / std::sqrt(samples));
   CHECK(std::abs(deviation - sigma) < 5.0 * sigma / std::sqrt(2.0 * samples));
 }
 
-TEST_CASE("what is out of range is infinitely far away") {
+TEST_CASE("the distance of a surface out of range is infinite") {
   const std::string backend = GENERATE(cogrsim::testing::backends());
   CAPTURE(backend);
   auto model = std::make_shared<cogrsim::SceneModel>(*scene());

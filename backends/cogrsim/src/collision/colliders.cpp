@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "cogrsim/core/constants.h"
@@ -27,15 +26,12 @@ double margin_for(double smallest_half_extent) {
 
 // The hull for distance queries: shrunk by its margin, which gives the faces their place back.
 std::shared_ptr<btConvexShape> make_rounded_hull(const std::vector<Vec3>& points) {
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
+  geometry::Bounds bounds;
+  for (const Vec3& p : points) bounds.add(p);
   std::vector<double> flat;
   for (const Vec3& p : points) flat.insert(flat.end(), {p[0], p[1], p[2]});
   btConvexHullComputer computer;
-  const double wanted = margin_for(0.5 * (high - low).minCoeff());
+  const double wanted = margin_for(bounds.half().minCoeff());
   const double margin =
       computer.compute(flat.data(), int(3 * sizeof(double)), int(points.size()), wanted, 0.2);
   auto shape = std::make_shared<btConvexHullShape>();
@@ -53,7 +49,6 @@ void make_mesh(const TriangleMesh& mesh, Collider& c) {
                              bt(mesh.vertices[std::size_t(t[2])]));
   c.bvh = std::make_shared<btBvhTriangleMeshShape>(c.triangles.get(), true);
   c.bvh->setMargin(0.0);
-  for (const Vec3& v : mesh.vertices) c.reach = std::max(c.reach, v.norm());
 }
 
 Collider make_collider(const SceneModel& model, int body, int index) {
@@ -65,27 +60,23 @@ Collider make_collider(const SceneModel& model, int body, int index) {
   c.material = shape.material;
   c.moves = model.bodies[std::size_t(body)].kind != BodyKind::fixed;
   c.X_BS = Placement(shape.X_BS);
-  c.half = 0.5 * shape.size;
-  c.radius = shape.radius;
-  c.half_length = 0.5 * shape.length;
+  c.reach = geometry::bounding_radius(model, shape);
+  if (c.is_convex()) c.core = geometry::core_of(model, shape);
+  const double radius = shape.radius, half = 0.5 * shape.length;
   switch (shape.type) {
     case ShapeType::box:
-      c.convex = std::make_shared<btBoxShape>(bt(c.half));
-      c.convex->setMargin(margin_for(c.half.minCoeff()));
-      c.reach = c.half.norm();
+      c.convex = std::make_shared<btBoxShape>(bt(c.core.half));
+      c.convex->setMargin(margin_for(c.core.half.minCoeff()));
       break;
     case ShapeType::sphere:
-      c.convex = std::make_shared<btSphereShape>(c.radius);
-      c.reach = c.radius;
+      c.convex = std::make_shared<btSphereShape>(radius);
       break;
     case ShapeType::cylinder:
-      c.convex = std::make_shared<btCylinderShapeZ>(btVector3(c.radius, c.radius, c.half_length));
-      c.convex->setMargin(margin_for(std::min(c.radius, c.half_length)));
-      c.reach = std::hypot(c.radius, c.half_length);
+      c.convex = std::make_shared<btCylinderShapeZ>(btVector3(radius, radius, half));
+      c.convex->setMargin(margin_for(std::min(radius, half)));
       break;
     case ShapeType::capsule:
-      c.convex = std::make_shared<btCapsuleShapeZ>(c.radius, 2.0 * c.half_length);
-      c.reach = c.radius + c.half_length;
+      c.convex = std::make_shared<btCapsuleShapeZ>(radius, 2.0 * half);
       break;
     case ShapeType::convex_mesh: {
       const TriangleMesh& mesh = model.meshes[std::size_t(shape.mesh)];
@@ -93,22 +84,18 @@ Collider make_collider(const SceneModel& model, int body, int index) {
       if (c.hull->normals.empty())
         throw std::runtime_error("shape '" + shape.name + "': its convex hull has no volume");
       c.convex = make_rounded_hull(mesh.vertices);
-      for (const Vec3& v : c.hull->vertices) c.reach = std::max(c.reach, v.norm());
+      c.core.points = c.hull->vertices.data();
+      c.core.count = c.hull->vertices.size();
       break;
     }
     case ShapeType::plane:
-      c.reach = std::numeric_limits<double>::infinity();
       break;
     case ShapeType::mesh:
       make_mesh(model.meshes[std::size_t(shape.mesh)], c);
       break;
-    case ShapeType::heightmap: {
+    case ShapeType::heightmap:
       c.grid = std::make_shared<HeightGrid>(model.heightmaps[std::size_t(shape.heightmap)]);
-      const auto range = std::minmax_element(c.grid->heights.begin(), c.grid->heights.end());
-      const double z = std::max(std::abs(*range.first), std::abs(*range.second));
-      c.reach = Vec3(0.5 * c.grid->size_x, 0.5 * c.grid->size_y, z).norm();
       break;
-    }
   }
   return c;
 }
@@ -128,20 +115,21 @@ std::size_t most_along(const HullFaces& hull, const Vec3& d) {
 
 void cylinder_feature(const Collider& c, const Vec3& d, Feature& out) {
   const Placement& X = c.X_WS;
+  const double radius = c.core.radius, half = c.core.half.z();
   if (std::abs(d[2]) > 0.7) {
     // One corner where the rim reaches farthest, so that a coin rolls on it as on a circle.
-    const double z = d[2] > 0 ? c.half_length : -c.half_length;
+    const double z = d[2] > 0 ? half : -half;
     const double first = std::hypot(d[0], d[1]) > kUpright ? std::atan2(d[1], d[0]) : 0.0;
     for (int k = 0; k < kCapCorners; ++k) {
       const double angle = first + 2.0 * kPi * k / kCapCorners;
-      out.add(X * Vec3(c.radius * std::cos(angle), c.radius * std::sin(angle), z));
+      out.add(X * Vec3(radius * std::cos(angle), radius * std::sin(angle), z));
     }
     return;
   }
   const double length = std::hypot(d[0], d[1]);
-  const double x = c.radius * d[0] / length, y = c.radius * d[1] / length;
-  out.add(X * Vec3(x, y, -c.half_length));
-  out.add(X * Vec3(x, y, c.half_length));
+  const double x = radius * d[0] / length, y = radius * d[1] / length;
+  out.add(X * Vec3(x, y, -half));
+  out.add(X * Vec3(x, y, half));
 }
 
 }  // namespace
@@ -165,29 +153,30 @@ void support_feature(const Collider& c, const Vec3& direction, Feature& out) {
   out.count = 0;
   const Placement& X = c.X_WS;
   const Vec3 d = X.R.transpose() * direction;
+  const Vec3& half = c.core.half;
   switch (c.type) {
     case ShapeType::box: {
       int axis = 0;
       d.cwiseAbs().maxCoeff(&axis);
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
       Vec3 p;
-      p[axis] = d[axis] > 0 ? c.half[axis] : -c.half[axis];
+      p[axis] = d[axis] > 0 ? half[axis] : -half[axis];
       for (int k = 0; k < 4; ++k) {
-        p[u] = (k == 1 || k == 2) ? c.half[u] : -c.half[u];
-        p[v] = k >= 2 ? c.half[v] : -c.half[v];
+        p[u] = (k == 1 || k == 2) ? half[u] : -half[u];
+        p[v] = k >= 2 ? half[v] : -half[v];
         out.add(X * p);
       }
       return;
     }
     case ShapeType::sphere:
-      out.add(X.p + c.radius * direction);
+      out.add(X.p + c.core.margin * direction);
       return;
     case ShapeType::cylinder:
       cylinder_feature(c, d, out);
       return;
     case ShapeType::capsule:
-      for (double end : {-c.half_length, c.half_length})
-        out.add(X * Vec3(0, 0, end) + c.radius * direction);
+      for (double end : {-half.z(), half.z()})
+        out.add(X * Vec3(0, 0, end) + c.core.margin * direction);
       return;
     case ShapeType::convex_mesh: {
       for (int v : c.hull->corners[most_along(*c.hull, d)])
@@ -221,24 +210,7 @@ bool face_normal(const Collider& c, const Vec3& direction, Vec3& normal) {
 }
 
 double support_extent(const Collider& c, const Vec3& direction) {
-  const Vec3 d = c.X_WS.R.transpose() * direction;
-  switch (c.type) {
-    case ShapeType::box:
-      return d.cwiseAbs().dot(c.half);
-    case ShapeType::sphere:
-      return c.radius;
-    case ShapeType::cylinder:
-      return c.radius * std::hypot(d[0], d[1]) + c.half_length * std::abs(d[2]);
-    case ShapeType::capsule:
-      return c.radius + c.half_length * std::abs(d[2]);
-    case ShapeType::convex_mesh: {
-      double most = -std::numeric_limits<double>::infinity();
-      for (const Vec3& v : c.hull->vertices) most = std::max(most, v.dot(d));
-      return most;
-    }
-    default:
-      return c.reach;
-  }
+  return c.core.extent(c.X_WS.R.transpose() * direction);
 }
 
 }  // namespace cogrsim::dynamics

@@ -6,19 +6,17 @@
 #include <memory>
 #include <vector>
 
-#include "cogrsim/model/hull_faces.h"
+#include "cogrsim/geometry/convex.h"
+#include "cogrsim/geometry/hull_faces.h"
+#include "cogrsim/geometry/manifold.h"
 #include "cogrsim/model/scene_model.h"
 #include "placement.h"
 
 namespace cogrsim::dynamics {
 
-/// A convex polygon (3 or more), segment (2) or point (1) of a surface, in order around.
-struct Feature {
-  static constexpr int kMost = 32;
-  Vec3 points[kMost];
-  int count = 0;
-  void add(const Vec3& p) { points[count++] = p; }
-};
+using geometry::ContactPoint;
+using geometry::Feature;
+using geometry::Separation;
 
 /// One collision shape of one body.
 struct Collider {
@@ -27,10 +25,8 @@ struct Collider {
   int material = 0;
   bool moves = false;
   Placement X_BS;
-  Vec3 half = Vec3::Zero();  ///< box [m]
-  double radius = 0.0;       ///< sphere, cylinder, capsule [m]
-  double half_length = 0.0;  ///< cylinder, capsule (without caps) [m]
-  double reach = 0.0;        ///< no point is farther from the shape's origin [m]; plane: infinite
+  geometry::Core core;  ///< of what is convex; a hull's points are those of `hull`
+  double reach = 0.0;   ///< no point is farther from the shape's origin [m]; plane: infinite
   std::shared_ptr<const HullFaces> hull;        ///< at most Feature::kMost corners a face
   std::shared_ptr<btConvexShape> convex;        ///< all convex types
   std::shared_ptr<btTriangleMesh> triangles;    ///< mesh
@@ -58,7 +54,7 @@ void support_feature(const Collider& collider, const Vec3& direction, Feature& o
 /// false: the shape has none.
 bool face_normal(const Collider& collider, const Vec3& direction, Vec3& normal);
 
-/// Farthest extent along a world direction beyond the shape's origin [m].
+/// Farthest extent of a convex shape along a world direction beyond its origin [m].
 double support_extent(const Collider& collider, const Vec3& direction);
 
 }  // namespace cogrsim::dynamics

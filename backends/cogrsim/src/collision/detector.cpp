@@ -59,19 +59,8 @@ void Detector::place(int body, const Placement& X_WB, double margin) {
     c.X_WS = X_WB * c.X_BS;
     c.margin = margin;
     if (c.type == ShapeType::plane) continue;
-    Vec3 extent;
-    if (c.type == ShapeType::box) {
-      extent = c.X_WS.R.cwiseAbs() * c.half;
-    } else if (c.type == ShapeType::cylinder) {
-      for (int k = 0; k < 3; ++k) {
-        const double z = std::abs(c.X_WS.R(k, 2));
-        extent[k] = c.half_length * z + c.radius * std::sqrt(std::max(0.0, 1.0 - z * z));
-      }
-    } else if (c.type == ShapeType::capsule) {
-      extent = c.half_length * c.X_WS.R.col(2).cwiseAbs() + Vec3::Constant(c.radius);
-    } else {
-      extent = Vec3::Constant(c.reach);
-    }
+    const bool closed_form = c.is_convex() && c.hull == nullptr;
+    Vec3 extent = closed_form ? c.core.half_extents(c.X_WS.R) : Vec3(Vec3::Constant(c.reach));
     extent += Vec3::Constant(margin);
     c.low = c.X_WS.p - extent;
     c.high = c.X_WS.p + extent;

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "collision/colliders.h"
-#include "collision/contact_point.h"
 
 namespace cogrsim::dynamics {
 

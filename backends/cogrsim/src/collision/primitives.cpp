@@ -37,14 +37,14 @@ void cylinder_on_plane(const Collider& c, PlaneSink& sink) {
   // Standing upright, any direction is lowest: one fixed in the body keeps the points in place.
   const Vec3 x = across > 1e-6 ? Vec3(down[0] / across, down[1] / across, 0) : Vec3(1, 0, 0);
   const Vec3 y(-x[1], x[0], 0);
-  const double z = down[2] >= 0 ? c.half_length : -c.half_length;
+  const double z = down[2] >= 0 ? c.core.half.z() : -c.core.half.z();
   const Vec3 lower(0, 0, z), upper(0, 0, -z);
-  sink.add(c.X_WS * (lower + c.radius * x));
-  sink.add(c.X_WS * (upper + c.radius * x));
+  sink.add(c.X_WS * (lower + c.core.radius * x));
+  sink.add(c.X_WS * (upper + c.core.radius * x));
   if (across > 0.5) return;
-  sink.add(c.X_WS * (lower + c.radius * y));
-  sink.add(c.X_WS * (lower - c.radius * y));
-  sink.add(c.X_WS * (lower - c.radius * x));
+  sink.add(c.X_WS * (lower + c.core.radius * y));
+  sink.add(c.X_WS * (lower - c.core.radius * y));
+  sink.add(c.X_WS * (lower - c.core.radius * x));
 }
 
 // Distance queries know hulls to their size / 10216 only.
@@ -77,18 +77,17 @@ void plane_contacts(const Collider& plane, const Collider& c, double margin,
   switch (c.type) {
     case ShapeType::box:
       for (int k = 0; k < 8; ++k)
-        sink.add(c.X_WS * Vec3(k & 1 ? c.half[0] : -c.half[0], k & 2 ? c.half[1] : -c.half[1],
-                               k & 4 ? c.half[2] : -c.half[2]));
+        sink.add(c.X_WS * geometry::Bounds{-c.core.half, c.core.half}.corner(k));
       break;
     case ShapeType::sphere:
-      sink.add(c.X_WS.p - c.radius * n);
+      sink.add(c.X_WS.p - c.core.margin * n);
       break;
     case ShapeType::cylinder:
       cylinder_on_plane(c, sink);
       break;
     case ShapeType::capsule:
-      sink.add(c.X_WS * Vec3(0, 0, -c.half_length) - c.radius * n);
-      sink.add(c.X_WS * Vec3(0, 0, c.half_length) - c.radius * n);
+      sink.add(c.X_WS * Vec3(-c.core.half) - c.core.margin * n);
+      sink.add(c.X_WS * c.core.half - c.core.margin * n);
       break;
     case ShapeType::convex_mesh:
       for (const Vec3& v : c.hull->vertices) sink.add(c.X_WS * v);
@@ -107,13 +106,13 @@ void convex_contacts(const Collider& a, const Collider& b, double margin,
   if (a.type == ShapeType::sphere && b.type == ShapeType::sphere) {
     const Vec3 d = b.X_WS.p - a.X_WS.p;
     const double distance = d.norm();
-    s.gap = distance - a.radius - b.radius;
+    s.gap = distance - a.core.margin - b.core.margin;
     s.found = s.has_points = s.gap <= margin;
     s.normal = distance > 1e-12 ? Vec3(d / distance) : Vec3::UnitZ();
-    s.on_a = a.X_WS.p + a.radius * s.normal;
-    s.on_b = b.X_WS.p - b.radius * s.normal;
+    s.on_a = a.X_WS.p + a.core.margin * s.normal;
+    s.on_b = b.X_WS.p - b.core.margin * s.normal;
   } else if (a.type == ShapeType::box && b.type == ShapeType::box) {
-    s = separate_boxes(a, b, margin);
+    s = geometry::separate_boxes({a.core.half, a.X_WS}, {b.core.half, b.X_WS}, margin);
   } else {
     s = separate_convex(*a.convex, to_bullet(a.X_WS), *b.convex, to_bullet(b.X_WS), margin);
     s.blur = blur_of(a) + blur_of(b);

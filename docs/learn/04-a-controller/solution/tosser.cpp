@@ -1,4 +1,4 @@
-// Exercises 1 and 2: a wanderer that turns to the side it is told, or tosses a coin, and tells how often it turned.
+// Exercises 1 and 2: a wanderer that turns to a given side, or tosses a coin, and publishes how often it turned.
 #include <cogrsim/control/controller.h>
 
 #include <algorithm>
@@ -40,13 +40,13 @@ class Tosser final : public cogrsim::Controller {
   cogrsim::Lidar scan_;
   double speed_ = 0.0, near_ = 0.0;
   std::string side_;
-  double turn_ = 0.0;  // 1 to the left, -1 to the right, 0 ahead
+  double turn_ = 0.0;  // 1 to the left, -1 to the right, 0 straight
   int turns_ = 0;
 };
 
 COGRSIM_CONTROLLER(
-    Tosser, "tosser", version("1.0.0"), summary("wanders, turning to the side it is told"),
-    parameter("speed", 0.3, "m/s", "of driving ahead").range(0.0, 2.0),
+    Tosser, "tosser", version("1.0.0"), summary("wanders and turns to a given side"),
+    parameter("speed", 0.3, "m/s", "of driving forward").range(0.0, 2.0),
     parameter("near", 0.25, "m", "a wall nearer than this makes it turn").range(0.05, 5.0),
     parameter("side", "any", "to which it turns").one_of({"left", "right", "any"}),
     output("turns", "1", "how often it began to turn"))

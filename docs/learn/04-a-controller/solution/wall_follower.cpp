@@ -1,4 +1,4 @@
-// Exercise 3: keeps a wall on its right at a distance, by a PD law on two infrareds; a scanner looks ahead.
+// Exercise 3: keeps a wall on its right at a distance, by a PD law on two infrared sensors; a scanner looks forward.
 #include <cogrsim/control/controller.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ class WallFollower final : public cogrsim::Controller {
     if (!scan_.valid() || !side_.valid() || !slant_.valid()) return;
     double forward = speed_, turn = 0.0;
     if (scan_.range(scan_.size() / 2) < gap_ + 0.05) {
-      forward = 0.0;  // a corner: on the spot to the left, until the way is free
+      forward = 0.0;  // a corner: on the spot to the left, until the path is free
       turn = 1.5;
     } else if (std::isinf(slant_.distance()) || slant_.distance() > 4 * gap_) {
       turn = -speed_ / (gap_ + 0.08);  // the wall has ended: around its end

@@ -26,7 +26,7 @@ class COGRSIM_API PluginCatalog {
   virtual ~PluginCatalog();
 
   /// Parameter table of a controller, supervisor or sensor. Errors carry their code
-  /// (CG0901 not found, CG0902 refused, CG0903 wrong kind) and the places searched.
+  /// (CG0901 not found, CG0902 refused, CG0903 wrong kind) and the folders searched.
   virtual Result<ParameterTable> parameters(PluginKind kind, const std::string& name) = 0;
 
   /// What a controller or supervisor publishes, so that signals can name it; nothing where that is
@@ -53,12 +53,12 @@ struct Limits {
   int elements = 500000;               ///< in a file
   int attribute_bytes = 64 << 10;      ///< of one attribute value
   /// After prototypes and repeats; an import counts as a hundred. Ten times what engines simulate
-  /// in bearable time; a file that runs away is given up within a second.
+  /// in acceptable time; a file that grows without bound is refused within a second.
   int expanded_elements = 250000;
   int expansion_depth = 64;              ///< instances inside instances
   int files = 256;                       ///< scene and imports
   std::size_t asset_bytes = 256u << 20;  ///< of one mesh, heightmap or texture file
-  int diagnostics = 100;                 ///< told apart; the rest is counted
+  int diagnostics = 100;                 ///< reported individually; the rest is counted
 };
 
 struct CompileOptions {
@@ -76,8 +76,8 @@ struct CompileOptions {
 
 struct CompileResult {
   SceneModelPtr model;                  ///< nullptr when there is an error
-  std::vector<Diagnostic> diagnostics;  ///< errors and advice, in file order
-  /// Absolute paths, sorted, of all that the scene is made of: itself, imports, meshes, heightmaps,
+  std::vector<Diagnostic> diagnostics;  ///< errors and warnings, in file order
+  /// Absolute paths, sorted, of all files of the scene: itself, imports, meshes, heightmaps,
   /// textures. Of a text, its own path is where it would be.
   std::vector<std::string> files_read;
   bool ok() const { return model != nullptr; }
@@ -106,7 +106,7 @@ COGRSIM_API std::string to_sarif(const std::vector<Diagnostic>& diagnostics);
 /// What a code means: title, cause, cure and an example; empty for an unknown code.
 COGRSIM_API std::string explain(const std::string& code);
 
-/// Every code there is, sorted.
+/// All codes, sorted.
 COGRSIM_API std::vector<std::string> diagnostic_codes();
 
 // ---- generated from the language's own tables
@@ -114,7 +114,7 @@ COGRSIM_API std::vector<std::string> diagnostic_codes();
 /// XML Schema 1.0 of the scene language. With a catalog, engine blocks get their elements.
 COGRSIM_API std::string write_xsd(PluginCatalog* plugins = nullptr);
 
-/// The reference page docs/scene-reference.md.
+/// The reference page docs/guide/scene-reference.md.
 COGRSIM_API std::string write_reference_markdown();
 
 }  // namespace cogrsim::dsl

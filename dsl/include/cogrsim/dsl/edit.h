@@ -24,13 +24,13 @@ struct OutlineElement {
   int parent = -1;  ///< -1: none
   std::string tag;
   std::string
-      name;  ///< as written, or the one that was made up when the scene compiled; may be empty
-  std::string path;  ///< dotted, of what the element became; empty: nothing, or several things
+      name;  ///< as written, or the one that was generated when the scene compiled; may be empty
+  std::string path;  ///< dotted, of the object that the element became; empty: none, or several
   int line = 0, column = 0;  ///< of its '<', from 1; columns in code points
   int end_line = 0;          ///< of its last character
   /// In file order, entities replaced.
   std::vector<std::pair<std::string, std::string>> attributes;
-  /// Stands for exactly one thing of the scene: not in a prototype, repeat, scatter or template.
+  /// Stands for exactly one object of the scene: not in a prototype, repeat, scatter or template.
   bool single = false;
 };
 
@@ -81,14 +81,14 @@ struct InsertElement {
   std::optional<int> before;  ///< child of `parent`; nullopt: last
 };
 
-/// Takes elements out with all inside, and what refers to them: joints, motors, sensors, actions,
-/// series, expectations. What was only placed relative to them stays where it is; a material that is
-/// gone is left out.
+/// Removes elements with their content, and the elements that refer to them: joints, motors,
+/// sensors, actions, series, expectations. Elements that were only placed relative to them keep
+/// their poses; references to a removed material are deleted.
 struct RemoveElements {
   std::vector<int> elements;
 };
 
-/// Puts an element elsewhere. References to it, and from it, follow.
+/// Moves an element to another parent. References to it, and from it, follow.
 struct MoveElement {
   int element = 0;
   int parent = 0;
@@ -103,8 +103,7 @@ struct RenameElement {
   std::string name;
 };
 
-/// A copy behind the element, with a name of its own; what inside refers to the inside refers to the
-/// copy's.
+/// A copy behind the element, with a name of its own; references within the copy refer to the copy.
 struct DuplicateElement {
   int element = 0;
   Vec3 offset = Vec3::Zero();  ///< in the world [m]
@@ -118,8 +117,8 @@ struct PlaceElement {
   Pose pose;
 };
 
-/// One `<assembly rigid="true">` around elements of one parent, where the first of them stands.
-/// Poses in the world stay within 1e-9 m; what they have in common of static and kinematic goes to
+/// One `<assembly rigid="true">` around elements of one parent, at the position of the first of
+/// them. Poses in the world stay within 1e-9 m; static and kinematic, if they all have it, go to
 /// the whole. Refused when a joint connects two of them, or when they move differently.
 struct AssembleElements {
   std::vector<int> elements;
@@ -134,8 +133,9 @@ struct GroupElements {
   std::string name;  ///< gets a number if it is taken
 };
 
-/// The parts of an assembly take its place, where they are. What referred to the assembly refers to
-/// its first part. A material, mass, static, kinematic and velocity of the whole go to the parts.
+/// Replaces an assembly by its parts, which keep their poses. References to the assembly then refer
+/// to its first part. A material, mass, static, kinematic and velocity of the whole go to the
+/// parts.
 struct DisassembleElement {
   int element = 0;
 };
@@ -151,8 +151,8 @@ struct EditResult {
 };
 
 /// All of them, or none. `name` and `options` as for compile_text(). Errors: the text is not
-/// well-formed; an id, attribute or parent that is not there; what cannot be done, with the way out;
-/// a scene that compiled and then would not: the message is the compiler's.
+/// well-formed; an id, attribute or parent that does not exist; what cannot be done, with what to
+/// do instead; a scene that compiled and then would not: the message is the compiler's.
 COGRSIM_API Result<EditResult> edit_text(const std::string& text, const std::string& name,
                                          const std::vector<EditOperation>& operations,
                                          const CompileOptions& options = {});

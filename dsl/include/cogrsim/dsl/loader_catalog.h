@@ -1,4 +1,4 @@
-// Answers the scene compiler's questions about plugins with what a loader finds.
+// Answers the scene compiler's questions about plugins with a plugin loader.
 //
 //     const auto loader = std::make_shared<PluginLoader>();
 //     dsl::LoaderCatalog catalog(loader);

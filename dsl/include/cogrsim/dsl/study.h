@@ -1,5 +1,5 @@
-// Parameter studies: which values are tried, on what scene; from a file (`<study>`) or from words of
-// a command line.
+// Parameter studies: which values are tried, on what scene; from a file (`<study>`) or from the
+// arguments of a command line.
 //
 //     <study scene="robot.scene.xml" seeds="1..100" backends="A B" until="5 s">
 //       <vary param="r" values="3cm..5cm:5"/>
@@ -53,7 +53,7 @@ struct Study {
     std::string name, signal;
     MeasureModel::Take take = MeasureModel::Take::last;
   };
-  std::string scene;  ///< where it is, seen from the current folder
+  std::string scene;  ///< path, relative to the current folder
   std::vector<Variation> variations;
   std::vector<Setting> settings;
   std::vector<std::uint64_t> seeds;   ///< empty: the scene's

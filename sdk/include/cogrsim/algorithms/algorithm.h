@@ -1,9 +1,9 @@
-// The algorithm library: planners, steering and learners as plugins that any controller asks for by
-// name, `robot.algorithm<GridPlanner>("a_star")`. A family is an interface in this folder; an
-// algorithm is a class that implements it and is exported by COGRSIM_ALGORITHM.
+// Algorithms: planners, steering methods and learners as plugins that a controller creates by name,
+// `robot.algorithm<GridPlanner>("a_star")`. A family is an interface in this folder; an algorithm
+// is a class that implements it and is exported by COGRSIM_ALGORITHM.
 //
-// Algorithms throw nothing that a caller can cause: they return Results. What they throw all the
-// same is the fault of the controller that called them.
+// Algorithms return errors of the caller as Result and do not throw for them. Any other exception
+// is a fault of the controller that made the call. An algorithm object is not thread-safe.
 #pragma once
 
 #include <exception>
@@ -18,30 +18,31 @@ namespace cogrsim {
 
 class PluginLoader;
 
-/// Factory table of an algorithm plugin; made by COGRSIM_ALGORITHM.
+/// Factory table of an algorithm plugin, defined by COGRSIM_ALGORITHM.
 struct AlgorithmEntry {
   const char* family;  ///< kFamily of the interface
-  /// `out` is a pointer to the interface. Returns what was thrown. `parameters` are complete.
+  /// Sets `out` to a pointer to the interface; returns the message of an exception. `parameters`
+  /// are complete.
   std::optional<std::string> (*create)(const Parameters& parameters, std::uint64_t seed,
                                        void*& out);
   void (*destroy)(void*);
 };
 
-/// Makes an algorithm outside of a controller: in a program, a test, a study. A relative parameter
-/// `table` of a learner is taken relative to `folder`. The library stays loaded as long as the
-/// pointer lives.
+/// Creates an algorithm outside of a controller, in a program, a test or a study. A relative path
+/// in the parameter `table` of a learner is relative to `folder`. The library stays loaded as long
+/// as the algorithm exists.
 ///
 ///     auto planner = load_algorithm<GridPlanner>(loader, "a_star");
 ///
-/// Errors: there is none of that name (with the nearest); of another family; a parameter is wrong;
-/// its constructor threw.
+/// Errors: the name is unknown (with the most similar one), the algorithm belongs to another
+/// family, a parameter is invalid, or the constructor throws.
 template <class Type>
 Result<std::shared_ptr<Type>> load_algorithm(PluginLoader& loader, const std::string& name,
                                              const Parameters& parameters = {},
                                              std::uint64_t seed = 1,
                                              const std::string& folder = {});
 
-/// The same for a family given by name; what is returned points to its interface.
+/// As load_algorithm(), for a family that is given by its name; the result points to its interface.
 COGRSIM_API Result<std::shared_ptr<void>> load_algorithm_of(
     PluginLoader& loader, const std::string& name, const char* family, const Parameters& parameters,
     std::uint64_t seed, const std::string& folder);
@@ -57,7 +58,7 @@ Result<std::shared_ptr<Type>> load_algorithm(PluginLoader& loader, const std::st
 }  // namespace cogrsim
 
 /// Exports an algorithm: COGRSIM_ALGORITHM(AStar, GridPlanner, "a_star", parameter(…), version(…),
-/// author(…), summary(…)). Class has a constructor (const Parameters&, std::uint64_t seed).
+/// author(…), summary(…)). The class needs a constructor (const Parameters&, std::uint64_t seed).
 #define COGRSIM_ALGORITHM(Class, Interface, name, ...)                        \
   namespace {                                                                 \
   const ::cogrsim::AlgorithmEntry cogrsim_entry = {                           \

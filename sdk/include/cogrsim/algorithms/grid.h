@@ -1,5 +1,5 @@
-// A grid of cells as grid planners see it: every cell has a cost, and so has every edge between two
-// neighbours, because walls stand between cells.
+// The grid of the grid planners. Every cell has a cost, and so has every edge between two
+// neighbours, because walls are between cells.
 //
 // Rows count from the south, columns from the west, as in MazeModel.
 #pragma once
@@ -16,6 +16,7 @@
 
 namespace cogrsim {
 
+/// A cell of a grid.
 struct Cell {
   int row = 0;
   int column = 0;
@@ -25,36 +26,37 @@ inline bool operator==(const Cell& a, const Cell& b) {
 }
 inline bool operator!=(const Cell& a, const Cell& b) { return !(a == b); }
 
-/// "r2c5", the name a maze gives its cells.
+/// Name of a cell as in a maze: "r2c5".
 COGRSIM_API std::string to_string(const Cell& cell);
 
-/// Which neighbour of a cell.
+/// A side of a cell.
 enum class Side { north, south, east, west };
 
-/// What stands between a cell and its neighbour on one side.
+/// The edge between a cell and its neighbour on one side.
 struct GridEdge {
   Cell cell;
   Side side = Side::north;
 };
 
-/// Whether a step may go diagonally.
+/// Allowed steps: to four neighbours, or also diagonally to eight.
 enum class GridMoves { four, eight };
 
 /// A cell or edge of this cost cannot be passed.
 inline constexpr double kBlocked = std::numeric_limits<double>::infinity();
 
-/// The cost of a step from cell a to its neighbour b is
+/// A grid with costs. The cost of a step from cell a to its neighbour b is
 ///
 ///     length * edge * (cost(a) + cost(b)) / 2,
 ///
-/// with length 1 straight and sqrt(2) diagonally. A diagonal step passes a corner where four edges
-/// meet: it counts the dearest of them, and is possible only if all four and both cells beside it
-/// can be passed, so that no corner is cut. Costs are the same in both directions. All costs begin
-/// at 1, the outer edges at kBlocked: a path's cost is then its length in cells.
+/// with the length 1 for a straight step and sqrt(2) for a diagonal one. A diagonal step passes a
+/// corner of four edges: its edge cost is the largest of the four, and it is possible only if all
+/// four edges and both adjacent cells can be passed, so that no corner is cut. Costs are the same
+/// in both directions. Initially all costs are 1 and those of the outer edges kBlocked, so that the
+/// cost of a path is its length in cells.
 class COGRSIM_API Grid {
  public:
   Grid() = default;
-  /// Precondition: rows, columns >= 0. A grid without cells is possible; no plan is found in it.
+  /// Precondition: rows >= 0, columns >= 0. A grid without cells is allowed; it has no plans.
   Grid(int rows, int columns, GridMoves moves = GridMoves::four);
 
   int rows() const { return rows_; }
@@ -65,35 +67,40 @@ class COGRSIM_API Grid {
   bool contains(const Cell& cell) const {
     return cell.row >= 0 && cell.row < rows_ && cell.column >= 0 && cell.column < columns_;
   }
-  /// row * columns + column. Precondition: contains(cell).
+  /// Index of a cell: row * columns + column. Precondition: contains(cell).
   int index(const Cell& cell) const { return cell.row * columns_ + cell.column; }
+  /// The cell with this index.
   Cell cell(int index) const { return {index / columns_, index % columns_}; }
 
-  /// Precondition: contains(cell).
+  /// Cost of a cell. Precondition: contains(cell).
   double cost(const Cell& cell) const { return cells_[static_cast<std::size_t>(index(cell))]; }
-  /// Precondition: contains(edge.cell).
+  /// Cost of an edge. Precondition: contains(edge.cell).
   double cost(const GridEdge& edge) const;
 
-  /// Errors: outside of the grid, not above 0, NaN; of an edge also: the grid's rim.
+  /// Sets the cost of a cell or an edge, > 0 or kBlocked. Errors: the cell is outside of the grid,
+  /// the cost is NaN or not above 0, or the edge is an outer edge.
   Result<> set_cost(const Cell& cell, double cost);
   Result<> set_cost(const GridEdge& edge, double cost);
 
-  /// Cost of one step; kBlocked when b is no neighbour of a or cannot be reached.
-  /// Precondition: contains(a), contains(b).
+  /// Cost of the step from a to b; kBlocked if b is not a neighbour of a or the step is not
+  /// possible. Precondition: contains(a), contains(b).
   double step_cost(const Cell& a, const Cell& b) const;
 
+  /// A possible step.
   struct Step {
-    int to = 0;  ///< index()
+    int to = 0;  ///< index of the neighbour
     double cost = 0.0;
   };
-  /// The steps possible from a cell: at most 8, in a fixed order. `out` is overwritten.
+  /// Writes the possible steps from the cell with the index `from` to `out`: at most 8, in a fixed
+  /// order.
   void steps(int from, std::vector<Step>& out) const;
 
-  /// The least a step of length 1 can cost anywhere in the grid now; kBlocked if there is none.
+  /// Lower bound of the cost of a step of length 1 in the current grid; kBlocked if none is
+  /// possible.
   double least_cost() const;
 
-  /// Cells that can be reached from here, itself among them, by index; empty if it is blocked or
-  /// outside.
+  /// Indices of the cells that can be reached from `from`, including itself; empty if it is blocked
+  /// or outside of the grid.
   std::vector<int> reachable(const Cell& from) const;
 
  private:
@@ -112,21 +119,22 @@ class COGRSIM_API Grid {
   std::vector<double> horizontal_;  // (rows + 1) x columns
 };
 
-/// The plan of a maze: walls are blocked, doors too unless `doors_open`.
+/// The grid of a maze. Walls are blocked; doors are blocked unless `doors_open`.
 COGRSIM_API Grid grid_of(const MazeModel& maze, bool doors_open = false,
                          GridMoves moves = GridMoves::four);
 
-/// The edges where a door of the maze stands (an index into SceneModel::doors): those to open in a
-/// planner when it opens. Empty: no such door here.
+/// The edges of a door of the maze, whose costs change when it opens; empty if the maze does not
+/// have the door. `door` is an index into SceneModel::doors.
 COGRSIM_API std::vector<GridEdge> edges_of_door(const MazeModel& maze, int door);
 
-/// The cell over which a point of the world is; nothing outside of the maze or for NaN.
+/// The cell below a point of the world [m]; nullopt outside of the maze or for NaN.
 COGRSIM_API std::optional<Cell> cell_at(const MazeModel& maze, const Vec3& p_W);
 
-/// The middle of a cell's floor in the world [m].
+/// Centre of the floor of a cell in the world [m].
 COGRSIM_API Vec3 centre_of(const MazeModel& maze, const Cell& cell);
 
-/// A named place, or a cell as "r2c5". Errors: unknown, with the nearest name.
+/// The cell with a name of the maze, or with a name such as "r2c5". Errors: the name is unknown,
+/// with the most similar one.
 COGRSIM_API Result<Cell> find_cell(const MazeModel& maze, const std::string& name);
 
 }  // namespace cogrsim

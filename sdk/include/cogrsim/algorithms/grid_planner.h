@@ -1,4 +1,4 @@
-// Planners on grids: "a_star", "dijkstra", "breadth_first", "d_star_lite", and yours.
+// The interface of grid planners, such as "a_star", "dijkstra", "breadth_first" and "d_star_lite".
 #pragma once
 
 #include <cstddef>
@@ -9,40 +9,41 @@
 
 namespace cogrsim {
 
+/// A path on a grid.
 struct GridPath {
-  std::vector<Cell> cells;   ///< from start to goal, both included; one if they are the same
-  double cost = 0.0;         ///< sum of Grid::step_cost along it
-  std::size_t expanded = 0;  ///< cells whose neighbours were looked at for this plan: the work done
+  std::vector<Cell> cells;   ///< from start to goal, inclusive; one cell if they are equal
+  double cost = 0.0;         ///< sum of Grid::step_cost() along the path
+  std::size_t expanded = 0;  ///< number of expanded cells, a measure of the computation
 };
 
-/// Error::code of a plan that failed because start and goal are not connected.
+/// Error::code if start and goal are not connected.
 inline constexpr const char* kNoWay = "no-way";
 
-/// Finds a way from cell to cell, and again when the grid turns out to be different.
+/// Finds the path of least cost from cell to cell, and replans when the grid changes.
 ///
 ///     planner->set_grid(grid_of(maze));
 ///     auto path = planner->plan({0, 0}, {7, 7});
 ///     planner->set_cost(GridEdge{{3, 4}, Side::east}, kBlocked);  // an obstacle was seen
 ///     path = planner->plan({3, 4}, {7, 7});
 ///
-/// Planners answer alike whatever was asked before; an incremental one answers sooner when the goal
-/// stays and little has changed. Of ways that cost the same the planner's choice is fixed: the same
-/// calls give the same path.
+/// The cost of a plan does not depend on earlier calls. An incremental planner is faster if the
+/// goal is the same and few costs have changed. The choice among paths of the same cost is
+/// deterministic: the same sequence of calls gives the same path.
 class GridPlanner {
  public:
   static constexpr const char* kFamily = "grid-planner";
   virtual ~GridPlanner() = default;
 
-  /// Replaces the grid; what was learnt from the old one is forgotten.
+  /// Replaces the grid and discards all data of the old one.
   virtual void set_grid(Grid grid) = 0;
   virtual const Grid& grid() const = 0;
 
-  /// Changes one cell or edge of the grid. Errors as of Grid::set_cost.
+  /// Changes the cost of one cell or edge of the grid. Errors: as Grid::set_cost().
   virtual Result<> set_cost(const Cell& cell, double cost) = 0;
   virtual Result<> set_cost(const GridEdge& edge, double cost) = 0;
 
-  /// Errors: start or goal outside of the grid or blocked; no way (code kNoWay), with the numbers
-  /// of cells that can be reached from either end.
+  /// Plans a path. Errors: start or goal is outside of the grid or blocked, or no path exists (code
+  /// kNoWay), with the numbers of cells that can be reached from both ends.
   virtual Result<GridPath> plan(const Cell& start, const Cell& goal) = 0;
 };
 

@@ -1,4 +1,4 @@
-// Learners with a table of action values: "q_learning", "sarsa", and yours.
+// The interface of learners with a table of action values, such as "q_learning" and "sarsa".
 #pragma once
 
 #include <cstdint>
@@ -10,71 +10,73 @@
 
 namespace cogrsim {
 
-/// One step of experience: in `state` it did `action`, got `reward` and found itself in
-/// `next_state`.
+/// One transition: `action` in `state` gave `reward` and led to `next_state`.
 struct Experience {
   std::int64_t state = 0;
   int action = 0;
   double reward = 0.0;
   std::int64_t next_state = 0;
-  /// The episode is over: `next_state` has no value and `next_action` is not looked at.
+  /// The episode has ended: `next_state` has no value, and `next_action` is ignored.
   bool done = false;
-  /// What will be done in `next_state`. SARSA needs it; Q-learning does not look at it.
+  /// The next action in `next_state`. SARSA needs it, Q-learning ignores it.
   int next_action = -1;
 };
 
-/// Values of the actions of one state that was met.
+/// Action values of one visited state.
 struct LearnerRow {
   std::int64_t state = 0;
-  std::uint64_t visits = 0;    ///< experiences that began here
+  std::uint64_t visits = 0;    ///< number of transitions from this state
   std::vector<double> values;  ///< by action
 };
 
-/// Learns from experience which action is worth what: Q(s, a), the expected sum of discounted
-/// rewards. States and actions are numbers that mean what the controller decides.
+/// Learns the action values Q(s, a), the expected sum of discounted rewards, from transitions. The
+/// controller defines the meaning of the numbers of states and actions.
 ///
 ///     int a = *learner->choose(s, 4, true);
-///     … do it, look where one is …
+///     … execute the action, observe the next state …
 ///     learner->learn({s, a, reward, s2, done});
 ///
-/// A learner with a parameter `table` keeps its table between runs. The file lies relative to the
-/// scene's folder. It is read when the learner is made, if it is there, and written whenever an
-/// episode ends (parameter `save_every`) and by save(""). It is written beside its place and then
-/// moved there, so that it is never seen half-written; of two runs that write the same file the
-/// later wins. A run that begins with a table is no longer a function of its seed alone.
+/// A learner with a parameter `table` stores its table in a file between runs. The path is relative
+/// to the folder of the scene. The file is read when the learner is created, if it exists, and
+/// written at the end of episodes (parameter `save_every`) and by save(""). Writing is atomic; if
+/// two runs write the same file, the last one overwrites the other. The results of a run that
+/// starts with a table depend on the table and not only on the seed.
 class Learner {
  public:
   static constexpr const char* kFamily = "learner";
   virtual ~Learner() = default;
 
-  /// What to do in `state`, one of 0 … actions - 1: the best known action, or, when exploring, now
-  /// and then another one, by the learner's own rule and its seeded stream. Equally good ones are
-  /// drawn by lot when exploring; otherwise the first is taken.
-  /// Errors: actions < 1; other than this state had before.
+  /// Chooses an action in `state` from 0 to actions - 1: the action with the highest value, or, if
+  /// `exploring`, sometimes another one by the rule of the learner and its seeded random stream.
+  /// Among equal values it draws one if exploring and takes the first otherwise. Errors: actions <
+  /// 1, or a number of actions that differs from earlier calls for this state.
   virtual Result<int> choose(std::int64_t state, int actions, bool exploring) = 0;
 
-  /// Errors: an action the state does not have; a state never asked about in choose() and not in the
-  /// table (SARSA: also the next state); a reward that is not finite; the table could not be written.
+  /// Updates the action values. Errors: the state does not have the action; the state (for SARSA
+  /// also the next state) is not in the table and was not used in choose(); the reward is not
+  /// finite; the table could not be written.
   virtual Result<> learn(const Experience& experience) = 0;
 
-  /// Value of the best action, max over a of Q(s, a); the initial value for a state never met.
+  /// Value of the best action, max over a of Q(s, a); the initial value for an unvisited state.
   virtual double value(std::int64_t state) const = 0;
-  /// Q(s, a); the initial value for what was never met.
+  /// Q(s, a); the initial value for an unvisited state or action.
   virtual double value(std::int64_t state, int action) const = 0;
 
-  /// All states met, by rising number.
+  /// All visited states in ascending order.
   virtual std::vector<LearnerRow> table() const = 0;
-  virtual std::uint64_t episodes() const = 0;  ///< experiences with `done` so far
+  virtual std::uint64_t episodes() const = 0;  ///< number of completed episodes
 
-  /// All it has learnt, as text: what save() writes, and what a controller's own save() may hold.
+  /// The complete table as text. save() writes it, and save() of a controller may contain it.
   virtual std::string memory() const = 0;
-  /// Replaces what it has learnt. `where` names the text in errors. Errors, with the line: damaged,
-  /// of another version or of another learner; then nothing is changed.
+  /// Replaces the table by the output of memory(). `where` names the text in errors. Errors, with
+  /// the line, after which the table is unchanged: the text is damaged, of another version, or of
+  /// another learner.
   virtual Result<> remember(const std::string& memory, const std::string& where) = 0;
 
-  /// To a file, or to that of the parameter `table` for "". Errors: cannot be written; no name.
+  /// Writes the table to a file; "": to that of the parameter `table`. Errors: the file cannot be
+  /// written, or there is no file name.
   virtual Result<> save(const std::string& path) const = 0;
-  /// Errors: cannot be read; as of remember().
+  /// Reads the table from a file. Errors: the file cannot be read, or those of remember().
   virtual Result<> load(const std::string& path) = 0;
 };
 

@@ -1,5 +1,5 @@
-// Steering of a vehicle in the plane: "pure_pursuit", "potential_field", "dynamic_window", and
-// yours.
+// The interface of steering methods for vehicles in the plane, such as "pure_pursuit",
+// "potential_field" and "dynamic_window".
 #pragma once
 
 #include <limits>
@@ -12,23 +12,24 @@
 
 namespace cogrsim {
 
+/// A point in the plane.
 struct PlanarPoint {
   double x = 0.0, y = 0.0;  ///< [m]
 };
 
-/// Place and heading in the plane; the heading counts from +x towards +y.
+/// Position and heading in the plane; the heading is measured from +x towards +y.
 struct PlanarPose {
   double x = 0.0, y = 0.0;  ///< [m]
   double heading = 0.0;     ///< [rad]
 };
 
-/// Speed along the heading [m/s] and turn rate, left positive [rad/s].
+/// Velocity of a vehicle in the plane.
 struct PlanarVelocity {
-  double forward = 0.0;
-  double turn = 0.0;
+  double forward = 0.0;  ///< along the heading [m/s]
+  double turn = 0.0;     ///< turn rate, positive to the left [rad/s]
 };
 
-/// What the vehicle can do. Accelerations may be infinite: no bound.
+/// Limits of a vehicle. An infinite acceleration means no limit.
 struct SteeringLimits {
   double max_speed = 0.3;         ///< forward [m/s], > 0
   double max_reverse = 0.0;       ///< backward [m/s], >= 0; 0: never backward
@@ -37,49 +38,51 @@ struct SteeringLimits {
   double turn_acceleration = 10;  ///< [rad/s^2], > 0
 };
 
-/// What a steering algorithm is told at each update. Pose, path and obstacles share one frame, that
-/// of the world or any other.
+/// Input of a steering method at each update. Pose, path and obstacles are in the same frame, which
+/// may be that of the world or any other.
 struct SteeringTask {
   PlanarPose pose;
-  PlanarVelocity velocity;             ///< present
-  std::vector<PlanarPoint> path;       ///< through these to the last, the goal; at least one point
-  std::vector<PlanarPoint> obstacles;  ///< points that belong to something solid
-  double radius = 0.1;   ///< of a disc about the pose that holds the vehicle [m], >= 0
-  double period = 0.05;  ///< until the next update [s], > 0
+  PlanarVelocity velocity;             ///< current velocity
+  std::vector<PlanarPoint> path;       ///< at least one point; the last one is the goal
+  std::vector<PlanarPoint> obstacles;  ///< points on obstacles
+  double radius = 0.1;   ///< of a disc about the pose that contains the vehicle [m], >= 0
+  double period = 0.05;  ///< time until the next update [s], > 0
   SteeringLimits limits;
 };
 
+/// Output of a steering method.
 struct SteeringCommand {
-  PlanarVelocity velocity;  ///< desired from now on; within the limits
-  PlanarPoint target;       ///< what it aims at: a place on the path
-  bool arrived = false;     ///< at the goal: velocity brings it to a stop
-  /// It gets no further although it has not arrived: a local minimum of a field, no admissible
-  /// velocity. `why` tells.
+  PlanarVelocity velocity;  ///< commanded velocity, within the limits
+  PlanarPoint target;       ///< target point on the path
+  bool arrived = false;     ///< the vehicle is at the goal; the velocity brings it to a stop
+  /// The vehicle has not arrived but makes no progress, for example in a local minimum of a
+  /// potential field or without an admissible velocity. `why` has the reason.
   bool stuck = false;
   std::string why;
 };
 
-/// Turns a path into velocities. One object steers one vehicle: it may remember how far along the
-/// path it is.
+/// Computes velocities that follow a path. One object steers one vehicle, because it may store the
+/// progress along the path.
 class Steering {
  public:
   static constexpr const char* kFamily = "steering";
   virtual ~Steering() = default;
 
-  /// Errors: an empty path; a pose, velocity, point or limit that is not a number or out of its
-  /// range. The vehicle should then be stopped.
+  /// Computes the next velocity. Errors: the path is empty, or a pose, velocity, point or limit is
+  /// not finite or out of range. The caller should then stop the vehicle.
   virtual Result<SteeringCommand> steer(const SteeringTask& task) = 0;
 
-  /// Forgets its progress. Not needed when a task brings another path.
+  /// Discards the progress along the path. Not necessary for a new path.
   virtual void reset() {}
 };
 
-/// The errors in a task that every steering algorithm reports alike; empty: none.
+/// Checks a task for the errors that all steering methods report in the same way.
 COGRSIM_API Result<> check_task(const SteeringTask& task);
 
-/// Ends of the rays of a range finder, as obstacles. `bearings` [rad] count from the sensor's x axis
-/// towards its y axis; a range that is not finite or negative saw nothing and is left out. `sensor`
-/// is the sensor's pose in the frame wanted. Precondition: both lists have the same length.
+/// The end points of the rays of a range finder, as obstacles. `bearings` [rad] are measured from
+/// the x axis of the sensor towards its y axis. `ranges` [m] that are negative or not finite are
+/// omitted. `sensor` is the pose of the sensor in the desired frame. Precondition: both lists have
+/// the same length.
 COGRSIM_API std::vector<PlanarPoint> ray_ends(const PlanarPose& sensor,
                                               const std::vector<double>& bearings,
                                               const std::vector<double>& ranges);
@@ -87,7 +90,7 @@ COGRSIM_API std::vector<PlanarPoint> ray_ends(const PlanarPose& sensor,
 /// Projection of a pose onto the plane; the heading is that of its x axis.
 COGRSIM_API PlanarPose planar(const Pose& X_WB);
 
-/// The same angle within (-pi, pi].
+/// The angle [rad] plus full turns so that it is in (-pi, pi].
 COGRSIM_API double wrapped_angle(double angle);
 
 }  // namespace cogrsim

@@ -1,4 +1,5 @@
-// A robot, a table, a door: a named group of bodies, joints and devices, as its controller sees it.
+// The interface of a controller to its assembly: a named group of bodies, joints and devices such
+// as a robot, a table or a door.
 #pragma once
 
 #include <memory>
@@ -12,27 +13,30 @@
 namespace cogrsim {
 
 class Simulation;
-struct AssemblyAccess;  // the simulation's side of these handles
+struct AssemblyAccess;  // implementation of these handles in the simulation
 
-/// Handle of a motor. Copies refer to the same motor; a default-constructed one, or one that was
-/// asked for under a name that is not there, does nothing.
+/// Handle of a motor. Copies refer to the same motor. A default-constructed handle and the handle
+/// of a name that does not exist do nothing. Like all handles of this file, it must only be used by
+/// its controller, in the calls of configure() and update().
 class COGRSIM_API MotorHandle {
  public:
   MotorHandle() = default;
 
-  /// What the motor aims at from the coming step on, in the unit of its mode: speed [rad/s, m/s],
-  /// torque or force, position, servo position, voltage of a DC motor [V]. Beyond the motor's
-  /// limits it is clamped. A value that is not finite is a fault of the controller: it is reported,
-  /// and the target stays as it was.
+  /// Sets the target from the next step on. Its unit depends on the mode of the motor: speed
+  /// [rad/s] or [m/s], torque [N m] or force [N], position or servo position [rad] or [m], voltage
+  /// of a DC motor [V]. The target is clamped to the limits of the motor. A value that is not
+  /// finite is reported as a fault of the controller, and the target stays unchanged.
   void set(double target);
 
+  /// The current target, in the unit of the mode.
   double target() const;
-  /// Mean effort of the last step [N m] or [N].
+  /// Mean effort during the last step [N m] or [N].
   double effort() const;
   MotorMode mode() const;
-  /// Limit of the motor and its joint together.
+  /// The smaller of the limits of the motor and its joint: [rad/s] or [m/s], and [N m] or [N].
   double max_speed() const;
   double max_effort() const;
+  /// Whether the handle refers to a motor.
   bool valid() const { return access_ != nullptr; }
 
  private:
@@ -42,26 +46,28 @@ class COGRSIM_API MotorHandle {
   int motor_ = -1;
 };
 
-/// Handle of a sensor: its latest reading. Typed views (Encoder, PoseSensor, Imu, …) derive from
-/// it.
+/// Handle of a sensor with access to its latest reading. The typed handles (Encoder, PoseSensor,
+/// Imu, …) derive from it.
 class COGRSIM_API SensorHandle {
  public:
   SensorHandle() = default;
 
-  /// False before the first reading, while switched off, and when the reading dropped out.
+  /// False before the first reading, while the sensor is switched off, and if the reading dropped
+  /// out.
   bool valid() const;
-  /// Time of the frame that was read [s].
+  /// Time of the measured frame [s].
   double time() const;
-  /// Readings so far: tells a new one from an old one.
+  /// Number of readings so far; it changes with every new reading.
   std::uint64_t sequence() const;
-  /// Value of a channel by index, NaN when not valid.
+  /// Value of a channel by its index, in the unit of the channel; NaN if the reading is not valid.
   double value(int channel) const;
-  /// All of it; an empty one before the first reading. Valid until the next step.
+  /// The complete reading; empty before the first one. The reference is valid until the next step.
   const Reading& reading() const;
+  /// Switches the sensor on or off.
   void enable(bool on);
 
  protected:
-  /// Dotted name of a body of the scene, "" for -1.
+  /// Dotted name of the body with this index, "" for -1.
   std::string body_name(int body) const;
   bool bound() const { return access_ != nullptr; }
   /// Precondition: bound().
@@ -73,7 +79,7 @@ class COGRSIM_API SensorHandle {
   int sensor_ = -1;
 };
 
-/// Joint position and speed.
+/// Encoder: position and speed of a joint axis.
 class Encoder : public SensorHandle {
  public:
   static constexpr const char* kType = "encoder";
@@ -81,19 +87,22 @@ class Encoder : public SensorHandle {
   double velocity() const { return value(1); }  ///< [rad/s] or [m/s]
 };
 
-/// Where the sensor is in the world, as a tracking system would tell.
+/// Pose sensor: pose and twist of the sensor frame in the world, as an ideal tracking system
+/// measures them.
 class PoseSensor : public SensorHandle {
  public:
   static constexpr const char* kType = "pose";
+  /// Pose in the world; position in [m].
   Pose pose() const {
     return {{value(0), value(1), value(2)}, Quat(value(3), value(4), value(5), value(6))};
   }
+  /// Twist of the origin of the sensor frame, in world axes [m/s], [rad/s].
   Twist twist() const {
     return {{value(7), value(8), value(9)}, {value(10), value(11), value(12)}};
   }
 };
 
-/// Inertial measurement unit, in its own axes.
+/// Inertial measurement unit; its values are in the axes of the sensor.
 class Imu : public SensorHandle {
  public:
   static constexpr const char* kType = "imu";
@@ -101,58 +110,62 @@ class Imu : public SensorHandle {
   Vec3 angular_velocity() const { return {value(3), value(4), value(5)}; }  ///< [rad/s]
 };
 
-/// Distance along the sensor's x axis.
+/// Infrared sensor: distance along the x axis of the sensor.
 class COGRSIM_API Infrared : public SensorHandle {
  public:
   static constexpr const char* kType = "infrared";
-  /// [m]; +infinity: nothing within the range, -infinity: nearer than it begins, NaN: not valid.
+  /// Distance [m]. +infinity: no surface within the range; -infinity: nearer than the minimum
+  /// range; NaN: not valid.
   double distance() const { return value(0); }
-  /// Dotted name of the body that is seen, "" when there is none.
+  /// Dotted name of the detected body, "" if there is none.
   std::string body() const;
-  /// Of the device named in the scene [V]; NaN when none is.
+  /// Output voltage of the device that the scene selects [V]; NaN if it selects none.
   double volts() const { return value(2); }
 };
 
-/// Distances in many directions, from right to left, ring by ring from the lowest.
+/// Lidar: distances in many directions, from right to left in each ring, with the lowest ring
+/// first.
 class COGRSIM_API Lidar : public SensorHandle {
  public:
   static constexpr const char* kType = "lidar";
-  std::size_t size() const;  ///< rays of a reading, all rings together
-  /// [m], as Infrared::distance(). Precondition: ray < size().
+  std::size_t size() const;  ///< number of rays in all rings
+  /// Distance of one ray [m], as Infrared::distance(). Precondition: ray < size().
   double range(std::size_t ray) const { return value(static_cast<int>(ray)); }
-  /// All of them, (rings x rays); empty when not valid.
+  /// All distances [m], (rings x rays) row-major; empty if not valid.
   std::vector<double> ranges() const;
-  /// Where ray `ray` points, unit, in the sensor's frame.
+  /// Unit direction of one ray in the sensor frame. Precondition: ray < size().
   Vec3 direction(std::size_t ray) const;
 
  private:
-  mutable std::vector<Vec3> directions_;  // made when first asked for
+  mutable std::vector<Vec3> directions_;  // computed at the first use
 };
 
-/// What a camera saw.
+/// Camera: its latest image.
 class COGRSIM_API CameraSensor : public SensorHandle {
  public:
   static constexpr const char* kType = "camera";
-  /// nullptr when not valid. May be kept as long as one likes.
+  /// The latest image, immutable and shared; nullptr if not valid.
   std::shared_ptr<const Picture> picture() const { return valid() ? reading().picture : nullptr; }
   double brightness() const { return value(0); }  ///< mean of all colour values, 0 to 1
-  double nearest() const { return value(1); }     ///< smallest depth [m]; NaN without depth
+  double nearest() const { return value(1); }     ///< smallest depth [m]; NaN without a depth image
 };
 
-/// Touch.
+/// Contact sensor.
 class COGRSIM_API ContactSensor : public SensorHandle {
  public:
   static constexpr const char* kType = "contact";
   bool touching() const { return value(0) > 0.0; }
-  /// Sum of the forces on what is felt, in the sensor's axes [N].
+  /// Total contact force on the body or assembly of the sensor, in the axes of the sensor [N].
   Vec3 force() const { return {value(2), value(3), value(4)}; }
-  /// The points, in the world; empty when not valid. Until the next step.
+  /// The contact points in the world frame; empty if not valid. The reference is valid until the
+  /// next step.
   const std::vector<Contact>& points() const { return reading().contacts; }
-  /// Dotted names of what touches, each once.
+  /// Dotted names of the touching bodies, each once.
   std::vector<std::string> bodies() const;
 };
 
-/// What a joint transmits from its parent to its child, about the joint, in the child's joint axes.
+/// Force-torque sensor: the wrench that a joint transmits from its parent to its child, about the
+/// joint origin, in the joint axes of the child.
 class ForceTorque : public SensorHandle {
  public:
   static constexpr const char* kType = "force-torque";
@@ -160,64 +173,66 @@ class ForceTorque : public SensorHandle {
   Vec3 torque() const { return {value(3), value(4), value(5)}; }  ///< [N m]
 };
 
-/// What a controller is given in configure(). Asking for something that is not there does not
-/// throw: it is noted, with what is there, and makes the load fail after configure() with all such
-/// mistakes at once; the handle then returned does nothing.
+/// The assembly of a controller, passed to configure(). Requesting an element that does not exist
+/// does not throw. The error is collected together with the existing names, the returned handle
+/// does nothing, and after configure() loading fails with all collected errors at once.
 ///
-/// The object itself is gone after configure(); a controller that needs it later keeps a copy,
-/// which is cheap and refers to the same assembly.
+/// The object is destroyed after configure(). A controller that needs it later stores a copy, which
+/// is cheap and refers to the same assembly. It must only be used in the calls of the controller.
 class COGRSIM_API Assembly {
  public:
   /// Dotted name of the assembly.
   const std::string& name() const;
 
-  /// Devices by their name inside the assembly ("left"), or of an assembly in it ("arm.elbow").
+  /// A motor by its name inside the assembly ("left") or inside a nested assembly ("arm.elbow").
   MotorHandle motor(const std::string& name);
+  /// A sensor by its name, as a typed handle: `robot.sensor<Infrared>("front")`.
   template <class Type>
   Type sensor(const std::string& name) {
     Type handle;
     bind(handle, name, Type::kType);
     return handle;
   }
-  /// A sensor of any type, by channel index.
+  /// A sensor of any type; its values are accessed by channel index.
   SensorHandle any_sensor(const std::string& name);
 
   std::vector<std::string> motor_names() const;
   std::vector<std::string> sensor_names() const;
 
-  /// Type is double, int, bool, std::string or std::vector<double>; the name must be declared in
-  /// the plugin's parameter table, with that type.
+  /// Value of a parameter. Type is double, int, bool, std::string or std::vector<double>; the
+  /// parameter must be declared with that type in the parameter table of the plugin.
   template <class Type>
   Type parameter(const std::string& name);
 
-  /// Position and spin of the joint a motor drives, at the end of the last step: for controllers
-  /// that close a loop on a joint without wanting an encoder in the scene.
+  /// Position [rad] or [m] and speed [rad/s] or [m/s] of the joint axis that a motor drives, at the
+  /// end of the last step. They allow feedback control without an encoder in the scene.
   double joint_position(const MotorHandle& motor) const;
   double joint_velocity(const MotorHandle& motor) const;
 
-  /// Folder of the scene file, "" for a scene made by a program: where data files are looked for.
+  /// Folder of the scene file, for data files; "" if a program created the scene.
   std::string scene_folder() const;
-  /// The plan of a maze of the scene by its dotted name, "" for the only one. nullptr: not there;
-  /// noted, as above.
+  /// The plan of a maze of the scene by its dotted name; "" selects the only maze. If it does not
+  /// exist, the error is collected and the result is nullptr.
   const MazeModel* maze(const std::string& name);
 
-  /// Value of a declared output (see output() in cogrsim/plugin/descriptor.h) from now on. One that
-  /// is not declared is a mistake in configure(), a fault in update().
+  /// Sets the value of a declared output (see output() in cogrsim/plugin/descriptor.h). An
+  /// undeclared output is a load error in configure() and a fault in update().
   void publish(const std::string& output, double value);
-  /// Uniform in [low, high) from the controller's own seeded stream.
+  /// A number drawn uniformly from [low, high), from the seeded random stream of the controller.
   double uniform(double low, double high);
 
-  /// A planner, steering or learner by the name of its plugin: see cogrsim/algorithms/. nullptr: not
-  /// there, of another family, or a parameter is wrong; noted, as above. `Type` is one of the
-  /// interfaces in cogrsim/algorithms/.
+  /// Creates a planner, steering method or learner by the name of its plugin, see
+  /// cogrsim/algorithms/. `Type` is one of the interfaces there. If the plugin does not exist,
+  /// belongs to another family or rejects a parameter, the error is collected and the result is
+  /// nullptr.
   template <class Type>
   std::shared_ptr<Type> algorithm(const std::string& name, const Parameters& parameters = {}) {
     return std::static_pointer_cast<Type>(find_algorithm(name, Type::kFamily, parameters));
   }
 
-  /// Notes something to tell the user that does not stop the run.
+  /// Reports a message to the user; the run continues.
   void report(const std::string& message);
-  /// Notes a mistake of the scene: the load fails with it.
+  /// Reports an error of the scene; loading fails with it.
   void fail(const std::string& message);
 
   explicit Assembly(std::shared_ptr<AssemblyAccess> access) : access_(std::move(access)) {}

@@ -1,4 +1,4 @@
-// The robot's brain: a plugin.
+// The interface of a controller plugin, which controls a robot.
 //
 //     class WallFollower final : public cogrsim::Controller {
 //      public:
@@ -19,32 +19,35 @@
 
 namespace cogrsim {
 
-/// When an update happens.
+/// Timing of an update.
 struct Tick {
-  double time = 0.0;        ///< of the frame that the sensors read [s]
-  double period = 0.0;      ///< since the update before [s]; the nominal one at the first
-  std::uint64_t count = 0;  ///< updates before this one
+  double time = 0.0;        ///< time of the measured frame [s]
+  double period = 0.0;      ///< time since the previous update [s]; nominal at the first update
+  std::uint64_t count = 0;  ///< number of previous updates
 };
 
+/// A controller. All calls of one object are made by one thread at a time, between two steps;
+/// objects of different simulations run in parallel, so static data must be thread-safe.
 class Controller {
  public:
   virtual ~Controller() = default;
-  /// Once before the run, and again after every restart, on a new object. `robot` is gone
-  /// afterwards: keep handles, or a copy, which is cheap and refers to the same assembly.
+  /// Called once before the run, and on a new object after every restart. `robot` is destroyed
+  /// afterwards: store handles or a copy, which is cheap and refers to the same assembly.
   virtual void configure(Assembly& robot) = 0;
-  /// At the controller's own rate. An exception stops this controller (or the run, as the scene's
-  /// `on-fault` says) and is reported with robot, time and message.
+  /// Called at the rate of the controller. An exception stops this controller, or the run if the
+  /// scene sets `on-fault`, and is reported with the robot, the time and the message.
   virtual void update(const Tick& tick) = 0;
 
-  /// All it remembers, as text, for a snapshot on file; empty: it offers none, and begins anew when
-  /// the snapshot is loaded.
+  /// The complete internal state as text, for a snapshot in a file. nullopt: the controller does
+  /// not support this and restarts when the snapshot is loaded.
   virtual std::optional<std::string> save() const { return std::nullopt; }
-  /// After configure(), with what save() gave. An exception: the memory does not fit.
+  /// Called after configure() with the result of save(). An exception means that the state does not
+  /// match this controller.
   virtual void restore(const std::string& memory) { static_cast<void>(memory); }
 };
 
-/// Runs plugin code inside the plugin's own library, so that no exception leaves it. Returns what
-/// was thrown.
+/// Calls plugin code inside the library of the plugin, so that no exception leaves it. Returns the
+/// message of a thrown exception.
 namespace detail {
 template <class Function>
 std::optional<std::string> guarded(Function&& function) {
@@ -59,7 +62,7 @@ std::optional<std::string> guarded(Function&& function) {
 }
 }  // namespace detail
 
-/// Factory table of a controller plugin; made by COGRSIM_CONTROLLER.
+/// Factory table of a controller plugin, defined by COGRSIM_CONTROLLER.
 struct ControllerEntry {
   std::optional<std::string> (*create)(Controller*& out);
   void (*destroy)(Controller*);
@@ -71,8 +74,8 @@ struct ControllerEntry {
 
 }  // namespace cogrsim
 
-/// Exports a Controller. After class and name: parameter(…), output(…), version(…), author(…),
-/// summary(…).
+/// Exports a Controller class under a plugin name. Optional further arguments: parameter(…),
+/// output(…), version(…), author(…), summary(…).
 #define COGRSIM_CONTROLLER(Class, name, ...)                                           \
   namespace {                                                                          \
   const ::cogrsim::ControllerEntry cogrsim_entry = {                                   \

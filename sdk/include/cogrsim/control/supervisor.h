@@ -1,53 +1,60 @@
-// Watches the whole world and may change it by commands.
+// The interface of a supervisor plugin, which observes the whole world and can change it by
+// commands.
 #pragma once
 
+#include "cogrsim/control/command.h"
 #include "cogrsim/control/controller.h"
-#include "cogrsim/simulation/command.h"
 
 namespace cogrsim {
 
-/// What a supervisor is given: every frame, and a way to send commands.
-class COGRSIM_API Stage {
+/// The interface of a supervisor to the simulation. Only valid during the calls of the supervisor.
+class COGRSIM_API SupervisorContext {
  public:
-  virtual ~Stage() = default;
-  /// The latest frame, with what the supervisor asked for in needs(), the readings and outputs of this
-  /// very moment, and all events since its last update.
+  virtual ~SupervisorContext() = default;
+  /// The current frame, with the contents requested in Supervisor::needs(), the latest readings and
+  /// outputs, and all events since the previous update. The reference is valid during the call.
   virtual const Frame& frame() const = 0;
-  /// Queued for the next step boundary. What cannot be done there is reported as an event.
+  /// Queues a command for the next step boundary. A command that cannot be carried out there is
+  /// reported as an event.
   virtual void send(Command command) = 0;
-  /// A declared parameter; nullptr: not declared.
+  /// The value of a declared parameter; nullptr if it is not declared.
   virtual const ParameterValue* parameter(const std::string& name) const = 0;
-  /// Uniform in [low, high) from the supervisor's own seeded stream.
+  /// A number drawn uniformly from [low, high), from the seeded random stream of the supervisor.
   virtual double uniform(double low, double high) = 0;
+  /// Reports a message to the user.
   virtual void report(const std::string& message) = 0;
-  /// Value of a declared output from now on. Undeclared: a fault.
+  /// Sets the value of a declared output. An undeclared output is a fault.
   virtual void publish(const std::string& output, double value) = 0;
 };
 
+/// A supervisor. All calls of one object are made by one thread at a time, between two steps.
 class Supervisor {
  public:
   virtual ~Supervisor() = default;
+  /// The frame contents that update() needs.
   virtual FrameContents needs() const { return {}; }
-  /// Before the run and after every restart, on a new object.
-  virtual void configure(Stage& stage) = 0;
-  virtual void update(const Tick& tick, Stage& stage) = 0;
-  /// As Controller's.
+  /// Called before the run, and on a new object after every restart.
+  virtual void configure(SupervisorContext& context) = 0;
+  /// Called at the rate of the supervisor.
+  virtual void update(const Tick& tick, SupervisorContext& context) = 0;
+  /// As Controller::save() and Controller::restore().
   virtual std::optional<std::string> save() const { return std::nullopt; }
   virtual void restore(const std::string& memory) { static_cast<void>(memory); }
 };
 
-/// Factory table of a supervisor plugin; made by COGRSIM_SUPERVISOR.
+/// Factory table of a supervisor plugin, defined by COGRSIM_SUPERVISOR.
 struct SupervisorEntry {
   std::optional<std::string> (*create)(Supervisor*& out);
   void (*destroy)(Supervisor*);
-  std::optional<std::string> (*configure)(Supervisor&, Stage&);
-  std::optional<std::string> (*update)(Supervisor&, const Tick&, Stage&);
+  std::optional<std::string> (*configure)(Supervisor&, SupervisorContext&);
+  std::optional<std::string> (*update)(Supervisor&, const Tick&, SupervisorContext&);
   std::optional<std::string> (*save)(const Supervisor&, std::optional<std::string>& memory);
   std::optional<std::string> (*restore)(Supervisor&, const std::string& memory);
 };
 
 }  // namespace cogrsim
 
+/// Exports a Supervisor class under a plugin name, with the same arguments as COGRSIM_CONTROLLER.
 #define COGRSIM_SUPERVISOR(Class, name, ...)                                               \
   namespace {                                                                              \
   const ::cogrsim::SupervisorEntry cogrsim_entry = {                                       \
@@ -55,11 +62,12 @@ struct SupervisorEntry {
         return ::cogrsim::detail::guarded([&] { out = new Class; });                       \
       },                                                                                   \
       [](::cogrsim::Supervisor* s) { ::cogrsim::detail::guarded([&] { delete s; }); },     \
-      [](::cogrsim::Supervisor& s, ::cogrsim::Stage& stage) {                              \
-        return ::cogrsim::detail::guarded([&] { s.configure(stage); });                    \
+      [](::cogrsim::Supervisor& s, ::cogrsim::SupervisorContext& context) {                \
+        return ::cogrsim::detail::guarded([&] { s.configure(context); });                  \
       },                                                                                   \
-      [](::cogrsim::Supervisor& s, const ::cogrsim::Tick& tick, ::cogrsim::Stage& stage) { \
-        return ::cogrsim::detail::guarded([&] { s.update(tick, stage); });                 \
+      [](::cogrsim::Supervisor& s, const ::cogrsim::Tick& tick,                            \
+         ::cogrsim::SupervisorContext& context) {                                          \
+        return ::cogrsim::detail::guarded([&] { s.update(tick, context); });               \
       },                                                                                   \
       [](const ::cogrsim::Supervisor& s, std::optional<std::string>& memory) {             \
         return ::cogrsim::detail::guarded([&] { memory = s.save(); });                     \

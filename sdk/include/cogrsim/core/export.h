@@ -1,4 +1,4 @@
-// Symbol visibility: everything is hidden unless marked.
+// Symbol visibility: every symbol is hidden unless it is marked with COGRSIM_API.
 #pragma once
 
 #define COGRSIM_API __attribute__((visibility("default")))

@@ -1,6 +1,6 @@
-// The one rule for files that are written: an output is a new file, or a regular file of the same
-// kind that CogRSim wrote, or the user said that it may be overwritten; never an input of the same
-// work, never a link, a device, a pipe or a folder.
+// Rules for output files. An output file is either new, or replaces a regular file of the same kind
+// that CogRSim wrote itself, or replaces any regular file if the user allowed overwriting. It is
+// never an input of the same command, a link, a device, a pipe or a folder.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,8 @@
 
 namespace cogrsim {
 
-/// What a file holds. `other`: a kind without a mark; only a new file, or with `overwrite`.
+/// Contents of an output file. Files of kind `other` carry no CogRSim mark, so they are only
+/// written as new files or with OutputRules::overwrite.
 enum class OutputKind {
   json,
   xml,
@@ -35,52 +36,58 @@ enum class OutputKind {
   other
 };
 
+/// Restrictions on where an output file may be written.
 struct OutputRules {
-  bool overwrite = false;           ///< a regular file may be replaced, whoever wrote it
-  std::vector<std::string> inputs;  ///< files that are read by the same work: never replaced
-  /// Not empty: whatever is written lies in this folder after links are resolved, and its name ends
-  /// as its kind's names do. For names that a scene chose.
+  bool overwrite = false;           ///< allows replacing any regular file
+  std::vector<std::string> inputs;  ///< files that the same command reads; they are never replaced
+  /// If not empty: the output must lie inside this folder after links are resolved, and its
+  /// extension must match its kind. Used for file names that a scene chooses.
   std::string folder;
 };
 
-/// Where outputs that a scene names may be written: the folder in the environment variable
-/// COGRSIM_OUTPUT_DIR, else `scene_folder`; never empty.
+/// Folder for outputs that a scene names: the value of the environment variable COGRSIM_OUTPUT_DIR,
+/// or `scene_folder` if it is not set. Never empty.
 COGRSIM_API std::string output_folder(const std::string& scene_folder);
 
-/// Where a scene's `name` for an output lies: inside `folder`. Errors: `name` is empty, absolute or
-/// leads out of the folder.
+/// Path inside `folder` of the output that a scene calls `name`. Errors: `name` is empty, absolute,
+/// or leads out of the folder.
 COGRSIM_API Result<std::string> output_in(const std::string& folder, const std::string& name);
 
-/// Whether `path` may be written by the rule; asked before long work. Changes nothing. Errors: what
-/// is in the way, and the way out.
+/// Checks whether `path` may be written under `rules`, without changing anything. Call it before a
+/// long computation. The error states the reason and the remedy.
 COGRSIM_API Result<> check_output(const std::string& path, OutputKind kind,
                                   const OutputRules& rules = {});
 
-/// `bytes` with the mark by which CogRSim knows its own files of this kind again; unchanged where
-/// the kind itself is the mark.
+/// Adds to `bytes` the mark by which CogRSim recognises its own files of this kind. The bytes stay
+/// unchanged if the format identifies CogRSim by itself.
 COGRSIM_API std::string marked(OutputKind kind, std::string bytes);
 
-/// Writes `bytes`, marked, whole or not at all: into a new file beside `path`, which then takes its
-/// place. Errors: check_output's, and the system's; `path` is then as it was.
+/// Writes `bytes` with the mark, atomically: into a temporary file next to `path` that then
+/// replaces it. Errors: those of check_output() and of the operating system; `path` is then
+/// unchanged.
 COGRSIM_API Result<> write_output_file(const std::string& path, OutputKind kind, std::string bytes,
                                        const OutputRules& rules = {});
 
-/// An output that grows: bytes go to a temporary file beside `path`, and commit() gives it its
-/// name. Destroyed before: nothing is left. One thread at a time.
+/// An output file that is written in pieces. The bytes go to a temporary file next to `path`, which
+/// commit() renames to `path`. Destroying the object without commit() removes the temporary file.
+/// Not thread-safe: use an object from one thread at a time.
 class COGRSIM_API OutputFile {
  public:
-  /// Errors: check_output's, the folder is not writable.
+  /// Creates the temporary file. Errors: those of check_output(), or the folder is not writable.
   static Result<OutputFile> create(const std::string& path, OutputKind kind,
                                    const OutputRules& rules = {});
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();
 
-  /// The temporary file's name, for programs that write it themselves; ends as `path` does.
+  /// Name of the temporary file, for external programs that write it directly. It has the same
+  /// extension as `path`.
   const std::string& temporary() const { return temporary_; }
-  /// Errors: the disk is full; the file is then not committed.
+  /// Appends bytes. Errors: the disk is full; the file can then no longer be committed.
   Result<> append(std::string_view bytes);
-  /// Flushes, closes and renames; films, which other programs write, are marked. The rule is asked once more. Errors: the rule's, the system's.
+  /// Flushes and closes the temporary file, checks the rules again, and renames it to its final
+  /// name. Films, which an external program writes, get their mark here. Errors: those of
+  /// check_output() and of the operating system.
   Result<> commit();
 
  private:

@@ -1,4 +1,4 @@
-// Typed parameters that plugins declare and scenes set.
+// Typed parameters that plugins declare and that scenes set.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace cogrsim {
 
-/// A number list is flat: waypoints "0 0, 1 0" are four numbers.
+/// Value of a parameter. A number list is flat: the waypoints "0 0, 1 0" are four numbers.
 using ParameterValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>>;
 
 enum class ParameterType { boolean, integer, number, text, number_list };
@@ -22,17 +22,18 @@ enum class ParameterType { boolean, integer, number, text, number_list };
 /// "boolean", "integer", "number", "text", "number list".
 COGRSIM_API const char* to_string(ParameterType type);
 
-/// One declared parameter: its type is that of the default.
+/// Declaration of one parameter. Its type is the type of its default value.
 struct ParameterSpec {
   std::string name;
   ParameterValue default_value;
-  std::string
-      unit;  ///< SI unit of number and number list, as in the scene language; "" or "1": none
+  /// SI unit of a number or a number list, written as in the scene language; "" or "1": none.
+  std::string unit;
   std::string description;
-  double minimum = -std::numeric_limits<double>::infinity();  ///< numbers, list elements [unit]
+  /// Allowed range of a number, an integer and each element of a number list [unit], inclusive.
+  double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
-  std::vector<std::string> choices = {};  ///< of a text; empty: any
-  bool required = false;                  ///< the scene must set it
+  std::vector<std::string> choices = {};  ///< allowed values of a text; empty: any text
+  bool required = false;                  ///< the scene must set the parameter
 
   ParameterType type() const { return static_cast<ParameterType>(default_value.index()); }
 
@@ -51,8 +52,9 @@ struct ParameterSpec {
   }
 };
 
-/// Declares a parameter; the literal decides the type (0.2 number, 3 integer, true boolean,
-/// "left" text, std::vector<double>{} number list). A number without a unit is a plain one.
+/// Declares a parameter. The type of the literal determines the type of the parameter: 0.2 is a
+/// number, 3 an integer, true a boolean, "left" a text and std::vector<double>{} a number list. A
+/// number without a unit is dimensionless.
 inline ParameterSpec parameter(std::string name, double value, std::string unit, std::string text) {
   return {std::move(name), value, std::move(unit), std::move(text)};
 }
@@ -75,18 +77,19 @@ inline ParameterSpec parameter(std::string name, std::vector<double> value, std:
 
 using ParameterTable = std::vector<ParameterSpec>;
 
-/// Values by name, in SI units.
+/// Parameter values by name, in SI units.
 using Parameters = std::map<std::string, ParameterValue>;
 
-/// Checks `given` against `table` and fills in defaults; a whole number does for an integer, an
-/// integer for a number, either for a list of one. Errors name the parameter, the expected type,
-/// range or choices, and for an unknown name what there is; all of them, joined by newlines.
+/// Checks `given` against `table` and fills in the defaults. A number with an integral value is
+/// accepted for an integer, an integer for a number, and either for a list of one element. The
+/// error lists every problem on a line of its own: the parameter and the expected type, range or
+/// choices, and for an unknown name the names that exist.
 COGRSIM_API Result<Parameters> complete_parameters(const ParameterTable& table,
                                                    const Parameters& given);
 
-/// The entry of `names` nearest to `word` (edit distance at most a third of its length, at least
-/// 1), or "" when none is near.
-COGRSIM_API std::string nearest_name(const std::string& word,
+/// The entry of `names` with the smallest edit distance to `text`, or "" if the distance of every
+/// entry exceeds one third of the length of `text` (at least 1 is always allowed).
+COGRSIM_API std::string nearest_name(const std::string& text,
                                      const std::vector<std::string>& names);
 
 }  // namespace cogrsim

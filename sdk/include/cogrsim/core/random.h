@@ -1,5 +1,6 @@
-// Seeded random streams. There is no global source: each stream is keyed by the run's seed and the
-// path of the element that draws, so that adding an element does not reshuffle the others.
+// Seeded random streams. There is no global generator: each stream depends on the seed of the run
+// and on the path of the element that draws from it, so that adding an element does not change the
+// random numbers of the others.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +10,23 @@
 
 namespace cogrsim {
 
-/// 64-bit FNV-1a over `bytes` bytes, continued from `hash`.
+/// 64-bit FNV-1a hash of `bytes` bytes at `data`, continued from `hash`.
 COGRSIM_API std::uint64_t hash_bytes(const void* data, std::size_t bytes,
                                      std::uint64_t hash = 0xcbf29ce484222325ull);
 
-/// splitmix64 (Steele, Lea, Flood 2014): the same numbers on every machine and library.
+/// Pseudo-random numbers by splitmix64 (Steele, Lea, Flood 2014). They are the same on every
+/// machine and with every standard library. Not thread-safe.
 class COGRSIM_API RandomStream {
  public:
-  /// `path`: dotted name of the element, e.g. "bot.robot.ir_2".
+  /// `path` is the dotted name of the element, e.g. "bot.robot.ir_2".
   RandomStream(std::uint64_t seed, std::string_view path);
 
+  /// The next 64 random bits.
   std::uint64_t next();
-  /// Uniform in [low, high).
+  /// A number drawn uniformly from [low, high).
   double uniform(double low = 0.0, double high = 1.0);
-  /// Gaussian by the Box-Muller transform; draws two numbers each time, so a stream has no memory
-  /// besides its state.
+  /// A normally distributed number by the Box-Muller transform. It always draws two uniform
+  /// numbers, so that state() is the complete state of the stream.
   double normal(double mean = 0.0, double sigma = 1.0);
 
   std::uint64_t state() const { return state_; }

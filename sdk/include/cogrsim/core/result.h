@@ -1,4 +1,5 @@
-// Errors that a user or a file can cause travel as values; assertions are for our own bugs.
+// Errors as values. Every error that a user or a file can cause is returned as a value; assertions
+// are only for bugs in CogRSim itself.
 #pragma once
 
 #include <exception>
@@ -10,7 +11,8 @@
 
 namespace cogrsim {
 
-/// `text` with two blanks before every line but the first, so that none passes for one of ours.
+/// Indents every line of `text` but the first by two blanks, so that no line of foreign text can be
+/// mistaken for a line of CogRSim's own output.
 inline std::string indented(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -21,22 +23,23 @@ inline std::string indented(const std::string& text) {
   return out;
 }
 
-/// What went wrong, where, and the way out. Lower-case sentences without a final stop.
+/// An error: what went wrong, where, and the remedy. Texts start in lower case and have no final
+/// stop.
 struct Error {
-  std::string message;  ///< the offender and what was expected
+  std::string message;  ///< the faulty value or element and what was expected
   std::string where;    ///< file:line:column, robot, folder …; may be empty
-  std::string hint;     ///< what to do about it; may be empty
+  std::string hint;     ///< how to correct the error; may be empty
   std::string code;     ///< stable code such as "CG0901"; may be empty
 
   Error() = default;
-  explicit Error(std::string what, std::string place = {}, std::string way_out = {},
+  explicit Error(std::string what, std::string location = {}, std::string remedy = {},
                  std::string stable_code = {})
       : message(std::move(what)),
-        where(std::move(place)),
-        hint(std::move(way_out)),
+        where(std::move(location)),
+        hint(std::move(remedy)),
         code(std::move(stable_code)) {}
 
-  /// All of it on as many lines as it needs: "where: message" and "help: hint".
+  /// The whole error as text: "where: message", followed by a line "help: hint" if there is a hint.
   std::string text() const {
     std::string out = indented(where.empty() ? message : where + ": " + message);
     if (!hint.empty()) out += "\nhelp: " + indented(hint);
@@ -47,14 +50,15 @@ struct Error {
 template <class T = void>
 using Result = tl::expected<T, Error>;
 
-/// `return fail("joint 'knee': …");`
+/// Creates the error value of a Result: `return fail("joint 'knee': …");`. The arguments are those
+/// of the constructor of Error.
 template <class... Args>
 tl::unexpected<Error> fail(Args&&... args) {
   return tl::unexpected<Error>(Error(std::forward<Args>(args)...));
 }
 
-/// What an exception says to people: its what(), or that the memory ran out.
-inline std::string words_of(const std::exception& e) {
+/// The message of an exception for users: its what(), or a plain text for std::bad_alloc.
+inline std::string message_of(const std::exception& e) {
   return dynamic_cast<const std::bad_alloc*>(&e) != nullptr ? "the memory ran out" : e.what();
 }
 

@@ -1,6 +1,7 @@
-// Text of strangers on a terminal: names, messages and file names out of scenes, recordings, packages
-// and plugins can steer it (colours, titles, what was written before), turn the direction of writing,
-// and forge lines. Everything that is printed for people goes through here.
+// Safe display of untrusted text on a terminal. Names, messages and file names from scenes,
+// recordings, packages and plugins could contain control sequences (colours, titles, overwriting of
+// earlier output), reverse the direction of writing, or forge lines of output. All text printed for
+// users passes through these functions.
 #pragma once
 
 #include <string>
@@ -9,18 +10,19 @@
 
 namespace cogrsim {
 
-/// `text` with U+FFFD for what could steer a terminal: control characters (C0 but newline and tab, DEL,
-/// C1), what turns or hides text (U+061C, U+200E, U+200F, U+2028 to U+202E, U+2060 to U+206F, U+FEFF,
-/// U+FFF9 to U+FFFB, tags from U+E0000), and bytes that are no UTF-8.
+/// Replaces by U+FFFD every character that could control a terminal: control characters (C0 except
+/// newline and tab, DEL, C1), characters that reverse or hide text (U+061C, U+200E, U+200F, U+2028
+/// to U+202E, U+2060 to U+206F, U+FEFF, U+FFF9 to U+FFFB, tags from U+E0000), and invalid UTF-8.
 COGRSIM_API std::string printable(const std::string& text);
 
-/// The same for a name: line breaks and tabs are replaced, too, so that it forges no line.
+/// As printable(), for names: line breaks and tabs are replaced, too, so that a name cannot forge a
+/// line of output.
 COGRSIM_API std::string one_line(const std::string& text);
 
-/// The same for a message of several lines: those after the first are indented.
+/// As printable(), for messages of several lines: all lines after the first are indented.
 COGRSIM_API std::string paragraph(const std::string& text);
 
-/// JSON text in which such characters are escaped: the same JSON to programs.
+/// Escapes these characters in a JSON text. The JSON value stays the same.
 COGRSIM_API std::string printable_json(const std::string& json);
 
 }  // namespace cogrsim

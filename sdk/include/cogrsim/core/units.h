@@ -1,4 +1,4 @@
-// Units and dimensions as the scene language writes them, and numbers as text.
+// Units and dimensions of the scene language, and conversion between numbers and text.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace cogrsim::units {
 
-/// Exponents of the base units; the angle is one of its own, so that degrees, radians and plain
-/// numbers cannot be mixed up.
+/// Exponents of the base units. Angles are a base dimension of their own, so that degrees, radians
+/// and dimensionless numbers cannot be confused.
 struct Dimension {
   std::int8_t m = 0, kg = 0, s = 0, ampere = 0, angle = 0, byte = 0;
 
@@ -52,28 +52,30 @@ inline constexpr Dimension kForceConstant{1, 1, -2, -1, 0};   // N/A, V*s/m
 inline constexpr Dimension kMemory{0, 0, 0, 0, 0, 1};
 }  // namespace dim
 
-/// "an angle", "a length", "a plain number", "a quantity in kg*m/s".
+/// Description for messages: "an angle", "a length", "a plain number", "a quantity in kg*m/s".
 COGRSIM_API std::string describe(const Dimension& dimension);
-/// The SI unit as one would write it: "rad", "kg/m^3"; "" for a plain number.
+/// The SI unit in its usual notation: "rad", "kg/m^3"; "" for a dimensionless number.
 COGRSIM_API std::string unit_of(const Dimension& dimension);
-/// Whether a value of dimension `given` may stand for `wanted`. Equal; or, where mass is involved,
-/// written without the angle ("N*m*s" for "N*m*s/rad"), since nothing can be confused there.
+/// Whether a value of dimension `given` is accepted where `wanted` is expected: the dimensions are
+/// equal, or they involve mass and differ only in the angle ("N*m*s" for "N*m*s/rad"), which cannot
+/// cause confusion.
 COGRSIM_API bool fits(const Dimension& given, const Dimension& wanted);
 
+/// A unit and its conversion to SI.
 struct Unit {
-  double above = 1.0, below = 1.0;  ///< to SI: times above, divided by below
+  double above = 1.0, below = 1.0;  ///< SI value = value * above / below
   Dimension dimension;
   double to_si(double value) const { return value * above / below; }
 };
-/// Reads "kg/m^3", "N*m", "deg", "1/s"; nullopt: not a unit.
+/// Parses a unit such as "kg/m^3", "N*m", "deg" or "1/s"; nullopt if the text is not a unit.
 COGRSIM_API std::optional<Unit> parse_unit(std::string_view text);
-/// The unit nearest to a misspelt one ("" when none is).
+/// The known unit most similar to a misspelt one, or "" if none is similar.
 COGRSIM_API std::string nearest_unit(std::string_view text);
 
-/// Reads a whole text as a finite number independently of the locale; nullopt for anything else,
-/// "nan", "inf", "0x10", "12abc", "1,5" and "" included.
+/// Parses the whole text as a finite decimal number, independently of the locale. Everything else
+/// gives nullopt, for example "nan", "inf", "0x10", "12abc", "1,5" and "".
 COGRSIM_API std::optional<double> parse_number(std::string_view text);
-/// Shortest text that reads back as the same number.
+/// The shortest text that parse_number() converts back to exactly the same number.
 COGRSIM_API std::string number_text(double value);
 
 }  // namespace cogrsim::units

@@ -1,4 +1,4 @@
-// Draws figures with gnuplot (Debian: gnuplot-nox), a program found at run time.
+// Drawing of figures with gnuplot (Debian: gnuplot-nox), a program that is found at run time.
 #pragma once
 
 #include <functional>
@@ -12,23 +12,25 @@
 
 namespace cogrsim::figures {
 
+/// Options of a drawing.
 struct DrawOptions {
-  int width = 960, height = 640;  ///< of PNG and SVG [pixel], 100 to 10000; PDF: 1/150 inch
-  double font_size = 12.0;        ///< 4 to 100, in points at 960 pixels' width
-  OutputRules rules;              ///< what may be replaced
-  /// Asked while gnuplot draws; true: it is ended. Never empty.
+  int width = 960, height = 640;  ///< of PNG and SVG [pixel], 100 to 10000; of PDF [1/150 inch]
+  double font_size = 12.0;        ///< 4 to 100, in points for a width of 960 pixels
+  OutputRules rules;              ///< which existing files may be replaced
+  /// Called repeatedly while gnuplot draws; if it returns true, gnuplot is stopped. Must not be
+  /// empty.
   std::function<bool()> cancelled = [] { return false; };
 };
 
-/// Draws `figure` to `path`, whose ending decides: .png, .svg or .pdf; or .json, which draws
-/// nothing and needs no gnuplot. Beside speed.png it leaves
+/// Draws `figure` to `path` in the format of its extension: .png, .svg or .pdf. The extension .json
+/// writes only the data, without gnuplot. For speed.png it also writes
 ///   speed.json   the figure,
-///   speed.gp     the script: `gnuplot speed.gp` in that folder draws the picture again,
+///   speed.gp     the script: `gnuplot speed.gp` in that folder draws the image again,
 ///   speed*.csv   its data.
-/// Returns the files written, the picture first. Titles and labels are drawn as they are: nothing
-/// in them is a command or markup.
-/// Errors: another ending, complete()'s, gnuplot missing or failing, a file that may not or
-/// cannot be written, or it was cancelled: then none is.
+/// Returns the written files, the image first. Titles and labels are drawn literally, without
+/// commands or markup. Errors, after which no file is written: another extension, those of
+/// complete(), gnuplot is missing or fails, a file must not or cannot be written, or the drawing
+/// was cancelled.
 COGRSIM_API Result<std::vector<std::string>> draw(Figure figure, const std::string& path,
                                                   const DrawOptions& options = {});
 

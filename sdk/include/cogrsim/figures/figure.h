@@ -1,5 +1,5 @@
 // Figures: curves, box plots, histograms, surfaces and trajectory maps, as plain data that can be
-// kept (JSON), drawn (draw.h) and drawn anew.
+// stored (JSON) and drawn (draw.h).
 //
 //   using namespace cogrsim;
 //   figures::Figure figure = figures::curve(t, v, "robot");
@@ -19,84 +19,91 @@
 
 namespace cogrsim::figures {
 
+/// Kind of a figure.
 enum class Kind {
   curve,      ///< y over x
   box,        ///< one box per series, of its y
-  histogram,  ///< of the series' x; several are laid over each other in common bins
-  surface,    ///< z over x and y: means of cells; one series
-  map         ///< a path in the plane, axes of equal scale, dashed, start and end marked
+  histogram,  ///< of x; several series have common bins and are drawn over each other
+  surface,    ///< z over x and y as means of cells; one series
+  map         ///< a dashed path in the plane with start and end marked; axes of equal scale
 };
 /// "curve", "box", "histogram", "surface", "map".
 COGRSIM_API const char* to_string(Kind kind);
-/// Errors: none of these words; the nearest is offered.
-COGRSIM_API Result<Kind> kind_from(const std::string& word);
+/// The kind with this name. Errors: an unknown name; the most similar name is suggested.
+COGRSIM_API Result<Kind> kind_from(const std::string& name);
 
+/// An axis of a figure.
 struct Axis {
   std::string label;  ///< "speed"
-  std::string unit;   ///< as in the scene language, "m/s"; drawn behind the label; "", "1": none
-  bool log = false;   ///< logarithmic; values <= 0 are then gaps
+  std::string unit;   ///< as in the scene language, "m/s"; drawn after the label; "", "1": none
+  bool log = false;   ///< logarithmic; values <= 0 are gaps
   std::optional<double> minimum = {}, maximum = {};  ///< empty: from the data
 };
 
-/// Samples, NaN being a gap, and what was computed from them. Samples that a kind does not use stay
-/// empty; those it uses are of one length.
+/// Samples, where NaN is a gap, and the results computed from them. Samples that a kind does not
+/// use are empty; the others have the same length.
 struct Series {
-  std::string label;  ///< in the legend, below a box
+  std::string label;  ///< in the legend, or below a box
   std::vector<double> x, y, z;
   std::optional<BoxStatistics> box;  ///< Kind::box
   std::vector<double> counts;        ///< Kind::histogram: per bin of Figure::bins
   std::optional<Grid> grid;          ///< Kind::surface
 };
 
+/// A figure.
 struct Figure {
   Kind kind = Kind::curve;
-  std::string name;   ///< of a scene's plot, or empty
+  std::string name;   ///< name of the plot in the scene; may be empty
   std::string title;  ///< may have several lines
-  Axis x, y, z;       ///< of a histogram y is the count; of a surface z is the height
+  Axis x, y, z;       ///< y of a histogram is the count; z of a surface is the height
   std::vector<Series> series;
   std::optional<Bins> bins;    ///< Kind::histogram
-  std::optional<bool> legend;  ///< empty: where there are several series
+  std::optional<bool> legend;  ///< empty: a legend for several series
   bool notches = false;        ///< of boxes
   BinRule rule = BinRule::automatic;
   double whisker = 1.5;       ///< see box_statistics()
   int columns = 0, rows = 0;  ///< see grid_means()
 };
 
-// ---- easy ways to a figure
+// ---- simple construction
 
+/// A curve with one line.
 COGRSIM_API Figure curve(std::vector<double> x, std::vector<double> y, std::string label = {});
-/// A box per group; groups without a label get their number.
+/// A box plot with one box per group; a group without a label gets its number.
 COGRSIM_API Figure box(std::vector<std::vector<double>> groups,
                        std::vector<std::string> labels = {});
+/// A histogram of one series.
 COGRSIM_API Figure histogram(std::vector<double> samples, std::string label = {},
                              BinRule rule = BinRule::automatic);
-/// Scattered samples, or (columns, rows 0) a grid of the usual fineness.
+/// A surface from scattered samples as means over columns x rows cells; 0: the default number.
 COGRSIM_API Figure surface(std::vector<double> x, std::vector<double> y, std::vector<double> z,
                            int columns = 0, int rows = 0);
-/// Values that lie on a grid already: `z` row after row, x.size() each, NaN where there is none.
+/// A surface from values on a grid: `z` has the shape (y.size() x x.size()), row-major; NaN: no
+/// value.
 COGRSIM_API Figure surface_of(std::vector<double> x, std::vector<double> y, std::vector<double> z);
+/// A map with one path.
 COGRSIM_API Figure map(std::vector<double> x, std::vector<double> y, std::string label = {});
 
 /// Adds another line, path, box (y) or histogram (x) to a figure.
 COGRSIM_API Series& add_series(Figure& figure, std::vector<double> x, std::vector<double> y,
                                std::string label = {});
 
-/// Computes what a kind draws (boxes, bins and counts, cells) where it is not there yet. Drawing
-/// and writing do it themselves; afterwards nothing is computed again. Errors: samples of unequal
-/// lengths, a surface of several series, a range that is empty or, on a logarithmic axis, not
-/// above 0.
+/// Computes the missing results that a kind draws (boxes, bins and counts, cells). Drawing and
+/// writing call it themselves; existing results are not computed again. Errors: samples of unequal
+/// lengths, a surface with several series, or an empty range, or one that is not above 0 on a
+/// logarithmic axis.
 COGRSIM_API Result<> complete(Figure& figure);
 
-// ---- on file
+// ---- files
 
-/// Version of the JSON that is written; older ones are read.
+/// Version of the JSON format that is written; older versions can be read.
 inline constexpr int kFigureVersion = 1;
 
-/// The completed figure; docs/figures.md lists the keys. NaN is null, infinities are "inf" and
-/// "-inf". Errors: as complete().
+/// The completed figure as JSON; docs/guide/figures.md lists the keys. NaN is null, infinities are
+/// "inf" and "-inf". Errors: as complete().
 COGRSIM_API Result<std::string> to_json(Figure figure);
-/// Errors: no JSON, not a figure, a newer version, a value of the wrong type or size; the message
-/// names the key.
+/// Parses the output of to_json(). Errors: the text is not JSON or not a figure, has a newer
+/// version, or a value has the wrong type or size; the message names the key.
 COGRSIM_API Result<Figure> figure_from_json(const std::string& text);
 
 }  // namespace cogrsim::figures

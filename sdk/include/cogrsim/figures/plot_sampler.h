@@ -1,4 +1,4 @@
-// From the frames of a run to the figure that a scene's `<plot>` asks for.
+// Sampling of the frames of a run for a `<plot>` of a scene.
 #pragma once
 
 #include <cstdint>
@@ -14,26 +14,27 @@
 
 namespace cogrsim::figures {
 
-/// Which signals a kind of plot is made of.
+/// The signals that a kind of plot uses.
 struct PlotAxes {
   bool x = false, y = false, z = false;
   bool x_optional = false;  ///< time, if left out
 };
 COGRSIM_API PlotAxes plot_axes(Kind kind);
 
-/// Gathers the samples of one plot over one run, from whatever gives frames: an observer of a
-/// simulation, a recording.
+/// Collects the samples of one plot over one run from the frames of a simulation or a recording.
+/// Not thread-safe.
 class COGRSIM_API PlotSampler {
  public:
-  /// Errors: unknown kind, a signal that is missing, not needed or not in the model, no series,
-  /// `every` negative or not finite.
+  /// Creates a sampler. Errors: the kind is unknown; a signal is missing, unused or not in the
+  /// model; there is no series; `every` is negative or not finite.
   static Result<PlotSampler> create(const PlotModel& plot, const SceneModel& model,
                                     const ChannelLookup& channels);
 
+  /// The frame contents that take() needs.
   FrameContents needs() const { return needs_; }
 
-  /// Takes a sample if one is due: the first frame, then every `every` seconds. Boxes and
-  /// histograms without `every` take each reading of a sensor once, however many steps it stands.
+  /// Takes a sample if one is due: at the first frame, and then every `every` seconds. Box plots
+  /// and histograms without `every` count each reading of a sensor only once.
   void take(const Frame& frame);
 
   const PlotModel& plot() const { return plot_; }
@@ -55,9 +56,9 @@ class COGRSIM_API PlotSampler {
   std::size_t taken_ = 0;
 };
 
-/// One figure of the same plot in one or several runs. `labels` tell the runs apart, one each, and
-/// may be empty for a single one. Axes are named by the signals. Errors: a surface of several
-/// runs, and those of complete().
+/// Creates one figure from the same plot of one or several runs. `labels` has one label per run and
+/// may be empty for a single run. The axes are labelled with the signals. Errors: a surface of
+/// several runs, or those of complete().
 COGRSIM_API Result<Figure> figure_of(const std::vector<const PlotSampler*>& runs,
                                      const std::vector<std::string>& labels);
 

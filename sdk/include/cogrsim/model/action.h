@@ -1,6 +1,7 @@
-// What can be done to a running world by name: by a scene's `<on>`, a supervisor or a program. Names
-// are looked up when the action is applied, since things come and go; what is not there by then is
-// refused, with an event and a message, and the run goes on.
+// Actions on a running world, requested by an `<on>` rule of the scene, a supervisor or a program.
+// They refer to elements by name. The names are resolved when the action is applied, because
+// elements can be added and removed during the run. An action that names a missing element is
+// rejected with an event and a message, and the run continues.
 #pragma once
 
 #include <limits>
@@ -13,76 +14,83 @@
 
 namespace cogrsim {
 
-/// Adds a copy of a template (SceneModel::templates) as an assembly.
+/// Adds a copy of a template (SceneModel::templates) to the world as an assembly.
 struct Spawn {
   std::string of;    ///< name of the template
-  std::string name;  ///< dotted, of the new assembly; empty: the template's name and a number
-  Pose pose;         ///< of its frame: in the world, or in the place chosen from `places`
-  /// Not empty: one of these is drawn at random among those where there is room.
+  std::string name;  ///< dotted name of the new assembly; empty: the template's name and a number
+  Pose pose;         ///< of the assembly frame, in the world or in the pose drawn from `places`
+  /// Candidate poses in the world. If not empty, one of those with enough free space is drawn at
+  /// random.
   std::vector<Pose> places;
-  double clearance = 0.0;  ///< to all else, for a place to have room [m], >= 0
-  double lifetime = std::numeric_limits<double>::infinity();  ///< is removed after it [s], > 0
+  double clearance = 0.0;  ///< distance to all other bodies that a candidate needs [m], >= 0
+  /// Time after which the assembly is removed again [s], > 0.
+  double lifetime = std::numeric_limits<double>::infinity();
 };
-/// Takes out an assembly, or a body that belongs to none, with all joints to it.
+/// Removes an assembly, or a body that belongs to no assembly, together with all joints to it.
 struct Remove {
-  std::string name;
+  std::string name;  ///< dotted
 };
-/// Makes a joint between two bodies where they are. Fixed: they move as one from now on. Hinge and
-/// ball: about `point`.
+/// Creates a joint between two bodies at their current poses. A fixed joint makes them one rigid
+/// body; a hinge and a ball joint rotate about `point`.
 struct Attach {
   enum class Type { fixed, hinge, ball };
-  std::string name;    ///< of the new joint, dotted; must be free
-  std::string parent;  ///< body, named frame or assembly (its base)
-  std::string child;   ///< the same
+  std::string name;    ///< dotted name of the new joint; must not exist yet
+  std::string parent;  ///< body, named frame or assembly (its base body)
+  std::string child;   ///< body, named frame or assembly (its base body)
   Type type = Type::fixed;
   std::optional<Vec3> point;  ///< in the parent's frame [m]; empty: the child's origin
-  Vec3 axis = Vec3(0, 0, 1);  ///< hinge: in the parent's frame
-  /// Refused when the surfaces (bodies), else the origins, are farther apart [m].
+  Vec3 axis = Vec3(0, 0, 1);  ///< of a hinge, in the parent's frame
+  /// Largest distance at which the action is accepted [m]: between the surfaces of two bodies,
+  /// otherwise between the origins.
   double reach = std::numeric_limits<double>::infinity();
 };
-/// Removes a joint, with its motors.
+/// Removes a joint together with its motors.
 struct Detach {
-  std::string joint;
+  std::string joint;  ///< dotted
 };
+/// Changes the limits of one joint axis.
 struct SetJointLimits {
-  std::string joint;
-  int axis = 0;                 ///< from 0
-  std::optional<double> lower;  ///< [rad] or [m]; may be infinite; empty: stays
-  std::optional<double> upper;
+  std::string joint;            ///< dotted
+  int axis = 0;                 ///< index of the axis, from 0
+  std::optional<double> lower;  ///< [rad] or [m]; may be infinite; empty: unchanged
+  std::optional<double> upper;  ///< [rad] or [m]; may be infinite; empty: unchanged
 };
-/// A body made static stays where it is; made dynamic it falls.
+/// Makes bodies static (they keep their pose) or dynamic again (forces move them).
 struct SetStatic {
-  std::string body;  ///< or an assembly: all its bodies
-  bool on = true;
+  std::string body;  ///< dotted name of a body, or of an assembly for all its bodies
+  bool on = true;    ///< true: static, false: dynamic
 };
-/// Target of a motor, as MotorHandle::set.
+/// Sets the target of a motor, as MotorHandle::set().
 struct SetMotor {
-  std::string motor;
-  double target = 0.0;
+  std::string motor;    ///< dotted
+  double target = 0.0;  ///< unit: that of the motor mode, see Motor
 };
+/// Switches a sensor on or off.
 struct EnableSensor {
-  std::string sensor;
+  std::string sensor;  ///< dotted
   bool on = true;
 };
-/// Sends a door (SceneModel::doors) to its open or closed end.
+/// Moves a door (SceneModel::doors) to its open or closed position.
 struct MoveDoor {
-  std::string door;
+  std::string door;  ///< dotted
   bool open = true;
 };
-/// An event of the scene's own.
+/// Emits an event of kind "raised" that the scene defines.
 struct Raise {
-  std::string event;  ///< becomes Event::source of an event "raised"
+  std::string event;  ///< becomes Event::source
   std::string message;
 };
+/// Ends the run.
 struct EndRun {
   std::string reason;
 };
-/// A line for the user.
-struct Tell {
+/// Writes a line to the log of the run.
+struct LogMessage {
   std::string message;
 };
 
+/// Any action.
 using Action = std::variant<Spawn, Remove, Attach, Detach, SetJointLimits, SetStatic, SetMotor,
-                            EnableSensor, MoveDoor, Raise, EndRun, Tell>;
+                            EnableSensor, MoveDoor, Raise, EndRun, LogMessage>;
 
 }  // namespace cogrsim

@@ -1,8 +1,9 @@
-// A scene as plain data: what the compiler makes, what every backend is given. No engine owns it.
+// The scene as plain data. The scene compiler creates it and every backend reads it; it is
+// independent of all engines.
 //
-// Everything is in SI units. Elements refer to each other by index into the vectors of SceneModel;
-// -1 as a body means the world. Indices stay valid for the life of a run: what is removed while
-// running is marked (`removed`), what is added goes to the end.
+// All quantities are in SI units. Elements refer to each other by index into the vectors of
+// SceneModel; the body index -1 means the world. Indices stay valid for a whole run: an element
+// that is removed is only marked (`removed`), and a new element is appended at the end.
 #pragma once
 
 #include <array>
@@ -26,47 +27,48 @@ inline constexpr int kWorld = -1;  ///< as a body index
 
 enum class BodyKind {
   dynamic,    ///< moved by forces
-  kinematic,  ///< moves with the twist it is given, whatever pushes it
+  kinematic,  ///< moves with its prescribed twist, regardless of forces
   fixed       ///< static: never moves
 };
 
+/// A rigid body with its shapes.
 struct Body {
   std::string name;  ///< dotted, unique: "robot.wheel_left"
   BodyKind kind = BodyKind::dynamic;
-  Pose X_WB;                        ///< at time 0
-  Twist V_WB;                       ///< at time 0: of the body frame's origin, world axes
+  Pose X_WB;                        ///< pose in the world at time 0
+  Twist V_WB;                       ///< twist at time 0, of the body origin, in world axes
   double mass = 1.0;                ///< [kg], > 0 when dynamic
   Vec3 com = Vec3::Zero();          ///< centre of mass, in the body frame [m]
   Mat3 inertia = Mat3::Identity();  ///< about the centre of mass, body axes [kg m^2]
   std::vector<Shape> shapes;
-  int assembly = -1;  ///< SceneModel::assemblies
+  int assembly = -1;  ///< index into SceneModel::assemblies; -1: none
   bool removed = false;
   SourceSpan origin;
 };
 
-/// A named place: `<frame>`.
+/// A named frame that is fixed to a body: `<frame>`.
 struct NamedFrame {
   std::string name;  ///< dotted
   int body = kWorld;
-  Pose X_BF;
+  Pose X_BF;  ///< pose in the body
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
 };
 
-// Joint frames: F is fixed in the parent, M in the child; q = 0 where they coincide.
+// Joint frames: F is fixed in the parent, M in the child. They coincide at q = 0.
 //
-// | type        | coordinates q                            | speeds u                               |
-// |-------------|------------------------------------------|----------------------------------------|
-// | fixed       | -                                        | -                                      |
-// | hinge       | angle about z [rad], not wrapped         | its rate                               |
-// | slider      | travel along z [m]                       | its rate                               |
-// | screw       | angle about z [rad]; travel = pitch*angle/(2 pi) | its rate                       |
-// | cylindrical | angle about z [rad], travel along z [m]  | their rates                            |
-// | universal   | angle about F's x, then about M's y [rad]| their rates                            |
-// | planar      | x, y in F [m], angle about z [rad]       | their rates                            |
-// | ball        | quaternion w x y z of M in F             | angular velocity of M in F, axes F     |
-// | free        | x y z in F [m], quaternion w x y z       | linear, then angular velocity, axes F  |
+// | type        | coordinates q                           | speeds u                              |
+// |-------------|-----------------------------------------|---------------------------------------|
+// | fixed       | -                                       | -                                     |
+// | hinge       | angle about z [rad], not wrapped        | its rate                              |
+// | slider      | travel along z [m]                      | its rate                              |
+// | screw       | angle about z [rad], see pitch          | its rate                              |
+// | cylindrical | angle about z [rad], travel along z [m] | their rates                           |
+// | universal   | angles about F's x and M's y [rad]      | their rates                           |
+// | planar      | x, y in F [m], angle about z [rad]      | their rates                           |
+// | ball        | quaternion w x y z of M in F            | angular velocity of M in F, axes F    |
+// | free        | x y z in F [m], quaternion w x y z      | linear, then angular velocity, axes F |
 enum class JointType { fixed, hinge, slider, screw, cylindrical, universal, planar, ball, free };
 
 /// "hinge", "slider", ….
@@ -74,15 +76,16 @@ COGRSIM_API const char* to_string(JointType type);
 COGRSIM_API int position_count(JointType type);  ///< 0 1 1 1 2 2 3 4 7
 COGRSIM_API int speed_count(JointType type);     ///< 0 1 1 1 2 2 3 3 6
 
-/// What acts along one speed of a joint, beside its drives. Units: rad and N m, or m and N.
+/// Limits and passive forces along one axis of a joint. Coordinates are in rad and efforts in N m
+/// (rotation), or in m and N (translation).
 struct JointAxis {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
   double damping = 0.0;    ///< effort per speed, >= 0
-  double friction = 0.0;   ///< Coulomb effort, >= 0: holds below, opposes motion above
+  double friction = 0.0;   ///< Coulomb friction effort, >= 0; static and kinetic
   double stiffness = 0.0;  ///< effort per coordinate, >= 0
-  double rest = 0.0;       ///< coordinate at which the spring is slack
-  /// Bounds of the drive train: no motor or servo on this axis pushes harder or runs faster.
+  double rest = 0.0;       ///< coordinate at which the spring exerts no effort
+  /// Limits of the drive train: the largest effort and speed of any motor or servo on this axis.
   double max_effort = std::numeric_limits<double>::infinity();
   double max_speed = std::numeric_limits<double>::infinity();
 
@@ -92,27 +95,27 @@ struct JointAxis {
   }
 };
 
-/// `axes` has speed_count(type) entries, except: ball has one, whose coordinate is the angle
-/// between M and F (0 to pi; `upper` is a cone around the start of all rotations, damping and
-/// friction act against the relative angular velocity, stiffness towards q = identity);
-/// free has none.
+/// A joint between two bodies. `axes` has speed_count(type) entries, with two exceptions. A ball
+/// joint has one entry, whose coordinate is the rotation angle between M and F (0 to pi): `upper`
+/// limits this angle, damping and friction oppose the relative angular velocity, and stiffness acts
+/// towards q = identity. A free joint has no entries.
 struct Joint {
   std::string name;  ///< dotted
   JointType type = JointType::hinge;
   int parent = kWorld;
   int child = kWorld;
-  Pose X_PF;  ///< in the parent body (the world: world frame)
-  Pose X_CM;  ///< in the child body
+  Pose X_PF;  ///< pose of F in the parent body, or in the world frame if `parent` is kWorld
+  Pose X_CM;  ///< pose of M in the child body
   std::vector<JointAxis> axes;
-  double pitch = 0.0;            ///< of a screw: travel per turn [m]
-  std::vector<double> position;  ///< at time 0, position_count(type); agrees with the bodies' poses
-  std::vector<double> velocity;  ///< at time 0, speed_count(type); agrees with the bodies' twists
-  /// Closes a loop: the other joints already connect its two bodies. Decided by the compiler
-  /// (the later joint in the file is the one), the same for every backend.
+  double pitch = 0.0;            ///< of a screw: travel per turn [m]; travel = pitch q / (2 pi)
+  std::vector<double> position;  ///< position_count(type) entries at time 0; match the body poses
+  std::vector<double> velocity;  ///< speed_count(type) entries at time 0; match the body twists
+  /// The joint closes a kinematic loop: other joints already connect its two bodies. The compiler
+  /// decides this (the last joint of a loop in the file), so it is the same for every backend.
   bool closes_loop = false;
   bool bodies_collide = false;  ///< parent and child collide with each other
-  int position_offset = 0;      ///< first entry in the flat arrays of a state
-  int speed_offset = 0;
+  int position_offset = 0;      ///< index of the first coordinate in the flat array of all q
+  int speed_offset = 0;         ///< index of the first speed in the flat array of all u
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
@@ -123,52 +126,54 @@ enum class MotorMode { velocity, torque, position, servo, dc };
 /// "velocity", "torque", "position", "servo", "dc".
 COGRSIM_API const char* to_string(MotorMode mode);
 
-/// Drives one axis of a joint. Laws: see cogrsim/physics/drive.h. Units: rad, N m, or m, N.
+/// A motor that drives one axis of a joint; cogrsim/physics/drive.h has the control laws. Positions
+/// and efforts are in rad and N m (rotation), or in m and N (translation).
 struct Motor {
   std::string name;  ///< dotted
-  int joint = -1;
-  int axis = 0;  ///< of the joint
+  int joint = -1;  ///< index into SceneModel::joints
+  int axis = 0;    ///< index of the axis of the joint
   MotorMode mode = MotorMode::velocity;
   double max_effort = std::numeric_limits<double>::infinity();
   double max_speed = std::numeric_limits<double>::infinity();
   double response = 0.05;  ///< position mode: time constant [s], > 0
-  double kp = 0.0, ki = 0.0,
-         kd = 0.0;  ///< servo gains: effort per coordinate, per its integral, per speed
-  // DC model; the effort at the joint is gear * kt * current.
+  /// Servo gains: effort per coordinate, per integral of the coordinate, and per speed.
+  double kp = 0.0, ki = 0.0, kd = 0.0;
+  // DC motor model: the effort at the joint is gear * kt * current.
   double kt = 0.0;          ///< torque constant [N m/A]
   double ke = 0.0;          ///< back-EMF constant [V s/rad]
   double resistance = 0.0;  ///< of the winding [ohm], > 0 in dc mode
   double gear = 1.0;        ///< motor turns per joint turn
   double max_voltage = std::numeric_limits<double>::infinity();
   double max_current = std::numeric_limits<double>::infinity();
-  /// At time 0: speed, effort, position or voltage. Empty: 0, but position and servo hold the
-  /// joint's initial position.
+  /// Target at time 0: a speed, effort, position or voltage [V], depending on `mode`. Empty: 0; in
+  /// the position and servo modes the initial position of the joint.
   std::optional<double> target;
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
 };
 
-/// One term of a sensor's noise, applied in file order.
+/// One term of the noise model of a sensor. The terms are applied in the order of the file.
 struct NoiseTerm {
   enum class Kind { normal, uniform, bias, dropout, quantisation, bias_walk } kind = Kind::normal;
   double a = 0.0;  ///< normal: mean; uniform: low; bias: offset; dropout: probability;
                    ///< quantisation: step; bias walk: sigma per sqrt(s)
   double b = 0.0;  ///< normal: sigma; uniform: high
-  /// What it disturbs: 0 what `noise` is about; 1 the sensor's second quantity (the angular velocity
-  /// of an imu, the torque of a force-torque sensor, the depth of a camera).
+  /// The quantity it disturbs: 0 for the first quantity of the sensor; 1 for the second (the
+  /// angular velocity of an imu, the torque of a force-torque sensor, the depth of a camera).
   int group = 0;
 };
 
+/// A sensor on a body or a joint.
 struct SensorModel {
   std::string name;  ///< dotted
-  std::string type;  ///< "camera", "encoder", …: built_in_sensors(), or a plugin's
+  std::string type;  ///< "camera", "encoder", … (see built_in_sensors()), or a plugin's type
   int body = kWorld;
-  Pose X_BS;          ///< looks along its own +x, z up
-  int joint = -1;     ///< encoder, force-torque
-  double rate = 0.0;  ///< [Hz]; 0: every step
+  Pose X_BS;          ///< pose in the body; the viewing direction is +x, and z is up
+  int joint = -1;     ///< index into SceneModel::joints, for encoder and force-torque sensors
+  double rate = 0.0;  ///< measurements per second [Hz]; 0: one in every step
   bool enabled = true;
-  bool show = false;
+  bool show = false;  ///< draw the sensor's rays
   std::vector<NoiseTerm> noise;
   Parameters parameters;
   int assembly = -1;
@@ -176,11 +181,12 @@ struct SensorModel {
   SourceSpan origin;
 };
 
+/// What follows an error of a controller: it alone stops, or the run ends.
 enum class FaultPolicy { stop_controller, end_run };
-/// Where a controller lives: in the simulation's process, or in one of its own.
+/// Where a controller runs: in the process of the simulation, or in a process of its own.
 enum class Isolation { none, process };
 
-/// A number that a controller or supervisor publishes, as its plugin declares it.
+/// Declaration of a number that a controller or supervisor publishes.
 struct OutputModel {
   std::string name;
   std::string unit;  ///< as in the scene language; "1": none
@@ -190,30 +196,32 @@ struct OutputModel {
 struct ControllerModel {
   std::string name;  ///< dotted, unique
   std::string plugin;
-  double rate = 0.0;  ///< [Hz]; 0: every step
+  double rate = 0.0;  ///< updates per second [Hz]; 0: one in every step
   Parameters parameters;
   FaultPolicy on_fault = FaultPolicy::stop_controller;
-  std::optional<Isolation> isolation;  ///< of controllers only; empty: as the run has it
-  /// With a process of its own: longest time of an update by the clock on the wall [s], and what
-  /// it may take of memory [byte]; infinite: no bound.
+  std::optional<Isolation> isolation;  ///< of controllers only; empty: the setting of the run
+  /// Limits of a controller in a process of its own: wall-clock time of one update [s] and memory
+  /// [byte]; infinite: no limit.
   double deadline = 10.0, memory = 1e9;
-  std::vector<OutputModel> outputs;  ///< filled in when the plugin is known
+  std::vector<OutputModel> outputs;  ///< filled in when the plugin has been loaded
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
 };
 
+/// An assembly: a named group of bodies, joints, motors, sensors and other assemblies.
 struct AssemblyInfo {
   std::string name;  ///< dotted
-  int parent = -1;   ///< SceneModel::assemblies; -1: top level
-  Pose X_WA;         ///< at time 0
+  int parent = -1;   ///< index into SceneModel::assemblies; -1: top level
+  Pose X_WA;         ///< pose of the assembly frame in the world at time 0
   bool rigid = false;
-  /// Engine block, by engine name: `<NAME …/>` inside the assembly.
+  /// Engine-specific options by engine name: `<NAME …/>` inside the assembly.
   std::map<std::string, Parameters> engine_options;
   bool removed = false;
   SourceSpan origin;
 };
 
+/// A light source.
 struct LightModel {
   enum class Type { directional, point, spot } type = Type::directional;
   std::string name;
@@ -225,45 +233,46 @@ struct LightModel {
   SourceSpan origin;
 };
 
-/// A saved viewpoint; looks along its own +x, z up.
+/// A named viewpoint. Its viewing direction is +x, and z is up.
 struct ViewModel {
   std::string name;
   Pose X_WV;
-  double fov = 1.0;  ///< horizontal [rad]
+  double fov = 1.0;  ///< horizontal field of view [rad]
   SourceSpan origin;
 };
 
+/// `<physics>`: settings of the simulation.
 struct PhysicsSettings {
-  std::string backend;               ///< the scene's wish; empty: none
-  double step = 1e-3;                ///< [s]
+  std::string backend;               ///< backend that the scene requests; empty: none
+  double step = 1e-3;                ///< time step [s]
   Vec3 gravity = Vec3(0, 0, -9.81);  ///< [m/s^2]
   std::uint64_t seed = 1;
   std::optional<double> duration;  ///< [s]
-  /// Slower approaches than this do not bounce [m/s].
+  /// Relative normal speed below which impacts are inelastic [m/s].
   double bounce_threshold = 0.05;
   std::map<std::string, Parameters> engine_options;  ///< by engine name
   SourceSpan origin;
-  SourceSpan backend_origin;  ///< where the scene names its backend
+  SourceSpan backend_origin;  ///< source location of the backend's name
 };
 
-/// `<record>`: what a run keeps of itself.
+/// `<record>`: what a run records.
 struct RecordModel {
-  std::string file;    ///< relative to where the program was started; empty: SCENE.mcap
-  double every = 0.0;  ///< time between frames kept [s]; 0: every step
+  std::string file;    ///< relative to the working directory; empty: SCENE.mcap
+  double every = 0.0;  ///< time between recorded frames [s]; 0: every step
   bool contacts = true;
-  bool images = true;  ///< of cameras
-  bool jpeg = false;   ///< colour pictures as JPEG; else PNG
+  bool images = true;  ///< camera images
+  bool jpeg = false;   ///< colour images as JPEG, otherwise as PNG
   SourceSpan origin;
 };
 
-/// One line, cloud or box of a plot. Entries are signals, see cogrsim/signals/signal.h.
+/// One line, point cloud or box of a plot. The entries are signals, see cogrsim/signals/signal.h.
 struct PlotSeries {
-  std::string x, y, z;  ///< empty where the kind of plot needs none
-  std::string label;    ///< empty: the signal's own text
+  std::string x, y, z;  ///< empty if the kind of plot does not use this axis
+  std::string label;    ///< empty: the text of the signal
   SourceSpan origin;
 };
 
-/// `<plot>`.
+/// `<plot>`: a plot of signals over a run.
 struct PlotModel {
   std::string name;            ///< dotted, unique
   std::string kind = "curve";  ///< "curve", "box", "surface", "histogram" or "map"
@@ -273,29 +282,29 @@ struct PlotModel {
   SourceSpan origin;
 };
 
-/// `<region>`: a volume that notices who comes in and who goes out (events "enter" and "leave").
+/// `<region>`: a volume that detects objects entering and leaving it (events "enter" and "leave").
 struct RegionModel {
   enum class Type { box, sphere };
   std::string name;  ///< dotted
   Type type = Type::box;
-  int body = kWorld;  ///< moves with it
-  Pose X_BR;
+  int body = kWorld;  ///< body that the region is fixed to
+  Pose X_BR;          ///< pose in the body
   Vec3 size = Vec3::Ones();  ///< box: full extents [m]
   double radius = 0.5;       ///< sphere [m]
-  /// Bodies, named frames and assemblies it looks for, by dotted name; what counts is where their
-  /// origin is (of an assembly: its base's). Empty: every top-level assembly and every body outside
-  /// of one that can move, those added later among them.
+  /// Dotted names of the bodies, named frames and assemblies that it detects. An object is inside
+  /// if its origin is (for an assembly: the origin of its base body). Empty: every top-level
+  /// assembly and every movable body without an assembly, including those that are added later.
   std::vector<std::string> who;
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
 };
 
-/// `<door>`: what its motor moves between two ends (events "opening", "opened", "closing", "closed",
-/// the latter two when it has really arrived).
+/// `<door>`: a door that a motor moves between two positions. Its events are "opening" and
+/// "closing" for the command, and "opened" and "closed" when it has reached its position.
 struct DoorModel {
   std::string name;                 ///< dotted
-  int motor = -1;                   ///< SceneModel::motors
+  int motor = -1;                   ///< index into SceneModel::motors
   double closed = 0.0, open = 1.0;  ///< targets of the motor [m] or [rad]
   bool starts_open = false;
   int assembly = -1;
@@ -303,29 +312,31 @@ struct DoorModel {
   SourceSpan origin;
 };
 
-/// `<maze>`: the plan of its walls, which are bodies like any others. A robot that is given the plan
-/// knows the walls and doors, not what else stands there.
+/// `<maze>`: the plan of a maze. Its walls are ordinary bodies. A robot that receives the plan
+/// knows the walls and doors, but no other obstacles.
 ///
-/// Cells count from 0, rows from the south (lowest y), columns from the west (lowest x). The maze's
+/// Cells count from 0, rows from the south (lowest y), columns from the west (lowest x). The maze
 /// frame M has its origin at the outer south-west corner of cell (0, 0), on the floor.
 struct MazeModel {
-  static constexpr int kOpen = -1, kWall = -2;  ///< else: a door, SceneModel::doors
+  static constexpr int kOpen = -1, kWall = -2;  ///< other values: index into SceneModel::doors
+  /// A named cell.
   struct Place {
     std::string name;  ///< as in the drawing: "S", "T1"
     int row = 0, column = 0;
   };
   std::string name;  ///< dotted
-  Pose X_WM;
+  Pose X_WM;         ///< pose of the maze frame in the world
   int rows = 0, columns = 0;
-  double cell = 1.0;       ///< from centre to centre [m]
+  double cell = 1.0;       ///< distance between the centres of neighbouring cells [m]
   double thickness = 0.0;  ///< of the walls [m]
-  double height = 0.0;     ///< [m]
-  /// What stands between a cell and its neighbour: kOpen, kWall or a door.
+  double height = 0.0;     ///< of the walls [m]
+  // Each entry is the boundary between two neighbouring cells: kOpen, kWall or a door.
   std::vector<int> vertical;    ///< rows x (columns + 1): entry [row][c] is west of column c
   std::vector<int> horizontal;  ///< (rows + 1) x columns: entry [r][column] is south of row r
   std::vector<Place> places;
   SourceSpan origin;
 
+  // The boundary of a cell on one side: kOpen, kWall or a door. Indices are not checked.
   int west(int row, int column) const {
     return vertical[static_cast<std::size_t>(row * (columns + 1) + column)];
   }
@@ -334,39 +345,44 @@ struct MazeModel {
     return horizontal[static_cast<std::size_t>(row * columns + column)];
   }
   int north(int row, int column) const { return south(row + 1, column); }
-  /// Of a cell's floor, in M [m].
+  /// Centre of the floor of a cell, in the maze frame M [m].
   Vec3 centre(int row, int column) const {
     return {(column + 0.5) * cell, (row + 0.5) * cell, 0.0};
   }
 };
 
-/// `<template>`: what is not there at the start and can be added by name, see Spawn.
+/// `<template>`: an assembly that does not exist at the start and can be added by name, see Spawn.
 struct TemplateModel {
   std::string name;  ///< dotted
   std::shared_ptr<const struct SceneModel> fragment;
   SourceSpan origin;
 };
 
-/// `<on>`: what a scene does by itself. It fires on an event, at a time, or when a condition becomes
-/// true; its actions are applied at the next step boundary (`after` it), in order.
+/// `<on>`: a rule of the scene. It fires on an event, at a time, or when a condition becomes true.
+/// Its actions are applied in order at the next step boundary, or `after` seconds later.
 struct RuleModel {
   std::string name;                   ///< dotted, unique
-  std::string kind, source, subject;  ///< of the event; empty: any. `kind` empty: no event
-  std::optional<double> time;         ///< [s]
-  std::optional<double> every;        ///< again and again, first at `time` or one period in [s]
-  std::string when;    ///< condition (cogrsim/signals/condition.h): alone, fires when it becomes
-                       ///< true; beside an event or a time, it must hold then
+  /// Kind, source and subject of the event. An empty source or subject matches any; an empty kind
+  /// means that the rule does not depend on an event.
+  std::string kind, source, subject;
+  std::optional<double> time;   ///< time at which the rule fires [s]
+  std::optional<double> every;  ///< period [s]; fires first at `time`, or after one period
+  /// Condition (cogrsim/signals/condition.h). Alone: the rule fires when it becomes true. Together
+  /// with an event or a time: it must be true then.
+  std::string when;
   double after = 0.0;  ///< delay [s]
-  int limit = 1000;    ///< fires that often at most; more is reported once and ignored
+  int limit = 1000;    ///< largest number of firings; exceeding it is reported once
   std::vector<Action> actions;
   SourceSpan origin;
 };
 
-/// `<measure>`: a number of merit of a whole run.
+/// `<measure>`: a performance measure of a whole run, computed from a signal.
 struct MeasureModel {
   enum class Take { last, minimum, maximum, mean, integral, first_time };
   std::string name;    ///< dotted, unique
-  std::string signal;  ///< of first_time: a condition; the time at which it first held, NaN: never
+  /// The signal. For first_time: a condition; the measure is the time at which it first became true
+  /// [s], or NaN if it never did.
+  std::string signal;
   Take take = Take::last;
   SourceSpan origin;
 };
@@ -374,35 +390,36 @@ struct MeasureModel {
 /// One line of a `<test>`.
 struct ExpectationModel {
   enum class Kind {
-    expect,      ///< holds at `at`, default the end
-    always,      ///< in every frame up to `until`
-    eventually,  ///< in some frame up to `within`
-    agree        ///< a signal is the same on all backends up to `until`, within `tolerance`
+    expect,      ///< true at the time `at`, by default at the end
+    always,      ///< true in every frame up to `until`
+    eventually,  ///< true in at least one frame up to `within`
+    agree        ///< the signal is the same on all backends up to `until`, within `tolerance`
   };
   Kind kind = Kind::expect;
-  std::string that;                         ///< condition; with `equals`, and of agree: a signal
+  std::string that;                         ///< a condition; for `equals` and agree a signal
   std::optional<double> equals;             ///< in the signal's SI unit
   double tolerance = 0.0;                   ///< the same unit, >= 0
   std::optional<double> at, until, within;  ///< [s]
   SourceSpan origin;
 };
 
-/// `<test>`: what must be true of a run of the scene.
+/// `<test>`: expectations about a run of the scene.
 struct TestModel {
   std::string name;
-  std::optional<double> duration;     ///< [s]; empty: the scene's
-  std::vector<std::string> backends;  ///< empty: those the user names, else all
-  std::vector<std::uint64_t> seeds;   ///< empty: the scene's
+  std::optional<double> duration;     ///< [s]; empty: that of the scene
+  std::vector<std::string> backends;  ///< empty: those that the user names, otherwise all
+  std::vector<std::uint64_t> seeds;   ///< empty: the seed of the scene
   std::vector<ExpectationModel> expectations;
   SourceSpan origin;
 };
 
-/// Two bodies that pass through each other.
+/// Two bodies that do not collide with each other.
 using BodyPair = std::pair<int, int>;  ///< first < second
 
+/// A complete scene.
 struct SceneModel {
   std::string name;
-  std::vector<std::string> files;  ///< SourceSpan::file; [0] is the scene
+  std::vector<std::string> files;  ///< source files; [0] is the scene. See SourceSpan::file
   PhysicsSettings physics;
   std::vector<Material> materials;  ///< [0] is the default
   std::vector<MaterialPair> material_pairs;
@@ -427,25 +444,25 @@ struct SceneModel {
   std::vector<RuleModel> rules;
   std::vector<MeasureModel> measures;
   std::vector<TestModel> tests;
-  std::vector<BodyPair> no_collide;  ///< sorted, without doubles; joints' pairs are not in it
+  std::vector<BodyPair> no_collide;  ///< sorted and unique; without the pairs that joints exclude
   int joint_positions = 0;           ///< length of the flat array of all q
   int joint_speeds = 0;              ///< length of the flat array of all u
 };
 
 using SceneModelPtr = std::shared_ptr<const SceneModel>;
 
-/// Gives every joint its place in the flat arrays, fills missing initial positions and velocities
-/// with zeros (quaternions with 1 0 0 0), and sorts `no_collide`. To be called once on a model
-/// that was put together by hand.
+/// Assigns every joint its offsets in the flat arrays, fills missing initial positions and
+/// velocities with zeros (quaternions with 1 0 0 0), and sorts `no_collide`. Call it once on a
+/// model that was assembled by a program.
 COGRSIM_API void finish_model(SceneModel& model);
 
-/// Sets `closes_loop` of every joint: true where the joints before it already connect its two
-/// bodies. The world and all static and kinematic bodies count as one ground.
+/// Sets `closes_loop` of every joint: true if the joints before it already connect its two bodies.
+/// The world and all static and kinematic bodies count as one ground body.
 COGRSIM_API void mark_loops(SceneModel& model);
 
-/// Whether contacts between two bodies count: not of one body with itself, of two that cannot
-/// move, of a joint's parent and child unless it says so, nor of a pair in `no_collide`.
-/// Built once per model; a query costs a hash look-up. Nothing touches a removed body.
+/// Decides which pairs of bodies collide. Excluded are a body with itself, two immobile bodies, the
+/// parent and child of a joint without `bodies_collide`, the pairs in `no_collide`, and removed
+/// bodies. The filter is built once per model; a query costs one hash look-up and is thread-safe.
 class COGRSIM_API CollisionFilter {
  public:
   CollisionFilter() = default;
@@ -458,28 +475,30 @@ class COGRSIM_API CollisionFilter {
   std::vector<std::uint64_t> excluded_;  // hash table of pair keys, open addressing
 };
 
-/// What the scene decides for two touching materials, the same on every backend: the pair's own
-/// entry (`<contact between>`), else friction sqrt(a*b), restitution max(a, b), and stiffness of
-/// the two in series where either gives one.
+/// Contact properties of two touching materials, the same on every backend: those of the material
+/// pair (`<contact between>`) if the scene defines them; otherwise the friction is sqrt(a*b), the
+/// restitution max(a, b), and the stiffness that of the two stiffnesses in series.
 struct SurfacePair {
   double friction = 0.5;
   double restitution = 0.0;
-  std::optional<double> stiffness;  ///< [N/m]
+  std::optional<double> stiffness;  ///< [N/m]; empty: neither material defines one
 };
 COGRSIM_API SurfacePair surface_pair(const SceneModel& model, int material_a, int material_b);
 
-/// The bodies of an assembly and of all assemblies inside it, in model order, not the removed ones.
+/// Indices of the bodies of an assembly and of all assemblies inside it, in model order, without
+/// the removed ones.
 COGRSIM_API std::vector<int> bodies_of(const SceneModel& model, int assembly);
 
-/// The assembly that is inside no other and holds this one, or is it; -1 for -1.
+/// The top-level assembly that contains `assembly` or is `assembly` itself; -1 for -1.
 COGRSIM_API int top_level_assembly(const SceneModel& model, int assembly);
 
-/// Looks up by dotted name among what is not removed; -1: none.
+/// Index of the element with this dotted name that is not removed, or -1.
 COGRSIM_API int find_body(const SceneModel& model, const std::string& name);
 COGRSIM_API int find_joint(const SceneModel& model, const std::string& name);
 COGRSIM_API int find_assembly(const SceneModel& model, const std::string& name);
 
-/// "maze.scene.xml:27:48", or "" for an element made by a program.
+/// The source location as text, "maze.scene.xml:27:48", or "" for an element that a program
+/// created.
 COGRSIM_API std::string place_of(const SceneModel& model, const SourceSpan& span);
 
 }  // namespace cogrsim

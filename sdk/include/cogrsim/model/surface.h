@@ -1,11 +1,12 @@
-// How a texture lies on a shape: one rule for pictures, rays and sensors.
+// Texture mapping of the shapes, the same for rendering, ray casting and sensors.
 //
-// u runs to the right and v upwards on the surface seen from outside; the picture's bottom left
-// corner is (0, 0), its top right corner (1, 1), and it repeats beyond. Without a
-// `Material::texture_size` the middle column holds, with one (U, V) [m] the right one; there u and
-// v are lengths along the surface divided by it. W is the whole extent of a face along u, H along
-// v; a and b are the coordinates of the point along u and v, from the middle of the face; x, y, z
-// those in the shape's frame; r and l its radius and length; phi = atan2(y, x), -pi to pi.
+// Seen from outside the surface, u points to the right and v upwards. The bottom left corner of the
+// image is (0, 0), its top right corner (1, 1), and the image repeats beyond them. The middle
+// column of the table applies without a `Material::texture_size`, the right column with a size (U,
+// V) [m]; there u and v are lengths along the surface divided by the size. W and H are the extents
+// of a face along u and v; a and b are the coordinates of the point along u and v from the middle
+// of the face; x, y, z are its coordinates in the frame of the shape; r and l are the radius and
+// length of the shape; phi = atan2(y, x), from -pi to pi.
 //
 // | shape           | u, v: one copy               | u, v: with a size (U, V)                   |
 // |-----------------|------------------------------|--------------------------------------------|
@@ -19,12 +20,13 @@
 // | mesh, convex    | the file's own               | the file's own                             |
 // | ... without own | a, b (a size of 1 m)         | a/U, b/V; a, b from the origin             |
 //
-// lat is the sphere's latitude asin(z/r). s is the capsule's height along its middle line: z on the
-// straight part, beyond it the arc length on the ends, +-(l/2 + r asin((|z| - l/2)/r)).
+// lat is the latitude asin(z/r) of the sphere. s is the height along the outline of the capsule: z
+// on the cylindrical part, and the arc length +-(l/2 + r asin((|z| - l/2)/r)) on the caps.
 //
-// Faces of a box, caps of a cylinder, and the side from which a mesh without coordinates is looked
-// at go by the largest component of the outward normal (of a mesh: of the flat triangle); z wins
-// over y over x where two are equal. Their directions of u and v are
+// The face of a box, the cap of a cylinder, and the projection direction of a mesh without texture
+// coordinates follow from the largest component of the outward normal (for a mesh: the normal of
+// the flat triangle); of equal components z precedes y and y precedes x. The directions of u and v
+// are
 //
 // | face | +x  | -x  | +y  | -y  | +z  | -z  |
 // |------|-----|-----|-----|-----|-----|-----|
@@ -43,20 +45,20 @@ namespace cogrsim {
 
 using Vec2 = Eigen::Vector2d;
 
-/// (u, v) at `point` (on the surface, shape's frame [m]) with outward unit `normal` there. For a
-/// mesh with coordinates of its own `triangle` says in which one the point lies; -1: unknown, which
-/// gives what a mesh without any has.
+/// Texture coordinates (u, v) of a `point` on the surface (in the frame of the shape [m]) with the
+/// outward unit `normal`. For a mesh with texture coordinates, `triangle` is the index of the
+/// triangle that contains the point; -1 (unknown) gives the coordinates of a mesh without any.
 COGRSIM_API Vec2 texture_coordinates(const SceneModel& model, const Shape& shape, const Vec3& point,
                                      const Vec3& normal, int triangle = -1);
 
-/// The pictures a model's materials name, each read once and shared by all who ask.
+/// Cache of the texture images of a model; each file is read once. Not thread-safe.
 class COGRSIM_API TextureStore {
  public:
-  /// nullptr: the material has none. A file that cannot be read has been refused by the scene
-  /// compiler; if it went away since, the answer is nullptr too and problem() says why. It is not
-  /// tried again.
+  /// The image of a material, or nullptr if it has none or the file cannot be read. The scene
+  /// compiler rejects unreadable files, so that occurs only if a file has disappeared since;
+  /// problem() then states the reason, and the file is not read again.
   std::shared_ptr<const Image> texture(const Material& material);
-  /// Why the first picture that could not be read could not; empty: all could.
+  /// The error of the first file that could not be read; empty: none.
   const std::string& problem() const { return problem_; }
 
  private:
@@ -64,8 +66,9 @@ class COGRSIM_API TextureStore {
   std::string problem_;
 };
 
-/// Colour of the picture at (u, v): bilinear between the middles of its pixels, repeating;
-/// components 0 to 1, sRGB as in the file, opacity 1 where it has none.
+/// Colour of the image at (u, v): bilinear interpolation between the pixel centres, with
+/// repetition. The components are between 0 and 1, in sRGB as in the file; the opacity is 1 if the
+/// image has no alpha channel.
 COGRSIM_API Color sample(const Image& image, const Vec2& uv);
 
 }  // namespace cogrsim

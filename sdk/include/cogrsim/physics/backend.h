@@ -1,4 +1,4 @@
-// A physics engine, as the rest of CogRSim knows it: a stateless factory of worlds.
+// The interface of a physics engine: a stateless factory of worlds.
 #pragma once
 
 #include <memory>
@@ -9,31 +9,35 @@
 
 namespace cogrsim {
 
+/// A physics backend. All functions are thread-safe; worlds can be created and stepped in several
+/// threads at once, each world in one thread at a time.
 class Backend {
  public:
   virtual ~Backend() = default;
 
-  /// "bullet", "cogrsim".
+  /// Name of the backend in scenes and options: "bullet", "cogrsim".
   virtual const char* name() const = 0;
-  /// Of the engine, asked of its library when it runs: "3.24".
+  /// Version of the engine, as its library reports it at run time: "3.24".
   virtual const char* engine_version() const = 0;
-  /// Who computes what with these options (complete): engine, solver, formulation, integrator and
-  /// all stages. The rest is filled in by provenance_of(). What CogRSim's code computes is never
-  /// called the engine's.
+  /// Declares which code computes each stage of a step with these (completed) options: engine,
+  /// solver, formulation, integrator and all stages. provenance_of() fills in the rest. A stage
+  /// that is computed by code of CogRSim must not be attributed to the engine.
   virtual Provenance provenance(const Parameters& options) const = 0;
 
+  /// The features of scenes that the backend supports.
   virtual const Capabilities& capabilities() const = 0;
 
-  /// Keys of the engine's block `<NAME …/>` under `<physics>`, and of the one inside an assembly.
+  /// Engine-specific options: the attributes of `<NAME …/>` in `<physics>` and in an assembly.
   virtual const ParameterTable& world_options() const = 0;
   virtual const ParameterTable& assembly_options() const {
     static const ParameterTable none;
     return none;
   }
 
-  /// Builds the whole scene. The caller has run check_capabilities; what is unsupported may be
-  /// refused here too. Options in the model were completed against the tables above, or are
-  /// missing (then defaults hold). Errors name the element and its place.
+  /// Builds the whole scene. The caller has called check_capabilities(); the backend may also
+  /// reject unsupported elements here. The options in the model have been completed with the tables
+  /// above, or are missing, which means the defaults. Errors name the element and its source
+  /// location.
   virtual Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const = 0;
 };
 

@@ -1,6 +1,6 @@
-// What backends check and promise alike, whatever their engine: states and twists that are set,
-// snapshots of other scenes, motors without an axis, features by shape, joint and motor. For
-// backends; header only.
+// Checks and capability tables that all backends share: states and twists to be set, snapshots of
+// other scenes, motors without an axis, and features by shape, joint and motor. For backends;
+// header only.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace cogrsim {
 
-/// All there are, in the order of their enumerations.
+/// All values of the enumerations, in their order.
 inline constexpr std::array kShapeTypes = {
     ShapeType::box,   ShapeType::sphere,      ShapeType::cylinder, ShapeType::capsule,
     ShapeType::plane, ShapeType::convex_mesh, ShapeType::mesh,     ShapeType::heightmap};
@@ -27,13 +27,14 @@ inline constexpr std::array kJointTypes = {
 inline constexpr std::array kMotorModes = {MotorMode::velocity, MotorMode::torque,
                                            MotorMode::position, MotorMode::servo, MotorMode::dc};
 
-/// Plane, mesh, heightmap: a body on which such a shape collides cannot be moved by forces.
+/// Whether a shape is a surface (plane, mesh, heightmap). A body with a colliding surface shape
+/// cannot be moved by forces.
 constexpr bool is_surface(ShapeType type) {
   return type == ShapeType::plane || type == ShapeType::mesh || type == ShapeType::heightmap;
 }
 
-/// Sets shape.* and pair.*: all exact but for pairs of two surfaces, which never meet. What an
-/// engine does otherwise it sets afterwards.
+/// Sets shape.* and pair.* to exact, except for pairs of two surfaces, which never collide. A
+/// backend then sets the features that differ.
 inline void set_shape_features(Capabilities& out) {
   for (const ShapeType a : kShapeTypes) {
     out.set(std::string("shape.") + to_string(a), Support::exact);
@@ -48,8 +49,8 @@ inline void set_shape_features(Capabilities& out) {
   }
 }
 
-/// Sets joint.*, loop.* and motor.*: all exact but for limits, damping, friction and stiffness of
-/// joints that have no axes.
+/// Sets joint.*, loop.* and motor.* to exact, except for limits, damping, friction and stiffness of
+/// joints without axes.
 inline void set_joint_features(Capabilities& out) {
   for (const JointType type : kJointTypes) {
     const std::string name = to_string(type);
@@ -69,8 +70,8 @@ inline void set_joint_features(Capabilities& out) {
   }
 }
 
-/// For create_world and World::add. Errors: a motor on a joint that has no axis to drive, with its
-/// place; there is no capability that says so before.
+/// Check for Backend::create_world() and World::add(). Errors: a motor acts on a joint without an
+/// axis to drive, with the source location. No capability covers this case.
 inline Result<> check_motors(const SceneModel& model) {
   for (const Motor& motor : model.motors) {
     const JointType type = model.joints[static_cast<std::size_t>(motor.joint)].type;
@@ -86,16 +87,16 @@ inline Result<> check_motors(const SceneModel& model) {
   return {};
 }
 
-/// For World::set_state, before anything is changed. Errors: other numbers of bodies or joint
-/// coordinates than the model's; what is not finite, with the body; an orientation that is not of
-/// unit length to 1e-6.
+/// Check for World::set_state(), before anything is changed. Errors: the numbers of bodies or joint
+/// coordinates differ from those of the model; a value is not finite (the error names the body);
+/// the norm of an orientation differs from 1 by more than 1e-6.
 inline Result<> check_state(const SceneModel& model, const WorldState& state) {
   const std::size_t bodies = model.bodies.size();
   const auto positions = static_cast<std::size_t>(model.joint_positions);
   if (state.poses.size() != bodies || state.twists.size() != bodies ||
       state.joint_positions.size() != positions ||
       state.joint_velocities.size() != static_cast<std::size_t>(model.joint_speeds)) {
-    return fail("the state is of another scene: it has " + std::to_string(state.poses.size()) +
+    return fail("the state belongs to another scene: it has " + std::to_string(state.poses.size()) +
                 " bodies and " + std::to_string(state.joint_positions.size()) +
                 " joint coordinates, this scene " + std::to_string(bodies) + " and " +
                 std::to_string(positions));
@@ -118,8 +119,8 @@ inline Result<> check_state(const SceneModel& model, const WorldState& state) {
   return {};
 }
 
-/// For KinematicDrive::set_kinematic_twist. Errors: a body that is not there or not kinematic, a
-/// twist that is not finite.
+/// Check for KinematicDrive::set_kinematic_twist(). Errors: the body does not exist or is not
+/// kinematic, or the twist is not finite.
 inline Result<> check_kinematic_twist(const SceneModel& model, int body, const Twist& twist) {
   if (body < 0 || body >= static_cast<int>(model.bodies.size())) {
     return fail("there is no body " + std::to_string(body));
@@ -134,8 +135,8 @@ inline Result<> check_kinematic_twist(const SceneModel& model, int body, const T
   return {};
 }
 
-/// For World::restore: whether two worlds began with the same scene, by the names of bodies and
-/// joints. Worlds of one scene may have been made from copies of its model.
+/// Check for World::restore(): whether two worlds were created from the same scene, by the names of
+/// bodies and joints. Worlds of one scene may have been created from copies of its model.
 inline bool same_names(const SceneModel& a, const SceneModel& b) {
   if (&a == &b) return true;
   const auto same = [](const auto& one, const auto& other) { return one.name == other.name; };

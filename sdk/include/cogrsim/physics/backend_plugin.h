@@ -1,4 +1,4 @@
-// Exports a Backend from a shared library.
+// Export of a Backend from a shared library.
 #pragma once
 
 #include "cogrsim/physics/backend.h"
@@ -6,7 +6,7 @@
 
 namespace cogrsim {
 
-/// Factory table of a backend plugin. `get` returns the library's one stateless backend.
+/// Factory table of a backend plugin. `get` returns the single stateless backend of the library.
 struct BackendEntry {
   const Backend* (*get)();
 };

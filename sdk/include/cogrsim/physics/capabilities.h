@@ -1,4 +1,4 @@
-// What an engine can do, asked before anything runs.
+// The features of scenes that a backend supports, checked before a run.
 #pragma once
 
 #include <map>
@@ -15,14 +15,15 @@ enum class Support { unsupported, approximate, exact };
 /// "exact", "approximate", "unsupported".
 COGRSIM_API const char* to_string(Support support);
 
+/// Support of one feature.
 struct Capability {
   Support support = Support::unsupported;
-  std::string note;  ///< why or how; required unless exact
+  std::string note;  ///< the reason or the approximation; required unless exact
 };
 
-/// Features by id. Ids:
+/// Table of the supported features by id. The ids are:
 ///   shape.TYPE                 box sphere cylinder capsule plane convex-mesh mesh heightmap
-///   pair.TYPE-TYPE             two collision shapes; the types in the order above
+///   pair.TYPE-TYPE             two colliding shapes; the types in the order above
 ///   joint.TYPE                 hinge slider …
 ///   joint.limit.TYPE  joint.damping.TYPE  joint.friction.TYPE  joint.stiffness.TYPE
 ///   loop.TYPE                  a joint that closes a loop
@@ -34,7 +35,8 @@ struct Capability {
 class COGRSIM_API Capabilities {
  public:
   void set(const std::string& feature, Support support, std::string note = {});
-  /// unsupported with the note "not known to this backend" when it was never set.
+  /// The entry of a feature; if it was never set, unsupported with the note "not known to this
+  /// backend".
   Capability get(const std::string& feature) const;
   const std::map<std::string, Capability>& all() const { return features_; }
 
@@ -42,12 +44,13 @@ class COGRSIM_API Capabilities {
   std::map<std::string, Capability> features_;
 };
 
-/// "pair.box-mesh", whichever comes first.
+/// Id of a shape pair such as "pair.box-mesh", for the types in either order.
 COGRSIM_API std::string pair_feature(ShapeType a, ShapeType b);
 
-/// What the scene needs and the backend lacks, as errors (CG0801) with the element's place, and
-/// what is approximate as advice (CG2008), each feature once. Shape pairs are those that could
-/// ever meet: mobile with anything that collides with it.
+/// Compares the features that a scene needs with those of a backend. An unsupported feature is an
+/// error (CG0801) and an approximate one a warning (CG2008), with the source location of the first
+/// element that needs it; each feature is reported once. The pairs of shapes are those that can
+/// collide: a mobile one with any other that the collision filter admits.
 COGRSIM_API std::vector<Diagnostic> check_capabilities(const SceneModel& model,
                                                        const std::string& backend,
                                                        const Capabilities& capabilities);

@@ -1,4 +1,4 @@
-// What everyone reads: the world at one time.
+// A frame: the observable state of a simulation at one time.
 #pragma once
 
 #include <cstdint>
@@ -13,49 +13,50 @@ namespace cogrsim {
 
 struct Picture;
 
-/// One number of a reading.
+/// Description of one number of a sensor reading.
 struct Channel {
   std::string name;   ///< "position"
   std::string unit;   ///< "rad"
-  bool noisy = true;  ///< the scene's noise terms apply to it
-  int group = 0;      ///< which terms: those with this NoiseTerm::group
+  bool noisy = true;  ///< the noise terms of the scene apply to it
+  int group = 0;      ///< the NoiseTerm::group of those terms
 };
-/// What each sensor reads, by SceneModel::sensors, in the order of Reading::values.
+/// The channels of each sensor, indexed as SceneModel::sensors, in the order of Reading::values.
 using SensorChannels = std::vector<std::shared_ptr<const std::vector<Channel>>>;
 
-/// What a sensor saw, as numbers; what they mean is said by the sensor's type
-/// (Sensor::channels()). Cameras add a picture, touch sensors the contacts they feel.
+/// One measurement of a sensor. The meaning of the values depends on the type of the sensor, see
+/// Sensor::channels(). A camera adds an image, a contact sensor the detected contacts.
 struct Reading {
-  int sensor = -1;             ///< SceneModel::sensors
-  double time = 0.0;           ///< of the frame that was read [s]
-  std::uint64_t sequence = 0;  ///< readings of this sensor so far; 0: none yet
-  bool valid = false;          ///< false: none yet, switched off, or dropped out
-  std::vector<double> values;
+  int sensor = -1;             ///< index into SceneModel::sensors
+  double time = 0.0;           ///< time of the measured frame [s]
+  std::uint64_t sequence = 0;  ///< number of measurements of this sensor so far; 0: none yet
+  bool valid = false;          ///< false: no measurement yet, switched off, or dropped out
+  std::vector<double> values;  ///< in the order and units of Sensor::channels()
   std::shared_ptr<const Picture> picture;  ///< of a camera, see cogrsim/rendering/renderer.h
-  std::vector<Contact> contacts;  ///< of a contact sensor, turned so that body_b is what is felt
+  std::vector<Contact> contacts;  ///< of a contact sensor; body_b is the touched body
   bool enabled = true;            ///< the sensor is switched on
 };
 
-/// What a name in an event stands for.
+/// The kind of element that a name in an event refers to.
 enum class EventParty {
   none,
-  name,  ///< of the event's own
+  name,  ///< a name that the event defines itself
   region,
   door,
   joint,
   thing,       ///< assembly or body
   place,       ///< assembly, body or frame
-  a_template,  ///< what an assembly is made from
-  controller,  ///< or supervisor
+  a_template,  ///< the template of an assembly
+  controller,  ///< controller or supervisor
 };
 
+/// Description of one kind of event.
 struct EventKind {
   const char* name;
   EventParty source = EventParty::none, subject = EventParty::none;
-  bool last = false;  ///< the run is over with it: no rule can act on it
+  bool last = false;  ///< the event ends the run, so that no rule can react to it
 };
 
-/// Every kind of event there is.
+/// All kinds of events.
 inline constexpr EventKind kEventKinds[] = {
     {"enter", EventParty::region, EventParty::place},
     {"leave", EventParty::region, EventParty::place},
@@ -67,8 +68,8 @@ inline constexpr EventKind kEventKinds[] = {
     {"removed", EventParty::thing},
     {"attached", EventParty::joint, EventParty::thing},  // the child body
     {"detached", EventParty::joint, EventParty::thing},
-    {"frozen", EventParty::thing},  // made static
-    {"freed", EventParty::thing},
+    {"made-static", EventParty::thing},
+    {"made-dynamic", EventParty::thing},
     {"raised", EventParty::name},
     {"fault", EventParty::controller},
     {"refused"},
@@ -76,66 +77,69 @@ inline constexpr EventKind kEventKinds[] = {
     {"ended", EventParty::none, EventParty::none, true},
 };
 
-/// Something that happened during the step: a controller's fault, an added assembly.
+/// An event that occurred during the step, for example a fault of a controller or an added
+/// assembly.
 struct Event {
-  double time = 0.0;
-  std::string kind;    ///< of kEventKinds
-  std::string source;  ///< dotted name
-  std::string message;
-  std::string subject;  ///< dotted name of who or what took part; "" for none
+  double time = 0.0;    ///< [s]
+  std::string kind;     ///< name of an entry of kEventKinds
+  std::string source;   ///< dotted name of the element that caused the event
+  std::string message;  ///< for the user
+  std::string subject;  ///< dotted name of the affected element; "": none
 };
 
-/// Immutable once handed out. What nobody asked for is left empty: see FrameContents.
+/// The observable state at one time. A published frame is immutable and may be read in any thread.
+/// Optional contents that were not requested are empty, see FrameContents.
 struct Frame {
   SceneModelPtr model;
-  std::uint64_t step = 0;  ///< steps since the start
-  double time = 0.0;       ///< [s]
-  double dt = 0.0;         ///< length of the step that led here [s]; 0 at the start
+  std::uint64_t step = 0;  ///< number of steps since the start
+  double time = 0.0;       ///< simulated time [s]
+  double dt = 0.0;         ///< duration of the last step [s]; 0 at the start
   WorldState state;
-  /// Mean acceleration of every body frame's origin and mean angular acceleration over the last
-  /// step, world axes [m/s^2], [rad/s^2] (nbody): differences of twists, the same for any engine.
+  /// Mean linear acceleration of the origin [m/s^2] and mean angular acceleration [rad/s^2] of
+  /// every body over the last step, in world axes (nbody). They are differences of twists, defined
+  /// in the same way for all engines.
   std::vector<Twist> accelerations;
   std::vector<Contact> contacts;
-  std::vector<Wrench> joint_reactions;             ///< see JointReactions
-  std::vector<Reading> readings;                   ///< latest of every sensor (nsensor)
-  std::shared_ptr<const SensorChannels> channels;  ///< of the readings; nullptr: not known
+  std::vector<Wrench> joint_reactions;             ///< (njoint), see JointReactions
+  std::vector<Reading> readings;                   ///< latest measurement of every sensor (nsensor)
+  std::shared_ptr<const SensorChannels> channels;  ///< of the readings; nullptr: unknown
   std::vector<Event> events;                       ///< of this step
-  /// What minds publish, latest values, in the order of their `outputs`; NaN: not yet.
-  std::vector<std::vector<double>> controller_outputs;  ///< by SceneModel::controllers
-  std::vector<std::vector<double>> supervisor_outputs;  ///< by SceneModel::supervisors
+  /// Latest values that the controllers published, in the order of their `outputs`; NaN: none yet.
+  std::vector<std::vector<double>> controller_outputs;  ///< indexed as SceneModel::controllers
+  std::vector<std::vector<double>> supervisor_outputs;  ///< indexed as SceneModel::supervisors
 };
 using FramePtr = std::shared_ptr<const Frame>;
 
-/// What a consumer wants in its frames beside the state.
+/// The optional contents that a consumer needs in its frames in addition to the state.
 struct FrameContents {
   bool contacts = false;
   bool joint_reactions = false;
   bool accelerations = false;
-  /// Also whatever the run's sensors read, as long as they are switched on: with it, readings can
-  /// be computed again from the frames.
+  /// Also the contents that the enabled sensors of the run need, so that readings can be recomputed
+  /// from the frames.
   bool for_sensors = false;
 };
-/// Contents of either.
+/// The union of two requests.
 COGRSIM_API FrameContents operator|(const FrameContents& a, const FrameContents& b);
 
-/// Kinetic and potential energy [J]: bodies' motion; gravity with zero at the world's origin, and
-/// the joints' springs. Formed from model and state, not by the engine.
+/// Kinetic energy of the bodies, and potential energy of gravity (zero at the world origin) and of
+/// the joint springs [J]. Computed from model and state, not by the engine.
 struct Energy {
   double kinetic = 0.0;
   double potential = 0.0;
 };
 COGRSIM_API Energy energy_of(const SceneModel& model, const WorldState& state);
 
-/// Linear momentum [kg m/s] and angular momentum about the world's origin [kg m^2/s] of all
-/// dynamic bodies.
+/// Linear momentum [kg m/s] and angular momentum about the world origin [kg m^2/s] of all dynamic
+/// bodies, in world axes.
 struct Momentum {
   Vec3 linear = Vec3::Zero();
   Vec3 angular = Vec3::Zero();
 };
 COGRSIM_API Momentum momentum_of(const SceneModel& model, const WorldState& state);
 
-/// FNV-1a over the bits of all poses, twists, joint positions and velocities: equal hashes mean
-/// equal states for every practical purpose.
+/// FNV-1a hash of the bits of all poses, twists, joint positions and joint velocities. For all
+/// practical purposes equal hashes mean equal states.
 COGRSIM_API std::uint64_t state_hash(const WorldState& state);
 
 }  // namespace cogrsim

@@ -1,4 +1,4 @@
-// For backends: which contact point bears how much of a pair's friction.
+// Distribution of friction among the contact points of a pair of bodies, for backends.
 #pragma once
 
 #include <cstddef>
@@ -8,20 +8,22 @@
 
 namespace cogrsim {
 
-/// Shares the friction of one pair of bodies anew among its `count` contact points, resultant force
-/// and moment about the normal kept. Rigid bodies do not determine the shares: a solver that goes
-/// from point to point leaves forces that only press the points against each other, up to the cone.
-/// Of all shares with that resultant this takes the smallest, sum |f_i|^2 / N_i being its measure:
+/// Redistributes the friction of one pair of bodies among its `count` contact points. The resultant
+/// force and the resultant moment about the normal stay the same. For rigid bodies the distribution
+/// is indeterminate: a solver that treats one point after the other leaves internal forces between
+/// the points, up to the friction cone. Of all distributions with the same resultant this function
+/// chooses the one with the smallest sum |f_i|^2 / N_i:
 ///
 ///     f_i = N_i (F / N + m n x (r_i - c)),  m = M / sum N_i |n x (r_i - c)|^2
 ///
-/// with N_i the loads, N their sum, F = sum f_i, c = sum N_i r_i / N, and M the moment of all f_i
-/// about c along n. Points in one plane keep all six components of the wrench. A resultant force
-/// alone never exceeds the cone at any point; a moment may, and a solver must still clamp.
+/// with N_i the normal loads, N their sum, F = sum f_i, c = sum N_i r_i / N, and M the moment of
+/// all f_i about c along n. For points in one plane all six components of the resultant wrench stay
+/// the same. A resultant force alone never exceeds the friction cone at any point, but a moment
+/// may, so the solver must still clamp.
 ///
-/// `loads` (count): normal forces or impulses, >= 0; `points` (count): [m]; `friction` (count): in
-/// and out, in the unit of the loads, perpendicular to `normal` (unit). Nothing is changed for
-/// fewer than two loaded points. All vectors in the same axes.
+/// `loads` (count): normal forces or impulses, >= 0. `points` (count): positions [m]. `friction`
+/// (count): input and output, in the unit of the loads, perpendicular to the unit vector `normal`.
+/// All vectors are in the same axes. Nothing changes if fewer than two points have a load.
 COGRSIM_API void share_friction(std::size_t count, const Vec3& normal, const double* loads,
                                 const Vec3* points, Vec3* friction);
 

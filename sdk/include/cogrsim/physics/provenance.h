@@ -1,5 +1,5 @@
-// Who computed a result: which engine in which version, and stage by stage whether the engine's own
-// code or CogRSim's does the work.
+// Provenance of a result: the engine and its version, and for each stage of a step whether code of
+// the engine or code of CogRSim computes it.
 #pragma once
 
 #include <array>
@@ -16,15 +16,15 @@ namespace cogrsim {
 class Backend;
 struct SceneModel;
 
-/// The parts of a step, in the order in which an engine usually goes through them.
+/// The stages of a step, in the order in which an engine usually performs them.
 enum class StepStage {
-  broad_phase,     ///< which bodies are near each other
-  narrow_phase,    ///< contact points, normals, depths
-  contact_memory,  ///< what is kept of contacts from step to step
+  broad_phase,     ///< candidate pairs of bodies
+  narrow_phase,    ///< contact points, normals and penetration depths
+  contact_memory,  ///< contact data that persists between steps
   contact_law,     ///< normal forces or impulses
   friction,
   restitution,
-  joints,  ///< what holds bodies together
+  joints,  ///< joint constraints
   limits,
   motors,  ///< motors, springs, dampers and dry friction of joints
   integrator
@@ -38,34 +38,37 @@ inline constexpr std::array kStepStages = {StepStage::broad_phase,    StepStage:
 /// "broad-phase", "contact-memory", ….
 COGRSIM_API const char* to_string(StepStage stage);
 
+/// The code that computes a stage.
 enum class ComputedBy {
-  unanswered,
-  engine,   ///< code of the engine named in Provenance::engine
-  cogrsim,  ///< code of CogRSim or of the backend's author
-  nobody    ///< the engine has no such stage
+  unanswered,  ///< not declared by the backend
+  engine,      ///< code of the engine named in Provenance::engine
+  cogrsim,     ///< code of CogRSim or of the author of the backend
+  nobody       ///< the engine has no such stage
 };
 
 /// "unanswered", "engine", "cogrsim", "nobody".
 COGRSIM_API const char* to_string(ComputedBy by);
 
-/// One stage's answer. `name`: the class or function that does it, "btDbvtBroadphase"; for nobody,
-/// what that means for a result, "impacts do not bounce".
+/// Declaration for one stage. `name` is the class or function that computes it, for example
+/// "btDbvtBroadphase"; for ComputedBy::nobody it is the consequence for the results, for example
+/// "impacts do not bounce".
 struct StageOrigin {
   ComputedBy by = ComputedBy::unanswered;
   std::string name;
 };
 
+/// Provenance of the results of a run.
 struct Provenance {
   std::string backend;          ///< Backend::name()
-  std::string engine;           ///< its full name: "Bullet Physics"
+  std::string engine;           ///< full name of the engine: "Bullet Physics"
   std::string version;          ///< Backend::engine_version()
   std::string solver;           ///< "sequential impulse"
   std::string formulation;      ///< "maximal coordinates", "reduced coordinates"
   std::string integrator;       ///< "semi-implicit Euler"
   std::string cogrsim_version;  ///< of this library
   std::array<StageOrigin, kStepStages.size()> stages;
-  Parameters options;  ///< every option of the world in force, defaults included
-  /// By assembly name, of those whose options are not all defaults.
+  Parameters options;  ///< all options of the world in use, including defaults
+  /// Options of the assemblies that differ from the defaults, by name of the assembly.
   std::map<std::string, Parameters> assembly_options;
 
   StageOrigin& operator[](StepStage stage) { return stages[static_cast<std::size_t>(stage)]; }
@@ -74,23 +77,25 @@ struct Provenance {
   }
 };
 
-/// Who computes what when `backend` runs `model`. Errors: an option that the backend does not take,
-/// or what check_provenance() finds.
+/// The provenance of a run of `model` on `backend`. Errors: the backend does not have an option of
+/// the model, or those of check_provenance().
 COGRSIM_API Result<Provenance> provenance_of(const Backend& backend, const SceneModel& model);
 
-/// Errors: a stage without an answer or a name, an engine, version, solver, formulation or
-/// integrator that is not named; all of them, joined by newlines.
+/// Checks that a provenance is complete. Errors, one per line: a stage is not declared or has no
+/// name, or the engine, version, solver, formulation or integrator is not named.
 COGRSIM_API Result<> check_provenance(const Provenance& provenance);
 
-/// The option as a scene would write it: "50", "0.2", "true", "dantzig", "1 2 3".
+/// The text of an option value in a scene: "50", "0.2", "true", "dantzig", "1 2 3".
 COGRSIM_API std::string option_text(const ParameterValue& value);
 
-/// In one line: "Bullet Physics 3.24, sequential impulse, maximal coordinates, semi-implicit Euler".
+/// Summary in one line: "Bullet Physics 3.24, sequential impulse, maximal coordinates,
+/// semi-implicit Euler".
 COGRSIM_API std::string summary_text(const Provenance& provenance);
 
-/// As a JSON object with the keys of Provenance; options are a flat object of texts.
+/// The provenance as a JSON object with the members of Provenance as keys. The options are a flat
+/// object of texts.
 COGRSIM_API std::string to_json_text(const Provenance& provenance);
-/// Errors: not such an object.
+/// Parses the output of to_json_text(). Errors: the text is not such an object.
 COGRSIM_API Result<Provenance> parse_provenance(const std::string& json);
 
 }  // namespace cogrsim

@@ -1,5 +1,5 @@
-// What a backend is asked to do to a running world, found by comparing two scenes: see World::add,
-// remove and change. For backends; header only.
+// Changes of a running world, determined by comparing two scenes: see World::add(), remove() and
+// change(). For backends; header only.
 #pragma once
 
 #include <cmath>
@@ -13,15 +13,15 @@
 
 namespace cogrsim {
 
-/// What World::add, remove and change are about.
+/// The operation: World::add(), remove() or change().
 enum class SceneStep { add, remove, change };
 
-/// The difference between a running scene and the next. All are indices.
+/// The difference between the running scene and the next one, as indices of elements.
 struct SceneChange {
-  std::vector<int> attached;  ///< new joints whose two ends were there already
+  std::vector<int> attached;  ///< new joints between two bodies that already exist
   std::vector<int> removed_bodies, removed_joints;
-  std::vector<int> kinds;  ///< bodies that were dynamic and are fixed, or the other way round
-  std::vector<int> axes;   ///< joints with other Joint::axes
+  std::vector<int> kinds;  ///< bodies that change from dynamic to fixed or from fixed to dynamic
+  std::vector<int> axes;   ///< joints whose Joint::axes differ
 };
 
 namespace detail {
@@ -42,7 +42,7 @@ inline bool same_axes(const Joint& a, const Joint& b) {
 inline Result<> check_axes(const Joint& joint) {
   const std::string what = "joint '" + joint.name + "': ";
   for (const JointAxis& axis : joint.axes) {
-    // Written so that a NaN fails.
+    // This form of the comparison also rejects NaN.
     if (!(axis.lower <= axis.upper)) return fail(what + "its lower limit is not below its upper");
     const double laws[] = {axis.damping, axis.friction, axis.stiffness};
     for (const double law : laws) {
@@ -50,9 +50,9 @@ inline Result<> check_axes(const Joint& joint) {
         return fail(what + "damping, friction and stiffness must be finite and not negative");
       }
     }
-    if (!std::isfinite(axis.rest)) return fail(what + "its spring's rest must be finite");
+    if (!std::isfinite(axis.rest)) return fail(what + "the rest position must be finite");
     if (!(axis.max_effort >= 0.0) || !(axis.max_speed >= 0.0)) {
-      return fail(what + "bounds of effort and speed must not be negative");
+      return fail(what + "limits of effort and speed must not be negative");
     }
   }
   return {};
@@ -79,21 +79,22 @@ inline Result<> check_kinds(const Body& now, const Body& next) {
 
 }  // namespace detail
 
-/// Errors: elements of `now` that `next` lacks, brings back or has between other bodies; joints that
-/// hold what is not there; and whatever `step` is not about. Which joints close loops may change
-/// with any of them.
+/// Determines the changes from the scene `now` to the scene `next`. Errors: `next` lacks elements
+/// of `now`, restores removed ones or has joints between other bodies; a joint refers to a missing
+/// body; or `next` contains changes that do not belong to `step`. Joint::closes_loop may change in
+/// every operation.
 inline Result<SceneChange> find_scene_change(const SceneModel& now, const SceneModel& next,
                                              SceneStep step) {
   const std::size_t bodies = now.bodies.size(), joints = now.joints.size();
   if (next.bodies.size() < bodies || next.joints.size() < joints ||
       next.motors.size() < now.motors.size()) {
-    return fail("the next scene has lost elements; what is removed is marked, not taken out");
+    return fail("the next scene lacks elements; removed elements must stay, marked as removed");
   }
   SceneChange out;
   for (std::size_t b = 0; b < bodies; ++b) {
     const Body &was = now.bodies[b], &is = next.bodies[b];
     if (was.removed && !is.removed) {
-      return fail("body '" + is.name + "' was removed and cannot come back", "", "add a new one");
+      return fail("body '" + is.name + "' was removed and cannot be restored", "", "add a new one");
     }
     if (is.removed != was.removed) out.removed_bodies.push_back(static_cast<int>(b));
     if (is.kind == was.kind || is.removed) continue;
@@ -107,7 +108,7 @@ inline Result<SceneChange> find_scene_change(const SceneModel& now, const SceneM
   for (std::size_t j = 0; j < next.joints.size(); ++j) {
     const Joint& is = next.joints[j];
     if (!is.removed && (!there(is.parent, next.bodies) || !there(is.child, next.bodies))) {
-      return fail("joint '" + is.name + "' holds a body that is not there");
+      return fail("joint '" + is.name + "' refers to a body that does not exist");
     }
     if (j >= joints) {
       if (is.removed) continue;
@@ -119,12 +120,13 @@ inline Result<SceneChange> find_scene_change(const SceneModel& now, const SceneM
     }
     const Joint& was = now.joints[j];
     if (was.removed && !is.removed) {
-      return fail("joint '" + is.name + "' was removed and cannot come back", "", "add a new one");
+      return fail("joint '" + is.name + "' was removed and cannot be restored", "",
+                  "add a new one");
     }
     if (is.removed != was.removed) out.removed_joints.push_back(static_cast<int>(j));
     if (is.removed) continue;
     if (is.type != was.type || is.parent != was.parent || is.child != was.child) {
-      return fail("joint '" + is.name + "' cannot become another one while it is there", "",
+      return fail("joint '" + is.name + "' cannot change its type or its bodies", "",
                   "remove it and add a new one");
     }
     if (detail::same_axes(was, is)) continue;
@@ -146,17 +148,18 @@ inline Result<SceneChange> find_scene_change(const SceneModel& now, const SceneM
   return out;
 }
 
-/// How far a joint's frames may be from where the joint can have them when it is attached.
+/// Largest constraint violation of a joint when it is attached.
 inline constexpr double kAttachGap = 1e-3;  ///< [m], [rad]
 
-/// Errors: a joint to be attached that does not fit where the bodies are, with the gap.
+/// Checks that a new joint fits the current poses of its parent and child bodies in the world. The
+/// error states the constraint violation.
 inline Result<> check_attachment(const Joint& joint, const Pose& X_WP, const Pose& X_WC) {
   const JointError gap = joint_error(joint, relative_pose(joint, X_WP, X_WC));
   if (gap.distance <= kAttachGap && gap.angle <= kAttachGap) return {};
-  return fail("joint '" + joint.name + "' cannot hold its bodies where they are: its frames are " +
+  return fail("joint '" + joint.name + "' does not fit the poses of its bodies: its frames are " +
                   std::to_string(gap.distance) + " m and " + std::to_string(gap.angle) +
                   " rad apart",
-              "", "place its frames so that they meet");
+              "", "set its frames so that they coincide");
 }
 
 }  // namespace cogrsim

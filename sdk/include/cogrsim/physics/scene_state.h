@@ -1,5 +1,5 @@
-// Where a scene begins, and World::set_state for engines in maximal coordinates, where every body
-// has a pose of its own. For backends; header only.
+// The initial state of a scene, and helpers for World::set_state() in engines with maximal
+// coordinates, where every body has a pose of its own. For backends; header only.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace cogrsim {
 
-/// A scene's own start: poses, twists and joint coordinates.
+/// The initial state of a scene: poses, twists, joint coordinates and joint speeds.
 inline WorldState initial_state(const SceneModel& model) {
   WorldState out;
   for (const Body& body : model.bodies) {
@@ -30,8 +30,8 @@ inline WorldState initial_state(const SceneModel& model) {
 
 namespace detail {
 
-/// Puts the other end of `joint` where the coordinates in `state` say, seen from the end that is
-/// placed: the parent if `forward`.
+/// Computes the pose and twist of one body of `joint` from those of the other body and the joint
+/// coordinates in `state`: of the child from the parent if `forward`, otherwise of the parent.
 inline void place_across(const Joint& joint, bool forward, WorldState& state) {
   const int from = forward ? joint.parent : joint.child;
   const auto to = static_cast<std::size_t>(forward ? joint.child : joint.parent);
@@ -43,7 +43,7 @@ inline void place_across(const Joint& joint, bool forward, WorldState& state) {
   const Twist V_FM = joint_twist(joint, q, u);
   const Pose X_PC = joint.X_PF * joint_pose(joint, q) * joint.X_CM.inverse();
   const Pose X_to = X_from * (forward ? X_PC : X_PC.inverse());
-  // The child's motion against the parent at M's origin, world axes.
+  // Motion of the child relative to the parent at the origin of M, in world axes.
   const Quat F = (forward ? X_from : X_to).q * joint.X_PF.q;
   const Vec3 M = (forward ? X_to : X_from) * joint.X_CM.p;
   const double sign = forward ? 1.0 : -1.0;
@@ -55,8 +55,8 @@ inline void place_across(const Joint& joint, bool forward, WorldState& state) {
 
 }  // namespace detail
 
-/// Places all that tree joints connect by the joints' coordinates in `state`, outwards from what no
-/// joint moves or, in a tree that floats, from its first body.
+/// Computes the poses and twists of all bodies in trees of joints from the joint coordinates in
+/// `state`. Each tree starts at its immobile bodies or, if it floats, at its first body.
 inline void place_by_joints(const SceneModel& model, WorldState& state) {
   std::vector<char> placed;
   for (const Body& body : model.bodies) {

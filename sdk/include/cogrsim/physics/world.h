@@ -1,4 +1,4 @@
-// A running physical world. A backend implements it.
+// A running physical world. Backends implement this interface.
 #pragma once
 
 #include <memory>
@@ -14,96 +14,104 @@ namespace cogrsim {
 
 enum class StepStatus { ok, diverged };
 
-/// How a step ended. A world never pretends: when it failed, its time has not moved on.
+/// Result of a step. After a failed step the time of the world is unchanged.
 struct StepResult {
   StepStatus status = StepStatus::ok;
-  int body = -1;        ///< diverged: the first body whose state is not finite or beyond bounds
-  std::string message;  ///< diverged: what the engine found
+  int body = -1;        ///< diverged: the first body whose state is not finite or out of range
+  std::string message;  ///< diverged: description from the engine
 };
 
-/// An opaque, engine-complete copy of a world at one time. Valid for the world it came from, and
-/// for any world of the same backend made from the same scene in this process.
+/// An opaque copy of the complete state of a world, including the internal state of the engine. It
+/// is valid for the world it was taken from and for every world of the same backend that was
+/// created from the same scene in this process.
 class WorldSnapshot {
  public:
   virtual ~WorldSnapshot() = default;
 };
 using SnapshotPtr = std::shared_ptr<const WorldSnapshot>;
 
+/// A physical world. Not thread-safe: calls on one world must not overlap, but different worlds may
+/// run in different threads at the same time.
 class World {
  public:
   virtual ~World() = default;
 
-  /// The scene as it is now, with what was added and removed.
+  /// The current scene, including elements that were added or removed during the run.
   virtual const SceneModelPtr& model() const = 0;
 
-  /// Seconds since the start; the sum of all dt, kept by the caller's step count where it matters.
+  /// Time since the start [s], the sum of all dt. A caller that needs the exact time counts steps.
   virtual double time() const = 0;
 
-  /// Advances by dt [s], > 0. `drives` has one entry per SceneModel::motors (removed ones
-  /// ignored). Throws nothing but std::bad_alloc, which leaves a world that is good for nothing but
-  /// its destructor; non-finite drives are a caller's bug.
+  /// Advances the world by dt [s], > 0. `drives` has one entry per entry of SceneModel::motors;
+  /// those of removed motors are ignored, and all values must be finite except where Drive allows
+  /// infinity. The only exception thrown is std::bad_alloc; after it the world can only be
+  /// destroyed.
   virtual StepResult step(double dt, const std::vector<Drive>& drives) = 0;
 
-  /// Fills `out`, reusing its memory.
+  /// Writes the current state to `out`, reusing its memory.
   virtual void get_state(WorldState& out) const = 0;
 
-  /// Moves everything to `state` (efforts ignored) and forgets what contact remembered of the past.
-  /// Where bodies are connected by tree joints the joints' coordinates win, with the pose and twist
-  /// of each tree's first body. Errors: sizes do not fit, a value is not finite.
+  /// Sets the state (efforts are ignored) and discards the contact data of earlier steps. In a tree
+  /// of joints the joint coordinates and the pose and twist of the first body of the tree determine
+  /// the poses of the other bodies. Errors: the sizes do not match, or a value is not finite.
   virtual Result<> set_state(const WorldState& state) = 0;
 
-  /// Contacts of the last step, ordered by bodies and shapes; reuses the memory of `out`.
+  /// Writes the contacts of the last step to `out`, ordered by bodies and shapes, reusing its
+  /// memory.
   virtual void get_contacts(std::vector<Contact>& out) const = 0;
 
-  /// Puts into the running world what `next` has beyond model(): everything at the end of its
-  /// vectors, at the poses and twists given there; joints also between bodies that are there
-  /// already, which they then hold where they are. The state of all else is kept.
-  /// Errors: as Backend::create_world; the world is then as it was.
+  /// Adds the elements that `next` has beyond those of model(), at the ends of its vectors, with
+  /// the poses and twists given there. New joints may connect bodies that already exist, at their
+  /// current poses. The state of all other elements is unchanged. Errors: as
+  /// Backend::create_world(); the world is then unchanged.
   virtual Result<> add(const SceneModelPtr& next) = 0;
 
-  /// Takes out what is marked `removed` in `next` and was not in model(): bodies with their joints,
-  /// or joints alone. The state of all else is kept; what it touched wakes up.
+  /// Removes the elements that are marked `removed` in `next` but not in model(): bodies with their
+  /// joints, or joints alone. The state of all other elements is unchanged; sleeping bodies that
+  /// touched a removed one wake up. Errors: other differences between the scenes.
   virtual Result<> remove(const SceneModelPtr& next) = 0;
 
-  /// Takes over what `next` says otherwise of what model() has: Body::kind (dynamic to fixed and
-  /// back: the body stops, or starts at rest, where it is) and Joint::axes. The state of all else is
-  /// kept. Errors: another difference, or one the engine cannot make; the world is then as it was.
+  /// Applies the differences of `next` from model() in Body::kind (dynamic to fixed or back; the
+  /// body keeps its pose and has zero velocity) and in Joint::axes. The state of all other elements
+  /// is unchanged. Errors: another difference, or one that the engine does not support; the world
+  /// is then unchanged.
   virtual Result<> change(const SceneModelPtr& next) = 0;
 
-  /// Running on from a restore is bit-identical to having run on from the save.
+  /// Saves the complete state. A run that continues from restore() is bit-identical to the run that
+  /// continued after save().
   virtual SnapshotPtr save() const = 0;
-  /// Errors: a snapshot of another backend or scene.
+  /// Restores a saved state. Errors: the snapshot is from another backend or scene.
   virtual Result<> restore(const SnapshotPtr& snapshot) = 0;
 
-  /// Back to the scene it was created from, at time 0: equal to a fresh world, bit for bit.
+  /// Returns to the initial scene at time 0. The world is then bit-identical to a new one.
   virtual Result<> reset() = 0;
 
-  /// Optional interfaces by id, nullptr when the engine lacks it: see JointReactions,
-  /// KinematicDrive.
+  /// An optional interface by its id, or nullptr if the engine does not have it: see JointReactions
+  /// and KinematicDrive.
   virtual void* extension(std::string_view id) {
     (void)id;
     return nullptr;
   }
 };
 
-/// Extension "cogrsim.joint_reactions/1": what each joint transmits.
+/// Extension "cogrsim.joint_reactions/1": the wrench that each joint transmits.
 class JointReactions {
  public:
   static constexpr std::string_view kId = "cogrsim.joint_reactions/1";
   virtual ~JointReactions() = default;
-  /// Mean over the last step: force and torque that the parent exerts on the child through the
-  /// joint (constraint, motors, springs: all of it), about M's origin, world axes. One per joint;
-  /// zero for removed ones.
+  /// Mean force [N] and torque [N m] over the last step that the parent exerts on the child through
+  /// the joint, including constraint, motors and springs; about the origin of M, in world axes. One
+  /// entry per joint; zero for removed joints.
   virtual void get_joint_reactions(std::vector<Wrench>& out) const = 0;
 };
 
-/// Extension "cogrsim.kinematic_drive/1": moves kinematic bodies.
+/// Extension "cogrsim.kinematic_drive/1": prescribes the motion of kinematic bodies.
 class KinematicDrive {
  public:
   static constexpr std::string_view kId = "cogrsim.kinematic_drive/1";
   virtual ~KinematicDrive() = default;
-  /// From the next step on a kinematic body moves with this constant twist (body origin, world
-  /// axes).
+  /// Sets the constant twist (of the body origin, in world axes) with which a kinematic body moves
+  /// from the next step on. Errors: the body is not kinematic, or the twist is not finite.
   virtual Result<> set_kinematic_twist(int body, const Twist& twist) = 0;
 };
 

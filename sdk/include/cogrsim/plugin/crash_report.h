@@ -1,4 +1,4 @@
-// Who is being called: for the last words of a crash, and for whoever waits.
+// Tracking of calls into plugins, for crash reports and for supervising calls that do not return.
 #pragma once
 
 #include <atomic>
@@ -13,14 +13,15 @@
 
 namespace cogrsim {
 
-/// A call into the code of a plugin, for as long as this lives; calls nest, each thread has its own.
-/// The texts are kept by address and must outlive it.
+/// Marks a call into the code of a plugin for the lifetime of the object. Calls can be nested, and
+/// each thread has its own calls. The texts are stored as pointers and must outlive the object.
 class COGRSIM_API PluginCall {
  public:
-  /// `kind`: "controller"; `name` as in the scene, "" for none; `of`: the robot, "" for none;
-  /// `plugin`: its name, "" where `name` says it; `doing`: "in update"; `time` of the run [s], NaN: there is none.
-  /// `patience`: for a call into a process of its own, after how long that process is killed [s],
-  /// infinite: never; NaN: a call into this process.
+  /// `kind`: the kind of plugin, "controller". `name`: the name in the scene, "" if there is none.
+  /// `of`: the robot, "" if there is none. `plugin`: the name of the plugin, "" if it is `name`.
+  /// `doing`: the call, "in update". `time`: simulated time [s], NaN if there is none. `patience`:
+  /// for a call into another process the time after which that process is killed [s], infinite:
+  /// never; NaN: a call in this process.
   PluginCall(const char* kind, const char* name, const char* of, const char* plugin,
              const char* doing, double time = std::numeric_limits<double>::quiet_NaN(),
              double patience = std::numeric_limits<double>::quiet_NaN()) noexcept;
@@ -28,13 +29,13 @@ class COGRSIM_API PluginCall {
   PluginCall(const PluginCall&) = delete;
   PluginCall& operator=(const PluginCall&) = delete;
 
-  /// Writes what this thread is calling now in this process, such as "controller 'bot.mind' of 'bot' (plugin 'pid') in
-  /// update at 0.25 s", without a zero at its end, and returns its length; 0: nothing is called. May
-  /// be called from a signal handler.
+  /// Writes a description of the current call of this thread in this process to `text` and returns
+  /// its length, for example "controller 'bot.driver' of 'bot' (plugin 'pid') in update at 0.25 s".
+  /// The text is not zero-terminated; the length is 0 if there is no call. Safe in signal handlers.
   static std::size_t describe(char* text, std::size_t size) noexcept;
-  /// The same.
+  /// The description as a string.
   static std::string described();
-  /// Whether PluginWatch::give_up() was called for the call that this thread makes now.
+  /// Whether PluginWatch::give_up() was called for the current call of this thread.
   static bool given_up() noexcept;
 
  private:
@@ -44,29 +45,29 @@ class COGRSIM_API PluginCall {
   PluginCall* outer_;
 };
 
-/// Shows other threads what one thread is calling: who does not return, and since when. Outlives that
-/// thread.
+/// Makes the current call of one thread visible to other threads, so that they can detect a call
+/// that does not return. Must outlive that thread.
 class COGRSIM_API PluginWatch {
  public:
-  /// As given to PluginCall.
+  /// A call, with the arguments of PluginCall.
   struct Call {
     std::string kind, name, of, plugin, doing;
-    double time = 0.0;      ///< of the run [s]; NaN: there is none
-    double lasts = 0.0;     ///< so far, by the clock on the wall [s]
-    bool apart = false;     ///< into a process of its own
-    double patience = 0.0;  ///< if apart: that process is killed after so long [s]; may be infinite
+    double time = 0.0;      ///< simulated time [s]; NaN: there is none
+    double lasts = 0.0;     ///< wall-clock duration so far [s]
+    bool apart = false;     ///< out-of-process: a call into another process
+    double patience = 0.0;  ///< time after which another process is killed [s]; may be infinite
   };
 
   PluginWatch() = default;
   PluginWatch(const PluginWatch&) = delete;
   PluginWatch& operator=(const PluginWatch&) = delete;
 
-  /// From now on it is the calling thread that is watched; not while that calls a plugin.
+  /// Selects the calling thread as the observed one. Must not be called during a call of a plugin.
   void watch_this_thread();
-  /// The call that is under way, of nested ones the outermost; empty: none. From any thread.
+  /// The current call; of nested calls the outermost; nullopt: none. Thread-safe.
   std::optional<Call> call() const;
-  /// Does not wait any longer for the present call into a process of its own: that process is killed
-  /// within 0.2 s, as if its patience were over. False: there is no such call. From any thread.
+  /// Cancels the current call into another process: that process is killed within 0.2 s, as at the
+  /// end of its patience. Returns false if there is no such call. Thread-safe.
   bool give_up();
 
  private:
@@ -80,10 +81,10 @@ class COGRSIM_API PluginWatch {
   std::atomic<bool> given_up_{false};
 };
 
-/// From now on a crash (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT; an overflow of the stack, too) says
-/// on the standard error what was being called, and then takes its course: the process ends by the
-/// signal, or in the handler that was there before. For programs, in main(): a library has no
-/// business with the signals of others.
+/// Installs a handler that reports the current plugin call on standard error if the program crashes
+/// (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, including stack overflow). The process then ends by
+/// the signal or in the previous handler. Only programs should call it, in main(); a library should
+/// not change signal handlers.
 COGRSIM_API void report_crashes();
 
 }  // namespace cogrsim

@@ -1,9 +1,9 @@
-// What a plugin library says of itself. Authors use the macros at the end of
+// Descriptor of a plugin library. Authors of plugins use the macros at the end of
 // control/controller.h, control/supervisor.h, sensing/sensor.h and physics/backend_plugin.h.
 //
-// A library carries two marks. A symbol whose *name* spells ABI version and build tag is looked for
-// in the file before it is loaded, so that nothing of a library built otherwise ever runs; then
-// `cogrsim_plugin` returns the descriptor below.
+// A library exports two symbols. The *name* of the first contains the ABI version and a build tag;
+// the loader searches the file for it before loading, so that no code of an incompatible library
+// runs. The second, `cogrsim_plugin`, returns the descriptor below.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 #include "cogrsim/core/parameter.h"
 
-/// Raised whenever an interface that plugins see changes its layout or meaning.
+/// Incremented whenever an interface that plugins use changes its layout or meaning.
 #define COGRSIM_ABI_VERSION 5
 
 #if defined(__clang__)
@@ -38,16 +38,17 @@ enum class PluginKind { backend, controller, supervisor, sensor, renderer, algor
 /// "backend", "controller", "supervisor", "sensor", "renderer", "algorithm".
 COGRSIM_API const char* to_string(PluginKind kind);
 
-/// A number that a mind publishes while it runs: see Assembly::publish. It is in every frame, so
-/// that it can be recorded, plotted and tested: `robot.MIND.NAME`.
+/// Declaration of a number that a controller publishes, see Assembly::publish(). It is part of
+/// every frame, so that it can be recorded, plotted and tested as the signal
+/// `robot.CONTROLLER.NAME`.
 struct PluginOutput {
   std::string name;
   std::string unit;  ///< as in the scene language; "1": none
   std::string description;
 };
 
-/// Name, version and the rest of one plugin; `factory` points to the entry table of its kind
-/// (ControllerEntry, SupervisorEntry, SensorEntry, BackendEntry, RendererEntry, AlgorithmEntry).
+/// Description of a plugin. `factory` points to the factory table of its kind (ControllerEntry,
+/// SupervisorEntry, SensorEntry, BackendEntry, RendererEntry, AlgorithmEntry).
 struct PluginDescriptor {
   PluginKind kind = PluginKind::controller;
   std::string name;
@@ -59,8 +60,8 @@ struct PluginDescriptor {
   const void* factory = nullptr;
 };
 
-/// Items of the macros beside parameter(): output("plans", "1", "plans made so far"),
-/// version("1.2.0"), author("…"), summary("…").
+/// Arguments of the export macros in addition to parameter(): output("plans", "1", "number of
+/// plans"), version("1.2.0"), author("…"), summary("…").
 struct PluginVersion {
   std::string text;
 };
@@ -101,7 +102,7 @@ PluginDescriptor describe(PluginKind kind, const char* name, const void* factory
 
 }  // namespace cogrsim
 
-/// Used by the macros of each kind: exports the ABI mark and the descriptor function.
+/// Used by the macros of each kind: exports the ABI symbol and the descriptor function.
 #define COGRSIM_EXPORT_PLUGIN(kind, name, factory, ...)                                        \
   extern "C" COGRSIM_API const char COGRSIM_ABI_SYMBOL[] = COGRSIM_STRING(COGRSIM_ABI_SYMBOL); \
   extern "C" COGRSIM_API const ::cogrsim::PluginDescriptor* cogrsim_plugin() {                 \

@@ -1,4 +1,4 @@
-// Finds, checks and loads plugin libraries.
+// Search, check and loading of plugin libraries.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@ namespace cogrsim {
 
 class Backend;
 
-/// A loaded library; whoever keeps the pointer keeps the code mapped.
+/// A loaded library. The library stays loaded as long as the object exists.
 class COGRSIM_API Plugin {
  public:
   const PluginDescriptor& descriptor() const;
@@ -27,39 +27,41 @@ class COGRSIM_API Plugin {
 };
 using PluginPtr = std::shared_ptr<const Plugin>;
 
-/// A library that was found but refused, and why.
+/// A library that was found but rejected, and the reason.
 struct RefusedPlugin {
   std::string path;
   std::string reason;
 };
 
-/// Looks plugins up by name: NAME.so in, in this order, the folders given, those of the
-/// environment variable COGRSIM_PLUGIN_PATH (separated by ':'), and the ones beside libcogrsim
-/// (…/lib/cogrsim/backends, …/lib/cogrsim/plugins; the same in a build tree and in an installed
-/// one). Loads each at most once. May be used by several threads at once.
+/// Loads plugins by name. It searches NAME.so in the given folders, then in those of the
+/// environment variable COGRSIM_PLUGIN_PATH (separated by ':'), and then next to libcogrsim
+/// (…/lib/cogrsim/backends and …/lib/cogrsim/plugins, in a build tree as in an installation). Each
+/// library is loaded at most once. Thread-safe.
 class COGRSIM_API PluginLoader {
  public:
   explicit PluginLoader(std::vector<std::string> extra_folders = {});
 
-  /// Errors (CG0901 not found, CG0902 refused, CG0903 wrong kind): every place tried and why it
-  /// failed, and, for an unknown name, what exists.
+  /// Loads a plugin. Errors (CG0901 not found, CG0902 rejected, CG0903 wrong kind): all searched
+  /// paths with the reasons of failure, and for an unknown name the existing plugins.
   Result<PluginPtr> load(PluginKind kind, const std::string& name);
 
-  /// The plugin in this very file. Errors: CG0902.
+  /// Loads the plugin in this file. Errors: CG0902.
   Result<PluginPtr> load_from(const std::string& path);
 
-  /// The library of a plugin as it lies on disk now, loaded a second time beside the first.
-  /// load() does not know of it until replace() is called. Errors: CG0902.
-  Result<PluginPtr> load_anew(const Plugin& plugin);
-  /// From now on load() gives `fresh` where it gave the library that was at the same path.
+  /// Loads the current file of a plugin as a second copy next to the loaded one. load() returns it
+  /// only after replace(). Errors: CG0902.
+  Result<PluginPtr> load_fresh_copy(const Plugin& plugin);
+  /// Makes load() return `fresh` instead of the library with the same path.
   void replace(PluginPtr fresh);
 
-  /// Loads a backend and returns its factory; keeps the library loaded with the returned pointer.
-  /// `choice` may carry options, see cogrsim/physics/backend_choice.h; they are checked, and
-  /// Simulation::create applies them. Errors: CG0901, CG0902; options that it does not take.
+  /// Loads a backend and returns its factory; the library stays loaded as long as the pointer
+  /// exists. `choice` may have options, see cogrsim/physics/backend_choice.h; they are checked here
+  /// and applied by Simulation::create(). Errors: CG0901, CG0902, or an option that the backend
+  /// does not have.
   Result<std::shared_ptr<const Backend>> backend(const std::string& choice);
 
-  /// Everything that can be loaded from the folders, sorted by kind and name, and what was refused.
+  /// All plugins in the folders, sorted by kind and name. Rejected libraries are added to
+  /// `refused`.
   std::vector<PluginPtr> all(std::vector<RefusedPlugin>* refused = nullptr);
 
   const std::vector<std::string>& folders() const { return folders_; }
@@ -69,7 +71,7 @@ class COGRSIM_API PluginLoader {
   std::vector<PluginPtr> list(std::vector<RefusedPlugin>* refused);
 
   std::vector<std::string> folders_;
-  std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;  ///< protects the following members
   std::vector<PluginPtr> loaded_;
 };
 

@@ -1,5 +1,5 @@
-// Runs on file: what happened, to be looked at again. The format is MCAP (mcap.dev); the topics and
-// their schemas are described in docs/recording.md.
+// Recordings of runs in files. The format is MCAP (mcap.dev); docs/guide/recording.md describes the
+// topics and their schemas.
 #pragma once
 
 #include <cstdint>
@@ -16,42 +16,45 @@
 
 namespace cogrsim {
 
-/// A file that stands by itself: the scene, an import of it.
+/// A file inside a recording: the scene or a file that it imports.
 struct Attachment {
-  std::string name;        ///< relative to the scene's folder
+  std::string name;        ///< relative to the folder of the scene
   std::string media_type;  ///< "application/xml"
   std::string data;
 };
 
+/// Options of a recording.
 struct RecorderOptions {
-  std::string path;    ///< of the file; an older recording is replaced if nobody writes it
-  OutputRules rules;   ///< what may be replaced
-  double every = 0.0;  ///< time between frames kept [s]; 0: every step
+  std::string path;    ///< of the file; replaces an older recording that no recorder is writing
+  OutputRules rules;   ///< which existing files may be replaced
+  double every = 0.0;  ///< time between recorded frames [s]; 0: every step
   bool contacts = true;
   bool images = true;
-  bool jpeg = false;  ///< colour pictures as JPEG, else PNG
-  /// Frames wait in memory for the disk up to this much; what comes beyond is left out, counted and
-  /// told, never waited for [byte].
+  bool jpeg = false;  ///< colour images as JPEG, otherwise as PNG
+  /// Limit of the memory for frames that wait for the disk [byte]. Further frames are dropped,
+  /// counted and reported; the simulation never waits.
   std::size_t queue_limit = 512u << 20;
-  std::vector<Attachment> attachments;            ///< the scene and all it imports
-  std::map<std::string, std::string> parameters;  ///< `--set`, for the record
+  std::vector<Attachment> attachments;            ///< the scene and all files that it imports
+  std::map<std::string, std::string> parameters;  ///< options `--set` of the run, as information
 };
 
-/// Writes a run while it goes on, from a thread of its own: a step never waits for the disk. Attach
-/// it before the first step. What is on disk can be read at any time: chunks are whole, a killed
-/// process loses the last one at most.
+/// Writes a recording during the run, in a thread of its own, so that a step never waits for the
+/// disk. Start it before the first step. The file can be read at any time: it consists of complete
+/// chunks, and a killed process loses at most the last chunk. Except for problem(), the functions
+/// must be called by the thread that steps the simulation.
 class COGRSIM_API Recorder {
  public:
-  /// Errors: the file cannot be written, or another recorder (of this or another process) writes
-  /// it.
+  /// Starts recording a simulation. Errors: the file cannot be written, or another recorder (of
+  /// this or another process) is writing it.
   static Result<std::unique_ptr<Recorder>> start(Simulation& simulation, RecorderOptions options);
-  ~Recorder();  ///< finishes without a word; call finish() to hear of errors
+  ~Recorder();  ///< finishes the file without reporting errors; call finish() to get them
 
-  /// Writes what waits, the index and the end. Errors: the disk was full or went away, or frames
-  /// were left out; the message says how much of the run is on file. To be called once.
+  /// Writes the remaining frames, the index and the end of the file. Call it once. Errors: the disk
+  /// was full or removed, or frames were dropped; the message states how much of the run is
+  /// recorded.
   Result<> finish(RunStatus status);
 
-  /// What went wrong so far, empty: nothing. From any thread.
+  /// The first error so far; empty: none. Thread-safe.
   std::string problem() const;
 
  private:
@@ -60,19 +63,21 @@ class COGRSIM_API Recorder {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Description of a recording.
 struct RecordingInfo {
   std::string scene, backend, engine_version, library_version;
-  std::optional<Provenance> provenance;  ///< empty: the recording does not say
-  std::string status;                    ///< how the run ended; empty: it was cut off
+  std::optional<Provenance> provenance;  ///< empty: not recorded
+  std::string status;                    ///< status at the end; empty: the recording is truncated
   std::uint64_t seed = 0;
-  double step = 0.0;              ///< [s]
+  double step = 0.0;              ///< time step [s]
   double start = 0.0, end = 0.0;  ///< times of the first and last frame [s]
   std::size_t frames = 0;
-  std::uint64_t dropped = 0;  ///< frames left out because the disk was too slow
-  bool complete = false;      ///< ends as it should; false: the readable part is offered
-  std::string damage;         ///< what is wrong with an incomplete one
+  std::uint64_t dropped = 0;  ///< number of frames dropped because the disk was too slow
+  bool complete = false;      ///< false: the file is damaged, and only a part can be read
+  std::string damage;         ///< description of the damage of an incomplete recording
   std::map<std::string, std::string> parameters;
   std::vector<Attachment> attachments;  ///< with data
+  /// A topic of the MCAP file.
   struct Topic {
     std::string name, schema, encoding;
     std::uint64_t messages = 0;
@@ -81,34 +86,34 @@ struct RecordingInfo {
   std::uint64_t file_size = 0;  ///< [byte]
 };
 
-/// A recorded run, opened for reading.
+/// A recorded run, opened for reading. Not thread-safe: the calls on one object must not overlap.
 class COGRSIM_API Recording {
  public:
-  /// Errors: not there, not MCAP, MCAP of another program, of a newer version. A truncated or
-  /// damaged file opens with what is readable, and info().damage says so; nothing readable is an
-  /// error.
+  /// Opens a recording. A truncated or damaged file opens with its readable part, and info().damage
+  /// describes the damage. Errors: the file does not exist, is not MCAP, was written by another
+  /// program or a newer version, or has no readable part.
   static Result<std::unique_ptr<Recording>> open(const std::string& path);
   ~Recording();
 
   const RecordingInfo& info() const;
   std::size_t frame_count() const;
-  double time_of(std::size_t index) const;  ///< [s]
+  double time_of(std::size_t index) const;  ///< time of a frame [s]; `index` < frame_count()
   /// Index of the last frame at or before `time` [s]; the first one if all are later.
   std::size_t index_at(double time) const;
 
-  /// Any frame, any number of times, bit for bit as it was, with readings (pictures too, where they
-  /// were kept), contacts and events; its model is the one of that moment. Frames of the same model
-  /// share it. Errors: the file was changed under us.
+  /// A frame by its index, bit-identical to that of the run, with readings (including images if
+  /// they were recorded), contacts and events. Its model is that of the run at the time of the
+  /// frame; frames with the same model share it. Errors: the file was changed after it was opened.
   Result<FramePtr> frame(std::size_t index);
 
   const std::vector<RunMessage>& messages() const;
-  /// What the values of a sensor's readings mean, by sensor index.
+  /// The channels of a sensor by its index.
   const std::vector<Channel>& channels(int sensor) const;
 
-  /// Readings computed anew from the recorded frames, with the run's seed: equal to those of the
-  /// run where every step was kept. `visit` is given each frame with the new readings, and
-  /// ends it by returning false. Errors: the recording has no more than every n-th step, or a
-  /// sensor's plugin is not there.
+  /// Recomputes the readings from the recorded frames with the seed of the run. They are equal to
+  /// those of the run if every step was recorded. `visit` is called with each frame and its new
+  /// readings, and stops the computation by returning false. Errors: only every n-th step was
+  /// recorded, or the plugin of a sensor is missing.
   Result<> recompute(PluginLoader& loader, const std::function<bool(const Frame&)>& visit);
 
  private:

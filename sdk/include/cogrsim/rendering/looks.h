@@ -1,4 +1,4 @@
-// The colours of pictures and maps, where the scene names none.
+// Default colours in images and maps for materials without a colour.
 #pragma once
 
 #include "cogrsim/core/export.h"
@@ -6,12 +6,14 @@
 
 namespace cogrsim {
 
-/// Whether somebody chose how it looks: it has a texture, or another colour than the default one.
+/// Whether the scene sets the appearance of a material: it has a texture, or its colour differs
+/// from the default.
 COGRSIM_API bool has_looks(const Material& material);
 
-/// The colour (sRGB) in which a shape of the body with the index `body` is shown: its material's.
-/// Where nobody chose one, planes and height fields are light, other fixed bodies grey, and the rest
-/// has one of eight quiet colours by its index.
+/// The colour (sRGB) in which a shape of the body with the index `body` is drawn. It is the colour
+/// of the material if the scene sets one. Otherwise planes and heightmaps are light, other static
+/// bodies are grey, and the remaining bodies have one of eight muted colours depending on the
+/// index.
 COGRSIM_API Color shown_color(const SceneModel& model, int body, const Shape& shape);
 
 }  // namespace cogrsim

@@ -5,37 +5,34 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/geometry/bounds.h"
 #include "cogrsim/rendering/renderer.h"
 
 namespace cogrsim {
 
-/// front: from +x, looking along -x; back: from -x; left: from +y; right: from -y; top, bottom:
-/// from +z and -z, y up in the picture; iso: from the front left, above.
+/// Standard viewing directions. front: from +x along -x; back: from -x; left: from +y; right: from
+/// -y; top and bottom: from +z and -z, with y up in the image; iso: obliquely from above on the
+/// front left.
 enum class StandardView { front, back, left, right, top, bottom, iso };
 
 /// "front", "back", …
 COGRSIM_API const char* to_string(StandardView view);
-/// All of them, as text.
+/// The names of all standard views.
 COGRSIM_API std::vector<std::string> standard_view_names();
+/// The standard view with this name; nullopt: unknown.
 COGRSIM_API std::optional<StandardView> standard_view(const std::string& name);
 
-/// A box that encloses bodies, world [m].
-struct Bounds {
-  Vec3 low = Vec3::Constant(-1.0), high = Vec3::Constant(1.0);
-};
+/// Bounding box of all visible shapes of the frame except planes, in the world [m]. Without shapes:
+/// from -1 m to 1 m.
+COGRSIM_API geometry::Bounds visible_bounds(const Frame& frame);
 
-/// What encloses all visible shapes of the frame but planes. Without any: 2 m around the origin.
-COGRSIM_API Bounds visible_bounds(const Frame& frame);
-/// Encloses both.
-COGRSIM_API Bounds joined(const Bounds& a, const Bounds& b);
+/// A camera in the direction of the view that shows the whole of `bounds` with a margin of 5 %.
+/// `fov` is the horizontal field of view [rad].
+COGRSIM_API Camera standard_camera(StandardView view, const geometry::Bounds& bounds, int width,
+                                   int height, double fov = 0.8);
 
-/// A camera that looks in the view's direction at the middle of `bounds`, from as near as shows all
-/// of it with a margin of 5 %. `fov` horizontal [rad].
-COGRSIM_API Camera standard_camera(StandardView view, const Bounds& bounds, int width, int height,
-                                   double fov = 0.8);
-
-/// Where a `<view>` is: one on a body goes where the body goes, as the named frame on that body which
-/// has the view's name; once the body is gone it is where it was at the start.
+/// Pose of a `<view>` in the world. A view on a body moves with it (the body has a named frame with
+/// the name of the view); if the body has been removed, the view has its initial pose.
 COGRSIM_API Pose view_pose(const Frame& frame, const ViewModel& view);
 
 }  // namespace cogrsim

@@ -1,5 +1,6 @@
-// Sensors: computed from SceneModel and Frame, never by the physics engine, so that a reading is
-// the same on every backend for the same state, and can be computed again from a recording.
+// The interface of a sensor model. Readings are computed from SceneModel and Frame, never by the
+// physics engine. They are therefore the same on every backend for the same state, and can be
+// recomputed from a recording.
 #pragma once
 
 #include <memory>
@@ -19,54 +20,58 @@ struct RayHit;
 class RayCaster;
 struct RenderRequest;
 
-/// What a sensor is given at each reading. What it offers is made when first asked for and shared
-/// by all sensors that read the same frame.
-class Sensing {
+/// Access of a sensor to the measured frame. Ray caster and images are computed at the first use
+/// and shared by all sensors that measure the same frame. Only valid during Sensor::read().
+class SensorContext {
  public:
-  virtual ~Sensing() = default;
+  virtual ~SensorContext() = default;
+  /// The measured frame.
   virtual const Frame& frame() const = 0;
-  /// Visible shapes at the frame's poses.
+  /// Ray caster for the visible shapes at the poses of the frame.
   virtual const RayCaster& rays() = 0;
-  /// Colour of the surface at a hit: the material's, times its texture; unlit.
+  /// Colour of the surface at a hit: colour of the material times its texture, without lighting.
   virtual Color surface_color(const RayHit& hit) = 0;
-  /// Pictures of the frame. Errors: no renderer can be loaded, or the renderer's own.
+  /// Renders images of the frame, one per request. Errors: no renderer can be loaded, or those of
+  /// the renderer.
   virtual Result<std::vector<Picture>> render(const std::vector<RenderRequest>& requests) = 0;
 };
 
-/// Applies the noise of a sensor to the noisy channels of `values`, term by term in order, drawing
-/// from `random`; a term touches the channels of its group only.
-/// Returns false when the reading dropped out. `walk` (same length as values, zeros at first)
-/// carries the bias walk; `period` is the time since the reading before [s].
+/// Applies the noise terms of a sensor in order to the noisy channels of `values`, with random
+/// numbers from `random`. A term affects only the channels of its group. `walk` holds the state of
+/// the bias walk (one entry per value, initially zero); `period` is the time since the previous
+/// reading [s]. Returns false if the reading dropped out.
 COGRSIM_API bool apply_noise(const std::vector<NoiseTerm>& noise,
                              const std::vector<Channel>& channels, double period,
                              RandomStream& random, std::vector<double>& walk,
                              std::vector<double>& values);
 
-/// The ideal instrument: what would be read without noise. Noise, rate and on/off are the
-/// simulation's work. One object per sensor in the scene.
+/// A sensor model: the ideal measurement without noise. The simulation handles the noise, the rate
+/// and the switching on and off. There is one object per sensor in the scene; its calls are made by
+/// one thread at a time.
 class Sensor {
  public:
   virtual ~Sensor() = default;
 
-  /// Once, before the first reading. `parameters` are complete (defaults filled in).
-  /// Errors: what the sensor needs is not there (an encoder without a joint).
+  /// Called once before the first reading. `parameters` are complete (defaults are filled in).
+  /// Errors: an element that the sensor needs is missing (an encoder without a joint), or a
+  /// parameter is invalid.
   virtual Result<> configure(const SceneModel& model, const SensorModel& sensor,
                              const Parameters& parameters) = 0;
 
-  /// Meaning of the values, in order; fixed after configure().
+  /// Names and units of the values, in order; constant after configure().
   virtual std::vector<Channel> channels() const = 0;
 
-  /// What the frames it reads must contain.
+  /// The optional contents of the frame that read() needs.
   virtual FrameContents needs() const { return {}; }
 
-  /// Reads sensing.frame() into `reading`: `values`, channels() long, and what else it has. A value
-  /// that cannot be had is NaN. Errors: what keeps it from seeing at all; the reading is then not
-  /// valid and the run is told, once.
-  virtual Result<> read(Sensing& sensing, Reading& reading) = 0;
+  /// Measures context.frame() and writes the result to `reading`: `values`, with one entry per
+  /// channel, and an image or contacts if the sensor has them. An unavailable value is NaN. Errors:
+  /// the measurement is not possible; the reading is then not valid and the error is reported once.
+  virtual Result<> read(SensorContext& context, Reading& reading) = 0;
 
-  /// The scene's noise on an ideal reading; false: it dropped out. The standard way is
-  /// apply_noise() on the noisy channels; cameras add theirs to the picture, range finders mind
-  /// their limits afterwards.
+  /// Adds the noise of the scene to an ideal reading; false: the reading dropped out. The default
+  /// is apply_noise() on the noisy channels. Cameras add noise to the image, and range finders
+  /// apply their limits afterwards.
   virtual bool disturb(const std::vector<NoiseTerm>& noise, double period, RandomStream& random,
                        std::vector<double>& walk, Reading& reading) {
     if (noise.empty()) return true;
@@ -74,17 +79,17 @@ class Sensor {
   }
 };
 
-/// Factory table of a sensor plugin.
+/// Factory table of a sensor plugin, defined by COGRSIM_SENSOR.
 struct SensorEntry {
   Sensor* (*create)();
   void (*destroy)(Sensor*);
 };
 
-/// The sensors of the SDK itself: "camera", "contact", "encoder", "force-torque", "imu",
-/// "infrared", "lidar", "pose"; nullptr for any other type. Their models: docs/sensors.md.
+/// Factory of a built-in sensor: "camera", "contact", "encoder", "force-torque", "imu", "infrared",
+/// "lidar" or "pose"; nullptr for any other type. docs/guide/sensors.md describes the models.
 COGRSIM_API const SensorEntry* built_in_sensor(const std::string& type);
 
-/// Their names, parameters and summaries, as a plugin would declare them.
+/// Names, parameters and summaries of the built-in sensors, as a plugin declares them.
 COGRSIM_API std::vector<PluginDescriptor> built_in_sensors();
 
 }  // namespace cogrsim

@@ -1,4 +1,4 @@
-// Lines of sight of the ranging sensors, to be drawn.
+// The rays of the range finders, for drawing.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,17 @@
 
 namespace cogrsim {
 
+/// One ray of a range finder, in the world frame.
 struct SensorRay {
-  int sensor = -1;           ///< SceneModel::sensors
-  Vec3 from = Vec3::Zero();  ///< world [m]
-  Vec3 to = Vec3::Zero();    ///< where the reading says the ray ended, or its full range [m]
+  int sensor = -1;           ///< index into SceneModel::sensors
+  Vec3 from = Vec3::Zero();  ///< origin of the ray [m]
+  Vec3 to = Vec3::Zero();    ///< end at the measured distance, or at the maximum range [m]
   bool hit = false;
 };
 
-/// The rays of every infrared and lidar that is on, as their latest readings in `frame` tell them
-/// (noise included), drawn from where the sensors are in `frame`. Sensors without a reading yet
-/// have none. Where any of them says `show`, only those that do.
+/// The rays of all enabled infrared and lidar sensors, with the distances of their latest readings
+/// in `frame` (including noise) and the sensor poses of `frame`. A sensor without a reading has no
+/// rays. If any sensor has SensorModel::show set, only the rays of such sensors are returned.
 COGRSIM_API std::vector<SensorRay> sensor_rays(const Frame& frame);
 
 }  // namespace cogrsim

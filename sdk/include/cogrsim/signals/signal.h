@@ -1,37 +1,37 @@
-// Signals: numbers of a run by name, for figures, tests and tables. `robot.chassis.speed` is read
-// from a frame, wherever the frame comes from: a run going on, or a recording.
+// Signals: named quantities of a run, for figures, tests and tables. A signal such as
+// `robot.chassis.speed` is evaluated on a frame of a running simulation or of a recording.
 //
-// | text                                | value                                       | unit        |
-// |-------------------------------------|---------------------------------------------|-------------|
-// | time                                | of the frame                                | s           |
-// | PLACE.x y z                         | of its origin, in the world                 | m           |
-// | PLACE.roll pitch yaw                | about the world's x, y, z, in that order    | rad         |
-// | PLACE.vx vy vz, .speed              | of its origin, world axes; their length     | m/s         |
-// | PLACE.wx wy wz, .spin               | angular velocity, world axes; its length    | rad/s       |
-// | JOINT.position velocity effort      | [i] where the joint has several, from 0     | by the axis |
-// | MOTOR.effort                        | mean over the last step                     | N*m or N    |
-// | SENSOR.CHANNEL, SENSOR[i]           | latest reading, by channel name or number   | the channel |
-// | energy.kinetic potential total      | see energy_of()                             | J           |
-// | MIND.OUTPUT                         | what a controller or supervisor publishes   | the output  |
-// | distance(THING, THING)              | between the surfaces, 0 when they touch     | m           |
-// | origin_distance(PLACE, PLACE)       | between the two origins                     | m           |
-// | mass(BODIES)                        | sum of theirs                               | kg          |
-// | contacts(BODIES), (BODIES, BODIES)  | points at which they touch (each other)     | 1           |
-// | force(BODIES), (BODIES, BODIES)     | length of the sum of the contact forces     | N           |
+// | text                               | value                                     | unit        |
+// |------------------------------------|-------------------------------------------|-------------|
+// | time                               | time of the frame                         | s           |
+// | POSE.x y z                         | position of the origin, in the world      | m           |
+// | POSE.roll pitch yaw                | about the world x, y, z, in that order    | rad         |
+// | POSE.vx vy vz, .speed              | velocity of the origin, world axes; norm  | m/s         |
+// | POSE.wx wy wz, .spin               | angular velocity, world axes; norm        | rad/s       |
+// | JOINT.position velocity effort     | with [i] from 0 if it has several axes    | by the axis |
+// | MOTOR.effort                       | mean over the last step                   | N*m or N    |
+// | SENSOR.CHANNEL, SENSOR[i]          | latest reading, by channel name or number | the channel |
+// | energy.kinetic potential total     | see energy_of()                           | J           |
+// | CONTROLLER.OUTPUT                  | output of a controller or supervisor      | the output  |
+// | distance(OBJECT, OBJECT)           | between the surfaces, 0 if they touch     | m           |
+// | origin_distance(POSE, POSE)        | between the two origins                   | m           |
+// | mass(BODIES)                       | total mass                                | kg          |
+// | contacts(BODIES), (BODIES, BODIES) | number of contact points                  | 1           |
+// | force(BODIES), (BODIES, BODIES)    | norm of the sum of the contact forces     | N           |
+// | inside(POSE, REGION)               | 1 if the origin is in the region, else 0  | 1           |
+// | event(KIND[, SOURCE[, SUBJECT]])   | 1 in frames where it occurs, else 0       | 1           |
+// | open(DOOR)                         | from 0 (closed) to 1 (open)               | 1           |
 //
-// | inside(PLACE, REGION)               | 1: its origin is in the region, else 0      | 1           |
-// | event(KIND[, SOURCE[, SUBJECT]])    | 1 in frames where it happens, else 0        | 1           |
-// | open(DOOR)                          | from 0, closed, to 1, open                  | 1           |
+// POSE is a body, a named frame or an assembly; an assembly is represented by its base, which is
+// the rigid body of the assembly or else its first body. BODIES is a body, or an assembly with all
+// its bodies. OBJECT is BODIES, whose colliding shapes count, or a named frame, which is a point;
+// meshes that are not convex and heightmaps are surfaces without an interior. Event in
+// cogrsim/physics/frame.h describes KIND, SOURCE and SUBJECT.
 //
-// PLACE is a body, a named frame or an assembly, which stands for its base: the body it is, if it
-// is rigid, else its first body. BODIES is a body, or an assembly with all that is in it. THING is
-// BODIES, of which the shapes that collide count, or a named frame, which is a point; a mesh that is
-// not convex and a heightmap count as surfaces without an inside. KIND of an event and what SOURCE
-// and SUBJECT are: see Event in cogrsim/physics/frame.h.
-//
-// Signals are added and subtracted (with blanks around + and -), multiplied and divided, with numbers,
-// brackets and abs(): `bot.ir.distance - bot.ideal.distance`, `abs(bot.roll)`. What is added must have
-// the same dimension; numbers may have units, `bot.x - 20 cm`, and take the other's if they have none.
+// Signals can be added and subtracted (with blanks around + and -), multiplied and divided, with
+// numbers, brackets and abs(): `bot.ir.distance - bot.ideal.distance`, `abs(bot.roll)`. The terms
+// of a sum must have the same dimension. A number may have a unit, `bot.x - 20 cm`; otherwise it
+// has the unit of the other term.
 #pragma once
 
 #include <cstdint>
@@ -48,56 +48,57 @@
 
 namespace cogrsim {
 
-/// Channels of a sensor by index; nullptr: not known here (a plugin's, where no plugin is loaded).
-/// The pointer stays valid until the next call.
+/// Returns the channels of a sensor by its index, or nullptr if they are unknown (for a plugin that
+/// is not loaded). The pointer stays valid until the next call.
 using ChannelLookup = std::function<const std::vector<Channel>*(int sensor)>;
 
-/// Channels of the SDK's own sensors, which need no run: made by configuring one. `model` must
-/// outlive the lookup.
+/// Channels of the built-in sensors, which are known without a run. `model` must outlive the
+/// lookup.
 COGRSIM_API ChannelLookup built_in_channels(const SceneModel& model);
 
-/// Where a signal's names are looked up.
+/// The names that a signal may refer to.
 struct SignalScope {
   const SceneModel& model;
-  ChannelLookup channels;  ///< empty: as if no channel were known
-  /// From a name as written to the dotted name in the model, "" for none; empty: names are the
-  /// model's own. Lets names be relative to the element they stand in.
+  ChannelLookup channels;  ///< empty: all channels are unknown
+  /// Converts a name of the text to the dotted name in the model ("" if there is none), so that
+  /// names can be relative to an element. Empty: names are those of the model.
   std::function<std::string(const std::string&)> resolve;
-  /// Whether something of this name (as written) may be added during the run. Its signals are then
-  /// looked up by name in every model the run has, and are NaN as long as there is none.
-  /// Empty: what is not in the model is an error.
+  /// Whether an element of this name (as in the text) may be added during the run. Its signals are
+  /// then resolved by name in every model of the run, and are NaN while the element does not exist.
+  /// Empty: a name that is not in the model is an error.
   std::function<bool(const std::string&)> may_come = {};
 };
 
-/// One number of every frame. Copies are cheap and share what they are made of; from several
-/// threads at once it may be evaluated, not assigned.
+/// A quantity that has one value in every frame. Copies are cheap and share their data. Several
+/// threads may evaluate a signal at the same time, but not while it is assigned.
 class COGRSIM_API Signal {
  public:
-  struct Node;  ///< what a signal is made of; an operator is a node with others inside
+  struct Node;  ///< node of the expression tree
 
-  /// Is NaN everywhere.
+  /// A signal that is NaN in every frame.
   Signal();
   explicit Signal(std::shared_ptr<const Node> node);
 
-  /// Errors: bad grammar; a name, quantity or channel that is not there, with the nearest that is.
-  /// The channel of a sensor whose channels are not known is taken on trust and is NaN.
+  /// Parses a signal. Errors: the grammar, or an unknown name, quantity or channel, with the most
+  /// similar known one. A channel of a sensor with unknown channels is accepted and is NaN.
   static Result<Signal> parse(const SignalScope& scope, const std::string& text);
 
-  /// With the model's names in full: "robot.chassis.x", "distance(robot, wall)".
+  /// The signal with the full names of the model: "robot.chassis.x", "distance(robot, wall)".
   const std::string& text() const;
-  /// As in the scene language: "m/s", "N*m"; "1" for a pure number, "" where it is not known.
+  /// The unit as in the scene language: "m/s", "N*m"; "1" for a dimensionless number, "" if
+  /// unknown.
   const std::string& unit() const;
-  /// The quantity without its owner: "x", "speed", "distance".
+  /// The quantity without the element: "x", "speed", "distance".
   const std::string& quantity() const;
-  /// What frames must contain for it.
+  /// The frame contents that evaluate() needs.
   FrameContents needs() const;
 
-  /// NaN where there is no value: no valid reading yet, an element that is not (or no longer)
-  /// there.
+  /// The value in a frame, in unit(). NaN if there is no value: no valid reading yet, or an element
+  /// that does not exist (any more).
   double evaluate(const Frame& frame) const;
 
-  /// Changes whenever there may be a new value: with every step; of a sensor with every reading.
-  /// Whoever does statistics over readings must not count one twice.
+  /// A number that changes whenever the value may be new: with every step, and for a sensor with
+  /// every reading. Statistics over readings must not count a reading twice.
   std::uint64_t revision(const Frame& frame) const;
 
  private:

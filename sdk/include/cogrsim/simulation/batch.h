@@ -1,5 +1,5 @@
-// Many worlds at once, for learning and sweeps: simulations of one scene, with different seeds and
-// parameters, stepped on several threads.
+// Vectorised simulation for learning and sweeps: many simulations of one scene with different seeds
+// and parameters, stepped in several threads.
 //
 //     BatchOptions options;
 //     options.actions = {"cart.motor"};
@@ -13,9 +13,9 @@
 //       (*batch)->step(10);
 //     }
 //
-// A world is a Simulation. What it computes does not depend on the number of threads, nor on the
-// other worlds: state for state it is, bit for bit, a single Simulation of that scene and seed whose
-// motors get the same targets at the same steps.
+// Each world is a Simulation. Its results do not depend on the number of threads or on the other
+// worlds: every state is bit-identical to that of a single Simulation of the same scene and seed
+// whose motors get the same targets in the same steps.
 #pragma once
 
 #include <cstdint>
@@ -31,104 +31,110 @@
 
 namespace cogrsim {
 
-/// Why a world's episode ended.
+/// The reason for the end of an episode.
 enum class EpisodeEnd {
-  none,     ///< it goes on
-  done,     ///< BatchOptions::done held
-  time,     ///< it lasted BatchOptions::duration
-  stopped,  ///< a rule or supervisor ended or paused it
-  fault,    ///< a controller's fault ended it, something threw, or it could not be reset
-  diverged  ///< the physics exploded
+  none,     ///< the episode has not ended
+  done,     ///< the condition BatchOptions::done became true
+  time,     ///< the episode reached BatchOptions::duration
+  stopped,  ///< a rule or supervisor ended or paused the run
+  fault,    ///< a fault of a controller, an exception, or a failed reset
+  diverged  ///< the physics diverged
 };
 /// "none", "done", "time", "stopped", "fault", "diverged".
 COGRSIM_API const char* to_string(EpisodeEnd end);
 
+/// Options of a batch, common to all worlds.
 struct BatchOptions {
-  std::string backend;  ///< empty: the scene's, else "bullet"
-  double step = 0.0;    ///< [s]; 0: the scene's
-  int threads = 0;      ///< that work, the caller's among them; 0: one per core
-  /// Of every world's first episode (nworld); empty: the scene's seed plus the world's number.
+  std::string backend;  ///< empty: that of the scene, otherwise "bullet"
+  double step = 0.0;    ///< time step [s]; 0: that of the scene
+  int threads = 0;      ///< number of threads, including that of the caller; 0: one per core
+  /// Seeds of the first episodes (nworld); empty: the seed of the scene plus the index of the
+  /// world.
   std::vector<std::uint64_t> seeds;
-  std::vector<std::string> actions;       ///< motors, by dotted name
+  std::vector<std::string> actions;       ///< dotted names of motors
   std::vector<std::string> observations;  ///< signals, see cogrsim/signals/signal.h
-  std::string done;  ///< condition that ends an episode, looked at after every step; empty: none
-  double duration = std::numeric_limits<double>::infinity();  ///< of an episode, at most [s], > 0
-  /// A world whose episode ended begins the next one within the same call.
+  std::string done;  ///< condition that ends an episode, checked after every step; empty: none
+  double duration = std::numeric_limits<double>::infinity();  ///< of an episode at most [s], > 0
+  /// Starts the next episode of a world in the same call in which its episode ended.
   bool auto_reset = false;
-  /// Stands in observations() where a signal has no value: most sensors have none before the first
+  /// Value in observations() of a signal without a value; most sensors have none before the first
   /// step.
   double missing = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Seed of a world's episode, from 0, by the seed of its first: that one itself for episode 0.
+/// Seed of an episode (counted from 0) of a world whose first episode has the seed `first`. The
+/// seed of episode 0 is `first`.
 COGRSIM_API std::uint64_t episode_seed(std::uint64_t first, std::uint64_t episode);
 
-/// To be used by one thread at a time.
+/// A batch of worlds. Not thread-safe: the calls on a batch must not overlap.
 class COGRSIM_API Batch {
  public:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  /// Row-major, a row per world; a view of the batch's own memory.
+  /// Row-major view of the memory of the batch, with one row per world.
   using Table = Eigen::Map<RowMajor>;
   using ConstTable = Eigen::Map<const RowMajor>;
 
-  /// `count` worlds of one scene, which they share. Errors: count < 1; as many seeds as worlds are
-  /// needed; a motor or signal that is not there, with the nearest that is; Simulation::create()'s,
-  /// of the first world that has any, which is named.
+  /// Creates `count` worlds that share one scene. Errors: count < 1; the number of seeds differs
+  /// from that of the worlds; a motor or signal does not exist (with the most similar existing
+  /// name); those of Simulation::create() of the first world that fails, which is named.
   static tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> create(
       SceneModelPtr scene, int count, const BatchOptions& options,
       std::shared_ptr<PluginLoader> loader);
-  /// A world per scene: one scene compiled with different parameters, or different scenes that all
-  /// have the motors and signals named.
+  /// Creates one world per scene, for a scene compiled with different parameters or for different
+  /// scenes that all have the named motors and signals.
   static tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> create(
       const std::vector<SceneModelPtr>& scenes, const BatchOptions& options,
       std::shared_ptr<PluginLoader> loader);
   ~Batch();
 
-  int size() const;     ///< nworld
-  int threads() const;  ///< that work, the caller's among them
+  int size() const;     ///< number of worlds, nworld
+  int threads() const;  ///< number of threads, including that of the caller
 
-  /// Targets of the motors `BatchOptions::actions` (nworld x nmotor) in their modes' units: rad/s,
-  /// rad, N m … At first those of the scene. step() and run_until() give them to the motors as a
-  /// SetMotor sent just before would: clamped to what the motor can be asked for, and a controller
-  /// that sets the same motor has the last word. What is not a finite number leaves a motor's target
-  /// as it is, with a message in the world's messages().
+  /// Targets of the motors BatchOptions::actions (nworld x nmotor), in the units of their modes
+  /// (rad/s, rad, N m, …); initially those of the scene. step() and run_until() apply them as a
+  /// SetMotor command: they are clamped to the limits of the motor, and a controller that sets the
+  /// same motor overrides them. A value that is not finite leaves the target unchanged and adds a
+  /// message to Simulation::messages() of the world.
   Table actions();
-  /// Values of the signals after the last step (nworld x nsignal), or at the start of an episode that
-  /// has just begun.
+  /// Values of the signals BatchOptions::observations (nworld x nsignal) after the last step, or at
+  /// the start of a new episode.
   ConstTable observations() const;
-  /// As observations(), at the end of the last episode that ended; `missing` where none has.
+  /// Values of the signals at the end of the last episode of each world (nworld x nsignal);
+  /// BatchOptions::missing if none has ended.
   ConstTable final_observations() const;
 
-  /// (nworld) Why episodes ended during the last step() or run_until(). A world that was not reset
-  /// stands still and goes on saying why.
+  /// The reasons for which episodes ended during the last step() or run_until() (nworld). A world
+  /// that has not been reset does not advance and retains its reason.
   const std::vector<EpisodeEnd>& ends() const;
-  /// The same in words, of the last episode that ended; empty: none has.
+  /// The reason for the end of the last ended episode as text; empty: none has ended.
   const std::string& end_message(int world) const;
-  /// Steps the world made in the last step() or run_until(): fewer than asked for when its episode
-  /// ended.
+  /// Number of steps of each world in the last step() or run_until() (nworld); fewer than requested
+  /// if the episode ended.
   const std::vector<std::int64_t>& steps_made() const;
 
-  /// Steps every world `steps` times, those apart whose episode has ended. An episode that ends is
-  /// over for this call: with `auto_reset` the world then stands at the start of the next one.
+  /// Steps every world `steps` times, except those whose episode has ended. A world whose episode
+  /// ends makes no further steps in this call; with `auto_reset` it is then at the start of the
+  /// next episode.
   void step(int steps = 1);
-  /// Steps every world until its own clock says `end_time` [s], as Simulation::run_until.
+  /// Steps every world until its own time reaches `end_time` [s], as Simulation::run_until().
   void run_until(double end_time);
 
-  /// Begins the world's next episode: everything as at the start, controllers anew, with the seed
-  /// given or else episode_seed(). A seed given counts as that of episode 0. Errors: something could
-  /// not be built again; the world then stands still with EpisodeEnd::fault.
+  /// Starts the next episode of a world: the initial state, new controllers, and the given seed or
+  /// else episode_seed(). A given seed becomes the seed of episode 0. Errors: an element cannot be
+  /// built again; the world then has EpisodeEnd::fault and does not advance.
   Result<> reset(int world, std::optional<std::uint64_t> seed = std::nullopt);
-  /// The same with another scene, for parameters that change from episode to episode; it must have
-  /// the motors and signals named. Errors: as create(); the world is then as it was.
+  /// Starts the next episode of a world with another scene, for parameters that change between
+  /// episodes. The scene must have the named motors and signals. Errors: as create(); the world is
+  /// then unchanged.
   tl::expected<void, std::vector<Diagnostic>> reset(
       int world, SceneModelPtr scene, std::optional<std::uint64_t> seed = std::nullopt);
-  /// All worlds, in parallel. Worlds that fail say so in ends().
+  /// Resets all worlds in parallel. Failures are reported in ends().
   void reset_all();
 
-  std::uint64_t seed(int world) const;     ///< of the present episode
-  std::uint64_t episode(int world) const;  ///< from 0
-  /// For everything else: frames, messages, commands. Commands that restart or step it are better
-  /// left to the batch. A reset with another scene replaces it.
+  std::uint64_t seed(int world) const;     ///< seed of the current episode
+  std::uint64_t episode(int world) const;  ///< index of the current episode, from 0
+  /// The simulation of a world, for frames, messages and commands. Only the batch should step and
+  /// restart it. A reset with another scene replaces the object.
   Simulation& world(int world);
   const Simulation& world(int world) const;
 

@@ -1,10 +1,13 @@
-// Runs a scene on a backend: clock, step order, sensors, controllers, supervisors, commands.
+// Simulation of a scene on a backend: clock, step order, sensors, controllers, supervisors,
+// commands.
 //
-// One step, always in this order:
-//   1. commands queued since the last step     2. sensors that are due read the last frame
-//   3. controllers, then supervisors that are due, in file order
-//   4. motors turn targets into drives         5. World::step(dt)
-//   6. the new frame goes to the observers
+// The order of a step is always:
+//   1. commands that were queued since the last step are applied
+//   2. sensors that are due measure the last frame
+//   3. controllers that are due are updated, then supervisors, each in the order of the file
+//   4. motors convert their targets to drives
+//   5. World::step(dt)
+//   6. the observers receive the new frame
 #pragma once
 
 #include <atomic>
@@ -15,131 +18,142 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/control/command.h"
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/physics/frame.h"
 #include "cogrsim/plugin/loader.h"
 #include "cogrsim/sensing/sensor.h"
-#include "cogrsim/simulation/command.h"
 
 namespace cogrsim {
 
+/// Options of a run.
 struct SimulationOptions {
-  std::string backend;                                     ///< empty: the scene's, else "bullet"
-  double step = 0.0;                                       ///< [s]; 0: the scene's
-  std::optional<std::uint64_t> seed;                       ///< empty: the scene's
+  std::string backend;                ///< empty: that of the scene, otherwise "bullet"
+  double step = 0.0;                  ///< time step [s]; 0: that of the scene
+  std::optional<std::uint64_t> seed;  ///< empty: that of the scene
   double speed = std::numeric_limits<double>::infinity();  ///< see SetSpeed
-  Isolation isolation = Isolation::none;                   ///< of controllers that do not say
+  Isolation isolation = Isolation::none;  ///< of controllers whose isolation is not set
 };
 
+/// Status of a run.
 enum class RunStatus {
   running,    ///< not ended
-  completed,  ///< reached the time asked for
-  stopped,    ///< by a command, a supervisor or stop()
-  fault,      ///< a controller's fault ended it (`on-fault="end-run"`)
-  diverged    ///< the physics exploded
+  completed,  ///< reached the requested time
+  stopped,    ///< ended by a command, a supervisor or stop()
+  fault,      ///< ended by a fault of a controller (`on-fault="end-run"`)
+  diverged    ///< the physics diverged
 };
 /// "running", "completed", "stopped", "fault", "diverged".
 COGRSIM_API const char* to_string(RunStatus status);
 
-/// A message of a run: a fault, a refused command, what a controller reported.
+/// A message of a run: a fault, a rejected command, or a report of a controller.
 struct RunMessage {
-  double time = 0.0;
+  double time = 0.0;  ///< simulated time [s]
   Severity severity = Severity::error;
-  std::string source;  ///< robot, controller, command …
+  std::string source;  ///< name of the robot, controller, command …
   std::string message;
 };
 
-/// The whole state of a run at one step boundary: world, motors, sensors' noise, clock.
-/// Controllers keep their own memory and are not part of it; see Simulation::restore.
+/// The state of a run at one step boundary: world, motors, sensor noise and clock. It does not
+/// include the internal state of the controllers; see Simulation::restore().
 struct SimulationSnapshot;
 using SimulationSnapshotPtr = std::shared_ptr<const SimulationSnapshot>;
 
-/// What Simulation::reload_controller() did.
+/// Result of Simulation::reload_controller().
 struct Reloaded {
-  std::string controller;  ///< dotted name
-  std::string plugin;
-  std::string version;       ///< of the library that runs now
-  bool memory_kept = false;  ///< it goes on with the memory of the one before; else it began anew
-  std::string note;          ///< why it began anew; empty when the memory was kept
+  std::string controller;    ///< dotted name
+  std::string plugin;        ///< name of the plugin
+  std::string version;       ///< version of the new library
+  bool memory_kept = false;  ///< true: it has the state of the old controller; false: it restarted
+  std::string note;          ///< why it restarted; empty if the state was transferred
 };
 
-/// An observer of a simulation, by which it is taken off; letting go of this changes nothing.
+/// Handle of an observer, with which it can be removed. Destroying the handle does not remove it.
 class COGRSIM_API Observation {
  public:
-  struct Watcher;
+  struct Slot;
   Observation() = default;
-  explicit Observation(std::weak_ptr<Watcher> watcher) : watcher_(std::move(watcher)) {}
+  explicit Observation(std::weak_ptr<Slot> slot) : slot_(std::move(slot)) {}
 
-  /// From the next frame on the observer is not called any more and its contents are not made. By
-  /// the thread that steps, also while it is called; nothing happens if it or the simulation is gone.
+  /// Removes the observer: from the next frame on it is not called and its frame contents are not
+  /// computed. Must be called by the thread that steps the simulation, possibly in the observer
+  /// itself. No effect if the observer or the simulation no longer exists.
   void end();
 
  private:
-  std::weak_ptr<Watcher> watcher_;
+  std::weak_ptr<Slot> slot_;
 };
 
+/// A running simulation. Not thread-safe except where stated: all other calls must be made by one
+/// thread at a time. Different simulations may run in different threads.
 class COGRSIM_API Simulation {
  public:
-  /// Loads backend and plugins, checks capabilities, builds the world, configures controllers.
-  /// Errors: all that were found, one Diagnostic each; advice goes to messages().
+  /// Loads the backend and the plugins, checks the capabilities, builds the world and configures
+  /// the controllers. Errors: all problems that were found, one Diagnostic each. Warnings are in
+  /// messages().
   static tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> create(
       SceneModelPtr scene, const SimulationOptions& options, std::shared_ptr<PluginLoader> loader);
   ~Simulation();
 
   const Backend& backend() const;
-  /// Who computes what in this run, with every option in force.
+  /// The code that computes each stage of this run, and all options in use.
   const Provenance& provenance() const;
+  /// The current scene, including elements that were added or removed during the run.
   const SceneModelPtr& model() const;
-  double time() const;
-  double dt() const;
-  std::uint64_t step_count() const;
+  double time() const;               ///< simulated time [s]
+  double dt() const;                 ///< current time step [s]
+  std::uint64_t step_count() const;  ///< number of steps since the start
   RunStatus status() const;
   const std::vector<RunMessage>& messages() const;
 
-  /// The latest frame, with everything a frame can contain.
+  /// The latest frame with all optional contents.
   FramePtr frame();
 
-  /// Observers see every frame after its step, in order of registration. Keep them short.
+  /// Adds an observer, which is called with every new frame by the thread that steps. Observers are
+  /// called in the order of their registration and should return quickly.
   using Observer = std::function<void(const FramePtr&)>;
   Observation observe(FrameContents contents, Observer observer);
 
-  /// Steps until `end_time` [s]: returns `completed`, while status() stays `running` and a later
-  /// call goes on; or until something ends the run: returns what status() then says. Sleeps as the
-  /// speed demands; returns early with `running` when paused and no command is waiting. Chopping a
-  /// run into several calls changes nothing.
+  /// Steps until `end_time` [s] and returns `completed`; status() is still `running`, and a later
+  /// call continues the run. If the run ends earlier, it returns the final status(). If the
+  /// simulation is paused and no command is queued, it returns `running` at once. The function
+  /// sleeps to limit the speed, see SetSpeed. Dividing a run into several calls does not change the
+  /// results.
   RunStatus run_until(double end_time);
-  /// One step. Once the run has ended, or while paused, it only applies commands (StepOnce, Resume
-  /// and Restart among them).
+  /// Makes one step. If the run has ended or is paused, it only applies commands (including
+  /// StepOnce, Resume and Restart).
   RunStatus step();
 
-  /// From any thread; applied before the next step.
+  /// Queues a command for the next step boundary. Thread-safe.
   void send(Command command);
-  /// From any thread or a signal handler: ends the run at the next step boundary.
+  /// Ends the run at the next step boundary. Thread-safe and safe in signal handlers.
   void stop() noexcept;
   bool paused() const;
 
+  /// Saves the state of the run; call it between steps.
   SimulationSnapshotPtr save() const;
-  /// Errors: a snapshot of another scene or backend. Controllers are configured anew when
-  /// `restart_controllers`, else they go on with the memory they have.
+  /// Restores a saved state. If `restart_controllers` is set, the controllers are created and
+  /// configured again; otherwise they continue with their internal state. Errors: the snapshot is
+  /// from another scene or backend.
   Result<> restore(const SimulationSnapshotPtr& snapshot, bool restart_controllers = false);
 
-  /// Puts the library of a controller, as it lies on disk now, in the place of the one that runs;
-  /// to be called between steps, by the thread that steps. `name`: the controller's, or that of an
-  /// assembly with one controller. The new controller is configured and given what save() of the old
-  /// one tells; targets of motors then stay as they are. If save() tells nothing it begins anew. One
-  /// that was stopped by a fault runs again. Restarts use the new library too, as do controllers
-  /// that come later. Errors, after which all is as it was: no such controller; the run has ended;
-  /// the library cannot be loaded; its parameters do not take the scene's, or it publishes something
-  /// else than before; configure() fails; the memory does not fit.
+  /// Replaces the library of a running controller by the current file on disk. Must be called
+  /// between steps by the thread that steps. `name` is that of the controller, or of an assembly
+  /// with exactly one controller. The new controller is configured and gets the state that the old
+  /// one returns from save(); motor targets are unchanged. Without such a state it restarts. A
+  /// controller that was stopped by a fault runs again. Restarts and controllers that are added
+  /// later use the new library, too. Errors, after which nothing has changed: the controller does
+  /// not exist; the run has ended; the library cannot be loaded; the parameters of the scene do not
+  /// match the new library; its outputs differ; configure() fails; it does not accept the state.
   Result<Reloaded> reload_controller(const std::string& name);
 
-  /// The sensor objects' channels, by sensor index.
+  /// The channels of a sensor by its index.
   const std::vector<Channel>& channels(int sensor) const;
 
   struct Impl;
 
  private:
-  friend struct SnapshotAccess;  // snapshots on file
+  friend struct SnapshotAccess;  // snapshot files
   explicit Simulation(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

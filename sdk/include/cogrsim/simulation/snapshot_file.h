@@ -1,5 +1,6 @@
-// The state of a run on file: to go on later, elsewhere, on another engine, or with something
-// changed. What is carried over and what is not: docs/snapshots.md.
+// Snapshot files: the state of a run in a file, from which the run can be continued later, on
+// another machine, on another engine, or with a modified scene. docs/guide/snapshots.md lists what
+// is transferred.
 #pragma once
 
 #include <cstdint>
@@ -15,29 +16,32 @@
 
 namespace cogrsim {
 
-/// Version of the files that are written; older ones are read.
-inline constexpr int kSnapshotVersion = 1;
+/// Version of the file format that is written and read. 1: before CogRSim 0.2.
+inline constexpr int kSnapshotVersion = 2;
 
+/// Description of a snapshot file.
 struct SnapshotInfo {
-  std::string scene;  ///< its name
+  std::string scene;  ///< name of the scene
   std::string backend, engine_version;
   std::uint64_t seed = 0;
-  double time = 0.0;                              ///< [s]
-  double step = 0.0;                              ///< [s]
-  std::map<std::string, std::string> parameters;  ///< `--set` of the run it was taken from
-  bool changed = false;  ///< things had come, gone or been changed since the start
+  double time = 0.0;                              ///< simulated time [s]
+  double step = 0.0;                              ///< time step [s]
+  std::map<std::string, std::string> parameters;  ///< options `--set` of the run
+  bool changed = false;  ///< elements had been added, removed or changed since the start
 };
 
-/// Writes the present state of a run, whole or not at all; to be called between steps. `parameters`
-/// are kept for the record. Errors: write_output_file()'s; a controller's save() throws.
+/// Writes the current state of a run to a file, atomically. Call it between steps. `parameters` are
+/// stored as information only. Errors: those of write_output_file(), or save() of a controller
+/// throws.
 COGRSIM_API Result<> write_snapshot(const Simulation& simulation, const std::string& path,
                                     const std::map<std::string, std::string>& parameters = {},
                                     const OutputRules& rules = {});
 
-/// A snapshot, read and checked.
+/// The checked contents of a snapshot file; immutable and thread-safe.
 class COGRSIM_API SnapshotFile {
  public:
-  /// Errors: not there, no snapshot, of a newer version, damaged or changed by hand.
+  /// Reads and checks a file. Errors: the file does not exist, is not a snapshot, has a newer
+  /// version, is damaged, or was edited.
   static Result<SnapshotFile> read(const std::string& path);
 
   const SnapshotInfo& info() const;
@@ -49,18 +53,19 @@ class COGRSIM_API SnapshotFile {
   std::shared_ptr<const Impl> impl_;
 };
 
+/// Result of resume().
 struct Resumed {
-  std::unique_ptr<Simulation> simulation;  ///< at the snapshot's time
-  /// In words what could not be carried over: elements that are new or missing, controllers without
-  /// save(), and the like.
+  std::unique_ptr<Simulation> simulation;  ///< at the time of the snapshot
+  /// Descriptions of what could not be transferred: new or missing elements, controllers without
+  /// save(), and similar.
   std::vector<std::string> notes;
-  bool same_scene = false;  ///< the scene is the one of then, and so is the backend
+  bool same_scene = false;  ///< scene and backend are those of the snapshot
 };
 
-/// A simulation of `scene` that goes on from the snapshot. The scene may differ from that of then,
-/// in parameters or by editing, and so may backend, step and seed: state is carried over by the
-/// names of bodies, joints, motors, sensors and minds. Errors: as Simulation::create; another scene
-/// by name; a state that the engine refuses.
+/// Creates a simulation of `scene` that continues from the snapshot. The scene may have been edited
+/// or compiled with other parameters, and backend, step and seed may differ: the state is
+/// transferred by the names of bodies, joints, motors, sensors and controllers. Errors: as
+/// Simulation::create(), a scene with another name, or a state that the engine rejects.
 COGRSIM_API tl::expected<Resumed, std::vector<Diagnostic>> resume(
     const SnapshotFile& snapshot, SceneModelPtr scene, const SimulationOptions& options,
     std::shared_ptr<PluginLoader> loader);

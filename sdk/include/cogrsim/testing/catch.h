@@ -1,17 +1,17 @@
-// For tests written in C++ with Catch2 (2.13 or 3): a run on every backend, matchers for poses and
-// trajectories, and trajectories kept on file.
+// Helpers for C++ tests with Catch2 (2.13 or 3): runs on every backend, matchers for poses and
+// trajectories, and golden trajectories in files.
 //
 //     TEST_CASE("the arm comes to rest") {
 //       const std::string backend = GENERATE(cogrsim::testing::backends());
 //       auto run = cogrsim::testing::start(model, backend);
-//       const auto trajectory = cogrsim::testing::record(*run, {"arm.tip.x", "arm.tip.z"}, 2.0, 0.05);
-//       CHECK_THAT(trajectory, cogrsim::testing::MatchesGolden(__FILE__, "arm.csv", 1e-3));
+//       const auto trajectory = cogrsim::testing::record(*run, {"arm.tip.x", "arm.tip.z"}, 2.0,
+//       0.05); CHECK_THAT(trajectory, cogrsim::testing::MatchesGolden(__FILE__, "arm.csv", 1e-3));
 //       CHECK_THAT(run->frame()->state.poses[0], cogrsim::testing::ApproxPose(goal, 1e-3, 0.01));
 //     }
 //
-// A golden trajectory is a CSV file beside the test. It is written, instead of compared, when the
-// environment has COGRSIM_UPDATE_GOLDEN=1, or when a main() that calls take_golden_option() was
-// given --update-golden.
+// A golden trajectory is a CSV file next to the test. It is written instead of compared if the
+// environment has COGRSIM_UPDATE_GOLDEN=1, or if main() calls take_golden_option() and the program
+// has the option --update-golden.
 #pragma once
 
 #include <algorithm>
@@ -49,13 +49,13 @@ using MatcherBase = Catch::MatcherBase<T>;
 
 namespace cogrsim::testing {
 
-/// For GENERATE: the backends that can be found, or those named in the environment's
-/// COGRSIM_TEST_BACKENDS ("bullet,cogrsim").
+/// Generator of the names of the available backends, or of those in the environment variable
+/// COGRSIM_TEST_BACKENDS ("bullet,cogrsim"), for GENERATE.
 inline Catch::Generators::GeneratorWrapper<std::string> backends() {
   std::vector<std::string> names;
   if (const char* given = std::getenv("COGRSIM_TEST_BACKENDS")) {
-    std::istringstream words(given);
-    for (std::string name; std::getline(words, name, ',');)
+    std::istringstream list(given);
+    for (std::string name; std::getline(list, name, ',');)
       if (!name.empty()) names.push_back(name);
   } else {
     PluginLoader loader;
@@ -67,7 +67,7 @@ inline Catch::Generators::GeneratorWrapper<std::string> backends() {
   return Catch::Generators::from_range(names.begin(), names.end());
 }
 
-/// A run of `model`; fails the test with what was found when there is none.
+/// Creates a simulation of `model`; fails the test with the diagnostics if that is not possible.
 inline std::unique_ptr<Simulation> start(const SceneModelPtr& model, const std::string& backend,
                                          SimulationOptions options = {}) {
   options.backend = backend;
@@ -84,12 +84,12 @@ inline std::unique_ptr<Simulation> start(const SceneModelPtr& model, const std::
 /// Signals over time.
 struct Trajectory {
   std::vector<std::string> signals;
-  std::vector<double> times;                ///< [s], rising
-  std::vector<std::vector<double>> values;  ///< (times x signals); NaN: none
+  std::vector<double> times;                ///< [s], ascending
+  std::vector<std::vector<double>> values;  ///< (times x signals); NaN: no value
 };
 
-/// Runs on for `duration` [s] and keeps the signals' values at the start and after every `every`
-/// [s]. Fails the test on a signal that is not there, and when the run ends early.
+/// Runs a simulation for `duration` [s] and samples the signals at the start and after every period
+/// `every` [s]. Fails the test if a signal does not exist or the run ends early.
 inline Trajectory record(Simulation& run, const std::vector<std::string>& signals, double duration,
                          double every) {
   Trajectory out;
@@ -126,20 +126,21 @@ inline std::string pose_text(const Pose& X) {
   return out.str();
 }
 
-/// A pose whose origin is at most `metres` away and whose axes are turned by at most `radians`.
+/// Matches a pose whose position error is at most `metres` [m] and whose rotation error is at most
+/// `radians` [rad].
 class ApproxPose : public MatcherBase<Pose> {
  public:
   ApproxPose(const Pose& expected, double metres, double radians)
       : expected_(expected), metres_(metres), radians_(radians) {}
 
   bool match(const Pose& found) const override {
-    const double apart = (found.p - expected_.p).norm();
-    const double turned = angle_between(found.q, expected_.q);
+    const double distance = (found.p - expected_.p).norm();
+    const double angle = angle_between(found.q, expected_.q);
     std::ostringstream out;
     out << "is within " << metres_ << " m and " << radians_ << " rad of " << pose_text(expected_)
-        << ": it is " << apart << " m away and turned by " << turned << " rad";
+        << ": it is " << distance << " m away and turned by " << angle << " rad";
     found_ = out.str();
-    return apart <= metres_ && turned <= radians_;  // false for NaN
+    return distance <= metres_ && angle <= radians_;  // false for NaN
   }
   std::string describe() const override { return found_; }
 
@@ -149,13 +150,13 @@ class ApproxPose : public MatcherBase<Pose> {
   mutable std::string found_ = "is near a pose";
 };
 
-/// The worst place where two trajectories differ, in words; empty: nowhere by more than `tolerance`,
-/// in the signals' own units. Where both have no value they agree.
+/// Describes the largest difference of two trajectories; empty if no difference exceeds
+/// `tolerance`, in the units of the signals. Two missing values are equal.
 inline std::string difference(const Trajectory& expected, const Trajectory& found,
                               double tolerance) {
   std::ostringstream out;
   if (expected.signals != found.signals) {
-    out << "its signals are others:";
+    out << "its signals differ:";
     for (const std::string& name : found.signals) out << " " << name;
     out << ", expected:";
     for (const std::string& name : expected.signals) out << " " << name;
@@ -175,19 +176,19 @@ inline std::string difference(const Trajectory& expected, const Trajectory& foun
     for (std::size_t k = 0; k < expected.signals.size(); ++k) {
       const double a = expected.values[i][k], b = found.values[i][k];
       if (std::isnan(a) && std::isnan(b)) continue;
-      const double apart = std::isnan(a) || std::isnan(b) ? std::numeric_limits<double>::infinity()
+      const double error = std::isnan(a) || std::isnan(b) ? std::numeric_limits<double>::infinity()
                                                           : std::abs(a - b);
-      if (!(apart > worst)) continue;
-      worst = apart;
+      if (!(error > worst)) continue;
+      worst = error;
       out.str("");
       out << expected.signals[k] << " is " << b << " at " << found.times[i] << " s, expected " << a
-          << ": " << apart << " apart, " << tolerance << " allowed";
+          << ": the difference is " << error << ", at most " << tolerance << " is allowed";
     }
   }
   return out.str();
 }
 
-/// A trajectory with the same signals and times, and values at most `tolerance` apart.
+/// Matches a trajectory with the same signals and times whose values differ by at most `tolerance`.
 class ApproxTrajectory : public MatcherBase<Trajectory> {
  public:
   ApproxTrajectory(Trajectory expected, double tolerance)
@@ -207,7 +208,8 @@ class ApproxTrajectory : public MatcherBase<Trajectory> {
   mutable std::string difference_;
 };
 
-/// "time,a.x,b.y" and a line per sample, numbers with all their digits; an empty field: no value.
+/// Writes a trajectory as CSV: a line "time,a.x,b.y" and one line per sample with exact numbers. An
+/// empty field is a missing value.
 inline void write_csv(const Trajectory& trajectory, std::ostream& out) {
   out.imbue(std::locale::classic());
   out.precision(17);
@@ -227,7 +229,7 @@ inline void write_csv(const Trajectory& trajectory, std::ostream& out) {
   }
 }
 
-/// What write_csv() wrote. Errors: no such file, a line that is not of that form.
+/// Reads the output of write_csv(). Errors: the file does not exist, or a line has another form.
 inline Result<Trajectory> read_csv(const std::string& path) {
   std::ifstream in(path);
   if (!in) return fail("there is no golden file " + path, "", "write it with --update-golden");
@@ -247,18 +249,18 @@ inline Result<Trajectory> read_csv(const std::string& path) {
   };
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
-    std::vector<std::string> words = fields(line);
+    std::vector<std::string> entries = fields(line);
     if (number == 1) {
-      out.signals.assign(words.begin() + 1, words.end());
+      out.signals.assign(entries.begin() + 1, entries.end());
       continue;
     }
     std::vector<double> row;
-    for (const std::string& word : words) {
-      std::istringstream number_in(word);
+    for (const std::string& entry : entries) {
+      std::istringstream number_in(entry);
       number_in.imbue(std::locale::classic());
       double value = std::numeric_limits<double>::quiet_NaN();
-      if (!word.empty() && (!(number_in >> value) || number_in.peek() != EOF))
-        return fail("'" + word + "' is no number", path + ":" + std::to_string(number));
+      if (!entry.empty() && (!(number_in >> value) || number_in.peek() != EOF))
+        return fail("'" + entry + "' is not a number", path + ":" + std::to_string(number));
       row.push_back(value);
     }
     if (row.size() != out.signals.size() + 1 || std::isnan(row[0]))
@@ -279,17 +281,18 @@ inline bool& update_golden() {
   return update;
 }
 
-/// For a main() of your own, before Catch2 reads the command line: takes --update-golden out of it.
+/// Removes the option --update-golden from the command line and applies it. Call it in your own
+/// main() before Catch2 reads the command line.
 inline void take_golden_option(int& argc, char** argv) {
-  char** end = std::remove_if(argv, argv + argc, [](const char* word) {
-    return std::strcmp(word, "--update-golden") == 0;
+  char** end = std::remove_if(argv, argv + argc, [](const char* argument) {
+    return std::strcmp(argument, "--update-golden") == 0;
   });
   if (end != argv + argc) update_golden() = true;
   argc = static_cast<int>(end - argv);
   argv[argc] = nullptr;
 }
 
-/// As the trajectory on file, see above; `beside`: __FILE__ of the test.
+/// Matches the golden trajectory in `file`, see above. `beside` is __FILE__ of the test.
 class MatchesGolden : public MatcherBase<Trajectory> {
  public:
   MatchesGolden(const char* beside, const std::string& file, double tolerance)
@@ -309,12 +312,12 @@ class MatchesGolden : public MatcherBase<Trajectory> {
       text_ = golden.error().text();
       return false;
     }
-    const std::string apart = difference(*golden, found, tolerance_);
-    text_ = apart.empty()
+    const std::string error = difference(*golden, found, tolerance_);
+    text_ = error.empty()
                 ? "is as in " + path_
-                : "is not as in " + path_ + ": " + apart +
+                : "is not as in " + path_ + ": " + error +
                       "; if that is right, run with --update-golden or COGRSIM_UPDATE_GOLDEN=1";
-    return apart.empty();
+    return error.empty();
   }
   std::string describe() const override { return text_; }
 

@@ -1,4 +1,4 @@
-// Judges a run, or several at once, by the expectations of a `<test>`.
+// Evaluation of the expectations of a `<test>` on one or several runs.
 #pragma once
 
 #include <memory>
@@ -15,53 +15,57 @@ namespace cogrsim {
 /// "expect", "always", "eventually", "agree".
 COGRSIM_API const char* to_string(ExpectationModel::Kind kind);
 
-/// What `agree` compares: a signal, or PLACE.position, which is its x, y and z.
+/// Parses the argument of `agree`: a signal, or POSE.position for its x, y and z. Errors: as
+/// Signal::parse().
 COGRSIM_API Result<std::vector<Signal>> parse_agreement(const SignalScope& scope,
                                                         const std::string& text);
 
-/// What became of one expectation.
+/// Result of one expectation.
 struct Verdict {
   /// Values of the signals at one time.
   struct Sample {
     double time = 0.0;           ///< [s]
-    std::vector<double> values;  ///< as `columns`; NaN: none
-    bool decisive = false;       ///< the frame that decided
+    std::vector<double> values;  ///< in the order of `columns`; NaN: no value
+    bool decisive = false;       ///< the frame that decided the result
   };
   bool passed = false;
   std::string expectation;  ///< "always abs(bot.roll) lt 10 deg"
-  std::string message;      ///< what went wrong: "does not hold at 1.25 s"; empty when passed
-  double time = 0.0;        ///< at which it was decided [s]
+  std::string message;      ///< the failure: "does not hold at 1.25 s"; empty if passed
+  double time = 0.0;        ///< time at which the result was decided [s]
   std::vector<std::string> columns;  ///< signals with their units: "bot.roll [rad]"
-  std::vector<Sample> samples;       ///< of a failure, around its time
+  std::vector<Sample> samples;       ///< samples around the time of a failure
   SourceSpan origin;
 };
 
-/// Watches runs of one scene, for one test. expect, always and eventually are judged where one run
-/// is watched, agree where several are: what is not judged has no verdict.
+/// Evaluates one test on runs of a scene. The expectations expect, always and eventually are
+/// evaluated for a single run, and agree for several runs; the other expectations have no verdict.
+/// Not thread-safe.
 ///
-/// A condition that is unknown (see condition.h) does not hold. A run that ends by itself ends the
-/// test: `expect` without `at` holds at that end, `always` until then; what lies beyond it fails.
+/// An unknown condition (see condition.h) does not hold. If a run ends by itself, the test ends,
+/// too: `expect` without `at` must hold at that time and `always` until then; expectations about
+/// later times fail.
 class COGRSIM_API TestJudge {
  public:
-  /// `runs` names the runs (backends) watched, at least one; `duration`: how long they are meant to
-  /// last [s]. Errors: an expectation that does not parse, `where` says which.
+  /// `runs` has the names of the runs (backends), at least one; `duration` is their intended
+  /// duration [s]. Errors: an expectation cannot be parsed; Error::where is its source location.
   static Result<TestJudge> create(const SignalScope& scope, const TestModel& test, double duration,
                                   std::vector<std::string> runs);
   ~TestJudge();
   TestJudge(TestJudge&&) noexcept;
   TestJudge& operator=(TestJudge&&) noexcept;
 
-  /// Whether there is anything to judge.
+  /// Whether the test has no expectations to evaluate.
   bool empty() const;
-  /// What frames must contain.
+  /// The frame contents that see() needs.
   FrameContents needs() const;
-  /// One frame of every run, of the same step, from the start on.
+  /// Processes the frames of one step, one per run. Must be called for every step, including the
+  /// start.
   void see(const std::vector<FramePtr>& frames);
   void see(const FramePtr& frame) { see(std::vector<FramePtr>{frame}); }
-  /// Everything is decided: going on changes nothing.
+  /// Whether all results are decided, so that further frames change nothing.
   bool decided() const;
-  /// After the last frame. `early`: why a run ended before its time ("diverged"); empty: it did
-  /// not, or ended by its own will. Verdicts in the order of the test.
+  /// Returns the verdicts in the order of the test; call it after the last frame. `early` is the
+  /// reason for which a run failed early ("diverged"); empty: no run failed.
   std::vector<Verdict> finish(const std::string& early = {});
 
  private:
@@ -70,8 +74,8 @@ class COGRSIM_API TestJudge {
   std::unique_ptr<Impl> impl_;
 };
 
-/// "maze.scene.xml:27:5: always abs(bot.roll) lt 10 deg\n  does not hold at 1.25 s\n" and a small
-/// table of the values around.
+/// A verdict as text, "maze.scene.xml:27:5: always abs(bot.roll) lt 10 deg\n  does not hold at
+/// 1.25 s\n", followed by a small table of the values around that time.
 COGRSIM_API std::string to_text(const Verdict& verdict, const SceneModel& model);
 
 }  // namespace cogrsim

@@ -1,5 +1,5 @@
 # Writes the bytes of the files IN ("name=path;…") as C++ arrays into OUT.
-set(text "// Made by embed.cmake from the compiled schemas.\n#include \"recording/schemas.h\"\n\nnamespace cogrsim {\n")
+set(text "// Made by embed.cmake from the compiled schemas.\n#include \"recording/mcap/schemas.h\"\n\nnamespace cogrsim {\n")
 foreach(entry ${IN})
   string(REGEX MATCH "^([^=]+)=(.*)$" matched "${entry}")
   set(name ${CMAKE_MATCH_1})

@@ -6,10 +6,10 @@ import { tree_state } from "../tree/tree_state";
 import { insert_dialog } from "./dialog";
 import { insert_op, insert_plan, loose_robot } from "./plan";
 
-/** In the order of the menu; what a newcomer needs first comes first. */
+/** In the order of the menu; the elements for beginners come first. */
 const kOffered: [string, string][] = [
   ["box", "Box"], ["sphere", "Sphere"], ["cylinder", "Cylinder"], ["capsule", "Capsule"], ["plane", "Plane"],
-  ["mesh", "Mesh"], ["heightmap", "Ground of heights"], ["body", "Body"], ["assembly", "Assembly"],
+  ["mesh", "Mesh"], ["heightmap", "Height field"], ["body", "Body"], ["assembly", "Assembly"],
   ["hinge", "Hinge"], ["slider", "Slider"], ["ball", "Ball joint"], ["universal", "Universal joint"], ["fixed", "Fixed joint"],
   ["cylindrical", "Cylindrical joint"], ["planar", "Planar joint"], ["screw", "Screw"], ["free", "Free joint"],
   ["motor", "Motor"], ["servo", "Servo"],
@@ -35,11 +35,11 @@ export function insertable(studio: Studio): string[] {
   return [...order.filter((t) => allowed.has(t)), ...[...allowed].filter((t) => !order.includes(t))];
 }
 
-/** Inserts one with what it begins with, or asks if something must be known first, or if `ask`. */
+/** Inserts one with its first attributes; with a dialog if required ones are missing, or if `ask`. */
 export async function insert(studio: Studio, tag: string, ask: boolean): Promise<void> {
   const schema = tree_state(studio).schema.peek();
   if (!schema) {
-    studio.notify("the vocabulary has not come yet: try again in a moment");
+    studio.notify("the vocabulary is still loading: try again shortly");
     return;
   }
   let plan = insert_plan(studio.state, schema, tag);
@@ -65,7 +65,7 @@ export function register_insert_commands(studio: Studio): void {
     const id = `insert:${tag}`;
     if (commands.hasCommand(id)) return;
     commands.addCommand(id, {
-      // From a menu attributes are set first; a tool bar says {ask: false}.
+      // From a menu attributes are set first; a tool bar passes {ask: false}.
       label: (args) => (args.ask === false ? label : `${label}…`),
       caption: () => tree_state(studio).schema.peek()?.element(tag, tag === "contact" ? { on: "" } : {})?.doc ?? "",
       isEnabled: () => state.may_edit.value && tree_state(studio).schema.value !== null,

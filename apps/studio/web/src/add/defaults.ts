@@ -2,7 +2,7 @@
 import type { TreeElement, Vec3 } from "../core/protocol";
 import { kBodies, kJoints, kShapes, type Schema } from "../forms/schema";
 
-/** A ball [m] around what the defaults below make, for finding a free place. */
+/** Radius [m] of a ball around an element with the defaults below, to find a free position. */
 export const kRadius: Record<string, number> = {
   box: 0.18, sphere: 0.1, cylinder: 0.15, capsule: 0.16, mesh: 0.3, body: 0.18, assembly: 0.2, instance: 0.2,
 };
@@ -33,7 +33,7 @@ const kDefaults: Record<string, Record<string, string>> = {
   supervisor: { rate: "10 Hz" },
 };
 
-/** Things that are told apart at sight, and from the ground; readable on light and dark. */
+/** Colours that differ from each other and from the ground; readable on light and dark. */
 const kColors = ["#d9863b", "#4a8fc7", "#6aa84f", "#c25b56", "#8d6fb8", "#c4ad45"];
 const kColored = ["box", "sphere", "cylinder", "capsule"];
 
@@ -44,7 +44,7 @@ export function color_for(tag: string, elements: readonly TreeElement[]): Record
   return { color: kColors[(kColors.indexOf(last) + 1) % kColors.length]! };
 }
 
-/** Words that the form of a new element shows first, beside those that must be there. */
+/** Attributes that the form of a new element shows first, beside the required ones. */
 const kFirst: Record<string, string[]> = {
   joint: ["parent", "child", "axis", "lower", "upper", "xyz"],
   motor: ["joint", "mode", "max-torque", "max-force", "max-speed", "target"],
@@ -67,13 +67,13 @@ export function first_attributes(schema: Schema, tag: string): string[] {
 /** Lowest height [m] of a new thing's origin: high enough to be seen falling onto the ground. */
 export const kHeight = 0.5;
 
-/** Attributes of a new element, without names of others. `place`: where it goes, in the frame of what holds it. */
-export function default_attributes(tag: string, place: Vec3 | null): Record<string, string> {
+/** Attributes of a new element, without names of others. `position`: in the frame of its parent. */
+export function default_attributes(tag: string, position: Vec3 | null): Record<string, string> {
   const out: Record<string, string> = { name: tag.replace(/[^A-Za-z0-9_]/g, "_"), ...kDefaults[tag] };
   if (tag === "plane" || tag === "heightmap") return out;
-  // Minds are called after their plugin.
+  // Controllers and supervisors are named after their plugin.
   if (tag === "controller" || tag === "supervisor") delete out.name;
-  if (place && (kShapes.includes(tag) || ["body", "assembly", "instance", "region"].includes(tag))) out.xyz = place.join(" ");
+  if (position && (kShapes.includes(tag) || ["body", "assembly", "instance", "region"].includes(tag))) out.xyz = position.join(" ");
   if (tag === "light") out.xyz = "0 0 3";
   return out;
 }
@@ -84,7 +84,7 @@ export function effort_for(joint_tag: string | undefined): Record<string, string
   return slides ? { "max-force": "10 N" } : { "max-torque": "1 N*m" };
 }
 
-/** Two bodies for a joint: the first selected carries the second; one alone hangs on the world. */
+/** Two bodies for a joint: the first selected carries the second; one alone is joined to the world. */
 export function joint_ends(elements: readonly TreeElement[], selection: readonly number[]): { parent: number; child: number } {
   const bodies = selection.filter((id) => [...kBodies, "assembly", "instance"].includes(elements[id]?.tag ?? ""));
   if (bodies.length >= 2) return { parent: bodies[0]!, child: bodies[1]! };

@@ -34,7 +34,7 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
     const spec = known.find((a) => a.name === name);
     if (!spec) return null;
     const choices = name_choices(schema, elements, parent, plan.tag, spec);
-    // Names that must be known are chosen from what there is.
+    // References are chosen from the existing names.
     const chooses = choices && (spec.required || name === "parent") && spec.kind !== "references";
     return (
       <Field

@@ -4,7 +4,7 @@ import type { SceneBody, TreeElement } from "../core/protocol";
 import { State } from "../core/state";
 import { Schema } from "../forms/schema";
 import { color_for } from "./defaults";
-import { free_place, front_place, into_frame, rotate } from "./place";
+import { free_position, front_position, into_frame, rotate } from "./place";
 import { common_parent, insert_op, insert_plan, loose_robot, parent_for } from "./plan";
 
 const close = (a: readonly number[], b: readonly number[]) =>
@@ -16,12 +16,12 @@ test("a quarter turn about z takes x to y, and back", () => {
   close(into_frame([1, 0, 0, half, 0, 0, half], [1, 2, 3]), [2, 0, 3]);
 });
 
-test("new things do not overlap what is there", () => {
+test("new elements do not overlap existing ones", () => {
   const others = [{ centre: [0, 0, 0.5] as [number, number, number], radius: 0.3 }];
-  const found = free_place(others, [0, 0, 0.5], 0.2);
+  const found = free_position(others, [0, 0, 0.5], 0.2);
   assert.ok(Math.hypot(found[0], found[1]) >= 0.5);
   assert.equal(found[2], 0.5);
-  assert.deepEqual(free_place(others, [2, 0, 0.5], 0.2), [2, 0, 0.5]);
+  assert.deepEqual(free_position(others, [2, 0, 0.5], 0.2), [2, 0, 0.5]);
 });
 
 const specs: [number, string, string, string][] = [
@@ -31,18 +31,18 @@ const specs: [number, string, string, string][] = [
 const elements = specs.map(([parent, tag, name, path], id): TreeElement => ({
   id, parent, tag, name, path, line: 1, column: 1, end_line: 1, attributes: {},
 }));
-const place = { name: "xyz", kind: "numbers" };
+const xyz = { name: "xyz", kind: "numbers" };
 const reference = (name: string, required: boolean) => ({ name, kind: "reference", required });
 const holds = ["assembly", "box", "hinge", "motor", "camera", "light"];
 const schema = new Schema({
   elements: [
     { name: "scene", children: holds },
-    { name: "assembly", children: holds.filter((h) => h !== "light"), attributes: [place] },
-    { name: "box", attributes: [{ name: "name" }, { name: "size", required: true }, place] },
-    { name: "hinge", attributes: [{ name: "name" }, reference("parent", false), reference("child", true), place] },
+    { name: "assembly", children: holds.filter((h) => h !== "light"), attributes: [xyz] },
+    { name: "box", attributes: [{ name: "name" }, { name: "size", required: true }, xyz] },
+    { name: "hinge", attributes: [{ name: "name" }, reference("parent", false), reference("child", true), xyz] },
     { name: "motor", attributes: [{ name: "name" }, reference("joint", true), { name: "max-torque" }, { name: "max-force" }] },
-    { name: "camera", attributes: [{ name: "name" }, reference("on", true), place] },
-    { name: "light", attributes: [{ name: "name" }, { name: "type" }, place] },
+    { name: "camera", attributes: [{ name: "name" }, reference("on", true), xyz] },
+    { name: "light", attributes: [{ name: "name" }, { name: "type" }, xyz] },
   ],
 });
 function plan(tag: string, selection: number[]) {
@@ -52,7 +52,7 @@ function plan(tag: string, selection: number[]) {
   return insert_plan(state, schema, tag);
 }
 
-test("new things go into the selected group, or beside what is selected", () => {
+test("new elements go into the selected group, or beside the selection", () => {
   assert.equal(parent_for(schema, elements, 1, "box"), 1);
   assert.equal(parent_for(schema, elements, 2, "box"), 1);
   assert.equal(parent_for(schema, elements, 5, "box"), 0);
@@ -67,7 +67,7 @@ test("a box has a size and stands above the ground", () => {
   assert.deepEqual(missing, []);
 });
 
-test("a joint takes the two selected bodies by the names that its place understands", () => {
+test("a joint takes the two selected bodies by names that are valid at its position", () => {
   const inside = plan("hinge", [2, 3]);
   assert.deepEqual([inside.parent, inside.attributes.parent, inside.attributes.child, inside.missing], [1, "deck", "wheel", []]);
   const across = plan("hinge", [5, 3]);
@@ -95,17 +95,17 @@ test("a robot that stands loose is found by its motors", () => {
 
 test("sensors stand at the front of their body, one beside the other", () => {
   const deck = { pose: [0, 0, 0, 1, 0, 0, 0], shapes: [{ type: "box", pose: [0, 0, 0, 1, 0, 0, 0], size: [0.24, 0.12, 0.04] }] };
-  const place = (count: number, high: boolean) => front_place(deck as unknown as SceneBody, count, high);
-  assert.deepEqual(place(0, true), [0.12, 0, 0.02]);
-  assert.deepEqual([place(0, false), place(1, false), place(2, false)], [[0.12, 0.04, 0], [0.12, -0.04, 0], [0.12, 0, 0]]);
+  const position = (count: number, high: boolean) => front_position(deck as unknown as SceneBody, count, high);
+  assert.deepEqual(position(0, true), [0.12, 0, 0.02]);
+  assert.deepEqual([position(0, false), position(1, false), position(2, false)], [[0.12, 0.04, 0], [0.12, -0.04, 0], [0.12, 0, 0]]);
   // A cylinder that lies across reaches as far to the sides as it is long.
   const lying = { shapes: [{ type: "cylinder", pose: [0, 0, 0, Math.SQRT1_2, Math.SQRT1_2, 0, 0], size: [0.05, 0.3] }] };
-  assert.deepEqual(front_place(lying as unknown as SceneBody, 0, false), [0.05, 0.1, 0]);
+  assert.deepEqual(front_position(lying as unknown as SceneBody, 0, false), [0.05, 0.1, 0]);
   const ground = { shapes: [{ type: "plane", pose: [0, 0, 0, 1, 0, 0, 0], size: [4, 4] }] };
-  assert.equal(front_place(ground as unknown as SceneBody, 0, false), null);
+  assert.equal(front_position(ground as unknown as SceneBody, 0, false), null);
 });
 
-test("what is new has another color than what came before it", () => {
+test("a new element has another color than the previous one", () => {
   const first = color_for("box", elements).color;
   const box = { ...elements[2]!, tag: "box", attributes: { color: first! } };
   assert.notEqual(color_for("sphere", [box]).color, first);

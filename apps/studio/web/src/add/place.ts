@@ -1,4 +1,4 @@
-// Where new things go: above the ground, beside what is selected, not inside what is there.
+// Positions of new elements: above the ground, beside the selection, outside of existing bodies.
 import type { Pose, Scene, SceneBody, Vec3 } from "../core/protocol";
 import type { State } from "../core/state";
 
@@ -29,7 +29,7 @@ export interface Round {
   radius: number;
 }
 
-/** A ball around a body; null for what has no end or no shape: planes, grounds. */
+/** A ball around a body; null for bodies without an end or a shape: planes, grounds. */
 export function ball_around(body: SceneBody, scene: Scene): Round | null {
   let radius = 0;
   let any = false;
@@ -59,12 +59,12 @@ const overlaps = (a: Round, b: Round): boolean =>
 
 const rounded = (v: number): number => Math.round(v * 1000) / 1000;
 
-/** The first free place for a ball of `radius`: at `start`, then on growing rings around it at the same height. */
-export function free_place(others: readonly Round[], start: Vec3, radius: number): Vec3 {
+/** The first free position for a ball of `radius`: at `start`, then on growing rings around it at the same height. */
+export function free_position(others: readonly Round[], start: Vec3, radius: number): Vec3 {
   for (let ring = 0; ring < 40; ++ring) {
-    const places = ring === 0 ? 1 : 6 * ring;
-    for (let i = 0; i < places; ++i) {
-      const angle = (2 * Math.PI * i) / places;
+    const count = ring === 0 ? 1 : 6 * ring;
+    for (let i = 0; i < count; ++i) {
+      const angle = (2 * Math.PI * i) / count;
       const away = ring * 2 * (radius + 0.01);
       const centre: Vec3 = [
         rounded(start[0] + away * Math.cos(angle)),
@@ -77,8 +77,8 @@ export function free_place(others: readonly Round[], start: Vec3, radius: number
   return start;
 }
 
-/** A free place in the world for something new of `radius`, beside the main selected body or at the middle. */
-export function new_place(state: State, radius: number, height: number): Vec3 {
+/** A free position in the world for something new of `radius`, beside the main selected body or at the middle. */
+export function new_position(state: State, radius: number, height: number): Vec3 {
   const scene = state.scene.peek();
   if (!scene) return [0, 0, height];
   const balls = scene.bodies.filter((b) => !b.removed).map((b) => ball_around(b, scene));
@@ -93,7 +93,7 @@ export function new_place(state: State, radius: number, height: number): Vec3 {
     const ball = body ? ball_around(body, scene) : null;
     if (ball) start = [rounded(ball.centre[0] + ball.radius + radius + 0.05), rounded(ball.centre[1]), height];
   }
-  return free_place(balls.filter((b): b is Round => b !== null), start, radius);
+  return free_position(balls.filter((b): b is Round => b !== null), start, radius);
 }
 
 /** Extents [m] of a body's shapes in its own frame: the lowest and the highest corner; null if it has none, or no end. */
@@ -120,8 +120,8 @@ function extents(body: SceneBody): { low: Vec3; high: Vec3 } | null {
 }
 
 /** Where a new sensor sits on a body that has `count` of its kind, in the body's frame: at its front (+x), where nothing of the
- *  body is in the way. `high`: at the upper edge, the first in the middle; else at half height, the first two as a pair. */
-export function front_place(body: SceneBody, count: number, high: boolean): Vec3 | null {
+ *  body blocks the view. `high`: at the upper edge, the first in the middle; else at half height, the first two as a pair. */
+export function front_position(body: SceneBody, count: number, high: boolean): Vec3 | null {
   const box = extents(body);
   if (!box) return null;
   const middle = (i: number): number => (box.low[i]! + box.high[i]!) / 2;

@@ -1,4 +1,4 @@
-// What inserting an element means for what is selected: where it stands, and what it begins with.
+// The plan of inserting an element at the selection: its parent, and its first attributes.
 import type { Op, TreeElement, Vec3 } from "../core/protocol";
 import type { State } from "../core/state";
 import {
@@ -6,7 +6,7 @@ import {
 } from "../forms/schema";
 import { print_element } from "../forms/xml_text";
 import { color_for, default_attributes, effort_for, joint_ends, kHeight, kRadius } from "./defaults";
-import { front_place, into_frame, new_place } from "./place";
+import { front_position, into_frame, new_position } from "./place";
 
 export interface InsertPlan {
   tag: string;
@@ -50,10 +50,10 @@ function body_of(elements: readonly TreeElement[], selected: number): TreeElemen
   return elements.find((e) => e.parent === selected && kBodies.includes(e.tag) && e.name !== "");
 }
 
-/** A place for it, in the frame of what holds it. */
-function place_in(state: State, parent: number, tag: string): Vec3 {
+/** A position for it, in the frame of its parent. */
+function position_in(state: State, parent: number, tag: string): Vec3 {
   const radius = kRadius[tag] ?? 0.2;
-  const world = new_place(state, radius, Math.max(kHeight, radius));
+  const world = new_position(state, radius, Math.max(kHeight, radius));
   const { elements } = state.tree.peek();
   for (let at = parent; at > 0; at = elements[at]?.parent ?? -1) {
     const assembly = state.scene.peek()?.assemblies.find((a) => a.element === at);
@@ -68,7 +68,7 @@ function place_in(state: State, parent: number, tag: string): Vec3 {
 
 const kDrives = ["motor", "servo"];
 
-/** What stands loose in the scene and belongs together: motors, their joints, the bodies these connect, and the sensors on
+/** Elements of one robot that stand directly in the scene: motors, their joints, the bodies these connect, and the sensors on
  *  all of them. Empty: no motor stands in the scene itself. */
 export function loose_robot(elements: readonly TreeElement[]): number[] {
   const loose = elements.filter((e) => e.parent === 0);
@@ -82,21 +82,21 @@ export function loose_robot(elements: readonly TreeElement[]): number[] {
       const { joint, on } = e.attributes;
       const refers = kJoints.includes(e.tag) ? ends(e) : [named(joint), named(on)];
       if (refers.some((r) => r && robot.has(r) && r.tag !== "plane")) robot.add(e);
-      // What a part of it is mounted on or moves is a part of it too.
+      // Bodies that carry a part of it, or that it moves, are parts of it too.
       if (robot.has(e)) for (const r of refers) if (r && r.tag !== "plane") robot.add(r);
     }
   }
   return [...robot].map((e) => e.id).sort((a, b) => a - b);
 }
 
-/** Sensors that see nothing from within. */
+/** Sensors that see nothing from inside of a body. */
 const kLooking = ["camera", "infrared", "lidar"];
 
-/** A place at the front of the body that an element makes alone; null: none is known. */
-function place_on(state: State, on: TreeElement, tag: string, name: string): Vec3 | null {
+/** A position at the front of the body that one element makes; null: none is known. */
+function position_on(state: State, on: TreeElement, tag: string, name: string): Vec3 | null {
   const body = state.scene.peek()?.bodies.find((b) => b.element === on.id && b.own);
   const others = state.tree.peek().elements.filter((e) => e.tag === tag && e.attributes.on === name).length;
-  return body ? front_place(body, others, tag !== "infrared") : null;
+  return body ? front_position(body, others, tag !== "infrared") : null;
 }
 
 export function insert_plan(state: State, schema: Schema, tag: string): InsertPlan {
@@ -125,30 +125,30 @@ export function insert_plan(state: State, schema: Schema, tag: string): InsertPl
     if (body && elements[main]?.tag !== "assembly" && schema.may_hold(elements, body.parent, tag)) parent = body.parent;
     // Beside a sensor: on what that one sits.
     attributes.on = name_of(body) || (elements[main]?.attributes.on ?? "");
-    const place = body && kLooking.includes(tag) ? place_on(state, body, tag, attributes.on) : null;
-    if (place) attributes.xyz = place.join(" ");
+    const position = body && kLooking.includes(tag) ? position_on(state, body, tag, attributes.on) : null;
+    if (position) attributes.xyz = position.join(" ");
   } else if (schema.attribute(tag, "plugin")) {
     const plugins = schema.plugins(tag as "controller");
     if (plugins.length === 1) attributes.plugin = plugins[0]!.name;
-    // A controller is the brain of an assembly; when but one has motors, it is that one's.
+    // A controller belongs to an assembly; when only one has motors, it is that one's.
     const assemblies = elements.filter((e) => e.tag === "assembly" && e.parent === 0);
     const driven = assemblies.filter((a) => elements.some((e) => kDrives.includes(e.tag) && e.path.startsWith(`${a.path}.`)));
     const only = driven.length > 0 ? driven : assemblies;
     const drives = elements.some((e) => kDrives.includes(e.tag) && e.parent === 0);
     if (tag === "controller" && parent === 0 && only.length === 1 && !(drives && driven.length === 0)) parent = only[0]!.id;
   }
-  const needs_place = !("on" in attributes) && schema.attribute(tag, "xyz") && !kJoints.includes(tag);
-  const place = needs_place ? place_in(state, parent, tag) : null;
-  const all = { ...default_attributes(tag, place), ...color_for(tag, elements), ...attributes };
+  const needs_position = !("on" in attributes) && schema.attribute(tag, "xyz") && !kJoints.includes(tag);
+  const position = needs_position ? position_in(state, parent, tag) : null;
+  const all = { ...default_attributes(tag, position), ...color_for(tag, elements), ...attributes };
   const known = schema.element(tag, all)?.attributes ?? [];
   for (const name of Object.keys(all)) if (!known.some((a) => a.name === name)) delete all[name];
   const missing = known.filter((a) => a.required && (all[a.name] ?? "") === "").map((a) => a.name);
-  // A joint between nothing and a body would be legal and hardly ever meant.
+  // A joint between the world and a body would be valid, but is hardly ever intended.
   if (kJoints.includes(tag) && all.parent === "") missing.unshift("parent");
   return { tag, parent, attributes: all, missing };
 }
 
-/** Places where the new element may stand, outermost first. */
+/** Where the new element may stand, outermost first. */
 export function possible_parents(schema: Schema, elements: readonly TreeElement[], tag: string): number[] {
   return elements.filter((e) => kGroups.includes(e.tag) && schema.may_hold(elements, e.id, tag)).map((e) => e.id);
 }

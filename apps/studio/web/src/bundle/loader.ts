@@ -10,7 +10,7 @@ function say(text: string): void {
   }
 }
 
-/** What an element holds in base64 letters of gzip. The element goes: the letters take more memory than what they mean. */
+/** The content of an element, in base64 of gzip. The element is removed: its text takes more memory than the data. */
 function unpacked(id: string): Promise<ArrayBuffer> {
   const element = document.getElementById(id)!;
   const letters = atob(element.textContent!);

@@ -57,8 +57,8 @@ interface Head {
 
 const kVersion = 1;
 
-/** Undoes what the program did to numbers that change little from row to row (`packed_columns`): differences of their bits down
- *  each column, split into planes of bytes. What comes out lies column by column, `rows` each. */
+/** Decodes numbers that change little from row to row (`packed_columns`): differences of their bits down
+ *  each column, split into planes of bytes. The result is column by column, `rows` each. */
 export function packed_matrix(bytes: Uint8Array, rows: number): Float32Array {
   const count = bytes.length / 4;
   const bits = new Uint32Array(count);
@@ -119,7 +119,7 @@ class Contacts {
 
 const kNoGhost = new Float32Array(0);
 
-/** A frame whose tail is made when somebody asks. */
+/** A frame whose tail is made on request. */
 class BundleFrame implements Frame {
   readonly live = false;
   readonly ghost = kNoGhost;
@@ -221,7 +221,7 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
     messages: [
       ...head.messages,
       ...head.left_out.map(
-        (what): RunMessage => ({ time: 0, severity: "advice", source: "bundle", message: `left out: ${what}` }),
+        (what): RunMessage => ({ time: 0, severity: "warning", source: "bundle", message: `left out: ${what}` }),
       ),
     ],
     events: head.events,
@@ -266,7 +266,7 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
   };
 }
 
-/** As an answer has them: what is no number is null. */
+/** As an answer has them: NaN is null. */
 function listed(values: ArrayLike<number>): (number | null)[] {
   return Array.from(values, (v) => (Number.isFinite(v) ? v : null));
 }

@@ -3,7 +3,7 @@ import { computed, effect, signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Picture } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { first_place, kept_in, picture_width, raised, type Place } from "./windows";
+import { first_rect, kept_in, picture_width, raised, type Rect } from "./windows";
 
 export type PictureKind = Picture["kind"];
 export const kPictureKinds: { kind: PictureKind; label: string }[] = [
@@ -19,7 +19,7 @@ export interface Camera {
   element: number;
 }
 
-interface Kept extends Place {
+interface Kept extends Rect {
   shown: boolean;
   kind: PictureKind;
 }
@@ -28,10 +28,10 @@ export interface CameraState {
   shown: boolean;
   kind: PictureKind;
   /** null: has never been shown */
-  place: Place | null;
+  rect: Rect | null;
 }
 
-const kNew: CameraState = { shown: false, kind: "color", place: null };
+const kNew: CameraState = { shown: false, kind: "color", rect: null };
 
 export class CameraStore {
   readonly cameras = computed<Camera[]>(() => {
@@ -47,7 +47,7 @@ export class CameraStore {
   readonly states = signal<Record<string, CameraState>>({});
   /** names from the lowest window to the topmost */
   readonly order = signal<string[]>([]);
-  /** whether there is a place to show windows in: the panel is open, its page is seen */
+  /** whether windows can be shown: the panel is open, its page is seen */
   readonly seen = signal(false);
   /** why there are no pictures; empty: there are */
   readonly refusal = signal("");
@@ -64,7 +64,7 @@ export class CameraStore {
       if (file !== undefined) this.load(`cogrsim.cameras.${file}`);
     });
     effect(() => {
-      // a new way knows of no wishes yet
+      // a new connection has no requests yet
       if (!this.studio.state.open.value) this.asked = "[]";
     });
     effect(() => {
@@ -88,8 +88,8 @@ export class CameraStore {
     const all = { ...this.states.value };
     for (const name of names) {
       const state = all[name] ?? kNew;
-      const place = state.place ?? first_place(this.free_slot(all), work_area());
-      all[name] = { ...state, shown, place: shown ? kept_in(place, page_size()) : state.place };
+      const rect = state.rect ?? first_rect(this.free_slot(all), work_area());
+      all[name] = { ...state, shown, rect: shown ? kept_in(rect, page_size()) : state.rect };
     }
     this.states.value = all;
     if (shown) this.order.value = names.reduce<string[]>(raised, this.order.value);
@@ -99,9 +99,9 @@ export class CameraStore {
     this.states.value = { ...this.states.value, [name]: { ...this.state_of(name), kind } };
     this.keep();
   }
-  put(name: string, place: Place): void {
+  put(name: string, rect: Rect): void {
     const state = this.state_of(name);
-    this.states.value = { ...this.states.value, [name]: { ...state, place: kept_in(place, page_size()) } };
+    this.states.value = { ...this.states.value, [name]: { ...state, rect: kept_in(rect, page_size()) } };
     this.keep();
   }
   raise(name: string): void {
@@ -114,8 +114,8 @@ export class CameraStore {
   private wanted(): { name: string; kind: PictureKind; width: number }[] {
     const ratio = typeof devicePixelRatio === "number" ? devicePixelRatio : 1;
     return this.open.value.map(({ name }) => {
-      const { kind, place } = this.state_of(name);
-      return { name, kind, width: picture_width(place?.width ?? 280, ratio) };
+      const { kind, rect } = this.state_of(name);
+      return { name, kind, width: picture_width(rect?.width ?? 280, ratio) };
     });
   }
 
@@ -127,7 +127,7 @@ export class CameraStore {
     this.studio.link.request("cameras", { show }).then(
       () => void (this.refusal.value = ""),
       (error: unknown) => {
-        // the link asks again when the way is mended
+        // the link asks again when the connection is restored
         const closed = error instanceof RequestError && error.failure.code === "closed";
         // to be tried again with the next scene
         this.asked = "";
@@ -138,10 +138,10 @@ export class CameraStore {
 
   private free_slot(all: Record<string, CameraState>): number {
     const area = work_area();
-    const taken = Object.values(all).flatMap((s) => (s.place && s.shown ? [`${s.place.x},${s.place.y}`] : []));
+    const taken = Object.values(all).flatMap((s) => (s.rect && s.shown ? [`${s.rect.x},${s.rect.y}`] : []));
     for (let slot = 0; ; ++slot) {
-      const place = kept_in(first_place(slot, area), page_size());
-      if (slot > taken.length || !taken.includes(`${place.x},${place.y}`)) return slot;
+      const rect = kept_in(first_rect(slot, area), page_size());
+      if (slot > taken.length || !taken.includes(`${rect.x},${rect.y}`)) return slot;
     }
   }
 
@@ -151,7 +151,7 @@ export class CameraStore {
     const kept = read_kept(key);
     const states: Record<string, CameraState> = {};
     for (const [name, k] of Object.entries(kept.cameras))
-      states[name] = { shown: k.shown, kind: k.kind, place: kept_in(k, page_size()) };
+      states[name] = { shown: k.shown, kind: k.kind, rect: kept_in(k, page_size()) };
     this.states.value = states;
     this.order.value = kept.order;
   }
@@ -159,12 +159,12 @@ export class CameraStore {
   private keep(): void {
     if (this.key === "") return;
     const cameras: Record<string, Kept> = {};
-    for (const [name, { shown, kind, place }] of Object.entries(this.states.peek()))
-      if (place) cameras[name] = { shown, kind, ...place };
+    for (const [name, { shown, kind, rect }] of Object.entries(this.states.peek()))
+      if (rect) cameras[name] = { shown, kind, ...rect };
     try {
       localStorage.setItem(this.key, JSON.stringify({ cameras, order: this.order.peek() }));
     } catch {
-      // no storage (a bundle opened from disk, a full one): places are forgotten, all else works
+      // no storage (a bundle opened from disk, a full one): positions are forgotten, all else works
     }
   }
 }
@@ -193,7 +193,7 @@ function page_size(): { width: number; height: number } {
 }
 
 /** Where the docked panels are, without bars above and below. */
-function work_area(): Place {
+function work_area(): Rect {
   const dock = typeof document === "undefined" ? null : document.querySelector(".cg-dock, .lm-DockPanel");
   const box = dock?.getBoundingClientRect();
   if (!box || box.width < 100 || box.height < 100) return { x: 0, y: 0, ...page_size() };

@@ -3,7 +3,7 @@ import { useSignal } from "@preact/signals";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
 import { kPictureKinds, type Camera, type CameraStore, type PictureKind } from "./store";
-import type { Place } from "./windows";
+import type { Rect } from "./windows";
 
 function KindChoice({ store, name }: { store: CameraStore; name: string }): JSX.Element {
   return (
@@ -108,7 +108,7 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
   const canvas = useRef<HTMLCanvasElement>(null);
   const time = useSignal<number | null>(null);
   const size = useSignal("");
-  const { kind, place } = store.state_of(name);
+  const { kind, rect } = store.state_of(name);
   const kind_label = kPictureKinds.find((k) => k.kind === kind)!.label;
 
   // at once: of a run that stands still there comes one picture only
@@ -144,11 +144,11 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
   // another kind: what is there is no longer what the window says
   useLayoutEffect(() => void (time.value = null), [kind]);
 
-  if (!place) return <></>;
-  const drag = (event: PointerEvent, change: (from: Place, dx: number, dy: number) => Place): void => {
+  if (!rect) return <></>;
+  const drag = (event: PointerEvent, change: (from: Rect, dx: number, dy: number) => Rect): void => {
     if (event.button !== 0 || (event.target as Element).closest("button, select")) return;
     const handle = event.currentTarget as HTMLElement;
-    const from = store.state_of(name).place ?? place;
+    const from = store.state_of(name).rect ?? rect;
     const [x0, y0] = [event.clientX, event.clientY];
     const move = (e: PointerEvent): void => store.put(name, change(from, e.clientX - x0, e.clientY - y0));
     const end = (): void => {
@@ -169,8 +169,8 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
       store.put(
         name,
         event.shiftKey
-          ? { ...place, width: place.width + dx, height: place.height + dy }
-          : { ...place, x: place.x + dx, y: place.y + dy },
+          ? { ...rect, width: rect.width + dx, height: rect.height + dy }
+          : { ...rect, x: rect.x + dx, y: rect.y + dy },
       );
     } else if (event.key === "Escape" || event.key === "Delete") {
       store.show([name], false);
@@ -192,10 +192,10 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
       aria-label={`Camera ${name}`}
       data-testid={`camera-${name}`}
       style={{
-        left: `${place.x}px`,
-        top: `${place.y}px`,
-        width: `${place.width}px`,
-        height: `${place.height}px`,
+        left: `${rect.x}px`,
+        top: `${rect.y}px`,
+        width: `${rect.width}px`,
+        height: `${rect.height}px`,
         zIndex: 1 + store.order.value.indexOf(name),
       }}
       onPointerDown={raise}
@@ -205,7 +205,7 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
         class="cg-camera-bar"
         tabIndex={0}
         role="group"
-        aria-label={`Place of camera ${name}`}
+        aria-label={`Position of camera ${name}`}
         title="Arrow keys move the window, with Shift they change its size, Escape hides it"
         onPointerDown={(e) => drag(e, (from, dx, dy) => ({ ...from, x: from.x + dx, y: from.y + dy }))}
         onKeyDown={keys}

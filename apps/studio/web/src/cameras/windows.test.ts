@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { signal } from "@preact/signals-core";
 import type { Studio } from "../core/studio";
 import { CameraStore } from "./store";
-import { first_place, kept_in, picture_width, raised } from "./windows";
+import { first_rect, kept_in, picture_width, raised } from "./windows";
 
 test("a window that is raised is above all, the others keep their order", () => {
   assert.deepEqual(raised(["a", "b", "c"], "a"), ["b", "c", "a"]);
@@ -20,11 +20,11 @@ test("a window can always be grasped", () => {
 
 test("new windows lie beside each other", () => {
   const area = { x: 0, y: 0, width: 1000, height: 600 };
-  const places = [0, 1, 2, 3].map((i) => first_place(i, area));
-  for (const a of places)
-    for (const b of places)
+  const rects = [0, 1, 2, 3].map((i) => first_rect(i, area));
+  for (const a of rects)
+    for (const b of rects)
       assert.ok(a === b || Math.abs(a.x - b.x) >= a.width || Math.abs(a.y - b.y) >= a.height);
-  for (const p of places) assert.ok(p.x >= 0 && p.x + p.width <= 1000 && p.y + p.height <= 600);
+  for (const p of rects) assert.ok(p.x >= 0 && p.x + p.width <= 1000 && p.y + p.height <= 600);
 });
 
 test("pictures are asked for in steps of width", () => {
@@ -77,7 +77,7 @@ test("only what is shown and seen is asked for; the same is not asked for twice"
   store.seen.value = true;
   await rest();
   assert.deepEqual(asked, []);
-  // another way: all is said again
+  // another connection: everything is requested again
   studio.state.open.value = false;
   studio.state.open.value = true;
   await rest();

@@ -1,6 +1,6 @@
 // Where floating windows lie and which is above which. Lengths in CSS pixels from the corner of the page.
 
-export interface Place {
+export interface Rect {
   x: number;
   y: number;
   width: number;
@@ -17,19 +17,19 @@ export function raised(order: readonly string[], name: string): string[] {
 }
 
 /** Keeps the bar at the top of the window within the page, and sizes that can be used. */
-export function kept_in(place: Place, page: { width: number; height: number }): Place {
-  const width = clamp(place.width, kSmallest.width, Math.max(page.width, kSmallest.width));
-  const height = clamp(place.height, kSmallest.height, Math.max(page.height, kSmallest.height));
+export function kept_in(rect: Rect, page: { width: number; height: number }): Rect {
+  const width = clamp(rect.width, kSmallest.width, Math.max(page.width, kSmallest.width));
+  const height = clamp(rect.height, kSmallest.height, Math.max(page.height, kSmallest.height));
   return {
-    x: clamp(place.x, kGrasp - width, Math.max(page.width - kGrasp, 0)),
-    y: clamp(place.y, 0, Math.max(page.height - 28, 0)),
+    x: clamp(rect.x, kGrasp - width, Math.max(page.width - kGrasp, 0)),
+    y: clamp(rect.y, 0, Math.max(page.height - 28, 0)),
     width,
     height,
   };
 }
 
-/** A place for the window number `index` within `area`: in columns from its upper right corner, a step aside when it is full. */
-export function first_place(index: number, area: Place): Place {
+/** The rectangle of the window number `index` within `area`: in columns from its upper right corner, a step aside when it is full. */
+export function first_rect(index: number, area: Rect): Rect {
   const [width, height, gap] = [280, 240, 8];
   const rows = Math.max(1, Math.floor((area.height - gap) / (height + gap)));
   const columns = Math.max(1, Math.floor((area.width - gap) / (width + gap)));

@@ -1,4 +1,4 @@
-// What is in the code panel: tabs for the scene and the sources beside it, their editors, problems and the build.
+// The contents of the code panel: tabs for the scene and the sources beside it, their editors, problems and the build.
 import { effect } from "@preact/signals-core";
 import type { Problem } from "../core/protocol";
 import type { Studio } from "../core/studio";
@@ -50,7 +50,7 @@ export class CodeView {
     this.save_button.type = this.build_button.type = "button";
     this.save_button.addEventListener("click", () => void this.save());
     this.build_button.addEventListener("click", () => void this.build());
-    // below the text, which must not move while somebody types
+    // below the text, which must not move during typing
     node.append(this.tabs, this.editors, this.banner, this.list, this.log);
 
     this.scene = new SceneEditor(studio);
@@ -110,7 +110,7 @@ export class CodeView {
       this.build_problems = answer.problems ?? [];
       const failed = answer.built === false || this.build_problems.some((p) => p.severity === "error");
       this.studio.notify(failed ? "the build failed: see the log below the code" : "built and reloaded", failed ? "error" : "note");
-      // Parameters of what was built may be others now.
+      // The parameters of rebuilt plugins may have changed.
       forget_schema(this.studio);
       tree_state(this.studio).schema.value = await load_schema(this.studio);
     } catch (error) {
@@ -184,7 +184,7 @@ export class CodeView {
     on(() => {
       const document_ = state.document.value;
       const broken = document_ !== null && !document_.good;
-      const rest = state.scene.value ? "the last good scene goes on running" : "there is nothing to run yet";
+      const rest = state.scene.value ? "the last good scene keeps running" : "there is nothing to run yet";
       this.banner.textContent = broken ? `The text has errors: ${rest}.` : "";
       this.banner.hidden = !broken;
       this.show_tabs();
@@ -243,7 +243,7 @@ export class CodeView {
     this.list.replaceChildren(
       ...problems.slice(0, 100).map((problem) => {
         const item = document.createElement("li");
-        const button = element("button", problem.severity === "error" ? "is-error" : "is-advice");
+        const button = element("button", problem.severity === "error" ? "is-error" : "is-warning");
         button.type = "button";
         button.textContent = `${problem.line}:${problem.column} ${problem.message}${problem.help ? ` (${problem.help})` : ""}`;
         button.addEventListener("click", () => void this.go_to(problem.file, problem.line, problem.column));

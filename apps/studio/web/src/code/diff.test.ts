@@ -64,7 +64,7 @@ test("any two texts: the changes make the one of the other", () => {
   }
 });
 
-test("changes of others at other places come to where the text has moved", () => {
+test("changes of others at other positions are moved with the text", () => {
   const base = "one\ntwo\nthree\n";
   const mine = diff(base, "one!!\ntwo\nthree\n");
   const theirs = diff(base, "one\ntwo\nTHREE\n");
@@ -72,13 +72,13 @@ test("changes of others at other places come to where the text has moved", () =>
   assert.equal(apply(local, rebase(theirs, mine)), "one!!\ntwo\nTHREE\n");
 });
 
-test("what was typed is never lost when others change the same place", () => {
+test("what was typed is never lost when others change the same position", () => {
   const base = 'size="1 1 1"';
   const mine = diff(base, 'size="1 5 1"');
   const theirs = diff(base, 'size="2 3 4"');
   const local = apply(base, mine);
   assert.ok(apply(local, rebase(theirs, mine)).includes("5"));
-  // both insert at the same place: both stay
+  // both insert at the same position: both stay
   const a = [{ from: 3, to: 3, insert: "A" }];
   const b = [{ from: 3, to: 3, insert: "B" }];
   assert.equal(apply(apply("xyz", a), rebase(b, a)), "xyzAB");

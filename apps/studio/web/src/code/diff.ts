@@ -1,4 +1,4 @@
-// What changed between two texts, in few and small pieces, so that a cursor and what is scrolled stay where they are.
+// The differences of two texts, in few and small pieces, so that the cursor and the scroll position stay.
 
 export interface Change {
   from: number;
@@ -8,7 +8,7 @@ export interface Change {
 
 const low_surrogate = (c: number): boolean => c >= 0xdc00 && c <= 0xdfff;
 
-/** One piece: what is left when the common beginning and end are taken away. Never cuts a code point in two. */
+/** One piece: the rest without the common beginning and end. Never cuts a code point in two. */
 function narrow(a: string, b: string, offset: number): Change | null {
   if (a === b) return null;
   const most = Math.min(a.length, b.length);
@@ -107,7 +107,7 @@ export function apply(text: string, changes: readonly Change[]): string {
   return out + text.slice(at);
 }
 
-/** Where a position goes; what is inside a replaced piece goes to its end. */
+/** Maps a position; positions inside of a replaced piece go to its end. */
 export function map_position(position: number, changes: readonly Change[]): number {
   let shift = 0;
   for (const change of changes) {

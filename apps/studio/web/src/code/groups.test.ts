@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { kBurstPause, TypingGroups } from "./groups";
 
-/** Types words one sign at a time from a position on; answers the groups. */
+/** Types text one character at a time from a position on; returns the groups. */
 function type(groups: TypingGroups, text: string, at: number, time: number): string[] {
   return [...text].map((c, i) => groups.next([{ time: time + 50 * i, from: at + i, to: at + i, insert: c }]));
 }
@@ -34,15 +34,15 @@ test("a pause ends a burst", () => {
   assert.equal(b, c);
 });
 
-test("another place, deleting, a line end and pasting begin another group", () => {
+test("another position, deleting, a line end and pasting begin another group", () => {
   const groups = new TypingGroups("g");
   const seen = [
     type(groups, "a", 0, 0)[0], // typing
     type(groups, "b", 50, 10)[0], // elsewhere
     groups.next([{ time: 20, from: 50, to: 51, insert: "" }]), // deletes what was typed
-    groups.next([{ time: 30, from: 49, to: 50, insert: "" }]), // and goes on deleting backwards
+    groups.next([{ time: 30, from: 49, to: 50, insert: "" }]), // and continues deleting backwards
     type(groups, "c", 49, 40)[0], // types again
-    groups.next([{ time: 50, from: 50, to: 50, insert: "\n" }]), // goes on, and ends with the line
+    groups.next([{ time: 50, from: 50, to: 50, insert: "\n" }]), // continues, and ends with the line
     type(groups, "d", 51, 60)[0],
     groups.next([{ time: 70, from: 52, to: 52, insert: "<box/> pasted" }]),
     groups.next([{ time: 80, from: 65, to: 65, insert: "e" }]),

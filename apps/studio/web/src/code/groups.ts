@@ -3,7 +3,7 @@
 export interface TypedEdit {
   /** of the clock [ms] */
   time: number;
-  /** what was replaced, in positions before the edit */
+  /** the replaced range, in positions before the edit */
   from: number;
   to: number;
   insert: string;
@@ -17,17 +17,17 @@ export class TypingGroups {
   /** `begin` to `end`: what the burst has written so far */
   private last_: { time: number; begin: number; end: number; deletes: boolean } | null = null;
 
-  /** `seed` tells this page's groups from other pages'. */
+  /** `seed` distinguishes this page's groups from other pages'. */
   constructor(private readonly seed_: string) {}
 
-  /** The group of an edit. Another one begins after a pause, at another place, when typing turns into deleting or the
-   *  other way round, behind a line end, and with anything that is no typing: pasted text, several places at once. */
+  /** The group of an edit. Another one begins after a pause, at another position, when typing turns into deleting or
+   *  the reverse, behind a line end, and with anything that is no typing: pasted text, several positions at once. */
   next(edits: readonly TypedEdit[]): string {
     const edit = edits[0];
     if (!edit) return this.name_();
     const deletes = edit.insert === "";
     const last = this.last_;
-    // Inside what was just written counts: editors close quotes and tags behind the cursor.
+    // Positions inside the text just written count: editors close quotes and tags behind the cursor.
     const touches =
       last !== null &&
       (deletes ? edit.to === last.end || edit.from === last.end : edit.from >= last.begin && edit.from <= last.end);

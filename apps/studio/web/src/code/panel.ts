@@ -3,14 +3,14 @@ import type { PanelType, Studio } from "../core/studio";
 import type { CodeView } from "./code_view";
 import "./code.css";
 
-interface Place {
+interface Location {
   file: string;
   line: number;
   column: number;
 }
 
 // Where to go as soon as there is an editor.
-const wanted = new WeakMap<Studio, Place>();
+const wanted = new WeakMap<Studio, Location>();
 const views = new WeakMap<Studio, CodeView>();
 
 /** Editors are loaded when first shown. */
@@ -31,8 +31,8 @@ class CodePanel extends Widget {
       this.node.textContent = "";
       this.view = new CodeView(this.studio, this.node);
       views.set(this.studio, this.view);
-      const place = wanted.get(this.studio);
-      if (place) go_to(this.studio, place);
+      const location = wanted.get(this.studio);
+      if (location) go_to(this.studio, location);
     } catch (error) {
       this.node.textContent = `The editor cannot be loaded: ${error instanceof Error ? error.message : String(error)}`;
     }
@@ -50,14 +50,14 @@ class CodePanel extends Widget {
   }
 }
 
-function go_to(studio: Studio, place: Place): void {
+function go_to(studio: Studio, location: Location): void {
   const view = views.get(studio);
   if (!view) {
-    wanted.set(studio, place);
+    wanted.set(studio, location);
     return;
   }
   wanted.delete(studio);
-  void view.go_to(place.file, place.line, place.column);
+  void view.go_to(location.file, location.line, location.column);
 }
 
 export const panel: PanelType = {

@@ -1,12 +1,12 @@
-// What is typed in the code panel and not yet known to the server, for those who go on from the server's text.
+// Text typed in the code panel that the server does not have yet, for edits that begin with the server's text.
 import type { Studio } from "../core/studio";
 
 export interface Typing {
-  /** Sends what was typed at once. */
+  /** Sends typed text at once. */
   flush(): Promise<void>;
   /** Whether there is anything that the server does not have. */
   unsent(): boolean;
-  /** of the scene, with what was typed */
+  /** of the scene, with typed text */
   text(): string;
 }
 

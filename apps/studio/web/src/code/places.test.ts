@@ -7,14 +7,14 @@ const problem = (line: number, column: number, length: number): Problem => ({
   severity: "error", code: "x", message: "m", help: "", file: "a.scene.xml", line, column, length, notes: [],
 });
 
-test("the cursor goes between the first quotes that were written, to write what stands there anew", () => {
+test("the cursor goes between the first quotes that were written, to rewrite what stands there", () => {
   assert.deepEqual(written_selection('mass=""', 10), { anchor: 16, head: 16 });
   assert.deepEqual(written_selection('box name="" size=""', 5), { anchor: 15, head: 15 });
   assert.deepEqual(written_selection('speed="0.3 m/s"', 0), { anchor: 7, head: 14 });
   assert.deepEqual(written_selection("true", 3), { anchor: 7, head: 7 });
 });
 
-test("a problem is underlined at its exact place, behind signs of two units too", () => {
+test("a problem is underlined at its exact position, behind characters of two units too", () => {
   const text = '<scene>\n  <box name="🤖" size="oops"/>\n</scene>\n';
   // code points before "oops" in its line: 2 + len('<box name="') + 1 robot + len('" size="')
   const column = 2 + 11 + 1 + 8 + 1;
@@ -33,7 +33,7 @@ const element = (id: number, parent: number, line: number, column: number, end_l
   id, parent, tag: "box", name: "", path: "", line, column, end_line, attributes: {},
 });
 
-test("the innermost element around a place", () => {
+test("the innermost element around a position", () => {
   const elements = [element(0, -1, 1, 1, 9), element(1, 0, 2, 3, 5), element(2, 1, 3, 5, 3), element(3, 0, 6, 3, 6)];
   assert.equal(element_at(elements, 1, 1), 0);
   assert.equal(element_at(elements, 3, 8), 2);

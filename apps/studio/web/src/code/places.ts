@@ -3,14 +3,14 @@ import type { Problem, TreeElement } from "../core/protocol";
 import { start_tag, type StartTag } from "../forms/xml_text";
 import { code_points, line_span, utf16_offset } from "./columns";
 
-/** What is selected when this has been written at `from`: what stands between its first quotes, else nothing behind it. */
+/** The selection after this text was inserted at `from`: the text between its first quotes, else the end. */
 export function written_selection(text: string, from: number): { anchor: number; head: number } {
   const open = text.indexOf('="') + 2;
   const close = open < 2 ? -1 : text.indexOf('"', open);
   return close < 0 ? { anchor: from + text.length, head: from + text.length } : { anchor: from + open, head: from + close };
 }
 
-/** The innermost element whose text a place is in; line and column (code points) from 1. -1: none. */
+/** The innermost element whose text contains a position; line and column (code points) from 1. -1: none. */
 export function element_at(elements: readonly TreeElement[], line: number, column: number): number {
   let found = -1;
   for (const element of elements) {
@@ -42,7 +42,7 @@ export function tag_around(text: string, position: number): StartTag | null {
   return null;
 }
 
-/** Whether two paths name the same file, as far as one can tell: servers name it with folders or without. */
+/** Whether two paths probably name the same file: servers name it with folders or without. */
 export function same_file(a: string, b: string): boolean {
   const name = (path: string) => path.replace(/^.*[\\/]/, "");
   return a === b || name(a) === name(b);

@@ -28,7 +28,7 @@ const from_page = Annotation.define<boolean>();
 const mark_lines = StateEffect.define<{ from: number; to: number }[]>();
 const marked_line = Decoration.line({ class: "cg-code-selected" });
 
-/** Lines of what is selected; they move with the text until the next tree says where they are. */
+/** Lines of the selection; they move with the text until the next tree has their positions. */
 const marked = StateField.define<DecorationSet>({
   create: () => Decoration.none,
   update(lines, transaction) {
@@ -64,10 +64,10 @@ export class SceneEditor {
   /** line end of the file; the editor itself knows "\n" only */
   private line_end = "\n";
   private readonly stops: (() => void)[] = [];
-  /** goes up whenever the server knows all that was typed: marks of before may be set */
+  /** goes up whenever the server has all typed text: earlier marks may be set */
   private readonly calm = signal(0);
-  /** set while this editor tells the page what its cursor is in */
-  private telling = false;
+  /** set while this editor selects the element at its cursor */
+  private reporting = false;
 
   constructor(private readonly studio: Studio) {
     const client = studio.state.hello.peek()?.client ?? 0;
@@ -135,7 +135,7 @@ export class SceneEditor {
     let taken = 0;
     let at = 0;
     const text = this.line_end === "\n" ? "" : this.file_text(this.view.state);
-    const place = (position: number): number => {
+    const mapped = (position: number): number => {
       if (this.line_end === "\n") return position;
       for (let next = text.indexOf("\r\n", at); next >= 0 && next < position; next = text.indexOf("\r\n", at)) {
         ++taken;
@@ -146,8 +146,8 @@ export class SceneEditor {
     const length = this.view.state.doc.length;
     this.view.dispatch({
       changes: changes.map((c) => {
-        const from = place(c.from);
-        return { from, to: Math.min(length, place(c.to)), insert: c.insert.replace(/\r\n?/g, "\n") };
+        const from = mapped(c.from);
+        return { from, to: Math.min(length, mapped(c.to)), insert: c.insert.replace(/\r\n?/g, "\n") };
       }),
       annotations: from_server.of(true),
     });
@@ -200,7 +200,7 @@ export class SceneEditor {
     const { state } = this.studio;
     const on = (what: () => void) => this.stops.push(effect(what));
     on(() => {
-      // Another server counts its versions anew, and its clients, too: whatever comes after a way was lost is the newest.
+      // Another server restarts the counts of versions and clients: what comes after a lost connection is the newest.
       if (!state.open.value) this.sync.reset();
     });
     on(() => {
@@ -220,14 +220,14 @@ export class SceneEditor {
       void this.calm.value;
       const problems = state.problems.value;
       const document_ = state.document.value;
-      // What was typed since will be compiled as well; until then marks move with the text.
+      // Text typed since will be compiled as well; until then marks move with the text.
       if (!document_ || !this.sync.settled) return;
       const text = this.view.state.doc.toString();
       const diagnostics = problems
         .filter((p) => same_file(p.file, document_.file))
         .map((p): Diagnostic => ({
           ...problem_range(text, p),
-          severity: p.severity === "error" ? "error" : "warning",
+          severity: p.severity === "note" ? "info" : p.severity,
           message: p.help === "" ? p.message : `${p.message}\n${p.help}`,
           source: p.code,
         }));
@@ -244,8 +244,8 @@ export class SceneEditor {
       });
       const last = lines[lines.length - 1];
       const effects: StateEffect<unknown>[] = [mark_lines.of(lines)];
-      // What is selected elsewhere comes into sight; who writes here is left alone.
-      if (last && !this.telling && !this.view.hasFocus && last.from <= this.view.state.doc.lines) {
+      // A selection made elsewhere is scrolled into view, unless the user types here.
+      if (last && !this.reporting && !this.view.hasFocus && last.from <= this.view.state.doc.lines) {
         effects.push(EditorView.scrollIntoView(this.view.state.doc.line(last.from).from, { y: "nearest", yMargin: 40 }));
       }
       this.view.dispatch({ effects });
@@ -256,7 +256,7 @@ export class SceneEditor {
     const own = update.transactions.filter((t) => t.docChanged && !t.annotation(from_server));
     if (own.length > 0) this.typed(update, own);
     const moved = update.transactions.some((t) => t.selection && t.isUserEvent("select") && !t.annotation(from_page));
-    if (moved) this.tell_cursor();
+    if (moved) this.report_cursor();
   }
 
   private typed(update: ViewUpdate, transactions: readonly Transaction[]): void {
@@ -269,7 +269,7 @@ export class SceneEditor {
     this.sync.typed(() => this.file_text(update.startState), this.groups.next(edits));
   }
 
-  private tell_cursor(): void {
+  private report_cursor(): void {
     const { state } = this.studio;
     const tree = state.tree.peek();
     if (!this.sync.settled || tree.version !== this.sync.version) return;
@@ -280,16 +280,16 @@ export class SceneEditor {
     const now = state.selection.peek();
     this.groups.end();
     if (id <= 0 || (now.length > 0 && now[now.length - 1] === id)) return;
-    this.telling = true;
+    this.reporting = true;
     this.studio.select([id]);
-    this.telling = false;
+    this.reporting = false;
   }
 
   private async complete(context: CompletionContext): Promise<CompletionResult | null> {
     if (context.state.readOnly) return null;
     const text = context.state.doc.toString();
     const before = text.slice(Math.max(0, context.pos - 1), context.pos);
-    // After a blank outside of tags, and after what ends one, there is nothing one would want to be offered unasked.
+    // After a blank outside of tags, and after the end of a tag, completions are not shown unasked.
     if (!context.explicit && !/[\w<"'$.{-]/.test(before) && !(/\s/.test(before) && tag_around(`${text.slice(0, context.pos)}>`, context.pos))) return null;
     try {
       const answer = await this.studio.link.request<{

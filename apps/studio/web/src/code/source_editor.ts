@@ -22,10 +22,10 @@ export class SourceEditor {
   private saved: string;
   private readonly line_end: string;
 
-  /** of the file as it was opened or saved last: nobody else's changes are overwritten */
+  /** of the file as it was opened or saved last: changes of other programs are not overwritten */
   version: string | undefined;
 
-  /** `changed`: told whether the text differs from the saved one. */
+  /** `changed`: called with whether the text differs from the saved one. */
   constructor(
     readonly file: SourceFile, opened: { text: string; version?: string }, may_edit: boolean, private readonly changed: (dirty: boolean) => void,
   ) {
@@ -83,7 +83,7 @@ export class SourceEditor {
       .filter((p) => same_file(p.file, this.file.name))
       .map((p): Diagnostic => ({
         ...problem_range(text, p),
-        severity: p.severity === "error" ? "error" : "warning",
+        severity: p.severity === "note" ? "info" : p.severity,
         message: p.help ? `${p.message}\n${p.help}` : p.message,
       }));
     this.view.dispatch(setDiagnostics(this.view.state, diagnostics));

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { apply } from "./diff";
 import { kTypingMost, TextSync, type SyncAnswer, type SyncSetText } from "./sync";
 
-/** A server with one text, whose answers and tells come when the test says so. */
+/** A server with one text, whose answers and topics come when the test says so. */
 class Bench {
   server = { text: "one\ntwo\nthree\n", version: 1 };
   history: { text: string; group: string }[] = [];
@@ -28,16 +28,16 @@ class Bench {
   });
 
   constructor() {
-    this.tell();
+    this.publish();
   }
   private set({ version, text, group }: SyncSetText): SyncAnswer {
-    if (this.broken) return { ok: false, stale: false, message: "the way is broken" };
+    if (this.broken) return { ok: false, stale: false, message: "the connection is broken" };
     if (version !== this.server.version) return { ok: false, stale: true, message: "stale" };
     this.server = { text, version: version + 1 };
     this.history.push({ text, group });
     return { ok: true, version: version + 1 };
   }
-  tell(): void {
+  publish(): void {
     this.sync.arrived(this.server.text, this.server.version);
   }
   type(text: string, group = "g1"): void {
@@ -83,14 +83,14 @@ test("typing is sent once when it rests, and its own echo changes nothing", asyn
   assert.equal(bench.pending, 1);
   assert.equal(bench.calm, 0);
   await bench.answer();
-  bench.tell();
+  bench.publish();
   assert.equal(bench.calm, 1);
   assert.deepEqual(bench.history, [{ text: "one!!\ntwo\nthree\n", group: "g1" }]);
   assert.equal(bench.editor, "one!!\ntwo\nthree\n");
   assert.ok(bench.sync.settled);
 });
 
-test("who types without a rest is heard all the same", async () => {
+test("typing without a pause is sent nevertheless", async () => {
   const bench = new Bench();
   for (let i = 0, text = "one"; i < 9; ++i) {
     text += "!";
@@ -103,7 +103,7 @@ test("who types without a rest is heard all the same", async () => {
   assert.equal(bench.pending, 1);
   await bench.answer();
   assert.equal(bench.server.text, "one!!!!!!!!!!");
-  // From then on it is counted anew.
+  // From then on the count restarts.
   bench.type("two");
   bench.pass(kTypingMost / 10);
   assert.equal(bench.pending, 0);
@@ -115,9 +115,9 @@ test("the echo may come before the answer, with more typed meanwhile", async () 
   bench.rest();
   bench.type("one!?\ntwo\nthree\n");
   const sent = bench.answer();
-  bench.tell();
+  bench.publish();
   await sent;
-  bench.tell();
+  bench.publish();
   assert.equal(bench.editor, "one!?\ntwo\nthree\n");
   bench.rest();
   await bench.answer();
@@ -142,7 +142,7 @@ test("a stale version is merged and tried again", async () => {
   bench.type("one!\ntwo\nthree\n");
   bench.rest();
   bench.other("one\ntwo\nTHREE\n");
-  bench.tell();
+  bench.publish();
   await bench.answer();
   assert.equal(bench.editor, "one!\ntwo\nTHREE\n");
   await bench.answer();
@@ -158,7 +158,7 @@ test("stale before the newer text has come: waits for it", async () => {
   await bench.answer();
   assert.equal(bench.pending, 0);
   assert.equal(bench.editor, "one!\ntwo\nthree\n");
-  bench.tell();
+  bench.publish();
   await bench.answer();
   assert.equal(bench.server.text, "one!\ntwo\nTHREE\n");
 });
@@ -169,7 +169,7 @@ test("a change of others that came with mine is not taken in twice", async () =>
   bench.rest();
   const sent = bench.answer(); // accepted as version 2
   bench.other("one!\ntwo\nTHREE\n"); // version 3, made of version 2
-  bench.tell(); // comes before the answer does
+  bench.publish(); // comes before the answer does
   await sent;
   assert.equal(bench.editor, "one!\ntwo\nTHREE\n");
   assert.ok(bench.sync.settled);
@@ -193,11 +193,11 @@ test("what could not be sent is kept, and goes along when the server is back", a
   bench.type("one!\ntwo\nthree\n");
   bench.rest();
   await bench.answer();
-  assert.deepEqual(bench.refusals, ["the way is broken"]);
+  assert.deepEqual(bench.refusals, ["the connection is broken"]);
   bench.broken = false;
   bench.sync.reset();
   bench.server = { text: "one\ntwo\nthree\nfour\n", version: 1 };
-  bench.tell();
+  bench.publish();
   assert.equal(bench.editor, "one!\ntwo\nthree\nfour\n");
   await bench.answer();
   assert.equal(bench.server.text, "one!\ntwo\nthree\nfour\n");
@@ -209,7 +209,7 @@ test("an undo on the server comes back as it is", async () => {
   bench.rest();
   await bench.answer();
   bench.other("one\ntwo\nthree\n");
-  bench.tell();
+  bench.publish();
   assert.equal(bench.editor, "one\ntwo\nthree\n");
   assert.equal(bench.pending, 0);
 });

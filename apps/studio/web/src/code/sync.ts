@@ -1,4 +1,4 @@
-// Keeps an editor's text and the server's the same, both ways, without losing what is being typed.
+// Keeps an editor's text and the server's the same, in both directions, without losing what is being typed.
 import { apply, diff, rebase, type Change } from "./diff";
 
 export interface SyncSetText {
@@ -26,7 +26,7 @@ export interface SyncEnds {
 
 /** Typing is sent when it rests for so long [ms]. */
 export const kTypingRest = 300;
-/** Who types on and on is sent so often [ms]: what the server does not know is lost with the page. */
+/** Continuous typing is sent so often [ms]: text that the server does not have is lost with the page. */
 export const kTypingMost = 800;
 // A stale version is tried again as often as other people's edits can reasonably come in between.
 const kMostRetries = 5;
@@ -35,7 +35,7 @@ export class TextSync {
   private base_ = "";
   private version_ = -1;
   private known_ = false;
-  /** what was typed did not reach the server: it goes along with the next text */
+  /** typed text did not reach the server: it is sent with the next text */
   private owed_ = false;
   /** ends of bursts that were not sent yet; the last one's text is the editor's when the timer fires */
   private waiting_: { text: string; group: string }[] = [];
@@ -50,7 +50,7 @@ export class TextSync {
 
   constructor(private readonly ends_: SyncEnds) {}
 
-  /** The version that the editor's text is, or was before what is typed now. */
+  /** The version of the editor's text before unsent typing. */
   get version(): number {
     return this.version_;
   }
@@ -64,7 +64,7 @@ export class TextSync {
     return this.known_ && this.ends_.text() !== this.base_;
   }
 
-  /** The user changed the editor's text; `before` answers what it was. */
+  /** The user changed the editor's text; `before` returns the old one. */
   typed(before: () => string, group: string): void {
     if (this.dirty_ && group !== this.group_) this.waiting_.push({ text: before(), group: this.group_ });
     this.dirty_ = true;
@@ -75,7 +75,7 @@ export class TextSync {
     if (this.waiting_.length > 0) this.send_next_();
   }
 
-  /** Sends what was typed at once; done when the server knows it (or refused it). */
+  /** Sends typed text at once; done when the server has it (or refused it). */
   flush(): Promise<void> {
     this.take_();
     if (this.settled) return Promise.resolve();
@@ -85,7 +85,7 @@ export class TextSync {
   /** The server's text. */
   arrived(text: string, version: number): void {
     if (version <= this.version_) return;
-    // Whether it holds what was just sent is known with the answer only.
+    // Whether it holds the text just sent is known only with the answer.
     if (this.sending_) {
       if (!this.behind_ || version > this.behind_.version) this.behind_ = { text, version };
       return;
@@ -96,7 +96,7 @@ export class TextSync {
     if (this.waiting_.length > 0) this.send_next_();
   }
 
-  /** Begins anew: another connection, whose versions are others. */
+  /** Restarts: another connection has other versions. */
   reset(): void {
     this.version_ = -1;
     this.behind_ = null;
@@ -118,7 +118,7 @@ export class TextSync {
     while (this.waiting_.length > 0 && this.waiting_[0]!.text === this.base_) this.waiting_.shift();
     const next = this.waiting_.shift();
     if (!next) {
-      this.tell_idle_();
+      this.resolve_idle_();
       if (this.settled) this.ends_.settled();
       return;
     }
@@ -151,7 +151,7 @@ export class TextSync {
       this.owed_ = true;
       this.waiting_ = [];
       this.ends_.refused(answer.message);
-      this.tell_idle_();
+      this.resolve_idle_();
       return;
     }
     this.send_next_();
@@ -162,7 +162,7 @@ export class TextSync {
     const local = this.ends_.text();
     const unsent = this.known_ && local !== this.base_;
     const changes = unsent ? rebase(diff(this.base_, text), diff(this.base_, local)) : diff(local, text);
-    // Ends of bursts that still wait are texts of before: one step is made of them.
+    // Ends of bursts that still wait are earlier texts: one step is made of them.
     const earlier = this.waiting_.length > 0 ? this.waiting_[this.waiting_.length - 1]!.group : this.group_;
     this.base_ = text;
     this.known_ = true;
@@ -171,7 +171,7 @@ export class TextSync {
     if (this.waiting_.length > 0) this.waiting_ = [{ text: apply(local, changes), group: earlier }];
   }
 
-  private tell_idle_(): void {
+  private resolve_idle_(): void {
     const idle = this.idle_;
     this.idle_ = [];
     for (const resolve of idle) resolve();

@@ -43,7 +43,7 @@ const look = EditorView.theme({
   ".cm-searchMatch": { backgroundColor: "var(--cg-warn-bg)" },
 });
 
-const words = HighlightStyle.define([
+const highlighting = HighlightStyle.define([
   { tag: [t.tagName, t.keyword, t.controlKeyword, t.definitionKeyword, t.modifier], color: "var(--cg-series-1)" },
   { tag: [t.attributeName, t.typeName, t.className], color: "var(--cg-series-3)" },
   { tag: [t.attributeValue, t.string, t.character], color: "var(--cg-series-2)" },
@@ -52,4 +52,4 @@ const words = HighlightStyle.define([
   { tag: [t.angleBracket, t.operator], color: "var(--cg-muted)" },
 ]);
 
-export const editor_look: Extension = [look, syntaxHighlighting(words)];
+export const editor_look: Extension = [look, syntaxHighlighting(highlighting)];

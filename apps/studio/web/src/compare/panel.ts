@@ -43,7 +43,7 @@ export function register(studio: Studio): void {
       const dt = store.step.value;
       const answer = await studio.dialog({
         title: "Compare two time steps",
-        text: "The same backend runs a second time, both from time 0. Half the step shows how much of the result is the step's.",
+        text: "The same backend runs a second time, both from time 0. With half the step the difference shows the error of the time step.",
         fields: [
           {
             name: "step",

@@ -1,4 +1,4 @@
-// Starts and ends comparisons, and asks how far the two runs are apart.
+// Starts and ends comparisons, and requests the divergence of the two runs.
 import { computed, effect, signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
@@ -10,9 +10,9 @@ const kPause = 400;
 export class CompareStore {
   readonly data = signal<Divergence | null>(null);
   readonly error = signal("");
-  /** whether the panel is seen; nothing is asked for otherwise */
+  /** whether the panel is visible; nothing is requested otherwise */
   readonly seen = signal(false);
-  /** time the page looks at [s], a few times a second */
+  /** time that the page shows [s], a few times a second */
   readonly looked = signal<number | null>(null);
   readonly busy = signal(false);
 

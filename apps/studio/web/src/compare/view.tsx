@@ -47,7 +47,7 @@ function Choice({ store }: { store: CompareStore }): JSX.Element {
     >
       <p>
         Runs the scene a second time beside the first, in lockstep and both from time 0. The first is drawn solid, the
-        second as a ghost, and curves show how far they are apart.
+        second as a ghost, and curves show how far they diverge.
       </p>
       <fieldset>
         <legend>What differs</legend>
@@ -162,7 +162,7 @@ function Result({ store }: { store: CompareStore }): JSX.Element {
           <Worst store={store} data={data} />
         </>
       )}
-      <section aria-label="What this means" class="cg-compare-words">
+      <section aria-label="Explanation" class="cg-compare-text">
         {explanation(difference, labels).map((sentence) => (
           <p key={sentence}>{sentence}</p>
         ))}
@@ -178,7 +178,7 @@ function Result({ store }: { store: CompareStore }): JSX.Element {
 }
 
 function First({ store, data }: { store: CompareStore; data: Divergence | null }): JSX.Element {
-  if (!data || data.time.length === 0) return <p class="cg-muted">Let the scene run to see how far the two part.</p>;
+  if (!data || data.time.length === 0) return <p class="cg-muted">Run the scene to see how far the two diverge.</p>;
   const first = data.first;
   if (!first)
     return (
@@ -189,10 +189,10 @@ function First({ store, data }: { store: CompareStore; data: Divergence | null }
   return (
     <p role="status" class="cg-compare-first">
       <span>
-        <strong>{first.name}</strong> is the first to be apart by more than 1 cm or 1°, at {short_number(first.time)} s.
+        <strong>{first.name}</strong> is the first to diverge by more than 1 cm or 1°, at {short_number(first.time)} s.
       </span>
       <button type="button" onClick={() => store.studio.seek(first.time)}>
-        Go to the first parting
+        Go to the first divergence
       </button>
       <button type="button" onClick={() => store.select(first.name)}>
         Select {first.name}
@@ -260,7 +260,7 @@ function Worst({ store, data }: { store: CompareStore; data: Divergence }): JSX.
   const at = looked === null ? data.time.length - 1 : nearest(data.time, looked);
   return (
     <table class="cg-compare-table">
-      <caption>The bodies that are furthest apart</caption>
+      <caption>The bodies with the largest differences</caption>
       <thead>
         <tr>
           <th scope="col">Body</th>

@@ -15,7 +15,7 @@ const data: Divergence = {
   labels: ["bullet", "cogrsim"],
 };
 
-test("rows: the worst first, apart from 1 cm on", () => {
+test("rows: the worst first, diverged from 1 cm on", () => {
   assert.deepEqual(rows_of(data, 1), [
     { name: "far", now: 0.02, most: 0.5, since: 0.1 },
     { name: "near", now: 0.001, most: 0.009, since: null },
@@ -43,7 +43,7 @@ test("what differs is read from the labels", () => {
   assert.match(explanation("step", ["a", "b"]).join(" "), /Solid is a, the ghost is b/);
 });
 
-test("events just before the parting", () => {
+test("events just before the divergence", () => {
   const event = (index: number, time: number) => ({ index, time, kind: "contact", source: "", subject: "", message: "" });
   const events = [event(0, 0.1), event(1, 0.9), event(2, 1.01), event(3, 1.5)];
   assert.deepEqual(

@@ -1,4 +1,4 @@
-// What a comparison says in words and in rows.
+// The texts and rows of a comparison.
 import { color_of, type FigureData } from "../figures/figure";
 import type { Sample } from "../figures/statistics";
 import type { RunEvent } from "../core/protocol";
@@ -15,9 +15,9 @@ export interface Divergence {
   labels: [string, string];
 }
 
-/** From here on two bodies count as apart: 1 cm, 1°. */
-export const kApart = 0.01;
-export const kApartAngle = Math.PI / 180;
+/** From these differences on two bodies count as diverged: 1 cm, 1°. */
+export const kDivergence = 0.01;
+export const kDivergenceAngle = Math.PI / 180;
 
 export type Difference = "backend" | "step";
 
@@ -34,30 +34,30 @@ export function explanation(difference: Difference, labels: readonly [string, st
     ? [
         both,
         "Smooth motion should agree: engines differ by how they solve contacts, friction and joint limits.",
-        "Look at what touches what where the bodies part. To see whether the time step is to blame, compare two time steps of one engine.",
+        "Look at the contacts where the bodies diverge. To see whether the time step is the cause, compare two time steps of one engine.",
       ]
     : [
         both,
         "It is one engine; only the time step differs. A gap that halves, or better, with the step is the error of the integration: take a smaller step.",
-        "A gap that opens at an impact does not shrink so: whatever small difference there was is multiplied there.",
+        "A gap that opens at an impact does not shrink like this: the impact multiplies any small difference.",
       ];
 }
 
-/** Events just before or at `time`, which may be why the runs part; newest last. */
+/** Events just before or at `time`, which may be why the runs diverge; newest last. */
 export function around(events: readonly RunEvent[], time: number, within = 0.25): RunEvent[] {
   return events.filter((e) => e.time <= time + 0.02 && e.time >= time - within).slice(-4);
 }
 
 export interface Row {
   name: string;
-  /** [m] at the time looked at, and the most so far */
+  /** [m] at the shown time, and the most so far */
   now: Sample;
   most: Sample;
-  /** [s] when it was first apart; null: never */
+  /** [s] when it first diverged; null: never */
   since: number | null;
 }
 
-/** The worst first. `at`: index of the time looked at. */
+/** The worst first. `at`: index of the shown time. */
 export function rows_of(data: Divergence, at: number): Row[] {
   return data.bodies
     .map(({ name, distance }) => {
@@ -66,7 +66,7 @@ export function rows_of(data: Divergence, at: number): Row[] {
       distance.forEach((d, i) => {
         if (d === null) return;
         if (most === null || d > most) most = d;
-        if (since === null && d > kApart) since = data.time[i] ?? null;
+        if (since === null && d > kDivergence) since = data.time[i] ?? null;
       });
       return { name, now: distance[at] ?? null, most: most as Sample, since };
     })
@@ -106,7 +106,7 @@ export function divergence_figure(data: Divergence, log: boolean, curves = 5): F
         z: [],
       },
     ],
-    levels: [{ value: kApart, label: "1 cm" }],
+    levels: [{ value: kDivergence, label: "1 cm" }],
   };
 }
 

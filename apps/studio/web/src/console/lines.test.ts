@@ -16,7 +16,7 @@ const problem: Problem = {
 };
 const messages = [
   { time: 2, severity: "error" as const, source: "pid", message: "saturated" },
-  { time: 0.5, severity: "advice" as const, source: "pid", message: "slow" },
+  { time: 0.5, severity: "warning" as const, source: "pid", message: "slow" },
 ];
 const events = [{ index: 0, time: 1, kind: "enter", source: "region", subject: "bot", message: "" }];
 const every = { problem: true, message: true, event: true };
@@ -27,16 +27,16 @@ test("problems come first with their notes, then the run in the order of time", 
     lines.map((l) => l.text),
     ["no attribute 'siez'", "declared here", "slow", "enter bot", "saturated"],
   );
-  assert.deepEqual(lines[0]!.place, { file: "a.scene.xml", line: 3, column: 9 });
-  assert.deepEqual(lines[1]!.place, { file: "b.xml", line: 1, column: 2 });
-  assert.equal(lines[2]!.place, null);
+  assert.deepEqual(lines[0]!.location, { file: "a.scene.xml", line: 3, column: 9 });
+  assert.deepEqual(lines[1]!.location, { file: "b.xml", line: 1, column: 2 });
+  assert.equal(lines[2]!.location, null);
 });
 
-test("a problem without a place has none", () => {
-  assert.equal(lines_of([{ ...problem, file: "", line: 0, notes: [] }], [], [])[0]!.place, null);
+test("a problem without a source location has none", () => {
+  assert.equal(lines_of([{ ...problem, file: "", line: 0, notes: [] }], [], [])[0]!.location, null);
 });
 
-test("filters leave out kinds, and lines without all words", () => {
+test("filters leave out kinds, and lines without all search words", () => {
   const lines = lines_of([problem], messages, events);
   assert.equal(passing(lines, { kinds: { ...every, problem: false }, search: "" }).length, 3);
   assert.deepEqual(
@@ -49,6 +49,6 @@ test("filters leave out kinds, and lines without all words", () => {
   );
 });
 
-test("advice is not counted as wrong", () => {
-  assert.equal(count_wrong([problem, { ...problem, severity: "advice" }], messages), 2);
+test("a warning is not counted as wrong", () => {
+  assert.equal(count_wrong([problem, { ...problem, severity: "warning" }], messages), 2);
 });

@@ -5,14 +5,14 @@ export type Kind = "problem" | "message" | "event";
 
 export interface Line {
   kind: Kind;
-  severity: "error" | "advice" | "note";
+  severity: "error" | "warning" | "note";
   /** [s]; null: not of the run */
   time: number | null;
-  /** who says it, or where */
+  /** the source, or the location */
   source: string;
   text: string;
   help: string;
-  place: { file: string; line: number; column: number } | null;
+  location: { file: string; line: number; column: number } | null;
 }
 
 export interface Filters {
@@ -24,7 +24,7 @@ export interface Filters {
 /** Lines drawn at most: the newest of those that pass. */
 export const kDrawn = 1000;
 
-/** Problems first, then what happened in the order of time; what of the run came at the same time in the order it came. */
+/** Problems first, then messages and events in the order of time; of the same time in the order they came. */
 export function lines_of(problems: Problem[], messages: RunMessage[], events: RunEvent[]): Line[] {
   const said: Line[] = messages.map((m) => ({
     kind: "message",
@@ -33,18 +33,18 @@ export function lines_of(problems: Problem[], messages: RunMessage[], events: Ru
     source: m.source,
     text: m.message,
     help: "",
-    place: null,
+    location: null,
   }));
-  const happened: Line[] = events.map((e) => ({
+  const occurred: Line[] = events.map((e) => ({
     kind: "event",
     severity: "note",
     time: e.time,
     source: e.source,
     text: e.message || [e.kind, e.subject].filter(Boolean).join(" "),
     help: e.message ? e.kind : "",
-    place: null,
+    location: null,
   }));
-  const run = [...said, ...happened].sort((a, b) => a.time! - b.time!);
+  const run = [...said, ...occurred].sort((a, b) => a.time! - b.time!);
   return [...problems.flatMap(problem_lines), ...run];
 }
 
@@ -56,7 +56,7 @@ function problem_lines(problem: Problem): Line[] {
     source: of.file ? `${of.file}:${of.line}:${of.column}` : problem.code,
     text: of.message,
     help: note ? "" : problem.help,
-    place: of.file && of.line > 0 ? { file: of.file, line: of.line, column: of.column } : null,
+    location: of.file && of.line > 0 ? { file: of.file, line: of.line, column: of.column } : null,
   });
   return [line(problem, false), ...problem.notes.map((note) => line(note, true))];
 }
@@ -70,7 +70,7 @@ export function passing(lines: Line[], filters: Filters): Line[] {
   });
 }
 
-/** What the tab says: how many things are wrong. */
+/** The title of the tab: with the number of problems. */
 export function count_wrong(problems: Problem[], messages: RunMessage[]): number {
   return problems.filter((p) => p.severity === "error").length + messages.filter((m) => m.severity === "error").length;
 }

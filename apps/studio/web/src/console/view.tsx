@@ -11,7 +11,7 @@ const kKinds: [Kind, string][] = [
   ["message", "Messages"],
   ["event", "Events"],
 ];
-const kSigns = { error: "✖", advice: "▲", note: "●" };
+const kSigns = { error: "✖", warning: "▲", note: "●" };
 
 export function show_console(studio: Studio, node: HTMLElement): void {
   const { state } = studio;
@@ -19,13 +19,13 @@ export function show_console(studio: Studio, node: HTMLElement): void {
   const lines = computed(() => lines_of(state.problems.value, state.messages.value, state.events.value));
   const shown = computed(() => passing(lines.value, filters.value));
   const go = (line: Line) => {
-    if (line.place) studio.go_to(line.place.file, line.place.line, line.place.column);
+    if (line.location) studio.go_to(line.location.file, line.location.line, line.location.column);
     else if (line.time !== null) studio.seek(line.time);
   };
 
   function Tools() {
     return (
-      <div class="cg-tools" role="toolbar" aria-label="What the console shows">
+      <div class="cg-tools" role="toolbar" aria-label="Contents of the console">
         {kKinds.map(([kind, label]) => (
           <button
             key={kind}
@@ -36,7 +36,7 @@ export function show_console(studio: Studio, node: HTMLElement): void {
               filters.value = { kinds: { ...kinds, [kind]: !kinds[kind] }, search };
             }}
           >
-            {label} ({lines.value.filter((l) => l.kind === kind && l.severity !== "note").length ||
+            {label} ({lines.value.filter((l) => l.kind === kind && (kind !== "problem" || l.severity !== "note")).length ||
               lines.value.filter((l) => l.kind === kind).length})
           </button>
         ))}
@@ -76,7 +76,7 @@ export function show_console(studio: Studio, node: HTMLElement): void {
         {drawn.length === 0 && <li class="cg-muted">Nothing to report</li>}
         {drawn.map((line, i) => (
           <li key={all.length - drawn.length + i} class={`cg-line cg-line-${line.severity}`}>
-            <button onClick={() => go(line)} title={line.place ? "Show the place in the text" : "Go to this time"}>
+            <button onClick={() => go(line)} title={line.location ? "Show this line of the text" : "Go to this time"}>
               <span class="cg-line-sign" aria-hidden="true">
                 {kSigns[line.severity]}
               </span>

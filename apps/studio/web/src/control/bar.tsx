@@ -20,7 +20,7 @@ interface ToolProps {
 }
 
 function Tool({ label, icon, keys, reason, pressed, testid, on_click, children }: ToolProps) {
-  // What cannot be used can still be reached, and says why.
+  // Disabled controls can still be focused, and show the reason.
   return (
     <button
       class="cg-tool"
@@ -29,7 +29,7 @@ function Tool({ label, icon, keys, reason, pressed, testid, on_click, children }
       aria-pressed={pressed}
       title={reason ? `${label}: ${reason}` : keys ? `${label} (${keys})` : label}
       data-testid={testid}
-      // the keyboard's focus stays where it is: Space goes on to mean play and pause
+      // the keyboard's focus stays where it is: Space still means play and pause
       onMouseDown={(event) => event.preventDefault()}
       onClick={() => reason === null && on_click()}
     >
@@ -49,7 +49,7 @@ function SpeedChoice({ control }: { control: Control }) {
   return (
     <select
       aria-label="Speed"
-      title={reason ?? "Simulated time per second of the clock"}
+      title={reason ?? "Simulated seconds per wall-clock second"}
       disabled={reason !== null}
       data-testid="speed"
       value={String(speed)}
@@ -73,7 +73,7 @@ function StepField({ control }: { control: Control }) {
   const reason = control.why_not("dt");
   const take = async () => {
     const input = field.current;
-    // a field that was made anew loses the focus without anybody having typed
+    // a field that was rebuilt loses the focus without any typing
     if (!input) return;
     const step = read_step(input.value);
     if (typeof step === "string") {
@@ -95,7 +95,7 @@ function StepField({ control }: { control: Control }) {
         type="text"
         inputMode="decimal"
         size={6}
-        // what is being typed is not overwritten by what comes from the run
+        // typed text is not overwritten by updates of the run
         key={dt}
         defaultValue={step_text(dt)}
         disabled={reason !== null}
@@ -142,13 +142,13 @@ function Backend({ control }: { control: Control }) {
       Backend{" "}
       <select
         disabled={reason !== null}
-        title={reason ?? "The run goes on there from the state it is in"}
+        title={reason ?? "The run continues there from its present state"}
         data-testid="backend"
         value={present}
         onChange={(event) => {
           const select = event.currentTarget;
           const name = select.value;
-          // shows what is, until the run says otherwise
+          // shows the present backend until the run reports another
           select.value = present;
           void control.set_backend(name);
         }}
@@ -187,7 +187,7 @@ function Record({ control }: { control: Control }) {
           size={10}
           placeholder="run.mcap"
           aria-label="File to record to"
-          title={reason ?? "Name of the file beside the scene; empty: one is made up"}
+          title={reason ?? "Name of the file beside the scene; empty: a name is chosen"}
           disabled={reason !== null}
           value={file}
           onInput={(event) => set_file(event.currentTarget.value.trim())}
@@ -201,7 +201,7 @@ function Figures({ control }: { control: Control }) {
   const status = control.studio.state.status.value;
   const factor = status?.state === "playing" && !status.waiting ? `${status.factor.toFixed(2)}×` : "–";
   return (
-    <span class="cg-factor" title="Simulated seconds per second of the clock, as measured" data-testid="factor">
+    <span class="cg-factor" title="Measured simulated seconds per wall-clock second" data-testid="factor">
       Real-time factor <output aria-live="off">{factor}</output>
     </span>
   );

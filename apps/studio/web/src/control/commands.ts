@@ -12,7 +12,7 @@ export class Control {
     readonly playback: Playback,
   ) {}
 
-  /** Reads signals: what calls it in an effect is told of changes. */
+  /** Reads signals: an effect that calls it runs again on changes. */
   situation(): Situation {
     const { state } = this.studio;
     return {
@@ -84,8 +84,8 @@ export class Control {
     if (recorded(now) || !now.live) void this.playback.step_forward();
     else void this.ask("step", { count: 1 });
   }
-  change_speed(way: 1 | -1): void {
-    this.set_speed(next_speed(this.speed(), way, !recorded(this.situation())));
+  change_speed(direction: 1 | -1): void {
+    this.set_speed(next_speed(this.speed(), direction, !recorded(this.situation())));
   }
   set_speed(factor: number | null): void {
     if (recorded(this.situation())) this.playback.speed.value = factor ?? 10;
@@ -94,7 +94,7 @@ export class Control {
   async set_backend(name: string): Promise<void> {
     const answer = await this.ask("backend", { name });
     const notes = Array.isArray(answer?.notes) ? (answer.notes as unknown[]) : [];
-    if (answer) this.studio.notify([`the run goes on with ${name}`, ...notes.map(String)].join("; "));
+    if (answer) this.studio.notify([`the run continues with ${name}`, ...notes.map(String)].join("; "));
   }
   /** The libraries of all controllers as they are on disk now. */
   async reload(): Promise<void> {
@@ -112,14 +112,14 @@ export class Control {
   /** [s], in order: events, and where two runs part. */
   bookmarks(): number[] {
     const { events, status } = this.studio.state;
-    const parting = status.value?.compare?.first_over;
+    const divergence = status.value?.compare?.first_over;
     const times = events.value.map((e) => e.time);
-    if (typeof parting === "number") times.push(parting);
+    if (typeof divergence === "number") times.push(divergence);
     return times.sort((a, b) => a - b);
   }
-  to_bookmark(way: 1 | -1): void {
-    const time = neighbour(this.bookmarks(), this.playback.time, way);
-    if (time === undefined) this.studio.notify(way > 0 ? "no event after this time" : "no event before this time");
+  to_bookmark(direction: 1 | -1): void {
+    const time = neighbour(this.bookmarks(), this.playback.time, direction);
+    if (time === undefined) this.studio.notify(direction > 0 ? "no event after this time" : "no event before this time");
     else this.playback.seek(time);
   }
 
@@ -149,7 +149,7 @@ export class Control {
     add("run:next-event", "Next event", null, () => this.to_bookmark(1));
     add("run:reload", "Reload controllers", "reload", () => void this.reload());
     add("run:record", "Record, or end the recording", "record", () => void this.record(""));
-    // menus and palette read what is enabled when they open; a palette that is open is told
+    // menus and palette read what is enabled when they open; a palette that is open is notified
     effect(() => {
       this.situation();
       commands.notifyCommandChanged("run:toggle");

@@ -36,7 +36,7 @@ test("the ladder of speeds ends at as fast as possible, and for recordings at te
   assert.equal(next_speed(10, 1, false), 10);
 });
 
-test("play in the past plays what was run, at the front it runs", () => {
+test("play in the past plays recorded frames, at the end it runs", () => {
   assert.equal(play_means(now()), "run");
   assert.equal(play_means(now({ live: false })), "replay");
   assert.equal(play_means(now({ hello: { ...hello, kind: "recording" } })), "replay");
@@ -57,10 +57,10 @@ test("controllers are reloaded while the run is paused", () => {
   assert.ok(can("reload", {}));
   assert.equal(why_not("reload", now({ status: { ...status, state: "playing" } })), "pause the run first");
   const answer = {
-    reloaded: [{ controller: "bot.mind", version: "2.0.0", memory_kept: false, note: "it began anew" }],
-    kept: [{ controller: "other.mind", message: "controller 'other.mind' was not reloaded" }],
+    reloaded: [{ controller: "bot.driver", version: "2.0.0", memory_kept: false, note: "it restarted" }],
+    kept: [{ controller: "other.driver", message: "controller 'other.driver' was not reloaded" }],
   };
-  assert.equal(reload_text(answer), "bot.mind reloaded (2.0.0): it began anew; controller 'other.mind' was not reloaded");
+  assert.equal(reload_text(answer), "bot.driver reloaded (2.0.0): it restarted; controller 'other.driver' was not reloaded");
 });
 
 test("a recording is played, not changed", () => {
@@ -70,7 +70,7 @@ test("a recording is played, not changed", () => {
   assert.ok(can("pause", { ...past, replaying: true }));
 });
 
-test("an ended run says how it ended", () => {
+test("an ended run shows how it ended", () => {
   const ended = { status: { ...status, state: "ended" as const, ending: "its duration is over" } };
   assert.match(why_not("play", now(ended)) ?? "", /duration is over/);
   assert.ok(can("restart", ended));

@@ -1,17 +1,17 @@
 // What may be done with the run, and why not: plain logic.
 import type { Hello, Status } from "../core/protocol";
 
-/** Factors on the way from slow to fast; null: as fast as possible. */
+/** Factors from slow to fast; null: as fast as possible. */
 export const kSpeeds: (number | null)[] = [0.1, 0.25, 0.5, 1, 2, 4, 10, null];
 
-/** The next rung above (`way` 1) or below (-1) `speed`, which need not be on the ladder. `endless`: whether there is a rung
+/** The next rung above (`direction` 1) or below (-1) `speed`, which need not be on the ladder. `endless`: whether there is a rung
  *  "as fast as possible". */
-export function next_speed(speed: number | null, way: 1 | -1, endless: boolean): number | null {
+export function next_speed(speed: number | null, direction: 1 | -1, endless: boolean): number | null {
   const ladder = endless ? kSpeeds : kSpeeds.filter((s) => s !== null);
   const worth = (s: number | null) => s ?? Infinity;
   const at = worth(speed);
-  const further = ladder.filter((s) => (way > 0 ? worth(s) > at : worth(s) < at));
-  const next = way > 0 ? further[0] : further[further.length - 1];
+  const further = ladder.filter((s) => (direction > 0 ? worth(s) > at : worth(s) < at));
+  const next = direction > 0 ? further[0] : further[further.length - 1];
   return next === undefined ? speed : next;
 }
 
@@ -25,13 +25,13 @@ export interface Situation {
   status: Status | null;
   /** the page follows the run */
   live: boolean;
-  /** the page's cursor runs through what there is */
+  /** the page's cursor plays the kept frames */
   replaying: boolean;
 }
 
 export type Action = "play" | "pause" | "stop" | "restart" | "step" | "step-back" | "speed" | "dt" | "backend" | "record" | "live" | "reload";
 
-/** What play does: run the page's cursor through what was run, or the simulation. */
+/** The action of play: run the page's cursor through the past, or the simulation. */
 export function play_means(now: Situation): "replay" | "run" {
   return recorded(now) || !now.live ? "replay" : "run";
 }
@@ -44,7 +44,7 @@ export function recorded(now: Situation): boolean {
 export function why_not(action: Action, now: Situation): string | null {
   const { hello, status } = now;
   if (!hello || !status || !now.open) return "no connection";
-  const viewer = hello.role !== "operator" ? "only the operator may do this: this page looks on" : null;
+  const viewer = hello.role !== "operator" ? "only the operator may do this: this page is a viewer" : null;
   const past = recorded(now);
   switch (action) {
     case "play":
@@ -83,7 +83,7 @@ export function why_not(action: Action, now: Situation): string | null {
   }
 }
 
-/** What an answer to `reload` says, in a sentence for each controller. */
+/** An answer to `reload` as text, a sentence for each controller. */
 export function reload_text(answer: Record<string, unknown>): string {
   const entries = (key: string) => (Array.isArray(answer[key]) ? (answer[key] as Record<string, unknown>[]) : []);
   const done = entries("reloaded").map(
@@ -92,7 +92,7 @@ export function reload_text(answer: Record<string, unknown>): string {
   return [...done, ...entries("kept").map((one) => String(one.message))].join("; ");
 }
 
-/** [s] from what was typed in ms; an error as text. */
+/** [s] from a text in ms; an error as text. */
 export function read_step(text: string): number | string {
   const value = Number(text.trim().replace(",", "."));
   if (text.trim() === "" || !Number.isFinite(value)) return "a number of milliseconds, please";
@@ -106,7 +106,7 @@ export function step_text(seconds: number): string {
   return String(Number((seconds * 1000).toPrecision(6)));
 }
 
-/** What the time step does to accuracy. */
+/** The effect of the time step on accuracy. */
 export function step_hint(dt: number, scene_dt: number): string {
   const ratio = dt / scene_dt;
   const now =

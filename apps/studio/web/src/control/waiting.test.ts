@@ -5,7 +5,7 @@ import { fault_text, waiting_help, waiting_text } from "./waiting";
 
 const waiting: Waiting = {
   kind: "controller",
-  name: "bot.mind",
+  name: "bot.driver",
   of: "bot",
   plugin: "rascal",
   doing: "in update",
@@ -15,12 +15,12 @@ const waiting: Waiting = {
   limit: 10,
 };
 
-test("what is waited for is named, with whose it is and for how long", () => {
-  assert.equal(waiting_text(waiting), "Waiting for controller 'bot.mind' of robot 'bot': 3 s");
+test("the call that the run waits for is named, with its owner and its duration", () => {
+  assert.equal(waiting_text(waiting), "Waiting for controller 'bot.driver' of robot 'bot': 3 s");
   assert.equal(waiting_text({ ...waiting, kind: "renderer", name: "", of: "" }), "Waiting for renderer: 3 s");
 });
 
-test("what becomes of it depends on where it runs", () => {
+test("the remedy depends on where it runs", () => {
   assert.match(waiting_help(waiting), /^Plugin 'rascal' has not returned, in update at 0\.1 s of the run\. Its process is ended after 10 s;/);
   assert.match(waiting_help({ ...waiting, limit: null }), /no deadline; Stop, Restart and End controller end it now/);
   const here = waiting_help({ ...waiting, isolated: false, limit: null, time: null });
@@ -28,15 +28,15 @@ test("what becomes of it depends on where it runs", () => {
   assert.doesNotMatch(here, /End controller/);
 });
 
-test("a fault says whose it is, when, why, and what to do", () => {
-  const event: RunEvent = { index: 1, time: 0.1, kind: "fault", source: "bot.mind", subject: "", message: "crashed (SIGSEGV) in update" };
+test("a fault names its owner, time, reason and remedy", () => {
+  const event: RunEvent = { index: 1, time: 0.1, kind: "fault", source: "bot.driver", subject: "", message: "crashed (SIGSEGV) in update" };
   const scene = {
     assemblies: [{ name: "bot" }],
-    controllers: [{ name: "bot.mind", plugin: "rascal", assembly: 0 }],
+    controllers: [{ name: "bot.driver", plugin: "rascal", assembly: 0 }],
   } as unknown as Scene;
   assert.match(
     fault_text(event, scene),
-    /^Controller 'bot\.mind' of robot 'bot' \(plugin 'rascal'\) at 0\.1 s: crashed \(SIGSEGV\) in update\. Restart begins the run anew\..*Reload controllers/,
+    /^Controller 'bot\.driver' of robot 'bot' \(plugin 'rascal'\) at 0\.1 s: crashed \(SIGSEGV\) in update\. Restart runs from the start\..*Reload controllers/,
   );
-  assert.equal(fault_text({ ...event, source: "boss" }, scene), "'boss' at 0.1 s: crashed (SIGSEGV) in update. Restart begins the run anew.");
+  assert.equal(fault_text({ ...event, source: "boss" }, scene), "'boss' at 0.1 s: crashed (SIGSEGV) in update. Restart runs from the start.");
 });

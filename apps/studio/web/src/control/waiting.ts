@@ -1,31 +1,31 @@
-// What the run waits for, and faults of those that it waited for.
+// Plugin calls that the run waits for, and faults of plugins.
 import { effect } from "@preact/signals-core";
 import type { RunEvent, Scene, Waiting } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import type { Control } from "./commands";
 
-/** "controller 'bot.mind' of robot 'bot'" */
+/** "controller 'bot.driver' of robot 'bot'" */
 function who(kind: string, name: string, robot: string): string {
   return `${kind}${name ? ` '${name}'` : ""}${robot ? ` of robot '${robot}'` : ""}`;
 }
 
-/** In place of what the run does. */
+/** Shown instead of the run's state. */
 export function waiting_text(waiting: Waiting): string {
   return `Waiting for ${who(waiting.kind, waiting.name, waiting.of)}: ${Math.floor(waiting.seconds)} s`;
 }
 
-/** Where it is, what becomes of it, what can be done. */
+/** Where the call is, when it is ended, what the user can do. */
 export function waiting_help(waiting: Waiting): string {
   const { plugin, doing, time, isolated, limit } = waiting;
-  const place = `${plugin ? `Plugin '${plugin}' ` : "It "}has not returned, ${doing}${time === null ? "" : ` at ${short(time)} s of the run`}.`;
+  const text = `${plugin ? `Plugin '${plugin}' ` : "It "}has not returned, ${doing}${time === null ? "" : ` at ${short(time)} s of the run`}.`;
   if (!isolated) {
-    return `${place} It runs in the studio's own process and cannot be stopped without ending the studio, with Ctrl-C where that was started.`;
+    return `${text} It runs in the studio's own process and cannot be stopped without ending the studio, with Ctrl-C where it was started.`;
   }
   const end = limit === null ? "It has no deadline" : `Its process is ended after ${short(limit)} s`;
-  return `${place} ${end}; Stop, Restart and End controller end it now.`;
+  return `${text} ${end}; Stop, Restart and End controller end it now.`;
 }
 
-/** What a fault means to the user; `scene` knows whose it is. */
+/** The text of a fault for the user; `scene` has the owner. */
 export function fault_text(event: RunEvent, scene: Scene | null): string {
   const controller = scene?.controllers.find((one) => one.name === event.source);
   const robot = controller && scene?.assemblies[controller.assembly];
@@ -33,8 +33,8 @@ export function fault_text(event: RunEvent, scene: Scene | null): string {
     ? `${who("controller", controller.name, robot?.name ?? "")} (plugin '${controller.plugin}')`
     : `'${event.source}'`;
   const next = controller
-    ? "Restart begins the run anew. Once it is built anew: Pause, then Run ▸ Reload controllers, or Restart."
-    : "Restart begins the run anew.";
+    ? "Restart runs from the start. After a rebuild: Pause, then Run ▸ Reload controllers, or Restart."
+    : "Restart runs from the start.";
   return `${name[0]!.toUpperCase()}${name.slice(1)} at ${short(event.time)} s: ${event.message}. ${next}`;
 }
 
@@ -42,7 +42,7 @@ function short(value: number): string {
   return String(Number(value.toPrecision(6)));
 }
 
-/** Faults are notified as they happen; those of before the page came, too. */
+/** Notifies of faults as they occur, and of those before the page joined. */
 export function notify_faults(studio: Studio): void {
   const { state } = studio;
   let seen = -1;
@@ -58,7 +58,7 @@ export function notify_faults(studio: Studio): void {
   });
 }
 
-/** Says what is waited for, as long as that is so. */
+/** Shows the call that the run waits for. */
 export function waiting_bar(control: Control): HTMLElement {
   const { state } = control.studio;
   const node = document.createElement("div");
@@ -66,19 +66,19 @@ export function waiting_bar(control: Control): HTMLElement {
   node.dataset.testid = "waiting";
   // The seconds are not for being read out.
   const seconds = document.createElement("strong");
-  const words = document.createElement("span");
-  words.setAttribute("role", "alert");
+  const message = document.createElement("span");
+  message.setAttribute("role", "alert");
   const end = document.createElement("button");
   end.textContent = "End controller";
   end.dataset.testid = "end-controller";
   end.addEventListener("click", () => void control.ask("end-controller"));
-  node.append(seconds, words, end);
+  node.append(seconds, message, end);
   effect(() => {
     const waiting = state.open.value ? state.status.value?.waiting : null;
     node.hidden = !waiting;
     seconds.textContent = waiting ? waiting_text(waiting) : "";
     const help = waiting ? waiting_help(waiting) : "";
-    if (words.textContent !== help) words.textContent = help;
+    if (message.textContent !== help) message.textContent = help;
     end.hidden = !waiting?.isolated || state.hello.value?.role !== "operator";
   });
   return node;

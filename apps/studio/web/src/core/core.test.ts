@@ -111,7 +111,7 @@ function run_of(count: number): MemoryRun {
     dt: 0.1,
     signals: [{ name: "x", unit: "m", owner: "b", values: Array.from({ length: count }, (_, i) => i) }],
     events: [event(0), event(1)],
-    messages: [{ time: 0, severity: "advice", source: "s", message: "m" }],
+    messages: [{ time: 0, severity: "warning", source: "s", message: "m" }],
   };
 }
 const soon = () => new Promise((r) => setTimeout(r, 40));
@@ -151,7 +151,7 @@ test("a run in memory answers as a server does", async () => {
   await assert.rejects(link.request("edit", {}), /needs a server/);
 });
 
-test("a page that meets a server of another protocol is loaded anew once", (t) => {
+test("a page that meets a server of another protocol is reloaded once", (t) => {
   const kept = new Map<string, string>();
   const storage = {
     getItem: (key: string) => kept.get(key) ?? null,
@@ -164,7 +164,7 @@ test("a page that meets a server of another protocol is loaded anew once", (t) =
   const done: string[] = [];
   const meet = (protocol: number) => same_protocol(protocol, () => done.push("reload"), (message) => done.push(message));
 
-  // Where nothing is kept it could not be told from the first time.
+  // Where nothing is kept, it could not be distinguished from the first time.
   page.sessionStorage = undefined;
   assert.equal(meet(kProtocol + 1), true);
   assert.match(done.join(), /different versions/);

@@ -14,7 +14,7 @@ test("what comes in before them moves the ids of others", () => {
   assert.deepEqual(follow_elements([2, 4], before, after), [3, 5]);
 });
 
-test("what is gone is selected no more", () => {
+test("removed elements are not selected any more", () => {
   const after = tree([-1, "scene", ""], [0, "box", "b"], [0, "on", ""], [0, "on", ""]);
   assert.deepEqual(follow_elements([1, 2], before, after), [1]);
 });

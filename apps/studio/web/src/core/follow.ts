@@ -1,7 +1,7 @@
 // Elements across versions of the text: their ids count from the front and change with every element before them.
 import type { TreeElement } from "./protocol";
 
-/** What names an element across versions: the names around it, or its place among its like. */
+/** What names an element across versions: the names around it, or its index among its kind. */
 export function element_keys(elements: readonly TreeElement[]): string[] {
   const seen = new Map<string, number>();
   const keys: string[] = [];

@@ -18,7 +18,7 @@ export function follow_key(renew: () => void): void {
   });
 }
 
-/** What this tab keeps over a reload; nothing where the browser keeps nothing. */
+/** The tab's storage over a reload; empty where the browser stores nothing. */
 export function recall_here(key: string): string | null {
   try {
     return sessionStorage.getItem(key);

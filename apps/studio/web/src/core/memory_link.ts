@@ -11,7 +11,7 @@ import type {
   RunMessage,
   Scene,
   Status,
-  Tells,
+  Topics,
   TreeElement,
   Provenance,
 } from "./protocol";
@@ -28,7 +28,7 @@ export interface MemorySignal {
   ghost?: ArrayLike<number>;
 }
 
-/** All there is to know of a run. Frames may be unpacked when asked for. */
+/** All data of a run. Frames may be unpacked on request. */
 export interface MemoryRun {
   hello: Hello;
   /** usually one; each frame names the one it belongs to by its number */
@@ -72,7 +72,7 @@ const kPathsRevision = 1;
 type Fields = Record<string, unknown>;
 type Listener<T> = (value: T) => void;
 
-/** A set of listeners; one that fails does not keep the others from being told. */
+/** A set of listeners; one that fails does not keep the others from being called. */
 export class Listeners<T> {
   private readonly all = new Set<Listener<T>>();
 
@@ -80,7 +80,7 @@ export class Listeners<T> {
     this.all.add(listener);
     return () => void this.all.delete(listener);
   }
-  tell(value: T): void {
+  publish(value: T): void {
     for (const listener of [...this.all]) {
       try {
         listener(value);
@@ -93,17 +93,17 @@ export class Listeners<T> {
 
 export class MemoryLink implements Link {
   protected readonly run: MemoryRun;
-  /** index of the frame that is looked at */
+  /** index of the shown frame */
   protected at = 0;
   private subscribed = { contacts: false, readings: false };
-  /** cameras whose pictures are wanted, with the one that was handed out last */
+  /** cameras whose pictures are requested, with the last one sent */
   private cameras = new Map<string, Picture | null>();
-  private told_scene = -1;
+  private published_scene = -1;
   private poses: { scene: Scene | undefined; signals: MemorySignal[] } = { scene: undefined, signals: [] };
   private waiting = false;
   private readonly frames = new Listeners<Frame>();
   private readonly pictures = new Listeners<Picture>();
-  private readonly tells = new Map<keyof Tells, Listeners<unknown>>();
+  private readonly topics = new Map<keyof Topics, Listeners<unknown>>();
 
   constructor(run: MemoryRun) {
     if (run.count < 1) throw new Error("a run in memory needs at least one frame");
@@ -115,9 +115,9 @@ export class MemoryLink implements Link {
     await Promise.resolve();
     return (await this.answer(what, fields)) as Answer;
   }
-  on<Name extends keyof Tells>(name: Name, listener: (tell: Tells[Name]) => void): Unsubscribe {
-    let listeners = this.tells.get(name);
-    if (!listeners) this.tells.set(name, (listeners = new Listeners()));
+  on<Name extends keyof Topics>(name: Name, listener: (message: Topics[Name]) => void): Unsubscribe {
+    let listeners = this.topics.get(name);
+    if (!listeners) this.topics.set(name, (listeners = new Listeners()));
     return listeners.add(listener as Listener<unknown>);
   }
   on_frame(listener: (frame: Frame) => void): Unsubscribe {
@@ -134,8 +134,8 @@ export class MemoryLink implements Link {
     return this.run.assets?.[path] ?? "";
   }
 
-  protected tell<Name extends keyof Tells>(name: Name, tell: Tells[Name]): void {
-    this.tells.get(name)?.tell(tell);
+  protected publish<Name extends keyof Topics>(name: Name, message: Topics[Name]): void {
+    this.topics.get(name)?.publish(message);
   }
 
   protected status(): Status {
@@ -165,7 +165,7 @@ export class MemoryLink implements Link {
     };
   }
 
-  /** Whether the page looks at the newest frame of a run that goes on. */
+  /** Whether the page shows the newest frame of a run that continues. */
   protected live(): boolean {
     return false;
   }
@@ -174,7 +174,7 @@ export class MemoryLink implements Link {
     const { run } = this;
     switch (what) {
       case "hello":
-        queueMicrotask(() => this.tell_all());
+        queueMicrotask(() => this.publish_all());
         return run.hello;
       case "seek":
         return this.look(index_at(run.count, (i) => run.time_of(i), Number(fields.time)));
@@ -231,26 +231,26 @@ export class MemoryLink implements Link {
     };
   }
 
-  protected tell_all(): void {
+  protected publish_all(): void {
     const { run } = this;
-    this.tell("status", this.status());
-    this.told_scene = -1;
-    this.tell_scene(run.frame(this.at).scene);
-    if (run.document) this.tell("document", run.document);
-    if (run.elements) this.tell("tree", { version: run.document?.version ?? 0, elements: run.elements });
-    if (run.problems) this.tell("problems", { version: run.document?.version ?? 0, problems: run.problems });
-    if (run.messages) this.tell("messages", { messages: run.messages });
-    if (run.events) this.tell("events", { events: run.events });
+    this.publish("status", this.status());
+    this.published_scene = -1;
+    this.publish_scene(run.frame(this.at).scene);
+    if (run.document) this.publish("document", run.document);
+    if (run.elements) this.publish("tree", { version: run.document?.version ?? 0, elements: run.elements });
+    if (run.problems) this.publish("problems", { version: run.document?.version ?? 0, problems: run.problems });
+    if (run.messages) this.publish("messages", { messages: run.messages });
+    if (run.events) this.publish("events", { events: run.events });
     this.show();
   }
 
-  /** Forgets which scene was told, after a change of its contents. */
-  protected tell_scene(number: number): void {
-    if (number === this.told_scene) return;
+  /** Forgets which scene was published, after a change of its contents. */
+  protected publish_scene(number: number): void {
+    if (number === this.published_scene) return;
     const scene = this.run.scenes.find((s) => s.scene === number);
     if (!scene) return;
-    this.told_scene = number;
-    this.tell("scene", scene);
+    this.published_scene = number;
+    this.publish("scene", scene);
   }
 
   /** Pictures that came with the run are all there is. */
@@ -274,7 +274,7 @@ export class MemoryLink implements Link {
       const picture = mine[index_at(mine.length, (i) => mine[i]!.time, time)];
       if (!picture || picture === last || picture.time > time + 5e-10) continue;
       this.cameras.set(name, picture);
-      this.pictures.tell(picture);
+      this.pictures.publish(picture);
     }
   }
 
@@ -291,12 +291,12 @@ export class MemoryLink implements Link {
     next_picture(() => {
       this.waiting = false;
       const frame = this.run.frame(this.at);
-      this.tell_scene(frame.scene);
+      this.publish_scene(frame.scene);
       const tail: Frame["tail"] = {};
       if (this.subscribed.contacts && frame.tail.contacts) tail.contacts = frame.tail.contacts;
       if (this.subscribed.readings && frame.tail.readings) tail.readings = frame.tail.readings;
       const { scene, time, step, poses, ghost } = frame;
-      this.frames.tell({ live: this.live(), scene, time, step, poses, ghost, tail });
+      this.frames.publish({ live: this.live(), scene, time, step, poses, ghost, tail });
       this.hand_out_pictures(time);
     });
   }

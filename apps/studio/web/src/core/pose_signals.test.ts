@@ -72,7 +72,7 @@ test("a run in memory has signals of its bodies, and both runs of a comparison",
   await assert.rejects(link.request("series", { signals: ["floor.x"], from: null, to: null }), /no signal 'floor.x'/);
 });
 
-test("how far two runs are apart, and which body is first", () => {
+test("how far two runs diverge, and which body is first", () => {
   assert.equal(divergence_of(run_of(20, false), ["p", "q"]), null);
   const answer = divergence_of(run_of(20, true), ["p", "q"]) as {
     worst: number[];

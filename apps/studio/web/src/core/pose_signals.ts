@@ -1,5 +1,5 @@
 // What can be drawn of a run in memory without its simulator: where bodies are and how they are turned, and how far two runs
-// are apart.
+// diverge.
 import type { MemoryRun, MemorySignal } from "./memory_link";
 
 /** Radians about the world's x, then y, then z axis, of the rotation w x y z. */
@@ -70,7 +70,7 @@ export function pose_signals(run: MemoryRun): MemorySignal[] {
     );
 }
 
-/** The answer to `divergence`, of frames with ghosts; null without. Bodies count as apart from 1 cm or 1° on, as elsewhere. */
+/** The answer to `divergence`, of frames with ghosts; null without. Bodies count as diverged from 1 cm or 1° on, as elsewhere. */
 export function divergence_of(run: MemoryRun, labels: [string, string]): Record<string, unknown> | null {
   const scene = run.scenes[run.scenes.length - 1];
   if (!scene || run.count === 0 || run.frame(run.count - 1).ghost.length === 0) return null;
@@ -88,7 +88,7 @@ export function divergence_of(run: MemoryRun, labels: [string, string]): Record<
       const p = 7 * k;
       if (p + 6 >= Math.min(a.length, b.length)) return void distances[k]!.push(null);
       const distance = Math.hypot(a[p]! - b[p]!, a[p + 1]! - b[p + 1]!, a[p + 2]! - b[p + 2]!);
-      // poses are of single precision: near 1 the cosine says nothing of angles below 1e-3 rad, so the sine of half of it is
+      // poses are of single precision: near 1 the cosine cannot resolve angles below 1e-3 rad, so the sine of half of it is
       // taken, from the product with the inverse
       const angle = 2 * Math.asin(Math.min(half_sine(a, b, p + 3), 1));
       distances[k]!.push(distance);

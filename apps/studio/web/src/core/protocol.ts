@@ -12,7 +12,7 @@ export interface Failure {
 }
 
 /** Of PROTOCOL.md, which this page speaks; kProtocol in server/studio.h is the server's. */
-export const kProtocol = 1;
+export const kProtocol = 2;
 
 export interface Hello {
   protocol: number;
@@ -29,7 +29,7 @@ export interface StageOrigin {
   by: "engine" | "cogrsim" | "nobody" | "unanswered";
   name: string;
 }
-/** Who computes a run. */
+/** The provenance of a run. */
 export interface Provenance {
   engine: string;
   version: string;
@@ -53,7 +53,7 @@ export interface Status {
   scene_dt: number;
   /** null: as fast as possible */
   speed: number | null;
-  /** simulated seconds per second of the clock, measured */
+  /** simulated seconds per wall-clock second, measured */
   factor: number;
   backend: string;
   engine_version: string;
@@ -115,7 +115,7 @@ export interface UnsavedOffer {
 export interface Unsaved {
   version: number;
   offer: UnsavedOffer | null;
-  /** why what is not saved is not kept on the disk either; "": it is */
+  /** why unsaved changes are not kept on the disk either; "": they are */
   not_kept: string;
 }
 
@@ -124,7 +124,7 @@ export interface TreeElement {
   parent: number;
   tag: string;
   name: string;
-  /** dotted name; "" for what has none */
+  /** dotted name; "": it has none */
   path: string;
   line: number;
   column: number;
@@ -133,7 +133,7 @@ export interface TreeElement {
 }
 
 export interface Problem {
-  severity: "error" | "advice";
+  severity: "error" | "warning" | "note";
   code: string;
   message: string;
   help: string;
@@ -146,7 +146,7 @@ export interface Problem {
 
 export interface RunMessage {
   time: number;
-  severity: "error" | "advice";
+  severity: "error" | "warning" | "note";
   source: string;
   message: string;
 }
@@ -282,7 +282,7 @@ export interface Frame {
 
 /** Answer to `paths`. */
 export interface Paths {
-  /** of another one nothing that was known holds */
+  /** with another revision all earlier points are void */
   revision: number;
   /** up to here all is known [s]; null: nothing is */
   until: number | null;
@@ -309,8 +309,8 @@ export interface Picture {
   file: Blob;
 }
 
-/** What the server says unasked, by name. */
-export interface Tells {
+/** The messages that the server publishes unasked, by topic. */
+export interface Topics {
   status: Status;
   scene: Scene;
   document: DocumentState;

@@ -3,7 +3,7 @@ import { Widget } from "@lumino/widgets";
 import type { Signal } from "@preact/signals-core";
 import { render, type ComponentChild } from "preact";
 
-/** A panel that Preact draws, and whether anybody can see it now: what nobody sees asks for nothing. */
+/** A panel that Preact draws, and whether it is visible now: hidden panels request nothing. */
 export class SeenWidget extends Widget {
   private readonly see = (): void => {
     this.seen.value = this.isVisible && !this.node.ownerDocument.hidden;

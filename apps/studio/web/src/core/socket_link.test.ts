@@ -41,7 +41,7 @@ function frame(time: number): ArrayBuffer {
 
 const links: FakeSocket[] = [];
 afterEach(() => {
-  // no timer of a link stays behind: open questions are answered, and nothing is tried again
+  // no timer of a link stays behind: open requests are answered, and nothing is tried again
   for (const socket of links.splice(0)) {
     for (const { id } of socket.asked()) socket.say({ id, ok: true });
     socket.onclose = null;
@@ -81,7 +81,7 @@ test("answers find their questions in any order; refusals say why", async () => 
   await assert.rejects(second, (e: Error & { failure?: { code: string } }) => e.failure?.code === "viewer" && /no \(ask\)/.test(e.message));
 });
 
-test("a field cannot take the place of the question or its number", () => {
+test("a field cannot replace the request or its number", () => {
   const { link, sockets } = stage();
   sockets[0]!.open();
   void link.request("seek", { id: 99, do: "stop" }).catch(() => {});
@@ -129,7 +129,7 @@ test("a listener that fails does not keep the frame from being answered", (t) =>
   assert.deepEqual(sockets[0]!.sent, ["a"]);
 });
 
-test("a broken way is mended, open questions fail, and what was subscribed is said again", async () => {
+test("a broken connection is restored, open requests fail, and subscriptions are sent again", async () => {
   const { link, sockets, draw } = stage();
   const open: boolean[] = [];
   link.on_open((o) => open.push(o));
@@ -137,7 +137,7 @@ test("a broken way is mended, open questions fail, and what was subscribed is sa
   void link.request("subscribe", { contacts: false, readings: false }).catch(() => {});
   void link.request("subscribe", { contacts: true, readings: false }).catch(() => {});
   const lost = link.request("play");
-  // a frame that was on its way to the screen belongs to the old way
+  // a frame that was not drawn yet belongs to the old connection
   sockets[0]!.say(frame(1));
   sockets[0]!.close();
   await assert.rejects(lost, /lost/);
@@ -166,7 +166,7 @@ test("it tries again for ever", async () => {
   await until(() => sockets.length === 3);
 });
 
-test("textures are asked for where the server says", async () => {
+test("textures are requested at the server's address", async () => {
   const { link, sockets } = stage();
   assert.equal(link.asset("3"), "");
   sockets[0]!.open();

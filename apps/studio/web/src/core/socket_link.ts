@@ -1,8 +1,8 @@
-// The way to a server: one WebSocket, opened again whenever it breaks.
+// The connection to a server: one WebSocket, opened again whenever it breaks.
 import { decode_frame, decode_picture } from "./decode";
 import { RequestError, type Link, type Unsubscribe } from "./link";
 import { Listeners, next_picture } from "./memory_link";
-import type { Failure, Frame, Picture, Tells } from "./protocol";
+import type { Failure, Frame, Picture, Topics } from "./protocol";
 
 /** As much of a WebSocket as is needed; tests bring their own. */
 export interface Socket {
@@ -37,7 +37,7 @@ const kPatienceOf: Record<string, number> = { build: 3_600_000 };
 const kFirstDelay = 250;
 const kLongestDelay = 5_000;
 
-/** What has to be said again on a new way, the last of each. */
+/** Requests that are repeated on a new connection, the last of each. */
 const kStanding = ["subscribe", "cameras"];
 
 export class SocketLink implements Link {
@@ -53,7 +53,7 @@ export class SocketLink implements Link {
   private readonly frames = new Listeners<Frame>();
   private readonly pictures = new Listeners<Picture>();
   private readonly opens = new Listeners<boolean>();
-  private readonly tells = new Map<string, Listeners<unknown>>();
+  private readonly topics = new Map<string, Listeners<unknown>>();
   private readonly connect: () => Socket;
   private readonly next_picture: (then: () => void) => void;
   /** what addresses of textures begin with */
@@ -88,10 +88,10 @@ export class SocketLink implements Link {
       socket.send(JSON.stringify({ ...fields, id, do: what }));
     });
   }
-  on<Name extends keyof Tells>(name: Name, listener: (tell: Tells[Name]) => void): Unsubscribe {
-    let listeners = this.tells.get(name);
-    if (!listeners) this.tells.set(name, (listeners = new Listeners()));
-    return listeners.add(listener as (tell: unknown) => void);
+  on<Name extends keyof Topics>(name: Name, listener: (message: Topics[Name]) => void): Unsubscribe {
+    let listeners = this.topics.get(name);
+    if (!listeners) this.topics.set(name, (listeners = new Listeners()));
+    return listeners.add(listener as (message: unknown) => void);
   }
   on_frame(listener: (frame: Frame) => void): Unsubscribe {
     return this.frames.add(listener);
@@ -116,7 +116,7 @@ export class SocketLink implements Link {
     socket.onopen = () => {
       this.is_open = true;
       this.delay = kFirstDelay;
-      this.opens.tell(true);
+      this.opens.publish(true);
       for (const [what, fields] of this.standing) this.request(what, fields).catch(() => {});
     };
     socket.onmessage = ({ data }) => {
@@ -137,7 +137,7 @@ export class SocketLink implements Link {
         reject(new RequestError({ message: "the connection to the studio was lost", code: "closed" }));
       }
       this.waiting.clear();
-      this.opens.tell(false);
+      this.opens.publish(false);
       this.retry = setTimeout(() => this.open(), this.delay);
       this.delay = Math.min(2 * this.delay, kLongestDelay);
     };
@@ -149,9 +149,9 @@ export class SocketLink implements Link {
   }
 
   private take_text(text: string): void {
-    const message = JSON.parse(text) as { id?: number; ok?: boolean; error?: Failure; tell?: string; assets?: string };
-    if (typeof message.tell === "string") {
-      this.tells.get(message.tell)?.tell(message);
+    const message = JSON.parse(text) as { id?: number; ok?: boolean; error?: Failure; topic?: string; assets?: string };
+    if (typeof message.topic === "string") {
+      this.topics.get(message.topic)?.publish(message);
       return;
     }
     const waiting = this.waiting.get(message.id ?? -1);
@@ -164,12 +164,12 @@ export class SocketLink implements Link {
   }
 
   private take_bytes(data: ArrayBuffer, socket: Socket): void {
-    const say = (word: string) => {
-      if (socket.readyState === kOpen) socket.send(word);
+    const say = (text: string) => {
+      if (socket.readyState === kOpen) socket.send(text);
     };
     if (new Uint8Array(data, 0, 1)[0] === 2) {
       try {
-        this.pictures.tell(decode_picture(data));
+        this.pictures.publish(decode_picture(data));
       } finally {
         say("p");
       }
@@ -191,7 +191,7 @@ export class SocketLink implements Link {
       const now = this.newest;
       this.newest = null;
       if (!now) return;
-      this.frames.tell(now);
+      this.frames.publish(now);
       say("a");
     });
   }

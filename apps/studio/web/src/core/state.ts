@@ -1,4 +1,4 @@
-// What the page knows, as signals: panels read them and are told of changes.
+// What the page knows, as signals: panels read them and are notified of changes.
 import { computed, signal } from "@preact/signals-core";
 import type {
   DocumentState,
@@ -29,7 +29,7 @@ export class State {
 
   /** What all panels show. Not a reason to render anything but pictures: changes 60 times a second. */
   readonly frame = signal<Frame | null>(null);
-  /** Whether the page follows the run; else it looks at `frame.time`. */
+  /** Whether the page follows the run; else it shows `frame.time`. */
   readonly live = signal(true);
 
   /** Element ids that are selected, the last one is the main one. Of things that no element made: none. */

@@ -18,7 +18,7 @@ export interface Studio {
    *  the user and make it null; a stale version is tried again once. */
   edit(label: string, ops: Op[]): Promise<number[] | null>;
   select(elements: number[]): void;
-  /** Looks at the last frame at or before `time` [s], in all panels. */
+  /** Shows the last frame at or before `time` [s], in all panels. */
   seek(time: number): void;
 
   /** A short note at the edge of the window; errors stay until they are closed. */

@@ -1,4 +1,4 @@
-// Keeps the state up to what the link says.
+// Updates the state from the messages of the link.
 import { follow_elements } from "./follow";
 import { batch } from "@preact/signals-core";
 import { recall_here, remember_here } from "./key";
@@ -14,7 +14,7 @@ export function append<T>(all: readonly T[], more: readonly T[], kept = kKept): 
   return all.concat(more).slice(-kept);
 }
 
-/** Events are numbered from 0 in each run: those of a new run take the place of the old ones with their number. */
+/** Events are numbered from 0 in each run: those of a new run replace the old ones with their number. */
 export function append_events(all: readonly RunEvent[], more: readonly RunEvent[]): RunEvent[] {
   const first = more[0];
   if (!first) return all.slice();
@@ -24,10 +24,10 @@ export function append_events(all: readonly RunEvent[], more: readonly RunEvent[
   );
 }
 
-/** Where it is noted for which server's protocol the page was loaded anew. */
+/** Where it is noted for which server's protocol the page was reloaded. */
 const kRenewed = "cogrsim:renewed-for";
 
-/** Whether the page and a server of that protocol go on together. The page is loaded anew, `reload`, when they do not: once. */
+/** Whether the page and a server of that protocol fit together. If not, the page is reloaded, `reload`, once. */
 export function same_protocol(protocol: number, reload: () => void, failed: (message: string) => void): boolean {
   if (protocol === kProtocol) {
     remember_here(kRenewed, null);
@@ -45,9 +45,9 @@ export function same_protocol(protocol: number, reload: () => void, failed: (mes
   return true;
 }
 
-/** `reload`: loads the page anew. */
+/** `reload`: reloads the page. */
 export function wire(link: Link, state: State, failed: (message: string) => void, reload: () => void = () => {}): void {
-  // What the link tells between a new way and its answer to hello stands for the whole run anew.
+  // What the link publishes between a new connection and its answer to hello replaces the whole run.
   let fresh = false;
   link.on_open((open) => {
     if (!open) {
@@ -73,7 +73,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
     const before = state.status.value;
     batch(() => {
       state.status.value = status;
-      // Back at the start: what was said of the run before is no longer so.
+      // Back at the start: messages of the run before are void.
       if (before && status.last < before.last && status.frames < before.frames) {
         state.events.value = [];
         state.live.value = true;
@@ -84,7 +84,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
   link.on("document", (document) => (state.document.value = document));
   link.on("unsaved", (unsaved) => (state.unsaved.value = unsaved));
   link.on("tree", (tree) => {
-    // Of a text that is not well-formed: the last one that was stays, with what is selected in it.
+    // Of a text that is not well-formed: the last good tree stays, with its selection.
     if (tree.elements.length === 0) return;
     batch(() => {
       const selection = state.selection.value;

@@ -2,7 +2,7 @@
 import { MemoryLink, refused, type MemoryRun } from "../core/memory_link";
 import { kProtocol, type Op, type Paths, type RunState, type Status } from "../core/protocol";
 import { demo_scene, frame_at, kText } from "./motion";
-import { place, tokens } from "./tokens";
+import { position_of, tokens } from "./tokens";
 
 type Fields = Record<string, unknown>;
 const kSceneStep = 0.001;
@@ -51,7 +51,7 @@ export class DemoLink extends MemoryLink {
       engine_version: "3.24",
       ending: "",
       dt: kSceneStep,
-      messages: [{ time: 0, severity: "advice", source: "diff_drive", message: "no waypoints: drives a circle" }],
+      messages: [{ time: 0, severity: "warning", source: "diff_drive", message: "no waypoints: drives a circle" }],
       events: [],
       problems: [],
     };
@@ -107,14 +107,14 @@ export class DemoLink extends MemoryLink {
       this.run.ending = "its duration of 10 s is over";
     }
     this.run.events = this.events_until(this.run.time_of(this.run.count - 1));
-    if (this.run.events.length > before) this.tell("events", { events: this.run.events.slice(before) });
+    if (this.run.events.length > before) this.publish("events", { events: this.run.events.slice(before) });
     if (this.compared && this.run.count > 200) this.compared = { ...this.compared, first_over: 2 };
     this.changed();
   }
 
   private changed(): void {
     if (this.follows) this.at = this.run.count - 1;
-    this.tell("status", this.status());
+    this.publish("status", this.status());
     this.show();
   }
 
@@ -151,7 +151,7 @@ export class DemoLink extends MemoryLink {
         return this.back(what);
       case "save":
         this.saved = this.text;
-        this.tell_text();
+        this.publish_text();
         return { file: "demo.scene.xml", backup: "demo.scene.xml~" };
       default:
         return this.steer(what, fields);
@@ -191,7 +191,7 @@ export class DemoLink extends MemoryLink {
       case "backend":
         this.backend = String(fields.name);
         this.changed();
-        return { notes: ["contacts are solved anew"] };
+        return { notes: ["contacts are solved again"] };
       case "record":
         this.recording = fields.on ? String(fields.file ?? "demo.mcap") : null;
         this.changed();
@@ -271,7 +271,7 @@ export class DemoLink extends MemoryLink {
     this.last_group = group;
     this.future = [];
     this.text = text;
-    this.tell_text();
+    this.publish_text();
   }
 
   private back(what: "undo" | "redo"): unknown {
@@ -281,21 +281,21 @@ export class DemoLink extends MemoryLink {
     to.push({ text: this.text, label: step.label });
     this.text = step.text;
     this.last_group = "";
-    this.tell_text();
+    this.publish_text();
     return { version: this.version, label: step.label };
   }
 
-  private tell_text(): void {
+  private publish_text(): void {
     this.version += 1;
     this.lay_text();
     const { run } = this;
-    this.tell("document", run.document!);
+    this.publish("document", run.document!);
     if (run.document!.good) {
       run.scenes = [demo_scene(run.scenes[0]!.scene + 1, this.text)];
-      this.tell("tree", { version: this.version, elements: run.elements! });
-      this.tell_scene(run.scenes[0]!.scene);
+      this.publish("tree", { version: this.version, elements: run.elements! });
+      this.publish_scene(run.scenes[0]!.scene);
     }
-    this.tell("problems", { version: this.version, problems: run.problems! });
+    this.publish("problems", { version: this.version, problems: run.problems! });
     this.changed();
   }
 
@@ -322,7 +322,7 @@ export class DemoLink extends MemoryLink {
             message: read.why,
             help: "",
             file: "demo.scene.xml",
-            ...place(this.text, read.wrong),
+            ...position_of(this.text, read.wrong),
             length: 1,
             notes: [],
           },

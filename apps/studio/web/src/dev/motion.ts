@@ -79,7 +79,7 @@ export function poses_at(t: number, slip = 0): Float32Array {
     x + forward * Math.cos(heading) - left * Math.sin(heading),
     y + forward * Math.sin(heading) + left * Math.cos(heading),
   ];
-  const rolled = (way: number): number[] => times(times(yaw(heading), lying.slice(3)), yaw(-way / 0.05));
+  const rolled = (distance: number): number[] => times(times(yaw(heading), lying.slice(3)), yaw(-distance / 0.05));
   const lean = 0.6 * Math.sin(2 * t);
   const arm = times(yaw(heading), [Math.cos(lean / 2), 0, Math.sin(lean / 2), 0]);
   const reach = at(0.08 * Math.sin(lean), 0);

@@ -1,4 +1,4 @@
-// Curves over time on a canvas (uPlot), with the time looked at as a line.
+// Curves over time on a canvas (uPlot), with the shown time as a line.
 import uPlot from "uplot";
 import { theme_color, type FigureData } from "./figure";
 import { range_of, type Sample } from "./statistics";
@@ -70,13 +70,13 @@ export class CurveChart {
     this.place_line();
   }
 
-  /** Shows the time [s] that is looked at; null: none. */
+  /** Marks the shown time [s]; null: none. */
   set_time(time: number | null): void {
     this.time = time;
     this.place_line();
   }
 
-  /** Puts the cursor `by` samples further on and tells its time, for those without a mouse. */
+  /** Moves the cursor by `by` samples and shows its time, for use without a mouse. */
   step_cursor(by: number): number | null {
     const { plot, data } = this;
     const times = data?.series[0]?.x ?? [];

@@ -1,4 +1,4 @@
-// Curves that grow: what the server told of them so far, thinned where it is too much to draw.
+// Curves that grow: the samples received so far, thinned where they are too many to draw.
 import type { Sample } from "./statistics";
 
 /** One series of the answer to `series`. */
@@ -35,7 +35,7 @@ export class Curves {
     this.series = [];
   }
 
-  /** Takes all of `answer` in place of what there was. */
+  /** Replaces all samples by those of `answer`. */
   replace(answer: SeriesAnswer): void {
     this.time = answer.time.slice();
     this.series = answer.series.map((s) => ({ ...s, low: s.low.slice(), high: s.high.slice() }));
@@ -67,7 +67,7 @@ export class Curves {
   private thin(): void {
     while (this.time.length > this.most) {
       const pairs = Math.ceil(this.time.length / 2);
-      // the first and the last time stay what they are, so that growing goes on where it ended
+      // the first and the last time stay what they are, so that growing continues where it ended
       const time = Array.from({ length: pairs }, (_, i) => this.time[2 * i]!);
       const odd = this.time.length % 2 === 1;
       if (!odd) time[pairs - 1] = this.time[this.time.length - 1]!;

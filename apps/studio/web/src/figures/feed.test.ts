@@ -19,11 +19,11 @@ function run_of(frames: number) {
   const asked: Asked[] = [];
   const run = { frames };
   const status = signal<unknown>(null);
-  const tell = (): void => {
+  const publish = (): void => {
     const last = (run.frames - 1) / 10;
     status.value = { last, frames: run.frames, scene: 1, compare: null };
   };
-  tell();
+  publish();
   const studio = {
     link: {
       request: async (_what: string, fields: Asked) => {
@@ -39,7 +39,7 @@ function run_of(frames: number) {
     },
     state: { status, open: signal(true), scene: signal(null), hello: signal(null), frame: signal(null) },
   } as unknown as Studio;
-  return { asked, run, tell, studio };
+  return { asked, run, publish, studio };
 }
 
 const spec = (fields: Partial<FigureSpec>): FigureSpec => ({
@@ -51,39 +51,39 @@ const spec = (fields: Partial<FigureSpec>): FigureSpec => ({
   ...fields,
 });
 
-test("only the new part is asked for, nothing while nothing changes, all after going back", async () => {
-  const { asked, run, tell, studio } = run_of(3);
+test("only the new part is requested, nothing while nothing changes, all after going back", async () => {
+  const { asked, run, publish, studio } = run_of(3);
   const feed = new Feed(studio, () => spec({}));
   await feed.tick(0);
   assert.deepEqual(asked.pop(), { signals: ["a.x"], from: null, to: null, points: 2000 });
   await feed.tick(1000);
   assert.equal(asked.length, 0);
   run.frames = 6;
-  tell();
+  publish();
   await feed.tick(2000);
   assert.equal(asked.pop()!.from, 0.2);
   assert.deepEqual(feed.data.value!.series[0]!.y, [0, 1, 2, 3, 4, 5]);
   // five times a second is enough
   run.frames = 7;
-  tell();
+  publish();
   await feed.tick(2100);
   assert.equal(asked.length, 0);
   run.frames = 2;
-  tell();
+  publish();
   await feed.tick(3000);
   assert.equal(asked.pop()!.from, null);
   assert.deepEqual(feed.data.value!.series[0]!.y, [0, 1]);
 });
 
-test("a part of the time axis is asked for in full, and not again while the run goes on behind it", async () => {
-  const { asked, run, tell, studio } = run_of(50);
+test("a part of the time axis is requested in full, and not again while the run continues behind it", async () => {
+  const { asked, run, publish, studio } = run_of(50);
   const feed = new Feed(studio, () => spec({}));
   await feed.tick(0);
   feed.zoom([1, 2]);
   await feed.tick(500);
   assert.deepEqual([asked[1]!.from, asked[1]!.to], [1, 2]);
   run.frames = 60;
-  tell();
+  publish();
   await feed.tick(1000);
   assert.equal(asked.length, 2);
   feed.zoom(null);
@@ -92,7 +92,7 @@ test("a part of the time axis is asked for in full, and not again while the run 
 });
 
 test("a signal that is no longer there does not take the others with it", async () => {
-  const { asked, run, tell, studio } = run_of(3);
+  const { asked, run, publish, studio } = run_of(3);
   const feed = new Feed(studio, () => spec({ signals: ["a.x", "bad", "turn"] }));
   await feed.tick(0);
   assert.deepEqual(
@@ -105,7 +105,7 @@ test("a signal that is no longer there does not take the others with it", async 
   assert.equal(feed.error.value, "no signal 'bad'");
   asked.length = 0;
   run.frames = 4;
-  tell();
+  publish();
   await feed.tick(1000);
   assert.deepEqual(
     asked.map((a) => a.signals),
@@ -139,14 +139,14 @@ test("a surface waits for its three signals", async () => {
   assert.equal(feed.data.value!.series[0]!.z.length, 5);
 });
 
-test("signals fill the places that are free", () => {
+test("signals fill the free slots", () => {
   assert.deepEqual(with_signal(spec({}), "b.x"), ["a.x", "b.x"]);
   assert.deepEqual(with_signal(spec({}), "a.x"), ["a.x"]);
   assert.deepEqual(with_signal(spec({ kind: "surface", signals: ["a", "", "c"] }), "b"), ["a", "b", "c"]);
   assert.deepEqual(with_signal(spec({ kind: "surface", signals: ["a", "b", "c"] }), "d"), ["a", "b", "d"]);
 });
 
-test("what is dropped: signals are drawn, of a thing its signals are offered", () => {
+test("drops: signals are drawn, of an element its signals are offered", () => {
   const { studio } = run_of(1);
   const store = new FiguresStore(studio);
   store.signals.value = [{ name: "robot.x", unit: "m", owner: "robot" }];
@@ -172,7 +172,7 @@ test("searching signals: all words, beginnings first", () => {
   assert.deepEqual(names("zz"), []);
 });
 
-test("the second run is asked for by itself, up to the same time, and drawn dashed", async () => {
+test("the second run is requested by itself, up to the same time, and drawn dashed", async () => {
   const { asked, run, studio } = run_of(4);
   const status = studio.state.status as unknown as { value: object };
   status.value = { ...status.value, compare: { labels: ["bullet", "cogrsim"], first_over: null } };

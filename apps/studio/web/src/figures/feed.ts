@@ -1,4 +1,4 @@
-// Brings what a figure shows from the run, as little of it as is needed.
+// Requests the data of a figure from the run, only as much as needed.
 import { signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Status } from "../core/protocol";
@@ -12,7 +12,7 @@ import type { Sample } from "./statistics";
 const kPoints = 2000;
 /** Samples of box plots and the like, which must not be thinned: as many as the server gives. */
 const kSamples = 100_000;
-/** [ms] between two looks at the run, of curves and of what is costly to draw. */
+/** [ms] between two updates, of curves and of figures that are costly to draw. */
 const kCurvePause = 180;
 const kOtherPause = 1000;
 /** [ms] after a refusal. */
@@ -31,7 +31,7 @@ interface PlotAnswer {
 export class Feed {
   readonly data = signal<FigureData | null>(null);
   readonly error = signal("");
-  /** what should be known about the numbers; empty: nothing */
+  /** a note about the numbers; empty: none */
   readonly note = signal("");
   /** part of the time axis that is seen [s]; null: all */
   readonly range = signal<[number, number] | null>(null);
@@ -48,24 +48,24 @@ export class Feed {
     private readonly spec: () => FigureSpec,
   ) {}
 
-  /** Looks whether there is something new; called again and again while the figure is seen. */
+  /** Checks for new data; called again and again while the figure is visible. */
   async tick(now: number): Promise<void> {
     const status = this.studio.state.status.peek();
     if (this.busy || now < this.next_look || !status || !this.studio.state.open.peek()) return;
     const spec = this.spec();
     const key = this.key_of(spec, status);
     const rewound = status.last < this.seen.last - 1e-9;
-    const anew = key !== this.key || rewound;
-    if (!anew && status.last === this.seen.last && status.frames === this.seen.frames) return;
-    // what is seen of a zoomed figure does not change at its right end
+    const restarted = key !== this.key || rewound;
+    if (!restarted && status.last === this.seen.last && status.frames === this.seen.frames) return;
+    // the visible part of a zoomed figure does not change at its right end
     const range = this.range.peek();
-    if (!anew && spec.kind === "curve" && !spec.plot && range && range[1] < this.seen.last) return;
+    if (!restarted && spec.kind === "curve" && !spec.plot && range && range[1] < this.seen.last) return;
     this.busy = true;
     if (key !== this.key) this.bad.clear();
     this.key = key;
     this.seen = { last: status.last, frames: status.frames };
     try {
-      const data = await this.read(spec, anew, range, status);
+      const data = await this.read(spec, restarted, range, status);
       this.next_look = now + (spec.kind === "curve" ? kCurvePause : kOtherPause);
       // asked again meanwhile: for something else
       if (key === this.key_of(this.spec(), this.studio.state.status.peek() ?? status)) {
@@ -93,7 +93,7 @@ export class Feed {
 
   private async read(
     spec: FigureSpec,
-    anew: boolean,
+    restarted: boolean,
     range: [number, number] | null,
     status: Status,
   ): Promise<FigureData> {
@@ -109,9 +109,9 @@ export class Feed {
     }
     if (spec.kind !== "curve") return this.samples(spec, names, status);
     const ghost = Boolean(status.compare);
-    const grows = !anew && !range && this.curves.time.length > 0;
+    const grows = !restarted && !range && this.curves.time.length > 0;
     const from = grows ? this.curves.last : (range?.[0] ?? null);
-    // two runs are asked for one after the other: up to one time, though frames come in between
+    // two runs are requested one after the other: up to one time, though frames come in between
     const to = ghost ? Math.min(range?.[1] ?? Infinity, status.last) : (range?.[1] ?? null);
     const answer = await this.series(names, from, to, kPoints, ghost);
     if (!grows || !this.curves.append(answer))
@@ -125,7 +125,7 @@ export class Feed {
   private async samples(spec: FigureSpec, names: string[], status: Status): Promise<FigureData> {
     const answer = await this.series(names, null, null, Math.min(Math.max(status.frames, kPoints), kSamples));
     const parts = answer.series;
-    this.note.value = parts.some(is_thinned) ? "Made of every few samples only: the run is long." : "";
+    this.note.value = parts.some(is_thinned) ? "Only some samples are used: the run is long." : "";
     const part = (name: string | undefined) => parts.find((p) => p.signal === name);
     const data = empty_figure(spec);
     if (spec.kind === "box" || spec.kind === "histogram") {

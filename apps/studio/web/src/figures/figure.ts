@@ -1,4 +1,4 @@
-// What a figure shows, whatever draws it: the page, an SVG or PNG file, a table.
+// The data of a figure, for the page, an SVG or PNG file, and a table.
 import type { Sample } from "./statistics";
 import { bin_counts, bin_edges, box_numbers, cell_means, type BoxNumbers, type Cells } from "./statistics";
 
@@ -104,7 +104,7 @@ export function share_axes(units: readonly string[]): { axes: (0 | 1)[]; left: s
   };
 }
 
-/** What an axis says: the one name, or what the names have in common behind their last dot, or "value". */
+/** The label of an axis: the one name, or the names' common part behind their last dot, or "value". */
 export function axis_label(names: readonly string[]): string {
   const all = [...new Set(names)];
   if (all.length === 1) return all[0]!;

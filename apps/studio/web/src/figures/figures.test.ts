@@ -82,7 +82,7 @@ test("nearest time", () => {
 
 test("quantiles as the SDK's: the k-th of n is the (k - 0.5)/n quantile", () => {
   const values = [1, 2, 3, 4];
-  // (k - 0.5)/4 = 0.125, 0.375, 0.625, 0.875: half way between the first two is 0.25
+  // (k - 0.5)/4 = 0.125, 0.375, 0.625, 0.875: the midpoint of the first two is 0.25
   assert.equal(quantile(values, 0.25), 1.5);
   assert.equal(quantile(values, 0.5), 2.5);
   assert.equal(quantile(values, 0.125), 1);
@@ -161,7 +161,7 @@ test("ticks are round, inside, and without an error that grows", () => {
   assert.equal(rounded_step(0.03), 0.02);
 });
 
-test("labels of ticks have as many digits as tell them apart", () => {
+test("labels of ticks have enough digits to differ", () => {
   assert.deepEqual(tick_labels([0, 0.2, 0.4]), ["0.0", "0.2", "0.4"]);
   assert.deepEqual(tick_labels([0, 50, 100]), ["0", "50", "100"]);
   assert.deepEqual(tick_labels([1.0001, 1.0002]), ["1.0001", "1.0002"]);
@@ -223,7 +223,7 @@ test("pictures: text is text, curves have gaps, units and labels are there", () 
   assert.ok(!/NaN|Infinity|undefined/.test(svg));
 });
 
-test("pictures: the place of a value is that of its tick", () => {
+test("pictures: the position of a value is that of its tick", () => {
   const svg = to_svg(figure({ series: [series({ x: [0, 10], y: [0, 4] })] }));
   const points = /<polyline points="([\d.]+),([\d.]+) ([\d.]+),([\d.]+)"/.exec(svg)!.slice(1).map(Number);
   // the tick "10" stands below the last point, the tick "4" beside it

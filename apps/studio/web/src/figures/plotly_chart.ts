@@ -123,7 +123,7 @@ export function drawing(
     margin: { l: 60, r: 16, t: colors === kPrintColors ? 44 : 12, b: 48 },
     showlegend: false,
     hoverlabel: { bgcolor: colors.ground, font: { color: colors.text } },
-    // what was zoomed or turned stays so while new samples come
+    // zoom and rotation stay while new samples come
     uirevision: "same",
   };
   switch (data.kind) {
@@ -147,14 +147,14 @@ export function drawing(
           marker: { color: colors.series(s.color) },
         };
       });
-      const places = {
+      const ranks = {
         ...axis({ label: "", unit: "" }),
         showgrid: false,
         tickvals: data.series.map((_, k) => k),
         ticktext: data.series.map((s) => plain(s.label)),
         range: [-0.6, Math.max(data.series.length, 1) - 0.4],
       };
-      return { traces, layout: { ...layout, xaxis: places, yaxis: axis(data.y) }, three_d: false };
+      return { traces, layout: { ...layout, xaxis: ranks, yaxis: axis(data.y) }, three_d: false };
     }
     case "histogram": {
       const { edges, counts } = histogram_of(data);

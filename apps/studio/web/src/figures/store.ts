@@ -41,9 +41,9 @@ export class FiguresStore {
   readonly search = signal("");
   readonly signals = signal<SignalInfo[]>([]);
   readonly plots = signal<PlotInfo[]>([]);
-  /** whether the panel is seen; nothing is asked for otherwise */
+  /** whether the panel is visible; nothing is requested otherwise */
   readonly seen = signal(false);
-  /** time the page looks at [s], a few times a second */
+  /** time that the page shows [s], a few times a second */
   readonly looked = signal<number | null>(null);
 
   private readonly feeds = new Map<number, Feed>();
@@ -66,7 +66,7 @@ export class FiguresStore {
       const open = studio.state.open.value;
       const scene = studio.state.scene.value?.scene;
       if (!this.seen.value || !open || scene === undefined) return;
-      // while somebody types there is a new scene with every letter
+      // during typing there is a new scene with every character
       const soon = setTimeout(() => void this.list(`${scene}`), this.listed === "" ? 0 : 500);
       return () => clearTimeout(soon);
     });
@@ -83,7 +83,7 @@ export class FiguresStore {
   spec(id: number): FigureSpec | undefined {
     return this.specs.peek().find((s) => s.id === id);
   }
-  /** Whether the figure can be seen: scrolled away ones ask for nothing. */
+  /** Whether the figure is visible: hidden ones request nothing. */
   set_visible(id: number, visible: boolean): void {
     if (visible) this.visible.add(id);
     else this.visible.delete(id);
@@ -144,7 +144,7 @@ export class FiguresStore {
     this.search.value = search;
     this.choosing.value = id;
   }
-  /** What was dropped on a figure (-1: beside them): a signal is drawn, of a thing its signals are offered. */
+  /** Handles a drop on a figure (-1: beside them): a signal is drawn, of an element its signals are offered. */
   drop(id: number, text: string): void {
     const known = this.signals.value;
     const names = text.split(/\r?\n/).map((n) => n.trim()).filter((n) => n !== "");
@@ -171,7 +171,7 @@ export class FiguresStore {
       const { plots } = await link.request<{ plots: PlotInfo[] }>("plots");
       this.plots.value = plots.map((p) => ({ ...p, kind: p.kind in kKindNames ? p.kind : "curve" }));
     } catch {
-      // no list of signals, but figures say what is wrong themselves; asked again when the panel is opened
+      // no list of signals, but figures show the error themselves; requested again when the panel is opened
       this.listed = "";
     }
   }
@@ -190,7 +190,7 @@ export class FiguresStore {
     const first = this.key === "";
     this.key = key;
     const kept = read_specs(key).map((s) => ({ ...s, id: this.next_id++ }));
-    // what was drawn before the scene had a name stays
+    // figures from before the scene had a name stay
     if (!first || this.specs.value.length === 0) this.specs.value = kept;
     this.active.value = this.specs.value[0]?.id ?? -1;
   }

@@ -1,4 +1,4 @@
-// A figure as SVG for print: black on white, text as text, nothing but shapes and letters.
+// A figure as SVG for print: black on white, text as text, nothing but shapes and characters.
 import { boxes_of, cells_of, histogram_of, type Axis, type FigureData, type FigureSeries } from "./figure";
 import { range_of, type Sample } from "./statistics";
 import { drawable_range, log_ticks, short_number, tick_labels, ticks, with_unit } from "./ticks";
@@ -173,8 +173,8 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
   return out.join("\n");
 }
 
-function text(x: number, y: number, words: string, attributes = ""): string {
-  return `<text x="${px(x)}" y="${px(y)}"${attributes ? " " + attributes : ""}>${escape_xml(words)}</text>`;
+function text(x: number, y: number, content: string, attributes = ""): string {
+  return `<text x="${px(x)}" y="${px(y)}"${attributes ? " " + attributes : ""}>${escape_xml(content)}</text>`;
 }
 
 function legend_text(data: FigureData, s: FigureSeries): string {
@@ -281,7 +281,7 @@ function draw_curve(out: string[], s: FigureSeries, x: Scale, y: Scale, path: bo
   }
 }
 
-/** Widens the scale that has more pixels per unit, so that a metre is as long both ways. */
+/** Widens the scale that has more pixels per unit, so that a metre is as long along both axes. */
 function equal_scales(x: Scale, y: Scale, area: Area): [Scale, Scale] {
   const per_pixel = Math.max((x.high - x.low) / area.width, (y.high - y.low) / area.height);
   const widened = (s: Scale, from: number, to: number): Scale => {

@@ -1,15 +1,15 @@
 // Where the marks of an axis stand, and how numbers are written.
 import { rounded_step } from "./statistics";
 
-/** A range that can be drawn: constant values get room on both sides, none get 0 to 1. */
+/** A range that can be drawn: constant values get a margin on both sides, none get 0 to 1. */
 export function drawable_range(low: number, high: number, pad = 0): [number, number] {
   if (!Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
   if (high - low <= 1e-12 * Math.max(Math.abs(low), Math.abs(high))) {
-    const room = low === 0 ? 1 : 0.1 * Math.abs(low);
-    return [low - room, high + room];
+    const margin = low === 0 ? 1 : 0.1 * Math.abs(low);
+    return [low - margin, high + margin];
   }
-  const room = pad * (high - low);
-  return [low - room, high + room];
+  const margin = pad * (high - low);
+  return [low - margin, high + margin];
 }
 
 /** Multiples of 1, 2 or 5 times a power of ten within [low, high], about `count` of them. */
@@ -35,7 +35,7 @@ export function log_ticks(low: number, high: number, count: number): number[] {
   return all;
 }
 
-/** The marks of one axis as text, all with as many digits as tell them apart. */
+/** The marks of one axis as text, all with enough digits to differ. */
 export function tick_labels(marks: readonly number[]): string[] {
   if (marks.length === 0) return [];
   const most = Math.max(...marks.map(Math.abs));
@@ -47,7 +47,7 @@ export function tick_labels(marks: readonly number[]): string[] {
     return marks.map((m) => (m === 0 ? "0" : m.toExponential(Math.min(digits, 12)).replace("e+", "e")));
   }
   let decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  // a step of 2.5 needs one digit more than its size says
+  // a step of 2.5 needs one digit more than its size suggests
   if (Math.abs(step * 10 ** decimals - Math.round(step * 10 ** decimals)) > 1e-6) decimals += 1;
   return marks.map((m) => m.toFixed(Math.min(decimals, 12)));
 }

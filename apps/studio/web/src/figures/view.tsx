@@ -61,7 +61,7 @@ export function FiguresView({ store }: { store: FiguresStore }): JSX.Element {
       <div class="cg-figures-list">
         {specs.length === 0 && (
           <p class="cg-muted">
-            No figures yet. Make one with the buttons above, or drag a signal from the scene tree to this place.
+            No figures yet. Make one with the buttons above, or drag a signal from the scene tree to this panel.
           </p>
         )}
         {specs.map((spec, i) => (
@@ -197,7 +197,7 @@ function list_label(spec: FigureSpec): string {
   return `Choose ${"xyz"[free < 0 ? spec.signals.length - 1 : free]}`;
 }
 
-/** Saves what a figure shows. */
+/** Saves the data of a figure. */
 export async function export_figure(store: FiguresStore, id: number, kind: FileKind): Promise<void> {
   const spec = store.spec(id);
   const feed = store.feed_of(id);
@@ -329,7 +329,7 @@ function theme_colors(host: HTMLElement): { text: string; grid: string; ground: 
 
 const last_of = (values: readonly Sample[]): Sample => values[values.length - 1] ?? null;
 
-/** In words, for those who do not see it. */
+/** As text, for users who cannot see it. */
 export function summary(data: FigureData | null): string {
   if (!data || data.series.length === 0) return "nothing is drawn yet";
   switch (data.kind) {

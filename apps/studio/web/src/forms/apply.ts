@@ -1,4 +1,4 @@
-// Edits whose failure is shown where they were made, not at the edge of the window.
+// Edits whose failure is shown at their field, not at the edge of the window.
 import type { Op } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { edit } from "../shell/editing";
@@ -8,7 +8,7 @@ export type Applied = { created: number[] } | { error: string };
 /** One step of the history, made of the text that the tree shows. Done when the tree shows the outcome. */
 export async function apply_ops(studio: Studio, label: string, ops: Op[]): Promise<Applied> {
   try {
-    // Who types faster than scenes compile is waited for.
+    // Waits while the user types faster than scenes compile.
     return { created: await edit(studio.link, studio.state, label, ops) };
   } catch (error) {
     return { error: error instanceof Error ? error.message : String(error) };

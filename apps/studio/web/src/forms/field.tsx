@@ -1,4 +1,4 @@
-// One attribute as a form field, of the kind that the schema says.
+// One attribute as a form field, of the kind in the schema.
 import { useId, useLayoutEffect, useState } from "preact/hooks";
 import type { JSX } from "preact";
 import { boxes_of, text_from, with_unit } from "./number_model";
@@ -13,13 +13,13 @@ export interface FieldProps {
   /** Several elements with different texts. */
   mixed?: boolean;
   disabled?: boolean;
-  /** what the compiler says of it */
+  /** the compiler's problems with it */
   problem?: string;
   /** names that a reference may have */
   choices?: string[];
-  /** null: the attribute goes. What comes of it comes back as `text`; a promise tells why it was refused, or "". */
+  /** null: removes the attribute. The result comes back as `text`; a promise gives the reason of a refusal, or "". */
   commit(text: string | null): void | Promise<string>;
-  /** Of several elements with different lists: what was typed into the boxes, "" where nothing was. */
+  /** Of several elements with different lists: the texts typed into the boxes, "" where none was. */
   commit_entries?(boxes: string[], unit: string | null): Promise<string>;
 }
 
@@ -45,7 +45,7 @@ function keys(commit: () => void, revert: () => void): (event: KeyboardEvent) =>
 function PlainField(props: PlainProps): JSX.Element {
   const { spec, text, mixed } = props;
   const [draft, set_draft] = useState(text);
-  // At once, here and below: an effect that waits for the next frame would take away what was typed until then.
+  // At once, here and below: an effect that waits for the next frame would remove text typed until then.
   useLayoutEffect(() => set_draft(text), [text]);
   const commit = () => {
     if (draft.trim() === text || (mixed && draft === "")) return;
@@ -102,7 +102,7 @@ function NumberField(props: PlainProps): JSX.Element {
       return;
     }
     props.report("");
-    // What is refused stays to be put right; what is taken comes back as the text.
+    // A refused text stays for correction; an accepted one comes back as the text.
     if ((made.text ?? "") !== text && !(mixed && made.text === null)) void props.commit(made.text);
     else set_drafts(null);
   };

@@ -27,11 +27,11 @@ const schema = new Schema({
   plugins: { controllers: [{ name: "drive", parameters: [{ name: "speed", kind: "number", default: "1" }, { name: "gain", kind: "number", default: "2" }] }] },
 });
 
-test("what must be there comes first, what the vocabulary does not know is shown too", () => {
+test("required attributes come first, unknown ones are shown too", () => {
   next = 0;
   const box = element(-1, "box", { name: "b", size: "1 1 1", odd: "?" });
   const groups = form_groups(schema, [box]);
-  assert.deepEqual(groups.map((g) => g.title), ["", "Place", "Looks"]);
+  assert.deepEqual(groups.map((g) => g.title), ["", "Pose", "Looks"]);
   assert.deepEqual(groups[0]!.fields.map((f) => f.spec.name), ["size", "odd"]);
 });
 
@@ -45,7 +45,7 @@ test("several elements: what differs is marked, one edit sets them all", () => {
   assert.deepEqual(form_groups(schema, [boxes[0]!, element(-1, "controller")]), []);
 });
 
-test("several elements with different lists: only what was typed changes, in each one's own unit", () => {
+test("several elements with different lists: only typed entries change, in each one's own unit", () => {
   next = 0;
   const size = schema.attribute("box", "size")!;
   const spec = { ...size, units: ["m"] };
@@ -55,7 +55,7 @@ test("several elements with different lists: only what was typed changes, in eac
   assert.ok("error" in set_entries(boxes, spec, ["1", "", ""], "m"));
 });
 
-test("a tag with two meanings is told by its attributes", () => {
+test("a tag with two meanings is resolved by its attributes", () => {
   assert.ok(schema.attribute("contact", "on", { on: "x" }));
   assert.ok(schema.attribute("contact", "between"));
   assert.equal(schema.attribute("contact", "on", { between: "a b" }), undefined);
@@ -74,7 +74,7 @@ test("parameters stand in the <set> that has them", () => {
   ]);
 });
 
-test("problems are told at the attribute where they are, and only for the element's own tag", () => {
+test("problems are shown at the attribute where they are, and only for the element's own tag", () => {
   const text = '<scene>\n  <body name="🤖" mass="heavy">\n    <box size="x"/>\n  </body>\n</scene>';
   const body: TreeElement = { id: 1, parent: 0, tag: "body", name: "🤖", path: "🤖", line: 2, column: 3, end_line: 4, attributes: {} };
   const at = (line: number, column: number): Problem => ({

@@ -18,7 +18,7 @@ export interface FormGroup {
 }
 
 const kGroups: [string, string[]][] = [
-  ["Place", ["xyz", "rpy", "quat", "frame", "at", "on", "direction", "look-at"]],
+  ["Pose", ["xyz", "rpy", "quat", "frame", "at", "on", "direction", "look-at"]],
   ["Matter", ["material", "mass", "density", "friction", "restitution", "stiffness", "com", "inertia"]],
   ["Looks", ["color", "texture", "texture-size", "visible", "show"]],
   ["Motion", ["static", "kinematic", "linear-velocity", "angular-velocity", "position", "velocity", "collide"]],
@@ -38,7 +38,7 @@ function field(spec: AttributeSchema, elements: readonly TreeElement[]): FormFie
   return { spec, text: mixed ? "" : (texts[0] ?? ""), mixed };
 }
 
-/** Groups of fields for elements of one tag: what makes them what they are first, then where they are, and so on. */
+/** Groups of fields for elements of one tag: their definition first, then the pose, and so on. */
 export function form_groups(schema: Schema, elements: readonly TreeElement[]): FormGroup[] {
   const first = elements[0];
   if (!first || elements.some((e) => e.tag !== first.tag)) return [];
@@ -55,7 +55,7 @@ export function form_groups(schema: Schema, elements: readonly TreeElement[]): F
     const at = kGroups.findIndex(([, names]) => names.includes(spec.name));
     groups[spec.required ? 0 : at + 1]!.fields.push(field(spec, elements));
   }
-  // Joints and rules have little more than places and motion: no need for headings then.
+  // Joints and rules have little more than a pose and motion: no need for headings then.
   return groups.filter((g) => g.fields.length > 0);
 }
 
@@ -117,7 +117,7 @@ export function parameter_ops(
   const at = sets.find((e) => parameter in e.attributes);
   if (value === null) {
     if (!at) return [];
-    // An empty <set> says nothing.
+    // An empty <set> has no effect.
     if (Object.keys(at.attributes).length === 1) return [{ op: "remove", elements: [at.id] }];
     return [{ op: "set", element: at.id, attribute: parameter, value: null }];
   }

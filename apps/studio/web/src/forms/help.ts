@@ -1,4 +1,4 @@
-// What is said of an attribute where it is edited.
+// The help of an attribute in its form.
 import type { AttributeSchema } from "./schema";
 import { short_number } from "./values";
 

@@ -5,7 +5,7 @@ import type { JSX } from "preact";
 import type { Frame } from "../core/protocol";
 import type { Studio } from "../core/studio";
 
-/** Speed [m/s] of a body between two frames; null: it cannot be told from them. */
+/** Speed [m/s] of a body between two frames; null: it cannot be computed from them. */
 export function speed_between(before: Frame | null, now: Frame, body: number): number | null {
   if (!before || before.scene !== now.scene || before.time === now.time) return null;
   let square = 0;
@@ -24,13 +24,13 @@ export function roll_pitch_yaw(w: number, x: number, y: number, z: number): [num
   ];
 }
 
-// Faster than this nobody reads; the page has better things to do.
+// Faster updates could not be read.
 const kShortestPause = 100;
 
 const fixed = (values: number[], digits: number): string => values.map((v) => v.toFixed(digits)).join("  ");
 
 export function LiveValues({ studio, body }: { studio: Studio; body: number }): JSX.Element {
-  const place = useRef<HTMLElement>(null);
+  const position = useRef<HTMLElement>(null);
   const turned = useRef<HTMLElement>(null);
   const speed = useRef<HTMLElement>(null);
   useEffect(() => {
@@ -43,7 +43,7 @@ export function LiveValues({ studio, body }: { studio: Studio; body: number }): 
       if (performance.now() - shown < kShortestPause && studio.state.status.peek()?.state === "playing") return;
       shown = performance.now();
       const pose = Array.from(frame.poses.subarray(7 * body, 7 * body + 7));
-      place.current!.textContent = `${fixed(pose.slice(0, 3), 3)} m`;
+      position.current!.textContent = `${fixed(pose.slice(0, 3), 3)} m`;
       turned.current!.textContent = `${fixed(roll_pitch_yaw(pose[3]!, pose[4]!, pose[5]!, pose[6]!), 1)} deg`;
       const fast = speed_between(before, frame, body);
       speed.current!.textContent = fast === null ? "" : `${fast.toFixed(3)} m/s`;
@@ -53,7 +53,7 @@ export function LiveValues({ studio, body }: { studio: Studio; body: number }): 
   return (
     <dl class="cg-mass" data-testid="live-values" aria-label="Now">
       <dt>position</dt>
-      <dd ref={place} />
+      <dd ref={position} />
       <dt>roll pitch yaw</dt>
       <dd ref={turned} />
       <dt>speed</dt>

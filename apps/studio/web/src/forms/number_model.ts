@@ -1,4 +1,4 @@
-// What the boxes of a number, a list or a range show, and the text that comes out of them.
+// The contents of the boxes of a number, a list or a range, and the text made from them.
 import type { AttributeSchema } from "./schema";
 import {
   check_entry, convert, factor_of, is_expression, parse_numbers, parse_range, print_numbers, print_range, units_of,
@@ -110,7 +110,7 @@ function without_si(entry: Entry, dimension: string): Entry {
   return dimension === "m" && entry.unit === "m" ? { text: entry.text, unit: "" } : entry;
 }
 
-/** The same value in another unit; null if it cannot be told. */
+/** The same value in another unit; null if it cannot be converted. */
 export function with_unit(spec: AttributeSchema, text: string, unit: string): string | null {
   const parts = parts_of(spec, text);
   if (!parts) return null;

@@ -11,7 +11,7 @@ export class PreactWidget extends Widget {
   protected override onAfterAttach(): void {
     render(this.content(), this.node);
   }
-  // Moved to another place it is drawn anew: what shall last is kept in signals outside.
+  // When it is moved it is drawn again: what shall last is kept in signals outside.
   protected override onBeforeDetach(): void {
     render(null, this.node);
   }

@@ -1,4 +1,4 @@
-// The properties panel: forms for what is selected.
+// The properties panel: forms for the selection.
 import { useEffect, useState } from "preact/hooks";
 import type { JSX } from "preact";
 import type { Op, TreeElement } from "../core/protocol";
@@ -78,7 +78,7 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
   const meaning = schema.element(first.tag, first.attributes);
   const name_spec = meaning?.attributes.find((a) => a.name === "name");
   const text = state.document.value;
-  // While a text compiles fields stay as they are: whoever types on must not lose the focus.
+  // While a text compiles fields stay as they are: continued typing must not lose the focus.
   const disabled = !state.may_edit.value || !text || (text.version !== version && !text.good);
   const problems = one && text && text.version === version ? problems_of(text.text, one, text.file, state.problems.value) : null;
   const plugin = one ? plugin_form(schema, elements, one.id) : null;
@@ -128,7 +128,7 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
           );
         });
         if (group.title === "") return <div key="own">{fields}</div>;
-        const used = group.fields.some((f) => f.text !== "" || f.mixed) || group.title === "Place";
+        const used = group.fields.some((f) => f.text !== "" || f.mixed) || group.title === "Pose";
         return (
           <details key={group.title} open={used}>
             <summary>{group.title}</summary>
@@ -161,7 +161,7 @@ export function Properties({ studio }: { studio: Studio }): JSX.Element {
   const schema = tree_state(studio).schema.value;
   const chosen = state.selection.value.flatMap((id) => state.element(id) ?? []);
   const first = chosen[0];
-  if (!first) return <p class="cg-muted cg-properties-empty">Select something in the tree or the picture to see what it is made of.</p>;
+  if (!first) return <p class="cg-muted cg-properties-empty">Select something in the tree or the picture to see its attributes.</p>;
   const same = chosen.every((e) => e.tag === first.tag);
   const bodies = chosen.flatMap((e) => (e.id > 0 ? state.bodies_of(e.id) : []));
   const ids = chosen.filter((e) => e.id > 0).map((e) => e.id);

@@ -1,4 +1,4 @@
-// The vocabulary as the compiler knows it. The one place that reads the answer of the request `schema`.
+// The vocabulary as the compiler knows it. Only this file reads the answer of the request `schema`.
 import type { TreeElement } from "../core/protocol";
 import type { Studio } from "../core/studio";
 
@@ -112,7 +112,7 @@ export class Schema {
     this.plugins_ = { controller: of("controllers"), supervisor: of("supervisors"), sensor: of("sensors") };
   }
 
-  /** What a tag means; with attributes, which of two meanings. */
+  /** The element of a tag; attributes select one of two meanings. */
   element(tag: string, attributes: Record<string, string> = {}): ElementSchema | undefined {
     const found = this.by_name_.get(tag);
     if (!found) return undefined;
@@ -134,7 +134,7 @@ export class Schema {
     return this.element(tag)?.flow ?? false;
   }
 
-  /** What may stand in an element; flow elements hold what the first element around them that is none may hold. */
+  /** Tags that an element may hold; flow elements hold those of the first element around them that is none. */
   children_of(elements: readonly TreeElement[], id: number): string[] {
     for (let at = id; at >= 0; ) {
       const element = elements[at];
@@ -157,7 +157,7 @@ export class Schema {
 
 const loading = new WeakMap<object, { key: string; schema: Promise<Schema> }>();
 
-/** Asked for once per connection: plugins may be others after a server's restart. */
+/** Requested once per connection: plugins may differ after a server's restart. */
 export function load_schema(studio: Studio): Promise<Schema> {
   const hello = studio.state.hello.peek();
   const key = `${hello?.client}/${hello?.version}`;
@@ -181,9 +181,9 @@ export const kBodies = [...kShapes, "body"];
 export const kMovable = [...kBodies, "assembly", "frame"];
 
 const kSensors = ["camera", "infrared", "lidar", "contact", "imu", "encoder", "force-torque", "pose", "sensor"];
-const kPlaces = [...kBodies, "assembly", "instance", "frame"];
+const kPoseTags = [...kBodies, "assembly", "instance", "frame"];
 const kReferred: Record<string, string[]> = {
-  place: kPlaces,
+  place: kPoseTags,
   joint: kJoints,
   material: ["material"],
   prototype: ["prototype"],
@@ -192,7 +192,7 @@ const kReferred: Record<string, string[]> = {
   motor: ["motor", "servo"],
   sensor: kSensors,
   region: ["region"],
-  any: [...kPlaces, ...kJoints, ...kSensors, "motor", "servo", "region", "door"],
+  any: [...kPoseTags, ...kJoints, ...kSensors, "motor", "servo", "region", "door"],
 };
 
 /** The dotted name by which what stands in `scope` (a dotted name, "": the scene) reaches `path`. */

@@ -80,7 +80,7 @@ test("what stands in boxes becomes the shortest text", () => {
   assert.deepEqual(text_from(xyz, ["${a}", "1", ""], "m"), { text: "${a} 1 0 m" });
 });
 
-test("what is wrong in a box is told with its number", () => {
+test("the error of a box is reported with its number", () => {
   assert.deepEqual(text_from(size, ["1", "x", "1"], "m"), { error: "'x' is no number", box: 1 });
   const low = text_from(size, ["1", "1", "-3"], "cm");
   assert.ok("error" in low && low.box === 2 && /above 0 m/.test(low.error));

@@ -2,12 +2,12 @@
 
 /** One number with its own unit; "": SI, or no unit at all. */
 export interface Entry {
-  /** as typed: a number or the word "none" */
+  /** as typed: a number or "none" */
   text: string;
   unit: string;
 }
 
-/** An attribute's text taken apart. `plain` is null when it is no list of numbers: an expression, words. */
+/** An attribute's text, parsed. `plain` is null when it is no list of numbers: an expression, a text. */
 export interface ValueParts {
   entries: Entry[];
   /** the unit of all, null if entries have units of their own */
@@ -54,19 +54,19 @@ export function is_expression(text: string): boolean {
 
 /** "40 40 40 cm", "24 cm 14 cm 40 mm", "none -10 cm"; null if it is anything else. */
 export function parse_numbers(text: string): ValueParts | null {
-  const words = text.trim().split(/[\s,]+/).filter((w) => w !== "");
+  const items = text.trim().split(/[\s,]+/).filter((w) => w !== "");
   const entries: Entry[] = [];
   let units = 0;
   let last_has_unit = false;
-  for (const word of words) {
-    if (word === "none") {
-      entries.push({ text: word, unit: "" });
+  for (const item of items) {
+    if (item === "none") {
+      entries.push({ text: item, unit: "" });
       last_has_unit = false;
       continue;
     }
-    const number = kNumber.exec(word);
+    const number = kNumber.exec(item);
     if (number) {
-      const unit = word.slice(number[0].length);
+      const unit = item.slice(number[0].length);
       if (unit !== "" && !/^[A-Za-zµ%°]/.test(unit)) return null;
       entries.push({ text: number[0], unit });
       last_has_unit = unit !== "";
@@ -75,8 +75,8 @@ export function parse_numbers(text: string): ValueParts | null {
     }
     // a unit: of the number before it
     const entry = entries[entries.length - 1];
-    if (!entry || last_has_unit || entry.text === "none" || !/^[A-Za-zµ%°1][\w*/^()µ°.-]*$/.test(word)) return null;
-    entry.unit = word;
+    if (!entry || last_has_unit || entry.text === "none" || !/^[A-Za-zµ%°1][\w*/^()µ°.-]*$/.test(item)) return null;
+    entry.unit = item;
     last_has_unit = true;
     ++units;
   }
@@ -92,7 +92,7 @@ export function parse_numbers(text: string): ValueParts | null {
   return { entries, unit: same ? numbers[0]!.unit : null };
 }
 
-/** The shortest way to write it: one unit behind the list if all have the same. */
+/** Its shortest notation: one unit behind the list if all have the same. */
 export function print_numbers(entries: readonly Entry[]): string {
   const numbers = entries.filter((e) => e.text !== "none");
   const unit = numbers[0]?.unit ?? "";
@@ -121,7 +121,7 @@ export function print_range(entries: readonly Entry[]): string {
   return `${low.text}${own === "" ? "" : ` ${own}`} .. ${high.text}${high.unit === "" ? "" : ` ${high.unit}`}`;
 }
 
-/** At most 9 significant digits, and none that say nothing. */
+/** At most 9 significant digits, without trailing zeros. */
 export function short_number(value: number): string {
   if (!isFinite(value)) return String(value);
   const rounded = Number(value.toPrecision(9));
@@ -146,7 +146,7 @@ export interface Bounds {
   integer?: boolean;
 }
 
-/** What is wrong with one entry; "" if nothing that can be known here. */
+/** The error of one entry; "" if none is known here. */
 export function check_entry(entry: Entry, dimension: string, bounds: Bounds): string {
   if (entry.text === "none") return bounds.none_allowed ? "" : "none is not allowed here";
   if (!kNumber.test(entry.text) || !isFinite(Number(entry.text))) return `'${entry.text}' is no number`;
@@ -163,7 +163,7 @@ export function check_entry(entry: Entry, dimension: string, bounds: Bounds): st
   return "";
 }
 
-/** "#a0b0c0" for what colour inputs take; null for names and what is no colour. */
+/** "#a0b0c0" for colour inputs; null for names and for texts that are no colour. */
 export function hex_color(text: string): string | null {
   const short = /^#([0-9a-f])([0-9a-f])([0-9a-f])$/i.exec(text);
   if (short) return `#${short[1]}${short[1]}${short[2]}${short[2]}${short[3]}${short[3]}`.toLowerCase();

@@ -93,7 +93,7 @@ export function element_end(text: string, from: number): number | null {
   return null;
 }
 
-/** The elements of a text that is nothing but elements (and comments between them); null if it is anything else. */
+/** The elements of a text that has only elements (and comments between them); null if it has anything else. */
 export function split_elements(text: string): string[] | null {
   const out: string[] = [];
   let at = 0;
@@ -126,9 +126,9 @@ export function escape_attribute(value: string): string {
 
 /** `<tag a="1" b="2"/>`; attributes with empty values are left out. */
 export function print_element(tag: string, attributes: Record<string, string>, content = ""): string {
-  const words = Object.entries(attributes)
+  const written = Object.entries(attributes)
     .filter(([, value]) => value !== "")
     .map(([name, value]) => ` ${name}="${escape_attribute(value)}"`)
     .join("");
-  return content === "" ? `<${tag}${words}/>` : `<${tag}${words}>\n  ${content}\n</${tag}>`;
+  return content === "" ? `<${tag}${written}/>` : `<${tag}${written}>\n  ${content}\n</${tag}>`;
 }

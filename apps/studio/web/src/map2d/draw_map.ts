@@ -53,7 +53,7 @@ export interface MapPicture {
   color_of: (item: Item) => Rgb;
 }
 
-/** Lets what is drawn next be in metres around the item's origin. */
+/** Sets the transform to metres around the item's origin. */
 export function enter(context: CanvasRenderingContext2D, sheet: Sheet, item: Item, ratio: number): void {
   const s = sheet.scale * ratio;
   const c = s * Math.cos(item.turn);
@@ -150,8 +150,8 @@ function draw_heightmap({ context, scene, sheet }: MapPicture, item: Item, color
 }
 
 function draw_grid({ context, sheet, colors }: MapPicture): void {
-  const [left, top] = sheet.place(0, 0);
-  const [right, bottom] = sheet.place(sheet.width, sheet.height);
+  const [left, top] = sheet.position(0, 0);
+  const [right, bottom] = sheet.position(sheet.width, sheet.height);
   const step = round_length(Math.max(right - left, top - bottom) / 6);
   context.strokeStyle = colors.grid;
   context.globalAlpha = 0.25;
@@ -207,7 +207,7 @@ function draw_ghosts({ context, sheet, ratio, ghosts, colors }: MapPicture): voi
   }
 }
 
-/** What is selected, and what the pointer is on. */
+/** The selection, and the body under the pointer. */
 function draw_marks({ context, sheet, ratio, items, selected, hovered, colors }: MapPicture): void {
   const mark = (item: Item, color: string, width: number) => {
     if (item.shape.type === "plane") return;

@@ -8,7 +8,7 @@ export interface Item {
   body: number;
   shape: SceneShape;
   fixed: boolean;
-  /** place of the shape's origin [m] and its angle about the vertical [rad]; NaN: not drawn */
+  /** position of the shape's origin [m] and its angle about the vertical [rad]; NaN: not drawn */
   x: number;
   y: number;
   turn: number;
@@ -81,7 +81,7 @@ export class Items {
     });
   }
 
-  /** Puts all where the poses say; the lowest first. Those without a place are left out. */
+  /** Puts all at their poses; the lowest first. Those without a pose are left out. */
   place(poses: ArrayLike<number>): Item[] {
     for (const item of this.all) {
       const body: Pose = 7 * item.body + 6 < poses.length ? pose_at(poses, item.body) : this.scene.bodies[item.body]!.pose;

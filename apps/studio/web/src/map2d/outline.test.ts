@@ -56,7 +56,7 @@ test("outlines have the area of the shadow", () => {
   assert.ok(Math.abs(area(outline(shape("capsule", [0.5, 2]), lying)[0]!) / pill - 1) < round);
   assert.ok(Math.abs(area(outline(shape("heightmap", []), flat)[0]!) - 6) < 1e-12);
   assert.deepEqual(outline(shape("plane", [1, 1]), flat), []);
-  // triangles of a mesh all turn the same way, those on edge are left out
+  // triangles of a mesh all turn in the same direction, those on edge are left out
   const triangles = outline(shape("mesh", []), flat);
   assert.equal(triangles.length, 2);
   for (const t of triangles) assert.ok(area(t) > 0);
@@ -77,7 +77,7 @@ test("things lie over each other by their highest point", () => {
   assert.equal(reach_up(scene, shape("plane", []), [0, 0, 1]), -Infinity);
 });
 
-test("the sheet: a place and its pixel, zooming keeps what is under the pointer", () => {
+test("the sheet: a position and its pixel, zooming keeps what is under the pointer", () => {
   const sheet = new Sheet();
   sheet.width = 400;
   sheet.height = 200;
@@ -85,12 +85,12 @@ test("the sheet: a place and its pixel, zooming keeps what is under the pointer"
   assert.deepEqual([sheet.column(1), sheet.row(0)], [200, 100]);
   assert.ok(Math.abs(sheet.scale - 400 / 4.4) < 1e-9, "the width decides here");
   assert.ok(sheet.row(1) < sheet.row(-1), "y is up");
-  const before = sheet.place(37, 150);
+  const before = sheet.position(37, 150);
   sheet.zoom(1.7, 37, 150);
-  const after = sheet.place(37, 150);
+  const after = sheet.position(37, 150);
   assert.ok(Math.hypot(before[0] - after[0], before[1] - after[1]) < 1e-12);
   sheet.pan(10, -20);
-  const panned = sheet.place(47, 130);
+  const panned = sheet.position(47, 130);
   assert.ok(Math.hypot(before[0] - panned[0], before[1] - panned[1]) < 1e-12);
 });
 

@@ -62,12 +62,12 @@ class MapWidget extends Widget {
       studio,
       row,
       "Show",
-      "What is drawn on the map",
+      "Contents of the map",
       MAP_LAYERS.map((name) => `map:${name}`),
     );
     this.where = document.createElement("output");
     this.where.className = "cg-map-where";
-    this.where.setAttribute("aria-label", "Place of the pointer");
+    this.where.setAttribute("aria-label", "Position of the pointer");
     row.append(this.where);
     this.host = document.createElement("div");
     this.host.className = "cg-map-host";
@@ -262,7 +262,7 @@ class MapWidget extends Widget {
     this.asked = window.requestAnimationFrame(() => untracked(() => this.draw()));
   }
 
-  /** The uppermost body at a place of the canvas; planes count when nothing else is there. */
+  /** The uppermost body at a position of the canvas; planes count when nothing else is there. */
   private body_at(column: number, row: number): number {
     let plane = -1;
     for (const item of [...this.placed].reverse()) {
@@ -288,7 +288,7 @@ class MapWidget extends Widget {
     });
     canvas.addEventListener("pointermove", (event) => {
       const [column, row] = at(event);
-      const [x, y] = sheet.place(column, row);
+      const [x, y] = sheet.position(column, row);
       const digits = Math.max(0, Math.min(4, Math.ceil(Math.log10(sheet.scale))));
       this.where.textContent = `x ${x.toFixed(digits)}  y ${y.toFixed(digits)} m`;
       if (this.drag) {

@@ -17,7 +17,7 @@ export class Sheet {
   /** size of the canvas [CSS pixel] */
   width = 1;
   height = 1;
-  /** what is in its middle [m] */
+  /** the position in its middle [m] */
   x = 0;
   y = 0;
   /** [pixel/m] */
@@ -30,7 +30,7 @@ export class Sheet {
     return this.height / 2 - (y - this.y) * this.scale;
   }
   /** [m] */
-  place(column: number, row: number): [number, number] {
+  position(column: number, row: number): [number, number] {
     return [this.x + (column - this.width / 2) / this.scale, this.y - (row - this.height / 2) / this.scale];
   }
 
@@ -38,11 +38,11 @@ export class Sheet {
     this.x -= columns / this.scale;
     this.y += rows / this.scale;
   }
-  /** Nearer by a factor; what is at that place of the canvas stays there. */
+  /** Zooms in by a factor around that position of the canvas. */
   zoom(factor: number, column = this.width / 2, row = this.height / 2): void {
-    const [x, y] = this.place(column, row);
+    const [x, y] = this.position(column, row);
     this.scale = Math.min(1e6, Math.max(1e-3, this.scale * factor));
-    const [now_x, now_y] = this.place(column, row);
+    const [now_x, now_y] = this.position(column, row);
     this.x += x - now_x;
     this.y += y - now_y;
   }

@@ -1,4 +1,4 @@
-// The window: what panels are given, and what is around them.
+// The window: the services for panels, and the frame around them.
 import { CommandRegistry } from "@lumino/commands";
 import { MessageLoop } from "@lumino/messaging";
 import { ContextMenu, Widget } from "@lumino/widgets";
@@ -42,7 +42,7 @@ export class App implements Studio {
     this.playback = new Playback(link, this.state, browser_clock, (message) => this.notify(message, "error"));
     this.docking = new Docking(
       this,
-      () => panels.forEach(({ panel }) => this.tell_changed(`panel:${panel.name}`)),
+      () => panels.forEach(({ panel }) => this.notify_changed(`panel:${panel.name}`)),
       (panel) => this.pop_out(panel),
     );
     const main = only ? (window.opener as Window | null) : null;
@@ -116,15 +116,15 @@ export class App implements Studio {
   notify(text: string, kind: "note" | "error" = "note"): void {
     this.notices.show(text, kind);
   }
-  /** Tells the user of what went wrong; a broken way has its own bar. */
+  /** Shows an error to the user; a broken connection has its own bar. */
   fail(error: unknown): void {
     if (error instanceof RequestError && error.failure.code === "closed") return;
     this.notify(error instanceof Error ? error.message : String(error), "error");
   }
-  /** The server speaks another language than this page. */
+  /** The server's protocol is another one than this page's. */
   renew(): void {
     if (!unsent_typing(this)) return location.reload();
-    this.notify("the studio was started in another version, and does not have what you typed last: copy that, then load this page anew", "error");
+    this.notify("the studio was restarted in another version, and does not have what you typed last: copy that, then reload this page", "error");
   }
   go_to(file: string, line: number, column: number): void {
     if (this.elsewhere("code")) {
@@ -168,7 +168,7 @@ export class App implements Studio {
     if (name === "draw_signal") this.draw_signal(String(values[0]), values[1] === undefined ? undefined : String(values[1]));
     if (name === "notify") this.notify(String(values[0]));
   }
-  private tell_changed(command: string): void {
+  private notify_changed(command: string): void {
     if (this.commands.hasCommand(command)) this.commands.notifyCommandChanged(command);
   }
 
@@ -208,7 +208,7 @@ export class App implements Studio {
     bar.dataset.testid = "connection";
     let ended = "";
     this.link.on("goodbye", ({ reason }) => (ended = reason));
-    // a page that has just been opened is given a moment
+    // a page that has just been opened is given a short time
     const opened = signal(false);
     setTimeout(() => (opened.value = true), 2_000);
     effect(() => {
@@ -217,7 +217,7 @@ export class App implements Studio {
       const keep = unsaved.download_button();
       bar.hidden = !lost;
       bar.textContent = lost
-        ? `${this.state.hello.value ? "Connection lost" : "No connection to the studio"}${ended ? ` (${ended})` : ""}, trying again. If the studio was started anew, open the address it printed.`
+        ? `${this.state.hello.value ? "Connection lost" : "No connection to the studio"}${ended ? ` (${ended})` : ""}, trying again. If the studio was restarted, open the address it printed.`
         : "";
       if (lost && keep) bar.append(" ", keep);
     });

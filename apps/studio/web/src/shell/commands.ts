@@ -30,7 +30,7 @@ export function register_commands(app: App): void {
       const name = state.document.value?.file.replace(/^.*[/\\]/, "") ?? "";
       const answer = await app.dialog({
         title: "Save a copy",
-        text: "The copy is saved beside the scene, and editing goes on with it.",
+        text: "The copy is saved beside the scene, and editing continues with it.",
         fields: [{ name: "file", label: "File name", value: name }],
         accept: "Save",
       });
@@ -38,7 +38,7 @@ export function register_commands(app: App): void {
     },
   });
   commands.addCommand("file:revert", {
-    label: "Revert to what was saved…",
+    label: "Revert to the saved text…",
     isEnabled: () => may() && state.document.value?.dirty === true,
     execute: async () => {
       const answer = await app.dialog({
@@ -94,12 +94,12 @@ export function register_commands(app: App): void {
     execute: () => {
       const hello = state.hello.value;
       const status = state.status.value;
-      const words = [
+      const lines = [
         `CogRSim ${hello?.version ?? ""}`,
         status ? `${status.backend} ${status.engine_version}` : "",
         `client ${hello?.client ?? "–"}, ${hello?.role ?? "not connected"}`,
       ];
-      void app.dialog({ title: "CogRSim Studio", text: words.filter(Boolean).join(" · "), fields: [], accept: "Close" });
+      void app.dialog({ title: "CogRSim Studio", text: lines.filter(Boolean).join(" · "), fields: [], accept: "Close" });
     },
   });
   effect(() => {

@@ -27,10 +27,10 @@ export function ask(content: DialogContent): Promise<Record<string, string> | nu
     const values = () => Object.fromEntries([...inputs].map(([name, input]) => [name, value_of(input)]));
 
     if (content.preview) {
-      const place = document.createElement("div");
-      place.className = "cg-dialog-preview";
-      place.setAttribute("aria-live", "polite");
-      form.append(place);
+      const preview = document.createElement("div");
+      preview.className = "cg-dialog-preview";
+      preview.setAttribute("aria-live", "polite");
+      form.append(preview);
       let asked = 0;
       const renew = async () => {
         const mine = ++asked;
@@ -43,7 +43,7 @@ export function ask(content: DialogContent): Promise<Record<string, string> | nu
           shown.textContent = error instanceof Error ? error.message : String(error);
         }
         // answers may overtake each other
-        if (mine === asked) place.replaceChildren(shown);
+        if (mine === asked) preview.replaceChildren(shown);
       };
       form.addEventListener("input", () => void renew());
       void renew();

@@ -1,4 +1,4 @@
-// Edits of the text: refused ones are told, those that came too late are tried again if they still mean the same.
+// Edits of the text: refused ones are reported, those that came too late are tried again if they still mean the same.
 import { effect } from "@preact/signals-core";
 import { RequestError, type Link } from "../core/link";
 import type { Op, TreeElement } from "../core/protocol";
@@ -53,7 +53,7 @@ function tree_of(state: State, version: number): Promise<boolean> {
   });
 }
 
-/** Ids of what was made, in the version that `state.tree` then has. Throws why not. */
+/** Ids of the new elements, in the version that `state.tree` then has. Throws the reason of a failure. */
 export async function edit(link: Link, state: State, label: string, ops: Op[]): Promise<number[]> {
   const { version, elements } = state.tree.value;
   const ask = (of: number) => link.request<{ version: number; created?: number[] }>("edit", { version: of, ops, label });

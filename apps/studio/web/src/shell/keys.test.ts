@@ -22,7 +22,7 @@ test("keys find their commands on keyboards of several countries", () => {
   assert.equal(command_of(key("Z", { ctrlKey: true, shiftKey: true })), "edit:redo");
   assert.equal(command_of(key("z", { metaKey: true })), "edit:undo");
   assert.equal(command_of(key("1", { ctrlKey: true })), undefined);
-  assert.deepEqual(names_of(key("ArrowLeft", { altKey: true })), [], "the browser's own way back");
+  assert.deepEqual(names_of(key("ArrowLeft", { altKey: true })), [], "the browser's own key for going back");
 });
 
 test("in a text field only saving and the palette act, in the scene's editor the history too", () => {

@@ -1,4 +1,4 @@
-// Keys and what they do. One table: the palette, the menus and the list of shortcuts read it through the registry.
+// Keys and their commands. One table: the palette, the menus and the list of shortcuts read it through the registry.
 import type { CommandRegistry } from "@lumino/commands";
 
 /** Key, command. Accel is Ctrl, on a Mac Command. */
@@ -34,7 +34,7 @@ export const kKeys: [key: string, command: string][] = [
 
 /** What also works while text is being written. */
 const kInText = new Set(["edit:save", "help:palette"]);
-/** What the code editor, whose text is the scene's, leaves to the one history. */
+/** Keys that the code editor, whose text is the scene's, leaves to the one history. */
 const kInCode = new Set(["edit:save", "help:palette", "edit:undo", "edit:redo"]);
 
 export type Surroundings = "page" | "text" | "code" | "control" | "tab";
@@ -65,7 +65,7 @@ export function surroundings(target: EventTarget | null): Surroundings {
   return target.closest(control) ? "control" : "page";
 }
 
-/** How the event is written in kKeys; several ways where keyboards differ. */
+/** How the event is written in kKeys; several notations where keyboards differ. */
 export function names_of(event: Pick<KeyboardEvent, "key" | "ctrlKey" | "metaKey" | "shiftKey" | "altKey">): string[] {
   if (event.altKey) return [];
   const accel = event.ctrlKey || event.metaKey ? "Accel " : "";
@@ -100,12 +100,12 @@ export function listen(commands: CommandRegistry, on: Document): void {
     "keydown",
     (event) => {
       if (event.defaultPrevented || event.isComposing) return;
-      // dialogs hear all keys themselves
+      // dialogs handle all keys themselves
       if (event.target instanceof Element && event.target.closest("[aria-modal='true']")) return;
       const command = command_of(event);
       if (!command || !commands.hasCommand(command)) return;
       if (!may_fire(command, event.key, surroundings(event.target))) return;
-      // what is copied is what is marked, if anything is
+      // selected text is copied, if there is any
       if (command === "edit:copy" && String(on.getSelection() ?? "") !== "") return;
       if (!commands.isEnabled(command)) {
         if (event.ctrlKey || event.metaKey) event.preventDefault();

@@ -13,7 +13,7 @@ test("every preset is read back as it was written and names no panel twice", () 
   }
 });
 
-test("what is no arrangement is refused", () => {
+test("an invalid arrangement is refused", () => {
   for (const text of [null, "", "{", "3", "null", "[]", '{"type":"tabs","panels":3}', '{"type":"tabs","panels":[]}']) {
     assert.equal(read_area(text, known), null, String(text));
   }
@@ -50,7 +50,7 @@ test("a split with one area left is that area; endless nesting is cut", () => {
   assert.equal(read_area(JSON.stringify(deep), known), null);
 });
 
-test("an arrangement without a panel is what is left when it is closed", () => {
+test("an arrangement without a panel is the rest after closing it", () => {
   const edit = presets.Edit!;
   const left = without(edit, "code")!;
   assert.deepEqual(panels_in(left), panels_in(edit).filter((p) => p !== "code"));

@@ -1,4 +1,4 @@
-// Where panels are: arrangements as plain data, the presets, and reading what was remembered.
+// The arrangement of panels: as plain data, the presets, and reading stored ones.
 
 /** A tab area, or areas side by side. Sizes are shares. */
 export type Area =
@@ -33,7 +33,7 @@ export const presets: Record<string, Area> = {
   Compare: row([1.2, 1], tabs("view3d", "map"), column([2, 1], tabs("compare"), tabs("console", "tree"))),
 };
 
-/** Reads an arrangement from text that may have been written by an older page, or by anybody: null when it is none. Panels that
+/** Reads an arrangement from text that may have been written by an older page, or by another program: null when it is none. Panels that
  *  are not known, or that come twice, are left out, and so are areas without any. */
 export function read_area(text: string | null, known: (panel: string) => boolean): Area | null {
   if (text === null) return null;

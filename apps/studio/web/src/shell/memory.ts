@@ -1,4 +1,4 @@
-// What the browser keeps for the page between visits. It may be full, forbidden, or written by others: then there is nothing.
+// The page's storage in the browser between visits. It may be full, forbidden, or written by others: then it is empty.
 const kPrefix = "cogrsim:";
 
 export function recall(key: string): string | null {

@@ -14,7 +14,7 @@ test("a command that another menu claims is there alone", () => {
   assert.deepEqual(items_of("file", ["edit:save"], all), ["edit:save"]);
 });
 
-test("what has no menu of its own is under Tools, kinds apart", () => {
+test("what has no menu of its own is under Tools, grouped by kind", () => {
   assert.deepEqual(items_of("tools", [], all), ["figures:new", "figures:old", null, "tools:grid"]);
   assert.deepEqual(items_of("view", [], all), ["overlay:rays"]);
 });

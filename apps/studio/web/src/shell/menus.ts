@@ -3,7 +3,7 @@ import type { CommandRegistry } from "@lumino/commands";
 import { Menu, MenuBar } from "@lumino/widgets";
 import { items_of, kInner, kMenus } from "./menu_items";
 
-/** Says of items that lead to further menus that they are items, which the library leaves out. */
+/** Sets the role of items that open submenus, which the library omits. */
 class Renderer extends Menu.Renderer {
   override createItemARIA(data: Menu.IRenderData) {
     const aria = super.createItemARIA(data);
@@ -21,7 +21,7 @@ function make_menu(commands: CommandRegistry, title: string): Menu {
 export function make_menus(commands: CommandRegistry): MenuBar {
   const bar = new MenuBar();
   bar.addClass("cg-menu-bar");
-  // what came with its page is only looked at
+  // a bundled run can only be viewed
   const looked_at = document.documentElement.dataset.kind === "bundle";
   const menus = kMenus.filter(([, kind]) => !looked_at || kind !== "insert").map(([title, kind, first]) => {
     const menu = make_menu(commands, title);

@@ -27,14 +27,14 @@ export function open_modal(title: string, content: HTMLElement, closed: () => vo
   const close = () => {
     if (!open) return;
     open = false;
-    // what was opened from here has the focus already
+    // a window opened from here has the focus already
     const had_focus = ground.contains(document.activeElement);
     closed();
     ground.remove();
     if (had_focus && before?.isConnected) before.focus();
   };
   ground.addEventListener("keydown", (event) => {
-    // nothing behind it hears keys
+    // nothing behind it receives keys
     event.stopPropagation();
     if (event.key === "Escape") {
       event.preventDefault();

@@ -16,19 +16,19 @@ export class Notices {
   }
 
   show(text: string, kind: "note" | "error"): void {
-    // What is said twice is shown once, and is the newest.
+    // A repeated text is shown once, as the newest.
     for (const other of [...this.node.children] as HTMLElement[]) if (other.dataset.text === text) other.remove();
     const note = document.createElement("div");
     note.className = `cg-notice cg-notice-${kind}`;
     note.dataset.text = text;
     note.dataset.testid = `notice-${kind}`;
-    const words = document.createElement("span");
-    words.textContent = text;
+    const message = document.createElement("span");
+    message.textContent = text;
     const close = document.createElement("button");
     close.textContent = "✕";
     close.setAttribute("aria-label", "Close notification");
     close.addEventListener("click", () => note.remove());
-    note.append(words, close);
+    note.append(message, close);
     this.node.append(note);
     while (this.node.children.length > kMost) this.node.firstElementChild?.remove();
     (kind === "error" ? this.urgent : this.polite).textContent = text;

@@ -18,18 +18,18 @@ export function open_palette(commands: CommandRegistry): void {
     if (command === "help:palette" || !commands.isVisible(command) || !commands.label(command)) continue;
     palette.addItem({ command, category: category(command) });
   }
-  const place = document.createElement("div");
-  const modal = open_modal("Commands", place, () => {
+  const host = document.createElement("div");
+  const modal = open_modal("Commands", host, () => {
     commands.commandExecuted.disconnect(done);
     palette.dispose();
   });
   modal.node.classList.add("cg-palette-modal");
   const done = (_: unknown, executed: CommandRegistry.ICommandExecutedArgs) => {
-    // the command that opened it is told of after it did
+    // the command that opened it is reported after it ran
     if (executed.id !== "help:palette") modal.close();
   };
   commands.commandExecuted.connect(done);
-  Widget.attach(palette, place);
+  Widget.attach(palette, host);
   palette.activate();
   palette.inputNode.focus();
 }

@@ -13,9 +13,9 @@ const kStates: Record<string, string> = {
   recording: "Recording of a run",
 };
 
-/** What stands in the table of who computes a run, line by line. */
+/** The lines of the table of a run's provenance. */
 export function provenance_rows(p: Provenance): [string, string][] {
-  const kBy: Record<string, string> = { engine: p.engine, cogrsim: "CogRSim", nobody: "nobody" };
+  const kBy: Record<string, string> = { engine: p.engine, cogrsim: "CogRSim", nobody: "none" };
   const options = Object.entries(p.options).map(([name, value]) => `${name}=${value}`);
   return [
     ["engine", `${p.engine} ${p.version}`],
@@ -42,7 +42,7 @@ function show_provenance(studio: Studio): void {
     row.append(head);
     row.insertCell().textContent = value;
   }
-  void studio.dialog({ title: "Who computes this run", fields: [], preview: () => Promise.resolve(table), accept: "Close" });
+  void studio.dialog({ title: "Provenance of this run", fields: [], preview: () => Promise.resolve(table), accept: "Close" });
 }
 
 export function show_status_line(studio: Studio, node: HTMLElement): void {
@@ -66,7 +66,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
         {wrong > 0 && (
           <button class="cg-status-wrong" data-testid="problem-count" onClick={() => studio.open_panel("console")}>
             {wrong === 1 ? "1 problem" : `${wrong} problems`}
-            {document && !document.good ? (state.scene.value ? ": the last good scene goes on" : ": there is nothing to run yet") : ""}
+            {document && !document.good ? (state.scene.value ? ": the last good scene keeps running" : ": there is nothing to run yet") : ""}
           </button>
         )}
         <span class="cg-status-grow" data-testid="selected">
@@ -74,7 +74,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
           {state.selection.value.length > 1 ? ` and ${state.selection.value.length - 1} more` : ""}
           {body ? `  ·  ${body.name}` : ""}
         </span>
-        {hello?.role === "viewer" && hello.kind !== "bundle" && <span data-testid="role">You look on: only the operator can change things</span>}
+        {hello?.role === "viewer" && hello.kind !== "bundle" && <span data-testid="role">Viewer: only the operator can change things</span>}
         {status && status.viewers > 1 && <span>{status.viewers} pages</span>}
         {status?.state_hash && (
           <span
@@ -88,7 +88,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
           <button
             class="cg-status-engine"
             data-testid="engine"
-            title={status.provenance ? "Who computes this run: engine, solver, options" : undefined}
+            title={status.provenance ? "Provenance of this run: engine, solver, options" : undefined}
             disabled={!status.provenance}
             onClick={() => show_provenance(studio)}
           >
@@ -111,7 +111,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
   render(<Line />, node);
 }
 
-/** What the browser's tab says. */
+/** The title of the browser's tab. */
 export function page_title(name: string, dirty: boolean, state: string, wrong: number): string {
   const scene = name ? `${dirty ? "• " : ""}${name}` : "";
   const said = [wrong > 0 ? `(${wrong})` : "", scene].filter(Boolean).join(" ");

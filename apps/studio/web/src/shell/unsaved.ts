@@ -1,4 +1,4 @@
-// What was not saved: offered when a studio has it from before, given out while there is none.
+// Unsaved changes: offered when the studio kept earlier ones, and as a download while there is no studio.
 import { effect, signal } from "@preact/signals-core";
 import { text_here, unsent_typing } from "../code/pending";
 import type { DocumentState, UnsavedOffer } from "../core/protocol";
@@ -22,7 +22,7 @@ function when(time: number): string {
 
 export class UnsavedBar {
   readonly node = document.createElement("div");
-  /** what the page had when the connection broke, as long as it may be all there is of it */
+  /** the page's text when the connection broke, as long as no studio has it */
   private readonly lost = signal<Lost | null>(null);
   private readonly less = signal(false);
 
@@ -30,7 +30,7 @@ export class UnsavedBar {
     this.node.className = "cg-unsaved";
     this.node.dataset.testid = "unsaved";
     this.node.setAttribute("role", "region");
-    this.node.setAttribute("aria-label", "Changes that were not saved");
+    this.node.setAttribute("aria-label", "Unsaved changes");
     const { state } = app;
     app.link.on_open((open) => {
       if (open || this.lost.peek()) return;
@@ -49,10 +49,10 @@ export class UnsavedBar {
     effect(() => this.show());
   }
 
-  /** What one presses while there is no studio; null: the page has nothing that was not saved. */
+  /** The button for a download while there is no studio; null: the page has no unsaved changes. */
   download_button(): HTMLElement | null {
     const lost = this.lost.value;
-    return lost && this.button("Download what I have", () => download(new Blob([lost.text], { type: "text/xml" }), lost.file));
+    return lost && this.button("Download my text", () => download(new Blob([lost.text], { type: "text/xml" }), lost.file));
   }
 
   private show(): void {
@@ -78,15 +78,15 @@ export class UnsavedBar {
       if (this.less.value && lost) {
         rows.push(
           this.row(
-            `The studio was started anew, and does not have what this page had of ${file}.`,
-            this.button("Take it over", () => this.take_over(lost.text)),
+            `The studio was restarted, and does not have this page's changes of ${file}.`,
+            this.button("Take over", () => this.take_over(lost.text)),
             this.download_button()!,
-            this.button("Forget it", () => this.forget()),
+            this.button("Forget", () => this.forget()),
           ),
         );
       }
       if (unsaved.not_kept) {
-        rows.push(this.row(`What is not saved would be lost with the studio, for it cannot be kept beside the scene: ${unsaved.not_kept}`));
+        rows.push(this.row(`Unsaved changes would be lost with the studio, because they cannot be kept beside the scene: ${unsaved.not_kept}`));
       }
     }
     this.node.hidden = rows.length === 0;
@@ -95,9 +95,9 @@ export class UnsavedBar {
 
   private row(text: string, ...buttons: HTMLElement[]): HTMLElement {
     const row = document.createElement("div");
-    const words = document.createElement("span");
-    words.textContent = text;
-    row.append(words, ...buttons);
+    const message = document.createElement("span");
+    message.textContent = text;
+    row.append(message, ...buttons);
     return row;
   }
   private button(text: string, act: () => unknown): HTMLElement {
@@ -120,7 +120,7 @@ export class UnsavedBar {
   private async discard(number: number): Promise<void> {
     const answer = await this.app.dialog({
       title: "Discard",
-      text: "The changes that were not saved are gone for good.",
+      text: "The unsaved changes will be lost.",
       fields: [],
       accept: "Discard",
     });

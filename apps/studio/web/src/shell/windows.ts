@@ -1,5 +1,5 @@
 // Panels in windows of their own: each is a page with its own connection (`?panel=NAME`). Over messages between the windows they
-// keep what is selected, followed and looked at the same.
+// share the selection, the followed body and the shown time.
 import { batch, effect } from "@preact/signals-core";
 import type { State } from "../core/state";
 
@@ -10,22 +10,22 @@ interface Shared {
   theme: "light" | "dark";
 }
 
-/** What one window tells the others: of what is shared only what changed, as two may change different things at once. */
-type Word =
+/** The messages between windows: of the shared state only what changed, as two may change different things at once. */
+type Message =
   | { cogrsim: "state"; changed: Partial<Shared> }
   | { cogrsim: "cursor"; live: boolean; time: number }
   | { cogrsim: "call"; name: "open_panel" | "go_to" | "draw_signal" | "notify"; values: (string | number)[] }
   | { cogrsim: "hello" };
 
 export interface Others {
-  /** Does in the main window what a popped-out one cannot. */
+  /** Calls in the main window what a popped-out one cannot do. */
   call(name: "open_panel" | "go_to" | "draw_signal" | "notify", values: (string | number)[]): void;
   cursor(live: boolean, time: number): void;
 }
 
 export class Windows implements Others {
   private readonly popped = new Map<string, Window>();
-  /** What the others know. */
+  /** The state that the others know. */
   private known: Partial<Shared> = {};
   private greeted = false;
 
@@ -51,8 +51,8 @@ export class Windows implements Others {
       const now = this.shared();
       const changed = difference(this.known, now);
       this.known = now;
-      // a new window is told by the main one, and does not tell it first
-      if (Object.keys(changed).length > 0 && (this.main === null || this.greeted)) this.tell({ cogrsim: "state", changed });
+      // the main window sends its state to a new one first
+      if (Object.keys(changed).length > 0 && (this.main === null || this.greeted)) this.send({ cogrsim: "state", changed });
     });
     if (!main) setInterval(() => this.look_after(), 500);
   }
@@ -76,27 +76,27 @@ export class Windows implements Others {
     if (this.main) this.post(this.main, { cogrsim: "call", name, values });
   }
   cursor(live: boolean, time: number): void {
-    this.tell({ cogrsim: "cursor", live, time });
+    this.send({ cogrsim: "cursor", live, time });
   }
 
   private shared(): Shared {
     const { selection, hovered, followed, theme } = this.state;
     return { selection: selection.value, hovered: hovered.value, followed: followed.value, theme: theme.value };
   }
-  private tell(word: Word, except?: Window): void {
+  private send(message: Message, except?: Window): void {
     for (const other of this.main ? [this.main] : this.popped.values()) {
-      if (other !== except && !other.closed) this.post(other, word);
+      if (other !== except && !other.closed) this.post(other, message);
     }
   }
-  private post(to: Window, word: Word): void {
-    to.postMessage(word, location.protocol === "file:" ? "*" : location.origin);
+  private post(to: Window, message: Message): void {
+    to.postMessage(message, location.protocol === "file:" ? "*" : location.origin);
   }
 
   private hear(data: unknown, from: Window): void {
-    const word = data as Word;
-    if (typeof word !== "object" || word === null) return;
+    const message = data as Message;
+    if (typeof message !== "object" || message === null) return;
     const { state } = this;
-    switch (word.cogrsim) {
+    switch (message.cogrsim) {
       case "hello":
         this.post(from, { cogrsim: "state", changed: this.shared() });
         if (!state.live.value && state.frame.value) {
@@ -105,22 +105,22 @@ export class Windows implements Others {
         break;
       case "state":
         this.greeted = true;
-        this.known = { ...this.known, ...word.changed };
+        this.known = { ...this.known, ...message.changed };
         batch(() => {
-          const { selection, hovered, followed, theme } = word.changed;
+          const { selection, hovered, followed, theme } = message.changed;
           if (selection !== undefined) state.selection.value = selection;
           if (hovered !== undefined) state.hovered.value = hovered;
           if (followed !== undefined) state.followed.value = followed;
           if (theme !== undefined) state.theme.value = theme;
         });
-        this.tell(word, from);
+        this.send(message, from);
         break;
       case "cursor":
-        this.done.cursor(word.live, word.time);
-        this.tell(word, from);
+        this.done.cursor(message.live, message.time);
+        this.send(message, from);
         break;
       case "call":
-        this.done.call(word.name, word.values);
+        this.done.call(message.name, message.values);
         break;
     }
   }

@@ -63,7 +63,7 @@ test("many seeks at once ask only for the first and the last", async () => {
   assert.equal(playback.wanted.value, null);
 });
 
-test("the cursor runs through the past at the run's speed, then says it has arrived", async () => {
+test("the cursor runs through the past at the run's speed, then reports its arrival", async () => {
   const { playback, tick, state } = stage(tenths, "scene", 2);
   playback.seek(9);
   await settle();
@@ -88,7 +88,7 @@ test("a recording that is at its end plays from its start, and its speed is the 
   assert.ok(Math.abs(playback.time - 0.1) < 1e-9, String(playback.time));
 });
 
-test("a page that slept goes on where it was", async () => {
+test("a page that slept continues where it was", async () => {
   const { playback, tick } = stage(tenths, "recording");
   playback.seek(1);
   await settle();
@@ -124,9 +124,9 @@ test("stepping forward at the end stays there", async () => {
   assert.equal(state.frame.value?.time, 10);
 });
 
-test("another window's place is taken over and not told on", async () => {
+test("another window's time is taken over and not sent on", async () => {
   const { playback, state } = stage(tenths, "scene");
-  playback.moved = () => assert.fail("told on");
+  playback.moved = () => assert.fail("sent on");
   playback.follow(false, 2);
   await settle();
   assert.equal(state.frame.value?.time, 2);

@@ -1,4 +1,4 @@
-// The page's own cursor: looks at the past, and runs through it.
+// The page's own cursor: shows and plays past frames.
 import { signal } from "@preact/signals-core";
 import { RequestError, type Link } from "../core/link";
 import type { State } from "../core/state";
@@ -15,10 +15,10 @@ export class Playback {
   readonly running = signal(false);
   /** Simulated per wall second. Of recordings alone: the past of a run is played at the run's speed. */
   readonly speed = signal(1);
-  /** Where the page wants to look [s], until the frame is there; null: it looks at `state.frame`. */
+  /** The time that the page has requested [s], until the frame is there; null: it shows `state.frame`. */
   readonly wanted = signal<number | null>(null);
 
-  /** Told when this page's place changed by the user's will: other windows follow. */
+  /** Called when the user changed this page's time: other windows follow. */
   moved: (live: boolean, time: number) => void = () => {};
 
   private in_flight = false;
@@ -41,13 +41,13 @@ export class Playback {
     return kind === "recording" || kind === "bundle";
   }
 
-  /** Looks at the last frame at or before `time`; the cursor no longer runs. */
+  /** Shows the last frame at or before `time`; the cursor no longer runs. */
   seek(time: number): void {
     this.halt();
     this.go(time);
   }
 
-  /** The frame after the one looked at, when there is one. */
+  /** The frame after the shown one, when there is one. */
   async step_forward(): Promise<void> {
     this.halt();
     const status = this.state.status.value;
@@ -164,7 +164,7 @@ export class Playback {
   }
 
   private fail(error: unknown): void {
-    // a broken way has its own bar, and the place is asked for again when it is mended
+    // a broken connection has its own bar, and the time is requested again when it is restored
     if (error instanceof RequestError && error.failure.code === "closed") return;
     this.failed(error instanceof Error ? error.message : String(error));
   }

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { groups, neighbour, room, share, shift, ticks, time_at, time_text, zoom } from "./scale";
+import { groups, neighbour, extent, share, shift, ticks, time_at, time_text, zoom } from "./scale";
 
 const whole = { from: 0, to: 10 };
 
@@ -42,7 +42,7 @@ test("times are written as exactly as they differ", () => {
   assert.equal(time_text(0.0125, 0.0005), "0.0125 s");
 });
 
-test("things that lie on each other are gathered, what is outside is not shown", () => {
+test("marks that overlap are gathered, marks outside are not shown", () => {
   assert.deepEqual(
     groups([-1, 0, 0.01, 5, 5.001, 11], whole, 0.01).map(({ first, end }) => [first, end]),
     [
@@ -60,12 +60,12 @@ test("the next and the previous are not the present one", () => {
   assert.equal(neighbour([], 3, -1), undefined);
 });
 
-test("the scale of a run that grows has room, changes seldom, and ends where the run will", () => {
+test("the scale of a run that grows has space, changes seldom, and ends where the run will", () => {
   assert.deepEqual(
-    [0, 10, 10.1, 21, 51, 150, 1001].map((t) => room(t, null)),
+    [0, 10, 10.1, 21, 51, 150, 1001].map((t) => extent(t, null)),
     [10, 10, 20, 50, 100, 200, 2000],
   );
-  assert.equal(room(1, 3), 3);
-  assert.equal(room(1, 30), 10);
-  assert.equal(room(15, 12), 15, "a run that was let go on");
+  assert.equal(extent(1, 3), 3);
+  assert.equal(extent(1, 30), 10);
+  assert.equal(extent(15, 12), 15, "a run that was continued");
 });

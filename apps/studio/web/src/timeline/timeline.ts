@@ -1,13 +1,13 @@
-// Everything run so far, with a cursor, and marks where something happened.
+// The whole run so far, with a cursor, and marks at events.
 import { effect, signal } from "@preact/signals-core";
 import type { Control } from "../control/commands";
 import { icons, type IconName } from "../control/icons";
 import type { RunEvent } from "../core/protocol";
-import { groups, room, share, shift, ticks, time_at, time_text, zoom, type Span } from "./scale";
+import { groups, extent, share, shift, ticks, time_at, time_text, zoom, type Span } from "./scale";
 import "./timeline.css";
 
 /** Marks closer than this share of the width are one. */
-const kApart = 0.008;
+const kDivergence = 0.008;
 const kPage = 0.1;
 
 export class Timeline {
@@ -44,7 +44,7 @@ export class Timeline {
       if (control.why_not("live") === null) control.playback.live();
     });
     this.clock.dataset.testid = "time";
-    this.clock.setAttribute("aria-label", "Time looked at");
+    this.clock.setAttribute("aria-label", "Time shown");
     this.clock.setAttribute("aria-live", "off");
 
     this.track.tabIndex = 0;
@@ -62,12 +62,12 @@ export class Timeline {
     effect(() => this.draw_cursor());
   }
 
-  /** What there is, and room for what comes [s]. */
+  /** The run so far, and space for what comes [s]. */
   private whole(): Span {
     const status = this.control.studio.state.status.value;
     if (!status) return { from: 0, to: 1 };
     const planned = this.control.studio.state.scene.value?.duration ?? null;
-    const to = this.control.playback.recorded() ? status.last : room(status.last, planned);
+    const to = this.control.playback.recorded() ? status.last : extent(status.last, planned);
     return { from: status.first, to: Math.max(to, status.first + 1e-3) };
   }
   private span(): Span {
@@ -161,13 +161,13 @@ export class Timeline {
   private draw_marks(): void {
     const span = this.span();
     const { events, status } = this.control.studio.state;
-    const parting = status.value?.compare?.first_over;
+    const divergence = status.value?.compare?.first_over;
     const marks: { time: number; text: string; kind: string }[] = events.value.map((event) => ({
       time: event.time,
       text: event_text(event),
       kind: event.kind,
     }));
-    if (typeof parting === "number") marks.push({ time: parting, text: "the two runs part here", kind: "divergence" });
+    if (typeof divergence === "number") marks.push({ time: divergence, text: "the two runs diverge here", kind: "divergence" });
     marks.sort((a, b) => a.time - b.time);
     const none = marks.length === 0;
     this.previous.setAttribute("aria-disabled", String(none));
@@ -175,7 +175,7 @@ export class Timeline {
     const nodes = groups(
       marks.map((m) => m.time),
       span,
-      kApart,
+      kDivergence,
     ).map(({ first, end, part }) => {
       const here = marks.slice(first, end);
       const mark = element("button", "cg-mark");

@@ -14,7 +14,7 @@ export function element_xml(text: string, element: TreeElement): string | null {
   return to === null ? null : dedent(text.slice(from, to).replace(/\r\n/g, "\n"));
 }
 
-/** The element `shift` [m] further along x; as it is if its place is not written in plain numbers. */
+/** The element `shift` [m] further along x; as it is if its position is not written in plain numbers. */
 export function shifted_xml(xml: string, shift: number): string {
   const tag = start_tag(xml, 0);
   const span = tag?.attributes.find((a) => a.name === "xyz");

@@ -170,7 +170,7 @@ export function register_edit_commands(studio: Studio): void {
   add("edit:group", "Group…", () => group(studio), some, "Into an assembly whose parts move by themselves");
   add("edit:disassemble", "Disassemble", () => disassemble(studio),
     () => may() && chosen(studio).some((id) => ["assembly", "body"].includes(state.element(id)?.tag ?? "")),
-    "The parts take its place, where they are");
+    "Replaces it by its parts, at their poses");
   add("edit:select-all", "Select all", () => {
     const { elements } = state.tree.value;
     studio.select(elements.filter((e) => e.parent === 0).map((e) => e.id));

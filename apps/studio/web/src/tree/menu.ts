@@ -1,4 +1,4 @@
-// The tree's menus, made anew for what they are opened on.
+// The tree's menus, made for the element on which they are opened.
 import { Menu } from "@lumino/widgets";
 import { insertable } from "../add/commands";
 import type { Studio } from "../core/studio";

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import type { TreeElement } from "../core/protocol";
 import { Schema } from "../forms/schema";
 import { element_keys, top_most, tree_rows, type_ahead, visible_rows, type RowOptions } from "./model";
-import { drop_ops, drop_place, drop_zone, refuse_drop } from "./rules";
+import { drop_ops, drop_target, drop_zone, refuse_drop } from "./rules";
 
 // scene > (floor, robot > (deck, wheel), crate, repeat > stone)
 const specs: [number, string, string][] = [
@@ -25,7 +25,7 @@ const schema = new Schema({
   ],
 });
 
-test("rows go down the tree with their depth and place among siblings", () => {
+test("rows go down the tree with their depth and index among siblings", () => {
   const rows = tree_rows(elements, options());
   assert.deepEqual(rows.map((r) => [r.id, r.depth]), [[0, 0], [1, 1], [2, 1], [3, 2], [4, 2], [5, 1], [6, 1], [7, 2]]);
   assert.deepEqual([rows[2]!.position, rows[2]!.siblings, rows[2]!.expanded], [2, 4, true]);
@@ -79,13 +79,13 @@ test("what stands in something chosen goes with it", () => {
   assert.deepEqual(top_most(elements, [5, 4, 2]), [2, 5]);
 });
 
-test("places to drop at", () => {
+test("drop targets", () => {
   assert.deepEqual([0.1, 0.5, 0.9].map((y) => drop_zone(y, true)), ["before", "into", "after"]);
   assert.deepEqual([0.4, 0.6].map((y) => drop_zone(y, false)), ["before", "after"]);
-  assert.deepEqual(drop_place(elements, 2, "into"), { parent: 2, before: null });
-  assert.deepEqual(drop_place(elements, 2, "after"), { parent: 0, before: 5 });
-  assert.deepEqual(drop_place(elements, 6, "after"), { parent: 0, before: null });
-  assert.equal(drop_place(elements, 0, "before"), null);
+  assert.deepEqual(drop_target(elements, 2, "into"), { parent: 2, before: null });
+  assert.deepEqual(drop_target(elements, 2, "after"), { parent: 0, before: 5 });
+  assert.deepEqual(drop_target(elements, 6, "after"), { parent: 0, before: null });
+  assert.equal(drop_target(elements, 0, "before"), null);
 });
 
 test("what may go where", () => {

@@ -97,10 +97,10 @@ export function visible_rows(
 
 /** The next row from `from` on (going round) whose label begins with what was typed; -1: none. */
 export function type_ahead(labels: readonly string[], from: number, typed: string): number {
-  const word = typed.toLowerCase();
+  const start = typed.toLowerCase();
   for (let i = 0; i < labels.length; ++i) {
     const at = (from + i) % labels.length;
-    if (labels[at]!.toLowerCase().startsWith(word)) return at;
+    if (labels[at]!.toLowerCase().startsWith(start)) return at;
   }
   return -1;
 }

@@ -5,7 +5,7 @@ import { children_lists, is_inside, top_most } from "./model";
 
 export type DropZone = "before" | "into" | "after";
 
-export interface DropPlace {
+export interface DropTarget {
   parent: number;
   /** null: last */
   before: number | null;
@@ -17,7 +17,7 @@ export function drop_zone(y: number, may_hold: boolean): DropZone {
   return y < 0.25 ? "before" : y > 0.75 ? "after" : "into";
 }
 
-export function drop_place(elements: readonly TreeElement[], target: number, zone: DropZone): DropPlace | null {
+export function drop_target(elements: readonly TreeElement[], target: number, zone: DropZone): DropTarget | null {
   const element = elements[target];
   if (!element) return null;
   if (zone === "into") return { parent: target, before: null };
@@ -33,26 +33,26 @@ const kGroups = ["scene", "assembly", "prototype", "template", "body"];
  *  `copies`: what was copied, and what has been pasted of it. What does not `take` it is left for what is around it. */
 export function paste_place(
   elements: readonly TreeElement[], main: number, takes: (parent: number) => boolean, copies: ReadonlySet<number>,
-): DropPlace {
+): DropTarget {
   if (kGroups.includes(elements[main]?.tag ?? "") && takes(main) && !(copies.has(main) && main > 0)) return { parent: main, before: null };
   let beside = main;
   while (beside > 0 && !takes(elements[beside]!.parent)) beside = elements[beside]!.parent;
-  return drop_place(elements, beside, "after") ?? { parent: 0, before: null };
+  return drop_target(elements, beside, "after") ?? { parent: 0, before: null };
 }
 
 /** Why the elements may not go there; "": they may. */
 export function refuse_drop(
-  schema: Schema, elements: readonly TreeElement[], dragged: readonly number[], place: DropPlace,
+  schema: Schema, elements: readonly TreeElement[], dragged: readonly number[], target: DropTarget,
 ): string {
   const moved = top_most(elements, dragged);
   if (moved.length === 0) return "the scene itself stays where it is";
-  const parent = elements[place.parent];
+  const parent = elements[target.parent];
   if (!parent) return "there is nothing to hold it";
   for (const id of moved) {
-    if (is_inside(elements, place.parent, id)) return "an element cannot go into itself";
+    if (is_inside(elements, target.parent, id)) return "an element cannot go into itself";
     const element = elements[id]!;
-    const stays = element.parent === place.parent;
-    if (!stays && !schema.may_hold(elements, place.parent, element.tag)) {
+    const stays = element.parent === target.parent;
+    if (!stays && !schema.may_hold(elements, target.parent, element.tag)) {
       return `<${parent.tag}> holds no <${element.tag}>`;
     }
   }
@@ -60,15 +60,15 @@ export function refuse_drop(
 }
 
 /** Moves that change something, in an order that keeps theirs. */
-export function drop_ops(elements: readonly TreeElement[], dragged: readonly number[], place: DropPlace): Op[] {
+export function drop_ops(elements: readonly TreeElement[], dragged: readonly number[], target: DropTarget): Op[] {
   const moved = top_most(elements, dragged);
-  let before = place.before;
+  let before = target.before;
   // "Before" something that moves too means before the next that stays.
-  const siblings = children_lists(elements)[place.parent] ?? [];
+  const siblings = children_lists(elements)[target.parent] ?? [];
   while (before !== null && moved.includes(before)) before = siblings[siblings.indexOf(before) + 1] ?? null;
   if (moved.length === 1) {
     const at = siblings.indexOf(moved[0]!);
     if (at >= 0 && (siblings[at + 1] ?? null) === before) return [];
   }
-  return moved.map((element) => ({ op: "move", element, parent: place.parent, before, keep_place: true }));
+  return moved.map((element) => ({ op: "move", element, parent: target.parent, before, keep_place: true }));
 }

@@ -35,8 +35,8 @@ function Tools({ studio }: { studio: Studio }): JSX.Element | null {
         aria-haspopup="menu"
         disabled={!ready}
         onClick={(event) => {
-          const place = event.currentTarget.getBoundingClientRect();
-          open_insert_menu(studio, place.left, place.bottom);
+          const rect = event.currentTarget.getBoundingClientRect();
+          open_insert_menu(studio, rect.left, rect.bottom);
         }}
       >
         Insert…

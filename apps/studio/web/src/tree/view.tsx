@@ -7,7 +7,7 @@ import { rename } from "./commands";
 import { Icon } from "./icons";
 import { open_menu } from "./menu";
 import { element_keys, label_of, tree_rows, type_ahead, visible_rows, type Row, type SignalInfo } from "./model";
-import { drop_ops, drop_place, drop_zone, refuse_drop, type DropZone } from "./rules";
+import { drop_ops, drop_target, drop_zone, refuse_drop, type DropZone } from "./rules";
 import { kSignalType, signal_label, tree_state } from "./tree_state";
 
 export const kRowHeight = 24;
@@ -227,8 +227,8 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
       case "ContextMenu":
       case "F10": {
         if (event.key === "F10" && !event.shiftKey) return;
-        const place = box.current!.getBoundingClientRect();
-        open_menu(studio, row, place.left + 40, place.top + (active + 1) * kRowHeight - box.current!.scrollTop);
+        const rect = box.current!.getBoundingClientRect();
+        open_menu(studio, row, rect.left + 40, rect.top + (active + 1) * kRowHeight - box.current!.scrollTop);
         break;
       }
       default: {
@@ -268,9 +268,9 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
     const into = { parent: row.id, before: null };
     const holds = refuse_drop(schema, elements, model_drag, into) === "";
     const zone = row.id === 0 ? "into" : drop_zone((event.clientY - bounds.top) / bounds.height, holds);
-    const place = drop_place(elements, row.id, zone);
-    if (!place || refuse_drop(schema, elements, model_drag, place) !== "") return null;
-    return { zone, place };
+    const target = drop_target(elements, row.id, zone);
+    if (!target || refuse_drop(schema, elements, model_drag, target) !== "") return null;
+    return { zone, target };
   };
 
   const { first, last } = visible_rows(
@@ -358,7 +358,7 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
                 set_drop(null);
                 if (!found) return;
                 event.preventDefault();
-                const ops = drop_ops(elements, model_drag, found.place);
+                const ops = drop_ops(elements, model_drag, found.target);
                 const what = model_drag.length === 1 ? label_of(elements[model_drag[0]!]!) : `${model_drag.length} elements`;
                 if (ops.length > 0) void studio.edit(`move ${what}`, ops).then((made) => made?.length && studio.select(made));
               }}

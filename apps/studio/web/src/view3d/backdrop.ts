@@ -1,4 +1,4 @@
-// Sky and grid: what is behind everything, in both themes.
+// Sky and grid: the background, in both themes.
 import { BackSide, Color, DoubleSide, Group, Mesh, PlaneGeometry, ShaderMaterial, SphereGeometry, Vector3 } from "three";
 import type { PerspectiveCamera } from "three";
 
@@ -58,7 +58,7 @@ void main() {
   #include <colorspace_fragment>
 }`;
 
-/** Distance of the finer lines [m]: a power of ten, at least a thirtieth of what is looked at. */
+/** Distance of the finer lines [m]: a power of ten, at least a thirtieth of the visible extent. */
 export function grid_cell(distance: number): number {
   return 10 ** Math.ceil(Math.log10(Math.max(distance, 1e-4) / 30));
 }
@@ -113,7 +113,7 @@ export class Backdrop {
     this.grid.visible = shown;
   }
 
-  /** Lays the grid around what the camera looks at. */
+  /** Puts the grid around the camera's target. */
   follow(camera: PerspectiveCamera, target: Vector3): void {
     const distance = camera.position.distanceTo(target);
     const { cell, middle, reach } = this.grid.material.uniforms;

@@ -213,7 +213,7 @@ export class Batches {
       }
       mesh = many;
     }
-    // instances are all over the place: what is out of sight is not worth finding out
+    // instances are scattered: culling them is not worth its cost
     mesh.frustumCulled = false;
     mesh.castShadow = !this.options.ghost && !alone && first.type !== "plane";
     mesh.receiveShadow = !this.options.ghost;
@@ -231,7 +231,7 @@ export class Batches {
     this.root.add(mesh);
   }
 
-  /** Puts everything where a frame says; what has no place is not drawn. */
+  /** Puts everything at the poses of a frame; what has no pose is not drawn. */
   place(poses: ArrayLike<number>): void {
     const own = new Float32Array(16);
     for (const item of this.items) {
@@ -263,7 +263,7 @@ export class Batches {
     return items[hit.instanceId ?? 0]?.body ?? -1;
   }
 
-  /** What a body is drawn with, for drawing it once more. */
+  /** The meshes of a body, for drawing it once more. */
   drawn(body: number): { geometry: BufferGeometry; matrix: Matrix4; plane: boolean }[] {
     return (this.by_body.get(body) ?? []).map((item) => {
       const matrix = new Matrix4();

@@ -1,4 +1,4 @@
-// Boxes that enclose what is seen.
+// Boxes that enclose the visible bodies.
 import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
 import { compose, is_finite, pose_at, transform } from "./pose";
 
@@ -8,7 +8,7 @@ export interface Bounds {
   high: Vec3;
 }
 
-/** What is shown of a scene without anything in it: 2 m around the origin. */
+/** The visible range of an empty scene: 2 m around the origin. */
 export const NOTHING: Bounds = { low: [-1, -1, -1], high: [1, 1, 1] };
 
 export function joined(a: Bounds, b: Bounds): Bounds {
@@ -91,11 +91,11 @@ export function visible_bounds(scene: Scene, poses: ArrayLike<number>, bodies?: 
   for (const i of bodies ?? scene.bodies.keys()) {
     const body = scene.bodies[i];
     if (!body || body.removed) continue;
-    const place: Pose = 7 * i + 6 < poses.length ? pose_at(poses, i) : body.pose;
-    if (!is_finite(place)) continue;
+    const pose: Pose = 7 * i + 6 < poses.length ? pose_at(poses, i) : body.pose;
+    if (!is_finite(pose)) continue;
     for (const shape of body.shapes) {
       if (!shape.visual || shape.type === "plane") continue;
-      const here = compose(place, shape.pose);
+      const here = compose(pose, shape.pose);
       for (const corner of corners_of(shape_bounds(scene, shape))) {
         const p = transform(here, corner);
         const point = { low: p, high: p };

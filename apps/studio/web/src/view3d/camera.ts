@@ -53,12 +53,12 @@ export class Eye {
     this.controls.update();
   }
 
-  /** Moves along with what is followed; null: nothing is. */
-  follow(place: Vec3 | null): void {
+  /** Moves along with the followed point; null: none. */
+  follow(point: Vec3 | null): void {
     const before = this.followed;
-    this.followed = place;
-    if (!before || !place || !place.every(Number.isFinite)) return;
-    const moved = new Vector3(place[0] - before[0], place[1] - before[1], place[2] - before[2]);
+    this.followed = point;
+    if (!before || !point || !point.every(Number.isFinite)) return;
+    const moved = new Vector3(point[0] - before[0], point[1] - before[1], point[2] - before[2]);
     if (moved.lengthSq() === 0) return;
     this.camera.position.add(moved);
     this.controls.target.add(moved);
@@ -66,14 +66,14 @@ export class Eye {
   }
 
   /** Looks at a point from as far as now. */
-  look_at(place: Vec3): void {
-    const moved = new Vector3(...place).sub(this.controls.target);
+  look_at(point: Vec3): void {
+    const moved = new Vector3(...point).sub(this.controls.target);
     this.camera.position.add(moved);
     this.controls.target.add(moved);
     this.controls.update();
   }
 
-  /** Turns around what is looked at [rad], or comes nearer by a factor: what the keyboard does. */
+  /** Turns around its target [rad], or comes nearer by a factor: for the keyboard. */
   turn(azimuth: number, elevation: number, nearer = 1): void {
     this.touched = true;
     const offset = this.camera.position.clone().sub(this.controls.target);

@@ -27,7 +27,7 @@ const VIEW_LABELS: Record<string, [label: string, caption: string]> = {
   iso: ["Iso", "From the front left, above"],
 };
 
-/** Name of the body that following would follow: of what is selected the first that moves; "": none. */
+/** Name of the body to follow: the first of the selection that moves; "": none. */
 function to_follow(studio: Studio): string {
   const { state } = studio;
   const scene = state.scene.peek();
@@ -50,7 +50,7 @@ export function register_commands(studio: Studio): void {
   }
   commands.addCommand("view:focus", {
     label: "Focus the Selection",
-    caption: "Looks at what is selected; at everything when nothing is",
+    caption: "Shows the selection; everything when nothing is selected",
     execute: () => look("focus"),
   });
   commands.addCommand("view:fit", { label: "Zoom to Fit", caption: "Shows everything", execute: () => look("fit") });
@@ -110,7 +110,7 @@ export function register_commands(studio: Studio): void {
     },
   });
 
-  // menus and buttons show what is on
+  // menus and buttons show active options
   effect(() => {
     state.followed.value;
     state.selection.value;

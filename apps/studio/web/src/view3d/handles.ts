@@ -1,4 +1,4 @@
-// Handles that move and rotate what is selected; the text is changed when they are let go.
+// Handles that move and rotate the selection; the text is changed when they are released.
 import { Object3D } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import type { Camera, Scene as ThreeScene } from "three";
@@ -12,7 +12,7 @@ import { handle_mode, handles_local, handles_snap, SNAP_ANGLE, SNAP_LENGTH } fro
 const PATIENCE = 3000;
 
 export class Handles {
-  /** Poses that are shown instead of the frame's: of what is dragged. */
+  /** Poses that are shown instead of the frame's: of dragged bodies. */
   readonly held = new Map<number, Pose>();
   private readonly controls: TransformControls;
   private readonly proxy = new Object3D();

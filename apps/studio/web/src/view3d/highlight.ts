@@ -1,4 +1,4 @@
-// An outline around what is selected and what the pointer is on, seen through everything, and a slight tint.
+// An outline around the selection and the body under the pointer, visible through everything, and a slight tint.
 import {
   AdditiveBlending,
   Color,
@@ -98,7 +98,7 @@ export class Highlight {
       }
     };
     for (const body of selected) add(body, this.materials.selected, true);
-    // a whole floor that lights up wherever the pointer goes would be in the way
+    // a whole floor that lights up under the pointer would distract
     if (hovered >= 0) add(hovered, this.materials.hovered, false);
   }
 

@@ -1,4 +1,4 @@
-// Names in front of the 3D view, each where its thing is; as many as there is room for.
+// Names in front of the 3D view, each where its thing is; as many as there is space for.
 import { Vector3, type PerspectiveCamera } from "three";
 import type { Scene } from "../core/protocol";
 import { radius_of, shape_bounds } from "./bounds";
@@ -53,15 +53,15 @@ export class Labels {
     if (!shown) return;
     const taken: [number, number, number, number][] = [];
     let used = 0;
-    const place = new Vector3();
+    const projected = new Vector3();
     for (const label of this.labels) {
       if (used >= MOST) break;
       if (7 * label.body + 6 >= poses.length) continue;
       const pose = pose_at(poses, label.body);
-      place.set(pose[0], pose[1], pose[2] + label.height).project(camera);
-      if (!(place.z > -1 && place.z < 1)) continue;
-      const x = ((place.x + 1) / 2) * width;
-      const y = ((1 - place.y) / 2) * height;
+      projected.set(pose[0], pose[1], pose[2] + label.height).project(camera);
+      if (!(projected.z > -1 && projected.z < 1)) continue;
+      const x = ((projected.x + 1) / 2) * width;
+      const y = ((1 - projected.y) / 2) * height;
       if (x < 0 || x > width || y < 12 || y > height) continue;
       // a letter of the page's font is about 7 pixels wide
       const half = 3.6 * label.text.length + 6;

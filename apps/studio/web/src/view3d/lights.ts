@@ -56,10 +56,10 @@ export class Lights {
     this.root.add(sky);
 
     let shadows = 0;
-    const add = (light: DirectionalLight | PointLight | SpotLight, place: Vec3, direction: Vec3, casts: boolean) => {
-      light.position.set(...place);
+    const add = (light: DirectionalLight | PointLight | SpotLight, position: Vec3, direction: Vec3, casts: boolean) => {
+      light.position.set(...position);
       if (!(light instanceof PointLight)) {
-        light.target.position.set(place[0] + direction[0], place[1] + direction[1], place[2] + direction[2]);
+        light.target.position.set(position[0] + direction[0], position[1] + direction[1], position[2] + direction[2]);
         this.root.add(light.target);
       }
       if (casts && shadows < MOST_SHADOWS) {
@@ -75,17 +75,17 @@ export class Lights {
       const [r = 1, g = 1, b = 1] = source.color;
       const color = new Color().setRGB(r, g, b, SRGBColorSpace);
       const intensity = Math.PI * LIGHT_SHARE * source.intensity;
-      const place: Vec3 = [source.pose[0], source.pose[1], source.pose[2]];
+      const position: Vec3 = [source.pose[0], source.pose[1], source.pose[2]];
       const ahead = transform(source.pose, [1, 0, 0]);
-      const direction: Vec3 = [ahead[0] - place[0], ahead[1] - place[1], ahead[2] - place[2]];
+      const direction: Vec3 = [ahead[0] - position[0], ahead[1] - position[1], ahead[2] - position[2]];
       const decay = 1 / (LAMP_RANGE * LAMP_RANGE);
       if (source.type === "directional") {
-        add(new DirectionalLight(color, intensity), place, direction, source.shadows);
+        add(new DirectionalLight(color, intensity), position, direction, source.shadows);
       } else if (source.type === "point") {
-        add(new PointLight(color, intensity, 0, decay), place, direction, source.shadows);
+        add(new PointLight(color, intensity, 0, decay), position, direction, source.shadows);
       } else {
         const cone = Math.min(source.cone, 1.5);
-        add(new SpotLight(color, intensity, 0, cone, 1 - SPOT_EDGE, decay), place, direction, source.shadows);
+        add(new SpotLight(color, intensity, 0, cone, 1 - SPOT_EDGE, decay), position, direction, source.shadows);
       }
     }
     if (scene.lights.length === 0) {
@@ -109,7 +109,7 @@ export class Lights {
       const spans = moved + radius <= this.fitted.radius;
       if (spans && radius > 0.5 * this.fitted.radius) return;
     }
-    // some room, so that shadows do not shimmer while things move about
+    // some margin, so that shadows do not shimmer while things move about
     this.fitted = { middle, radius: 1.15 * radius };
     const span = this.fitted.radius;
     for (const { light, direction } of this.shining) {

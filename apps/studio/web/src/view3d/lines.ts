@@ -6,7 +6,7 @@ import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeome
 
 type Rgb = readonly [number, number, number];
 
-/** sRGB to what is drawn with. */
+/** sRGB to the drawing's colour space. */
 export function linear_color(color: Rgb | string): Rgb {
   const c = typeof color === "string" ? new Color(color) : new Color().setRGB(color[0], color[1], color[2], "srgb");
   return [c.r, c.g, c.b];
@@ -102,8 +102,8 @@ export class Dots {
     this.points = [];
     this.colors = [];
   }
-  add(place: ArrayLike<number>, color: Rgb): void {
-    this.points.push(place[0]!, place[1]!, place[2]!);
+  add(point: ArrayLike<number>, color: Rgb): void {
+    this.points.push(point[0]!, point[1]!, point[2]!);
     this.colors.push(...color);
   }
   end(): void {
@@ -117,9 +117,9 @@ export class Dots {
         now.needsUpdate = true;
       } else {
         geometry.dispose();
-        const room = new Float32Array(Math.max(192, 2 * values.length));
-        room.set(values);
-        geometry.setAttribute(name, new BufferAttribute(room, 3));
+        const larger = new Float32Array(Math.max(192, 2 * values.length));
+        larger.set(values);
+        geometry.setAttribute(name, new BufferAttribute(larger, 3));
       }
     };
     put("position", this.points);

@@ -1,4 +1,4 @@
-// What is drawn over the scene: rays, contacts, axes, trajectories, regions.
+// Overlays of the scene: rays, contacts, axes, trajectories, regions.
 import { BoxGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, SphereGeometry, Vector3, Quaternion } from "three";
 import type { Frame, Pose, Scene, Vec3 } from "../core/protocol";
 import { Dots, linear_color, Lines } from "./lines";

@@ -6,7 +6,7 @@ import type { Highlight } from "./highlight";
 import { horizontal_fov } from "./views";
 
 export interface Painter {
-  /** What is put into the panel. */
+  /** The node for the panel. */
   readonly element: HTMLElement;
   /** No graphics card behind it: fewer corners, smaller shadow maps. */
   readonly slow: boolean;
@@ -68,7 +68,7 @@ export function gl_painter(document: Document, lost: () => void, restored: () =>
   };
 }
 
-/** Pictures of the server, asked for one after the other. `failed`: told why there is none, "" when there is. */
+/** Pictures of the server, requested one after the other. `failed`: called with why there is none, "" when there is. */
 export function server_painter(studio: Studio, document: Document, failed: (text: string) => void): Painter {
   const image = document.createElement("img");
   image.alt = "The scene, drawn by the server";

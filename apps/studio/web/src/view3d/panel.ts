@@ -52,7 +52,7 @@ class View3dWidget extends Widget {
       studio,
       row,
       "Show",
-      "What is drawn over the scene",
+      "Overlays of the scene",
       OVERLAYS.map((name) => `overlay:${name}`),
     );
     this.host = document.createElement("div");

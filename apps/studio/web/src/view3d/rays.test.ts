@@ -45,7 +45,7 @@ test("a cone has one distance, drawn along its middle", () => {
   near(rays[0]!.to, [1.5, 0, 0]);
 });
 
-test("what measures no distance, and what is not there, has no rays", () => {
+test("sensors that measure no distance, and removed ones, have no rays", () => {
   assert.deepEqual(ray_ends(scene, frame([{ sensor: 1, values: [1] }, { sensor: 9, values: [1] }, { sensor: 0, values: [] }])), []);
   assert.deepEqual(ray_ends(scene, { poses: new Float32Array(), tail: {} } as unknown as Frame), []);
 });

@@ -1,4 +1,4 @@
-// Lines of sight of the ranging sensors, as their readings tell them.
+// Lines of sight of the ranging sensors, from their readings.
 import type { Frame, Scene, Vec3 } from "../core/protocol";
 import { compose, is_finite, pose_at, transform } from "./pose";
 
@@ -26,8 +26,8 @@ export function ray_ends(scene: Scene, frame: Frame): Ray[] {
     if (!sensor || (some_shown && !sensor.show)) continue;
     if (!RANGING.has(sensor.type) || reading.values.length === 0) continue;
     if (sensor.body >= 0 && 7 * sensor.body + 6 >= frame.poses.length) continue;
-    const place = sensor.body < 0 ? sensor.pose : compose(pose_at(frame.poses, sensor.body), sensor.pose);
-    if (!is_finite(place)) continue;
+    const pose = sensor.body < 0 ? sensor.pose : compose(pose_at(frame.poses, sensor.body), sensor.pose);
+    if (!is_finite(pose)) continue;
     // the cone of an infrared sensor has one distance, drawn along its middle
     const lines = reading.values.length === 1 ? middle_ray(sensor.rays) : sensor.rays;
     lines.forEach((line, k) => {
@@ -37,8 +37,8 @@ export function ray_ends(scene: Scene, frame: Frame): Ray[] {
       const hit = value !== null && value < range;
       const length = value === null ? range : Math.min(Math.max(value, 0), range);
       rays.push({
-        from: transform(place, [ox, oy, oz]),
-        to: transform(place, [ox + length * dx, oy + length * dy, oz + length * dz]),
+        from: transform(pose, [ox, oy, oz]),
+        to: transform(pose, [ox + length * dx, oy + length * dy, oz + length * dz]),
         hit,
         fan: sensor.type === "lidar",
         sensor: reading.sensor,

@@ -35,7 +35,7 @@ export function bodies_of(state: State, elements: number[]): Set<number> {
     scene.assemblies.forEach((assembly, i) => {
       if (assembly.element === id) for (const body of bodies_in(scene, i)) out.add(body);
     });
-    // joints, motors, sensors: what they are on
+    // joints, motors, sensors: the bodies that carry them
     for (const joint of scene.joints) if (joint.element === id && joint.child >= 0) out.add(joint.child);
     for (const sensor of scene.sensors) if (sensor.element === id && sensor.body >= 0) out.add(sensor.body);
   }
@@ -49,20 +49,20 @@ export function movable(scene: Scene, element: number): Movable | string {
   const assembly = scene.assemblies.findIndex((a) => a.element === element);
   if (assembly >= 0) return { kind: "assembly", index: assembly, element, name: scene.assemblies[assembly]!.name };
   const body = scene.bodies.findIndex((b) => b.element === element && !b.removed);
-  if (body < 0) return "this has no place of its own";
+  if (body < 0) return "this has no pose of its own";
   const { name, own } = scene.bodies[body]!;
   if (own) return { kind: "body", index: body, element, name };
   return `${name} is part of something rigid: select the whole to move it`;
 }
 
-/** What a click on a body (-1: on nothing) does to the selection. `add`: to what is selected already, or off it. */
+/** The selection after a click on a body (-1: on nothing). `add`: adds it to the selection, or removes it. */
 export function click_body(studio: Studio, body: number, add: boolean): void {
   const { state } = studio;
   const scene = state.scene.peek();
   const element = scene ? element_of(scene, body) : -1;
   if (element < 0) {
     if (!add || body >= 0) studio.select([]);
-    // after the selection: what is selected takes the mark away
+    // after the selection, which clears the mark
     marked.value = body;
     return;
   }

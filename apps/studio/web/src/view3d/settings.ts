@@ -1,4 +1,4 @@
-// What is drawn over the scene and how handles work; remembered by the browser.
+// Settings of overlays and handles; stored by the browser.
 import { signal, type Signal } from "@preact/signals-core";
 import type { ViewName } from "./views";
 
@@ -39,7 +39,7 @@ const remembered = <T extends boolean | string>(name: string, otherwise: T): Sig
     const stored = JSON.parse(globalThis.localStorage?.getItem(key) ?? "null") as unknown;
     if (typeof stored === typeof otherwise) value = stored as T;
   } catch {
-    // a browser that keeps nothing: what is set holds for this visit
+    // a browser that stores nothing: the settings hold for this visit
   }
   const made = signal(value);
   let first = true;
@@ -78,7 +78,7 @@ export const SNAP_ANGLE = Math.PI / 12;
 /** Index of a body that was clicked though no element of the file made it: shown, but not in the selection. */
 export const marked = signal(-1);
 
-/** The newest wish to look at something; every panel that shows the scene obeys as far as it can. */
+/** The newest request to show something; every panel that shows the scene follows as far as it can. */
 export const view_request = signal<{ what: ViewName | "fit" | "focus" } | null>(null);
 /** How many 3D views there are. */
 export const open_views = signal(0);

@@ -1,4 +1,4 @@
-// What the server puts into the tails of frames: the sum of what panels ask for.
+// The subscription to the tails of frames: the union of the panels' needs.
 import { effect } from "@preact/signals-core";
 import type { Studio } from "../core/studio";
 
@@ -12,20 +12,20 @@ class Subscription {
   private sent = "";
 
   constructor(private readonly studio: Studio) {
-    // a server met anew knows nothing of what was asked before
+    // a new server knows nothing of earlier subscriptions
     effect(() => {
       studio.state.hello.value;
       this.sent = JSON.stringify({ contacts: false, readings: false });
-      this.tell();
+      this.update();
     });
   }
 
   set(who: string, needs: Needs): void {
     this.needs.set(who, needs);
-    this.tell();
+    this.update();
   }
 
-  private tell(): void {
+  private update(): void {
     if (!this.studio.state.hello.peek()) return;
     const all = [...this.needs.values()];
     const fields = { contacts: all.some((n) => n.contacts), readings: all.some((n) => n.readings) };
@@ -33,7 +33,7 @@ class Subscription {
     if (text === this.sent) return;
     this.sent = text;
     this.studio.link.request("subscribe", fields).catch(() => {
-      // asked again when the way is open again, or when the needs change
+      // sent again when the connection is open again, or when the needs change
       this.sent = "";
     });
   }
@@ -41,7 +41,7 @@ class Subscription {
 
 const known = new WeakMap<Studio, Subscription>();
 
-/** From now on `who` needs this; what was set before by that name no longer counts. */
+/** From now on `who` needs this; it replaces earlier needs of that name. */
 export function subscribe(studio: Studio, who: string, needs: Needs): void {
   let made = known.get(studio);
   if (!made) known.set(studio, (made = new Subscription(studio)));

@@ -8,7 +8,7 @@ export interface Tool {
   text: string;
 }
 
-/** Who says what is written on a button must be understood: the name holds it. Signs are not said. */
+/** For voice control the accessible name holds the button's text, without its symbols. */
 function name_of(text: string, label: string): string {
   const said = !/\p{L}/u.test(text) || label.toLowerCase().includes(text.toLowerCase());
   return said ? label : `${text}: ${label}`;

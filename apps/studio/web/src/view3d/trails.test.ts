@@ -14,7 +14,7 @@ const answer = (revision: number, from: number, times: number[], until: number):
 });
 const x_of = (line: number[]): number[] => line.filter((_, i) => i % 3 === 0);
 
-test("what is new goes behind what is known; another revision takes its place", () => {
+test("new points go behind the known ones; another revision replaces them", () => {
   const trails = new Trails();
   trails.adopt(scene);
   assert.deepEqual(trails.known, { revision: 0, counts: [] });
@@ -35,7 +35,7 @@ test("a path goes to where the body is, and never farther than is known", () => 
   assert.deepEqual(line(0, 0), [0, 0]);
   assert.deepEqual(line(2, 2), [0, 1, 2]);
   assert.deepEqual(line(4, 4), [0, 1, 3, 4]);
-  // A frame that is newer than the path: no line to where nothing is known of the way.
+  // A frame that is newer than the path: no line to where nothing is known of the path.
   assert.deepEqual(line(9, 90), [0, 1, 3, 5]);
 });
 

@@ -61,7 +61,7 @@ export class Trails {
     for (const trail of this.all) trail.body = this.index(trail.name);
   }
 
-  /** What is known already: fields of the request. */
+  /** The known points: fields of the request. */
   get known(): { revision: number; counts: number[] } {
     return { revision: this.revision, counts: this.all.map((trail) => trail.times.length) };
   }
@@ -116,7 +116,7 @@ export function dashes(points: ArrayLike<number>, count: number, dash: number): 
       points[a + 1]! + (d[1] * s) / length,
       points[a + 2]! + (d[2] * s) / length,
     ];
-    // A jump (a thing put elsewhere) is not worth more dashes than can be told apart.
+    // A jump (a thing put elsewhere) is not worth more dashes than can be distinguished.
     const end = along + length;
     let k = Math.floor(along / (2 * dash));
     for (let n = 0; 2 * dash * k < end && n < 1000; k++, n++) {
@@ -158,11 +158,11 @@ export function trails_of(studio: Studio): Trails {
       trails.take(await link.request<Paths>("paths", trails.known));
       scene = of?.scene ?? -1;
     } catch {
-      // the way was lost: asked again with the next frame
+      // the connection was lost: requested again with the next frame
     } finally {
       asking = false;
     }
-    // What has come meanwhile asked in vain.
+    // Frames that have come meanwhile requested in vain.
     if (state.frame.peek() !== of) void ask();
     else if (state.status.peek()?.state === "recording" && behind()) setTimeout(() => void ask(), kLater);
   };

@@ -116,18 +116,18 @@ export function cylinder(radius: number, half: number, segments: number): Triang
 const CREASE = Math.cos((30 * Math.PI) / 180);
 
 /** A vertex for each corner, its normal the mean over the faces around that lie within 30 degrees of this one, weighted
- *  by area; vertices in one place count as one. */
+ *  by area; vertices at one position count as one. */
 export function smooth(positions: ArrayLike<number>, indices: ArrayLike<number>): Triangles {
   const out = empty();
   const faces = Math.floor(indices.length / 3);
-  const places = new Map<string, number>();
-  const place_of = new Int32Array(positions.length / 3);
-  for (let i = 0; i < place_of.length; i++) {
+  const corners = new Map<string, number>();
+  const corner_of = new Int32Array(positions.length / 3);
+  for (let i = 0; i < corner_of.length; i++) {
     const key = `${positions[3 * i]} ${positions[3 * i + 1]} ${positions[3 * i + 2]}`;
-    if (!places.has(key)) places.set(key, places.size);
-    place_of[i] = places.get(key)!;
+    if (!corners.has(key)) corners.set(key, corners.size);
+    corner_of[i] = corners.get(key)!;
   }
-  const around: number[][] = Array.from({ length: places.size }, () => []);
+  const around: number[][] = Array.from({ length: corners.size }, () => []);
   const vertex = (i: number): Vec3 => [positions[3 * i]!, positions[3 * i + 1]!, positions[3 * i + 2]!];
   const areas: Vec3[] = [];
   for (let f = 0; f < faces; f++) {
@@ -135,7 +135,7 @@ export function smooth(positions: ArrayLike<number>, indices: ArrayLike<number>)
     const u: Vec3 = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
     const v: Vec3 = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
     areas.push([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]);
-    for (let k = 0; k < 3; k++) around[place_of[indices[3 * f + k]!]!]!.push(f);
+    for (let k = 0; k < 3; k++) around[corner_of[indices[3 * f + k]!]!]!.push(f);
   }
   const lengths = areas.map((n) => Math.hypot(...n));
   for (let f = 0; f < faces; f++) {
@@ -145,7 +145,7 @@ export function smooth(positions: ArrayLike<number>, indices: ArrayLike<number>)
     for (let k = 0; k < 3; k++) {
       const index = indices[3 * f + k]!;
       const sum: Vec3 = [0, 0, 0];
-      for (const other of around[place_of[index]!]!) {
+      for (const other of around[corner_of[index]!]!) {
         const m = areas[other]!;
         if (m[0] * own[0] + m[1] * own[1] + m[2] * own[2] < CREASE * lengths[other]!) continue;
         for (const axis of [0, 1, 2] as const) sum[axis] += m[axis];

@@ -19,16 +19,16 @@ import { handle_mode, handles_local, handles_snap, marked, overlays, view_reques
 import { trails_of } from "./trails";
 import type { ViewName } from "./views";
 
-/** What the panel gives the view. */
+/** The options that the panel gives the view. */
 export interface Stand {
   host: HTMLElement;
-  /** One text for each matter; "": nothing to be said about it. */
+  /** One note for each topic; "": none. */
   note: (matter: "pictures" | "server" | "clicked" | "handles", text: string) => void;
   context_menu: (event: MouseEvent, body: number) => void;
 }
 
 const CLICK = 4; // a pointer that moved less between down and up has clicked [pixel]
-const SHADOW_LIMIT = 400; // beyond so many bodies the bounds are not looked at for every frame
+const SHADOW_LIMIT = 400; // beyond so many bodies the bounds are not checked for every frame
 
 export class View3d {
   private readonly stage = new Stage();
@@ -244,7 +244,7 @@ export class View3d {
     if (!this.bounds || scene.bodies.length <= SHADOW_LIMIT || this.frames % 15 === 0) {
       const first = !this.bounds;
       this.bounds = visible_bounds(scene, poses);
-      // what is added to an empty scene is shown, once
+      // the first body of an empty scene is brought into view, once
       if (first && this.bounds && !this.eye.touched) {
         this.eye.look("iso", this.bounds);
         this.eye.touched = false;
@@ -332,14 +332,14 @@ export class View3d {
     this.draw_soon();
   }
 
-  /** What is selected; without any, everything. */
+  /** The selection; without any, everything. */
   private focus(): void {
     const { state } = this.studio;
     const bodies = bodies_of(state, state.selection.peek());
     if (marked.peek() >= 0) bodies.add(marked.peek());
     const around = this.scene && bodies.size > 0 ? visible_bounds(this.scene, this.poses, bodies) : null;
     if (around) {
-      // a thing thinner than a hair would be looked at from within
+      // the camera would be inside of a very thin thing
       const grow = Math.max(0.02 - radius_of(around), 0);
       this.eye.fit(
         joined(around, {
@@ -351,7 +351,7 @@ export class View3d {
     this.draw_soon();
   }
 
-  /** The body under a place of the window; -1: none. */
+  /** The body under a position of the window; -1: none. */
   body_at(x: number, y: number): number {
     if (!this.batches) return -1;
     const box = this.stand.host.getBoundingClientRect();
@@ -364,7 +364,7 @@ export class View3d {
 
   private hover(): void {
     const { state } = this.studio;
-    // gone elsewhere: what is hovered is another panel's business
+    // the pointer left: another panel sets the hovered body
     if (!this.pointer) return;
     const none = this.down || this.handles.dragging || this.handles.hot;
     const body = none ? -1 : this.body_at(this.pointer.x, this.pointer.y);

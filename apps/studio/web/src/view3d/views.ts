@@ -16,7 +16,7 @@ const unit = (v: Vec3): Vec3 => {
   return [v[0] / n, v[1] / n, v[2] / n];
 };
 
-/** From the middle of what is seen towards the eye, of length 1. */
+/** Unit vector from the middle of the view towards the eye. */
 export function direction_of(view: ViewName): Vec3 {
   switch (view) {
     case "front":

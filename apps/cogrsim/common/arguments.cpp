@@ -1,0 +1,59 @@
+#include "common/arguments.h"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "common/options.h"
+#include "common/quantities.h"
+
+namespace cogrsim::cli {
+namespace {
+
+// The base class of CLI11's exceptions has the same name.
+using Problem = cogrsim::Error;
+
+}  // namespace
+
+double step_from(const std::string& argument) {
+  const auto time = parse_time(argument);
+  if (!time) throw UsageError("--step", time.error());
+  if (*time < kSmallestStep || *time > kLargestStep) {
+    throw UsageError("--step", Problem(fmt::format("'{}' is out of range", argument), "",
+                                       "a step is from 1 ns to 1 s; \"1 ms\" suits most scenes"));
+  }
+  return *time;
+}
+
+std::uint64_t seed_from(const std::string& argument) {
+  std::uint64_t seed = 0;
+  const char* const end = argument.data() + argument.size();
+  const auto [rest, error] = std::from_chars(argument.data(), end, seed);
+  if (error != std::errc{} || rest != end) {
+    throw UsageError("--seed", Problem(fmt::format("'{}' is no seed", argument), "",
+                                       "write a whole number from 0 to 18446744073709551615"));
+  }
+  return seed;
+}
+
+std::map<std::string, std::string> settings_from(const std::vector<std::string>& arguments) {
+  std::map<std::string, std::string> settings;
+  for (const std::string& argument : arguments) {
+    const auto setting = parse_setting(argument);
+    if (!setting) throw UsageError("--set", setting.error());
+    if (!settings.emplace(*setting).second) {
+      throw UsageError("--set", Problem(fmt::format("'{}' is set twice", setting->first)));
+    }
+  }
+  return settings;
+}
+
+void add_list(CLI::App& command, const char* name, std::vector<std::string>& to, const char* text,
+              const char* type) {
+  command.add_option(name, to, text)
+      ->type_name(type)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+}  // namespace cogrsim::cli

@@ -1,0 +1,31 @@
+// Arguments of the command line that several subcommands take.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "cogrsim/core/result.h"
+
+namespace cogrsim::cli {
+
+// A wrong argument on the command line: what is wrong, and what to do.
+class UsageError : public CLI::ValidationError {
+ public:
+  UsageError(const std::string& option, const cogrsim::Error& problem)
+      : CLI::ValidationError(option, problem.text()) {}
+};
+
+/// Step length [s] of `--step`. Throws UsageError, as all here do.
+double step_from(const std::string& argument);
+std::uint64_t seed_from(const std::string& argument);
+/// An option that may be repeated, one argument at a time.
+void add_list(CLI::App& command, const char* name, std::vector<std::string>& to, const char* text,
+              const char* type);
+/// `--set NAME=VALUE`, each name once.
+std::map<std::string, std::string> settings_from(const std::vector<std::string>& arguments);
+
+}  // namespace cogrsim::cli

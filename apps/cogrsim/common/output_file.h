@@ -1,0 +1,37 @@
+// Outputs of a command: the SDK's rule for files (cogrsim/core/output_file.h) with the options of
+// this command line, and the standard output.
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+#include "cogrsim/core/output_file.h"
+
+namespace cogrsim::cli {
+
+/// `--overwrite` was given.
+void allow_overwriting();
+/// No output of this command may be this file. From any thread.
+void add_input(const std::string& path);
+/// The files that this command's outputs may replace.
+OutputRules output_rules();
+/// The same for outputs that a scene names: inside `folder`.
+OutputRules scene_rules(const std::string& folder);
+
+/// Whether a file of this name could be written, asked before a long run starts. "-" is stdout.
+Result<> check_writable(const std::string& path, OutputKind kind);
+
+/// Writes `text` whole or not at all; "-" is stdout. Errors: as check_writable, disk full; `path` is
+/// then as it was.
+Result<> write_output(const std::string& path, OutputKind kind, const std::string& text);
+
+/// Keeps the standard output for this program's own results: output of plugins and engines
+/// goes to the standard error from now on. Called once, before the first plugin is loaded.
+void claim_standard_output();
+/// Where results are printed; its descriptor shows whether that is a terminal.
+std::FILE* standard_output();
+
+/// Prints to stdout and makes sure it arrived.
+Result<> print_output(const std::string& text);
+
+}  // namespace cogrsim::cli

@@ -1,0 +1,84 @@
+#include "run/run_log.h"
+
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "common/scene_loading.h"
+#include "common/terminal.h"
+
+namespace cogrsim::cli {
+namespace {
+
+// On one line, whatever a plugin put into it.
+std::string on_one_line(const std::string& text) {
+  std::string out = printable(text);
+  for (char& c : out)
+    if (c == '\n' || c == '\t') c = ' ';
+  return out;
+}
+
+std::string or_dash(const std::string& text) { return text.empty() ? "-" : on_one_line(text); }
+
+}  // namespace
+
+std::string event_text(const Event& event) {
+  std::string line =
+      fmt::format("{:>10}  {:<9} {:<20} {:<16}", time_text(event.time), or_dash(event.kind),
+                  or_dash(event.source), or_dash(event.subject));
+  if (!event.message.empty()) line += " " + on_one_line(event.message);
+  line.erase(line.find_last_not_of(' ') + 1);
+  return line;
+}
+
+RunLog::RunLog(Simulation& simulation, Progress& progress, std::FILE* events, bool keep)
+    : simulation_(simulation), progress_(progress), printed_events_(events) {
+  print_messages();
+  if (events == nullptr && !keep) return;
+  simulation.observe({}, [this](const FramePtr& frame) { see(frame); });
+}
+
+void RunLog::see(const FramePtr& frame) {
+  // After a restart the first frame and that of the first step may both have the same events.
+  const bool again = last_ && last_->dt == 0.0 && frame->events.size() >= last_->events.size();
+  const std::size_t printed = again ? last_->events.size() : 0;
+  for (std::size_t i = printed; i < frame->events.size(); ++i) {
+    const Event& event = frame->events[i];
+    if (printed_events_ != nullptr) {
+      progress_.finish();
+      std::fputs((event_text(event) + "\n").c_str(), printed_events_);
+      std::fflush(printed_events_);
+    }
+    if (events_.size() < kMostEvents) {
+      events_.push_back(event);
+    } else {
+      ++left_out_;
+    }
+  }
+  last_ = frame;
+  print_messages();
+}
+
+void RunLog::print_messages() {
+  const std::vector<RunMessage>& all = simulation_.messages();
+  for (; messages_seen_ < all.size(); ++messages_seen_) {
+    const RunMessage& message = all[messages_seen_];
+    if (!budget_.takes(message)) continue;
+    progress_.finish();
+    print_message(message);
+  }
+}
+
+void RunLog::finish() {
+  progress_.finish();
+  const FramePtr end = simulation_.frame();
+  // A step that failed has events but shows no frame; else this is the last one, or has none.
+  if (end != last_ && !end->events.empty()) {
+    see(end);
+  } else {
+    print_messages();
+  }
+  budget_.print_rest();
+}
+
+}  // namespace cogrsim::cli

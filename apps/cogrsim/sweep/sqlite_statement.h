@@ -1,0 +1,76 @@
+// A thin hold on SQLite's statements.
+#pragma once
+
+#include <sqlite3.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "cogrsim/core/result.h"
+
+namespace cogrsim::cli {
+
+/// "name" as an identifier in SQL.
+inline std::string quoted(const std::string& name) {
+  std::string out = "\"";
+  for (const char c : name) {
+    out += c;
+    if (c == '"') out += c;
+  }
+  return out + "\"";
+}
+
+class Statement {
+ public:
+  Statement(sqlite3* db, const std::string& sql) : db_(db) {
+    good_ = sqlite3_prepare_v2(db, sql.c_str(), -1, &statement_, nullptr) == SQLITE_OK;
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  explicit operator bool() const { return good_; }
+  std::string error() const { return sqlite3_errmsg(db_); }
+
+  void bind(int index, const std::string& text) {
+    sqlite3_bind_text(statement_, index, text.data(), static_cast<int>(text.size()),
+                      SQLITE_TRANSIENT);
+  }
+  void bind(int index, double value) {  // NaN becomes NULL
+    sqlite3_bind_double(statement_, index, value);
+  }
+  /// SQLite's integers have a sign; larger numbers are kept as text.
+  void bind(int index, std::uint64_t value) {
+    if (value <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
+      sqlite3_bind_int64(statement_, index, static_cast<sqlite3_int64>(value));
+    } else {
+      bind(index, std::to_string(value));
+    }
+  }
+
+  /// The next row; false: there is none, or an error.
+  bool row() {
+    status_ = sqlite3_step(statement_);
+    return status_ == SQLITE_ROW;
+  }
+  bool done() const { return status_ == SQLITE_DONE; }
+  int columns() const { return sqlite3_column_count(statement_); }
+  std::string column_name(int column) const { return sqlite3_column_name(statement_, column); }
+  int type(int column) const { return sqlite3_column_type(statement_, column); }
+  std::string text(int column) const {
+    const auto* bytes = sqlite3_column_text(statement_, column);
+    return bytes == nullptr ? "" : reinterpret_cast<const char*>(bytes);
+  }
+  double number(int column) const { return sqlite3_column_double(statement_, column); }
+  std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
+
+ private:
+  sqlite3* db_;
+  sqlite3_stmt* statement_ = nullptr;
+  bool good_ = false;
+  int status_ = SQLITE_OK;
+};
+
+}  // namespace cogrsim::cli

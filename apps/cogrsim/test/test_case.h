@@ -1,0 +1,23 @@
+// One case of `cogrsim test`: a test of a scene with one seed, on one backend, or on several in
+// lockstep where their results must agree. Runs in a process of its own.
+#pragma once
+
+#include <string>
+
+#include "common/json_text.h"
+
+namespace cogrsim::cli {
+
+/// Result of a case that did not come to a verdict, and why.
+Json no_result(const std::string& message);
+
+/// The hidden subcommand: reads the case from the file `input` and writes its result to
+/// `result`, always, unless it crashes.
+///
+/// Input: scene, set {}, plugin_paths [], test (its number in the scene), backends [], seed (null:
+/// the scene's), recording (path without ending; "" for none), fault ("" but in tests: "crash", "hang").
+/// Result: status "passed", "failed" or "error"; message; verdicts [{expectation, passed, message,
+/// time, file, line, column, columns, samples, text}]; recordings []; simulated [s].
+int test_case_command(const std::string& input, const std::string& result);
+
+}  // namespace cogrsim::cli

@@ -1,0 +1,100 @@
+// Large islands of free bodies: the same conditions as in Island, laid out for speed.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "components.h"
+#include "rows.h"
+
+namespace cogrsim::dynamics {
+
+struct SolverOptions;
+struct Line;
+struct Block;
+
+/// Figures worked on at once, extensions of GCC and Clang. Each entry is computed by itself, so that
+/// the results do not depend on how many of them the processor takes at a time. Structs that hold them
+/// say their alignment: what a Four has by itself depends on the instructions compiled for.
+using Two = double __attribute__((vector_size(16)));
+using Four = double __attribute__((vector_size(32)));
+
+/// Speeds of one body, scaled by the root of its mass matrix: then J and W = M^-1 J^T are one.
+struct alignas(64) HeapBody {
+  Four first;  ///< angular, and the first of the linear ones
+  Two last;
+};
+
+/// Up to four rows of one pair of bodies, relaxed together.
+struct alignas(32) HeapGroup {
+  enum class Kind {
+    normals,  ///< each by itself
+    bearing,  ///< all at once, see Bearing
+    point,    ///< the normal and two tangents of one point
+    tangents  ///< two tangents each of one or two points
+  };
+  struct alignas(32) Row {
+    Four a, last, b;  ///< of side a, of both, of side b; see HeapBody
+  };
+  Row rows[4];
+  Four below[3];  ///< what an impulse in row i does to the velocities of the rows after it
+  Four bias, gamma, inverse, diagonal, lambda;
+  int a = 0, b = 0;  ///< bodies
+  Kind kind = Kind::normals;
+  int count = 0;
+  int normals = 0;  ///< tangents: the group of their normals
+  int point = 0;    ///< tangents: which of its rows is the normal of the first point
+  int bearing = 0;  ///< bearing: which
+  double friction[2] = {0.0, 0.0};
+};
+
+/// The rows of a group in the position stage.
+struct alignas(32) HeapGaps {
+  Four error, push, least;
+  Four weight;  ///< 0: not concerned
+  Four yield;   ///< of what a multiplier moves
+  Four hold;    ///< the weight without yielding, of what is held; else 0
+  bool any = false, held = false;
+};
+
+/// Contacts of free bodies, nothing else.
+class Heap {
+ public:
+  struct alignas(32) Bearing {
+    Four response[4], inverse[4];
+    Four shared;  ///< of the sum of the loads, not yielded to
+  };
+
+  /// `bodies`: components by their place in `speeds`, six each.
+  void fill(const std::vector<Line>& lines, const std::vector<Block>& blocks,
+            const std::vector<int>& pairs, const std::vector<const Component*>& bodies);
+  int solve_velocities(const SolverOptions& options, std::vector<Line>& lines,
+                       std::vector<double>& v);
+  void solve_positions(const SolverOptions& options, double h, const std::vector<Line>& lines,
+                       std::vector<Row>& rows, std::vector<double>& p);
+
+ private:
+  // Of a body: W = root root^T.
+  struct Root {
+    double angular[6];  // lower triangle, by rows
+    double linear;
+  };
+  void add_group(const std::vector<Line>& lines, HeapGroup::Kind kind, const int* indices,
+                 int count);
+  void add_bearing(HeapGroup& group);
+  void scale(const std::vector<double>& v, std::vector<HeapBody>& out) const;
+  void unscale(const std::vector<HeapBody>& in, std::vector<double>& v) const;
+  double go_on(double last_size);
+  bool measure_gaps(double h, const std::vector<Line>& lines, std::vector<Row>& rows);
+  void hold_sticking(double h);
+
+  std::vector<Root> roots_;  // last: of what does not move
+  std::vector<HeapGroup> groups_;
+  std::vector<Bearing> bearings_;
+  std::vector<int> line_of_;  // four for each group; -1: none
+  std::vector<HeapGaps> gaps_;
+  std::vector<HeapBody> v_, p_, last_v_, along_v_;
+  std::vector<Four> last_, along_;
+};
+
+}  // namespace cogrsim::dynamics

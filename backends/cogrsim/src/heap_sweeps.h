@@ -1,0 +1,166 @@
+// Sweeps over the groups of a heap. heap.cpp includes this once for each set of instructions; no
+// figure depends on which is used.
+
+inline Four dots(const HeapGroup& g, const HeapBody* v) {
+  const Four a = v[g.a].first, b = v[g.b].first;
+  const Two la = v[g.a].last, lb = v[g.b].last;
+  const Four last = {la[0], la[1], lb[0], lb[1]};
+  const Four s0 = g.rows[0].a * a + g.rows[0].b * b + g.rows[0].last * last;
+  const Four s1 = g.rows[1].a * a + g.rows[1].b * b + g.rows[1].last * last;
+  const Four s2 = g.rows[2].a * a + g.rows[2].b * b + g.rows[2].last * last;
+  const Four s3 = g.rows[3].a * a + g.rows[3].b * b + g.rows[3].last * last;
+  const Four t01 = Four{s0[0], s1[0], s0[2], s1[2]} + Four{s0[1], s1[1], s0[3], s1[3]};
+  const Four t23 = Four{s2[0], s3[0], s2[2], s3[2]} + Four{s2[1], s3[1], s2[3], s3[3]};
+  return Four{t01[0], t01[1], t23[0], t23[1]} + Four{t01[2], t01[3], t23[2], t23[3]};
+}
+
+inline void apply(const HeapGroup& g, const Four& d, HeapBody* v) {
+  HeapBody &a = v[g.a], &b = v[g.b];
+  const Four l = (g.rows[0].last * d[0] + g.rows[1].last * d[1]) +
+                 (g.rows[2].last * d[2] + g.rows[3].last * d[3]);
+  a.first += (g.rows[0].a * d[0] + g.rows[1].a * d[1]) + (g.rows[2].a * d[2] + g.rows[3].a * d[3]);
+  b.first += (g.rows[0].b * d[0] + g.rows[1].b * d[1]) + (g.rows[2].b * d[2] + g.rows[3].b * d[3]);
+  a.last += Two{l[0], l[1]};
+  b.last += Two{l[2], l[3]};
+}
+
+inline double larger(double a, double b) { return a > b ? a : b; }
+inline Four larger_of(const Four& a, const Four& b) { return a > b ? a : b; }
+inline Four size_of(const Four& x) { return x < 0.0 ? -x : x; }
+
+// Onto the disc of Coulomb.
+inline void bound_to(double bound, double& x, double& y) {
+  const double square = x * x + y * y;
+  if (square <= bound * bound) return;
+  const double scale = bound / std::sqrt(square);
+  x *= scale;
+  y *= scale;
+}
+
+inline Four relax_normals(const HeapGroup& g, Four r) {
+  Four d = {};
+  for (int i = 0; i < 4; ++i) {
+    d[i] = larger(g.lambda[i] - r[i] * g.inverse[i], 0.0) - g.lambda[i];
+    if (i < 3) r += g.below[i] * d[i];
+  }
+  return d;
+}
+
+inline Four relax_bearing(const HeapGroup& g, const Heap::Bearing& bearing, Four r, Four& change) {
+  const Four before = g.lambda;
+  r -= bearing.shared * ((before[0] + before[1]) + (before[2] + before[3]));
+  Four wanted = before - ((bearing.inverse[0] * r[0] + bearing.inverse[1] * r[1]) +
+                          (bearing.inverse[2] * r[2] + bearing.inverse[3] * r[3]));
+  if (wanted[0] < 0.0 || wanted[1] < 0.0 || wanted[2] < 0.0 || wanted[3] < 0.0) {
+    constexpr int kPasses = 6;
+    const Four* const A = bearing.response;
+    wanted = wanted < 0.0 ? Four{} : wanted;
+    const Four d = wanted - before;
+    Four now = r + ((A[0] * d[0] + A[1] * d[1]) + (A[2] * d[2] + A[3] * d[3]));
+    for (int pass = 0; pass < kPasses; ++pass)
+      for (int i = 0; i < 4; ++i) {
+        const double next = larger(wanted[i] - now[i] * g.inverse[i], 0.0);
+        now += A[i] * (next - wanted[i]);
+        wanted[i] = next;
+      }
+  }
+  const Four d = wanted - before;
+  const Four* const A = bearing.response;
+  change = size_of((A[0] * d[0] + A[1] * d[1]) + (A[2] * d[2] + A[3] * d[3]));
+  return d;
+}
+
+inline Four relax_point(const HeapGroup& g, Four r) {
+  Four d = {};
+  const double load = larger(g.lambda[0] - r[0] * g.inverse[0], 0.0);
+  d[0] = load - g.lambda[0];
+  r += g.below[0] * d[0];
+  double x = g.lambda[1] - r[1] * g.inverse[1], y = g.lambda[2] - r[2] * g.inverse[2];
+  bound_to(g.friction[0] * load, x, y);
+  d[1] = x - g.lambda[1];
+  d[2] = y - g.lambda[2];
+  return d;
+}
+
+inline Four relax_tangents(const HeapGroup& g, double load1, double load2, Four r) {
+  double x = g.lambda[0] - r[0] * g.inverse[0], y = g.lambda[1] - r[1] * g.inverse[1];
+  bound_to(g.friction[0] * load1, x, y);
+  const double dx = x - g.lambda[0], dy = y - g.lambda[1];
+  if (g.count <= 2) return Four{dx, dy, 0.0, 0.0};
+  r += g.below[0] * dx + g.below[1] * dy;
+  x = g.lambda[2] - r[2] * g.inverse[2];
+  y = g.lambda[3] - r[3] * g.inverse[3];
+  bound_to(g.friction[1] * load2, x, y);
+  return Four{dx, dy, x - g.lambda[2], y - g.lambda[3]};
+}
+
+/// Over all groups once, there or back; returns the largest change of a velocity.
+double sweep(HeapGroup* groups, std::size_t count, const Heap::Bearing* bearings, bool backwards,
+             HeapBody* v) {
+  Four most = {};
+  // The groups of a pair are relaxed in their order on the way back, too: friction last.
+  std::size_t end = count;
+  for (std::size_t i = 0; i < count;) {
+    std::size_t first = i, last = i + 1;
+    if (backwards) {
+      first = end - 1;
+      if (groups[first].kind == HeapGroup::Kind::tangents)
+        first = std::size_t(groups[first].normals);
+      last = end;
+    }
+    for (std::size_t k = first; k < last; ++k) {
+      HeapGroup& g = groups[k];
+      const Four r = g.bias + g.gamma * g.lambda + dots(g, v);
+      Four d, change;
+      switch (g.kind) {
+        case HeapGroup::Kind::bearing:
+          d = relax_bearing(g, bearings[g.bearing], r, change);
+          break;
+        case HeapGroup::Kind::point:
+          d = relax_point(g, r);
+          change = size_of(d) * g.diagonal;
+          break;
+        case HeapGroup::Kind::tangents:
+          d = relax_tangents(g, groups[g.normals].lambda[g.point],
+                             groups[g.normals].lambda[g.point + 1], r);
+          change = size_of(d) * g.diagonal;
+          break;
+        default:
+          d = relax_normals(g, r);
+          change = size_of(d) * g.diagonal;
+      }
+      g.lambda += d;
+      apply(g, d, v);
+      most = larger_of(most, change);
+    }
+    i += last - first;
+    end = first;
+  }
+  return larger(larger(most[0], most[1]), larger(most[2], most[3]));
+}
+
+/// The same of the position stage; `held`: over what is held only.
+double settle(const HeapGroup* groups, HeapGaps* gaps, std::size_t count, bool backwards, bool held,
+              HeapBody* p) {
+  Four most = {};
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t k = backwards ? count - 1 - i : i;
+    HeapGaps& gap = gaps[k];
+    if (!(held ? gap.held : gap.any)) continue;
+    const HeapGroup& g = groups[k];
+    Four weight = gap.weight, r = gap.error - dots(g, p);
+    if (held)
+      weight = gap.hold;
+    else
+      r -= gap.yield * gap.push;
+    Four d = {};
+    for (int n = 0; n < 4; ++n) {
+      d[n] = larger(gap.push[n] + r[n] * weight[n], gap.least[n]) - gap.push[n];
+      if (n < 3) r -= g.below[n] * d[n];
+    }
+    gap.push += d;
+    apply(g, d, p);
+    most = larger_of(most, size_of(d) * g.diagonal);
+  }
+  return larger(larger(most[0], most[1]), larger(most[2], most[3]));
+}

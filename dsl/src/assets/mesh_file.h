@@ -1,0 +1,48 @@
+// Triangle meshes and height grids from files.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "cogrsim/core/result.h"
+#include "cogrsim/model/shapes.h"
+
+namespace cogrsim::dsl {
+
+inline constexpr std::size_t kMaxMeshVertices = 2'000'000;
+inline constexpr std::size_t kMaxMeshTriangles = 4'000'000;
+inline constexpr std::size_t kMaxHeightSamples = 4'000'000;
+
+/// Wavefront OBJ: `v`, `vt` and `f` (polygons are cut into fans, negative indices count backwards).
+/// Faces without texture coordinates among others that have them show the picture's corner (0, 0).
+/// Normals are checked and skipped, groups and materials skipped: the orientation of the surface
+/// follows from its corners. Errors name the line: a bad number, an index out of range, corners
+/// with and without texture coordinates in one face, free-form surfaces, no triangle at all, too
+/// many.
+Result<TriangleMesh> parse_obj(std::string_view text);
+
+/// STL, ASCII or binary; distinguished by length, since binary files may begin with "solid" too.
+/// Equal vertices become one. Errors name the line or the triangle.
+Result<TriangleMesh> parse_stl(std::string_view bytes);
+
+/// By the ending of `path`, .obj or .stl. `name` becomes the mesh's name. No more than `max_bytes`
+/// are ever held of the file.
+Result<TriangleMesh> load_mesh(const std::string& path, const std::string& name,
+                               std::size_t max_bytes);
+
+/// Number of edges that do not have exactly one partner in the other direction; 0: the surface is
+/// closed and consistently wound, so that it has a volume.
+std::size_t open_edges(const TriangleMesh& mesh);
+
+/// A grid of heights. Either a PGM picture (P2 or P5, 8 or 16 bits), whose white is 1, or lines of
+/// numbers with as many in each line ('#' begins a comment). The first row is the one with the
+/// largest y, as on a map. `height` [m] multiplies every sample. Errors name the line.
+Result<HeightGrid> parse_heightmap(std::string_view bytes, double size_x, double size_y,
+                                   double height);
+
+/// parse_heightmap() of a file.
+Result<HeightGrid> load_heightmap(const std::string& path, const std::string& name, double size_x,
+                                  double size_y, double height, std::size_t max_bytes);
+
+}  // namespace cogrsim::dsl

@@ -1,0 +1,212 @@
+// Checks of the finished model: initial states that joints do not allow, and warnings.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "build/build_scene.h"
+#include "build/check_overlap.h"
+
+namespace cogrsim::dsl {
+namespace {
+
+constexpr double kMassRatio = 1000.0;
+constexpr std::size_t kShownOverlaps = 20;
+
+// Four digits are enough to find a mistake.
+std::string rounded(double value, const char* unit) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.4g %s", value, unit);
+  return text;
+}
+
+std::string distance_and_angle(double metres, double radians) {
+  std::string out;
+  if (metres > 1e-6) out = rounded(metres * 1e3, "mm");
+  if (radians > 1e-6) out += (out.empty() ? "" : " and ") + rounded(radians * 180.0 / M_PI, "deg");
+  return out;
+}
+
+bool is_word_char(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+using NameSet = std::set<std::string, std::less<>>;
+
+void add_words(std::string_view text, NameSet& out) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    std::size_t end = begin;
+    while (end < text.size() && is_word_char(text[end])) ++end;
+    if (end > begin) out.emplace(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+}
+
+// The words in expressions of a node and of all nodes below, including branches that were not
+// built.
+void add_mentioned(const Node& node, NameSet& out) {
+  for (const Attribute& attribute : node.attributes) {
+    const AttributeSpec* spec = node.spec != nullptr ? node.spec->find(attribute.name) : nullptr;
+    if ((attribute.value.find("${") != std::string_view::npos ||
+         (spec != nullptr && spec->kind == Kind::expression)))
+      add_words(attribute.value, out);
+  }
+  for (const Node* child : node.children) add_mentioned(*child, out);
+}
+
+}  // namespace
+
+void Builder::start() {
+  mark_loops(model_);
+  for (const StartProblem& problem : settle_start(model_, hints_)) {
+    const auto j = static_cast<std::size_t>(problem.joint);
+    const Element& element = *joint_elements_[j];
+    const std::string name = "joint '" + model_.joints[j].name + "'";
+    const std::string off = distance_and_angle(problem.linear, problem.angular);
+    switch (problem.kind) {
+      case StartProblem::Kind::gap:
+        fault("CG0605", element,
+              name + " closes a loop, but its anchors are " + off + " apart at the start")
+            .help("the initial positions of the other joints in the loop do not agree with it");
+        break;
+      case StartProblem::Kind::position:
+        fault("CG0605", element, "position",
+              name + " closes a loop, and the other joints put it " + off +
+                  " away from this position")
+            .help("leave 'position' out here: it follows from the others");
+        break;
+      case StartProblem::Kind::velocity: {
+        std::string speeds;
+        if (problem.linear > 1e-6) speeds = rounded(problem.linear, "m/s");
+        if (problem.angular > 1e-6)
+          speeds += (speeds.empty() ? "" : " and ") + rounded(problem.angular, "rad/s");
+        fault("CG0610", element,
+              name + ": it does not allow the initial relative velocity of its bodies, " + speeds)
+            .help("give only one body a velocity; that of the other follows from the joint");
+        break;
+      }
+    }
+  }
+}
+
+void Builder::check_overlaps() {
+  const geometry::Overlaps overlaps = geometry::find_overlaps(model_);
+  const JointPaths paths(model_);
+  std::size_t shown = 0;
+  for (const geometry::Overlap& overlap : overlaps.pairs) {
+    if (++shown > kShownOverlaps) {
+      fault("CG2001", scene_,
+            std::to_string(overlaps.pairs.size() - kShownOverlaps) +
+                " or more other pairs of bodies start inside each other");
+      break;
+    }
+    const Body& a = model_.bodies[static_cast<std::size_t>(overlap.body_a)];
+    const Body& b = model_.bodies[static_cast<std::size_t>(overlap.body_b)];
+    // The ground is assumed to be right; the moving body is the misplaced one.
+    const bool second = b.kind == BodyKind::dynamic;
+    const Element& mover =
+        *body_elements_[static_cast<std::size_t>(second ? overlap.body_b : overlap.body_a)];
+    const Element& other =
+        *body_elements_[static_cast<std::size_t>(second ? overlap.body_a : overlap.body_b)];
+    Report report = fault("CG2001", mover,
+                          "'" + mover.path + "' starts " + rounded(overlap.depth * 1e3, "mm") +
+                              " deep inside '" + other.path + "'");
+    report.note("'" + other.path + "'", other.span());
+    if (const auto pressing = paths.pressing(overlap)) {
+      const auto joint = static_cast<std::size_t>(pressing->joints.front());
+      const std::string name = "'" + model_.joints[joint].name + "'";
+      report.note(pressing->limits ? "they cannot separate: " + name + " is at its limit"
+                                   : "they cannot separate: " + name +
+                                         " holds them against the contact",
+                  joint_elements_[joint]->span());
+    }
+    report.help("move them apart, or let them pass through each other with <collide between=\"" +
+                a.name + " " + b.name + "\" with=\"false\"/>");
+  }
+  if (!overlaps.complete && shown <= kShownOverlaps)
+    fault("CG2001", scene_, "too many shapes are close to each other to check all pairs")
+        .help("shapes that never touch can have collide=\"false\"");
+}
+
+void Builder::check_mass_ratios() {
+  for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+    const Joint& joint = model_.joints[j];
+    if (joint.parent == kWorld || joint.type == JointType::free) continue;
+    const Body& parent = model_.bodies[static_cast<std::size_t>(joint.parent)];
+    const Body& child = model_.bodies[static_cast<std::size_t>(joint.child)];
+    if (parent.kind != BodyKind::dynamic || child.kind != BodyKind::dynamic) continue;
+    const double ratio = std::max(parent.mass / child.mass, child.mass / parent.mass);
+    if (ratio <= kMassRatio) continue;
+    fault("CG2002", *joint_elements_[j],
+          "'" + parent.name + "' (" + rounded(parent.mass, "kg") + ") and '" + child.name + "' (" +
+              rounded(child.mass, "kg") + ") differ in mass by a factor of " +
+              number_text(std::round(ratio)))
+        .help("iterative solvers become soft here; smaller steps help");
+  }
+}
+
+void Builder::check_drives() {
+  std::map<std::pair<int, int>, std::size_t> drives;  // by joint and axis
+  for (std::size_t i = 0; i < model_.motors.size() && i < motor_elements_.size(); ++i) {
+    const Motor& motor = model_.motors[i];
+    const Joint& joint = model_.joints[static_cast<std::size_t>(motor.joint)];
+    const auto [first, is_new] = drives.try_emplace({motor.joint, motor.axis}, i);
+    if (!is_new)
+      fault("CG2006", *motor_elements_[i],
+            "'" + motor.name + "' and '" + model_.motors[first->second].name +
+                "' drive the same axis of '" + joint.name + "'")
+          .help("keep one drive per axis");
+    const JointAxis& limits = joint.axes[static_cast<std::size_t>(motor.axis)];
+    const bool to_position = motor.mode == MotorMode::servo || motor.mode == MotorMode::position;
+    if (to_position && motor.target &&
+        (*motor.target < limits.lower || *motor.target > limits.upper))
+      fault("CG2006", *motor_elements_[i], "target",
+            "the target lies beyond the limits of '" + joint.name +
+                "': the joint stops at the limit")
+          .help("choose a target between the limits");
+  }
+}
+
+void Builder::check_rates() {
+  for (const auto& [element, bound] : idle_bounds_)
+    fault("CG2005", *element, bound,
+          "\"" + std::string(bound) + "\" has no effect without a separate process")
+        .help("add isolation=\"process\", or leave it out");
+  const double most = 1.0 / model_.physics.step;
+  for (const auto& [element, rate] : rates_) {
+    if (rate <= most * (1.0 + 1e-9)) continue;
+    fault("CG2007", *element, "rate",
+          "a rate of " + rounded(rate, "Hz") +
+              " is above the step rate: it is called at each step, " +
+              rounded(most, "Hz"))
+        .help("leave 'rate' out to be called at each step, or use a smaller step");
+  }
+}
+
+void Builder::check_params() {
+  std::map<const Node*, bool> used;
+  std::map<const Scope*, NameSet> unused;
+  std::map<const Node*, NameSet> mentioned;
+  for (const ParamUse& use : context_.params) {
+    const auto [names, is_new] = unused.try_emplace(use.scope);
+    if (is_new) {
+      for (std::string& name : use.scope->unused()) names->second.insert(std::move(name));
+    }
+    used[use.node] |= names->second.count(use.name) == 0;
+  }
+  for (const ParamUse& use : context_.params) {
+    const auto it = used.find(use.node);
+    if (it == used.end() || it->second) continue;
+    used.erase(it);
+    if (use.node->parent != nullptr) {
+      const auto [words, is_new] = mentioned.try_emplace(use.node->parent);
+      if (is_new) add_mentioned(*use.node->parent, words->second);
+      if (words->second.count(use.name) != 0) continue;
+    }
+    sink()
+        .report("CG2003", use.node->find("name")->value_span, nullptr,
+                "the parameter '" + use.name + "' is not used")
+        .help("delete it, or use it: ${" + use.name + "}");
+  }
+}
+
+}  // namespace cogrsim::dsl

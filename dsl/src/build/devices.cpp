@@ -1,0 +1,127 @@
+// Motors and servos.
+#include "build/build_scene.h"
+
+namespace cogrsim::dsl {
+namespace {
+
+constexpr std::string_view kDcNames[] = {"kt",   "ke",          "resistance",
+                                         "gear", "max-voltage", "max-current"};
+
+}  // namespace
+
+void Builder::motor(const Element& element) {
+  Motor motor;
+  motor.name = element.path;
+  motor.assembly = note(element).assembly;
+  motor.origin = element.span();
+  Reader r = reader(element);
+  const auto word = r.word("joint");
+  const Element* joint_element =
+      word.given() ? names_.find(element, *word, Wanted::joint) : nullptr;
+  const auto axis = r.integer("axis");
+  if (joint_element == nullptr || axis.failed()) return;
+  motor.joint = note(*joint_element).joint;
+  const Joint& joint = model_.joints[static_cast<std::size_t>(motor.joint)];
+  const std::string kind = "'" + joint.name + "' is " + kind_of(*joint_element) + " joint";
+  if (joint.type == JointType::fixed || joint.type == JointType::free ||
+      joint.type == JointType::ball) {
+    fault("CG0704", element, "joint",
+          kind + (joint.type == JointType::ball
+                      ? ": it has no axis of its own that one motor could drive"
+                  : joint.type == JointType::free ? ": it leaves all freedom and drives nothing"
+                                                  : ": it cannot move"))
+        .help("drive a hinge, slider or another joint with axes");
+    return;
+  }
+  const int axes = speed_count(joint.type);
+  if (*axis > axes) {
+    fault("CG0704", element, "axis",
+          kind + " with " + std::to_string(axes) + (axes == 1 ? " axis" : " axes") +
+              "; it has no axis " + std::to_string(*axis));
+    return;
+  }
+  motor.axis = static_cast<int>(*axis) - 1;
+  const bool turns = axis_turns(joint.type, motor.axis);
+  const std::string_view wrong = turns ? "max-force" : "max-torque";
+  if (r.has(wrong))
+    fault("CG0704", element, wrong,
+          std::string("this axis of '") + joint.name + (turns ? "' turns" : "' slides") +
+              ", so it has no " + std::string(wrong))
+        .help(turns ? "use max-torque" : "use max-force");
+  const auto effort = r.number(turns ? "max-torque" : "max-force");
+  if (effort.given()) motor.max_effort = *effort;
+  const auto speed = r.number("max-speed", turns ? dim::kAngularSpeed : dim::kSpeed);
+  if (speed.given()) motor.max_speed = *speed;
+  if (!motor_laws(element, motor, turns)) return;
+  motor_elements_.push_back(&element);
+  model_.motors.push_back(std::move(motor));
+}
+
+bool Builder::motor_laws(const Element& element, Motor& motor, bool turns) {
+  Reader r = reader(element);
+  bool good = true;
+  const auto take = [&](std::string_view attribute, const Dimension& dimension, double& value) {
+    const auto given = r.number(attribute, dimension);
+    good = good && !given.failed();
+    if (given.given()) value = *given;
+    return given.given();
+  };
+  Dimension target = turns ? dim::kAngle : dim::kLength;
+  if (element.tag() == "servo") {
+    motor.mode = MotorMode::servo;
+    take("kp", turns ? dim::kAngularStiffness : dim::kStiffness, motor.kp);
+    take("ki", turns ? dim::kAngularIntegralGain : dim::kIntegralGain, motor.ki);
+    take("kd", turns ? dim::kAngularDamping : dim::kDamping, motor.kd);
+  } else {
+    const auto mode = r.text("mode");
+    if (mode.failed()) return false;
+    if (*mode == "torque") {
+      motor.mode = MotorMode::torque;
+      target = turns ? dim::kTorque : dim::kForce;
+    } else if (*mode == "position") {
+      motor.mode = MotorMode::position;
+    } else if (*mode == "dc") {
+      motor.mode = MotorMode::dc;
+      target = dim::kVoltage;
+    } else {
+      motor.mode = MotorMode::velocity;
+      target = turns ? dim::kAngularSpeed : dim::kSpeed;
+    }
+    if (r.has("response") && motor.mode != MotorMode::position)
+      fault("CG0608", element, "response",
+            "'response' belongs to position mode, this motor is in " + *mode + " mode");
+    take("response", dim::kTime, motor.response);
+    if (motor.mode == MotorMode::dc) {
+      const bool has_kt = take("kt", turns ? dim::kTorqueConstant : dim::kForceConstant, motor.kt);
+      const bool has_ke = take("ke", turns ? dim::kBackEmf : dim::kForceConstant, motor.ke);
+      const bool has_resistance = take("resistance", dim::kResistance, motor.resistance);
+      // In SI units the two constants of an ideal motor are one number.
+      if (has_kt && !has_ke) motor.ke = motor.kt;
+      take("gear", dim::kNone, motor.gear);
+      take("max-voltage", dim::kVoltage, motor.max_voltage);
+      take("max-current", dim::kCurrent, motor.max_current);
+      if (good && (!has_kt || !has_resistance)) {
+        fault("CG0708", element, "mode",
+              std::string("a DC motor needs ") +
+                  (has_kt           ? ""
+                   : has_resistance ? "'kt'"
+                                    : "'kt' and ") +
+                  (has_resistance ? "" : "'resistance'"))
+            .help("for example kt=\"0.02 N*m/A\" resistance=\"1.5 ohm\"");
+        return false;
+      }
+    } else {
+      for (const std::string_view dc : kDcNames)
+        if (r.has(dc))
+          fault("CG0708", element, dc,
+                "'" + std::string(dc) + "' belongs to mode=\"dc\", this motor is in " + *mode +
+                    " mode");
+    }
+  }
+  const auto at = r.number("target", target);
+  good = good && !at.failed();
+  if (at.given()) motor.target = *at;
+  return good;
+}
+
+}  // namespace cogrsim::dsl

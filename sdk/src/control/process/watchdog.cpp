@@ -1,0 +1,145 @@
+#include "control/process/watchdog.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "control/process/child_process.h"
+
+namespace cogrsim::watchdog {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// The child processes of this process, including adopted orphans; nullopt: the system does not
+/// provide the list.
+std::optional<std::string> children() {
+  const std::string path = "/proc/self/task/" + std::to_string(::getpid()) + "/children";
+  std::string out;
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return std::nullopt;
+  char part[4096];
+  for (ssize_t got = 0; (got = ::read(file, part, sizeof part)) > 0;) {
+    out.append(part, static_cast<std::size_t>(got));
+  }
+  ::close(file);
+  return out;
+}
+
+/// Kills all descendants. When a descendant ends, its children become children of this process.
+void clear_away(pid_t worker) {
+  const auto last = Clock::now() + std::chrono::seconds(8);
+  while (Clock::now() < last) {
+    const std::optional<std::string> list = children();
+    if (!list) ::kill(-worker, SIGKILL);
+    for (const char* at = list ? list->c_str() : ""; *at != '\0';) {
+      char* end = nullptr;
+      const long pid = std::strtol(at, &end, 10);
+      if (end == at) break;
+      if (pid > 1) ::kill(static_cast<pid_t>(pid), SIGKILL);
+      at = *end == '\0' ? end : end + 1;
+    }
+    pid_t gone = 0;
+    while ((gone = ::waitpid(-1, nullptr, WNOHANG)) > 0) {
+    }
+    if (gone < 0 && errno == ECHILD) return;
+    std::this_thread::sleep_for(std::chrono::microseconds(500));
+  }
+}
+
+/// Reports the end first on the socket, which a wild pointer in the controller cannot damage.
+void report_end(CallChannel& channel, const ProcessEnd& end) {
+  while (::send(kLink, &end, sizeof end, MSG_NOSIGNAL) < 0 && errno == EINTR) {
+  }
+  channel.report_end();
+}
+
+/// Runs the worker; does not return.
+[[noreturn]] void be_worker(CallChannel& channel, pid_t watchdog_id, int (*serve)(CallChannel&)) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != watchdog_id) ::_exit(1);  // the watchdog has already ended
+  ::setpgid(0, 0);  // kill(0, …) in a controller must not kill the watchdog
+  ::close(kLink);
+  sigset_t none;
+  sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  // Line buffering, so that the output of a controller is not lost when it crashes.
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  std::exit(serve(channel));
+}
+
+}  // namespace
+
+int run(int (*serve)(CallChannel&)) {
+  if (::fcntl(kMemory, F_GETFD) < 0 || ::fcntl(kLink, F_GETFD) < 0) {
+    std::fputs("this program is started by CogRSim, for controllers with isolation=\"process\"\n",
+               stderr);
+    return 2;
+  }
+  ::fcntl(kMemory, F_SETFD, FD_CLOEXEC);
+  ::fcntl(kLink, F_SETFD, FD_CLOEXEC);
+  ::syscall(SYS_close_range, kLink + 1, ~0U, 0U);  // inherited from the simulation
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1);
+  ::signal(SIGPIPE, SIG_IGN);
+  sigset_t watched;
+  sigemptyset(&watched);
+  sigaddset(&watched, SIGCHLD);
+  ::sigprocmask(SIG_BLOCK, &watched, nullptr);
+  const int signals = ::signalfd(-1, &watched, SFD_CLOEXEC | SFD_NONBLOCK);
+  CallChannel channel;
+  if (signals < 0 || !channel.open(kMemory)) return 2;
+
+  const pid_t own = ::getpid();
+  const pid_t worker = ::fork();  // safe: this process has only one thread
+  if (worker < 0) {
+    report_end(channel, {true, 2 << 8, 0});
+    return 2;
+  }
+  if (worker == 0) {
+    ::close(signals);
+    be_worker(channel, own, serve);
+  }
+
+  bool over = false;
+  while (!over) {
+    pollfd watch[2] = {{kLink, POLLIN, 0}, {signals, POLLIN, 0}};
+    if (::poll(watch, 2, -1) < 0 && errno != EINTR) break;
+    if (watch[0].revents != 0) break;  // the simulation has ended or closed the socket
+    signalfd_siginfo info;
+    while (::read(signals, &info, sizeof info) > 0) {
+    }
+    ProcessEnd end;
+    end.reported = true;
+    rusage used{};
+    pid_t gone = 0;
+    while ((gone = ::wait4(-1, &end.status, WNOHANG, &used)) > 0) {
+      if (gone != worker) continue;
+      end.most_bytes = static_cast<std::int64_t>(used.ru_maxrss) * 1024;
+      over = true;
+      // All other processes end first, so that none is left when the run continues.
+      clear_away(worker);
+      report_end(channel, end);
+      break;
+    }
+  }
+  if (!over) clear_away(worker);
+  return 0;
+}
+
+}  // namespace cogrsim::watchdog

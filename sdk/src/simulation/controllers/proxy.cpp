@@ -1,0 +1,293 @@
+#include "simulation/controllers/proxy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "cogrsim/rendering/renderer.h"
+#include "core/index.h"
+#include "model/model_json.h"
+
+namespace cogrsim {
+
+namespace {
+
+template <class Elements>
+std::vector<int> inside(const SceneModel& model, int assembly, const Elements& elements) {
+  const std::string prefix = assembly < 0 ? "" : model.assemblies[at(assembly)].name + ".";
+  std::vector<int> out;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (!elements[i].removed && elements[i].name.compare(0, prefix.size(), prefix) == 0) {
+      out.push_back(static_cast<int>(i));
+    }
+  }
+  return out;
+}
+
+enum class PictureMark : std::uint8_t { none, same, fresh };
+
+void put_vector(WireWriter& out, const Vec3& v) { out.bytes(v.data(), 3 * sizeof(double)); }
+void get_vector(WireReader& in, Vec3& v) { in.bytes(v.data(), 3 * sizeof(double)); }
+
+void put_picture(WireWriter& out, const Picture& picture) {
+  out.put(picture.width);
+  out.put(picture.height);
+  out.put(picture.color.width);
+  out.put(picture.color.height);
+  out.put(picture.color.channels);
+  out.put(picture.color.data);
+  out.put(picture.depth);
+  out.put(picture.bodies);
+}
+
+std::shared_ptr<const Picture> get_picture(WireReader& in) {
+  auto picture = std::make_shared<Picture>();
+  in.get(picture->width);
+  in.get(picture->height);
+  in.get(picture->color.width);
+  in.get(picture->color.height);
+  in.get(picture->color.channels);
+  in.get(picture->color.data);
+  in.get(picture->depth);
+  in.get(picture->bodies);
+  return picture;
+}
+
+void put_contacts(WireWriter& out, const std::vector<Contact>& contacts) {
+  out.put(static_cast<std::uint64_t>(contacts.size()));
+  for (const Contact& c : contacts) {
+    for (const int index : {c.body_a, c.body_b, c.shape_a, c.shape_b}) out.put(index);
+    put_vector(out, c.point);
+    put_vector(out, c.normal);
+    out.put(c.depth);
+    put_vector(out, c.force);
+  }
+}
+
+void get_contacts(WireReader& in, std::vector<Contact>& contacts) {
+  contacts.resize(in.length(4 * sizeof(int) + 10 * sizeof(double)));
+  for (Contact& c : contacts) {
+    for (int* index : {&c.body_a, &c.body_b, &c.shape_a, &c.shape_b}) in.get(*index);
+    get_vector(in, c.point);
+    get_vector(in, c.normal);
+    in.get(c.depth);
+    get_vector(in, c.force);
+  }
+}
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+}  // namespace
+
+Devices::Devices(const SceneModel& model, int assembly)
+    : motors(inside(model, assembly, model.motors)),
+      sensors(inside(model, assembly, model.sensors)) {}
+
+const std::string& SceneForControllers::of(const SceneModelPtr& now,
+                                           const SceneModelPtr& at_start) {
+  if (model == now && original == at_start) return text;
+  model = now;
+  original = at_start;
+  SceneModel scene;
+  scene.name = now->name;
+  scene.files = now->files;
+  scene.physics = now->physics;
+  scene.physics.seed = at_start->physics.seed;
+  scene.assemblies = now->assemblies;
+  scene.bodies = now->bodies;
+  for (Body& body : scene.bodies) body.shapes.clear();
+  scene.joints = now->joints;
+  scene.motors = now->motors;
+  scene.sensors = now->sensors;
+  scene.controllers = now->controllers;
+  scene.mazes = at_start->mazes;
+  scene.joint_positions = now->joint_positions;
+  scene.joint_speeds = now->joint_speeds;
+  text = model_to_json(scene);
+  return text;
+}
+
+void ProxyWriter::put_scene(WireWriter& out) {
+  Simulation::Impl& simulation = *access_.simulation;
+  const bool fresh = shown_ != simulation.model;
+  out.put(fresh);
+  if (!fresh) return;
+  shown_ = simulation.model;
+  devices_ = Devices(*shown_, access_.assembly);
+  pictures_.assign(devices_.sensors.size(), nullptr);
+  out.put(simulation.scene_for_controllers.of(simulation.model, simulation.original));
+}
+
+void ProxyWriter::put_state(WireWriter& out) {
+  Simulation::Impl& simulation = *access_.simulation;
+  out.put(access_.random->state());
+  out.put(access_.outputs);
+  if (!devices_.motors.empty()) {
+    const WorldState& state = simulation.present_state();
+    for (const int index : devices_.motors) {
+      const Motor& motor = simulation.model->motors[at(index)];
+      out.put(simulation.motors[at(index)].target);
+      out.put(state.motor_efforts[at(index)]);
+      out.put(state.joint_positions[at(motor_position_index(*simulation.model, motor))]);
+      out.put(state.joint_velocities[at(motor_speed_index(*simulation.model, motor))]);
+    }
+  }
+  for (std::size_t i = 0; i < devices_.sensors.size(); ++i) {
+    const Reading& reading = simulation.sensors.reading(at(devices_.sensors[i]));
+    out.put(reading.time);
+    out.put(reading.sequence);
+    out.put(reading.valid);
+    out.put(reading.enabled);
+    out.put(reading.values);
+    put_contacts(out, reading.contacts);
+    if (!reading.picture) {
+      out.put(PictureMark::none);
+    } else if (reading.picture == pictures_[i]) {
+      out.put(PictureMark::same);
+    } else {
+      out.put(PictureMark::fresh);
+      put_picture(out, *reading.picture);
+      pictures_[i] = reading.picture;
+    }
+  }
+}
+
+bool ProxyWriter::take_effects(WireReader& in) {
+  Simulation::Impl& simulation = *access_.simulation;
+  // Everything is read first, so that inconsistent data from a damaged process have no effect.
+  const auto random = in.take<std::uint64_t>();
+  std::vector<double> outputs, targets(devices_.motors.size());
+  in.get(outputs);
+  for (double& target : targets) in.get(target);
+  struct Switch {
+    bool enabled = false, valid = false;
+  };
+  std::vector<Switch> switches(devices_.sensors.size());
+  for (Switch& one : switches) {
+    in.get(one.enabled);
+    in.get(one.valid);
+  }
+  std::vector<int> asked;
+  std::vector<std::string> sources, reports, mistakes;
+  std::optional<std::string> fault;
+  in.get(asked);
+  in.get(sources);
+  in.get(reports);
+  in.get(mistakes);
+  in.get(fault);
+  const bool fits =
+      in.good() && outputs.size() == access_.outputs.size() && sources.size() == reports.size() &&
+      std::all_of(targets.begin(), targets.end(), [](double t) { return std::isfinite(t); }) &&
+      std::all_of(asked.begin(), asked.end(), [&](int motor) {
+        return std::binary_search(devices_.motors.begin(), devices_.motors.end(), motor);
+      });
+  if (!fits) return false;
+
+  access_.random->set_state(random);
+  access_.outputs = std::move(outputs);
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    double& target = simulation.motors[at(devices_.motors[i])].target;
+    if (!same_bits(target, targets[i])) target = targets[i];
+  }
+  for (std::size_t i = 0; i < switches.size(); ++i) {
+    const std::size_t sensor = at(devices_.sensors[i]);
+    const Reading& reading = simulation.sensors.reading(sensor);
+    // Switching the sensor off and on again makes the reading invalid.
+    if (reading.valid && !switches[i].valid) simulation.sensors.enable(sensor, false);
+    if (reading.enabled != switches[i].enabled) {
+      simulation.sensors.enable(sensor, switches[i].enabled);
+    }
+  }
+  access_.motors = std::move(asked);
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    simulation.report(Severity::note, sources[i], reports[i]);
+  }
+  access_.mistakes = std::move(mistakes);
+  access_.fault = std::move(fault);
+  return true;
+}
+
+void ProxyReader::take_scene(WireReader& in) {
+  if (!in.take<bool>()) return;
+  std::string text;
+  in.get(text);
+  auto model = model_from_json(text);
+  if (!in.good() || !model) return in.spoil();
+  simulation_.model = std::make_shared<SceneModel>(std::move(*model));
+  // The controller may keep pointers to the mazes of the first scene.
+  if (!simulation_.original) simulation_.original = simulation_.model;
+  const SceneModel& scene = *simulation_.model;
+  simulation_.motors.resize(scene.motors.size());
+  simulation_.sensors.set_count(scene.sensors.size());
+  WorldState& state = simulation_.state;
+  state.joint_positions.assign(static_cast<std::size_t>(scene.joint_positions), 0.0);
+  state.joint_velocities.assign(static_cast<std::size_t>(scene.joint_speeds), 0.0);
+  state.motor_efforts.assign(scene.motors.size(), 0.0);
+  simulation_.state_fresh = true;
+  fresh_ = true;
+}
+
+void ProxyReader::take_reading(WireReader& in, std::size_t device) {
+  Reading& reading = simulation_.sensors.upd_reading(at(devices_.sensors[device]));
+  in.get(reading.time);
+  in.get(reading.sequence);
+  in.get(reading.valid);
+  in.get(reading.enabled);
+  in.get(reading.values);
+  get_contacts(in, reading.contacts);
+  switch (static_cast<PictureMark>(in.take<std::uint8_t>())) {
+    case PictureMark::none:
+      reading.picture.reset();
+      break;
+    case PictureMark::same:
+      reading.picture = pictures_[device];
+      break;
+    case PictureMark::fresh:
+      reading.picture = pictures_[device] = get_picture(in);
+      break;
+  }
+}
+
+void ProxyReader::take_state(WireReader& in, AssemblyAccess& access) {
+  const SceneModel& scene = *simulation_.model;
+  if (std::exchange(fresh_, false)) {
+    devices_ = Devices(scene, access.assembly);
+    pictures_.assign(devices_.sensors.size(), nullptr);
+  }
+  access.random->set_state(in.take<std::uint64_t>());
+  in.get(access.outputs);
+  for (const int index : devices_.motors) {
+    const Motor& motor = scene.motors[at(index)];
+    in.get(simulation_.motors[at(index)].target);
+    in.get(simulation_.state.motor_efforts[at(index)]);
+    in.get(simulation_.state.joint_positions[at(motor_position_index(scene, motor))]);
+    in.get(simulation_.state.joint_velocities[at(motor_speed_index(scene, motor))]);
+  }
+  for (std::size_t i = 0; i < devices_.sensors.size(); ++i) take_reading(in, i);
+}
+
+void ProxyReader::put_effects(WireWriter& out, AssemblyAccess& access) {
+  out.put(access.random->state());
+  out.put(access.outputs);
+  for (const int motor : devices_.motors) out.put(simulation_.motors[at(motor)].target);
+  for (const int sensor : devices_.sensors) {
+    const Reading& reading = simulation_.sensors.reading(at(sensor));
+    out.put(reading.enabled);
+    out.put(reading.valid);
+  }
+  out.put(access.motors);
+  std::vector<std::string> sources, reports;
+  for (const RunMessage& message : simulation_.messages) {
+    sources.push_back(message.source);
+    reports.push_back(message.message);
+  }
+  simulation_.messages.clear();
+  out.put(sources);
+  out.put(reports);
+  out.put(access.mistakes);
+  out.put(access.fault);
+  access.mistakes.clear();
+  access.fault.reset();
+}
+
+}  // namespace cogrsim

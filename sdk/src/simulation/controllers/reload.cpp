@@ -1,0 +1,156 @@
+// Replacing the library of a running controller by a new build.
+#include "cogrsim/plugin/loader.h"
+#include "simulation/controllers/shape_of_plugin.h"
+#include "simulation/impl.h"
+
+namespace cogrsim {
+
+std::string shape_of(const PluginDescriptor& plugin) {
+  std::string out;
+  for (const ParameterSpec& parameter : plugin.parameters) {
+    out += parameter.name + " " + to_string(parameter.type()) + " " + parameter.unit + "\n";
+  }
+  out += "->\n";
+  for (const PluginOutput& output : plugin.outputs) out += output.name + " " + output.unit + "\n";
+  return out;
+}
+
+namespace {
+
+/// Index of the controller with this name, or of the only controller of the assembly with this
+/// name.
+Result<std::size_t> find_controller(const SceneModel& model, const std::string& name) {
+  std::vector<std::string> names, of_assembly;
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < model.controllers.size(); ++i) {
+    const ControllerModel& controller = model.controllers[i];
+    if (controller.removed) continue;
+    if (controller.name == name) return i;
+    names.push_back(controller.name);
+    if (controller.assembly < 0 ||
+        model.assemblies[static_cast<std::size_t>(controller.assembly)].name != name) {
+      continue;
+    }
+    of_assembly.push_back(controller.name);
+    last = i;
+  }
+  if (of_assembly.size() == 1) return last;
+  std::string list;
+  for (const std::string& one : of_assembly.empty() ? names : of_assembly) {
+    list += (list.empty() ? "'" : ", '") + one + "'";
+  }
+  if (!of_assembly.empty()) {
+    return fail("'" + name + "' has several controllers", "", "one of " + list);
+  }
+  const std::string near = nearest_name(name, names);
+  return fail("there is no controller '" + name + "'", "",
+              !near.empty()   ? "did you mean '" + near + "'?"
+              : names.empty() ? "the scene has none"
+                              : "there are " + list);
+}
+
+bool same_outputs(const std::vector<PluginOutput>& a, const std::vector<PluginOutput>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const PluginOutput& x, const PluginOutput& y) {
+                      return x.name == y.name && x.unit == y.unit;
+                    });
+}
+
+}  // namespace
+
+// Starts the new controller and gives it the state of the old one. Returns an error message if that
+// fails.
+std::optional<std::string> Simulation::Impl::transfer_state(const ControllerSlot& old,
+                                                       ControllerSlot& fresh, std::size_t index,
+                                                            Reloaded& done) {
+  std::optional<std::string> memory;
+  if (old.controller) {
+    if (const auto failure = old.controller->save(memory)) {
+      return "the old one " + phrase(*failure, "while its state was saved");
+    }
+  }
+  const std::vector<MotorState> targets = motors;
+  const std::vector<SensorMemory> switches = sensors.save();
+  const auto undo = [&] {
+    motors = targets;
+    sensors.restore(switches);
+  };
+  const StartOutcome outcome = start_controller(fresh, index);
+  std::string wrong;
+  for (const std::string& mistake : outcome.mistakes) {
+    wrong += (wrong.empty() ? "" : "; ") + mistake;
+  }
+  if (outcome.failure) wrong += (wrong.empty() ? "" : "; ") + ("it " + *outcome.failure);
+  if (!wrong.empty()) {
+    undo();
+    return wrong;
+  }
+  if (!memory) {
+    done.note = "it restarted, because the old one saved no state (save())";
+    return std::nullopt;
+  }
+  if (const auto failure = fresh.controller->restore(*memory)) {
+    undo();
+    return "it does not accept the state of the old one: " + phrase(*failure, "in restore");
+  }
+  // The controller continues from the current run, not from the initial values of configure().
+  undo();
+  fresh.access->random->set_state(old.access->random->state());
+  fresh.access->outputs = old.access->outputs;
+  done.memory_kept = true;
+  return std::nullopt;
+}
+
+Result<Reloaded> Simulation::Impl::reload(const std::string& name) {
+  const auto found = find_controller(*model, name);
+  if (!found) return tl::unexpected(found.error());
+  const ControllerModel& description = model->controllers[*found];
+  const auto refuse = [&](const std::string& why, const std::string& hint = {}) {
+    return fail(
+        "controller '" + description.name + "' was not reloaded, the old one is kept: " + why, "",
+        hint);
+  };
+  if (status != RunStatus::running) {
+    return refuse(std::string("the run has ended (") + to_string(status) + ")", "restart the run");
+  }
+  ControllerSlot& old = controllers[*found];
+  if (!old.plugin || !old.access) return refuse("it never ran");
+  const auto plugin = loader->load_fresh_copy(*old.plugin);
+  if (!plugin) return refuse(plugin.error().text());
+  const PluginDescriptor& descriptor = (*plugin)->descriptor();
+  if (descriptor.kind != PluginKind::controller) {
+    return refuse(std::string("the library holds a ") + to_string(descriptor.kind) + " now");
+  }
+  auto parameters = complete_parameters(descriptor.parameters, description.parameters);
+  if (!parameters) {
+    return refuse("its parameters have changed: " + parameters.error().message,
+                  parameters.error().hint);
+  }
+  if (!same_outputs(descriptor.outputs, old.plugin->descriptor().outputs)) {
+    return refuse(
+        "it publishes other outputs now, but frames and recordings of this run have the previous "
+        "ones",
+        "restart the run");
+  }
+  ControllerSlot fresh;
+  fresh.plugin = *plugin;
+  fresh.access = make_access(*this, description, *plugin, std::move(*parameters));
+  fresh.clock = old.clock;
+  if (std::exchange(fresh.clock.stopped, false)) fresh.clock.timer.skip_to(time(), dt);
+  Reloaded done{description.name, description.plugin, descriptor.version, false, ""};
+  if (const auto wrong = transfer_state(old, fresh, *found, done)) return refuse(*wrong);
+  loader->replace(*plugin);
+  old.controller.reset();  // before the library it came from
+  old = std::move(fresh);
+  cached.reset();
+  report(Severity::note, "controller '" + description.plugin + "' of '" + old.access->name + "'",
+         "reloaded, version " + descriptor.version +
+             (done.memory_kept ? "; it continues in the state of the old one" : "; " + done.note));
+  return done;
+}
+
+Result<Reloaded> Simulation::reload_controller(const std::string& name) {
+  return impl_->reload(name);
+}
+
+}  // namespace cogrsim

@@ -1,0 +1,267 @@
+// Snapshot files: writing, reading and checking.
+#include "cogrsim/simulation/snapshot_file.h"
+
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "cogrsim/core/random.h"
+#include "simulation/impl.h"
+#include "simulation/snapshot/data.h"
+#include "simulation/snapshot/events.h"
+
+namespace cogrsim {
+
+using namespace snapshots;
+
+namespace {
+
+constexpr const char* kFormat = "cogrsim-snapshot";
+/// Largest file that is read. The maximum of 100000 spawned bodies takes about 200 MB.
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{512} << 20;
+
+std::string checksum(const Json& content) {
+  const std::string text = content.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return std::to_string(hash_bytes(text.data(), text.size()));
+}
+
+Json clock_json(const ControllerClock& clock, double rate) {
+  return {{"rate", rate},
+          {"ticks", clock.timer.next()},
+          {"stopped", clock.stopped},
+          {"last_time", number(clock.last_time)},
+          {"count", clock.count}};
+}
+
+template <class Slot>
+Result<Json> memory_json(const Slot& slot, const std::string& name, const Json& rest) {
+  Json out = rest;
+  out["memory"] = nullptr;
+  std::optional<std::string> memory;
+  std::optional<std::string> thrown;
+  if constexpr (std::is_same_v<Slot, ControllerSlot>) {
+    if (slot.controller) {
+      if (const auto failure = slot.controller->save(memory)) {
+        return fail("'" + name + "' " + phrase(*failure, "while its state was saved"));
+      }
+    }
+  } else {
+    if (slot.supervisor) {
+      const PluginCall call = slot.context->calling("while its state was saved");
+      thrown = slot.entry->save(*slot.supervisor, memory);
+    }
+  }
+  if (thrown) return fail("'" + name + "' threw while its state was saved: " + *thrown);
+  if (memory) out["memory"] = *memory;
+  return out;
+}
+
+Result<> put_controllers(const Simulation::Impl& from, Json& content) {
+  Json controllers = Json::object(), supervisors = Json::object();
+  for (std::size_t i = 0; i < from.controllers.size(); ++i) {
+    const ControllerModel& model = from.model->controllers[i];
+    const ControllerSlot& slot = from.controllers[i];
+    if (model.removed || !slot.access) continue;
+    auto made = memory_json(slot, model.name,
+                            {{"plugin", model.plugin},
+                             {"clock", clock_json(slot.clock, model.rate)},
+                             {"random", slot.access->random->state()},
+                             {"outputs", numbers(slot.access->outputs)}});
+    if (!made) return tl::unexpected(made.error());
+    controllers[model.name] = std::move(*made);
+  }
+  for (std::size_t i = 0; i < from.supervisors.size(); ++i) {
+    const ControllerModel& model = from.model->supervisors[i];
+    const SupervisorSlot& slot = from.supervisors[i];
+    auto made = memory_json(slot, model.name,
+                            {{"plugin", model.plugin},
+                             {"clock", clock_json(slot.clock, model.rate)},
+                             {"random", slot.context->random().state()},
+                             {"outputs", numbers(slot.context->outputs())}});
+    if (!made) return tl::unexpected(made.error());
+    supervisors[model.name] = std::move(*made);
+  }
+  content["controllers"] = std::move(controllers);
+  content["supervisors"] = std::move(supervisors);
+  return {};
+}
+
+void put_world(const Simulation::Impl& from, const WorldState& state, Json& content) {
+  const SceneModel& model = *from.model;
+  Json bodies = Json::object(), before = Json::object();
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    if (model.bodies[i].removed) continue;
+    bodies[model.bodies[i].name] = {{"pose", pose(state.poses[i])},
+                                    {"twist", twist(state.twists[i])}};
+    if (i < from.twists_before.size()) {
+      before[model.bodies[i].name] = twist(from.twists_before[i]);
+    }
+  }
+  Json joints = Json::object();
+  for (const Joint& joint : model.joints) {
+    if (joint.removed) continue;
+    joints[joint.name] = {
+        {"type", to_string(joint.type)},
+        {"position", numbers(state.joint_positions.data() + joint.position_offset,
+                             static_cast<std::size_t>(position_count(joint.type)))},
+        {"velocity", numbers(state.joint_velocities.data() + joint.speed_offset,
+                             static_cast<std::size_t>(speed_count(joint.type)))},
+        {"effort", numbers(state.joint_efforts.data() + joint.speed_offset,
+                           static_cast<std::size_t>(speed_count(joint.type)))}};
+  }
+  content["bodies"] = std::move(bodies);
+  content["joints"] = std::move(joints);
+  content["twists_before"] = std::move(before);
+}
+
+void put_devices(const Simulation::Impl& from, const WorldState& state, Json& content) {
+  const SceneModel& model = *from.model;
+  Json motors = Json::object(), sensors = Json::object();
+  for (std::size_t i = 0; i < model.motors.size(); ++i) {
+    if (model.motors[i].removed) continue;
+    motors[model.motors[i].name] = {{"mode", to_string(model.motors[i].mode)},
+                                    {"target", number(from.motors[i].target)},
+                                    {"integral", number(from.motors[i].integral)},
+                                    {"effort", number(state.motor_efforts[i])}};
+  }
+  const std::vector<SensorMemory> memories = from.sensors.save();
+  for (std::size_t i = 0; i < model.sensors.size(); ++i) {
+    if (model.sensors[i].removed) continue;
+    const SensorMemory& memory = memories[i];
+    sensors[model.sensors[i].name] = {{"type", model.sensors[i].type},
+                                      {"rate", model.sensors[i].rate},
+                                      {"ticks", memory.timer.next()},
+                                      {"enabled", memory.enabled},
+                                      {"complained", memory.complained},
+                                      {"random", memory.random},
+                                      {"walk", numbers(memory.walk)},
+                                      {"time", number(memory.reading.time)},
+                                      {"sequence", memory.reading.sequence},
+                                      {"valid", memory.reading.valid},
+                                      {"values", numbers(memory.reading.values)}};
+  }
+  content["motors"] = std::move(motors);
+  content["sensors"] = std::move(sensors);
+}
+
+Result<SnapshotInfo> info_from(const Json& content) {
+  SnapshotInfo info;
+  info.scene = content.at("scene").get<std::string>();
+  info.backend = content.at("backend").get<std::string>();
+  info.engine_version = content.at("engine_version").get<std::string>();
+  info.seed = whole_from<std::uint64_t>(content.at("seed"));
+  info.step = number_from(content.at("clock").at("dt"));
+  info.time = number_from(content.at("clock").at("time"));
+  for (const auto& [name, value] : content.at("parameters").items()) {
+    info.parameters[name] = value.get<std::string>();
+  }
+  info.changed = !content.at("changes").is_null();
+  if (!(info.step > 0.0) || !(info.time >= 0.0)) return fail("its clock cannot be");
+  return info;
+}
+
+}  // namespace
+
+Result<> write_snapshot(const Simulation& simulation, const std::string& path,
+                        const std::map<std::string, std::string>& parameters,
+                        const OutputRules& rules) {
+  const Simulation::Impl& from = SnapshotAccess::of(simulation);
+  Json content;
+  content["scene"] = from.model->name;
+  content["signature"] = scene_signature(*from.original);
+  content["backend"] = from.backend->name();
+  content["engine_version"] = from.backend->engine_version();
+  content["parameters"] = Json::object();
+  for (const auto& [name, value] : parameters) content["parameters"][name] = value;
+  content["seed"] = from.original->physics.seed;
+  content["status"] = to_string(from.status);
+  content["clock"] = {{"time", number(from.time())},
+                      {"dt", number(from.dt)},
+                      {"base_time", number(from.base_time)},
+                      {"last_dt", number(from.last_dt)},
+                      {"steps", from.steps},
+                      {"steps_since_base", from.steps_since_base}};
+  WorldState state;
+  from.get_state(state);
+  put_world(from, state, content);
+  put_devices(from, state, content);
+  if (auto controllers = put_controllers(from, content); !controllers) return controllers;
+  content["event_system"] = event_state_json(*from.model, from.event_system.memory);
+  content["sent"] = from.own_in_queue;
+  content["changes"] =
+      from.model == from.original ? Json(nullptr) : changes_of(*from.original, *from.model);
+  const Json file = {{"format", kFormat},
+                     {"version", kSnapshotVersion},
+                     {"checksum", checksum(content)},
+                     {"content", std::move(content)}};
+  return write_output_file(path, OutputKind::snapshot,
+                           file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", rules);
+}
+
+const SnapshotInfo& SnapshotFile::info() const { return impl_->info; }
+
+Result<SnapshotFile> SnapshotFile::read(const std::string& path) {
+  const auto refuse = [&](const std::string& why, const std::string& hint = {}) {
+    return fail("'" + path + "' " + why, "", hint);
+  };
+  const auto unreadable = [&](const std::string& why) {
+    return fail("cannot read the snapshot '" + path + "': " + why);
+  };
+  // A device never ends, and a pipe blocks until it has a writer.
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (error) return unreadable(error.message());
+  if (std::filesystem::is_directory(status)) return unreadable("it is a folder");
+  if (!std::filesystem::is_regular_file(status)) {
+    return refuse("is not a regular file", "copy what it gives into one first");
+  }
+  if (const std::uintmax_t size = std::filesystem::file_size(path, error);
+      !error && size > kMostBytes) {
+    return refuse("is too large for a snapshot: " + std::to_string(size >> 20) + " MB, at most " +
+                  std::to_string(kMostBytes >> 20) + " MB are read");
+  }
+  std::ifstream in(path, std::ios::binary);
+  if (!in.is_open()) return unreadable(std::strerror(errno));
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (in.bad()) return unreadable(std::strerror(errno));
+  const Json file = Json::parse(text, nullptr, false);
+  if (file.is_discarded()) {
+    const bool ours = text.find(kFormat) != std::string::npos && text.find(kFormat) < 100;
+    return ours ? refuse("is damaged: it is cut off, or not JSON any more")
+                : refuse("is not a snapshot", "snapshots are made by cogrsim run --save-at");
+  }
+  if (!file.is_object() || !file.contains("format") || file["format"] != kFormat ||
+      !file.contains("version") || !file["version"].is_number_integer()) {
+    return refuse("is not a snapshot", "snapshots are made by cogrsim run --save-at");
+  }
+  if (const auto version = file["version"].get<std::int64_t>();
+      version != kSnapshotVersion) {
+    return refuse("is a snapshot of version " + std::to_string(version) + ", this program reads " +
+                      std::to_string(kSnapshotVersion),
+                  "use the cogrsim that wrote it");
+  }
+  if (!file.contains("content") || !file.contains("checksum") ||
+      file["checksum"] != checksum(file["content"])) {
+    return refuse("is damaged, or was changed by hand: its checksum does not fit");
+  }
+  auto impl = std::make_shared<Impl>();
+  impl->content = file["content"];
+  try {
+    auto info = info_from(impl->content);
+    if (!info) return refuse("is damaged: " + info.error().message);
+    impl->info = std::move(*info);
+  } catch (const Json::exception& e) {
+    return refuse(std::string("is damaged: ") + e.what());
+  } catch (const Damaged& e) {
+    return refuse(std::string("is damaged: ") + e.what());
+  }
+  SnapshotFile snapshot;
+  snapshot.impl_ = std::move(impl);
+  return snapshot;
+}
+
+}  // namespace cogrsim

@@ -1,0 +1,368 @@
+// Resuming from a snapshot file, with the same or an edited scene, or on another engine.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "model/diagnose.h"
+#include "simulation/impl.h"
+#include "simulation/snapshot/data.h"
+#include "simulation/snapshot/events.h"
+
+namespace cogrsim {
+
+using namespace snapshots;
+
+namespace {
+
+Diagnostic plain(const Error& error) {
+  Diagnostic d;
+  d.message = error.text();
+  const auto help = d.message.find("\nhelp: ");
+  if (help != std::string::npos) d.message.resize(help);
+  d.help = error.hint;
+  d.code = error.code;
+  return d;
+}
+
+/// Transfers the parts of a snapshot to a simulation that was created for it.
+class Resumption {
+ public:
+  Resumption(Simulation::Impl& to, const SnapshotFile& snapshot, bool same_seed,
+             std::vector<std::string>& notes)
+      : to_(to), content_(snapshot.impl().content), same_seed_(same_seed), notes_(notes) {}
+
+  Result<> run() {
+    clock();
+    if (auto good = world(); !good) return good;
+    motors();
+    to_.world_changed();
+    // Controllers are configured again, so that they see the current world and not the initial one.
+    std::string problems;
+    for (const Diagnostic& d : to_.build_controllers(0, true)) {
+      problems += (problems.empty() ? "" : "; ") + d.message;
+    }
+    if (!problems.empty()) return fail("the controllers cannot be configured: " + problems);
+    sensors();
+    controllers("controllers", to_.model->controllers);
+    controllers("supervisors", to_.model->supervisors);
+    to_.event_system.update_model(to_.model);  // a door that the file lacks is at its start
+    event_state_from(content_.at("event_system"), *to_.model, to_.event_system.memory);
+    if (!same_seed_) {
+      notes_.push_back("the seed differs: the random streams restart");
+    }
+    if (const int sent = whole_from<int>(content_.at("sent")); sent > 0) {
+      notes_.push_back(std::to_string(sent) +
+                       " commands that supervisors had just sent are not in the snapshot");
+    }
+    return {};
+  }
+
+ private:
+  void clock() {
+    const Json& clock = content_.at("clock");
+    const double then = number_from(clock.at("dt"));
+    to_.steps = whole_from<std::uint64_t>(clock.at("steps"));
+    to_.last_dt = number_from(clock.at("last_dt"));
+    if (to_.dt == then) {
+      to_.base_time = number_from(clock.at("base_time"));
+      to_.steps_since_base = whole_from<std::uint64_t>(clock.at("steps_since_base"));
+    } else {
+      to_.base_time = number_from(clock.at("time"));
+      to_.steps_since_base = 0;
+    }
+  }
+
+  Result<> world() {
+    const SceneModel& model = *to_.model;
+    WorldState state;
+    to_.world->get_state(state);
+    to_.joint_efforts_before.assign(state.joint_efforts.size(), 0.0);
+    const Json &bodies = content_.at("bodies"), &joints = content_.at("joints");
+    std::vector<std::string> fresh, odd;
+    std::set<std::string> names;
+    std::size_t carried = 0;
+    for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+      const Body& body = model.bodies[i];
+      if (body.removed) continue;
+      names.insert(body.name);
+      if (!bodies.contains(body.name)) {
+        fresh.push_back(body.name);
+        continue;
+      }
+      ++carried;
+      // Immobile bodies have the poses of the scene, where they may have been moved on purpose.
+      if (body.kind == BodyKind::fixed) continue;
+      state.poses[i] = pose_from(bodies.at(body.name).at("pose"));
+      state.twists[i] = twist_from(bodies.at(body.name).at("twist"));
+    }
+    note_elements("starts as in the scene, because the snapshot does not have it: body",
+                  "start as in the scene, because the snapshot does not have them: bodies", fresh);
+    note_missing("body", "bodies", bodies, names);
+    if (carried == 0 && !bodies.empty()) {
+      return fail("no body of the snapshot is in the scene '" + model.name + "'");
+    }
+    names.clear();
+    fresh.clear();
+    for (const Joint& joint : model.joints) {
+      if (joint.removed) continue;
+      names.insert(joint.name);
+      if (!joints.contains(joint.name)) {
+        fresh.push_back(joint.name);
+        continue;
+      }
+      const Json& then = joints.at(joint.name);
+      const std::vector<double> q = numbers_from(then.at("position"));
+      const std::vector<double> u = numbers_from(then.at("velocity"));
+      if (then.at("type") != to_string(joint.type) ||
+          q.size() != static_cast<std::size_t>(position_count(joint.type)) ||
+          u.size() != static_cast<std::size_t>(speed_count(joint.type))) {
+        odd.push_back(joint.name);
+        continue;
+      }
+      std::copy(q.begin(), q.end(), state.joint_positions.begin() + joint.position_offset);
+      std::copy(u.begin(), u.end(), state.joint_velocities.begin() + joint.speed_offset);
+      if (!then.contains("effort")) continue;  // older files
+      const std::vector<double> effort = numbers_from(then.at("effort"));
+      if (effort.size() == u.size()) {
+        std::copy(effort.begin(), effort.end(),
+                  to_.joint_efforts_before.begin() + joint.speed_offset);
+      }
+    }
+    note_elements("starts as in the scene, because the snapshot does not have it: joint",
+                  "start as in the scene, because the snapshot does not have them: joints", fresh);
+    note_elements("is of another type than in the snapshot and starts as in the scene: joint",
+         "are of another type than in the snapshot and start as in the scene: joints", odd);
+    note_missing("joint", "joints", joints, names);
+    if (auto done = to_.world->set_state(state); !done) return done;
+    const Json& before = content_.at("twists_before");
+    if (!before.empty()) {
+      to_.twists_before = state.twists;
+      for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+        if (before.contains(model.bodies[i].name)) {
+          to_.twists_before[i] = twist_from(before.at(model.bodies[i].name));
+        }
+      }
+    }
+    to_.world_changed();
+    return {};
+  }
+
+  void motors() {
+    const Json& then = content_.at("motors");
+    std::set<std::string> names;
+    std::vector<std::string> fresh, odd;
+    to_.motor_efforts_before.assign(to_.model->motors.size(), 0.0);
+    for (std::size_t i = 0; i < to_.model->motors.size(); ++i) {
+      const Motor& motor = to_.model->motors[i];
+      if (motor.removed) continue;
+      names.insert(motor.name);
+      if (!then.contains(motor.name)) {
+        fresh.push_back(motor.name);
+      } else if (then.at(motor.name).at("mode") != to_string(motor.mode)) {
+        odd.push_back(motor.name);
+      } else {
+        to_.motors[i].target =
+            clamp_target(*to_.model, motor, number_from(then.at(motor.name).at("target")));
+        to_.motors[i].integral = number_from(then.at(motor.name).at("integral"));
+        if (then.at(motor.name).contains("effort"))  // not in older files
+          to_.motor_efforts_before[i] = number_from(then.at(motor.name).at("effort"));
+      }
+    }
+    note_elements("starts as in the scene, because the snapshot does not have it: motor",
+                  "start as in the scene, because the snapshot does not have them: motors", fresh);
+    note_elements("has another mode than in the snapshot and starts as in the scene: motor",
+                  "have another mode than in the snapshot and start as in the scene: motors", odd);
+    note_missing("motor", "motors", then, names);
+  }
+
+  /// With the same rate the next tick is that of the snapshot; otherwise the first one from now on.
+  void set_timer(RateTimer& timer, const Json& saved, double rate) const {
+    if (saved.is_object() && number_from(saved.at("rate")) == rate) {
+      timer.set_next(whole_from<std::uint64_t>(saved.at("ticks")));
+    } else {
+      timer.skip_to(to_.time(), to_.dt);
+    }
+  }
+
+  void sensors() {
+    const Json& then = content_.at("sensors");
+    std::vector<SensorMemory> memories = to_.sensors.save();
+    std::set<std::string> names;
+    std::vector<std::string> fresh;
+    for (std::size_t i = 0; i < memories.size(); ++i) {
+      const SensorModel& sensor = to_.model->sensors[i];
+      if (sensor.removed) continue;
+      names.insert(sensor.name);
+      SensorMemory& memory = memories[i];
+      set_timer(memory.timer, then.contains(sensor.name) ? then.at(sensor.name) : Json(),
+                sensor.rate);
+      if (!then.contains(sensor.name) || then.at(sensor.name).at("type") != sensor.type) {
+        fresh.push_back(sensor.name);
+        continue;
+      }
+      const Json& saved = then.at(sensor.name);
+      memory.enabled = memory.reading.enabled = saved.at("enabled").get<bool>();
+      memory.complained = saved.at("complained").get<bool>();
+      if (same_seed_) memory.random = whole_from<std::uint64_t>(saved.at("random"));
+      memory.reading.sequence = whole_from<std::uint64_t>(saved.at("sequence"));
+      const std::vector<double> values = numbers_from(saved.at("values"));
+      const std::vector<double> walk = numbers_from(saved.at("walk"));
+      // With other parameters the number of channels may differ.
+      if (walk.size() != memory.walk.size()) continue;
+      memory.walk = walk;
+      memory.reading.values = values;
+      memory.reading.time = number_from(saved.at("time"));
+      memory.reading.valid = saved.at("valid").get<bool>();
+    }
+    to_.sensors.restore(memories);
+    note_elements("restarts, because the snapshot does not have it: sensor",
+                  "restart, because the snapshot does not have them: sensors", fresh);
+    note_missing("sensor", "sensors", then, names);
+  }
+
+  void take_clock(const Json& saved, double rate, ControllerClock& clock) const {
+    set_timer(clock.timer, saved, rate);
+    clock.stopped = clock.stopped || saved.at("stopped").get<bool>();
+    clock.last_time = number_from(saved.at("last_time"));
+    clock.count = whole_from<std::uint64_t>(saved.at("count"));
+  }
+
+  void controllers(const char* key, const std::vector<ControllerModel>& models) {
+    const Json& then = content_.at(key);
+    const bool controllers = key[0] == 'c';
+    const std::string kind = controllers ? "controller" : "supervisor";
+    std::set<std::string> names;
+    std::vector<std::string> fresh, forgetful;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      const ControllerModel& model = models[i];
+      if (model.removed) continue;
+      names.insert(model.name);
+      ControllerClock& clock = controllers ? to_.controllers[i].clock : to_.supervisors[i].clock;
+      if (!then.contains(model.name) || then.at(model.name).at("plugin") != model.plugin) {
+        clock.timer.skip_to(to_.time(), to_.dt);
+        fresh.push_back(model.name);
+        continue;
+      }
+      const Json& saved = then.at(model.name);
+      take_clock(saved.at("clock"), model.rate, clock);
+      RandomStream* random = nullptr;
+      std::vector<double>* outputs = nullptr;
+      if (controllers && to_.controllers[i].access) {
+        random = &*to_.controllers[i].access->random;
+        outputs = &to_.controllers[i].access->outputs;
+      } else if (!controllers && to_.supervisors[i].context) {
+        random = &to_.supervisors[i].context->random();
+        outputs = &to_.supervisors[i].context->outputs();
+      }
+      if (random && same_seed_) random->set_state(whole_from<std::uint64_t>(saved.at("random")));
+      const std::vector<double> published = numbers_from(saved.at("outputs"));
+      if (outputs && published.size() == outputs->size()) *outputs = published;
+      if (saved.at("memory").is_null()) {
+        forgetful.push_back(model.name);
+        continue;
+      }
+      const auto memory = saved.at("memory").get<std::string>();
+      std::optional<std::string> thrown;
+      bool there = true;
+      if (controllers && to_.controllers[i].controller) {
+        if (const auto failure = to_.controllers[i].controller->restore(memory)) {
+          there = failure->kind == HostFailure::Kind::thrown;
+          thrown = there ? failure->what : phrase(*failure, "while taking it");
+        }
+      } else if (!controllers && to_.supervisors[i].supervisor) {
+        const PluginCall call = to_.supervisors[i].context->calling("while its state was restored");
+        thrown = to_.supervisors[i].entry->restore(*to_.supervisors[i].supervisor, memory);
+      }
+      if (thrown) {
+        notes_.push_back(kind + " '" + model.name + "' does not accept its state" +
+                         (there ? " and restarts: " : ": it ") + *thrown);
+      }
+    }
+    note_elements("restarts, because the snapshot does not have it: " + kind,
+                  "restart, because the snapshot does not have them: " + kind + "s", fresh);
+    note_elements("saves no state for snapshots and restarts: " + kind,
+                  "save no state for snapshots and restart: " + kind + "s", forgetful);
+    note_missing(kind, kind + "s", then, names);
+  }
+
+  void note_elements(const std::string& one, const std::string& many,
+                     const std::vector<std::string>& names) {
+    if (!names.empty()) notes_.push_back(listed(one, many, names));
+  }
+  void note_missing(const std::string& one, const std::string& many, const Json& then,
+                    const std::set<std::string>& now) {
+    std::vector<std::string> missing;
+    for (const auto& entry : then.items()) {
+      if (now.count(entry.key()) == 0) missing.push_back(entry.key());
+    }
+    note_elements("is not in the scene any more: " + one,
+                  "are not in the scene any more: " + many, missing);
+  }
+
+  Simulation::Impl& to_;
+  const Json& content_;
+  bool same_seed_;
+  std::vector<std::string>& notes_;
+};
+
+}  // namespace
+
+tl::expected<Resumed, std::vector<Diagnostic>> resume(const SnapshotFile& snapshot,
+                                                      SceneModelPtr scene,
+                                                      const SimulationOptions& options,
+                                                      std::shared_ptr<PluginLoader> loader) {
+  using Failure = tl::unexpected<std::vector<Diagnostic>>;
+  const auto refuse = [](const Error& error) {
+    return Failure(std::vector<Diagnostic>{plain(error)});
+  };
+  const SnapshotInfo& info = snapshot.info();
+  const Json& content = snapshot.impl().content;
+  if (info.scene != scene->name) {
+    return refuse(
+        Error("the snapshot is of scene '" + info.scene + "', not of '" + scene->name + "'"));
+  }
+  Resumed resumed;
+  try {
+    if (content.at("status") != to_string(RunStatus::running)) {
+      resumed.notes.push_back("the run had ended (" + content.at("status").get<std::string>() +
+                              ") when the snapshot was taken; it is continued anyway");
+    }
+    // If elements were added or removed, the world is created with the elements of the snapshot; a
+    // restart creates that of the scene.
+    SceneModelPtr then = scene, original;
+    if (info.changed) {
+      auto plain_run = Simulation::create(scene, options, loader);
+      if (!plain_run) return Failure(plain_run.error());
+      original = SnapshotAccess::of(**plain_run).original;
+      then = with_changes(*scene, content, resumed.notes);
+    }
+    auto created = Simulation::create(then, options, loader);
+    if (!created) return Failure(created.error());
+    resumed.simulation = std::move(*created);
+    Simulation::Impl& to = SnapshotAccess::of(*resumed.simulation);
+    const std::string signature = scene_signature(original ? *original : *to.original);
+    const bool unchanged = content.at("signature") == signature;
+    if (original) {
+      to.original = original;
+      to.rebuild_on_restart = true;
+    }
+    if (!unchanged) {
+      resumed.notes.push_back(
+          "the scene is not that of the snapshot: the state is transferred by names of elements");
+    }
+    resumed.same_scene = unchanged && info.backend == to.backend->name();
+    const bool same_seed = to.original->physics.seed == info.seed;
+    if (auto good = Resumption(to, snapshot, same_seed, resumed.notes).run(); !good) {
+      return refuse(good.error());
+    }
+  } catch (const Json::exception& e) {
+    return refuse(Error(std::string("the snapshot is damaged: ") + e.what()));
+  } catch (const Damaged& e) {
+    return refuse(Error(std::string("the snapshot is damaged: ") + e.what()));
+  } catch (const std::out_of_range&) {
+    return refuse(Error("the snapshot is damaged: its scene is inconsistent"));
+  }
+  return resumed;
+}
+
+}  // namespace cogrsim

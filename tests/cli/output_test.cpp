@@ -1,0 +1,363 @@
+// Every command pointed at what it must not replace: docs/guide/security.md. And what a scene may
+// write.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <catch2/catch.hpp>
+
+#include "process.h"
+
+using Catch::Contains;
+
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
+const std::string kFlight = std::string(COGRSIM_SCENES) + "/flight.scene.xml";
+
+void put(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
+
+Outcome with_toys(Arguments arguments) {
+  arguments.insert(arguments.end(), {"--plugin-path", COGRSIM_TOYS});
+  return cogrsim_run(arguments);
+}
+
+// A folder with one of each: a scene, a recording, a figure, a snapshot, a package.
+struct Inputs {
+  TemporaryFolder folder;
+  std::string scene = folder / "a.scene.xml", recorded = folder / "b.scene.xml",
+              run = folder / "run.mcap", figure = folder / "figure.json", snap = folder / "a.snap",
+              package = folder / "a-1.0.0.cogrsim.zip";
+
+  Inputs() {
+    std::string text = read_file(kFlight);
+    text.insert(text.rfind("</scene>"), R"(<plot name="path" y="ball.z"/>
+  <test name="fails"><always that="ball.z gt 100 m"/></test>
+)");
+    put(scene, text);
+    text.insert(text.rfind("</scene>"), "<record file=\"kept.mcap\"/>\n");
+    put(recorded, text);
+    REQUIRE(with_toys({"run", scene, "-b", "toy", "-d", "0.1", "--record", run, "--save-at", "0.05",
+                       snap})
+                .status == 0);
+    REQUIRE(cogrsim_run({"plot", run, "-o", figure}).status == 0);
+    REQUIRE(with_toys({"push", scene, "-o", package}).status == 0);
+  }
+
+  std::vector<std::pair<std::string, std::string>> by_argument() const {
+    return {{"SCENE", scene},   {"RECORDED", recorded}, {"RUN", run},
+            {"FIGURE", figure}, {"SNAP", snap},         {"PACKAGE", package}};
+  }
+};
+
+// An option that names an output of a command. Its files are found by running it.
+struct Case {
+  const char* option;
+  const char* ending;                 // of the file that is named; "/": it is a folder
+  Arguments arguments;                        // SCENE, RUN ... and OUT stand for files
+  const char* force = "--overwrite";  // empty: there is no such option
+  bool again = true;                  // its own outputs are replaced
+};
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all = {
+      {"--json", ".json", {"run", "SCENE", "-d", "0.1", "--json", "OUT"}},
+      {"--record", ".mcap", {"run", "SCENE", "-d", "0.1", "--record", "OUT"}},
+      {"--save-at", ".snap", {"run", "SCENE", "-d", "0.1", "--save-at", "0.05", "OUT"}},
+      {"--save-at",
+       ".snap",
+       {"run", "SCENE", "-d", "0.2", "--from", "SNAP", "--save-at", "0.15", "OUT"}},
+      {"--plots", "/", {"run", "SCENE", "-d", "0.1", "--plots", "OUT"}},
+      {"--output-dir", "/", {"run", "RECORDED", "-d", "0.1", "--output-dir", "OUT"}},
+      {"--json",
+       ".json",
+       {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--json", "OUT"}},
+      {"--report",
+       ".html",
+       {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--report", "OUT"}},
+      {"--table", ".md", {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--table", "OUT"}},
+      {"--table",
+       ".tex",
+       {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--table", "OUT"}},
+      {"-o,--output", ".json", {"plot", "RUN", "-o", "OUT"}},
+      {"-o,--output", ".png", {"plot", "RUN", "-o", "OUT"}},
+      {"-o,--output", ".json", {"plot", "FIGURE", "-o", "OUT"}},
+      {"-o,--output", "/", {"plot", "RUN", "--format", "svg", "-o", "OUT"}},
+      {"--extract", "/", {"info", "RUN", "--extract", "OUT"}},
+      {"--json", ".json", {"replay", "RUN", "--json", "OUT"}},
+      {"--csv", "/", {"replay", "RUN", "--csv", "OUT"}},
+      {"-o,--output", "/", {"replay", "RUN", "--render", "top", "--at", "0.05", "-o", "OUT"}},
+      {"-o,--output", "/", {"sweep", "SCENE", "--seeds", "1", "--backends", "toy", "-o", "OUT"}},
+      {"--junit", ".xml", {"test", "SCENE", "--backends", "toy", "--junit", "OUT"}},
+      {"-o,--out", "/", {"test", "SCENE", "--backends", "toy", "-o", "OUT"}},
+      {"-o,--output", ".svg", {"map", "RUN", "-o", "OUT"}},
+      {"-o,--output", ".gif", {"map", "RUN", "--every", "0.05", "-o", "OUT"}},
+      {"-o,--output", ".png", {"render", "RUN", "-o", "OUT"}},
+      {"-o,--output", ".html", {"bundle", "RUN", "-o", "OUT"}},
+      {"-o,--output", ".zip", {"push", "SCENE", "-o", "OUT"}, "--overwrite", false},
+      {"-o,--output", "/", {"push", "SCENE", "-o", "OUT"}, "--force", false},
+      {"--into", "/", {"pull", "PACKAGE", "--into", "OUT"}, "", false},
+      {"--into", "/", {"new", "controller", "walker", "--into", "OUT"}, "", false},
+  };
+  return all;
+}
+
+bool is_folder(const Case& c) { return c.ending[0] == '/'; }
+
+Outcome attempt(const Inputs& in, const Case& c, const std::string& out, bool force) {
+  Arguments arguments = c.arguments;
+  for (std::string& argument : arguments) {
+    for (const auto& [name, file] : in.by_argument()) {
+      if (argument == name) argument = file;
+    }
+    if (argument == "OUT") argument = out;
+  }
+  if (force && c.force[0] != '\0') arguments.emplace_back(c.force);
+  for (const char* other : {"plot", "map", "info", "pull", "new"}) {
+    if (arguments.front() == other) return cogrsim_run(arguments);
+  }
+  return with_toys(arguments);
+}
+
+// Everything below a folder: names, kinds, contents.
+std::map<std::string, std::string> state_of(const std::string& folder) {
+  std::map<std::string, std::string> all;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const fs::path& path = entry.path();
+    const fs::file_status status = entry.symlink_status();
+    all[path.lexically_relative(folder)] = fs::is_symlink(status)
+                                               ? "link to " + fs::read_symlink(path).string()
+                                           : fs::is_directory(status)    ? "folder"
+                                           : fs::is_regular_file(status) ? "file " + read_file(path)
+                                                                         : "device";
+  }
+  return all;
+}
+
+const std::string kFolder = "a folder";
+
+struct Obstacle {
+  std::string what;
+  std::function<void(const std::string& path)> put;
+};
+
+const std::vector<Obstacle>& obstacles() {
+  static const std::vector<Obstacle> all = {
+      {"a foreign file", [](const std::string& path) { put(path, "mine\n"); }},
+      {"a link to a foreign file",
+       [](const std::string& path) {
+         put(path + ".target", "mine\n");
+         fs::create_symlink(path + ".target", path);
+       }},
+      {"a link to nothing",
+       [](const std::string& path) { fs::create_symlink(path + ".target", path); }},
+      {"a link to a device",
+       [](const std::string& path) { fs::create_symlink("/dev/null", path); }},
+      {"a pipe", [](const std::string& path) { REQUIRE(mkfifo(path.c_str(), 0600) == 0); }},
+      {kFolder,
+       [](const std::string& path) {
+         fs::create_directory(path);
+         put(path + "/inside", "mine\n");
+       }},
+  };
+  return all;
+}
+
+void check_refused(const Outcome& outcome) {
+  CHECK(outcome.status != 0);
+  // The result of a test has the reason why there is no recording.
+  CHECK_THAT(outcome.err + outcome.out, Contains("error") || Contains("cannot write"));
+}
+
+// An obstacle at `path`, the output of the command.
+void check_refuses(const Inputs& in, const Case& c, const std::string& folder,
+                   const std::string& out, bool force) {
+  INFO(out << (force ? " and forced" : ""));
+  struct stat null_before {
+  }, null_after{};
+  REQUIRE(stat("/dev/null", &null_before) == 0);
+  const auto before = state_of(folder), inputs_before = state_of(in.folder / "");
+  const Outcome refused = attempt(in, c, out, force);
+  INFO(refused.out << refused.err);
+  check_refused(refused);
+  CHECK(state_of(folder) == before);
+  CHECK(state_of(in.folder / "") == inputs_before);
+  REQUIRE(stat("/dev/null", &null_after) == 0);
+  CHECK(null_after.st_ino == null_before.st_ino);
+}
+
+// The first argument of what `--help` says an option takes; empty: a flag.
+std::string type_in_help(const std::string& line, const std::string& option) {
+  const std::string rest = line.substr(line.find(option) + option.size());
+  if (rest.rfind("  ", 0) == 0 || rest.size() < 2) return {};
+  return rest.substr(1, rest.find_first_of(" :=[", 1) - 1);
+}
+
+}  // namespace
+
+TEST_CASE("every option that names a file is in the next test", "[cli][output]") {
+  // The other options take no file.
+  const std::set<std::string> no_files = {
+      "",        "T",        "N",         "DT",     "NAME",    "B",        "X|max",       "A,B",
+      "X",       "K",        "TEXT",      "SIGNAL", "COLUMN",  "F",        "CAMERA|VIEW", "LIST",
+      "SIZE",    "1..5|1,3", "text|json", "PIXELS", "X,Y,X,Y", "NAME,...", "WHAT,...",    "WxH",
+      "ADDRESS", "MB",       "STORE",     "V",      "URL",     "S",        "Excludes",
+      "process|none", "SEEDS"};
+  const std::set<std::string> inputs = {"--plugin-path", "--from", "--include"};
+  std::set<std::string> tried;
+  for (const Case& c : cases()) tried.insert(c.arguments[0] + " " + c.option);
+  std::size_t outputs = 0;
+  for (const std::string& command : listed_commands()) {
+    std::istringstream help(cogrsim_run({command, "--help"}).out);
+    for (std::string line; std::getline(help, line);) {
+      if (line.rfind("  -", 0) != 0) continue;
+      const std::string option = line.substr(2, line.find(' ', 2) - 2);
+      const std::string type = type_in_help(line, option);
+      if (no_files.count(type) == 1 || inputs.count(option) == 1) continue;
+      INFO("write an entry for 'cogrsim " << command << " " << option << "', which takes a '"
+                                          << type << "'");
+      CHECK(tried.count((option == "--output-dir" ? "run" : command) + (" " + option)) == 1);
+      ++outputs;
+    }
+  }
+  CHECK(outputs > 15);
+}
+
+TEST_CASE("no command replaces an input, a device, a link, a folder or a foreign file",
+          "[cli][output]") {
+  const Inputs in;
+  const std::set<std::string> there = listed_commands();
+  for (const Case& c : cases()) {
+    if (there.count(c.arguments[0]) == 0) continue;  // built without the studio, or without sharing
+    INFO(c.arguments[0] << " " << c.option << " of " << c.arguments[1] << ", " << c.ending);
+    const auto name_out = [&](const TemporaryFolder& folder) {
+      const std::string out = folder / (is_folder(c) ? "out" : std::string("out") + c.ending);
+      if (is_folder(c)) fs::create_directory(out);
+      return out;
+    };
+    // Its outputs.
+    std::vector<std::string> files;
+    int good = 0;
+    {
+      const TemporaryFolder folder;
+      const std::string out = name_out(folder);
+      const Outcome fresh = attempt(in, c, out, false);
+      INFO(fresh.out << fresh.err);
+      good = fresh.status;
+      REQUIRE(good == (c.arguments[0] == "test" ? 1 : 0));
+      for (const auto& entry : fs::directory_iterator(is_folder(c) ? out : folder / "")) {
+        files.push_back(entry.path().lexically_relative(folder / ""));
+      }
+      CHECK_FALSE(files.empty());
+      CHECK((attempt(in, c, out, false).status == good) == c.again);
+    }
+    for (const std::string& file : files) {
+      for (const Obstacle& obstacle : obstacles()) {
+        for (const bool force : {false, true}) {
+          if (force && c.force[0] == '\0') continue;
+          // A folder takes the package in.
+          if (c.arguments[0] == "push" && !is_folder(c) && obstacle.what == kFolder) continue;
+          INFO(obstacle.what << " in place of " << file);
+          const TemporaryFolder folder;
+          const std::string out = name_out(folder);
+          obstacle.put(folder / file);
+          // The table of a study grows, and is never replaced.
+          const bool foreign = &obstacle == &obstacles().front() && file != "out/results.sqlite";
+          if (!force || !foreign) {
+            check_refuses(in, c, folder / "", out, force);
+            continue;
+          }
+          const Outcome forced = attempt(in, c, out, true);
+          INFO(forced.err);
+          CHECK(forced.status == good);
+          CHECK(read_file(folder / file) != "mine\n");
+        }
+      }
+      for (const auto& [argument, input] : in.by_argument()) {
+        if (std::count(c.arguments.begin(), c.arguments.end(), argument) == 0) continue;
+        INFO("its " << argument << " in place of " << file);
+        const TemporaryFolder folder;
+        const std::string out = name_out(folder);
+        fs::create_hard_link(input, folder / file);
+        check_refuses(in, c, folder / "", out, true);
+        if (!is_folder(c)) check_refuses(in, c, folder / "", input, true);
+      }
+    }
+    const TemporaryFolder folder;
+    check_refuses(in, c, folder / "", "/dev/null", true);
+    if (!is_folder(c)) continue;
+    for (const Obstacle& obstacle : obstacles()) {
+      INFO(obstacle.what << " in place of the folder");
+      if (obstacle.what == kFolder) continue;
+      // Where there is no folder, push is named the file itself.
+      if (c.arguments[0] == "push" && &obstacle == &obstacles().front()) continue;
+      const TemporaryFolder target;
+      obstacle.put(target / "out");
+      check_refuses(in, c, target / "", target / "out", true);
+    }
+  }
+}
+
+TEST_CASE("extracting a scene spares the one that was edited", "[cli][output]") {
+  const Inputs in;
+  put(in.scene, read_file(in.scene) + "<!-- edited -->\n");
+  const std::string edited = read_file(in.scene);
+  const std::string folder = fs::path(in.scene).parent_path();
+  const Outcome refused = cogrsim_run({"info", in.run, "--extract", folder});
+  CHECK(refused.status == 1);
+  CHECK(read_file(in.scene) == edited);
+  CHECK(cogrsim_run({"info", in.run, "--extract", in.folder / "new"}).status == 0);
+  CHECK(cogrsim_run({"info", in.run, "--extract", in.folder / "new"}).status == 0);  // the same
+  CHECK(cogrsim_run({"info", in.run, "--extract", folder, "--overwrite"}).status == 0);
+  CHECK(read_file(in.scene) != edited);
+}
+
+TEST_CASE("outputs that a scene names stay in its folder", "[cli][output]") {
+  const TemporaryFolder folder;
+  const std::string inner = folder / "scene";
+  fs::create_directory(inner);
+  fs::create_directory(folder / "elsewhere");
+  fs::create_directory_symlink(folder / "elsewhere", inner + "/link");
+  put(folder / "elsewhere/taken.mcap", "mine\n");
+  fs::create_symlink(folder / "elsewhere/taken.mcap", inner + "/link.mcap");
+  REQUIRE(mkfifo((inner + "/pipe.mcap").c_str(), 0600) == 0);
+  put(inner + "/notes.mcap", "mine\n");
+  const auto with_record = [&](const std::string& file) {
+    std::string text = read_file(kFlight);
+    text.insert(text.rfind("</scene>"), "<record file=\"" + file + "\"/>\n");
+    put(inner + "/a.scene.xml", text);
+    return with_toys({"run", inner + "/a.scene.xml", "-b", "toy", "-d", "0.1"});
+  };
+  for (const std::string& file :
+       {std::string("../x.mcap"), folder / "x.mcap", std::string("link/x.mcap"),
+        std::string("link.mcap"), std::string("pipe.mcap"), std::string("notes.mcap"),
+        std::string("/dev/null"), std::string("x.sh"), std::string("a.scene.xml"),
+        std::string(".bashrc"), std::string("none/../../x.mcap")}) {
+    INFO(file);
+    const Outcome refused = with_record(file);
+    CHECK(refused.status == 1);
+    CHECK_THAT(refused.err, Contains("error"));
+    CHECK(read_file(inner + "/notes.mcap") == "mine\n");
+    CHECK(read_file(folder / "elsewhere/taken.mcap") == "mine\n");
+    CHECK_FALSE(fs::exists(folder / "x.mcap"));
+    CHECK_FALSE(fs::exists(folder / "elsewhere/x.mcap"));
+    CHECK_FALSE(fs::exists(inner + "/x.sh"));
+  }
+  const Outcome good = with_record("b.mcap");
+  INFO(good.err);
+  CHECK(good.status == 0);
+  CHECK(fs::is_regular_file(inner + "/b.mcap"));
+  Arguments arguments = {"run",          inner + "/a.scene.xml", "-b", "toy", "-d", "0.1",
+                 "--output-dir", folder / "elsewhere"};
+  CHECK(with_toys(arguments).status == 0);
+  CHECK(fs::is_regular_file(folder / "elsewhere/b.mcap"));
+}
