@@ -172,10 +172,6 @@ void has(const Attempt& attempt, Files expected) {
 
 void nothing(const Attempt& attempt, const Outcome&) { has(attempt, {}); }
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 // Whatever came of the little time that there was.
 void old_or_whole_page(const Attempt& attempt, const Outcome&) {
   has(attempt, {"a.html"});
@@ -281,7 +277,7 @@ const std::vector<Case>& cases() {
          for (const auto& entry : fs::directory_iterator(attempt / "pictures")) {
            INFO(entry.path());
            CHECK(entry.path().filename().string().rfind("top_", 0) == 0);
-           CHECK(ends_with(read_file(entry.path()), "IEND\xae\x42\x60\x82"));
+           CHECK(read_file(entry.path()).ends_with("IEND\xae\x42\x60\x82"));
          }
        }},
       {"map of a scene", {"map", "SCENE", "-o", "@a.svg", "--overwrite"}, marked, unchanged},

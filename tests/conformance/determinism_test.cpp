@@ -71,7 +71,7 @@ TEST_CASE("a run chopped into pieces is the same", "[determinism]") {
   CHECK(pieces.hash() == whole.hash());
 }
 
-TEST_CASE("a run goes on from a restore as it did from the save", "[determinism]") {
+TEST_CASE("a run resumes from a restore as it did from the save", "[determinism]") {
   need("runtime.save");
   const double when = GENERATE(0.0, 0.3, 0.7);
   Sim sim = start(scene());
@@ -92,7 +92,7 @@ TEST_CASE("a run goes on from a restore as it did from the save", "[determinism]
   CHECK(trace(sim, kSeconds) == first);
 }
 
-TEST_CASE("a fresh world goes on from another's save", "[determinism]") {
+TEST_CASE("a fresh world resumes from another's save", "[determinism]") {
   need("runtime.save");
   const Scene made = scene();
   Sim sim = start(made);

@@ -203,7 +203,7 @@ TEST_CASE("reset takes back what was added and removed", "[runtime]") {
   CHECK(sim.hash() == fresh.hash());
 }
 
-TEST_CASE("set_state moves everything, and it goes on from there", "[runtime]") {
+TEST_CASE("set_state moves everything, and the run resumes from there", "[runtime]") {
   need("runtime.set_state");
   Playground place = playground();
   const SceneModelPtr model = place.builder.build();

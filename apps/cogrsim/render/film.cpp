@@ -56,6 +56,14 @@ std::vector<std::string> ffmpeg_arguments(const std::string& path, double rate) 
 
 bool is_film(const std::string& path) { return has_ending(path, {".gif", ".mp4", ".webm"}); }
 
+Result<> check_every(const std::string& path, double every, const char* example) {
+  const bool given = every > 0.0;
+  if (is_film(path) == given) return {};
+  if (given) return fail("--every is for films", "", "end the name with .gif, .mp4 or .webm");
+  return fail("a film needs to know how often it takes a picture", "",
+              std::string("add --every ") + example);
+}
+
 Result<> check_picture_count(double span, double every) {
   constexpr double kMostPictures = 1e5;
   const double count = span / every + 1.0;

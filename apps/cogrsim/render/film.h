@@ -13,6 +13,9 @@ namespace cogrsim::cli {
 /// Whether the name asks for a film: .gif, .mp4 or .webm.
 bool is_film(const std::string& path);
 
+/// Whether `every` [s] is given for a film and for nothing else; `example` is what help suggests.
+Result<> check_every(const std::string& path, double every, const char* example);
+
 /// A picture every `every` for `span`, both [s]. Errors: more than 100000 pictures, over an hour of
 /// 25 a second: a slip of the unit.
 Result<> check_picture_count(double span, double every);

@@ -99,12 +99,8 @@ int draw_film(Job& job) {
 
 int map_command(const MapCommandOptions& options) {
   const bool film = is_film(options.output);
-  if (film && !(options.every > 0.0)) {
-    print_error("a film needs to know how often it takes a picture\nhelp: add --every 0.1");
-    return kWrongUsage;
-  }
-  if (!film && options.every > 0.0) {
-    print_error("--every is for films\nhelp: end the name with .gif, .mp4 or .webm");
+  if (auto fits = check_every(options.output, options.every, "0.1"); !fits) {
+    print_error(fits.error().text());
     return kWrongUsage;
   }
   add_input(options.source.source.scene);

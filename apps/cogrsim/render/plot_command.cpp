@@ -23,11 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool ends_with(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
-
 int redraw(const PlotCommandOptions& options) {
   const std::string& path = options.files.front();
   std::ifstream in(path, std::ios::binary);
@@ -200,7 +195,7 @@ int plot_command(const PlotCommandOptions& options) {
     return refuse(Error("--by is for the tables of studies", "", "recordings are series already"),
                   kWrongUsage);
   const auto json = std::count_if(options.files.begin(), options.files.end(),
-                                  [](const std::string& file) { return ends_with(file, ".json"); });
+                                  [](const std::string& file) { return file.ends_with(".json"); });
   if (json > 0) {
     if (options.files.size() > 1)
       return refuse(Error("a figure is drawn alone", "", "give one .json file, or recordings"),

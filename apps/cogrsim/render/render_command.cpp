@@ -194,11 +194,8 @@ int render_command(const RenderCommandOptions& options) {
   if (options.depth && options.segmentation) {
     return misuse("--depth and --segmentation are both given\nhelp: make two pictures");
   }
-  if (moving && !(options.every > 0.0)) {
-    return misuse("a film needs to know how often it takes a picture\nhelp: add --every 0.05");
-  }
-  if (!moving && options.every > 0.0) {
-    return misuse("--every is for films\nhelp: end the name with .gif, .mp4 or .webm");
+  if (auto fits = check_every(options.output, options.every, "0.05"); !fits) {
+    return misuse(fits.error().text());
   }
   if (!moving && !has_ending(options.output, {".png", ".jpg", ".jpeg"})) {
     return misuse(

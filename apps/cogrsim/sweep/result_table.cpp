@@ -18,11 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool ends_with(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
-
 ResultTable::Cell cell_from(std::string text) {
   ResultTable::Cell cell;
   cell.number = std::numeric_limits<double>::quiet_NaN();
@@ -144,7 +139,7 @@ Result<std::size_t> ResultTable::find(const std::string& name) const {
 
 bool is_result_table(const std::string& path) {
   std::error_code error;
-  return ends_with(path, ".sqlite") || ends_with(path, ".csv") || fs::is_directory(path, error);
+  return path.ends_with(".sqlite") || path.ends_with(".csv") || fs::is_directory(path, error);
 }
 
 Result<ResultTable> read_result_table(const std::string& path) {
@@ -158,7 +153,7 @@ Result<ResultTable> read_result_table(const std::string& path) {
     }
   }
   if (!fs::exists(file, error)) return fail(fmt::format("there is no file '{}'", file));
-  return ends_with(file, ".csv") ? read_csv(file) : read_sqlite(file);
+  return file.ends_with(".csv") ? read_csv(file) : read_sqlite(file);
 }
 
 }  // namespace cogrsim::cli

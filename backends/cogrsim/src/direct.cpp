@@ -23,7 +23,7 @@ constexpr double kSayNothing = 1e-13;
 // e = J v + what the row yields + bias, v = v0 + W (l - l0). Newton's step with the generalized
 // Jacobian of where l is (Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991), shortened
 // until the largest error, as a velocity, gets less. What does not converge is dropped.
-bool Island::solve_directly(double tolerance) {
+void Island::solve_directly(double tolerance) {
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
   const Eigen::Index rows = Eigen::Index(lines.size()), freedoms = Eigen::Index(v.size());
@@ -125,10 +125,9 @@ bool Island::solve_directly(double tolerance) {
     l -= share * way;
     error = evaluate(l, true);
   }
-  if (!(error <= tolerance)) return false;
+  if (!(error <= tolerance)) return;
   for (Eigen::Index i = 0; i < rows; ++i) lines[std::size_t(i)].lambda = l[i];
   Eigen::Map<Vector>(v.data(), freedoms) += W.transpose() * (l - start);
-  return true;
 }
 
 }  // namespace cogrsim::dynamics

@@ -102,8 +102,8 @@ class Island {
   template <class Rows>
   double sweep(bool backwards);
   double go_on(double last_size);
-  // Returns whether all rows hold then; see direct.cpp.
-  bool solve_directly(double tolerance);
+  // Changes nothing where it does not find what makes all rows hold; see direct.cpp.
+  void solve_directly(double tolerance);
   double go_on_settling(double last_size);
   bool measure_gaps(double h, std::vector<Row>& rows);
   void hold_sticking(double h);

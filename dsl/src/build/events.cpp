@@ -16,10 +16,6 @@ bool among(const Elements& elements, const std::string& name) {
                      [&](const auto& element) { return element.name == name; });
 }
 
-bool begins_with(std::string_view text, std::string_view start) {
-  return text.substr(0, start.size()) == start;
-}
-
 // Whether such an element is one once it is in the model.
 bool becomes(const Element& element, Thing thing) {
   const std::string_view tag = element.tag();
@@ -216,7 +212,7 @@ bool Builder::may_come(const std::string& name, Thing thing) const {
       if (thing == Thing::joint && name == coming.name) return true;
       continue;
     }
-    if (!begins_with(name, coming.name)) continue;
+    if (!name.starts_with(coming.name)) continue;
     std::size_t end = coming.name.size();
     if (coming.numbered) {
       const std::size_t digits = end;
@@ -241,7 +237,7 @@ bool Builder::is_announced(const Element& from, const std::string& name) {
   const auto names = reader(*holder).text("added");
   std::istringstream words(*names);
   for (std::string word; words >> word;) {
-    if (begins_with(name, word) && (name.size() == word.size() || name[word.size()] == '.'))
+    if (name.starts_with(word) && (name.size() == word.size() || name[word.size()] == '.'))
       return true;
   }
   return false;

@@ -94,12 +94,6 @@ tl::unexpected<Error> refused(const std::string& path, const std::string& why,
   return fail(fmt::format("cannot write '{}': {}", path, why), "", hint);
 }
 
-bool ends_with(std::string_view text, std::string_view end) {
-  return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
-}
-bool begins_with(std::string_view text, std::string_view begin) {
-  return text.substr(0, begin.size()) == begin;
-}
 bool has(std::string_view text, std::string_view part) {
   return text.find(part) != std::string_view::npos;
 }
@@ -118,40 +112,40 @@ bool is_ours(OutputKind kind, std::string_view head, std::string_view tail) {
       return has(head, kJsonMark);
     case OutputKind::xml:
     case OutputKind::svg:
-      return ends_with(tail, kXmlMark);
+      return tail.ends_with(kXmlMark);
     case OutputKind::html:
-      return ends_with(tail, kXmlMark) || has(head, "content=\"cogrsim bundle\"");
+      return tail.ends_with(kXmlMark) || has(head, "content=\"cogrsim bundle\"");
     case OutputKind::csv:
       return (has(head, "seed,backend,status,cause,end_time") &&
               has(head, "state_hash,wall_time")) ||
              std::any_of(kTableMarks.begin(), kTableMarks.end(),
-                         [&](std::string_view mark) { return begins_with(head, mark); });
+                         [&](std::string_view mark) { return head.starts_with(mark); });
     case OutputKind::png:
-      return tail.size() >= kPngEnd && ends_with(tail.substr(0, tail.size() - kPngEnd), kPngMark);
+      return tail.size() >= kPngEnd && tail.substr(0, tail.size() - kPngEnd).ends_with(kPngMark);
     case OutputKind::jpeg:
-      return begins_with(head, "\xff\xd8") && begins_with(head.substr(2), kJpegMark);
+      return head.starts_with("\xff\xd8") && head.substr(2).starts_with(kJpegMark);
     case OutputKind::pdf:
-      return ends_with(tail, kPdfMark);
+      return tail.ends_with(kPdfMark);
     case OutputKind::film:
-      return ends_with(tail, kMp4Mark) || ends_with(tail, kWebmMark) ||
-             (ends_with(tail, "\x3b"sv) && ends_with(tail.substr(0, tail.size() - 1), kGifMark));
+      return tail.ends_with(kMp4Mark) || tail.ends_with(kWebmMark) ||
+             (tail.ends_with("\x3b"sv) && tail.substr(0, tail.size() - 1).ends_with(kGifMark));
     case OutputKind::recording:
-      return begins_with(head, "\x89MCAP0\r\n"sv) && has(head.substr(0, 64), "cogrsim");
+      return head.starts_with("\x89MCAP0\r\n"sv) && has(head.substr(0, 64), "cogrsim");
     case OutputKind::snapshot:
       return has(head, "\"cogrsim-snapshot\"") || has(tail, "\"cogrsim-snapshot\"");
     case OutputKind::figure:
       return has(head, "\"cogrsim-figure\"") || has(tail, "\"cogrsim-figure\"");
     case OutputKind::script:
-      return begins_with(head, kScriptMark);
+      return head.starts_with(kScriptMark);
     case OutputKind::learner:
-      return begins_with(head, "cogrsim-learner ");
+      return head.starts_with("cogrsim-learner ");
     case OutputKind::study:
       // Its tables may still be in the write-ahead log; whoever opens the database checks them.
-      return begins_with(head, "SQLite format 3"sv);
+      return head.starts_with("SQLite format 3"sv);
     case OutputKind::journal:
-      return begins_with(head, kJournalMark);
+      return head.starts_with(kJournalMark);
     case OutputKind::text_table:
-      return ends_with(tail, kXmlMark) || ends_with(tail, kPdfMark);
+      return tail.ends_with(kXmlMark) || tail.ends_with(kPdfMark);
     case OutputKind::other:
       return false;
   }
@@ -280,18 +274,18 @@ std::string marked(OutputKind kind, std::string bytes) {
   }
   switch (kind) {
     case OutputKind::json:
-      if (begins_with(bytes, "{\n")) {
+      if (bytes.starts_with("{\n")) {
         const std::size_t text = bytes.find_first_not_of(" \n", 1);
         const std::string indent = bytes.substr(1, text - 1);
         bytes.insert(1, indent + std::string(kJsonMark) + (bytes[text] == '}' ? "" : ","));
-      } else if (begins_with(bytes, "{")) {
-        bytes.insert(1, std::string(kJsonMark) + (begins_with(bytes, "{}") ? "" : ", "));
+      } else if (bytes.starts_with("{")) {
+        bytes.insert(1, std::string(kJsonMark) + (bytes.starts_with("{}") ? "" : ", "));
       }
       break;
     case OutputKind::xml:
     case OutputKind::svg:
     case OutputKind::html:
-      if (!ends_with(bytes, "\n")) bytes += '\n';
+      if (!bytes.ends_with("\n")) bytes += '\n';
       bytes += kXmlMark;
       break;
     case OutputKind::pdf:
@@ -301,7 +295,7 @@ std::string marked(OutputKind kind, std::string bytes) {
       before_end(kPngEnd, kPngMark);
       break;
     case OutputKind::jpeg:
-      if (begins_with(bytes, "\xff\xd8")) bytes.insert(2, kJpegMark);
+      if (bytes.starts_with("\xff\xd8")) bytes.insert(2, kJpegMark);
       break;
     default:
       break;
