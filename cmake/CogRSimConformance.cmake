@@ -15,7 +15,7 @@ set(COGRSIM_CONFORMANCE_MUTATIONS gravity=1.01 damping=0.04 swap-axes=1 friction
   restitution=0.9 inertia=1.02 effort=0.98 contact-force=1.02 limits=1.05 reaction=1.01 forget=1)
 set(COGRSIM_CONFORMANCE_MUTATION_TESTS "[free]" "projectile*,rod pendulum*" "[free]" "[friction]"
   "bounce of a sphere on a plane" "rod pendulum*" "motor on hinge*" "[reports]" "[limits]"
-  "[reports]" "a run goes on*")
+  "[reports]" "a run resumes*")
 
 function(cogrsim_add_conformance_tests backend)
   cmake_parse_arguments(arg "CONFORMANCE_ONLY" "EXPECTATIONS;VARIANT;OPTION" "GROUPS;MUTATIONS" ${ARGN})
