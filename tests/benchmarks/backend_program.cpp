@@ -14,6 +14,7 @@
 
 #include "allocations.h"
 #include "cogrsim/dsl/compiler.h"
+#include "cogrsim/physics/backend_choice.h"
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/plugin/loader.h"
 #include "cogrsim/simulation/simulation.h"
@@ -107,10 +108,16 @@ class SimulationRunner final : public Runner {
 
 class BackendProgram final : public EngineProgram {
  public:
-  explicit BackendProgram(const std::string& name) : loader_(std::make_shared<PluginLoader>()) {
-    auto backend = loader_->backend(name);
+  /// `choice`: a backend, with options in brackets if it shall have any.
+  explicit BackendProgram(const std::string& choice) : loader_(std::make_shared<PluginLoader>()) {
+    const auto parsed = parse_backend_choice(choice);
+    if (!parsed) throw std::runtime_error(parsed.error().text());
+    auto backend = loader_->backend(parsed->name);
     if (!backend) throw std::runtime_error(backend.error().text());
     backend_ = *backend;
+    auto values = option_values(*parsed, backend_->world_options());
+    if (!values) throw std::runtime_error(values.error().text());
+    values_ = std::move(*values);
   }
   std::string name() const override { return std::string("cogrsim-") + backend_->name(); }
   std::string version() const override { return backend_->engine_version(); }
@@ -120,7 +127,12 @@ class BackendProgram final : public EngineProgram {
   }
   std::unique_ptr<Runner> make(const Scene& scene) override {
     const bool world_anchors = std::strcmp(backend_->name(), "ode") == 0;
-    const SceneModelPtr model = model_of(scene, world_anchors);
+    SceneModelPtr model = model_of(scene, world_anchors);
+    if (!values_.empty()) {
+      auto changed = std::make_shared<SceneModel>(*model);
+      changed->physics.engine_options[backend_->name()] = values_;
+      model = changed;
+    }
     for (const Diagnostic& problem :
          check_capabilities(*model, backend_->name(), backend_->capabilities())) {
       if (problem.severity == Severity::error) throw Unsupported(problem.message);
@@ -135,6 +147,7 @@ class BackendProgram final : public EngineProgram {
  private:
   std::shared_ptr<PluginLoader> loader_;
   std::shared_ptr<const Backend> backend_;
+  Parameters values_;  ///< of the backend's options that were given
 };
 
 void print(const char* layer, const AllocationReport& report, int steps) {
@@ -214,7 +227,7 @@ int main(int argc, char** argv) try {
     return compile(std::atoi(argv[2]));
   }
   if (first.empty() || first.front() == '-') {
-    fmt::print(stderr, "usage: {} BACKEND --scene NAME … | --list | --compile COUNT\n", argv[0]);
+    fmt::print(stderr, "usage: {} BACKEND[(OPTION=VALUE …)] --scene NAME … | --list | --compile COUNT\n", argv[0]);
     return 2;
   }
   BackendProgram program(first);

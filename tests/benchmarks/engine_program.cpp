@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -139,9 +140,13 @@ int run(const Options& options, EngineProgram& program, Voice& voice) {
     return 0;
   }
   if (options.steps > 0) {
+    const auto wall_start = std::chrono::steady_clock::now();
     const double us = microseconds(*runner, options.steps, dt);
+    const std::chrono::duration<double, std::micro> wall =
+        std::chrono::steady_clock::now() - wall_start;
     Json state = state_of(scene, *runner);
-    state["us_per_step"] = us / options.steps;
+    state["us_per_step"] = us / options.steps;  // of processor time
+    state["wall_us_per_step"] = wall.count() / options.steps;
     voice.say(state);
     return 0;
   }

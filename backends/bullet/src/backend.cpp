@@ -16,8 +16,7 @@ const char* pair_note(ShapeType a, ShapeType b) {
   const auto any = [&](ShapeType x) { return a == x || b == x; };
   if (any(ShapeType::mesh) || any(ShapeType::heightmap)) {
     return "Bullet tests triangles one by one and feels their seams: a sliding box loses 6 % of "
-           "its "
-           "way";
+           "its way";
   }
   if (any(ShapeType::box) && (any(ShapeType::cylinder) || any(ShapeType::convex_mesh))) {
     return "Bullet gathers the points of two faces over several steps: what hits flat starts to "

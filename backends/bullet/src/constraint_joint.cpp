@@ -1,5 +1,7 @@
 #include "constraint_joint.h"
 
+#include <utility>
+
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
@@ -55,7 +57,7 @@ ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody
     default:
       main_ = make_six();
   }
-  main_->setJointFeedback(&feedback_);
+  main_->setUserConstraintPtr(&load_);
   make_axes(made);
   make_rows(model);
   if (auto* six = dynamic_cast<btGeneric6DofConstraint*>(main_.get())) {
@@ -64,8 +66,6 @@ ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody
   }
   set_limits();
 }
-
-ConstraintJoint::~ConstraintJoint() = default;
 
 void ConstraintJoint::make_axes(const Joint& joint) {
   const auto add = [&](int index, bool angular, int dof, bool on_child = false) {
@@ -127,7 +127,7 @@ ConstraintJoint::Extra* ConstraintJoint::make_extra() {
   auto extra = std::make_unique<Extra>();
   extra->constraint = make_six();
   for (int dof = 0; dof < 6; ++dof) extra->constraint->setLimit(dof, 1.0, -1.0);
-  extra->constraint->setJointFeedback(&extra->feedback);
+  extra->constraint->setUserConstraintPtr(&extra->load);
   extras_.push_back(std::move(extra));
   return extras_.back().get();
 }
@@ -192,8 +192,10 @@ double ConstraintJoint::inverse_mass(const Axis& axis, const btVector3& along) c
 
 void ConstraintJoint::drive(const Axis& axis, Row& row, double dt, double velocity,
                             double softness) {
-  row.on = true;
   const double bound = std::min(row.bound, kUnbounded);
+  const std::array<double, 4> given = {velocity, bound, dt, softness};
+  if (std::exchange(row.on, true) && row.given == given) return;
+  row.given = given;
   if (!row.extra && type_ == JointType::hinge) {
     auto& hinge = static_cast<btHingeConstraint&>(*main_);
     hinge.enableAngularMotor(true, velocity, bound * dt);
@@ -216,13 +218,11 @@ void ConstraintJoint::drive(const Axis& axis, Row& row, double dt, double veloci
 void ConstraintJoint::stop(const Axis& axis, Row& row) {
   if (!row.on) return;
   row.on = false;
-  if (row.extra) {
-    enable(*row.extra->constraint, axis.dof, false);
-  } else if (type_ == JointType::hinge) {
-    static_cast<btHingeConstraint&>(*main_).enableMotor(false);
-  } else {
-    enable(static_cast<btGeneric6DofConstraint&>(*main_), axis.dof, false);
+  if (!row.extra && type_ == JointType::hinge) {
+    return static_cast<btHingeConstraint&>(*main_).enableMotor(false);
   }
+  enable(row.extra ? *row.extra->constraint : static_cast<btGeneric6DofConstraint&>(*main_),
+         axis.dof, false);
 }
 
 /// A spring and damper with a bound: effort = clamp(bias + kp (position - q) + kd (velocity - u)).
@@ -250,8 +250,8 @@ void ConstraintJoint::apply_law(const Axis& axis, Row& row, const Drive& law, do
 }
 
 void ConstraintJoint::push(const btVector3& force, const btVector3& torque) {
-  force_ += force;
-  torque_ += torque;
+  explicit_.force += force;
+  explicit_.torque += torque;
   const btVector3 M = b_.getWorldTransform() * frame_b_.getOrigin();
   b_.applyForce(force, M - b_.getCenterOfMassPosition());
   b_.applyTorque(torque);
@@ -262,8 +262,7 @@ void ConstraintJoint::push(const btVector3& force, const btVector3& torque) {
 void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives,
                             const std::function<const double*()>& position) {
   const double* q = nullptr;
-  force_.setZero();
-  torque_.setZero();
+  explicit_ = {};
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& axis = axes_[i];
     double effort = 0.0;
@@ -289,22 +288,25 @@ void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives,
     if (effort == 0.0) continue;
     const btVector3 pushed =
         direction(axis, a_.getWorldTransform(), b_.getWorldTransform()) * effort;
-    const btVector3 none(0, 0, 0);
-    push(axis.angular ? none : pushed, axis.angular ? pushed : none);
+    axis.angular ? push({0, 0, 0}, pushed) : push(pushed, {0, 0, 0});
   }
 }
 
-void ConstraintJoint::get_reaction(const btTransform& X_B, btVector3& force,
-                                   btVector3& torque) const {
+Load ConstraintJoint::get_reaction(const btTransform& X_B) const {
   const btVector3 arm = X_B.getBasis() * frame_b_.getOrigin();
-  force = force_;
-  torque = torque_;
-  const auto add = [&](const btJointFeedback& feedback) {
-    force += feedback.m_appliedForceBodyB;
-    torque += feedback.m_appliedTorqueBodyB - arm.cross(feedback.m_appliedForceBodyB);
+  Load out = explicit_;
+  const auto add = [&](const Load& load) {
+    out.force += load.force;
+    out.torque += load.torque - arm.cross(load.force);
   };
-  add(feedback_);
-  for (const auto& extra : extras_) add(extra->feedback);
+  add(load_);
+  for (const auto& extra : extras_) add(extra->load);
+  return out;
+}
+
+void ConstraintJoint::clear_loads() {
+  load_ = {};
+  for (const auto& extra : extras_) extra->load = {};
 }
 
 void ConstraintJoint::get_efforts(const btTransform& X_A, const btTransform& X_B, double* joint,
@@ -312,17 +314,15 @@ void ConstraintJoint::get_efforts(const btTransform& X_A, const btTransform& X_B
   const btVector3 arm = X_B.getBasis() * frame_b_.getOrigin();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const Axis& axis = axes_[i];
-    joint[i] = 0.0;
     if (axis.rows.empty() && !axis.law.has_limit()) continue;
     const btVector3 along = direction(axis, X_A, X_B);
-    const auto part = [&](const btJointFeedback& feedback) {
-      if (!axis.angular) return along.dot(feedback.m_appliedForceBodyB);
-      return along.dot(feedback.m_appliedTorqueBodyB - arm.cross(feedback.m_appliedForceBodyB));
+    const auto part = [&](const Load& load) {
+      return along.dot(axis.angular ? load.torque - arm.cross(load.force) : load.force);
     };
-    joint[i] = part(feedback_);
+    joint[i] = part(load_);
     for (const Row& row : axis.rows) {
       double effort = row.effort;
-      if (row.on && row.extra) effort = part(row.extra->feedback);
+      if (row.on && row.extra) effort = part(row.extra->load);
       if (row.on && !row.extra) effort = joint[i];
       if (row.extra || !row.on) joint[i] += effort;
       if (row.kind == Kind::motor) motors[at(row.motor)] = effort;

@@ -1,6 +1,7 @@
 // A joint between rigid bodies as constraints of Bullet's.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -15,6 +16,11 @@ class btDiscreteDynamicsWorld;
 namespace cogrsim::bullet {
 
 inline constexpr double kWidestLimits = 6.2;  ///< of an angle, apart [rad]
+
+/// What a constraint of Bullet's did to its second body in the last step; its user pointer.
+struct Load {
+  btVector3 force{0, 0, 0}, torque{0, 0, 0};
+};
 
 /// | joint | constraint |
 /// |---|---|
@@ -31,7 +37,6 @@ class ConstraintJoint {
   /// btContactSolverInfo::m_globalCfm.
   ConstraintJoint(const SceneModel& model, int joint, btRigidBody& a, btRigidBody& b,
                   const btTransform& frame_a, const btTransform& frame_b, double softness);
-  ~ConstraintJoint();
 
   int joint() const { return joint_; }
   void add_to(btDiscreteDynamicsWorld& world);
@@ -44,7 +49,8 @@ class ConstraintJoint {
 
   /// Of the last step, on the child about M's origin, world axes; the body's place when the step
   /// began is `X_B`.
-  void get_reaction(const btTransform& X_B, btVector3& force, btVector3& torque) const;
+  Load get_reaction(const btTransform& X_B) const;
+  void clear_loads();
   /// Efforts along the joint's speeds and of its motors (by model index) in the last step.
   void get_efforts(const btTransform& X_A, const btTransform& X_B, double* joint,
                    std::vector<double>& motors) const;
@@ -54,14 +60,15 @@ class ConstraintJoint {
   /// A constraint whose rows are motors only.
   struct Extra {
     std::unique_ptr<btGeneric6DofConstraint> constraint;
-    btJointFeedback feedback{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    Load load;
   };
   struct Row {
     Kind kind = Kind::motor;
     int motor = -1;          // SceneModel::motors
     Extra* extra = nullptr;  // none: the main constraint's motor
     bool on = false;
-    double effort = 0.0;  // explicit, in the last step
+    double effort = 0.0;            // explicit, in the last step
+    std::array<double, 4> given{};  // what Bullet's motor has: speed, bound, dt, softness
     double bound = 0.0;
   };
   struct Axis {
@@ -92,11 +99,11 @@ class ConstraintJoint {
   btTransform frame_a_, frame_b_;
   std::vector<Axis> axes_;
   std::unique_ptr<btTypedConstraint> main_;
-  btJointFeedback feedback_{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  Load load_;
   std::vector<std::unique_ptr<Extra>> extras_;
   double softness_;
   bool has_laws_ = false, collide_ = false;
-  btVector3 force_{0, 0, 0}, torque_{0, 0, 0};  // explicit, on the child at M, last step
+  Load explicit_;  // on the child at M, last step
 };
 
 }  // namespace cogrsim::bullet

@@ -22,15 +22,40 @@ constexpr double kFarthest = 1e6;  // [m]
 constexpr double kFastest = 1e5;   // [m/s]
 constexpr double kMostSpin = 1e6;  // [rad/s]
 
+/// Keeps the rows of joints. btJointFeedback would sum them up in every step, asked for or not.
+template <class Solver>
+class RowKeeper final : public Solver {
+ public:
+  template <class... Inner>
+  explicit RowKeeper(JointRows& rows, Inner... inner) : Solver(inner...), rows_(rows) {}
+
+ private:
+  btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int count,
+                                         const btContactSolverInfo& info) override {
+    const btConstraintArray& solved = this->m_tmpSolverNonContactConstraintPool;
+    const int first = rows_.size();
+    rows_.resizeNoInitialize(first + solved.size());
+    for (int i = 0; i < solved.size(); ++i) {
+      JointRow& row = rows_[first + i];
+      row.constraint = static_cast<btTypedConstraint*>(solved[i].m_originalContactPoint);
+      row.linear = solved[i].m_contactNormal2 * solved[i].m_appliedImpulse;
+      row.angular = solved[i].m_relpos2CrossNormal * solved[i].m_appliedImpulse;
+    }
+    return Solver::solveGroupCacheFriendlyFinish(bodies, count, info);
+  }
+  JointRows& rows_;
+};
+
 std::unique_ptr<btConstraintSolver> make_solver(const std::string& name,
-                                                std::unique_ptr<btMLCPSolverInterface>& mlcp) {
+                                                std::unique_ptr<btMLCPSolverInterface>& mlcp,
+                                                JointRows& rows) {
   mlcp.reset();
   if (name == "dantzig") mlcp = std::make_unique<btDantzigSolver>();
   if (name == "lemke") mlcp = std::make_unique<btLemkeSolver>();
   if (name == "projected-gauss-seidel") mlcp = std::make_unique<btSolveProjectedGaussSeidel>();
-  if (mlcp) return std::make_unique<btMLCPSolver>(mlcp.get());
-  if (name == "nncg") return std::make_unique<btNNCGConstraintSolver>();
-  return std::make_unique<btSequentialImpulseConstraintSolver>();
+  if (mlcp) return std::make_unique<RowKeeper<btMLCPSolver>>(rows, mlcp.get());
+  if (name == "nncg") return std::make_unique<RowKeeper<btNNCGConstraintSolver>>(rows);
+  return std::make_unique<RowKeeper<btSequentialImpulseConstraintSolver>>(rows);
 }
 
 bool moves(const Body& body) { return body.kind == BodyKind::dynamic && !body.removed; }
@@ -62,11 +87,7 @@ Result<std::unique_ptr<Engine>> Engine::create(const SceneModelPtr& model,
 Engine::~Engine() {
   // The world takes its bodies out of the broadphase, which cannot be done once memory ran out while
   // its pairs grew: it is leaked then, and the broadphase frees itself.
-  if (sound_) {
-    world_.reset();
-  } else {
-    (void)world_.release();
-  }
+  sound_ ? world_.reset() : void(world_.release());
 }
 
 void Engine::make_world() {
@@ -77,7 +98,7 @@ void Engine::make_world() {
   if (points > 0) configuration_->setPlaneConvexMultipointIterations(points, points);
   dispatcher_ = std::make_unique<btCollisionDispatcher>(configuration_.get());
   broadphase_ = std::make_unique<btDbvtBroadphase>();
-  solver_ = make_solver(option<std::string>(*options_, "solver"), mlcp_);
+  solver_ = make_solver(option<std::string>(*options_, "solver"), mlcp_, rows_);
   world_ = std::make_unique<btDiscreteDynamicsWorld>(dispatcher_.get(), broadphase_.get(),
                                                      solver_.get(), configuration_.get());
   // Pairs in order of their bodies, not of memory addresses: otherwise runs need not repeat.
@@ -91,9 +112,8 @@ void Engine::make_world() {
   solver.m_splitImpulsePenetrationThreshold =
       option<double>(*options_, "split-impulse-penetration-threshold");
   // Without warm starting the solver would not write its impulses back: a factor of 0 is the same.
-  solver.m_warmstartingFactor = option<bool>(*options_, "warm-starting")
-                                    ? option<double>(*options_, "warm-starting-factor")
-                                    : 0.0;
+  solver.m_warmstartingFactor = option<double>(*options_, "warm-starting-factor");
+  if (!option<bool>(*options_, "warm-starting")) solver.m_warmstartingFactor = 0.0;
   if (static_cast<int>(option<std::int64_t>(*options_, "friction-directions")) == 2) {
     solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   }
@@ -153,6 +173,7 @@ void Engine::add_body(int body, const WorldState& state) {
   rigid.setUserPointer(surfaces_.get());
   int flags = rigid.getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK;
   if (of.kind == BodyKind::kinematic) {
+    kinematic_.push_back(body);
     flags = (flags & ~btCollisionObject::CF_STATIC_OBJECT) | btCollisionObject::CF_KINEMATIC_OBJECT;
   }
   rigid.setCollisionFlags(flags);
@@ -162,11 +183,7 @@ void Engine::add_body(int body, const WorldState& state) {
     movers_.push_back(body);
   }
   before_[at(body)] = start;
-  if (part.shape->collides) {
-    world_->addRigidBody(&rigid);
-  } else {
-    world_->addRigidBody(&rigid, 0, 0);
-  }
+  part.shape->collides ? world_->addRigidBody(&rigid) : world_->addRigidBody(&rigid, 0, 0);
 }
 
 void Engine::set_motion(btRigidBody& body, const Motion& motion) {
@@ -210,8 +227,6 @@ btTransform Engine::frame_of(int body, const Pose& X_BF) const {
   return to_bt(parts_[at(body)].X_BG.inverse() * X_BF);
 }
 
-// --- A step -----------------------------------------------------------------------------------
-
 double* Engine::count_turns(int joint) const {
   const Joint& of = model_->joints[at(joint)];
   const auto place = [&](int body) { return body == kWorld ? Pose() : pose(body); };
@@ -222,23 +237,26 @@ double* Engine::count_turns(int joint) const {
 
 int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists) {
   double spin = 0.0;
-  for (std::size_t b = 0; b < parts_.size(); ++b) {
-    if (model_->bodies[b].kind != BodyKind::kinematic || !parts_[b].rigid) continue;
+  for (const int b : kinematic_) {
     // Bullet takes its velocity from where it is put.
-    Pose& X = parts_[b].place;
-    const double angle = twists[b].angular.norm() * dt;
-    X.p += twists[b].linear * dt;
+    Part& part = parts_[at(b)];
+    const Twist& V = twists[at(b)];
+    const double angle = V.angular.norm() * dt;
+    part.place.p += V.linear * dt;
     if (angle > 0) {
-      X.q = (Quat(Eigen::AngleAxisd(angle, twists[b].angular.normalized())) * X.q).normalized();
+      const Quat turn(Eigen::AngleAxisd(angle, V.angular.normalized()));
+      part.place.q = (turn * part.place.q).normalized();
     }
     spin = std::max(spin, angle / dt);
-    before_[b].X = to_bt(X * parts_[b].X_BG);
-    parts_[b].rigid->setWorldTransform(before_[b].X);
+    before_[at(b)].X = to_bt(part.place * part.X_BG);
+    part.rigid->setWorldTransform(before_[at(b)].X);
   }
   for (const auto& joint : joints_) {
     if (joint->has_laws()) joint->apply(dt, drives, [&] { return count_turns(joint->joint()); });
   }
   for (const int b : movers_) before_[at(b)] = motion(*parts_[at(b)].rigid);
+  dt_ = dt;
+  rows_.resizeNoInitialize(0);
   sound_ = false;
   world_->stepSimulation(dt, 0);
   sound_ = true;
@@ -319,13 +337,23 @@ void Engine::set_state(const WorldState& state) {
   forget_contacts();
 }
 
-// --- Reports ----------------------------------------------------------------------------------
-
 btTransform Engine::start_of(int body) const {
   return body == kWorld ? btTransform::getIdentity() : before_[at(body)].X;
 }
 
+void Engine::sum_rows() const {
+  if (rows_.size() == 0) return;
+  for (const auto& joint : joints_) joint->clear_loads();
+  for (int i = 0; i < rows_.size(); ++i) {
+    Load& load = *static_cast<Load*>(rows_[i].constraint->getUserConstraintPtr());
+    load.force += rows_[i].linear / dt_;
+    load.torque += rows_[i].angular / dt_;
+  }
+  rows_.resizeNoInitialize(0);
+}
+
 void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
+  sum_rows();
   joints.assign(at(model_->joint_speeds), 0.0);
   motors.assign(model_->motors.size(), 0.0);
   for (const auto& constraint : joints_) {
@@ -336,15 +364,16 @@ void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motor
 }
 
 void Engine::get_reactions(std::vector<Wrench>& out) const {
+  sum_rows();
   out.assign(model_->joints.size(), Wrench());
   for (const auto& joint : joints_) {
-    btVector3 force, torque;
-    joint->get_reaction(start_of(model_->joints[at(joint->joint())].child), force, torque);
-    out[at(joint->joint())] = {from_bt(force), from_bt(torque)};
+    const std::size_t j = at(joint->joint());
+    const Load load = joint->get_reaction(start_of(model_->joints[j].child));
+    out[j] = {from_bt(load.force), from_bt(load.torque)};
   }
 }
 
-void Engine::get_contacts(double dt, std::vector<Contact>& out) const {
+void Engine::get_contacts(std::vector<Contact>& out) const {
   out.clear();
   for (int i = 0; i < dispatcher_->getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(i);
@@ -359,22 +388,20 @@ void Engine::get_contacts(double dt, std::vector<Contact>& out) const {
       const bool swapped = first > second;
       const double sign = swapped ? 1.0 : -1.0;
       Contact contact;
-      contact.body_a = swapped ? second : first;
-      contact.body_b = swapped ? first : second;
+      std::tie(contact.body_a, contact.body_b) = std::minmax(first, second);
       contact.shape_a = swapped ? point.m_partId1 : point.m_partId0;
       contact.shape_b = swapped ? point.m_partId0 : point.m_partId1;
       contact.point = from_bt((point.m_positionWorldOnA + point.m_positionWorldOnB) / 2);
       contact.normal = from_bt(point.m_normalWorldOnB * sign);
       contact.depth = -point.getDistance();
-      contact.force = from_bt(impulse * (sign / dt));
+      contact.force = from_bt(impulse * (sign / dt_));
       out.push_back(contact);
     }
   }
-  const auto key = [](const Contact& c) {
-    return std::make_tuple(c.body_a, c.body_b, c.shape_a, c.shape_b);
-  };
-  std::stable_sort(out.begin(), out.end(),
-                   [&](const Contact& a, const Contact& b) { return key(a) < key(b); });
+  std::stable_sort(out.begin(), out.end(), [](const Contact& a, const Contact& b) {
+    return std::tie(a.body_a, a.body_b, a.shape_a, a.shape_b) <
+           std::tie(b.body_a, b.body_b, b.shape_a, b.shape_b);
+  });
 }
 
 }  // namespace cogrsim::bullet

@@ -27,6 +27,13 @@ struct Motion {
   btVector3 velocity{0, 0, 0}, spin{0, 0, 0};  ///< of frame G
 };
 
+/// The impulse of one row of a joint on its second body in a step.
+struct JointRow {
+  btTypedConstraint* constraint;
+  btVector3 linear, angular;
+};
+using JointRows = btAlignedObjectArray<JointRow>;
+
 /// Everything that a step depends on; see Engine::save().
 struct Memory {
   virtual ~Memory() = default;
@@ -53,10 +60,10 @@ class Engine {
   /// Moves everything; contacts are forgotten.
   void set_state(const WorldState& state);
 
-  // Of the last step, of length dt.
+  // Of the last step.
   void get_efforts(std::vector<double>& joints, std::vector<double>& motors) const;
   void get_reactions(std::vector<Wrench>& out) const;
-  void get_contacts(double dt, std::vector<Contact>& out) const;
+  void get_contacts(std::vector<Contact>& out) const;
 
   /// What running on needs: places and velocities, the contact points with their impulses, the
   /// broadphase's boxes and pairs, and all orders that its solver goes by.
@@ -92,6 +99,7 @@ class Engine {
   btTransform start_of(int body) const;
   Motion motion_of(const Part& part, const Pose& X, const Twist& V) const;
   double* count_turns(int joint) const;
+  void sum_rows() const;
 
   OptionsPtr options_;
   SceneModelPtr model_;
@@ -107,9 +115,11 @@ class Engine {
   std::vector<Part> parts_;                               // by body
   std::vector<std::unique_ptr<ConstraintJoint>> joints_;  // in the order of the model
 
-  bool sound_ = false;          // no exception has left Bullet's world half changed
-  std::vector<int> movers_;     // bodies that forces move
+  bool sound_ = false;                   // no exception has left Bullet's world half changed
+  std::vector<int> movers_, kinematic_;  // bodies: those that forces move; the others that move
   std::vector<Motion> before_;  // the last step, by body; kinematic ones, where it put them
+  double dt_ = 0.0;             // of the last step [s]
+  mutable JointRows rows_;      // of the last step; none: summed up in the joints
   mutable std::vector<double> positions_;  // of joints, turns counted
   mutable double turned_ = 0.0;            // bound of what has not been counted [rad]
 };

@@ -2,7 +2,6 @@
 
 #include "cogrsim/model/mass_properties.h"
 #include "cogrsim/physics/backend_checks.h"
-#include "cogrsim/physics/scene_state.h"
 #include "convert.h"
 
 namespace cogrsim::bullet {
@@ -10,9 +9,9 @@ namespace cogrsim::bullet {
 struct BulletWorld::Snapshot final : WorldSnapshot {
   SceneModelPtr initial;
   std::shared_ptr<const Memory> memory;
-  double time = 0.0, last_dt = 0.0;
+  double time = 0.0;
   std::vector<Twist> twists;
-  Reports reports;
+  StepReport report;
   WorldState gone;
 };
 
@@ -66,13 +65,13 @@ BulletWorld::BulletWorld(const SceneModelPtr& model, const OptionsPtr& options,
 
 void BulletWorld::start(std::unique_ptr<Engine> engine) {
   engine_ = std::move(engine);
-  time_ = last_dt_ = 0.0;
+  time_ = 0.0;
   twists_.clear();
   for (const Body& body : initial_->bodies) {
     twists_.push_back(body.kind == BodyKind::kinematic ? body.V_WB : Twist());
   }
   gone_ = initial_state(*initial_);
-  forget_reports();
+  forget_report();
 }
 
 StepResult BulletWorld::step(double dt, const std::vector<Drive>& drives) {
@@ -82,28 +81,22 @@ StepResult BulletWorld::step(double dt, const std::vector<Drive>& drives) {
     out.status = StepStatus::diverged;
     out.message = "body '" + model()->bodies[at(out.body)].name +
                   "' left all bounds (1000 km, 100 km/s) in Bullet";
-    forget_reports();
+    forget_report();
     return out;
   }
   held_.reset();
   time_ += dt;
-  last_dt_ = dt;
   return out;
 }
 
-void BulletWorld::forget_reports() {
-  held_.emplace();
-  held_->joint_efforts.resize(at(model()->joint_speeds));
-  held_->motor_efforts.resize(model()->motors.size());
-  held_->reactions.resize(model()->joints.size());
-}
+void BulletWorld::forget_report() { held_.emplace().clear(*model()); }
 
-BulletWorld::Reports BulletWorld::reports() const {
+StepReport BulletWorld::report() const {
   if (held_) return *held_;
-  Reports out;
+  StepReport out;
   engine_->get_efforts(out.joint_efforts, out.motor_efforts);
   engine_->get_reactions(out.reactions);
-  engine_->get_contacts(last_dt_, out.contacts);
+  engine_->get_contacts(out.contacts);
   return out;
 }
 
@@ -129,12 +122,9 @@ void BulletWorld::get_state(WorldState& out) const {
     std::copy_n(gone_.joint_velocities.begin() + joint.speed_offset, speed_count(joint.type),
                 out.joint_velocities.begin() + joint.speed_offset);
   }
-  if (held_) {
-    out.joint_efforts = held_->joint_efforts;
-    out.motor_efforts = held_->motor_efforts;
-  } else {
-    engine_->get_efforts(out.joint_efforts, out.motor_efforts);
-  }
+  if (!held_) return engine_->get_efforts(out.joint_efforts, out.motor_efforts);
+  out.joint_efforts = held_->joint_efforts;
+  out.motor_efforts = held_->motor_efforts;
 }
 
 Result<> BulletWorld::set_state(const WorldState& state) {
@@ -151,24 +141,16 @@ Result<> BulletWorld::set_state(const WorldState& state) {
   }
   place_by_joints(*model(), placed);
   engine_->set_state(placed);
-  forget_reports();
+  forget_report();
   return {};
 }
 
 void BulletWorld::get_contacts(std::vector<Contact>& out) const {
-  if (held_) {
-    out = held_->contacts;
-  } else {
-    engine_->get_contacts(last_dt_, out);
-  }
+  held_ ? void(out = held_->contacts) : engine_->get_contacts(out);
 }
 
 void BulletWorld::get_joint_reactions(std::vector<Wrench>& out) const {
-  if (held_) {
-    out = held_->reactions;
-  } else {
-    engine_->get_reactions(out);
-  }
+  held_ ? void(out = held_->reactions) : engine_->get_reactions(out);
 }
 
 Result<> BulletWorld::change_to(const SceneModelPtr& next, SceneStep step) {
@@ -195,7 +177,7 @@ Result<> BulletWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   keep(state.joint_positions, begin.joint_positions);
   keep(state.joint_velocities, begin.joint_velocities);
   for (const int b : change->kinds) begin.twists[at(b)] = Twist();  // it stops, or starts at rest
-  Reports kept = reports();
+  StepReport kept = report();
   auto engine = Engine::create(next, options_, begin);
   if (!engine) return tl::unexpected<Error>(engine.error());
   (*engine)->restore(*engine_->save());
@@ -204,24 +186,7 @@ Result<> BulletWorld::change_to(const SceneModelPtr& next, SceneStep step) {
     const Body& body = next->bodies[b];
     twists_.push_back(body.kind == BodyKind::kinematic ? body.V_WB : Twist());
   }
-  // What is gone has nothing more to report.
-  const auto is_gone = [&](const Contact& contact) {
-    return next->bodies[at(contact.body_a)].removed || next->bodies[at(contact.body_b)].removed;
-  };
-  kept.contacts.erase(std::remove_if(kept.contacts.begin(), kept.contacts.end(), is_gone),
-                      kept.contacts.end());
-  kept.joint_efforts.resize(at(next->joint_speeds));
-  kept.motor_efforts.resize(next->motors.size());
-  kept.reactions.resize(next->joints.size());
-  for (std::size_t j = 0; j < next->joints.size(); ++j) {
-    const Joint& joint = next->joints[j];
-    if (!joint.removed) continue;
-    kept.reactions[j] = Wrench();
-    std::fill_n(kept.joint_efforts.begin() + joint.speed_offset, speed_count(joint.type), 0.0);
-  }
-  for (std::size_t m = 0; m < next->motors.size(); ++m) {
-    if (next->motors[m].removed) kept.motor_efforts[m] = 0.0;
-  }
+  kept.carry_over(*next);
   held_ = std::move(kept);
   gone_ = std::move(begin);
   return {};
@@ -232,9 +197,8 @@ SnapshotPtr BulletWorld::save() const {
   out->initial = initial_;
   out->memory = engine_->save();
   out->time = time_;
-  out->last_dt = last_dt_;
   out->twists = twists_;
-  out->reports = reports();
+  out->report = report();
   out->gone = gone_;
   return out;
 }
@@ -251,10 +215,9 @@ Result<> BulletWorld::restore(const SnapshotPtr& snapshot) {
   (*engine)->restore(*saved->memory);
   engine_ = std::move(*engine);
   time_ = saved->time;
-  last_dt_ = saved->last_dt;
   twists_ = saved->twists;
   gone_ = saved->gone;
-  held_ = saved->reports;
+  held_ = saved->report;
   return {};
 }
 

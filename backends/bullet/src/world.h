@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cogrsim/physics/scene_change.h"
+#include "cogrsim/physics/scene_state.h"
 #include "cogrsim/physics/world.h"
 #include "engine.h"
 
@@ -33,28 +34,22 @@ class BulletWorld final : public World, public JointReactions, public KinematicD
   Result<> set_kinematic_twist(int body, const Twist& twist) override;
 
  private:
-  /// What get_…() say while Bullet has nothing to say: before a step, after a change.
-  struct Reports {
-    std::vector<double> joint_efforts, motor_efforts;
-    std::vector<Wrench> reactions;
-    std::vector<Contact> contacts;
-  };
   struct Snapshot;
 
   BulletWorld(const SceneModelPtr& model, const OptionsPtr& options,
               std::unique_ptr<Engine> engine);
   void start(std::unique_ptr<Engine> engine);
-  void forget_reports();
+  void forget_report();
   Result<> change_to(const SceneModelPtr& next, SceneStep step);
-  Reports reports() const;
+  StepReport report() const;
 
   SceneModelPtr initial_;
   OptionsPtr options_;
   std::unique_ptr<Engine> engine_;
-  double time_ = 0.0, last_dt_ = 0.0;
-  std::vector<Twist> twists_;  // of kinematic bodies, by body
-  std::optional<Reports> held_;
-  WorldState gone_;  // last values of what has been removed
+  double time_ = 0.0;
+  std::vector<Twist> twists_;       // of kinematic bodies, by body
+  std::optional<StepReport> held_;  // while Bullet has no step to report
+  WorldState gone_;                 // last values of what has been removed
 };
 
 }  // namespace cogrsim::bullet

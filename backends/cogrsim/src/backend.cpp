@@ -5,6 +5,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <system_error>
 
 #include "cogrsim/model/mass_properties.h"
 #include "cogrsim/physics/backend_plugin.h"
@@ -70,6 +71,9 @@ ParameterTable make_options() {
       parameter("tolerance", 1e-7, "m/s",
                 "the contact solver stops when no velocity changes by more")
           .range(0.0, 1.0),
+      parameter("threads", 1,
+                "that detect and solve contacts; the results do not depend on how many there are")
+          .range(1, 256),
   };
 }
 
@@ -89,6 +93,7 @@ Result<StepperOptions> read_options(const SceneModel& model, const ParameterTabl
   out.substeps = int(std::get<std::int64_t>(p.at("substeps")));
   out.solver.iterations = int(std::get<std::int64_t>(p.at("iterations")));
   out.solver.tolerance = std::get<double>(p.at("tolerance"));
+  out.threads = int(std::get<std::int64_t>(p.at("threads")));
   return out;
 }
 
@@ -132,10 +137,14 @@ class DynamicsBackend final : public Backend {
   Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
     if (!model) return fail("no scene given");
     if (auto r = check_scene(*model); !r) return tl::unexpected<Error>(r.error());
-    const auto options = read_options(*model, options_);
+    auto options = read_options(*model, options_);
     if (!options) return tl::unexpected<Error>(options.error());
     try {
+      if (options->threads > 1) options->pool = std::make_shared<WorkerPool>(options->threads);
       return std::make_unique<DynamicsWorld>(model, *options);
+    } catch (const std::system_error& e) {
+      return fail(std::to_string(options->threads) + " threads cannot be started: " + e.what(),
+                  place_of(*model, model->physics.origin), "set the option 'threads' lower");
     } catch (const std::exception& e) {
       return fail("Simbody: " + message_of(e), place_of(*model, model->physics.origin));
     }

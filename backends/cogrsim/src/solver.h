@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "cogrsim/core/worker_pool.h"
 #include "islands.h"
 
 namespace cogrsim::dynamics {
@@ -16,26 +17,27 @@ namespace cogrsim::dynamics {
 /// What one call leaves for the next is memory to work in.
 class Solver {
  public:
-  explicit Solver(const SolverOptions& options) : options_(options) {}
+  /// Islands are solved on the threads of `pool`, if there is one: no figure depends on how many.
+  Solver(const SolverOptions& options, WorkerPool* pool) : options_(options), pool_(pool) {}
 
   /// Velocity stage: finds the impulses of all rows, starting from those in the rows, and adds what
-  /// they do to `dv` (over all components), which the warm starts must not be in yet. Returns the
-  /// most sweeps that an island took.
-  int solve_velocities(RowSet& set, const std::vector<Component>& components, double* dv);
-
-  /// Position stage ("split impulse"), right after the other: displacements `p`, along W of the
-  /// unilateral rows, that bring gaps at the end of the step `h` [s] to their targets. Adds no
-  /// energy of motion. `p` is zero (over all components) before.
-  void solve_positions(RowSet& set, double h, double* p);
+  /// they do to `dv` (over all components), which the warm starts must not be in yet.
+  /// Position stage ("split impulse"): displacements `p`, along W of the unilateral rows, that bring
+  /// gaps at the end of the step `h` [s] to their targets. Adds no energy of motion. `p` is zero
+  /// (over all components) before.
+  void solve(RowSet& set, const std::vector<Component>& components, double h, double* dv,
+             double* p);
 
  private:
   void partition(const RowSet& set);
   int find(int component);
   Island& island_of(const RowSet& set, int row);
   void fill_islands(const RowSet& set);
+  void solve_island(Island& island, RowSet& set, double h, double* dv, double* p) const;
   int add_line(const RowSet& set, int index, Island& island);
 
   SolverOptions options_;
+  WorkerPool* pool_;
   const std::vector<Component>* components_ = nullptr;
   std::vector<Island> islands_;  ///< the first `count_` are in use
   int count_ = 0;

@@ -47,7 +47,7 @@ Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions&
       options_(options),
       model_(mechanism.model()),
       accelerations_(mechanism),
-      solver_(options.solver),
+      solver_(options.solver, options.pool.get()),
       laws_(make_laws(mechanism)),
       untouched_(mechanism.components().size(), 0),
       margins_(mechanism.links().size(), 0.0) {
@@ -138,7 +138,7 @@ void Stepper::detect(double h) {
     }
     detector_.place(body, X, margins_[i]);
   }
-  detector_.detect(points_);
+  detector_.detect(points_, options_.pool.get());
   if (ahead_.empty()) return;
   const std::vector<Collider>& colliders = detector_.colliders();
   for (ContactPoint& point : points_) {
@@ -436,8 +436,7 @@ void Stepper::solve_rows(double h) {
     }
   warm_start(h);
   balance_pairs(h);
-  solver_.solve_velocities(set_, m.components(), dv_.data());
-  solver_.solve_positions(set_, h, displacement_.data());
+  solver_.solve(set_, m.components(), h, dv_.data(), displacement_.data());
   limit_displacements(h);
   sum_efforts(m.state.getQ(), m.state.getU(), h, false);
 

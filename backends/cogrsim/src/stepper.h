@@ -1,6 +1,7 @@
 // Advances a mechanism by one step.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "accelerations.h"
@@ -14,7 +15,9 @@ enum class Scheme { automatic, midpoint };
 struct StepperOptions {
   Scheme scheme = Scheme::automatic;
   int substeps = 1;
+  int threads = 1;
   SolverOptions solver;
+  std::shared_ptr<WorkerPool> pool;  ///< of `threads`; none where that is 1
 };
 
 /// Sums of effort times time; one entry per speed and per motor of the model.

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
+#include <tuple>
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/physics/backend_checks.h"
@@ -83,6 +83,7 @@ Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const O
       return tl::unexpected(added.error());
     }
   }
+  if (!options.quick) out->start_feedback();  // costs dWorldStep nothing
   return out;
 }
 
@@ -208,8 +209,13 @@ void Engine::near(const Geom& a, const Geom& b) {
     made.depth = contact.geom.depth;
     made.first = &a;
     made.second = &b;
-    dJointSetFeedback(joint, &made.feedback);
+    if (feedback_) dJointSetFeedback(joint, &made.feedback);
   }
+}
+
+void Engine::start_feedback() {
+  feedback_ = true;
+  for (JointLink& joint : joints_) joint.start_feedback();
 }
 
 void Engine::step(double h, unsigned long& seed) {
@@ -228,33 +234,28 @@ void Engine::step(double h, unsigned long& seed) {
 
 void Engine::report(std::vector<Contact>& out) const {
   out.clear();
-  std::vector<std::size_t> order(touched_);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto key = [&](std::size_t i) {
-    const Geom *a = touch(i).first, *b = touch(i).second;
-    if (b->body < a->body) std::swap(a, b);
-    return std::array<int, 4>{a->body, b->body, a->shape, b->shape};
-  };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t i, std::size_t j) { return key(i) < key(j); });
-  for (const std::size_t i : order) {
+  for (std::size_t i = 0; i < touched_; ++i) {
     const Touch& found = touch(i);
-    const auto [a, b, shape_a, shape_b] = key(i);
-    Contact contact;
-    contact.body_a = a;
-    contact.body_b = b;
-    contact.shape_a = shape_a;
-    contact.shape_b = shape_b;
-    contact.point = found.point;
-    contact.depth = found.depth;
+    const Geom *a = found.first, *b = found.second;
     // ODE's normal points into its first geom; the force is on the body that it calls its first,
     // the second where the first geom has none.
-    contact.normal = found.first->body == b ? found.normal : Vec3(-found.normal);
-    const int pushed = found.first->holder ? found.first->body : found.second->body;
+    const int pushed = a->holder ? a->body : b->body;
+    if (b->body < a->body) std::swap(a, b);
+    Contact& contact = out.emplace_back();
+    contact.body_a = a->body;
+    contact.body_b = b->body;
+    contact.shape_a = a->shape;
+    contact.shape_b = b->shape;
+    contact.point = found.point;
+    contact.depth = found.depth;
+    contact.normal = found.first == b ? found.normal : Vec3(-found.normal);
     const Vec3 force = to_vec(found.feedback.f1);
-    contact.force = pushed == b ? force : Vec3(-force);
-    out.push_back(contact);
+    contact.force = pushed == b->body ? force : Vec3(-force);
   }
+  std::stable_sort(out.begin(), out.end(), [](const Contact& a, const Contact& b) {
+    return std::tie(a.body_a, a.body_b, a.shape_a, a.shape_b) <
+           std::tie(b.body_a, b.body_b, b.shape_a, b.shape_b);
+  });
 }
 
 std::vector<int> Engine::order() const {

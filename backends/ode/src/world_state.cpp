@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "cogrsim/physics/backend_checks.h"
-#include "cogrsim/physics/scene_state.h"
 #include "world.h"
 
 namespace cogrsim::ode {
@@ -11,7 +10,7 @@ struct OdeWorld::Snapshot final : WorldSnapshot {
   SceneModelPtr initial;
   Progress progress;
   std::vector<int> order;  ///< Engine::order()
-  Report report;
+  StepReport report;
 };
 
 Pose OdeWorld::pose_of(int body) const {
@@ -47,8 +46,9 @@ void OdeWorld::get_state(WorldState& out) const {
       link.velocities(q, out.joint_velocities.data() + joint.speed_offset);
     }
   }
-  out.joint_efforts = report().joint_efforts;
-  out.motor_efforts = report().motor_efforts;
+  if (!model.joints.empty()) report();  // without any there are no efforts to be found
+  out.joint_efforts = report_.joint_efforts;
+  out.motor_efforts = report_.motor_efforts;
 }
 
 Result<> OdeWorld::set_state(const WorldState& state) {
@@ -98,7 +98,8 @@ Result<> OdeWorld::restore(const SnapshotPtr& snapshot) {
     if (auto built = rebuild(saved->progress); !built) return built;
   }
   now_ = saved->progress;
-  write_motions();
+  write_motions(now_.motions);
+  unchecked_ = true;
   engine_->set_order(saved->order);
   engine_->forget_contacts();
   report_ = saved->report;
@@ -123,7 +124,7 @@ Result<> OdeWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   if (!engine_) return fail("the world has diverged", "", "reset or restore it");
   WorldState state;
   get_state(state);
-  Report report = this->report();
+  StepReport report = this->report();
   Progress progress = now_;
   progress.model = next;
   progress.q = state.joint_positions;
@@ -150,16 +151,7 @@ Result<> OdeWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   }
   update_joints();
 
-  // What was reported of what is still there.
-  report.joint_efforts.resize(static_cast<std::size_t>(next->joint_speeds), 0.0);
-  report.motor_efforts.resize(next->motors.size(), 0.0);
-  report.reactions.resize(next->joints.size());
-  for (const int j : change.removed_joints) report.reactions[static_cast<std::size_t>(j)] = {};
-  const auto gone = [&](int body) { return next->bodies[static_cast<std::size_t>(body)].removed; };
-  report.contacts.erase(
-      std::remove_if(report.contacts.begin(), report.contacts.end(),
-                     [&](const Contact& c) { return gone(c.body_a) || gone(c.body_b); }),
-      report.contacts.end());
+  report.carry_over(*next);
   report_ = std::move(report);
   reported_ = true;
   return {};

@@ -64,6 +64,7 @@ SceneModelPtr Builder::build() {
   if (scatter()) return sink().has_errors() ? nullptr : Builder(context_, scene_).build();
   check_overlaps();
   check_mass_ratios();
+  check_loads();
   check_rates();
   check_drives();
   check_params();

@@ -149,6 +149,7 @@ SceneModelPtr Builder::fragment() {
   if (sink().has_errors()) return nullptr;
   check_overlaps();
   check_mass_ratios();
+  check_loads();
   check_rates();
   check_drives();
   finish_model(model_);

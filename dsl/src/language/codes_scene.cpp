@@ -200,9 +200,11 @@ std::vector<CodeInfo> scene_codes() {
        "Move them apart, or write <collide between=\"a b\" with=\"false\"/>.",
        "<box name=\"a\" …/> <box name=\"b\" … xyz=\"0 0 1 mm\"/>"},
       {"CG2002", warning, "masses that differ greatly",
-       "Two bodies joined to each other differ in mass more than 1000-fold; with iterative solvers "
-       "the joint becomes soft and noisy.",
-       "Use masses closer to each other, smaller steps, or an engine with reduced coordinates.",
+       "Two bodies joined to each other differ in mass more than 1000-fold: with iterative solvers "
+       "the joint becomes soft and noisy. Or a body stands on one so much lighter that these "
+       "solvers press the lighter one in: by up to the ratio of the masses times gravity times the "
+       "square of the step, which is above 1 mm here.",
+       "Use masses closer to each other, smaller steps, or an engine that does not iterate.",
        "<box mass=\"2 t\" …/> hinged to <box mass=\"1 g\" …/>"},
       {"CG2003", warning, "a parameter that is not used",
        "A `<param>` is declared, but no expression uses it.", "Delete it, or use it.",

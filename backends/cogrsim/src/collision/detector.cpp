@@ -67,8 +67,25 @@ void Detector::place(int body, const Placement& X_WB, double margin) {
   }
 }
 
-void Detector::detect(std::vector<ContactPoint>& out) {
+void Detector::detect(std::vector<ContactPoint>& out, WorkerPool* pool) {
   out.clear();
+  find_pairs();
+  constexpr std::size_t kWorthWaking = 200, kParts = 16;  // more parts than threads, to balance
+  const std::size_t count = pairs_.size();
+  if (!pool || count < kWorthWaking) {
+    for (const auto& [a, b] : pairs_) test_pair(a, b, out);
+    return;
+  }
+  parts_.resize(kParts);
+  pool->run(kParts, [this, count](std::size_t i) {
+    parts_[i].clear();
+    for (std::size_t k = count * i / kParts; k < count * (i + 1) / kParts; ++k)
+      test_pair(pairs_[k].first, pairs_[k].second, parts_[i]);
+  });
+  for (const auto& part : parts_) out.insert(out.end(), part.begin(), part.end());
+}
+
+void Detector::find_pairs() {
   pairs_.clear();
   // Sweep along x; equal bounds fall back on the index, so that the order is a function of places.
   std::sort(sorted_.begin(), sorted_.end(), [this](int a, int b) {
@@ -103,10 +120,9 @@ void Detector::detect(std::vector<ContactPoint>& out) {
     }
   }
   std::sort(pairs_.begin(), pairs_.end());
-  for (const auto& [a, b] : pairs_) test_pair(a, b, out);
 }
 
-void Detector::test_pair(int ia, int ib, std::vector<ContactPoint>& out) {
+void Detector::test_pair(int ia, int ib, std::vector<ContactPoint>& out) const {
   const Collider& a = colliders_[std::size_t(ia)];
   const Collider& b = colliders_[std::size_t(ib)];
   if (!filter_.collide(a.body, b.body)) return;

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "cogrsim/core/worker_pool.h"
 #include "collision/colliders.h"
 
 namespace cogrsim::dynamics {
@@ -23,11 +24,13 @@ class Detector {
   /// Half of the least extent of its shapes [m]; what moves farther may be beyond what it meets.
   double thinness(int body) const { return thinness_[std::size_t(body)]; }
 
-  /// All contact points with a gap below the sum of both margins, ordered by bodies and shapes.
-  void detect(std::vector<ContactPoint>& out);
+  /// All contact points with a gap below the sum of both margins, ordered by bodies and shapes. With
+  /// a `pool`, pairs are tested on its threads.
+  void detect(std::vector<ContactPoint>& out, WorkerPool* pool = nullptr);
 
  private:
-  void test_pair(int a, int b, std::vector<ContactPoint>& out);
+  void find_pairs();
+  void test_pair(int a, int b, std::vector<ContactPoint>& out) const;
 
   CollisionFilter filter_;
   std::vector<Collider> colliders_;
@@ -37,6 +40,7 @@ class Detector {
   std::vector<int> unbounded_;  ///< planes
   std::vector<std::pair<int, int>> pairs_;
   std::vector<int> open_;
+  std::vector<std::vector<ContactPoint>> parts_;  ///< found by each part of the pairs
 };
 
 }  // namespace cogrsim::dynamics

@@ -1,5 +1,5 @@
-// The initial state of a scene, and helpers for World::set_state() in engines with maximal
-// coordinates, where every body has a pose of its own. For backends; header only.
+// The initial state of a scene, helpers for World::set_state() in engines with maximal coordinates,
+// where every body has a pose of its own, and the reports of a step. For backends; header only.
 #pragma once
 
 #include <algorithm>
@@ -27,6 +27,46 @@ inline WorldState initial_state(const SceneModel& model) {
   }
   return out;
 }
+
+/// What a backend reports of a step, kept while its engine has no step to report: before the first
+/// one and after a change of the scene.
+struct StepReport {
+  std::vector<double> joint_efforts, motor_efforts;
+  std::vector<Wrench> reactions;
+  std::vector<Contact> contacts;
+
+  void clear(const SceneModel& model) {
+    *this = {};
+    resize(model);
+  }
+
+  /// For the next scene: nothing remains of what has been removed.
+  void carry_over(const SceneModel& next) {
+    resize(next);
+    const auto is_removed = [&](int b) { return next.bodies[static_cast<std::size_t>(b)].removed; };
+    contacts.erase(std::remove_if(contacts.begin(), contacts.end(),
+                                  [&](const Contact& contact) {
+                                    return is_removed(contact.body_a) || is_removed(contact.body_b);
+                                  }),
+                   contacts.end());
+    for (std::size_t j = 0; j < next.joints.size(); ++j) {
+      const Joint& joint = next.joints[j];
+      if (!joint.removed) continue;
+      reactions[j] = Wrench();
+      std::fill_n(joint_efforts.begin() + joint.speed_offset, speed_count(joint.type), 0.0);
+    }
+    for (std::size_t m = 0; m < next.motors.size(); ++m) {
+      if (next.motors[m].removed) motor_efforts[m] = 0.0;
+    }
+  }
+
+ private:
+  void resize(const SceneModel& model) {
+    joint_efforts.resize(static_cast<std::size_t>(model.joint_speeds));
+    motor_efforts.resize(model.motors.size());
+    reactions.resize(model.joints.size());
+  }
+};
 
 namespace detail {
 

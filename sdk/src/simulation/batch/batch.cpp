@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "cogrsim/core/random.h"
+#include "cogrsim/core/worker_pool.h"
 #include "simulation/batch/batch_world.h"
-#include "simulation/batch/worker_pool.h"
 
 namespace cogrsim {
 

@@ -1,4 +1,6 @@
-#include "simulation/batch/worker_pool.h"
+#include "cogrsim/core/worker_pool.h"
+
+#include <utility>
 
 namespace cogrsim {
 
@@ -48,8 +50,17 @@ void WorkerPool::work_through(std::size_t number) {
     for (;;) {
       const std::size_t i = stretch.next.fetch_add(1, std::memory_order_relaxed);
       if (i >= stretch.end) break;
-      (*work_)(i);
+      call(i);
     }
+  }
+}
+
+void WorkerPool::call(std::size_t index) {
+  try {
+    (*work_)(index);
+  } catch (...) {
+    std::lock_guard lock(mutex_);
+    if (!thrown_) thrown_ = std::current_exception();
   }
 }
 
@@ -73,6 +84,7 @@ void WorkerPool::run(std::size_t count, const std::function<void(std::size_t)>& 
   work_through(0);
   std::unique_lock lock(mutex_);
   done_.wait(lock, [&] { return busy_ == 0; });
+  if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
 }
 
 }  // namespace cogrsim

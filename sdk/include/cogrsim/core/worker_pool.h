@@ -5,15 +5,19 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
 
+#include "cogrsim/core/export.h"
+
 namespace cogrsim {
 
-class WorkerPool {
+/// Threads that share the calls of a loop. One thread at a time may use a pool.
+class COGRSIM_API WorkerPool {
  public:
   /// Creates a pool of `threads` >= 1 threads, including the caller of run(). Throws
   /// std::system_error if the system provides no more threads.
@@ -27,7 +31,8 @@ class WorkerPool {
   /// Calls `work(i)` once for every i in [0, count) and returns when all calls have ended. Each
   /// thread has its own range of indices, the same in every call with the same count, so that the
   /// data of an index tend to stay in the cache of one core. A thread that has finished its range
-  /// helps the others. `work` must not throw. Allocates no memory.
+  /// helps the others. When calls throw, run() throws what one of them threw, after all have ended.
+  /// Allocates no memory.
   void run(std::size_t count, const std::function<void(std::size_t)>& work);
 
  private:
@@ -39,6 +44,7 @@ class WorkerPool {
 
   void wait_for_work(std::size_t number);
   void work_through(std::size_t number);
+  void call(std::size_t index);
   void end_workers();
 
   std::unique_ptr<Stretch[]> stretches_;
@@ -48,6 +54,7 @@ class WorkerPool {
   std::uint64_t calls_ = 0;  ///< number of calls of run(); a worker that has seen fewer has work
   std::size_t busy_ = 0;     ///< number of workers that have not finished the current call
   bool ending_ = false;
+  std::exception_ptr thrown_;
   std::vector<std::thread> workers_;
 };
 
