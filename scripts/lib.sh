@@ -20,7 +20,7 @@ fi
 
 packages=(
   cmake ninja-build make g++ ccache pkg-config
-  libeigen3-dev libtinyxml2-dev libboost-dev
+  libeigen3-dev libtinyxml2-dev libyaml-cpp-dev libboost-dev
   libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev
   libpng-dev libjpeg-dev libembree-dev libqhull-dev libcairo2-dev ffmpeg libjs-dygraphs gnuplot-nox
   libompl-dev libzstd-dev zlib1g-dev libsqlite3-dev libopenmpi-dev openmpi-bin protobuf-compiler libprotobuf-dev libprotozero-dev

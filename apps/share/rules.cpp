@@ -21,9 +21,9 @@ struct RoleRow {
 const std::vector<RoleRow>& role_table() {
   static const std::vector<RoleRow> table = {
       {Role::scene, "scene", {".xml"}},
-      {Role::import, "import", {".xml"}},
+      {Role::import, "import", {".xml", ".urdf", ".xacro", ".sdf"}},
       {Role::texture, "texture", {".png", ".jpg", ".jpeg"}},
-      {Role::mesh, "mesh", {".obj", ".stl"}},
+      {Role::mesh, "mesh", {".obj", ".stl", ".dae"}},
       {Role::heightmap, "heightmap", {".pgm", ".txt", ".csv", ".dat", ".asc"}},
       {Role::data,
        "data",

@@ -13,6 +13,7 @@
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/dsl/study.h"
 #include "cogrsim/physics/backend_choice.h"
+#include "import/import_command.h"
 #include "new/new_command.h"
 #include "common/options.h"
 #include "common/output_file.h"
@@ -606,6 +607,7 @@ int run_command_line(int argc, char** argv, const std::vector<AddCommands>& more
   add_render(app, status);
   for (const AddCommands add : more) add(app, status);
   add_new(app, status);
+  add_import(app, status);
   add_small_ones(app, arguments, status);
   refuse_empty_values(app);
   for (CLI::App* command : app.get_subcommands({})) {

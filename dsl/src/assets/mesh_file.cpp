@@ -151,11 +151,13 @@ Result<std::vector<double>> parse_grid(std::string_view text, HeightGrid& grid) 
 Result<TriangleMesh> load_mesh(const std::string& path, const std::string& name,
                                std::size_t max_bytes) {
   const std::string kind = ending(path);
-  if (kind != "obj" && kind != "stl")
-    return fail("'" + name + "': meshes are read from .obj and .stl files");
+  if (kind != "obj" && kind != "stl" && kind != "dae")
+    return fail("'" + name + "': meshes are read from .obj, .stl and .dae files");
   auto bytes = read_whole_file(path, max_bytes);
   if (!bytes) return fail("'" + name + "': " + bytes.error().message);
-  auto mesh = kind == "obj" ? parse_obj(*bytes) : parse_stl(*bytes);
+  auto mesh = kind == "obj"   ? parse_obj(*bytes)
+              : kind == "stl" ? parse_stl(*bytes)
+                              : parse_collada(*bytes);
   if (!mesh) return fail("'" + name + "': " + mesh.error().message);
   mesh->name = name;
   return mesh;

@@ -26,7 +26,11 @@ Result<TriangleMesh> parse_obj(std::string_view text);
 /// Equal vertices become one. Errors name the line or the triangle.
 Result<TriangleMesh> parse_stl(std::string_view bytes);
 
-/// By the ending of `path`, .obj or .stl. `name` becomes the mesh's name. No more than `max_bytes`
+/// COLLADA 1.4: the triangles of the visual scene, in metres by its <unit>. The up axis is not applied,
+/// as in ROS. Errors name the line or what is wrong.
+Result<TriangleMesh> parse_collada(const std::string& bytes);
+
+/// By the ending of `path`: .obj, .stl or .dae. `name` becomes the mesh's name. No more than `max_bytes`
 /// are ever held of the file.
 Result<TriangleMesh> load_mesh(const std::string& path, const std::string& name,
                                std::size_t max_bytes);

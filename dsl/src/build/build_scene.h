@@ -36,6 +36,9 @@ const char* describe(Thing thing);
 bool has_thing(const SceneModel& model, const std::string& name, Thing thing);
 std::vector<std::string> names_of(const SceneModel& model, Thing thing);
 
+/// An index of the model, which counts in int, for a container.
+inline std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
 class Builder {
  public:
   Builder(CompileContext& context, const Element& scene);
@@ -157,6 +160,7 @@ class Builder {
   std::string asset(const std::string& file, const SourceSpan& at, const Trail* trail);
   bool copied(const std::string& path, std::size_t work, const SourceSpan& at, const Trail* trail);
   bool mesh(const Element& element, Shape& shape);
+  bool hull_of_points(const Element& element, Reader& r, Shape& shape);
   bool heightmap(const Element& element, Shape& shape);
 
   // mass.cpp

@@ -8,8 +8,6 @@
 namespace cogrsim::dsl {
 namespace {
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
 template <class Elements>
 bool among(const Elements& elements, const std::string& name) {
   return std::any_of(elements.begin(), elements.end(),

@@ -8,8 +8,6 @@
 namespace cogrsim::dsl {
 namespace {
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
 /// Where a scene defines such names; nullopt: nowhere.
 std::optional<Thing> thing_of(EventParty party) {
   switch (party) {

@@ -1,6 +1,7 @@
 // Geometry of shapes, and the files it comes from.
 #include "build/build_scene.h"
 #include "assets/mesh_file.h"
+#include "cogrsim/geometry/convex_hull.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -28,8 +29,16 @@ bool Builder::mesh(const Element& element, Shape& shape) {
   Reader r = reader(element);
   const auto convex = r.boolean("convex");
   const auto scale = r.numbers("scale");
-  const auto file = r.text("file");
   shape.type = *convex ? ShapeType::convex_mesh : ShapeType::mesh;
+  if (r.has("file") == r.has("points")) {
+    fault("CG0608", element, r.has("file") ? "points" : "name",
+          r.has("file") ? "'file' and 'points' exclude each other"
+                        : "a mesh needs its file, or points")
+        .help("write file=\"hook.stl\", or points=\"0 0 0 1 0 0 0 1 0 0 0 1 m\" convex=\"true\"");
+    return false;
+  }
+  if (r.has("points")) return hull_of_points(element, r, shape);
+  const auto file = r.text("file");
   Vec3 factor = Vec3::Ones();
   if (scale.given()) {
     const std::vector<double>& s = *scale;
@@ -38,6 +47,10 @@ bool Builder::mesh(const Element& element, Shape& shape) {
       return false;
     }
     factor = s.size() == 1 ? Vec3::Constant(s[0]) : Vec3(s[0], s[1], s[2]);
+    if (factor.cwiseAbs().minCoeff() == 0.0) {
+      fault("CG0507", element, "scale", "a factor of zero leaves nothing of the mesh");
+      return false;
+    }
   }
   if (convex.failed() || scale.failed() || !file.given()) return false;
   const SourceSpan& at = element.find("file")->value_span;
@@ -49,19 +62,54 @@ bool Builder::mesh(const Element& element, Shape& shape) {
     if (!loaded) {
       sink()
           .report("CG0706", at, element.trail, loaded.error().message)
-          .help("meshes are read from OBJ and STL files, in metres");
+          .help("meshes are read from OBJ and STL files, in metres, and from COLLADA files");
       return false;
     }
     if (!copied(path, 128 * (loaded->vertices.size() + loaded->triangles.size()), at,
                 element.trail))
       return false;
     for (Vec3& vertex : loaded->vertices) vertex = vertex.cwiseProduct(factor);
+    if (factor.prod() < 0.0) {  // a mirrored surface is turned inside out
+      for (Eigen::Vector3i& t : loaded->triangles) std::swap(t[1], t[2]);
+      for (std::size_t i = 0; i + 2 < loaded->uv.size(); i += 3)
+        std::swap(loaded->uv[i + 1], loaded->uv[i + 2]);
+    }
     known->second = static_cast<int>(model_.meshes.size());
     mesh_open_edges_.push_back(open_edges(*loaded));
     model_.meshes.push_back(std::move(*loaded));
   }
   shape.mesh = known->second;
   return shape.mesh >= 0;
+}
+
+bool Builder::hull_of_points(const Element& element, Reader& r, Shape& shape) {
+  const auto points = r.numbers("points");
+  if (shape.type != ShapeType::convex_mesh || r.has("scale")) {
+    fault("CG0608", element, "points",
+          r.has("scale") ? "'scale' belongs to a file: points are written in their size"
+                         : "points are the corners of a convex hull")
+        .help(r.has("scale") ? "" : "add convex=\"true\"");
+    return false;
+  }
+  if (!points.given()) return false;
+  const std::vector<double>& p = *points;
+  TriangleMesh mesh;
+  if (p.size() % 3 == 0)
+    for (std::size_t i = 0; i < p.size(); i += 3) mesh.vertices.emplace_back(p[i], p[i + 1], p[i + 2]);
+  mesh = geometry::convex_hull(mesh);
+  if (mesh.triangles.empty()) {
+    fault("CG0506", element, "points",
+          p.size() % 3 != 0 ? std::to_string(p.size()) + " numbers are not points of three"
+                            : "the points lie in a plane: their hull has no volume");
+    return false;
+  }
+  if (!dsl::spend(context_, 128 * p.size(), element.find("points")->value_span, element.trail))
+    return false;
+  mesh.name = "points";
+  shape.mesh = static_cast<int>(model_.meshes.size());
+  mesh_open_edges_.push_back(open_edges(mesh));
+  model_.meshes.push_back(std::move(mesh));
+  return true;
 }
 
 bool Builder::heightmap(const Element& element, Shape& shape) {

@@ -14,8 +14,6 @@ constexpr double kGap = 1e-6;       // [m]
 constexpr double kTurn = 1e-6;      // [rad]
 constexpr double kSpeedGap = 1e-6;  // [m/s], [rad/s]
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
 bool yields(const SceneModel& model, int body) {
   return body != kWorld && model.bodies[at(body)].kind == BodyKind::dynamic;
 }

@@ -1,4 +1,4 @@
-// Look-up in the catalog of codes; the entries lie in codes_language.cpp and codes_scene.cpp.
+// Look-up in the catalog of codes; the entries lie in codes_*.cpp.
 #include <algorithm>
 #include <cstring>
 
@@ -9,15 +9,10 @@ namespace cogrsim::dsl {
 
 const std::vector<CodeInfo>& code_catalog() {
   static const std::vector<CodeInfo> catalog = [] {
-    std::vector<CodeInfo> all = language_codes();
-    const std::vector<CodeInfo> scene = scene_codes();
-    all.insert(all.end(), scene.begin(), scene.end());
-    const std::vector<CodeInfo> tests = test_codes();
-    all.insert(all.end(), tests.begin(), tests.end());
-    const std::vector<CodeInfo> events = event_codes();
-    all.insert(all.end(), events.begin(), events.end());
-    const std::vector<CodeInfo> mazes = maze_codes();
-    all.insert(all.end(), mazes.begin(), mazes.end());
+    std::vector<CodeInfo> all;
+    for (const auto& part :
+         {language_codes(), scene_codes(), test_codes(), event_codes(), maze_codes(), import_codes()})
+      all.insert(all.end(), part.begin(), part.end());
     std::sort(all.begin(), all.end(),
               [](const CodeInfo& a, const CodeInfo& b) { return std::strcmp(a.code, b.code) < 0; });
     return all;

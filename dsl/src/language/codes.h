@@ -1,4 +1,4 @@
-// The two halves of the catalog of codes.
+// The parts of the catalog of codes.
 #pragma once
 
 #include <vector>
@@ -18,5 +18,7 @@ std::vector<CodeInfo> test_codes();
 std::vector<CodeInfo> event_codes();
 /// Of these: mazes, doors and scattered objects.
 std::vector<CodeInfo> maze_codes();
+/// CG14 models in other formats.
+std::vector<CodeInfo> import_codes();
 
 }  // namespace cogrsim::dsl

@@ -249,12 +249,18 @@ void add_bodies(std::vector<ElementSpec>& out) {
                           "An infinite half-space below its own z = 0. It never moves.",
                           std::move(own), {"frame"}, "<plane name=\"floor\" material=\"wood\"/>"));
   }
-  add("mesh", "A shape from an STL or OBJ file. One that moves must be convex.",
-      {must(attr("file", Kind::file, "STL or OBJ file, in metres.")),
-       above_zero(count_from(numbers("scale", kNone, 3, "Factor, or three of them.", "1"), 1)),
-       attr("convex", Kind::boolean, "Collides as its convex hull.", "false")},
-      "<mesh name=\"hook\" file=\"meshes/hook.stl\" scale=\"0.001\" convex=\"true\" "
-      "mass=\"2 kg\"/>");
+  {
+    AttributeSpec points =
+        numbers("points", kLength, 65536, "Corners of its convex hull, instead of a file.");
+    points.min_count = 12;
+    add("mesh", "A shape from an STL, OBJ or COLLADA file, or the hull of points. One that moves must be convex.",
+        {attr("file", Kind::file, "STL or OBJ file, in metres, or COLLADA file (.dae)."), points,
+         count_from(numbers("scale", kNone, 3, "Factor, or three of them; below zero mirrors.", "1"),
+                    1),
+         attr("convex", Kind::boolean, "Collides as its convex hull.", "false")},
+        "<mesh name=\"hook\" file=\"meshes/hook.stl\" scale=\"0.001\" convex=\"true\" "
+        "mass=\"2 kg\"/>");
+  }
   {
     AttributeSpec heights =
         numbers("heights", kLength, 65536, "Heights row by row, the first at the lowest y.");
@@ -446,7 +452,10 @@ void add_reuse(std::vector<ElementSpec>& out) {
               attr("doc", Kind::text, "Description.")},
       {}, "<param name=\"wheel_r\" type=\"length\" default=\"4 cm\" min=\"1 cm\" max=\"10 cm\"/>"));
   out.push_back(
-      element(group, "import", "Imports the prototypes and materials of another file.",
+      element(group, "import",
+              "Imports the prototypes and materials of another file. A robot in URDF, xacro, MJCF or SDF "
+              "becomes one prototype with the robot's name and a capital letter: panda.urdf's robot "
+              "'panda' is Panda.",
               {must(attr("href", Kind::file, "The file, beside this one or in a library.")),
                attr("as", Kind::name, "Prefix for its names: as.Name; none if left out.")},
               {}, "<import href=\"parts/wheels.scene.xml\" as=\"parts\"/>"));

@@ -62,6 +62,8 @@ struct Document {
   Document();
   ~Document();
   int file = -1;
+  /// Robots of others often have "--" in comments, and blanks before their declaration.
+  bool lenient = false;
   const Node* root = nullptr;  ///< nullptr: not well-formed, and reported
   std::deque<Node> nodes;
   struct Storage;
@@ -80,7 +82,7 @@ class SourceFiles {
   const Document* open_scene_text(const std::string& text, const std::string& name);
 
   /// A file that is no scene: nothing but its XML is checked. To be called first and once.
-  const Document* open_plain(const std::string& path);
+  const Document* open_plain(const std::string& path, bool lenient = false);
   const Document* open_plain_text(const std::string& text, const std::string& name);
 
   /// An import. `href` is relative to its own file, or to a library folder. Files are
@@ -107,11 +109,15 @@ class SourceFiles {
 
  private:
   const Document* add(std::string name, std::string path, std::string text);
+  /// Replaces the text of a URDF, MJCF or SDF file by that of a scene with its prototype. False: it
+  /// cannot be imported, and that is reported at `at`.
+  bool convert_model(const std::string& path, std::string_view href, const SourceSpan& at,
+                     std::string& text);
   std::string locate(std::string_view href, const SourceSpan& at, const char* what);
 
   const CompileOptions& options_;
   DiagnosticSink& sink_;
-  bool plain_ = false;
+  bool plain_ = false, lenient_ = false;
   std::vector<std::unique_ptr<SourceFile>> files_;
   std::vector<std::unique_ptr<Document>> documents_;
   std::unordered_map<std::string, std::size_t> by_path_;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "cogrsim/dsl/import_model.h"
 #include "report/diagnostics.h"
 #include "syntax/node.h"
 #include "language/vocabulary.h"
@@ -158,8 +159,9 @@ const Document* SourceFiles::open_scene(const std::string& path) {
   return open_scene_text(text, path);
 }
 
-const Document* SourceFiles::open_plain(const std::string& path) {
+const Document* SourceFiles::open_plain(const std::string& path, bool lenient) {
   plain_ = true;
+  lenient_ = lenient;
   return open_scene(path);
 }
 
@@ -219,6 +221,8 @@ const Document* SourceFiles::open_import(std::string_view href, const SourceSpan
         "\"" + std::string(href) + "\" is larger than " + megabytes(options_.limits.file_bytes));
     return nullptr;
   }
+  const bool foreign = is_foreign_model(text);
+  if (foreign && !convert_model(path, href, at, text)) return nullptr;
   // Shown the way the user named the scene, so that it can be clicked on.
   const fs::path shown = fs::path(files_.front()->name).parent_path();
   std::error_code fault;
@@ -228,7 +232,39 @@ const Document* SourceFiles::open_import(std::string_view href, const SourceSpan
   } else {
     name = shown / name;
   }
-  return add(name.string(), path, std::move(text));
+  return add(name.string() + (foreign ? " (as a scene)" : ""), path, std::move(text));
+}
+
+bool SourceFiles::convert_model(const std::string& path, std::string_view href,
+                                const SourceSpan& at, std::string& text) {
+  ImportOptions how;
+  how.prototype_only = how.refer = true;
+  how.only_below = roots_;
+  how.scene_folder = fs::path(path).parent_path().string();
+  how.limits = options_.limits;
+  ImportResult made = import_model(path, how);
+  read_.insert(made.files_read.begin(), made.files_read.end());
+  for (const Diagnostic& d : made.diagnostics)
+    sink_
+        .report(d.code.c_str(), at, nullptr,
+                d.file + ":" + std::to_string(d.line) + ":" + std::to_string(d.column) + ": " +
+                    d.message)
+        .help(d.help);
+  if (made.scene.empty()) return false;
+  const std::size_t lost = made.count(Fidelity::left_out);
+  if (lost > 0) {
+    const auto first =
+        std::find_if(made.entries.begin(), made.entries.end(),
+                     [](const ImportEntry& e) { return e.fidelity == Fidelity::left_out; });
+    sink_
+        .report("CG2004", at, nullptr,
+                std::to_string(lost) + (lost == 1 ? " element" : " elements") + " of \"" +
+                    std::string(href) + "\" could not be imported, the first at line " +
+                    std::to_string(first->line) + ": " + first->element + ": " + first->message)
+        .help("cogrsim import " + std::string(href) + " lists all");
+  }
+  text = std::move(made.scene);
+  return true;
 }
 
 std::string SourceFiles::resolve_asset(std::string_view href, const SourceSpan& at) {
@@ -318,6 +354,7 @@ const Document* SourceFiles::add(std::string name, std::string path, std::string
   by_path_.emplace(source.path, documents_.size() - 1);
   Document& document = *documents_.back();
   document.file = index;
+  document.lenient = lenient_;
   Limits limits = options_.limits;
   limits.depth = std::min(limits.depth, 90);  // tinyxml2 itself ends at 100
   std::vector<std::pair<std::size_t, std::size_t>> instructions;

@@ -258,8 +258,9 @@ class Scanner {
     }
     std::size_t end = dashes;
     if (text_.substr(dashes, 3) != "-->") {
-      error("CG0103", dashes, 2, "a comment may not contain \"--\"",
-            "write a blank between the dashes");
+      if (!document_.lenient)
+        error("CG0103", dashes, 2, "a comment may not contain \"--\"",
+              "write a blank between the dashes");
       end = text_.find("-->", dashes);
       if (end == std::string_view::npos) {
         stopped_ = true;
@@ -278,7 +279,7 @@ class Scanner {
       stop("CG0103", begin, 2, "the processing instruction does not end", "close it with ?>");
       return;
     }
-    if (small_letters(target) == "xml") {
+    if (small_letters(target) == "xml" && !document_.lenient) {
       error("CG0103", begin, 5, "the XML declaration must be the first thing in the file",
             "delete the text before it, blanks too");
     } else if (target.empty() || (at_ < end && !is_blank(text_[at_]))) {

@@ -1,0 +1,86 @@
+// Robots and worlds in other formats, as scenes: URDF with xacro and SRDF, MJCF, SDF.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cogrsim/core/diagnostic.h"
+#include "cogrsim/core/export.h"
+#include "cogrsim/dsl/compiler.h"
+
+namespace cogrsim::dsl {
+
+/// What became of an element of the source.
+enum class Fidelity {
+  exact,        ///< the scene has it with the same meaning, to rounding
+  approximate,  ///< the scene has something near; the message states how, and by how much
+  left_out      ///< the scene does not have it; the message states why
+};
+
+/// "exact", "approximate" or "left out".
+COGRSIM_API const char* fidelity_name(Fidelity fidelity);
+
+struct ImportEntry {
+  Fidelity fidelity = Fidelity::exact;
+  std::string element;  ///< "joint 'elbow'"
+  std::string message;  ///< empty where there is nothing to add
+  std::string file;     ///< as the user named it, or relative to the model's folder
+  int line = 0, column = 0;
+};
+
+/// Motors that an imported joint gets where the source names none.
+enum class ImportDrives { none, position, torque, velocity };
+
+struct ImportOptions {
+  /// ROS packages by name: the folder of each. Beside these, a package is looked for in the folders
+  /// above the model (by its package.xml), in ROS_PACKAGE_PATH and in AMENT_PREFIX_PATH.
+  std::map<std::string, std::string> packages;
+  /// Arguments of xacro, `<xacro:arg>`.
+  std::map<std::string, std::string> arguments;
+  ImportDrives drives = ImportDrives::none;
+  bool fixed_base = false;  ///< the root link is static
+  bool floor = true;        ///< a plane below the model
+  /// Folder of the scene, absolute; meshes are referred to relative to it. Empty: that of the model.
+  std::string scene_folder;
+  /// Folder, relative to `scene_folder`, into which all meshes are copied. Empty: meshes below
+  /// `scene_folder` are referred to, others are copied to "meshes".
+  std::string copy_meshes;
+  /// Meshes are referred to by their path from `scene_folder`, wherever they are, and never copied.
+  bool refer = false;
+  /// Only the prototype: no instance, floor and `<physics>`, as `<import>` in a scene needs it.
+  bool prototype_only = false;
+  /// Canonical folders below which all files must lie, those of packages too. Empty: the model's
+  /// folder and those of its packages.
+  std::vector<std::string> only_below;
+  /// An SRDF file beside a URDF; empty: none.
+  std::string semantics;
+  Limits limits;
+};
+
+/// A file that belongs beside the scene.
+struct ImportedFile {
+  std::string name;  ///< relative to the scene's folder
+  std::string bytes;
+};
+
+struct ImportResult {
+  std::string format;                   ///< "URDF", "MJCF" or "SDF"
+  std::string scene;                    ///< XML; empty: nothing could be made, see diagnostics
+  std::vector<ImportedFile> files;      ///< to be written beside the scene
+  std::vector<ImportEntry> entries;     ///< in the order of the source
+  std::vector<Diagnostic> diagnostics;  ///< errors of the source, with their position
+  std::vector<std::string> files_read;  ///< canonical paths, without meshes
+  COGRSIM_API std::size_t count(Fidelity fidelity) const;
+};
+
+/// Whether a text is of a format that import_model() reads, by its root element.
+COGRSIM_API bool is_foreign_model(std::string_view text);
+
+/// Reads a model and writes it as a scene. Reads the file, what it includes, and its meshes, each
+/// below the model's folder, its package or a folder of `options.packages`, and nothing else;
+/// writes nothing. The format follows from the root element.
+COGRSIM_API ImportResult import_model(const std::string& path, const ImportOptions& options = {});
+
+}  // namespace cogrsim::dsl

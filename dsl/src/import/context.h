@@ -1,0 +1,100 @@
+// What all readers of foreign formats share: files, packages, findings, and the report.
+#pragma once
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cogrsim/core/result.h"
+#include "cogrsim/core/types.h"
+#include "cogrsim/dsl/import_model.h"
+#include "import/xml_tree.h"
+
+namespace cogrsim::dsl::import {
+
+struct Bounds {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+  void add(const Vec3& p) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  bool empty() const { return !(low[0] <= high[0]); }
+};
+
+/// Thrown where reading cannot continue; the finding has been reported.
+struct Refused {};
+
+/// One import. Not for several threads.
+class Context {
+ public:
+  Context(const std::string& path, const ImportOptions& options);
+
+  const ImportOptions& options;
+
+  // ---- files
+
+  /// Parses an XML file. Throws Refused.
+  std::unique_ptr<XmlElement> parse(const std::string& path, const Source& from);
+  /// Parses a text that is the content of `path`.
+  std::unique_ptr<XmlElement> parse_text(const std::string& text, const std::string& path);
+  /// The folder of a package. Errors: not found, with where it was looked for.
+  Result<std::string> package(const std::string& name);
+  /// A file that the model names: relative to `from`'s file, package://, model:// or file://.
+  /// It must lie below an allowed folder. Errors: it does not, or there is none.
+  Result<std::string> locate(const std::string& href, const Source& from);
+  /// The extent of a mesh that locate() found, read once. Errors: the file is no mesh.
+  const Result<Bounds>& mesh_bounds(const std::string& path);
+  /// Whether a canonical path lies below the model's folder or a package.
+  bool allowed(const std::string& path) const;
+  /// As the user would name it.
+  std::string shown(const std::string& path) const;
+  const std::string& path_of(int file) const { return files_[static_cast<std::size_t>(file)]; }
+  const std::string& folder() const { return folder_; }
+
+  // ---- findings
+
+  void exact(const Source& at, std::string element, std::string message = {});
+  void approximate(const Source& at, std::string element, std::string message);
+  void left_out(const Source& at, std::string element, std::string message);
+  /// An error of the source; reading continues, but no scene is made.
+  void error(const Source& at, std::string code, std::string message, std::string help = {});
+  /// An error after which nothing can be read.
+  [[noreturn]] void refuse(const Source& at, std::string code, std::string message,
+                           std::string help = {});
+  bool failed() const { return failed_; }
+
+  // ---- values
+
+  /// `count` finite numbers. Reports and returns nothing where they are none.
+  std::optional<std::vector<double>> numbers(const XmlElement& element, const std::string& text,
+                                             std::size_t least, std::size_t most,
+                                             const std::string& what);
+  /// The attribute's number; `otherwise` where it is not written or none, which is reported.
+  double number(const XmlElement& element, const char* attribute, double otherwise);
+  std::optional<double> number(const XmlElement& element, const char* attribute);
+  Vec3 vec3(const XmlElement& element, const char* attribute, const Vec3& otherwise);
+
+  ImportResult result;
+
+ private:
+  /// Whether `options.only_below` permits a folder.
+  bool may_read(const std::string& folder) const;
+  void add(Fidelity fidelity, const Source& at, std::string element, std::string message);
+  std::string folder_;                ///< of the model, canonical
+  std::vector<std::string> allowed_;  ///< canonical folders
+  std::vector<std::string> files_;    ///< by Source::file, canonical
+  std::map<std::string, std::string> packages_;
+  std::map<std::string, Result<Bounds>> bounds_;
+  std::size_t bytes_ = 0, mesh_bytes_ = 0;  ///< read so far
+  std::size_t entries_left_ = 100000;
+  bool failed_ = false;
+};
+
+/// Elements a reader knows and others, which are left out with their names.
+std::string quoted_name(const XmlElement& element);
+
+}  // namespace cogrsim::dsl::import

@@ -1,0 +1,684 @@
+#include "import/expression.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "syntax/text.h"
+
+namespace cogrsim::dsl::import {
+
+namespace {
+
+constexpr std::size_t kLongestText = 1u << 20;
+constexpr std::size_t kLongestList = 100000;
+
+const char* kind_of(const PyValue& v) {
+  static const char* const kKinds[] = {"None", "a boolean", "a number", "a number",
+                                       "a text", "a list",   "a dictionary"};
+  return kKinds[v.is.index()];
+}
+
+bool equal(const PyValue& a, const PyValue& b, int depth = 0) {
+  if (depth > 64) throw PyError{"values are nested too deep"};
+  if (a.is_number() && b.is_number()) return a.number() == b.number();
+  if (a.is.index() != b.is.index()) return false;
+  if (const auto* s = std::get_if<std::string>(&a.is)) return *s == std::get<std::string>(b.is);
+  if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&a.is)) {
+    const PyList& other = *std::get<std::shared_ptr<const PyList>>(b.is);
+    if ((*l)->size() != other.size()) return false;
+    for (std::size_t i = 0; i < other.size(); ++i)
+      if (!equal((**l)[i], other[i], depth + 1)) return false;
+    return true;
+  }
+  return std::holds_alternative<std::monostate>(a.is);
+}
+
+PyValue integer_or(double value, bool integer) {
+  if (!std::isfinite(value)) throw PyError{"the result is no finite number"};
+  if (integer && std::abs(value) < 9e15) return {static_cast<long long>(value)};
+  return {value};
+}
+
+bool is_integer(const PyValue& v) {
+  return std::holds_alternative<long long>(v.is) || std::holds_alternative<bool>(v.is);
+}
+
+class Parser {
+ public:
+  Parser(std::string_view text, const PyScope& scope) : text_(text), scope_(scope) {}
+
+  PyValue whole() {
+    PyValue out = ternary();
+    blanks();
+    if (at_ < text_.size())
+      throw PyError{"'" + std::string(text_.substr(at_, 40)) + "' cannot stand here"};
+    return out;
+  }
+
+ private:
+  struct Deeper {
+    explicit Deeper(int& depth) : depth_(depth) {
+      if (++depth_ > 100) throw PyError{"the expression is nested too deep"};
+    }
+    ~Deeper() { --depth_; }
+    int& depth_;
+  };
+
+  void spend() const {
+    if (scope_.budget == nullptr) return;
+    if (*scope_.budget == 0) throw PyError{"takes more than is computed for one file"};
+    --*scope_.budget;
+  }
+
+  void blanks() {
+    while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
+  }
+
+  bool sign(std::string_view s) {
+    blanks();
+    if (text_.substr(at_, s.size()) != s) return false;
+    at_ += s.size();
+    return true;
+  }
+
+  bool word(std::string_view w) {
+    blanks();
+    if (text_.substr(at_, w.size()) != w) return false;
+    const char next = at_ + w.size() < text_.size() ? text_[at_ + w.size()] : ' ';
+    if (is_letter(next) || is_digit(next)) return false;
+    at_ += w.size();
+    return true;
+  }
+
+  void need(std::string_view s) {
+    if (!sign(s)) throw PyError{"'" + std::string(s) + "' is missing"};
+  }
+
+  PyValue ternary() {
+    const Deeper deeper(depth_);
+    spend();
+    // Both branches are computed; what is refused in the one that is not taken is forgotten.
+    const std::size_t begin = at_;
+    PyValue yes;
+    std::string trouble;
+    try {
+      yes = any();
+    } catch (const PyError& error) {
+      // Perhaps the branch of an "if" whose condition does not hold: find that "if".
+      trouble = error.message;
+      at_ = begin;
+      if (!skip_to_if()) throw;
+    }
+    if (!word("if")) return yes;
+    const bool condition = any().truth();
+    if (!word("else")) throw PyError{"'else' is missing"};
+    if (condition) {
+      if (!trouble.empty()) throw PyError{trouble};
+      try {
+        ternary();
+      } catch (const PyError&) {
+        skip_rest();
+      }
+      return yes;
+    }
+    return ternary();
+  }
+
+  /// To the word "if" on this level of brackets.
+  bool skip_to_if() {
+    int open = 0;
+    for (; at_ < text_.size(); ++at_) {
+      const char c = text_[at_];
+      if (c == '\'' || c == '"') {
+        const std::size_t end = text_.find(c, at_ + 1);
+        if (end == std::string_view::npos) return false;
+        at_ = end;
+      } else if (c == '(' || c == '[' || c == '{') {
+        ++open;
+      } else if (c == ')' || c == ']' || c == '}') {
+        if (--open < 0) return false;
+      } else if (open == 0 && at_ > 0 && is_blank(text_[at_ - 1]) && text_.substr(at_, 3) == "if ") {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  void skip_rest() {
+    int open = 0;
+    for (; at_ < text_.size(); ++at_) {
+      const char c = text_[at_];
+      if (c == '(' || c == '[' || c == '{') ++open;
+      if ((c == ')' || c == ']' || c == '}') && --open < 0) return;
+      if (c == ',' && open == 0) return;
+    }
+  }
+
+  PyValue any() {
+    PyValue out = all();
+    while (word("or")) {
+      const PyValue other = all();
+      if (!out.truth()) out = other;
+    }
+    return out;
+  }
+
+  PyValue all() {
+    PyValue out = negation();
+    while (word("and")) {
+      const PyValue other = negation();
+      if (out.truth()) out = other;
+    }
+    return out;
+  }
+
+  PyValue negation() {
+    const Deeper deeper(depth_);
+    if (word("not")) return {!negation().truth()};
+    return compare();
+  }
+
+  static bool less(const PyValue& a, const PyValue& b) {
+    if (a.is_number() && b.is_number()) return a.number() < b.number();
+    const auto *x = std::get_if<std::string>(&a.is), *y = std::get_if<std::string>(&b.is);
+    if (x != nullptr && y != nullptr) return *x < *y;
+    throw PyError{fmt::format("{} and {} have no order", kind_of(a), kind_of(b))};
+  }
+
+  static bool contains(const PyValue& in, const PyValue& what) {
+    if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&in.is))
+      return std::any_of((*l)->begin(), (*l)->end(), [&](const PyValue& v) { return equal(v, what); });
+    if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&in.is))
+      return (*d)->count(what.text()) != 0;
+    if (const auto* s = std::get_if<std::string>(&in.is))
+      return s->find(what.text()) != std::string::npos;
+    throw PyError{std::string(kind_of(in)) + " contains nothing"};
+  }
+
+  PyValue compare() {
+    PyValue out = sum();
+    PyValue left = out;
+    bool compared = false, holds = true;
+    while (true) {
+      blanks();
+      const auto against = [&](auto test) {
+        PyValue right = sum();
+        holds = holds && test(left, right);
+        left = std::move(right);
+        compared = true;
+      };
+      if (sign("==")) {
+        against([](const PyValue& a, const PyValue& b) { return equal(a, b); });
+      } else if (sign("!=")) {
+        against([](const PyValue& a, const PyValue& b) { return !equal(a, b); });
+      } else if (sign("<=")) {
+        against([](const PyValue& a, const PyValue& b) { return !less(b, a); });
+      } else if (sign(">=")) {
+        against([](const PyValue& a, const PyValue& b) { return !less(a, b); });
+      } else if (sign("<")) {
+        against([](const PyValue& a, const PyValue& b) { return less(a, b); });
+      } else if (sign(">")) {
+        against([](const PyValue& a, const PyValue& b) { return less(b, a); });
+      } else if (word("in")) {
+        against([](const PyValue& a, const PyValue& b) { return contains(b, a); });
+      } else if (text_.substr(at_, 3) == "not" && word("not")) {
+        if (!word("in")) throw PyError{"'in' is missing after 'not'"};
+        against([](const PyValue& a, const PyValue& b) { return !contains(b, a); });
+      } else if (word("is")) {
+        const bool no = word("not");
+        against([no](const PyValue& a, const PyValue& b) { return equal(a, b) != no; });
+      } else {
+        break;
+      }
+    }
+    if (compared) return {holds};
+    return out;
+  }
+
+  PyValue sum() {
+    PyValue out = term();
+    while (true) {
+      if (sign("+")) {
+        const PyValue b = term();
+        const auto *s = std::get_if<std::string>(&out.is), *t = std::get_if<std::string>(&b.is);
+        const auto* l = std::get_if<std::shared_ptr<const PyList>>(&out.is);
+        const auto* m = std::get_if<std::shared_ptr<const PyList>>(&b.is);
+        if (s != nullptr && t != nullptr) {
+          if (s->size() + t->size() > kLongestText) throw PyError{"a text grows too long"};
+          out = PyValue{*s + *t};
+        } else if (l != nullptr && m != nullptr) {
+          if ((*l)->size() + (*m)->size() > kLongestList) throw PyError{"a list grows too long"};
+          auto both = std::make_shared<PyList>(**l);
+          both->insert(both->end(), (*m)->begin(), (*m)->end());
+          out = PyValue{std::shared_ptr<const PyList>(std::move(both))};
+        } else {
+          out = integer_or(out.number() + b.number(), is_integer(out) && is_integer(b));
+        }
+      } else if (sign("-")) {
+        const PyValue b = term();
+        out = integer_or(out.number() - b.number(), is_integer(out) && is_integer(b));
+      } else {
+        return out;
+      }
+    }
+  }
+
+  PyValue term() {
+    PyValue out = unary();
+    while (true) {
+      blanks();
+      if (text_.substr(at_, 2) == "**") return out;
+      if (sign("*")) {
+        const PyValue b = unary();
+        out = integer_or(out.number() * b.number(), is_integer(out) && is_integer(b));
+      } else if (sign("//")) {
+        const PyValue b = unary();
+        if (b.number() == 0.0) throw PyError{"a division by zero"};
+        out = integer_or(std::floor(out.number() / b.number()), is_integer(out) && is_integer(b));
+      } else if (sign("/")) {
+        const PyValue b = unary();
+        if (b.number() == 0.0) throw PyError{"a division by zero"};
+        out = PyValue{out.number() / b.number()};
+      } else if (sign("%")) {
+        const PyValue b = unary();
+        if (std::holds_alternative<std::string>(out.is)) throw PyError{"texts are not formatted here"};
+        if (b.number() == 0.0) throw PyError{"a division by zero"};
+        const double m = out.number() - b.number() * std::floor(out.number() / b.number());
+        out = integer_or(m, is_integer(out) && is_integer(b));
+      } else {
+        return out;
+      }
+    }
+  }
+
+  PyValue unary() {
+    const Deeper deeper(depth_);
+    spend();
+    if (sign("-")) {
+      const PyValue v = unary();
+      return is_integer(v) ? integer_or(-v.number(), true) : PyValue{-v.number()};
+    }
+    if (sign("+")) return unary();
+    PyValue out = postfix();
+    if (sign("**")) {
+      const PyValue e = unary();
+      out = integer_or(std::pow(out.number(), e.number()),
+                       is_integer(out) && is_integer(e) && e.number() >= 0.0);
+    }
+    return out;
+  }
+
+  PyValue postfix() {
+    blanks();
+    std::string name;  // of what is not a value yet: a function, a module
+    PyValue out;
+    if (at_ < text_.size() && is_letter(text_[at_])) {
+      name = identifier();
+      if (!resolve(name, out)) {
+        // math.pi, xacro.load_yaml(…), python.max(…), ns.property
+        while (sign(".")) {
+          name += "." + identifier();
+          if (resolve(name, out)) {
+            name.clear();
+            break;
+          }
+        }
+      } else {
+        name.clear();
+      }
+      if (!name.empty()) {
+        for (const char* module : {"math.", "python.", "numpy.", "xacro."})
+          if (name.compare(0, std::string_view(module).size(), module) == 0)
+            name.erase(0, std::string_view(module).size());
+        if (resolve(name, out)) name.clear();
+      }
+      if (!name.empty()) {
+        if (!sign("(")) throw PyError{"'" + name + "' is not defined"};
+        out = call(name);
+      }
+    } else {
+      out = atom();
+    }
+    while (true) {
+      blanks();
+      if (at_ < text_.size() && text_[at_] == '[') {
+        ++at_;
+        const PyValue key = ternary();
+        need("]");
+        out = item(out, key);
+      } else if (at_ + 1 < text_.size() && text_[at_] == '.' && is_letter(text_[at_ + 1])) {
+        ++at_;
+        out = item(out, PyValue{identifier()});
+      } else {
+        return out;
+      }
+    }
+  }
+
+  static PyValue item(const PyValue& of, const PyValue& key) {
+    if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&of.is)) {
+      const auto it = (*d)->find(key.text());
+      if (it == (*d)->end()) throw PyError{"there is no entry '" + key.text() + "'"};
+      return it->second;
+    }
+    if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&of.is)) {
+      const auto size = static_cast<double>((*l)->size());
+      double i = key.number();
+      if (i < 0.0) i += size;
+      if (!(i >= 0.0 && i < size)) throw PyError{"an index is beyond the list"};
+      return (**l)[static_cast<std::size_t>(i)];
+    }
+    if (const auto* s = std::get_if<std::string>(&of.is)) {
+      double i = key.number();
+      if (i < 0.0) i += static_cast<double>(s->size());
+      if (!(i >= 0.0 && i < static_cast<double>(s->size()))) throw PyError{"an index is beyond the text"};
+      return {std::string(1, (*s)[static_cast<std::size_t>(i)])};
+    }
+    throw PyError{std::string(kind_of(of)) + " has no entries"};
+  }
+
+  std::string identifier() {
+    blanks();
+    const std::size_t begin = at_;
+    while (at_ < text_.size() && (is_letter(text_[at_]) || is_digit(text_[at_]))) ++at_;
+    if (begin == at_) throw PyError{"a name is missing"};
+    return std::string(text_.substr(begin, at_ - begin));
+  }
+
+  bool resolve(const std::string& name, PyValue& out) const {
+    if (name == "True") return out = PyValue{true}, true;
+    if (name == "False") return out = PyValue{false}, true;
+    if (name == "None") return out = PyValue{}, true;
+    if (scope_.look_up && scope_.look_up(name, out)) return true;
+    if (name == "pi") return out = PyValue{3.14159265358979323846}, true;
+    if (name == "e") return out = PyValue{2.71828182845904523536}, true;
+    if (name == "tau") return out = PyValue{6.28318530717958647692}, true;
+    if (name == "inf") return out = PyValue{std::numeric_limits<double>::infinity()}, true;
+    return false;
+  }
+
+  PyValue atom() {
+    if (at_ >= text_.size()) throw PyError{"the expression ends too early"};
+    const char c = text_[at_];
+    if (c == '(') {
+      ++at_;
+      PyList list;
+      bool comma = false;
+      while (!sign(")")) {
+        list.push_back(ternary());
+        if (list.size() > kLongestList) throw PyError{"a list grows too long"};
+        if (!sign(",")) {
+          need(")");
+          break;
+        }
+        comma = true;
+      }
+      if (!comma && list.size() == 1) return list.front();
+      return {std::make_shared<const PyList>(std::move(list))};
+    }
+    if (c == '[') {
+      ++at_;
+      PyList list;
+      while (!sign("]")) {
+        list.push_back(ternary());
+        if (list.size() > kLongestList) throw PyError{"a list grows too long"};
+        if (!sign(",")) {
+          need("]");
+          break;
+        }
+      }
+      return {std::make_shared<const PyList>(std::move(list))};
+    }
+    if (c == '{') {
+      ++at_;
+      PyDict dict;
+      while (!sign("}")) {
+        const PyValue key = ternary();
+        need(":");
+        dict[key.text()] = ternary();
+        if (dict.size() > kLongestList) throw PyError{"a dictionary grows too long"};
+        if (!sign(",")) {
+          need("}");
+          break;
+        }
+      }
+      return {std::make_shared<const PyDict>(std::move(dict))};
+    }
+    if (c == '\'' || c == '"') {
+      const std::size_t end = text_.find(c, at_ + 1);
+      if (end == std::string_view::npos) throw PyError{"a text has no end"};
+      PyValue out{std::string(text_.substr(at_ + 1, end - at_ - 1))};
+      at_ = end + 1;
+      return out;
+    }
+    if (is_digit(c) || c == '.') {
+      double number = 0.0;
+      const auto [end, error] =
+          std::from_chars(text_.data() + at_, text_.data() + text_.size(), number);
+      if (error != std::errc()) throw PyError{"a number cannot be read"};
+      const std::string_view word =
+          text_.substr(at_, static_cast<std::size_t>(end - text_.data()) - at_);
+      at_ += word.size();
+      return integer_or(number, word.find_first_of(".eE") == std::string_view::npos);
+    }
+    throw PyError{"'" + std::string(text_.substr(at_, 40)) + "' cannot be understood"};
+  }
+
+  PyValue call(const std::string& name) {
+    std::vector<PyValue> a;
+    std::vector<std::string> keys;
+    while (!sign(")")) {
+      a.push_back(ternary());
+      if (a.size() > 1000) throw PyError{"a call has too many arguments"};
+      if (!sign(",")) {
+        need(")");
+        break;
+      }
+    }
+    const auto x = [&](std::size_t i) {
+      if (i >= a.size()) throw PyError{name + "() has too few arguments"};
+      return a[i].number();
+    };
+    using Unary = double (*)(double);
+    static const std::map<std::string, Unary> kUnary = {
+        {"sin", [](double v) { return std::sin(v); }},   {"cos", [](double v) { return std::cos(v); }},
+        {"tan", [](double v) { return std::tan(v); }},   {"asin", [](double v) { return std::asin(v); }},
+        {"acos", [](double v) { return std::acos(v); }}, {"atan", [](double v) { return std::atan(v); }},
+        {"sqrt", [](double v) { return std::sqrt(v); }}, {"exp", [](double v) { return std::exp(v); }},
+        {"log", [](double v) { return std::log(v); }},   {"fabs", [](double v) { return std::abs(v); }},
+        {"radians", [](double v) { return v * 3.14159265358979323846 / 180.0; }},
+        {"degrees", [](double v) { return v * 180.0 / 3.14159265358979323846; }}};
+    if (const auto it = kUnary.find(name); it != kUnary.end()) return {it->second(x(0))};
+    if (name == "atan2") return {std::atan2(x(0), x(1))};
+    if (name == "hypot") return {std::hypot(x(0), x(1))};
+    if (name == "pow") return {std::pow(x(0), x(1))};
+    if (name == "abs") return integer_or(std::abs(x(0)), is_integer(a[0]));
+    if (name == "floor") return integer_or(std::floor(x(0)), true);
+    if (name == "ceil") return integer_or(std::ceil(x(0)), true);
+    if (name == "round") {
+      if (a.size() < 2) return integer_or(std::nearbyint(x(0)), true);
+      const double scale = std::pow(10.0, x(1));
+      return {std::nearbyint(x(0) * scale) / scale};
+    }
+    if (name == "int") {
+      if (!a.empty() && std::holds_alternative<std::string>(a[0].is)) return integer_or(std::trunc(literal(a[0].text()).number()), true);
+      return integer_or(std::trunc(x(0)), true);
+    }
+    if (name == "float") {
+      if (!a.empty() && std::holds_alternative<std::string>(a[0].is)) return {literal(a[0].text()).number()};
+      return {x(0)};
+    }
+    if (name == "str") {
+      if (a.size() != 1) throw PyError{"str() has one argument"};
+      return {a[0].text()};
+    }
+    if (name == "bool") {
+      if (a.size() != 1) throw PyError{"bool() has one argument"};
+      return {a[0].truth()};
+    }
+    if (name == "len") {
+      if (a.size() != 1) throw PyError{"len() has one argument"};
+      if (const auto* s = std::get_if<std::string>(&a[0].is)) return {static_cast<long long>(s->size())};
+      if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&a[0].is))
+        return {static_cast<long long>((*l)->size())};
+      if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&a[0].is))
+        return {static_cast<long long>((*d)->size())};
+      throw PyError{std::string(kind_of(a[0])) + " has no length"};
+    }
+    if (name == "min" || name == "max") {
+      PyList all = a;
+      if (a.size() == 1)
+        if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&a[0].is)) all = **l;
+      if (all.empty()) throw PyError{name + "() of nothing"};
+      PyValue best = all.front();
+      for (const PyValue& v : all)
+        if (name == "min" ? less(v, best) : less(best, v)) best = v;
+      return best;
+    }
+    if (name == "dict" && a.empty()) return {std::make_shared<const PyDict>()};
+    if (name == "list" && a.empty()) return {std::make_shared<const PyList>()};
+    if (name == "load_yaml") {
+      if (a.size() != 1 || !scope_.load_yaml) throw PyError{"load_yaml() names one file"};
+      return scope_.load_yaml(a[0].text());
+    }
+    if (name == "arg") {
+      if (a.size() != 1 || !scope_.argument) throw PyError{"arg() names one argument"};
+      return scope_.argument(a[0].text());
+    }
+    if (name == "error" || name == "fatal_error") throw PyError{a.empty() ? "error" : a[0].text()};
+    if (name == "warning" || name == "message" || name == "print_location") return {std::string()};
+    throw PyError{"there is no function '" + name + "' here"};
+  }
+
+  std::string_view text_;
+  const PyScope& scope_;
+  std::size_t at_ = 0;
+  int depth_ = 0;
+};
+
+PyValue from_yaml(const YAML::Node& node, const PyScope& scope, int depth, std::size_t& left) {
+  if (depth > 50) throw PyError{"the YAML file is nested too deep"};
+  if (left == 0) throw PyError{"the YAML file has more than 100000 values"};
+  --left;
+  if (node.IsMap()) {
+    PyDict out;
+    for (const auto& entry : node)
+      out[entry.first.Scalar()] = from_yaml(entry.second, scope, depth + 1, left);
+    return {std::make_shared<const PyDict>(std::move(out))};
+  }
+  if (node.IsSequence()) {
+    PyList out;
+    for (const auto& entry : node) out.push_back(from_yaml(entry, scope, depth + 1, left));
+    return {std::make_shared<const PyList>(std::move(out))};
+  }
+  if (!node.IsScalar()) return {};
+  const std::string& text = node.Scalar();
+  const std::string& tag = node.Tag();
+  const auto of = [&](double factor) { return PyValue{evaluate(text, scope).number() * factor}; };
+  if (tag == "!degrees") return of(3.14159265358979323846 / 180.0);
+  if (tag == "!radians" || tag == "!meters" || tag == "!meter") return of(1.0);
+  if (tag == "!millimeters" || tag == "!mm") return of(1e-3);
+  if (tag == "!inches") return of(0.0254);
+  if (tag == "!foot") return of(0.3048);
+  if (tag == "!") return {text};  // quoted
+  if (text.empty() || text == "~" || text == "null") return {};
+  return literal(text);
+}
+
+}  // namespace
+
+bool PyValue::truth() const {
+  struct Visit {
+    bool operator()(std::monostate) const { return false; }
+    bool operator()(bool v) const { return v; }
+    bool operator()(long long v) const { return v != 0; }
+    bool operator()(double v) const { return v != 0.0; }
+    bool operator()(const std::string& v) const { return !v.empty(); }
+    bool operator()(const std::shared_ptr<const PyList>& v) const { return !v->empty(); }
+    bool operator()(const std::shared_ptr<const PyDict>& v) const { return !v->empty(); }
+  };
+  return std::visit(Visit{}, is);
+}
+
+double PyValue::number() const {
+  if (const auto* b = std::get_if<bool>(&is)) return *b ? 1.0 : 0.0;
+  if (const auto* i = std::get_if<long long>(&is)) return static_cast<double>(*i);
+  if (const auto* d = std::get_if<double>(&is)) return *d;
+  throw PyError{std::string(kind_of(*this)) + " is not a number" +
+                (std::holds_alternative<std::string>(is) ? ": '" + text().substr(0, 40) + "'" : "")};
+}
+
+std::string PyValue::text() const {
+  struct Visit {
+    std::string operator()(std::monostate) const { return "None"; }
+    std::string operator()(bool v) const { return v ? "True" : "False"; }
+    std::string operator()(long long v) const { return std::to_string(v); }
+    std::string operator()(double v) const {
+      std::string out = fmt::format("{}", v);
+      if (out.find_first_not_of("-0123456789") == std::string::npos) out += ".0";
+      return out;
+    }
+    std::string operator()(const std::string& v) const { return v; }
+    std::string operator()(const std::shared_ptr<const PyList>& v) const {
+      std::string out = "[";
+      for (const PyValue& e : *v) {
+        out += (out.size() > 1 ? ", " : "") + e.text();
+        if (out.size() > kLongestText) throw PyError{"a text grows too long"};
+      }
+      return out + "]";
+    }
+    std::string operator()(const std::shared_ptr<const PyDict>& v) const {
+      std::string out = "{";
+      for (const auto& [key, e] : *v) {
+        out += (out.size() > 1 ? ", '" : "'") + key + "': " + e.text();
+        if (out.size() > kLongestText) throw PyError{"a text grows too long"};
+      }
+      return out + "}";
+    }
+  };
+  return std::visit(Visit{}, is);
+}
+
+PyValue evaluate(std::string_view expression, const PyScope& scope) {
+  if (expression.size() > (1u << 16)) throw PyError{"the expression is too long"};
+  return Parser(expression, scope).whole();
+}
+
+PyValue literal(const std::string& text) {
+  std::string_view word = text;
+  while (!word.empty() && is_blank(word.front())) word.remove_prefix(1);
+  while (!word.empty() && is_blank(word.back())) word.remove_suffix(1);
+  if (word.size() >= 2 && word.front() == '\'' && word.back() == '\'')
+    return {std::string(word.substr(1, word.size() - 2))};
+  if (word == "true" || word == "True") return {true};
+  if (word == "false" || word == "False") return {false};
+  std::string_view digits = word;
+  if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
+  if (!digits.empty()) {
+    long long integer = 0;
+    auto done = std::from_chars(digits.data(), digits.data() + digits.size(), integer);
+    if (done.ec == std::errc() && done.ptr == digits.data() + digits.size()) return {integer};
+    double number = 0.0;
+    const auto real = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    if (real.ec == std::errc() && real.ptr == digits.data() + digits.size()) return {number};
+  }
+  return {text};
+}
+
+PyValue parse_yaml(const std::string& text, const PyScope& scope) {
+  // An alias names what stands elsewhere, and aliases of aliases grow without end.
+  if (text.size() > (1u << 20)) throw PyError{"the YAML file has more than 1 MB"};
+  try {
+    std::size_t left = 100000;
+    return from_yaml(YAML::Load(text), scope, 0, left);
+  } catch (const YAML::Exception& e) {
+    throw PyError{fmt::format("YAML line {}: {}", e.mark.line + 1, e.msg)};
+  }
+}
+
+}  // namespace cogrsim::dsl::import

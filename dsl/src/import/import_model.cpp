@@ -1,0 +1,75 @@
+#include "cogrsim/dsl/import_model.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "import/robot.h"
+
+namespace cogrsim::dsl {
+
+bool is_foreign_model(std::string_view text) {
+  // The first start tag, behind declaration, comments and a document type.
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string_view::npos; ++at) {
+    const std::string_view rest = text.substr(at + 1, 20);
+    if (rest.substr(0, 3) == "!--") {
+      at = text.find("-->", at);
+      if (at == std::string_view::npos) return false;
+      continue;
+    }
+    if (rest.empty() || rest[0] == '?' || rest[0] == '!') continue;
+    const std::string_view name = rest.substr(0, rest.find_first_of(" \t\r\n/>"));
+    return name == "robot" || name == "mujoco" || name == "sdf";
+  }
+  return false;
+}
+
+ImportResult import_model(const std::string& path, const ImportOptions& options) {
+  using namespace import;
+  Context context(path, options);
+  try {
+    std::error_code fault;
+    const std::string full = std::filesystem::weakly_canonical(path, fault).string();
+    auto root = context.parse(fault ? path : full, {});
+    if (uses_xacro(*root)) root = expand_xacro(context, *root);
+    RobotModel robot;
+    if (root->name == "robot") {
+      context.result.format = "URDF";
+      robot = read_urdf(context, *root);
+      if (!options.semantics.empty() && !context.failed()) {
+        const std::string srdf = std::filesystem::weakly_canonical(options.semantics, fault).string();
+        auto semantics = context.parse(srdf, {});
+        if (uses_xacro(*semantics)) semantics = expand_xacro(context, *semantics);
+        read_srdf(context, *semantics, robot);
+      }
+    } else if (root->name == "mujoco" || root->name == "mujocoinclude") {
+      context.result.format = "MJCF";
+      robot = read_mjcf(context, *root);
+    } else if (root->name == "sdf" || root->name == "gazebo") {
+      context.result.format = "SDF";
+      robot = read_sdf(context, *root);
+    } else if (root->name == "scene") {
+      context.refuse(root->at, "CG1401", "this is a scene already", "run it, or import it in a scene");
+    } else {
+      context.refuse(root->at, "CG1401",
+                     fmt::format("<{}> is none of the formats that are read", root->name.substr(0, 60)),
+                     "URDF and xacro begin with <robot>, MJCF with <mujoco>, SDF with <sdf>");
+    }
+    if (context.failed()) return std::move(context.result);
+    if (options.fixed_base) {
+      std::vector<bool> carried(robot.links.size(), false);
+      for (const RobotJoint& j : robot.joints) carried[static_cast<std::size_t>(j.child)] = true;
+      for (std::size_t i = 0; i < robot.links.size(); ++i)
+        if (!carried[i]) robot.links[i].is_static = true;
+    }
+    repair_inertias(context, robot);
+    weld(context, robot);
+    make_names(context, robot);
+    write_scene(context, robot);
+  } catch (const Refused&) {
+    context.result.scene.clear();
+  }
+  return std::move(context.result);
+}
+
+}  // namespace cogrsim::dsl

@@ -1,0 +1,157 @@
+// A robot between its source and the scene: links, joints and what is on them, in SI units and in
+// the order of the source.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cogrsim/core/types.h"
+#include "import/context.h"
+
+namespace cogrsim::dsl::import {
+
+inline constexpr double kPi = 3.14159265358979323846;
+
+struct Geometry {
+  enum class Type { box, sphere, cylinder, capsule, plane, mesh, points } type = Type::box;
+  Vec3 size = Vec3::Zero();  ///< box: whole extents [m]
+  double radius = 0.0;       ///< [m]
+  double length = 0.0;       ///< cylinder: whole; capsule: without its ends [m]
+  std::string mesh;          ///< canonical path
+  std::vector<Vec3> points;  ///< of which the shape is the convex hull [m]
+  Vec3 scale = Vec3::Ones();
+};
+
+struct RobotShape {
+  std::string name;
+  Pose X;  ///< in the link
+  Geometry geometry;
+  std::optional<Color> color;
+  std::string texture;  ///< canonical path
+  bool visible = true, collides = true;
+  std::optional<double> friction;
+  Source at;
+};
+
+struct RobotInertia {
+  double mass = 0.0;         ///< [kg]
+  Vec3 com = Vec3::Zero();   ///< in the link [m]
+  Mat3 I = Mat3::Zero();     ///< about the centre of mass, the link's axes [kg m^2]
+};
+
+/// A named frame on a link: of a link that was welded, a site, a sensor.
+struct RobotFrame {
+  std::string name;
+  Pose X;  ///< in the link
+};
+
+struct RobotSensor {
+  std::string name, element;  ///< the element of the scene language: "imu"
+  Pose X;                     ///< in the link
+  std::vector<std::pair<std::string, std::string>> attributes;  ///< in the scene's notation
+  std::string joint;                                            ///< of an encoder, a force-torque
+  Source at;
+};
+
+struct RobotLink {
+  std::string name;
+  Pose X;  ///< of a link that no joint carries, in the model
+  std::optional<RobotInertia> inertia;
+  std::vector<RobotShape> shapes;
+  std::vector<RobotFrame> frames;
+  std::vector<RobotSensor> sensors;
+  bool is_static = false;
+  Source at;
+};
+
+/// q = ratio * q of `joint` + offset.
+struct RobotCoupling {
+  std::string joint;
+  double ratio = 1.0, offset = 0.0;
+};
+
+struct RobotJoint {
+  enum class Type { fixed, hinge, slider, ball, planar, free, universal, screw } type = Type::fixed;
+  std::string name;
+  int parent = -1;  ///< by RobotModel::links; -1: the world
+  int child = -1;
+  Pose X_PC;                  ///< of the child in the parent, at zero
+  Vec3 anchor = Vec3::Zero();  ///< of the joint in the child
+  Vec3 axis = Vec3::UnitX();  ///< in the joint's frame, unit
+  Vec3 axis2 = Vec3::UnitY();
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  double max_effort = std::numeric_limits<double>::infinity();
+  double max_speed = std::numeric_limits<double>::infinity();
+  double damping = 0.0, friction = 0.0, stiffness = 0.0, rest = 0.0;
+  double rotor_inertia = 0.0;  ///< added to the axis [kg m^2] or [kg]
+  double position = 0.0;       ///< at the start
+  double pitch = 0.0;          ///< of a screw [m/turn]
+  std::optional<RobotCoupling> coupling;
+  Source at;
+};
+
+/// A motor or servo on a joint.
+struct RobotDrive {
+  std::string name, joint;
+  enum class Mode { position, velocity, torque } mode = Mode::torque;
+  double kp = 0.0, kd = 0.0;  ///< of a position drive
+  double max_effort = std::numeric_limits<double>::infinity();
+  std::optional<double> target;
+  Source at;
+};
+
+struct RobotModel {
+  std::string name;
+  std::vector<RobotLink> links;
+  std::vector<RobotJoint> joints;  ///< a tree: no link is the child of two
+  std::vector<RobotJoint> loops;   ///< joints that close loops; X_PC is not used
+  std::vector<RobotDrive> drives;
+  std::vector<std::pair<std::string, std::string>> no_contact;  ///< links that do not touch
+  std::optional<double> step;                                   ///< [s]
+  std::optional<Vec3> gravity;                                  ///< [m/s^2]
+  bool has_ground = false;
+
+  int link(const std::string& name) const;
+  int joint(const std::string& name) const;
+};
+
+/// R = Rz(yaw) Ry(pitch) Rx(roll): rotations about fixed x, y and z axes [rad].
+Quat from_rpy(const Vec3& rpy);
+
+/// Points on an ellipsoid, whose hull has 480 triangles and lies up to 2 % inside.
+std::vector<Vec3> ellipsoid_points(const Vec3& half_axes);
+/// Points of a cone about z: apex at +length/2, base at -length/2.
+std::vector<Vec3> cone_points(double radius, double length);
+
+/// Makes every link's inertia one that a rigid body can have: principal moments that are positive
+/// and of which none exceeds the sum of the others. The nearest one in the Frobenius norm is taken;
+/// what changed is reported as approximate.
+void repair_inertias(Context& context, RobotModel& robot);
+
+/// Welds what fixed joints hold: shapes, frames and inertias of the child go to the parent, and the
+/// child's name becomes a frame there. Links without mass become frames or are given a small mass,
+/// which is reported. Limits that leave no freedom become fixed joints first.
+void weld(Context& context, RobotModel& robot);
+
+/// Names that the scene language takes, unique among bodies, joints, frames, drives and sensors;
+/// what was renamed is reported.
+void make_names(Context& context, RobotModel& robot);
+
+/// Writes the scene, and fills `context.result.files` with the meshes that belong beside it.
+void write_scene(Context& context, const RobotModel& robot);
+
+// ---- readers; each throws Refused, or leaves context.failed()
+
+RobotModel read_urdf(Context& context, const XmlElement& root);
+void read_srdf(Context& context, const XmlElement& root, RobotModel& robot);
+RobotModel read_mjcf(Context& context, const XmlElement& root);
+RobotModel read_sdf(Context& context, const XmlElement& root);
+
+/// Expands xacro: a tree without elements and attributes of xacro, all `${…}` and `$(…)` replaced.
+std::unique_ptr<XmlElement> expand_xacro(Context& context, const XmlElement& root);
+bool uses_xacro(const XmlElement& root);
+
+}  // namespace cogrsim::dsl::import

@@ -1,0 +1,479 @@
+// SDF (sdformat.org, specification 1.4 to 1.11): models and worlds. Poses are resolved over the
+// graph of `relative_to`; plugins are reported and left out.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "cogrsim/core/parameter.h"
+#include "import/robot.h"
+
+namespace cogrsim::dsl::import {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Links, joints, frames and models by name, each with its pose relative to another.
+struct RelativePose {
+  std::string relative_to;  ///< empty: the model
+  Pose X;
+  bool busy = false, known = false;
+  Pose X_M;  ///< in the model, once known
+};
+
+class SdfReader {
+ public:
+  explicit SdfReader(Context& context) : context_(context) {}
+
+  RobotModel read(const XmlElement& root) {
+    for (const auto& e : root.children) {
+      if (e->name == "world")
+        world(*e);
+      else if (e->name == "model")
+        model(*e, "", Pose(), 0);
+      else if (e->name == "include")
+        include(*e, "", Pose(), 0);
+      else if (e->name == "light" || e->name == "actor")
+        context_.left_out(e->at, quoted_name(*e), "concerns appearance only");
+      else
+        left_out(*e);
+    }
+    if (robot_.links.empty()) context_.refuse(root.at, "CG1405", "there is no link in it");
+    return std::move(robot_);
+  }
+
+ private:
+  void left_out(const XmlElement& e) {
+    if (e.name == "plugin") {
+      const std::string* file = e.find("filename");
+      context_.left_out(e.at, fmt::format("plugin '{}'", file == nullptr ? "" : *file),
+                        "what Gazebo's plugins do is not imported");
+    } else {
+      context_.left_out(e.at, quoted_name(e), fmt::format("<{}> is not read", e.name));
+    }
+  }
+
+  static std::string text(const XmlElement& in, const char* tag) {
+    const XmlElement* c = in.child(tag);
+    return c == nullptr ? "" : c->text;
+  }
+
+  std::optional<double> value(const XmlElement* in, const char* tag) {
+    const XmlElement* c = in == nullptr ? nullptr : in->child(tag);
+    if (c == nullptr) return std::nullopt;
+    if (c->text == "inf" || c->text == "INF" || c->text == "infinity")
+      return std::numeric_limits<double>::infinity();
+    if (c->text == "-inf" || c->text == "-INF" || c->text == "-infinity")
+      return -std::numeric_limits<double>::infinity();
+    const auto v = context_.numbers(*c, c->text, 1, 1, fmt::format("<{}>", tag));
+    if (!v) return std::nullopt;
+    return v->front();
+  }
+
+  std::optional<Vec3> vector(const XmlElement* in, const char* tag) {
+    const XmlElement* c = in == nullptr ? nullptr : in->child(tag);
+    if (c == nullptr) return std::nullopt;
+    const auto v = context_.numbers(*c, c->text, 3, 3, fmt::format("<{}>", tag));
+    if (!v) return std::nullopt;
+    return Vec3((*v)[0], (*v)[1], (*v)[2]);
+  }
+
+  Pose pose(const XmlElement& in) {
+    const XmlElement* c = in.child("pose");
+    if (c == nullptr || c->text.empty()) return {};
+    const std::string* format = c->find("rotation_format");
+    const std::string* degrees = c->find("degrees");
+    const bool quaternion = format != nullptr && *format == "quat_xyzw";
+    const auto v = context_.numbers(*c, c->text, quaternion ? 7 : 6, quaternion ? 7 : 6, "<pose>");
+    if (!v) return {};
+    Pose out;
+    out.p = Vec3((*v)[0], (*v)[1], (*v)[2]);
+    if (quaternion) {
+      const Quat q((*v)[6], (*v)[3], (*v)[4], (*v)[5]);
+      if (q.norm() > 1e-9) out.q = q.normalized();
+    } else {
+      const double unit = degrees != nullptr && *degrees == "true" ? kPi / 180.0 : 1.0;
+      out.q = from_rpy(unit * Vec3((*v)[3], (*v)[4], (*v)[5]));
+    }
+    return out;
+  }
+
+  static std::string relative_to(const XmlElement& in) {
+    const XmlElement* c = in.child("pose");
+    if (c == nullptr) return "";
+    const std::string* to = c->find("relative_to");
+    if (to == nullptr) to = c->find("frame");
+    return to == nullptr ? "" : *to;
+  }
+
+  void world(const XmlElement& e) {
+    if (robot_.name.empty() && e.find("name") != nullptr) robot_.name = *e.find("name");
+    std::map<std::string, RelativePose> places;
+    for (const auto& c : e.children)
+      if (c->name == "model" || c->name == "include" || c->name == "frame") {
+        std::string name = c->find("name") != nullptr ? *c->find("name") : text(*c, "name");
+        if (!name.empty()) places[name] = {relative_to(*c), pose(*c), false, false, {}};
+      }
+    for (const auto& c : e.children) {
+      if (c->name == "physics") {
+        if (const auto step = value(c.get(), "max_step_size"); step && *step > 0.0) robot_.step = *step;
+        context_.approximate(c->at, quoted_name(*c), "its step is taken");
+      } else if (c->name == "gravity") {
+        robot_.gravity = vector(&e, "gravity");
+      } else if (c->name == "model") {
+        model(*c, "", in_world(*c, places), 0);
+      } else if (c->name == "include") {
+        include(*c, "", in_world(*c, places), 0);
+      } else if (c->name == "light" || c->name == "scene" || c->name == "gui" || c->name == "actor" ||
+                 c->name == "atmosphere" || c->name == "magnetic_field" || c->name == "wind" ||
+                 c->name == "audio" || c->name == "spherical_coordinates") {
+        context_.left_out(c->at, quoted_name(*c), "concerns appearance or environment");
+      } else if (c->name != "frame") {
+        left_out(*c);
+      }
+    }
+  }
+
+  Pose in_world(const XmlElement& e, std::map<std::string, RelativePose>& places) {
+    const std::string to = relative_to(e);
+    return to.empty() || to == "world" ? pose(e) : resolve(to, places, e, 0) * pose(e);
+  }
+
+  Pose resolve(const std::string& name, std::map<std::string, RelativePose>& places, const XmlElement& at,
+               int depth) {
+    if (name.empty() || name == "__model__" || name == "world") return {};
+    const auto it = places.find(name);
+    if (it == places.end()) {
+      std::vector<std::string> known;
+      for (const auto& [n, p] : places) known.push_back(n);
+      const std::string near = nearest_name(name, known);
+      context_.error(at.at, "CG1408", fmt::format("there is no frame '{}'", name),
+                     near.empty() ? "" : fmt::format("did you mean '{}'?", near));
+      return {};
+    }
+    RelativePose& p = it->second;
+    if (p.known) return p.X_M;
+    if (p.busy || depth > 200) {
+      context_.error(at.at, "CG1410", fmt::format("frame '{}' is defined relative to itself", name));
+      return {};
+    }
+    p.busy = true;
+    p.X_M = resolve(p.relative_to, places, at, depth + 1) * p.X;
+    p.busy = false;
+    p.known = true;
+    return p.X_M;
+  }
+
+  void include(const XmlElement& e, const std::string& prefix, const Pose& X_W, int depth) {
+    if (depth > 20) context_.refuse(e.at, "CG1402", "models include each other in a circle, or too deep");
+    const std::string uri = text(e, "uri");
+    std::string href = uri;
+    auto path = context_.locate(href, e.at);
+    if (!path) path = context_.locate(href + (href.empty() || href.back() == '/' ? "" : "/") + "model.sdf", e.at);
+    if (!path) {
+      context_.left_out(e.at, fmt::format("include '{}'", uri), path.error().message);
+      return;
+    }
+    auto root = context_.parse(*path, e.at);
+    kept_.push_back(std::move(root));
+    for (const auto& c : kept_.back()->children) {
+      if (c->name != "model") continue;
+      XmlElement& m = *c;
+      const std::string name = text(e, "name");
+      if (!name.empty())
+        for (auto& [key, v] : m.attributes)
+          if (key == "name") v = name;
+      // The include's own pose replaces that of the model.
+      const bool placed = e.child("pose") != nullptr;
+      model(m, prefix, placed ? X_W : X_W * pose(m), depth + 1);
+      return;
+    }
+    context_.left_out(e.at, fmt::format("include '{}'", uri), "there is no model in it");
+  }
+
+  void model(const XmlElement& e, const std::string& prefix, const Pose& X_given, int depth) {
+    if (depth > 20) context_.refuse(e.at, "CG1402", "models are nested too deep");
+    const std::string own = e.find("name") == nullptr ? "model" : *e.find("name");
+    if (robot_.name.empty()) robot_.name = own;
+    const Pose X_WM = depth == 0 && prefix.empty() && X_given.p == Vec3::Zero() && e.child("pose") != nullptr
+                          ? pose(e)
+                          : X_given;
+    // One model keeps its names; several get those of their models before them.
+    const std::string scope = prefix.empty() && models_++ == 0 ? "" : prefix + own + "_";
+    const bool is_static = text(e, "static") == "true" || text(e, "static") == "1";
+    std::map<std::string, RelativePose> places;
+    std::vector<const XmlElement*> links, joints;
+    for (const auto& c : e.children) {
+      const std::string name = c->find("name") == nullptr ? "" : *c->find("name");
+      if (c->name == "link") {
+        places[name] = {relative_to(*c), pose(*c), false, false, {}};
+        links.push_back(c.get());
+      } else if (c->name == "frame") {
+        const std::string* to = c->find("attached_to");
+        std::string relative = relative_to(*c);
+        if (relative.empty() && to != nullptr) relative = *to;
+        places[name] = {relative, pose(*c), false, false, {}};
+      } else if (c->name == "joint") {
+        const std::string relative = relative_to(*c);
+        places[name] = {relative.empty() ? text(*c, "child") : relative, pose(*c), false, false, {}};
+        joints.push_back(c.get());
+      } else if (c->name == "model") {
+        places[name] = {relative_to(*c), pose(*c), false, false, {}};
+      } else if (c->name == "plugin") {
+        left_out(*c);
+      }
+    }
+    for (const XmlElement* l : links) link(*l, scope, X_WM * resolve(*l->find("name") , places, *l, 0), is_static);
+    for (const auto& c : e.children) {
+      if (c->name == "model")
+        model(*c, scope.empty() ? own + "_" : scope, X_WM * resolve(c->find("name") == nullptr ? "" : *c->find("name"), places, *c, 0), depth + 1);
+      if (c->name == "include") include(*c, scope.empty() ? own + "_" : scope, X_WM * pose(*c), depth + 1);
+    }
+    for (const XmlElement* j : joints) joint(*j, scope, X_WM, places);
+    context_.exact(e.at, quoted_name(e));
+  }
+
+  void link(const XmlElement& e, const std::string& scope, const Pose& X_W, bool is_static) {
+    RobotLink out;
+    if (e.find("name") == nullptr) {
+      context_.error(e.at, "CG1404", "a <link> without a name");
+      return;
+    }
+    out.name = scope + *e.find("name");
+    out.at = e.at;
+    out.X = X_W;
+    out.is_static = is_static;
+    if (robot_.link(out.name) >= 0) {
+      context_.error(e.at, "CG1407", fmt::format("a second link '{}'", out.name));
+      return;
+    }
+    RobotInertia inertia;
+    inertia.mass = 1.0;  // the specification's default
+    inertia.I = Mat3::Identity();
+    if (const XmlElement* i = e.child("inertial")) {
+      inertia.mass = value(i, "mass").value_or(1.0);
+      const Pose X = pose(*i);
+      inertia.com = X.p;
+      if (const XmlElement* m = i->child("inertia")) {
+        const auto v = [&](const char* tag, double otherwise) { return value(m, tag).value_or(otherwise); };
+        Mat3 I;
+        I << v("ixx", 1), v("ixy", 0), v("ixz", 0), v("ixy", 0), v("iyy", 1), v("iyz", 0), v("ixz", 0),
+            v("iyz", 0), v("izz", 1);
+        const Mat3 R = X.q.toRotationMatrix();
+        inertia.I = R * I * R.transpose();
+      }
+      if (i->find("auto") != nullptr && *i->find("auto") == "true")
+        context_.left_out(i->at, fmt::format("automatic inertia of link '{}'", out.name), "is not computed");
+    }
+    if (inertia.mass > 0.0) out.inertia = inertia;
+    for (const auto& c : e.children) {
+      if (c->name == "visual" || c->name == "collision") {
+        shape(*c, out, c->name == "visual");
+      } else if (c->name == "sensor") {
+        context_.left_out(c->at, quoted_name(*c), "sensors of SDF are not read yet");
+      } else if (c->name == "gravity") {
+        if (c->text == "false" || c->text == "0")
+          context_.left_out(c->at, fmt::format("gravity of link '{}'", out.name),
+                            "the scene language has no body without weight");
+      } else if (c->name != "pose" && c->name != "inertial" && c->name != "self_collide" &&
+                 c->name != "kinematic" && c->name != "enable_wind" && c->name != "must_be_base_link") {
+        left_out(*c);
+      }
+    }
+    context_.exact(e.at, quoted_name(e));
+    robot_.links.push_back(std::move(out));
+  }
+
+  void shape(const XmlElement& e, RobotLink& link, bool visual) {
+    const XmlElement* g = e.child("geometry");
+    if (g == nullptr || g->children.empty()) {
+      context_.left_out(e.at, quoted_name(e), "has no geometry");
+      return;
+    }
+    const XmlElement& s = *g->children.front();
+    RobotShape out;
+    out.at = e.at;
+    out.X = pose(e);
+    out.visible = visual;
+    out.collides = !visual;
+    if (e.find("name") != nullptr) out.name = *e.find("name");
+    Geometry& shape = out.geometry;
+    using Type = Geometry::Type;
+    bool good = true;
+    if (s.name == "box") {
+      shape.type = Type::box;
+      shape.size = vector(&s, "size").value_or(Vec3::Ones());
+      good = shape.size.minCoeff() > 0.0;
+    } else if (s.name == "sphere") {
+      shape.type = Type::sphere;
+      shape.radius = value(&s, "radius").value_or(1.0);
+      good = shape.radius > 0.0;
+    } else if (s.name == "cylinder" || s.name == "capsule") {
+      shape.type = s.name == "cylinder" ? Type::cylinder : Type::capsule;
+      shape.radius = value(&s, "radius").value_or(1.0);
+      shape.length = value(&s, "length").value_or(1.0);
+      good = shape.radius > 0.0 && shape.length > 0.0;
+    } else if (s.name == "ellipsoid") {
+      shape.type = Type::points;
+      const Vec3 radii = vector(&s, "radii").value_or(Vec3::Ones());
+      good = radii.minCoeff() > 0.0;
+      shape.points = ellipsoid_points(radii);
+      context_.approximate(s.at, quoted_name(e), "is the hull of 242 points, up to 2 % inside");
+    } else if (s.name == "cone") {
+      shape.type = Type::points;
+      const double radius = value(&s, "radius").value_or(1.0), length = value(&s, "length").value_or(1.0);
+      good = radius > 0.0 && length > 0.0;
+      shape.points = cone_points(radius, length);
+      context_.approximate(s.at, quoted_name(e), "is a pyramid of 32 sides, up to 0.5 % inside");
+    } else if (s.name == "plane") {
+      shape.type = Type::plane;
+      const Vec3 normal = vector(&s, "normal").value_or(Vec3::UnitZ());
+      if (normal.norm() > 1e-12)
+        out.X.q = (out.X.q * Quat::FromTwoVectors(Vec3::UnitZ(), normal)).normalized();
+      if (!link.is_static) {
+        context_.left_out(s.at, quoted_name(e), "a plane cannot move");
+        return;
+      }
+      if (!visual) robot_.has_ground = true;
+    } else if (s.name == "mesh") {
+      shape.type = Type::mesh;
+      shape.scale = vector(&s, "scale").value_or(Vec3::Ones());
+      auto path = context_.locate(text(s, "uri"), s.at);
+      if (!path) {
+        context_.left_out(s.at, fmt::format("mesh '{}'", text(s, "uri")), path.error().message);
+        return;
+      }
+      shape.mesh = *path;
+      good = shape.scale.cwiseAbs().minCoeff() > 0.0;
+      if (s.child("submesh") != nullptr)
+        context_.approximate(s.at, quoted_name(e), "the whole mesh is taken, not its submesh");
+    } else {
+      context_.left_out(s.at, quoted_name(e), fmt::format("there is no shape <{}>", s.name));
+      return;
+    }
+    if (!good) {
+      context_.left_out(s.at, quoted_name(e), "the shape has no volume");
+      return;
+    }
+    if (const XmlElement* m = e.child("material"))
+      if (const XmlElement* d = m->child("diffuse")) {
+        const auto v = context_.numbers(*d, d->text, 3, 4, "<diffuse>");
+        if (v) out.color = Color{(*v)[0], (*v)[1], (*v)[2], v->size() > 3 ? (*v)[3] : 1.0};
+      }
+    if (const XmlElement* surface = e.child("surface"))
+      if (const XmlElement* friction = surface->child("friction"))
+        if (const XmlElement* ode = friction->child("ode"))
+          if (const auto mu = value(ode, "mu"); mu && *mu >= 0.0 && *mu < 1e6) out.friction = *mu;
+    context_.exact(e.at, quoted_name(e));
+    link.shapes.push_back(std::move(out));
+  }
+
+  void joint(const XmlElement& e, const std::string& scope, const Pose& X_WM,
+             std::map<std::string, RelativePose>& places) {
+    using Type = RobotJoint::Type;
+    const std::string* name = e.find("name");
+    const std::string* type = e.find("type");
+    if (name == nullptr || type == nullptr) {
+      context_.error(e.at, "CG1404", "a <joint> needs name and type");
+      return;
+    }
+    RobotJoint out;
+    out.name = scope + *name;
+    out.at = e.at;
+    static const std::map<std::string, Type> kTypes = {
+        {"revolute", Type::hinge}, {"continuous", Type::hinge}, {"prismatic", Type::slider},
+        {"fixed", Type::fixed},    {"ball", Type::ball},        {"universal", Type::universal},
+        {"revolute2", Type::universal}, {"screw", Type::screw}};
+    const auto known = kTypes.find(*type);
+    if (known == kTypes.end()) {
+      context_.left_out(e.at, quoted_name(e), fmt::format("there is no joint of type '{}'", *type));
+      return;
+    }
+    out.type = known->second;
+    const std::string parent = text(e, "parent"), child = text(e, "child");
+    const auto index = [&](const std::string& link) {
+      std::string full = scope + link;
+      for (std::size_t i; (i = full.find("::")) != std::string::npos;) full.replace(i, 2, "_");
+      int found = robot_.link(full);
+      if (found < 0) found = robot_.link(robot_.name + "_" + full);
+      return found;
+    };
+    out.child = index(child);
+    out.parent = parent == "world" || parent.empty() ? -1 : index(parent);
+    if (out.child < 0 || (out.parent < 0 && parent != "world")) {
+      context_.error(e.at, "CG1408", fmt::format("joint '{}' connects '{}' and '{}', of which one is no "
+                                                 "link of the model", *name, parent, child));
+      return;
+    }
+    const Pose X_WC = robot_.links[static_cast<std::size_t>(out.child)].X;
+    const Pose X_WP = out.parent < 0 ? Pose() : robot_.links[static_cast<std::size_t>(out.parent)].X;
+    out.X_PC = X_WP.inverse() * X_WC;
+    const Pose X_CJ = X_WC.inverse() * (X_WM * resolve(*name, places, e, 0));
+    out.anchor = X_CJ.p;
+    const auto axis = [&](const XmlElement* a, const Vec3& otherwise) {
+      Vec3 v = vector(a, "xyz").value_or(otherwise);
+      if (!(v.norm() > 1e-12)) v = otherwise;
+      Quat q = X_CJ.q;  // the joint's frame, unless said
+      if (const XmlElement* xyz = a == nullptr ? nullptr : a->child("xyz"))
+        if (const std::string* in = xyz->find("expressed_in"); in != nullptr && !in->empty())
+          q = X_WC.q.conjugate() * (X_WM * resolve(*in, places, e, 0)).q;
+      const std::string parent_frame = a == nullptr ? "" : text(*a, "use_parent_model_frame");
+      if (parent_frame == "true" || parent_frame == "1") q = X_WC.q.conjugate() * X_WM.q;
+      return Vec3((q * v).normalized());
+    };
+    const XmlElement* a = e.child("axis");
+    out.axis = axis(a, Vec3::UnitZ());
+    out.axis2 = axis(e.child("axis2"), Vec3::UnitZ());
+    if (out.type == Type::hinge || out.type == Type::slider) {
+      const XmlElement* limit = a == nullptr ? nullptr : a->child("limit");
+      if (*type != "continuous") {
+        const double low = value(limit, "lower").value_or(-1e16), high = value(limit, "upper").value_or(1e16);
+        if (low > -1e15) out.lower = low;
+        if (high < 1e15) out.upper = high;
+        if (out.lower > out.upper) std::swap(out.lower, out.upper);
+      }
+      if (const auto effort = value(limit, "effort"); effort && *effort > 0.0 && *effort < 1e15) out.max_effort = *effort;
+      if (const auto speed = value(limit, "velocity"); speed && *speed > 0.0 && *speed < 1e15) out.max_speed = *speed;
+      const XmlElement* dynamics = a == nullptr ? nullptr : a->child("dynamics");
+      out.damping = std::max(0.0, value(dynamics, "damping").value_or(0.0));
+      out.friction = std::max(0.0, value(dynamics, "friction").value_or(0.0));
+      out.stiffness = std::max(0.0, value(dynamics, "spring_stiffness").value_or(0.0));
+      out.rest = value(dynamics, "spring_reference").value_or(0.0);
+      if (const XmlElement* mimic = a == nullptr ? nullptr : a->child("mimic")) {
+        RobotCoupling c;
+        c.joint = scope + (mimic->find("joint") == nullptr ? "" : *mimic->find("joint"));
+        c.ratio = value(mimic, "multiplier").value_or(1.0);
+        c.offset = value(mimic, "offset").value_or(0.0);
+        out.coupling = c;
+      }
+    }
+    if (out.type == Type::screw) {
+      const double thread = value(&e, "screw_thread_pitch").value_or(value(&e, "thread_pitch").value_or(1.0));
+      out.pitch = thread;
+      context_.approximate(e.at, quoted_name(e), "check the sign of its pitch: versions of SDF differ");
+    }
+    if (*type == "revolute2") context_.exact(e.at, quoted_name(e), "is a universal joint");
+    const bool has_carrier = std::any_of(robot_.joints.begin(), robot_.joints.end(),
+                                         [&](const RobotJoint& j) { return j.child == out.child; });
+    context_.exact(e.at, quoted_name(e));
+    // A second joint on a link closes a loop.
+    if (has_carrier)
+      robot_.loops.push_back(std::move(out));
+    else
+      robot_.joints.push_back(std::move(out));
+  }
+
+  Context& context_;
+  RobotModel robot_;
+  std::vector<std::unique_ptr<XmlElement>> kept_;
+  int models_ = 0;
+};
+
+}  // namespace
+
+RobotModel read_sdf(Context& context, const XmlElement& root) { return SdfReader(context).read(root); }
+
+}  // namespace cogrsim::dsl::import

@@ -1,0 +1,555 @@
+// A robot as a scene, as a person would write it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "import/robot.h"
+#include "syntax/text.h"
+
+namespace cogrsim::dsl::import {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else if (static_cast<unsigned char>(c) >= 0x20)
+      out += c;
+  }
+  return out;
+}
+
+std::string list(const Vec3& v) { return fmt::format("{} {} {}", v[0], v[1], v[2]); }
+
+/// -0 becomes 0, and what is zero but for rounding too.
+double tidy(double x) { return std::abs(x) < 1e-15 ? 0.0 : x; }
+Vec3 tidy(const Vec3& v) { return {tidy(v[0]), tidy(v[1]), tidy(v[2])}; }
+
+std::string read_bytes(const std::string& path, std::size_t limit) {
+  std::ifstream in(path, std::ios::binary);
+  std::string out;
+  std::string block(std::size_t{1} << 16, '\0');
+  while (in && out.size() <= limit) {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
+    out.append(block, 0, static_cast<std::size_t>(in.gcount()));
+  }
+  return out;
+}
+
+class SceneWriter {
+ public:
+  SceneWriter(Context& context, const RobotModel& robot) : context_(context), robot_(robot) {}
+
+  void write() {
+    poses_ = find_poses(false);
+    zero_poses_ = find_poses(true);
+    std::string body;
+    body_ = &body;
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) link(i);
+    for (const RobotJoint& j : robot_.joints) joint(j);
+    for (const RobotJoint& j : robot_.loops)
+      if (closes(j)) joint(j);
+    drives();
+    for (const RobotLink& l : robot_.links)
+      for (const RobotSensor& s : l.sensors) sensor(l, s);
+    for (const auto& [a, b] : robot_.no_contact)
+      body += fmt::format("    <collide between=\"{} {}\" with=\"false\"/>\n", a, b);
+
+    std::string name = robot_.name.empty() ? "robot" : robot_.name;
+    for (char& c : name)
+      if (!is_letter(c) && !is_digit(c) && c != '-') c = '_';
+    if (!is_letter(name.front())) name.insert(0, "_");
+    name.resize(std::min<std::size_t>(name.size(), 60));
+    std::string type = name;
+    if (type.front() >= 'a' && type.front() <= 'z')
+      type.front() = static_cast<char>(type.front() - 'a' + 'A');
+    if (type == name) type += "_model";
+
+    std::string out = fmt::format("<scene name=\"{}\" version=\"1\">\n", escaped(name));
+    out += fmt::format("  <!-- Written by cogrsim import from {}, {}. -->\n", context_.result.format,
+                       comment(context_.shown(context_.path_of(0))));
+    if (context_.options.prototype_only) {
+      out += fmt::format("  <prototype name=\"{}\">\n{}  </prototype>\n</scene>\n", type, body);
+      context_.result.scene = std::move(out);
+      return;
+    }
+    if (robot_.step || robot_.gravity) {
+      out += "  <physics";
+      if (robot_.step) out += fmt::format(" step=\"{} s\"", *robot_.step);
+      if (robot_.gravity) out += fmt::format(" gravity=\"{}\"", list(*robot_.gravity));
+      out += "/>\n";
+    }
+    out += fmt::format("  <prototype name=\"{}\">\n{}  </prototype>\n", type, body);
+    if (context_.options.floor && !robot_.has_ground) out += "  <plane name=\"floor\" color=\"#d8d8d8\"/>\n";
+    out += fmt::format("  <instance of=\"{}\" name=\"{}\"", type, name);
+    const double lift = context_.options.floor && !robot_.has_ground && !extent_.empty() &&
+                                std::isfinite(extent_.low[2])
+                            ? std::ceil(-extent_.low[2] * 1e4) / 1e4
+                            : 0.0;
+    if (lift != 0.0) out += fmt::format(" xyz=\"0 0 {}\"", lift);
+    out += "/>\n</scene>\n";
+    context_.result.scene = std::move(out);
+  }
+
+ private:
+  static std::string comment(std::string text) {
+    for (std::size_t i; (i = text.find("--")) != std::string::npos;) text.replace(i, 2, "- -");
+    return escaped(text);
+  }
+
+  /// Whether a loop is closed where the robot starts: a loop is defined at the joints' zeros, which
+  /// limits may exclude.
+  bool closes(const RobotJoint& j) {
+    if (j.parent < 0) return true;
+    const auto parent = static_cast<std::size_t>(j.parent), child = static_cast<std::size_t>(j.child);
+    const Vec3 in_parent = zero_poses_[parent].inverse() * (zero_poses_[child] * j.anchor);
+    const double gap = (poses_[parent] * in_parent - poses_[child] * j.anchor).norm();
+    if (gap < 1e-4) return true;
+    context_.left_out(j.at, fmt::format("loop '{}'", j.name),
+                      fmt::format("is open by {:.3g} m at the start, as limits exclude the joints' "
+                                  "zeros",
+                                  gap));
+    return false;
+  }
+
+  /// Poses of all links at the start, or at the joints' zeros, in the robot's frame.
+  std::vector<Pose> find_poses(bool at_zero) const {
+    std::vector<Pose> out;
+    for (const RobotLink& l : robot_.links) out.push_back(l.X);
+    std::vector<bool> known(robot_.links.size(), true);
+    for (const RobotJoint& j : robot_.joints) known[static_cast<std::size_t>(j.child)] = false;
+    bool moved = true;
+    while (moved) {
+      moved = false;
+      for (const RobotJoint& j : robot_.joints) {
+        const auto child = static_cast<std::size_t>(j.child);
+        if (known[child] || (j.parent >= 0 && !known[static_cast<std::size_t>(j.parent)])) continue;
+        const Pose parent = j.parent < 0 ? Pose() : out[static_cast<std::size_t>(j.parent)];
+        out[child] = parent * j.X_PC * travel(j, at_zero ? 0.0 : start_of(j));
+        known[child] = true;
+        moved = true;
+      }
+    }
+    return out;
+  }
+
+  static Pose travel(const RobotJoint& j, double q) {
+    using Type = RobotJoint::Type;
+    if (j.type == Type::hinge) {
+      const Quat turn(Eigen::AngleAxisd(q, j.axis));
+      return {j.anchor - turn * j.anchor, turn};
+    }
+    if (j.type == Type::slider) return {q * j.axis, Quat::Identity()};
+    return {};
+  }
+
+  /// Where it starts: zero, or the limit nearest to it.
+  static double start_of(const RobotJoint& j) { return std::clamp(j.position, j.lower, j.upper); }
+
+  static std::string pose_text(const Pose& X) {
+    std::string out;
+    const Vec3 p = tidy(X.p);
+    if (p != Vec3::Zero()) out += fmt::format(" xyz=\"{}\"", list(p));
+    const Quat q = X.q.w() < 0 ? Quat(-X.q.w(), -X.q.x(), -X.q.y(), -X.q.z()) : X.q;
+    if (q.vec().norm() < 1e-15) return out;
+    // Angles that a person would write are written in degrees.
+    const Mat3 R = q.toRotationMatrix();
+    const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
+    Vec3 rpy;
+    if (std::abs(R(2, 0)) < 1.0 - 1e-12)
+      rpy = Vec3(std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0)));
+    else
+      rpy = Vec3(0.0, pitch, std::atan2(-R(0, 1), R(1, 1)));
+    Vec3 degrees = rpy * (180.0 / kPi);
+    const Vec3 round = degrees.array().round();
+    // To 1e-13 rad: what is written differs from what was read by less than rounding of the poses.
+    if (from_rpy(round * (kPi / 180.0)).angularDistance(q) < 1e-13)
+      return out + fmt::format(" rpy=\"{} {} {} deg\"", tidy(round[0]), tidy(round[1]), tidy(round[2]));
+    return out + fmt::format(" quat=\"{} {} {} {}\"", tidy(q.w()), tidy(q.x()), tidy(q.y()), tidy(q.z()));
+  }
+
+  void link(std::size_t index) {
+    const RobotLink& l = robot_.links[index];
+    std::string& out = *body_;
+    out += fmt::format("    <body name=\"{}\"", l.name);
+    const RobotJoint* by = nullptr;
+    for (const RobotJoint& j : robot_.joints)
+      if (j.child == static_cast<int>(index)) by = &j;
+    if (by != nullptr) {
+      if (by->parent >= 0)
+        out += fmt::format(" frame=\"{}\"", robot_.links[static_cast<std::size_t>(by->parent)].name);
+      out += pose_text(by->X_PC);
+    } else {
+      out += pose_text(l.X);
+    }
+    if (l.is_static) out += " static=\"true\"";
+    if (l.inertia && !l.is_static) {
+      const RobotInertia& i = *l.inertia;
+      out += fmt::format(" mass=\"{} kg\" com=\"{}\" inertia=\"{} {} {} {} {} {}\"", i.mass,
+                         list(tidy(i.com)), i.I(0, 0), i.I(1, 1), i.I(2, 2), tidy(i.I(0, 1)),
+                         tidy(i.I(0, 2)), tidy(i.I(1, 2)));
+    }
+    std::string inner;
+    std::vector<bool> drawn(l.shapes.size(), false);
+    for (std::size_t i = 0; i < l.shapes.size(); ++i) {
+      if (drawn[i]) continue;
+      RobotShape s = l.shapes[i];
+      // One shape where what is seen and what is touched are the same.
+      for (std::size_t k = i + 1; k < l.shapes.size(); ++k) {
+        const RobotShape& o = l.shapes[k];
+        if (drawn[k] || o.visible == s.visible || !same(s, o)) continue;
+        drawn[k] = true;
+        s.visible = s.collides = true;
+        if (!s.color) s.color = o.color;
+        if (s.texture.empty()) s.texture = o.texture;
+        if (!s.friction) s.friction = o.friction;
+        break;
+      }
+      inner += shape(l, s, poses_[index]);
+    }
+    for (const RobotFrame& f : l.frames)
+      inner += fmt::format("      <frame name=\"{}\"{}/>\n", f.name, pose_text(f.X));
+    out += inner.empty() ? "/>\n" : ">\n" + inner + "    </body>\n";
+  }
+
+  static bool same(const RobotShape& a, const RobotShape& b) {
+    const Geometry &x = a.geometry, &y = b.geometry;
+    return x.type == y.type && x.type != Geometry::Type::mesh && x.points == y.points && x.size == y.size &&
+           x.radius == y.radius && x.length == y.length && a.X.p == b.X.p &&
+           a.X.q.coeffs() == b.X.q.coeffs();
+  }
+
+  std::string shape(const RobotLink& l, const RobotShape& s, const Pose& X_RL) {
+    const Geometry& g = s.geometry;
+    std::string tag, attributes;
+    const Pose X = X_RL * s.X;
+    const auto extend = [&](const Bounds& b) {
+      if (!s.collides || b.empty()) return;
+      for (int i = 0; i < 8; ++i)
+        extent_.add(X * Vec3(i & 1 ? b.high[0] : b.low[0], i & 2 ? b.high[1] : b.low[1],
+                             i & 4 ? b.high[2] : b.low[2]));
+    };
+    const auto box = [&](const Vec3& half) {
+      Bounds b;
+      b.add(half);
+      b.add(-half);
+      extend(b);
+    };
+    switch (g.type) {
+      case Geometry::Type::box:
+        tag = "box";
+        attributes = fmt::format(" size=\"{}\"", list(g.size));
+        box(0.5 * g.size);
+        break;
+      case Geometry::Type::sphere:
+        tag = "sphere";
+        attributes = fmt::format(" radius=\"{}\"", g.radius);
+        if (s.collides) {  // not its box: a ball does not grow where it turns
+          extent_.add(X.p + Vec3::Constant(g.radius));
+          extent_.add(X.p - Vec3::Constant(g.radius));
+        }
+        break;
+      case Geometry::Type::cylinder:
+      case Geometry::Type::capsule: {
+        const bool round = g.type == Geometry::Type::capsule;
+        tag = round ? "capsule" : "cylinder";
+        attributes = fmt::format(" radius=\"{}\" length=\"{}\"", g.radius, g.length);
+        if (s.collides) {
+          // Extent along an axis e of a disc of radius r with the normal n: r sqrt(1 - (n e)²).
+          const Vec3 n = X.q * Vec3::UnitZ();
+          Vec3 half = 0.5 * g.length * n.cwiseAbs();
+          for (int i = 0; i < 3; ++i)
+            half[i] += round ? g.radius : g.radius * std::sqrt(std::max(0.0, 1.0 - n[i] * n[i]));
+          extent_.add(X.p + half);
+          extent_.add(X.p - half);
+        }
+        break;
+      }
+      case Geometry::Type::plane:
+        tag = "plane";
+        break;
+      case Geometry::Type::points: {
+        tag = "mesh";
+        std::string list_text;
+        Bounds b;
+        for (const Vec3& p : g.points) {
+          b.add(p);
+          list_text += fmt::format("{}{:.9g} {:.9g} {:.9g}", list_text.empty() ? "" : " ", tidy(p[0]),
+                                   tidy(p[1]), tidy(p[2]));
+        }
+        extend(b);
+        attributes = fmt::format(" points=\"{}\" convex=\"true\"", list_text);
+        break;
+      }
+      case Geometry::Type::mesh: {
+        const std::string file = mesh_file(l, s, extend);
+        if (file.empty()) return "";
+        tag = "mesh";
+        attributes = fmt::format(" file=\"{}\"", escaped(file));
+        const Vec3& scale = g.scale;
+        if (scale != Vec3::Ones())
+          attributes += scale[0] == scale[1] && scale[1] == scale[2]
+                            ? fmt::format(" scale=\"{}\"", scale[0])
+                            : fmt::format(" scale=\"{}\"", list(scale));
+        if (!l.is_static) attributes += " convex=\"true\"";
+        if (s.collides && !l.is_static)
+          context_.approximate(s.at, fmt::format("collision mesh of '{}'", l.name),
+                               "collides as its convex hull");
+        break;
+      }
+    }
+    std::string out = "      <" + tag;
+    if (!s.name.empty()) {
+      std::string name = s.name;
+      for (char& c : name)
+        if (!is_letter(c) && !is_digit(c) && c != '-') c = '_';
+      if (is_letter(name.front()) && shape_names_.insert(l.name + "." + name).second &&
+          std::none_of(l.frames.begin(), l.frames.end(),
+                       [&](const RobotFrame& f) { return f.name == name; }))
+        out += fmt::format(" name=\"{}\"", name);
+    }
+    out += attributes + pose_text(s.X);
+    if (s.color)
+      out += fmt::format(" color=\"#{:02x}{:02x}{:02x}{}\"", byte(s.color->r), byte(s.color->g),
+                         byte(s.color->b),
+                         s.color->a < 1.0 ? fmt::format("{:02x}", byte(s.color->a)) : "");
+    if (s.friction && s.collides) out += fmt::format(" friction=\"{}\"", *s.friction);
+    if (!s.collides) out += " collide=\"false\"";
+    if (!s.visible) out += " visible=\"false\"";
+    return out + "/>\n";
+  }
+
+  static int byte(double x) { return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0))); }
+
+  std::string add_file(const std::string& wanted, std::string bytes) {
+    const std::string folder =
+        context_.options.copy_meshes.empty() ? "meshes" : context_.options.copy_meshes;
+    std::string name;
+    for (const char c : wanted) name += is_letter(c) || is_digit(c) || c == '.' || c == '-' ? c : '_';
+    if (name.empty() || name.front() == '.') name.insert(0, "_");
+    const std::string stem = fs::path(name).stem().string();
+    const std::string tail = fs::path(name).extension().string();
+    std::string full = folder + "/" + name;
+    for (int i = 2; !file_names_.insert(full).second; ++i)
+      full = fmt::format("{}/{}_{}{}", folder, stem, i, tail);
+    context_.result.files.push_back({full, std::move(bytes)});
+    return full;
+  }
+
+  /// The file's name for the scene; empty: left out.
+  template <class Extend>
+  std::string mesh_file(const RobotLink& l, const RobotShape& s, const Extend& extend) {
+    const Geometry& g = s.geometry;
+    const auto& bounds = context_.mesh_bounds(g.mesh);
+    const auto [known, is_new] = meshes_.try_emplace(g.mesh);
+    if (is_new && bounds) known->second = refer(g.mesh);
+    if (known->second.empty()) {
+      context_.left_out(s.at, fmt::format("mesh '{}' of '{}'", fs::path(g.mesh).filename().string(), l.name),
+                        bounds ? "its name has characters that a scene does not take"
+                               : bounds.error().message);
+      return "";
+    }
+    Bounds scaled;
+    scaled.add(bounds->low.cwiseProduct(g.scale));
+    scaled.add(bounds->high.cwiseProduct(g.scale));
+    extend(scaled);
+    return known->second;
+  }
+
+  /// Refers to a file below the scene's folder, or copies it. Empty: neither is possible.
+  std::string refer(const std::string& path) {
+    const ImportOptions& options = context_.options;
+    const std::string folder = options.scene_folder.empty() ? context_.folder() : options.scene_folder;
+    const fs::path relative = fs::path(path).lexically_relative(folder);
+    const std::string text = relative.string();
+    const bool inside = !relative.empty() && (options.refer || *relative.begin() != fs::path(".."));
+    const bool plain = std::all_of(text.begin(), text.end(), [](char c) {
+      return is_letter(c) || is_digit(c) || std::strchr("-_./ +", c) != nullptr;
+    });
+    if (options.copy_meshes.empty() && inside && plain) return text;
+    if (options.refer) return "";
+    return add_file(fs::path(path).filename().string(), read_bytes(path, options.limits.asset_bytes));
+  }
+
+  void joint(const RobotJoint& j) {
+    using Type = RobotJoint::Type;
+    std::string& out = *body_;
+    if (j.type == Type::free && j.parent < 0) return;  // as every body of a scene
+    const char* tag = "";
+    switch (j.type) {
+      case Type::fixed: tag = "fixed"; break;
+      case Type::hinge: tag = "hinge"; break;
+      case Type::slider: tag = "slider"; break;
+      case Type::ball: tag = "ball"; break;
+      case Type::planar: tag = "planar"; break;
+      case Type::free: tag = "free"; break;
+      case Type::universal: tag = "universal"; break;
+      case Type::screw: tag = "screw"; break;
+    }
+    out += fmt::format("    <{} name=\"{}\"", tag, j.name);
+    if (j.parent >= 0)
+      out += fmt::format(" parent=\"{}\"", robot_.links[static_cast<std::size_t>(j.parent)].name);
+    out += fmt::format(" child=\"{}\"", robot_.links[static_cast<std::size_t>(j.child)].name);
+    if (j.anchor != Vec3::Zero())
+      out += fmt::format(" frame=\"{}\" xyz=\"{}\"",
+                         robot_.links[static_cast<std::size_t>(j.child)].name, list(tidy(j.anchor)));
+    const bool turns = j.type == Type::hinge || j.type == Type::screw;
+    const bool slides = j.type == Type::slider;
+    if ((turns || slides || j.type == Type::planar || j.type == Type::universal) &&
+        tidy(j.axis) != Vec3::UnitZ())
+      out += fmt::format(" axis=\"{}\"", list(tidy(j.axis)));
+    if (j.type == Type::universal) out += fmt::format(" axis2=\"{}\"", list(tidy(j.axis2)));
+    if (j.type == Type::screw) out += fmt::format(" pitch=\"{} m\"", j.pitch);
+    if (turns || slides) {
+      const char* unit = turns ? "rad" : "m";
+      const char* effort = turns ? "N*m" : "N";
+      if (std::isfinite(j.lower)) out += fmt::format(" lower=\"{} {}\"", j.lower, unit);
+      if (std::isfinite(j.upper)) out += fmt::format(" upper=\"{} {}\"", j.upper, unit);
+      if (j.damping > 0.0)
+        out += fmt::format(" damping=\"{} {}\"", j.damping, turns ? "N*m*s/rad" : "N*s/m");
+      if (j.friction > 0.0) out += fmt::format(" friction=\"{} {}\"", j.friction, effort);
+      if (j.stiffness > 0.0) {
+        out += fmt::format(" stiffness=\"{} {}\"", j.stiffness, turns ? "N*m/rad" : "N/m");
+        if (j.rest != 0.0) out += fmt::format(" rest=\"{} {}\"", j.rest, unit);
+      }
+      if (std::isfinite(j.max_effort)) out += fmt::format(" max-effort=\"{} {}\"", j.max_effort, effort);
+      if (std::isfinite(j.max_speed)) out += fmt::format(" max-speed=\"{} {}/s\"", j.max_speed, unit);
+      const double start = start_of(j);
+      if (start != 0.0) {
+        out += fmt::format(" position=\"{} {}\"", start, unit);
+        if (j.position == 0.0)
+          context_.approximate(j.at, fmt::format("joint '{}'", j.name),
+                               fmt::format("zero lies beyond its limits: it starts at {}", start));
+      }
+    } else if (j.damping > 0.0 && j.type == Type::ball) {
+      out += fmt::format(" damping=\"{} N*m*s/rad\"", j.damping);
+    }
+    out += "/>\n";
+    if (j.rotor_inertia > 0.0)
+      context_.left_out(j.at, fmt::format("rotor inertia of joint '{}'", j.name),
+                        fmt::format("{} kg m^2: the scene language has no rotor inertia",
+                                    j.rotor_inertia));
+    if (j.coupling)
+      context_.left_out(j.at, fmt::format("coupling of joint '{}' to '{}'", j.name, j.coupling->joint),
+                        "the scene language has no coupling: the joint moves freely");
+  }
+
+  void drives() {
+    std::string& out = *body_;
+    const auto one = [&](const RobotDrive& d, const RobotJoint& j) {
+      const bool turns = j.type != RobotJoint::Type::slider;
+      const std::string bound =
+          std::isfinite(d.max_effort)
+              ? fmt::format(" {}=\"{} {}\"", turns ? "max-torque" : "max-force", d.max_effort,
+                            turns ? "N*m" : "N")
+              : std::string();
+      if (d.mode == RobotDrive::Mode::position && d.kp > 0.0) {
+        out += fmt::format("    <servo name=\"{}\" joint=\"{}\" kp=\"{} {}\"", d.name, d.joint, d.kp,
+                           turns ? "N*m/rad" : "N/m");
+        if (d.kd > 0.0) out += fmt::format(" kd=\"{} {}\"", d.kd, turns ? "N*m*s/rad" : "N*s/m");
+        out += bound;
+        if (d.target) out += fmt::format(" target=\"{} {}\"", *d.target, turns ? "rad" : "m");
+        out += "/>\n";
+        return;
+      }
+      const char* mode = d.mode == RobotDrive::Mode::position   ? "position"
+                         : d.mode == RobotDrive::Mode::velocity ? "velocity"
+                                                                : "torque";
+      out += fmt::format("    <motor name=\"{}\" joint=\"{}\" mode=\"{}\"{}/>\n", d.name, d.joint,
+                         mode, bound);
+    };
+    for (const RobotDrive& d : robot_.drives) {
+      const int j = robot_.joint(d.joint);
+      if (j < 0) continue;
+      const RobotJoint& joint = robot_.joints[static_cast<std::size_t>(j)];
+      if (joint.type == RobotJoint::Type::hinge || joint.type == RobotJoint::Type::slider)
+        one(d, joint);
+      else
+        context_.left_out(d.at, fmt::format("drive '{}'", d.name),
+                          "a motor drives a hinge or a slider, and its joint is neither");
+    }
+    if (context_.options.drives == ImportDrives::none || !robot_.drives.empty()) return;
+    for (const RobotJoint& j : robot_.joints) {
+      if (j.type != RobotJoint::Type::hinge && j.type != RobotJoint::Type::slider) continue;
+      if (j.coupling) continue;
+      RobotDrive d;
+      d.joint = j.name;
+      d.name = j.name + "_motor";
+      for (int i = 2; robot_.joint(d.name) >= 0 || robot_.link(d.name) >= 0; ++i)
+        d.name = fmt::format("{}_motor{}", j.name, i);
+      d.max_effort = j.max_effort;
+      d.mode = context_.options.drives == ImportDrives::position   ? RobotDrive::Mode::position
+               : context_.options.drives == ImportDrives::velocity ? RobotDrive::Mode::velocity
+                                                                   : RobotDrive::Mode::torque;
+      one(d, j);
+    }
+  }
+
+  /// Whether a point lies in a shape at the start; of meshes it is not known.
+  bool is_inside(const Vec3& p) const {
+    using Type = Geometry::Type;
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      for (const RobotShape& s : robot_.links[i].shapes) {
+        const Geometry& g = s.geometry;
+        const Vec3 x = (poses_[i] * s.X).inverse() * p;
+        const double r = std::hypot(x[0], x[1]), h = std::abs(x[2]);
+        if (g.type == Type::sphere && x.norm() < g.radius) return true;
+        if (g.type == Type::plane && x[2] < 0.0) return true;
+        if (g.type == Type::box && (x.cwiseAbs().array() < 0.5 * g.size.array()).all()) return true;
+        if (g.type == Type::cylinder && r < g.radius && h < 0.5 * g.length) return true;
+        if (g.type == Type::capsule && std::hypot(r, std::max(0.0, h - 0.5 * g.length)) < g.radius)
+          return true;
+      }
+    return false;
+  }
+
+  void sensor(const RobotLink& l, const RobotSensor& s) {
+    std::string& out = *body_;
+    const Vec3 p = poses_[static_cast<std::size_t>(&l - robot_.links.data())] * s.X.p;
+    const bool below_floor = context_.options.floor && !robot_.has_ground && !extent_.empty() &&
+                             p[2] < extent_.low[2];
+    if (s.element == "camera" && (below_floor || is_inside(p))) {
+      context_.left_out(s.at, fmt::format("camera '{}'", s.name),
+                        below_floor ? "lies below the floor, where it would see nothing"
+                                    : "lies inside a shape, where it would see nothing");
+      return;
+    }
+    out += fmt::format("    <{} name=\"{}\"", s.element, s.name);
+    if (!s.joint.empty())
+      out += fmt::format(" joint=\"{}\"", s.joint);
+    else
+      out += fmt::format(" on=\"{}\"{}", l.name, pose_text(s.X));
+    for (const auto& [key, value] : s.attributes) out += fmt::format(" {}=\"{}\"", key, escaped(value));
+    out += "/>\n";
+  }
+
+  Context& context_;
+  const RobotModel& robot_;
+  std::string* body_ = nullptr;
+  std::vector<Pose> poses_, zero_poses_;
+  Bounds extent_;
+  std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out
+  std::set<std::string> file_names_, shape_names_;
+};
+
+}  // namespace
+
+void write_scene(Context& context, const RobotModel& robot) { SceneWriter(context, robot).write(); }
+
+}  // namespace cogrsim::dsl::import

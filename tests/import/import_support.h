@@ -1,0 +1,73 @@
+// A model of another format, imported and compiled.
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "../support/temporary_folder.h"
+#include "cogrsim/dsl/compiler.h"
+#include "cogrsim/dsl/import_model.h"
+
+namespace cogrsim::test {
+
+struct Imported {
+  TemporaryFolder folder;
+  dsl::ImportOptions options;
+  dsl::ImportResult result;
+  SceneModelPtr model;
+
+  /// Imports `text` and compiles the scene; `model` is empty where that fails.
+  void read(const std::string& text, const std::string& name = "robot.urdf") {
+    options.floor = false;
+    options.scene_folder = folder.path.string();
+    result = dsl::import_model(folder.write(name, text), options);
+    for (const dsl::ImportedFile& file : result.files) folder.write(file.name, file.bytes);
+    model.reset();
+    if (result.scene.empty()) return;
+    const dsl::CompileResult compiled = dsl::compile_text(result.scene, folder / "robot.scene.xml");
+    INFO(result.scene);
+    INFO(dsl::to_text(compiled.diagnostics));
+    CHECK(compiled.ok());
+    model = compiled.model;
+  }
+
+  /// The body, joint or frame whose name ends in ".NAME".
+  template <class List>
+  const typename List::value_type& named(const List& list, const std::string& name) const {
+    const std::string tail = "." + name;
+    const auto found = std::find_if(list.begin(), list.end(), [&](const auto& e) {
+      return e.name.size() >= tail.size() &&
+             e.name.compare(e.name.size() - tail.size(), tail.size(), tail) == 0;
+    });
+    INFO(name << " in\n" << result.scene);
+    REQUIRE(found != list.end());
+    return *found;
+  }
+  const Body& body(const std::string& name) const { return named(model->bodies, name); }
+  const Joint& joint(const std::string& name) const { return named(model->joints, name); }
+  const NamedFrame& frame(const std::string& name) const { return named(model->frames, name); }
+
+  /// Whether the report has an entry with this text in its element and message.
+  bool reports(dsl::Fidelity fidelity, const std::string& element, const std::string& message = {}) const {
+    return std::any_of(result.entries.begin(), result.entries.end(), [&](const dsl::ImportEntry& e) {
+      return e.fidelity == fidelity && e.element.find(element) != std::string::npos &&
+             e.message.find(message) != std::string::npos;
+    });
+  }
+  /// Whether a diagnostic has this code and text, at this line (0: any).
+  bool refuses(const std::string& code, const std::string& message, int line = 0) const {
+    return result.scene.empty() &&
+           std::any_of(result.diagnostics.begin(), result.diagnostics.end(), [&](const Diagnostic& d) {
+             return d.code == code && (d.message + " " + d.help).find(message) != std::string::npos &&
+                    (line == 0 || d.line == line);
+           });
+  }
+};
+
+inline constexpr dsl::Fidelity kExact = dsl::Fidelity::exact;
+inline constexpr dsl::Fidelity kApproximate = dsl::Fidelity::approximate;
+inline constexpr dsl::Fidelity kLeftOut = dsl::Fidelity::left_out;
+
+}  // namespace cogrsim::test

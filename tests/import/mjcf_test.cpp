@@ -1,0 +1,73 @@
+#include "import_support.h"
+
+using namespace cogrsim;
+using namespace cogrsim::test;
+
+TEST_CASE("bodies, default classes and geoms of MJCF", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco model="m">
+    <compiler angle="degree"/>
+    <option timestep="0.002"/>
+    <default>
+      <geom density="500"/><joint damping="0.5"/>
+      <default class="leg"><geom type="capsule" size="0.02"/><joint axis="0 1 0" range="-30 60"/></default>
+    </default>
+    <worldbody>
+      <geom type="plane" size="1 1 1"/>
+      <body name="torso" pos="0 0 1">
+        <freejoint/>
+        <geom type="sphere" size="0.1"/>
+        <body name="thigh" pos="0 0.1 0" childclass="leg">
+          <joint name="hip" pos="0 0 0.05" armature="0.01"/>
+          <geom fromto="0 0 0 0 0 -0.3"/>
+          <site name="knee" pos="0 0 -0.3"/>
+        </body>
+      </body>
+    </worldbody>
+    <actuator><position name="servo" joint="hip" kp="20" forcerange="-5 5"/></actuator>
+    <sensor><jointpos joint="hip"/><gyro site="knee"/></sensor>
+  </mujoco>)", "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.result.format == "MJCF");
+  CHECK(in.model->physics.step == 0.002);
+  const double pi = 3.14159265358979323846;
+  CHECK(in.body("torso").mass == Approx(500.0 * 4.0 / 3.0 * pi * 1e-3).epsilon(1e-12));
+  const double r = 0.02, h = 0.3;
+  CHECK(in.body("thigh").mass == Approx(500.0 * (pi * r * r * h + 4.0 / 3.0 * pi * r * r * r)).epsilon(1e-12));
+  CHECK((in.body("thigh").com - Vec3(0, 0, -0.15)).norm() < 1e-12);
+  const Joint& hip = in.joint("hip");
+  CHECK(hip.axes[0].lower == Approx(-pi / 6));
+  CHECK(hip.axes[0].upper == Approx(pi / 3));
+  CHECK(hip.axes[0].damping == 0.5);
+  CHECK((hip.X_CM.p - Vec3(0, 0, 0.05)).norm() < 1e-15);
+  CHECK(in.model->motors.size() == 1);
+  CHECK(in.reports(kExact, "position 'servo'"));
+}
+
+TEST_CASE("two sliders and a hinge are a planar joint", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><worldbody><body name="torso" pos="0 0 1">
+      <joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide" axis="0 0 1"/>
+      <joint name="y" type="hinge" axis="0 1 0"/><geom type="sphere" size="0.1"/></body></worldbody></mujoco>)", "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.model->bodies.size() == 1);
+  CHECK(in.joint("x").type == JointType::planar);
+}
+
+TEST_CASE("a loop of MJCF is a joint that closes a loop", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><worldbody>
+      <body name="a"><joint name="ja" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0"/>
+        <body name="b" pos="0.5 0 0"><joint name="jb" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0 0 -0.5"/></body></body>
+      <body name="c" pos="0 0 -0.5"><joint name="jc" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0"/></body>
+    </worldbody><equality><connect name="close" body1="b" body2="c" anchor="0 0 -0.5"/></equality></mujoco>)", "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.joint("close").closes_loop);
+  CHECK(in.reports(kApproximate, "connect 'close'", "rigid"));
+}
+
+TEST_CASE("a class that is not there is refused with the nearest", "[mjcf]") {
+  Imported in;
+  in.read("<mujoco><default><default class=\"leg\"/></default>\n<worldbody><body><geom class=\"lge\" size=\"1\"/></body></worldbody></mujoco>", "m.xml");
+  CHECK(in.refuses("CG1408", "did you mean 'leg'?", 2));
+}

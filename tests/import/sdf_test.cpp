@@ -1,0 +1,32 @@
+#include "import_support.h"
+
+using namespace cogrsim;
+using namespace cogrsim::test;
+
+TEST_CASE("a model of SDF with frames and joints", "[sdf]") {
+  Imported in;
+  in.read(R"(<sdf version="1.9"><world name="w">
+    <physics type="ode"><max_step_size>0.002</max_step_size></physics>
+    <plugin filename="libx.so" name="x"/>
+    <model name="ground"><static>true</static><link name="l"><collision name="c"><geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model>
+    <model name="pendulum"><pose>1 2 3 0 0 1.5707963267948966</pose>
+      <frame name="f"><pose>0 0 1 0 0 0</pose></frame>
+      <link name="base"><inertial><mass>2</mass></inertial></link>
+      <link name="arm"><pose relative_to="f">0.5 0 0 0 0 0</pose><inertial><mass>1</mass><pose>0 0 -0.5 0 0 0</pose>
+        <inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.01</izz></inertia></inertial>
+        <collision name="c"><geometry><cylinder><radius>0.05</radius><length>1</length></cylinder></geometry></collision></link>
+      <joint name="j" type="revolute"><parent>base</parent><child>arm</child>
+        <axis><xyz expressed_in="__model__">0 1 0</xyz><limit><lower>-1</lower><upper>1</upper></limit><dynamics><damping>0.2</damping></dynamics></axis></joint>
+    </model></world></sdf>)", "w.sdf");
+  REQUIRE(in.model);
+  CHECK(in.result.format == "SDF");
+  const Body& arm = in.body("pendulum_arm");
+  // Turned by a quarter about z: x of the model is y of the world.
+  CHECK((arm.X_WB.p - Vec3(1, 2.5, 4)).norm() < 1e-9);
+  CHECK((arm.com - Vec3(0, 0, -0.5)).norm() < 1e-12);
+  const Joint& j = in.joint("pendulum_j");
+  CHECK(j.axes[0].damping == 0.2);
+  const Vec3 axis_W = arm.X_WB.q * (j.X_CM.q * Vec3::UnitZ());
+  CHECK((axis_W - Vec3(-1, 0, 0)).norm() < 1e-9);
+  CHECK(in.reports(kLeftOut, "plugin 'libx.so'"));
+}

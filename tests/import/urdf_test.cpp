@@ -1,0 +1,198 @@
+#include <Eigen/Eigenvalues>
+
+#include "import_support.h"
+
+using namespace cogrsim;
+using namespace cogrsim::test;
+
+namespace {
+
+const char* const kArm = R"(<robot name="arm">
+  <material name="red"><color rgba="1 0 0 1"/></material>
+  <link name="base">
+    <inertial><origin xyz="0 0 0.05"/><mass value="2"/><inertia ixx="0.01" iyy="0.02" izz="0.015" ixy="0.001" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><box size="0.2 0.2 0.1"/></geometry><material name="red"/></visual>
+    <collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision>
+  </link>
+  <link name="upper">
+    <inertial><origin xyz="0 0 0.2" rpy="0 0.3 0.2"/><mass value="1"/><inertia ixx="0.03" iyy="0.02" izz="0.015"/></inertial>
+    <collision><origin xyz="0 0 0.2"/><geometry><cylinder radius="0.03" length="0.4"/></geometry></collision>
+  </link>
+  <link name="flange"/>
+  <link name="tool"><inertial><mass value="0.5"/><inertia ixx="0.001" iyy="0.001" izz="0.001"/></inertial></link>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper"/><origin xyz="0 0.1 0.1" rpy="0.1 0.2 0.3"/><axis xyz="0 2 0"/>
+    <limit lower="0.5" upper="1.5" effort="10" velocity="3"/><dynamics damping="0.1" friction="0.2"/>
+  </joint>
+  <joint name="mount" type="fixed"><parent link="upper"/><child link="flange"/><origin xyz="0 0 0.4"/></joint>
+  <joint name="tool_mount" type="fixed"><parent link="flange"/><child link="tool"/><origin xyz="0.1 0 0" rpy="0 0 1"/></joint>
+</robot>)";
+
+}  // namespace
+
+TEST_CASE("links, joints and inertias come over exactly", "[urdf]") {
+  Imported in;
+  in.read(kArm);
+  REQUIRE(in.model);
+  CHECK(in.result.format == "URDF");
+  CHECK(in.model->bodies.size() == 2);
+  const Body& base = in.body("base");
+  CHECK(base.mass == 2.0);
+  CHECK((base.com - Vec3(0, 0, 0.05)).norm() < 1e-15);
+  CHECK(std::abs(base.inertia(0, 1) - 0.001) < 1e-15);
+  // Two links that are welded: mass, centre and inertia of both, in the frame of the first.
+  const Body& upper = in.body("upper");
+  CHECK(std::abs(upper.mass - 1.5) < 1e-15);
+  const Vec3 a(0, 0, 0.2), b(0.1, 0, 0.4);
+  const Vec3 com = (1.0 * a + 0.5 * b) / 1.5;
+  CHECK((upper.com - com).norm() < 1e-14);
+  const Mat3 R = (Eigen::AngleAxisd(0.2, Vec3::UnitZ()) * Eigen::AngleAxisd(0.3, Vec3::UnitY())).toRotationMatrix();
+  const auto shifted = [&](double m, const Vec3& from) -> Mat3 {
+    const Vec3 d = from - com;
+    return m * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
+  };
+  const Mat3 wanted = R * Vec3(0.03, 0.02, 0.015).asDiagonal() * R.transpose() + shifted(1.0, a) +
+                      0.001 * Mat3::Identity() + shifted(0.5, b);
+  CHECK((upper.inertia - wanted).norm() < 1e-14);
+  const Joint& shoulder = in.joint("shoulder");
+  CHECK(shoulder.type == JointType::hinge);
+  // Zero is beyond the limits: it starts at the lower one.
+  CHECK(shoulder.position == std::vector<double>{0.5});
+  CHECK(in.reports(kApproximate, "joint 'shoulder'", "zero lies beyond its limits"));
+  const Pose X_PC = base.X_WB.inverse() * upper.X_WB;
+  const Quat at_zero = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ()) * Eigen::AngleAxisd(0.2, Vec3::UnitY()) *
+                            Eigen::AngleAxisd(0.1, Vec3::UnitX()));
+  const Quat turned = at_zero * Quat(Eigen::AngleAxisd(0.5, Vec3::UnitY()));
+  CHECK((X_PC.p - Vec3(0, 0.1, 0.1)).norm() < 1e-12);
+  CHECK(X_PC.q.angularDistance(turned) < 1e-12);
+  // What was welded is a frame with the link's name.
+  const NamedFrame& tool = in.frame("tool");
+  CHECK((tool.X_BF.p - Vec3(0.1, 0, 0.4)).norm() < 1e-14);
+  CHECK(tool.X_BF.q.angularDistance(Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))) < 1e-14);
+  CHECK(in.frame("flange").body == tool.body);
+  CHECK(in.result.count(kLeftOut) == 0);
+}
+
+TEST_CASE("an inertia that no body has is replaced by the nearest possible one", "[urdf]") {
+  Imported in;
+  in.read(R"(<robot name="r"><link name="a"><inertial><mass value="1"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.5"/></inertial></link></robot>)");
+  REQUIRE(in.model);
+  CHECK(in.reports(kApproximate, "inertia of link 'a'", "0.1, 0.1, 0.5"));
+  const Vec3 m = Eigen::SelfAdjointEigenSolver<Mat3>(in.body("a").inertia).eigenvalues();
+  // The projection moves each by a third of the violation, 0.3.
+  CHECK((m - Vec3(0.2, 0.2, 0.4)).norm() < 1e-9);
+}
+
+TEST_CASE("links without mass become frames, or are given a little", "[urdf]") {
+  Imported in;
+  in.read(R"(<robot name="r">
+    <link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+    <link name="between"/>
+    <link name="b"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+    <link name="leaf"/>
+    <joint name="j1" type="continuous"><parent link="a"/><child link="between"/><axis xyz="1 0 0"/></joint>
+    <joint name="j2" type="continuous"><parent link="between"/><child link="b"/><axis xyz="0 1 0"/></joint>
+    <joint name="j3" type="prismatic"><parent link="b"/><child link="leaf"/><axis xyz="0 1 0"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint>
+  </robot>)");
+  REQUIRE(in.model);
+  CHECK(in.model->bodies.size() == 3);
+  CHECK(in.body("between").mass == Approx(0.001));
+  CHECK(in.reports(kApproximate, "link 'between'", "has no mass"));
+  CHECK(in.frame("leaf").name.find("leaf") != std::string::npos);
+  CHECK(in.reports(kApproximate, "joint 'j3'", "became a frame"));
+}
+
+TEST_CASE("what the scene cannot say is reported with its line", "[urdf]") {
+  Imported in;
+  in.read(R"(<robot name="r">
+    <link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+      <visual><geometry><mesh filename="package://no_such/mesh.stl"/></geometry></visual>
+      <colision><geometry><sphere radius="1"/></geometry></colision></link>
+    <gazebo><plugin name="p" filename="libp.so"/></gazebo>
+  </robot>)");
+  REQUIRE(in.model);
+  CHECK(in.reports(kLeftOut, "mesh 'package://no_such/mesh.stl'", "--package no_such=DIR"));
+  CHECK(in.reports(kLeftOut, "<colision>", "did you mean <collision>?"));
+  CHECK(in.reports(kLeftOut, "<plugin>", "Gazebo"));
+  for (const dsl::ImportEntry& e : in.result.entries) CHECK(e.line > 0);
+}
+
+TEST_CASE("a robot that is no tree is refused at its line", "[urdf]") {
+  Imported in;
+  const std::string link = R"(<link name="N"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>)";
+  const auto named = [&](const char* name) {
+    std::string out = link;
+    out.replace(out.find("N"), 1, name);
+    return out;
+  };
+  in.read("<robot name=\"r\">\n" + named("a") + "\n" + named("b") + "\n</robot>");
+  CHECK(in.refuses("CG1410", "2 links have no parent: 'a', 'b'", 1));
+  in.read("<robot name=\"r\">" + named("a") + named("b") +
+          "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>\n"
+          "<joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>");
+  CHECK(in.refuses("CG1410", "in a circle"));
+  in.read("<robot name=\"r\">" + named("arm") +
+          "\n<joint name=\"j\" type=\"revolut\"><parent link=\"arm\"/><child link=\"amr\"/></joint></robot>");
+  CHECK(in.refuses("CG1408", "did you mean 'arm'?", 2));
+  in.read("<robot name=\"r\"></robot>");
+  CHECK(in.refuses("CG1405", "no link"));
+}
+
+TEST_CASE("names that the scene language does not take are changed, and reported", "[urdf]") {
+  Imported in;
+  in.read(R"(<robot name="my robot">
+    <link name="base.link 1"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+    <link name="base/link 1"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+    <joint name="base.link 1" type="continuous"><parent link="base.link 1"/><child link="base/link 1"/></joint>
+  </robot>)");
+  REQUIRE(in.model);
+  CHECK(in.model->bodies.size() == 2);
+  CHECK(in.reports(kExact, "link 'base/link 1'", "is called"));
+  // In a scene "world" is the world, which an instance's pose does not move.
+  in.read(R"(<robot name="r">
+    <link name="world"/>
+    <link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+    <joint name="j" type="continuous"><parent link="world"/><child link="a"/></joint>
+  </robot>)");
+  REQUIRE(in.model);
+  CHECK(in.body("world_link").kind != BodyKind::dynamic);
+  CHECK(in.joint("j").parent >= 0);
+}
+
+TEST_CASE("meshes are found in the package around the model, and nowhere else", "[urdf]") {
+  Imported in;
+  const std::string stl =
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\n"
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 1 0 0\nendloop\nendfacet\n"
+      "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 0 0 1\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+  in.folder.write("bot_description/package.xml", "<package/>");
+  in.folder.write("bot_description/meshes/a.stl", stl);
+  in.folder.write("secret.stl", stl);
+  const auto robot = [](const std::string& file) {
+    return "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>"
+           "</inertial><visual><geometry><mesh filename=\"" + file + "\" scale=\"2 2 2\"/></geometry></visual></link></robot>";
+  };
+  in.read(robot("package://bot_description/meshes/a.stl"), "bot_description/urdf/r.urdf");
+  REQUIRE(in.model);
+  REQUIRE(in.model->meshes.size() == 1);
+  CHECK(in.model->meshes[0].vertices.size() == 4);
+  double far = 0.0;
+  for (const Vec3& v : in.model->meshes[0].vertices) far = std::max(far, v.maxCoeff());
+  CHECK(far == 2.0);
+  in.read(robot("../../secret.stl"), "bot_description/urdf/r.urdf");
+  CHECK(in.reports(kLeftOut, "mesh '../../secret.stl'", "lies outside"));
+  in.read(robot("package://../secret.stl"), "bot_description/urdf/r.urdf");
+  CHECK(in.reports(kLeftOut, "mesh", "is not the name of a package"));
+  in.read(robot("/etc/passwd"), "bot_description/urdf/r.urdf");
+  CHECK(in.reports(kLeftOut, "mesh '/etc/passwd'", "lies outside"));
+}
+
+TEST_CASE("robots with the usual faults of XML are read", "[urdf]") {
+  Imported in;
+  in.read("\n<?xml version=\"1.0\"?>\n<!-- run -- me --><robot name=\"r\"><link name=\"a\"><inertial>"
+          "<mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link></robot>");
+  REQUIRE(in.model);
+  CHECK(in.result.entries.at(0).line == 3);
+}
