@@ -28,59 +28,48 @@ std::string joined(const std::vector<Diagnostic>& found) {
 }  // namespace
 
 void Simulation::send(Command command) {
-  std::lock_guard lock(impl_->queue_mutex);
-  impl_->queue.push_back({std::move(command), false});
+  impl_->commands.send(std::move(command));
 }
 
 void Simulation::Impl::apply_commands() {
-  std::size_t waiting = 0;
-  {
-    std::lock_guard lock(queue_mutex);
-    waiting = queue.size();  // commands that arrive meanwhile wait for the next boundary
-  }
-  for (; waiting > 0 && !single_step; --waiting) {
-    std::unique_lock lock(queue_mutex);
-    if (queue.empty()) return;  // a restart has removed some
-    QueuedCommand queued = std::move(queue.front());
-    queue.pop_front();
-    if (queued.own) --own_in_queue;
-    lock.unlock();
-    apply(queued.command);
+  // Commands that arrive meanwhile wait for the next boundary.
+  for (std::size_t waiting = commands.size(); waiting > 0 && !pace.single_step; --waiting) {
+    std::optional<Command> command = commands.take();
+    if (!command) return;  // a restart has removed some
+    apply(*command);
   }
 }
 
 void Simulation::Impl::refused(const Error& error) {
   const bool too_many = error.code == kTooMany;
   if (too_many && std::exchange(event_system.memory.spawn_limit_reported, true)) return;
-  report(Severity::error, "command", error.text());
+  log.report(Severity::error, "command", error.text());
   publish_event({time(), "refused", "", error.message, ""});
 }
 
 void Simulation::Impl::apply(Command& command) {
   const Result<> done = std::visit(
       Overloaded{[&](Pause&) -> Result<> {
-                   paused = true;
+                   pace.paused = true;
                    return {};
                  },
                  [&](Resume&) -> Result<> {
-                   paused = false;
+                   pace.paused = false;
                    return {};
                  },
                  [&](StepOnce&) -> Result<> {
-                   single_step = true;
+                   pace.single_step = true;
                    return {};
                  },
                  [&](SetSpeed& c) -> Result<> {
                    if (!(c.factor > 0.0)) return fail("the speed must be above 0");
-                   speed = c.factor;
+                   pace.speed = c.factor;
                    return {};
                  },
                  [&](SetStep& c) -> Result<> {
                    if (!(c.dt > 0.0) || !std::isfinite(c.dt))
                      return fail("the step must be above 0 s");
-                   base_time = time();
-                   steps_since_base = 0;
-                   dt = c.dt;
+                   clock.set_dt(c.dt);
                    return {};
                  },
                  [&](Restart& c) { return restart(c.seed); },
@@ -115,11 +104,11 @@ void Simulation::Impl::apply(Command& command) {
                    // At the end of its step, so that the last events are published.
                    ending = true;
                    publish_event({time(), "ended", "", c.reason, ""});
-                   if (!c.reason.empty()) report(Severity::note, "run", "ended: " + c.reason);
+                   if (!c.reason.empty()) log.report(Severity::note, "run", "ended: " + c.reason);
                    return {};
                  },
                  [&](LogMessage& c) -> Result<> {
-                   report(Severity::note, "scene", c.message);
+                   log.report(Severity::note, "scene", c.message);
                    return {};
                  },
                  [&](Raise& c) -> Result<> {
@@ -238,23 +227,14 @@ Result<> Simulation::Impl::restart(std::optional<std::uint64_t> seed) {
     original = std::move(reseeded);
   }
   model = original;
-  base_time = 0.0;
-  steps = steps_since_base = 0;
-  last_dt = 0.0;
+  clock.restart();
   twists_before.clear();
   start_shown = false;
   status = RunStatus::running;
   ending = false;
   event_system.reset(*model, model->physics.seed);
   world_changed();
-  {
-    // Commands that the previous run has sent do not apply to this one.
-    std::lock_guard lock(queue_mutex);
-    queue.erase(std::remove_if(queue.begin(), queue.end(),
-                               [](const QueuedCommand& queued) { return queued.own; }),
-                queue.end());
-    own_in_queue = 0;
-  }
+  commands.restore({});  // those that the previous run has sent do not apply to this one
   events.clear();
   event_causes.clear();
   const std::vector<Diagnostic> found = build_all();

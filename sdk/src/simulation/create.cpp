@@ -136,9 +136,9 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
     return Failure(std::vector<Diagnostic>{from_error(error, "CG0901")});
   }
   impl->provenance = std::move(*provenance);
-  impl->dt = impl->model->physics.step;
+  impl->clock.set_dt(impl->model->physics.step);
   impl->event_system.reset(*impl->model, impl->model->physics.seed);
-  impl->speed = options.speed;
+  impl->pace.speed = options.speed;
   impl->isolation = options.isolation;
 
   std::vector<Diagnostic> found =
@@ -161,7 +161,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   // Controllers are configured even if the world could not be built, to report all errors at once.
   for (Diagnostic& d : impl->build_all()) found.push_back(std::move(d));
   if (std::any_of(found.begin(), found.end(), is_error)) return Failure(std::move(found));
-  for (const Diagnostic& d : found) impl->report(Severity::warning, "backend", d.message);
+  for (const Diagnostic& d : found) impl->log.report(Severity::warning, "backend", d.message);
   return std::unique_ptr<Simulation>(new Simulation(std::move(impl)));
 }
 

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <deque>
-#include <mutex>
 #include <utility>
 
 #include "cogrsim/assembly/assembly.h"
@@ -16,9 +14,12 @@
 #include "core/rate_timer.h"
 #include "sensing/frame_sensor_context.h"
 #include "sensing/sensor_suite.h"
+#include "simulation/clock.h"
+#include "simulation/command_queue.h"
 #include "simulation/controllers/hosted_controller.h"
 #include "simulation/frame_pool.h"
 #include "simulation/events/event_system.h"
+#include "simulation/message_log.h"
 #include "simulation/motor_law.h"
 
 namespace cogrsim {
@@ -95,17 +96,10 @@ struct SupervisorSlot {
   ~SupervisorSlot();
 };
 
-/// A command that waits for the next step boundary.
-struct QueuedCommand {
-  Command command;
-  bool own = false;  ///< from a supervisor, part of snapshots; false: from outside, not part
-};
-
 struct SimulationSnapshot {
   SceneModelPtr model;
   SnapshotPtr world;
-  double dt = 0.0, base_time = 0.0, last_dt = 0.0;
-  std::uint64_t steps = 0, steps_since_base = 0;
+  Clock::State clock;
   RunStatus status = RunStatus::running;
   std::vector<MotorState> motors;
   std::vector<SensorMemory> sensors;
@@ -116,7 +110,7 @@ struct SimulationSnapshot {
   std::vector<Twist> twists_before;
   std::vector<double> joint_efforts_before, motor_efforts_before;
   EventState event_system;
-  std::vector<QueuedCommand> sent;  ///< commands of supervisors for the next step boundary
+  std::vector<Command> sent;  ///< commands of supervisors for the next step boundary
 };
 
 struct Simulation::Impl {
@@ -131,14 +125,11 @@ struct Simulation::Impl {
   SceneModelPtr model;              ///< the current scene
   bool rebuild_on_restart = false;  ///< the world was created from another scene than `original`
 
-  // Clock: time = base_time + steps_since_base * dt, so that rounding errors do not accumulate.
-  double dt = 1e-3;
-  double base_time = 0.0;
-  std::uint64_t steps = 0, steps_since_base = 0;
-  double speed = std::numeric_limits<double>::infinity();
+  Clock clock;
+  Pace pace;
+  MessageLog log{clock};
+  CommandQueue commands;
   Isolation isolation = Isolation::none;  ///< of controllers whose isolation is not set
-  bool paused = false;
-  bool single_step = false;  ///< make one step although paused
   RunStatus status = RunStatus::running;
   std::atomic<bool> stop_requested{false};
 
@@ -149,17 +140,12 @@ struct Simulation::Impl {
   std::vector<ControllerSlot> controllers;
   std::vector<SupervisorSlot> supervisors;
   SceneForControllers scene_for_controllers;
-  std::vector<RunMessage> messages;
   bool spin_reported = false;
   std::vector<Event> events;         ///< since the last frame
   std::vector<Causes> event_causes;  ///< of each entry of `events`
   Causes causes;                     ///< of the current action
   EventSystem event_system;
   bool ending = false;  ///< the run ends with this step
-
-  std::mutex queue_mutex;
-  std::deque<QueuedCommand> queue;
-  std::size_t own_in_queue = 0;  ///< number of commands of supervisors in the queue
 
   std::vector<std::shared_ptr<Observation::Slot>> observers;
   bool start_shown = false;  ///< the observers have received the initial frame
@@ -170,12 +156,11 @@ struct Simulation::Impl {
   WorldState state;  ///< cached current state, valid if `state_fresh`
   bool state_fresh = false;
   std::vector<Twist> twists_before;  ///< of the previous step; empty if not needed
-  double last_dt = 0.0;
   /// Efforts of the previous step, as in WorldState, if the engine does not have them: after
   /// resuming from a snapshot file.
   std::vector<double> joint_efforts_before, motor_efforts_before;
 
-  double time() const { return base_time + static_cast<double>(steps_since_base) * dt; }
+  double time() const { return clock.time(); }
   /// The state of the world, including `joint_efforts_before`; present_state() caches it.
   void get_state(WorldState& out) const;
   const WorldState& present_state();
@@ -211,7 +196,6 @@ struct Simulation::Impl {
   RunStatus step();
   void show_start();
   void show_frame();  ///< passes the current frame to the observers
-  void report(Severity severity, const std::string& source, const std::string& message);
   void check_spin();
 
   // rules.cpp: events and rules

@@ -12,9 +12,6 @@ namespace cogrsim {
 
 namespace {
 
-/// Limits the memory for the messages of a controller that reports in every update.
-constexpr std::size_t kMaxMessages = 1000;
-
 bool covers(const FrameContents& has, const FrameContents& wanted) {
   return (has.contacts || !wanted.contacts) && (has.joint_reactions || !wanted.joint_reactions) &&
          (has.accelerations || !wanted.accelerations);
@@ -76,13 +73,13 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   const FrameContents wanted = cached ? cached_contents | contents : contents;
   std::shared_ptr<Frame> frame = pool->take();
   frame->model = model;
-  frame->step = steps;
+  frame->step = clock.steps();
   frame->time = time();
-  frame->dt = last_dt;
+  frame->dt = clock.last_dt();
   frame->state = present_state();
   frame->accelerations.clear();
-  if (wanted.accelerations && !twists_before.empty() && last_dt > 0.0) {
-    mean_accelerations(twists_before, frame->state.twists, last_dt, frame->accelerations);
+  if (wanted.accelerations && !twists_before.empty() && clock.last_dt() > 0.0) {
+    mean_accelerations(twists_before, frame->state.twists, clock.last_dt(), frame->accelerations);
   }
   frame->contacts.clear();
   if (wanted.contacts) world->get_contacts(frame->contacts);
@@ -105,16 +102,6 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   return cached;
 }
 
-void Simulation::Impl::report(Severity severity, const std::string& source,
-                              const std::string& message) {
-  if (messages.size() > kMaxMessages) return;
-  if (messages.size() == kMaxMessages) {
-    messages.push_back({time(), Severity::warning, "run", "further messages are not stored"});
-    return;
-  }
-  messages.push_back({time(), severity, source, message});
-}
-
 bool Simulation::Impl::wants_accelerations() const {
   return sensors.wants_accelerations() ||
          std::any_of(supervisors.begin(), supervisors.end(),
@@ -124,12 +111,12 @@ bool Simulation::Impl::wants_accelerations() const {
 }
 
 void Simulation::Impl::read_sensors() {
-  const auto needed = sensors.begin(time(), dt);
+  const auto needed = sensors.begin(time(), clock.dt());
   if (!needed) return;
   sensing.show(frame_with(*needed));
   for (const SensorFault& fault : sensors.read(sensing)) {
     const std::string& name = model->sensors[static_cast<std::size_t>(fault.sensor)].name;
-    report(Severity::error, name, "sensor '" + name + "' cannot measure: " + fault.error.text());
+    log.report(Severity::error, name, "sensor '" + name + "' cannot measure: " + fault.error.text());
   }
   sensing.hide();
 }
@@ -140,13 +127,14 @@ void Simulation::Impl::read_sensors() {
 void Simulation::Impl::check_spin() {
   constexpr std::uint64_t kEvery = 64;  // steps
   constexpr double kMost = 0.5;         // [rad] in a step
-  if (spin_reported || steps % kEvery != 1) return;
+  if (spin_reported || clock.steps() % kEvery != 1) return;
+  const double dt = clock.dt();
   const WorldState& now = present_state();
   for (std::size_t i = 0; i < now.twists.size(); ++i) {
     const double turned = now.twists[i].angular.norm() * dt;
     if (model->bodies[i].removed || !(turned > kMost)) continue;
     spin_reported = true;
-    report(Severity::warning, model->bodies[i].name,
+    log.report(Severity::warning, model->bodies[i].name,
            fmt::format("body '{}' turns by {:.2g} rad in a step of {} ms: beyond {} rad engines "
                        "gain or lose energy; a step of {:.2g} ms keeps it below",
                        model->bodies[i].name, turned, 1e3 * dt, kMost, 1e3 * dt * kMost / turned));
@@ -184,13 +172,13 @@ RunStatus Simulation::Impl::step() {
   begin();
   apply_commands();                     // also after the end, because of Restart
   if (!event_system.memory.started) begin();  // the new run
-  if (ending && paused && !single_step) status = RunStatus::stopped;
-  if (status != RunStatus::running || (paused && !single_step)) return status;
-  single_step = false;
+  if (ending && pace.waits()) status = RunStatus::stopped;
+  if (status != RunStatus::running || pace.waits()) return status;
+  pace.single_step = false;
   read_sensors();
   run_controllers();
   if (status != RunStatus::running) return status;
-  if (!model->motors.empty()) make_drives(*model, present_state(), dt, motors, drives);
+  if (!model->motors.empty()) make_drives(*model, present_state(), clock.dt(), motors, drives);
   if (wants_accelerations()) {
     twists_before = present_state().twists;
   } else {
@@ -198,7 +186,7 @@ RunStatus Simulation::Impl::step() {
   }
   const StepResult result = [&] {
     const PluginCall call("backend", backend->name(), "", "", "in a step", time());
-    return world->step(dt, drives);
+    return world->step(clock.dt(), drives);
   }();
   joint_efforts_before.clear();
   motor_efforts_before.clear();
@@ -209,13 +197,11 @@ RunStatus Simulation::Impl::step() {
         result.body >= 0 ? model->bodies[static_cast<std::size_t>(result.body)].name : "";
     // Some engines already name the body in their message.
     const bool named = body.empty() || result.message.find("'" + body + "'") != std::string::npos;
-    report(Severity::error, body.empty() ? "physics" : body,
+    log.report(Severity::error, body.empty() ? "physics" : body,
            "diverged: " + (named ? "" : "body '" + body + "': ") + result.message);
     return status;
   }
-  ++steps;
-  ++steps_since_base;
-  last_dt = dt;
+  clock.advance();
   check_spin();
   detect_events();
   show_frame();
@@ -240,12 +226,12 @@ const Backend& Simulation::backend() const { return *impl_->backend; }
 const Provenance& Simulation::provenance() const { return impl_->provenance; }
 const SceneModelPtr& Simulation::model() const { return impl_->model; }
 double Simulation::time() const { return impl_->time(); }
-double Simulation::dt() const { return impl_->dt; }
-std::uint64_t Simulation::step_count() const { return impl_->steps; }
+double Simulation::dt() const { return impl_->clock.dt(); }
+std::uint64_t Simulation::step_count() const { return impl_->clock.steps(); }
 RunStatus Simulation::status() const { return impl_->status; }
-const std::vector<RunMessage>& Simulation::messages() const { return impl_->messages; }
+const std::vector<RunMessage>& Simulation::messages() const { return impl_->log.messages(); }
 void Simulation::stop() noexcept { impl_->stop_requested.store(true); }
-bool Simulation::paused() const { return impl_->paused; }
+bool Simulation::paused() const { return impl_->pace.paused; }
 
 FramePtr Simulation::frame() { return impl_->frame_with({true, true, true}); }
 
@@ -264,30 +250,27 @@ const std::vector<Channel>& Simulation::channels(int sensor) const {
 RunStatus Simulation::step() { return impl_->step(); }
 
 RunStatus Simulation::run_until(double end_time) {
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point wall_start = Clock::now();
+  using WallClock = std::chrono::steady_clock;
+  WallClock::time_point wall_start = WallClock::now();
   double simulated_start = time();
-  double speed = impl_->speed;
+  double speed = impl_->pace.speed;
   // With a tolerance of half a step: the end is the nearest step boundary.
-  while (impl_->status == RunStatus::running && time() + 0.5 * impl_->dt < end_time) {
+  while (impl_->status == RunStatus::running && time() + 0.5 * impl_->clock.dt() < end_time) {
     const double before = time();
     step();
-    if (impl_->paused) {
-      std::lock_guard lock(impl_->queue_mutex);
-      if (impl_->queue.empty()) return impl_->status;
-    }
-    if (impl_->speed != speed || time() < before) {
-      speed = impl_->speed;
-      wall_start = Clock::now();
+    if (impl_->pace.paused && impl_->commands.size() == 0) return impl_->status;
+    if (impl_->pace.speed != speed || time() < before) {
+      speed = impl_->pace.speed;
+      wall_start = WallClock::now();
       simulated_start = time();
     }
     if (!std::isfinite(speed)) continue;
     const auto due =
-        wall_start + std::chrono::duration_cast<Clock::duration>(
+        wall_start + std::chrono::duration_cast<WallClock::duration>(
                          std::chrono::duration<double>((time() - simulated_start) / speed));
     // Sleeps in short intervals, so that stop() takes effect.
-    while (Clock::now() < due && !impl_->stop_requested.load()) {
-      std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(10)));
+    while (WallClock::now() < due && !impl_->stop_requested.load()) {
+      std::this_thread::sleep_until(std::min(due, WallClock::now() + std::chrono::milliseconds(10)));
     }
   }
   impl_->show_start();

@@ -103,10 +103,10 @@ void BatchWorld::give_targets() {
     const Motor& description = impl.model->motors[motor];
     const double target = rows_.actions[k];
     if (description.removed) {
-      impl.report(Severity::error, "batch",
+      impl.log.report(Severity::error, "batch",
                   "there is no motor '" + description.name + "' any more");
     } else if (!std::isfinite(target)) {
-      impl.report(Severity::error, "batch",
+      impl.log.report(Severity::error, "batch",
                   "motor '" + description.name + "': the target is not a finite number");
     } else {
       impl.motors[motor].target = clamp_target(*impl.model, description, target);
@@ -206,9 +206,9 @@ Result<> BatchWorld::reset(std::optional<std::uint64_t> seed) {
       }
     } else {
       Simulation::Impl& impl = SnapshotAccess::of(*simulation_);
-      impl.messages.clear();
-      impl.paused = impl.single_step = false;
-      impl.dt = impl.original->physics.step;
+      impl.log.clear();
+      impl.pace.paused = impl.pace.single_step = false;
+      impl.clock.set_dt(impl.original->physics.step);
       if (auto done = impl.restart(episode_seed(first, episode)); !done) {
         broken_ = true;
         return failed(done.error().message);

@@ -270,7 +270,7 @@ std::string Assembly::scene_folder() const {
 }
 
 void Assembly::report(const std::string& message) {
-  access_->simulation->report(
+  access_->simulation->log.report(
       Severity::note, "controller '" + access_->plugin + "' of '" + access_->name + "'", message);
 }
 

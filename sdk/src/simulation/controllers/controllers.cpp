@@ -145,15 +145,15 @@ std::vector<Diagnostic> Simulation::Impl::build_supervisor(const ControllerModel
 }
 
 void Simulation::Impl::run_controllers() {
-  const double now = time();
-  const auto tick_of = [&](ControllerClock& clock) {
+  const double now = time(), dt = clock.dt();
+  const auto tick_of = [&](ControllerClock& timing) {
     Tick tick;
     tick.time = now;
-    tick.count = clock.count;
-    tick.period = clock.count == 0 ? clock.timer.period(dt) : now - clock.last_time;
-    clock.timer.advance(now, dt);
-    clock.last_time = now;
-    ++clock.count;
+    tick.count = timing.count;
+    tick.period = timing.count == 0 ? timing.timer.period(dt) : now - timing.last_time;
+    timing.timer.advance(now, dt);
+    timing.last_time = now;
+    ++timing.count;
     return tick;
   };
   for (std::size_t i = 0; i < controllers.size() && status == RunStatus::running; ++i) {
@@ -191,15 +191,15 @@ void Simulation::Impl::run_controllers() {
   }
 }
 
-void Simulation::Impl::fault(const ControllerModel& description, ControllerClock& clock,
+void Simulation::Impl::fault(const ControllerModel& description, ControllerClock& timing,
                              const std::string& message) {
   const std::string who = description.assembly < 0
                               ? "supervisor '" + description.plugin + "'"
                               : "controller '" + description.plugin + "' of '" +
                                     assembly_name(*model, description.assembly) + "'";
-  clock.stopped = true;
+  timing.stopped = true;
   const bool ends = description.on_fault == FaultPolicy::end_run;
-  report(Severity::error, who,
+  log.report(Severity::error, who,
          message + (ends ? "; the run ends (on-fault=\"end-run\")"
                          : "; it is stopped, the run continues (on-fault=\"stop-controller\")"));
   publish_event({time(), "fault", description.name, message, ""});
@@ -217,19 +217,12 @@ void Simulation::Impl::stop_motors(const AssemblyAccess& access) {
 }
 
 void LiveSupervisorContext::send(Command command) {
-  {
-    std::lock_guard lock(simulation_.queue_mutex);
-    if (simulation_.own_in_queue < kMaxSentPerStep) {
-      simulation_.queue.push_back({std::move(command), true});
-      ++simulation_.own_in_queue;
-      return;
-    }
-  }
+  if (simulation_.commands.send_own(std::move(command))) return;
   if (std::exchange(simulation_.event_system.memory.send_limit_reported, true)) return;
   const std::string why = "supervisor '" + name_ + "' sent more than " +
                           std::to_string(kMaxSentPerStep) +
                           " commands in one step; excess commands are discarded, now and later";
-  simulation_.report(Severity::error, name_, why);
+  simulation_.log.report(Severity::error, name_, why);
   simulation_.publish_event({simulation_.time(), "refused", name_, why, ""});
 }
 
@@ -259,7 +252,7 @@ std::optional<std::string> publish_output(const std::vector<PluginOutput>& decla
 }
 
 void LiveSupervisorContext::report(const std::string& message) {
-  simulation_.report(Severity::note, name_, message);
+  simulation_.log.report(Severity::note, name_, message);
 }
 
 }  // namespace cogrsim

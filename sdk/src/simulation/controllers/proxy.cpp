@@ -200,7 +200,7 @@ bool ProxyWriter::take_effects(WireReader& in) {
   }
   access_.motors = std::move(asked);
   for (std::size_t i = 0; i < reports.size(); ++i) {
-    simulation.report(Severity::note, sources[i], reports[i]);
+    simulation.log.report(Severity::note, sources[i], reports[i]);
   }
   access_.mistakes = std::move(mistakes);
   access_.fault = std::move(fault);
@@ -277,11 +277,11 @@ void ProxyReader::put_effects(WireWriter& out, AssemblyAccess& access) {
   }
   out.put(access.motors);
   std::vector<std::string> sources, reports;
-  for (const RunMessage& message : simulation_.messages) {
+  for (const RunMessage& message : simulation_.log.messages()) {
     sources.push_back(message.source);
     reports.push_back(message.message);
   }
-  simulation_.messages.clear();
+  simulation_.log.clear();
   out.put(sources);
   out.put(reports);
   out.put(access.mistakes);

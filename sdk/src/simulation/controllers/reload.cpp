@@ -136,14 +136,14 @@ Result<Reloaded> Simulation::Impl::reload(const std::string& name) {
   fresh.plugin = *plugin;
   fresh.access = make_access(*this, description, *plugin, std::move(*parameters));
   fresh.clock = old.clock;
-  if (std::exchange(fresh.clock.stopped, false)) fresh.clock.timer.skip_to(time(), dt);
+  if (std::exchange(fresh.clock.stopped, false)) fresh.clock.timer.skip_to(time(), clock.dt());
   Reloaded done{description.name, description.plugin, descriptor.version, false, ""};
   if (const auto wrong = transfer_state(old, fresh, *found, done)) return refuse(*wrong);
   loader->replace(*plugin);
   old.controller.reset();  // before the library it came from
   old = std::move(fresh);
   cached.reset();
-  report(Severity::note, "controller '" + description.plugin + "' of '" + old.access->name + "'",
+  log.report(Severity::note, "controller '" + description.plugin + "' of '" + old.access->name + "'",
          "reloaded, version " + descriptor.version +
              (done.memory_kept ? "; it continues in the state of the old one" : "; " + done.note));
   return done;

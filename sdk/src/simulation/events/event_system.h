@@ -20,7 +20,6 @@ inline constexpr int kMaxRounds = 16;
 inline constexpr std::size_t kMaxCauses = 256;
 inline constexpr std::size_t kMaxPending = 10000;       ///< scheduled actions of rules
 inline constexpr std::size_t kMaxEventsPerStep = 1000;  ///< events in a frame
-inline constexpr std::size_t kMaxSentPerStep = 10000;   ///< commands of all supervisors together
 inline constexpr int kMaxAddedPerStep = 100;            ///< assemblies added in one step
 inline constexpr int kMaxAddedBodies = 2000;            ///< existing bodies added during a run
 

@@ -34,7 +34,7 @@ void Simulation::Impl::publish_event(Event event) {
     return;
   }
   if (std::exchange(event_system.memory.event_limit_reported, true)) return;
-  report(Severity::error, "run",
+  log.report(Severity::error, "run",
          "more than " + std::to_string(kMaxEventsPerStep) +
              " events in one step; excess events are discarded, now and later");
 }
@@ -55,7 +55,7 @@ void Simulation::Impl::fire_rules() {
     return &sensors.channels(static_cast<std::size_t>(sensor));
   };
   const auto& conditions = event_system.conditions(model, channels);
-  const double now = time() + kEarly * dt;
+  const double now = time() + kEarly * clock.dt();
   for (std::size_t i = 0; i < model->rules.size(); ++i) {
     const RuleModel& rule = model->rules[i];
     RuleMemory& memory = event_system.memory.rules[i];
@@ -106,7 +106,7 @@ void Simulation::Impl::fire(std::size_t rule, const Causes& led_to) {
   const std::string where = place_of(*model, description.origin);
   if (std::count(led_to.begin(), led_to.end(), index) >= kMaxRounds) {
     memory.off = true;
-    report(Severity::error, who,
+    log.report(Severity::error, who,
            (where.empty() ? "" : where + ": ") + who + " triggers itself repeatedly: " +
                circle(*model, led_to, index) + "; it is switched off after " +
                std::to_string(kMaxRounds) + " rounds, the run continues");
@@ -115,7 +115,7 @@ void Simulation::Impl::fire(std::size_t rule, const Causes& led_to) {
   if (memory.fired >= description.limit) {
     // A limit of 1 is the intention of the author and needs no warning.
     if (description.limit == 1 || std::exchange(memory.limit_reported, true)) return;
-    report(Severity::warning, who,
+    log.report(Severity::warning, who,
            (where.empty() ? "" : where + ": ") + who + " has fired " +
                std::to_string(description.limit) +
                " times, which is its limit; it does not fire any more");
@@ -123,7 +123,7 @@ void Simulation::Impl::fire(std::size_t rule, const Causes& led_to) {
   }
   if (event_system.memory.pending.size() >= kMaxPending) {
     if (std::exchange(event_system.memory.pending_limit_reported, true)) return;
-    report(Severity::error, who,
+    log.report(Severity::error, who,
            "more than " + std::to_string(kMaxPending) +
                " actions of rules are scheduled; excess actions are discarded");
     return;
@@ -139,7 +139,7 @@ void Simulation::Impl::fire(std::size_t rule, const Causes& led_to) {
 
 void Simulation::Impl::apply_due() {
   EventState& memory = event_system.memory;
-  const double now = time() + kEarly * dt;
+  const double now = time() + kEarly * clock.dt();
   const auto over = [now](const auto& entry) { return entry.due <= now; };
   if (std::any_of(memory.lifetimes.begin(), memory.lifetimes.end(), over)) {
     for (const Lifetime& lifetime : std::vector<Lifetime>(memory.lifetimes)) {

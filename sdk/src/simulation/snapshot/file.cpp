@@ -179,19 +179,20 @@ Result<> write_snapshot(const Simulation& simulation, const std::string& path,
   for (const auto& [name, value] : parameters) content["parameters"][name] = value;
   content["seed"] = from.original->physics.seed;
   content["status"] = to_string(from.status);
+  const Clock::State& clock = from.clock.save();
   content["clock"] = {{"time", number(from.time())},
-                      {"dt", number(from.dt)},
-                      {"base_time", number(from.base_time)},
-                      {"last_dt", number(from.last_dt)},
-                      {"steps", from.steps},
-                      {"steps_since_base", from.steps_since_base}};
+                      {"dt", number(clock.dt)},
+                      {"base_time", number(clock.base_time)},
+                      {"last_dt", number(clock.last_dt)},
+                      {"steps", clock.steps},
+                      {"steps_since_base", clock.steps_since_base}};
   WorldState state;
   from.get_state(state);
   put_world(from, state, content);
   put_devices(from, state, content);
   if (auto controllers = put_controllers(from, content); !controllers) return controllers;
   content["event_system"] = event_state_json(*from.model, from.event_system.memory);
-  content["sent"] = from.own_in_queue;
+  content["sent"] = from.commands.own_count();
   content["changes"] =
       from.model == from.original ? Json(nullptr) : changes_of(*from.original, *from.model);
   const Json file = {{"format", kFormat},

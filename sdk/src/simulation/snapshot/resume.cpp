@@ -59,17 +59,18 @@ class Resumption {
 
  private:
   void clock() {
-    const Json& clock = content_.at("clock");
-    const double then = number_from(clock.at("dt"));
-    to_.steps = whole_from<std::uint64_t>(clock.at("steps"));
-    to_.last_dt = number_from(clock.at("last_dt"));
-    if (to_.dt == then) {
-      to_.base_time = number_from(clock.at("base_time"));
-      to_.steps_since_base = whole_from<std::uint64_t>(clock.at("steps_since_base"));
+    const Json& saved = content_.at("clock");
+    Clock::State now;
+    now.dt = to_.clock.dt();
+    now.steps = whole_from<std::uint64_t>(saved.at("steps"));
+    now.last_dt = number_from(saved.at("last_dt"));
+    if (now.dt == number_from(saved.at("dt"))) {
+      now.base_time = number_from(saved.at("base_time"));
+      now.steps_since_base = whole_from<std::uint64_t>(saved.at("steps_since_base"));
     } else {
-      to_.base_time = number_from(clock.at("time"));
-      to_.steps_since_base = 0;
+      now.base_time = number_from(saved.at("time"));
     }
+    to_.clock.restore(now);
   }
 
   Result<> world() {
@@ -180,7 +181,7 @@ class Resumption {
     if (saved.is_object() && number_from(saved.at("rate")) == rate) {
       timer.set_next(whole_from<std::uint64_t>(saved.at("ticks")));
     } else {
-      timer.skip_to(to_.time(), to_.dt);
+      timer.skip_to(to_.time(), to_.clock.dt());
     }
   }
 
@@ -239,7 +240,7 @@ class Resumption {
       names.insert(model.name);
       ControllerClock& clock = controllers ? to_.controllers[i].clock : to_.supervisors[i].clock;
       if (!then.contains(model.name) || then.at(model.name).at("plugin") != model.plugin) {
-        clock.timer.skip_to(to_.time(), to_.dt);
+        clock.timer.skip_to(to_.time(), to_.clock.dt());
         fresh.push_back(model.name);
         continue;
       }

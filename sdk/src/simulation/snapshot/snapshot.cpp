@@ -10,10 +10,7 @@ SimulationSnapshotPtr Simulation::save() const {
   auto snapshot = std::make_shared<SimulationSnapshot>();
   snapshot->model = from.model;
   snapshot->world = from.world->save();
-  snapshot->dt = from.dt;
-  snapshot->base_time = from.base_time;
-  snapshot->steps = from.steps;
-  snapshot->steps_since_base = from.steps_since_base;
+  snapshot->clock = from.clock.save();
   snapshot->status = from.status;
   snapshot->motors = from.motors;
   snapshot->sensors = from.sensors.save();
@@ -29,15 +26,11 @@ SimulationSnapshotPtr Simulation::save() const {
     snapshot->supervisor_outputs.push_back(slot.context->outputs());
     snapshot->supervisor_events.push_back(slot.events);
   }
-  snapshot->last_dt = from.last_dt;
   snapshot->twists_before = from.twists_before;
   snapshot->joint_efforts_before = from.joint_efforts_before;
   snapshot->motor_efforts_before = from.motor_efforts_before;
   snapshot->event_system = from.event_system.memory;
-  std::lock_guard lock(impl_->queue_mutex);
-  for (const QueuedCommand& queued : from.queue) {
-    if (queued.own) snapshot->sent.push_back(queued);
-  }
+  snapshot->sent = from.commands.save();
   return snapshot;
 }
 
@@ -52,11 +45,7 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
   const bool same_model = to.model == snapshot->model;
   to.model = snapshot->model;
   to.world_changed();
-  to.dt = snapshot->dt;
-  to.base_time = snapshot->base_time;
-  to.steps = snapshot->steps;
-  to.steps_since_base = snapshot->steps_since_base;
-  to.last_dt = snapshot->last_dt;
+  to.clock.restore(snapshot->clock);
   to.status = snapshot->status;
   to.twists_before = snapshot->twists_before;
   to.joint_efforts_before = snapshot->joint_efforts_before;
@@ -87,15 +76,7 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
   to.ending = false;
   to.events.clear();
   to.event_causes.clear();
-  {
-    // Restores the commands of supervisors that were queued at the time of the snapshot.
-    std::lock_guard lock(to.queue_mutex);
-    to.queue.erase(std::remove_if(to.queue.begin(), to.queue.end(),
-                                  [](const QueuedCommand& queued) { return queued.own; }),
-                   to.queue.end());
-    to.queue.insert(to.queue.begin(), snapshot->sent.begin(), snapshot->sent.end());
-    to.own_in_queue = snapshot->sent.size();
-  }
+  to.commands.restore(snapshot->sent);
   if (!problems.empty()) return fail("restore: " + problems);
   return {};
 }
