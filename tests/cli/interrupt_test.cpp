@@ -79,10 +79,11 @@ struct Inputs {
   TemporaryFolder folder;
   std::string scene = folder / "yard.scene.xml", run = folder / "long.mcap",
               brief = folder / "brief.mcap", package = folder / "yard-1.0.0.cogrsim.zip",
-              programs = folder / "programs";
+              robot = folder / "yard.urdf", programs = folder / "programs";
 
   Inputs() {
     put(scene, kScene);
+    put(robot, R"(<robot name="yard"><link name="base"/></robot>)");
     fs::create_directory(programs);
     const auto make = [](Arguments arguments) {
       arguments.insert(arguments.end(), {"--plugin-path", COGRSIM_TOYS});
@@ -345,6 +346,7 @@ const std::vector<Case>& cases() {
        [](const Attempt& attempt, const Outcome&) {
          CHECK(attempt.text("scene/yard.scene.xml") == kScene);
        }},
+      {"import", {"import", "ROBOT"}, prints, nothing},
       {"plugins", {"plugins"}, prints, nothing},
       {"schema", {"schema"}, prints, nothing},
       {"explain", {"explain"}, prints, nothing},
@@ -385,6 +387,7 @@ Outcome interrupt(const Case& c, const Attempt& attempt, int signal) {
   Arguments arguments = c.arguments;
   for (std::string& argument : arguments) {
     if (argument == "SCENE") argument = attempt.in.scene;
+    if (argument == "ROBOT") argument = attempt.in.robot;
     if (argument == "LONG") argument = attempt.in.run;
     if (argument == "BRIEF") argument = attempt.in.brief;
     if (argument == "PACKAGE") argument = attempt.in.package;

@@ -36,7 +36,7 @@ struct Inputs {
   TemporaryFolder folder;
   std::string scene = folder / "a.scene.xml", recorded = folder / "b.scene.xml",
               run = folder / "run.mcap", figure = folder / "figure.json", snap = folder / "a.snap",
-              package = folder / "a-1.0.0.cogrsim.zip";
+              package = folder / "a-1.0.0.cogrsim.zip", robot = folder / "a.urdf";
 
   Inputs() {
     std::string text = read_file(kFlight);
@@ -44,6 +44,7 @@ struct Inputs {
   <test name="fails"><always that="ball.z gt 100 m"/></test>
 )");
     put(scene, text);
+    put(robot, R"(<robot name="a"><link name="base"/></robot>)");
     text.insert(text.rfind("</scene>"), "<record file=\"kept.mcap\"/>\n");
     put(recorded, text);
     REQUIRE(with_toys({"run", scene, "-b", "toy", "-d", "0.1", "--record", run, "--save-at", "0.05",
@@ -54,8 +55,8 @@ struct Inputs {
   }
 
   std::vector<std::pair<std::string, std::string>> by_argument() const {
-    return {{"SCENE", scene},   {"RECORDED", recorded}, {"RUN", run},
-            {"FIGURE", figure}, {"SNAP", snap},         {"PACKAGE", package}};
+    return {{"SCENE", scene}, {"RECORDED", recorded}, {"RUN", run},    {"FIGURE", figure},
+            {"SNAP", snap},   {"PACKAGE", package},   {"ROBOT", robot}};
   }
 };
 
@@ -63,7 +64,7 @@ struct Inputs {
 struct Case {
   const char* option;
   const char* ending;                 // of the file that is named; "/": it is a folder
-  Arguments arguments;                        // SCENE, RUN ... and OUT stand for files
+  Arguments arguments;                // SCENE, RUN ... and OUT stand for files
   const char* force = "--overwrite";  // empty: there is no such option
   bool again = true;                  // its own outputs are replaced
 };
@@ -84,7 +85,9 @@ const std::vector<Case>& cases() {
       {"--report",
        ".html",
        {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--report", "OUT"}},
-      {"--table", ".md", {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--table", "OUT"}},
+      {"--table",
+       ".md",
+       {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--table", "OUT"}},
       {"--table",
        ".tex",
        {"compare", "SCENE", "-b", "toy,toy_euler", "-d", "0.1", "--table", "OUT"}},
@@ -105,6 +108,9 @@ const std::vector<Case>& cases() {
       {"-o,--output", ".html", {"bundle", "RUN", "-o", "OUT"}},
       {"-o,--output", ".zip", {"push", "SCENE", "-o", "OUT"}, "--overwrite", false},
       {"-o,--output", "/", {"push", "SCENE", "-o", "OUT"}, "--force", false},
+      {"-o,--output", ".scene.xml", {"import", "ROBOT", "-o", "OUT"}},
+      {"--report", ".json", {"import", "ROBOT", "--report", "OUT"}},
+      {"--report", ".html", {"import", "ROBOT", "--report", "OUT"}},
       {"--into", "/", {"pull", "PACKAGE", "--into", "OUT"}, "", false},
       {"--into", "/", {"new", "controller", "walker", "--into", "OUT"}, "", false},
   };
@@ -122,7 +128,7 @@ Outcome attempt(const Inputs& in, const Case& c, const std::string& out, bool fo
     if (argument == "OUT") argument = out;
   }
   if (force && c.force[0] != '\0') arguments.emplace_back(c.force);
-  for (const char* other : {"plot", "map", "info", "pull", "new"}) {
+  for (const char* other : {"plot", "map", "info", "pull", "new", "import"}) {
     if (arguments.front() == other) return cogrsim_run(arguments);
   }
   return with_toys(arguments);
@@ -206,13 +212,43 @@ std::string type_in_help(const std::string& line, const std::string& option) {
 
 TEST_CASE("every option that names a file is in the next test", "[cli][output]") {
   // The other options take no file.
-  const std::set<std::string> no_files = {
-      "",        "T",        "N",         "DT",     "NAME",    "B",        "X|max",       "A,B",
-      "X",       "K",        "TEXT",      "SIGNAL", "COLUMN",  "F",        "CAMERA|VIEW", "LIST",
-      "SIZE",    "1..5|1,3", "text|json", "PIXELS", "X,Y,X,Y", "NAME,...", "WHAT,...",    "WxH",
-      "ADDRESS", "MB",       "STORE",     "V",      "URL",     "S",        "Excludes",
-      "process|none", "SEEDS"};
-  const std::set<std::string> inputs = {"--plugin-path", "--from", "--include"};
+  const std::set<std::string> no_files = {"",
+                                          "T",
+                                          "N",
+                                          "DT",
+                                          "NAME",
+                                          "B",
+                                          "X|max",
+                                          "A,B",
+                                          "X",
+                                          "K",
+                                          "TEXT",
+                                          "SIGNAL",
+                                          "COLUMN",
+                                          "F",
+                                          "CAMERA|VIEW",
+                                          "LIST",
+                                          "SIZE",
+                                          "1..5|1,3",
+                                          "text|json",
+                                          "PIXELS",
+                                          "X,Y,X,Y",
+                                          "NAME,...",
+                                          "WHAT,...",
+                                          "WxH",
+                                          "ADDRESS",
+                                          "MB",
+                                          "STORE",
+                                          "V",
+                                          "URL",
+                                          "S",
+                                          "Excludes",
+                                          "process|none",
+                                          "SEEDS",
+                                          "none|position|torque|velocity"};
+  // --copy-meshes takes the name of a folder beside the scene: tests/import.
+  const std::set<std::string> inputs = {"--plugin-path", "--from", "--include", "--srdf",
+                                        "--copy-meshes"};
   std::set<std::string> tried;
   for (const Case& c : cases()) tried.insert(c.arguments[0] + " " + c.option);
   std::size_t outputs = 0;
@@ -357,7 +393,29 @@ TEST_CASE("outputs that a scene names stay in its folder", "[cli][output]") {
   CHECK(good.status == 0);
   CHECK(fs::is_regular_file(inner + "/b.mcap"));
   Arguments arguments = {"run",          inner + "/a.scene.xml", "-b", "toy", "-d", "0.1",
-                 "--output-dir", folder / "elsewhere"};
+                         "--output-dir", folder / "elsewhere"};
   CHECK(with_toys(arguments).status == 0);
   CHECK(fs::is_regular_file(folder / "elsewhere/b.mcap"));
+}
+
+TEST_CASE("an import copies meshes into a folder beside its scene only", "[cli][output]") {
+  const TemporaryFolder folder;
+  put(folder / "a.urdf", R"(<robot name="a"><link name="base"><visual><geometry>
+<mesh filename="a.obj"/></geometry></visual></link></robot>)");
+  put(folder / "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  const auto into = [&](const std::string& name) {
+    return cogrsim_run({"import", folder / "a.urdf", "-o", folder / "scene/a.scene.xml",
+                        "--copy-meshes", name, "--overwrite"});
+  };
+  fs::create_directory(folder / "scene");
+  for (const char* name : {"..", "../outside", "/tmp", "a/../../outside"}) {
+    INFO(name);
+    const Outcome refused = into(name);
+    CHECK(refused.status == 2);
+    CHECK_THAT(refused.err, Contains("is not a folder beside the scene"));
+  }
+  CHECK(fs::is_empty(folder / "scene"));
+  CHECK(into("shapes").status == 0);
+  CHECK(fs::exists(folder / "scene/shapes/a.obj"));
+  CHECK_FALSE(fs::exists(folder / "outside"));
 }

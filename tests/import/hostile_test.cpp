@@ -25,7 +25,8 @@ TEST_CASE("a macro that doubles at each level is refused", "[hostile]") {
   std::string text = kHead + "<xacro:macro name=\"m0\"><link name=\"x\"/></xacro:macro>\n";
   for (int i = 1; i < 40; ++i) {
     const std::string inner = "<xacro:m" + std::to_string(i - 1) + "/>";
-    text += "<xacro:macro name=\"m" + std::to_string(i) + "\">" + inner + inner + "</xacro:macro>\n";
+    text +=
+        "<xacro:macro name=\"m" + std::to_string(i) + "\">" + inner + inner + "</xacro:macro>\n";
   }
   in.read(text + "<xacro:m39/></robot>");
   CHECK(in.refuses("CG1402", "elements"));
@@ -35,8 +36,8 @@ TEST_CASE("texts and lists do not grow without end", "[hostile]") {
   Imported in;
   std::string text = kHead + "<xacro:property name=\"a0\" value=\"xxxxxxxxxxxxxxxx\"/>\n";
   for (int i = 1; i < 60; ++i)
-    text += "<xacro:property name=\"a" + std::to_string(i) + "\" value=\"${a" + std::to_string(i - 1) +
-            " + a" + std::to_string(i - 1) + "}\"/>\n";
+    text += "<xacro:property name=\"a" + std::to_string(i) + "\" value=\"${a" +
+            std::to_string(i - 1) + " + a" + std::to_string(i - 1) + "}\"/>\n";
   in.read(text + "<link name=\"${a59}\"/></robot>");
   CHECK(in.refuses("CG1411", "grow"));
   in.read(kHead + "<link name=\"${" + std::string(50000, '(') + "}\"/></robot>");
@@ -47,7 +48,8 @@ TEST_CASE("texts and lists do not grow without end", "[hostile]") {
 
 TEST_CASE("files that include each other are refused", "[hostile]") {
   Imported in;
-  in.folder.write("b.xacro", "<robot xmlns:xacro=\"x\"><xacro:include filename=\"robot.urdf\"/></robot>");
+  in.folder.write("b.xacro",
+                  "<robot xmlns:xacro=\"x\"><xacro:include filename=\"robot.urdf\"/></robot>");
   in.read(kHead + "<xacro:include filename=\"b.xacro\"/></robot>");
   CHECK(in.refuses("CG1402", "circle"));
 }
@@ -57,7 +59,8 @@ TEST_CASE("bombs of YAML are refused", "[hostile]") {
   std::string bomb = "a0: &a0 [1,1,1,1,1,1,1,1,1,1]\n";
   for (int i = 1; i < 12; ++i) {
     bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [";
-    for (int k = 0; k < 10; ++k) bomb += (k > 0 ? "," : "") + std::string("*a") + std::to_string(i - 1);
+    for (int k = 0; k < 10; ++k)
+      bomb += (k > 0 ? "," : "") + std::string("*a") + std::to_string(i - 1);
     bomb += "]\n";
   }
   in.folder.write("bomb.yaml", bomb);
@@ -67,21 +70,27 @@ TEST_CASE("bombs of YAML are refused", "[hostile]") {
 
 TEST_CASE("names from a file run nothing and leave no folder", "[hostile]") {
   Imported in;
-  in.read("<robot name=\"$(touch x)\"><link name=\"$(echo hi)\"><inertial><mass value=\"1\"/>"
-          "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link></robot>");
+  in.read(
+      "<robot name=\"$(touch x)\"><link name=\"$(echo hi)\"><inertial><mass value=\"1\"/>"
+      "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link></robot>");
   REQUIRE(in.model);
   CHECK(in.result.scene.find("$(") == std::string::npos);
   CHECK(in.result.scene.find("${") == std::string::npos);
-  in.read("<robot name=\"r\"><link name=\"${1}\"><inertial><mass value=\"1\"/>"
-          "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link></robot>");
+  in.read(
+      "<robot name=\"r\"><link name=\"${1}\"><inertial><mass value=\"1\"/>"
+      "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link></robot>");
   REQUIRE(in.model);
 }
 
 TEST_CASE("numbers that are none are refused at their element", "[hostile]") {
   Imported in;
-  in.read("<robot name=\"r\">\n<link name=\"a\"><inertial><mass value=\"nan\"/></inertial></link></robot>");
+  in.read(
+      "<robot name=\"r\">\n<link name=\"a\"><inertial><mass "
+      "value=\"nan\"/></inertial></link></robot>");
   CHECK(in.refuses("CG1403", "'nan' is not a number", 2));
-  in.read("<robot name=\"r\">\n<link name=\"a\"><inertial><mass value=\"1e999\"/></inertial></link></robot>");
+  in.read(
+      "<robot name=\"r\">\n<link name=\"a\"><inertial><mass "
+      "value=\"1e999\"/></inertial></link></robot>");
   CHECK(in.refuses("CG1403", "is not a number", 2));
   in.read("<robot name=\"r\"><link name=\"a\"/><!DOCTYPE a></robot>");
   CHECK(in.result.scene.empty());
@@ -98,7 +107,9 @@ TEST_CASE("entities and document types are not expanded", "[hostile]") {
   in.read(bomb + "]>\n<robot name=\"&a9;\"><link name=\"a\"/></robot>");
   CHECK(in.result.scene.empty());
   REQUIRE_FALSE(in.result.diagnostics.empty());
-  in.read("<!DOCTYPE r [<!ENTITY f SYSTEM \"file:///etc/passwd\">]><robot name=\"r\"><link name=\"&f;\"/></robot>");
+  in.read(
+      "<!DOCTYPE r [<!ENTITY f SYSTEM \"file:///etc/passwd\">]><robot name=\"r\"><link "
+      "name=\"&f;\"/></robot>");
   CHECK(in.result.scene.empty());
 }
 
@@ -117,19 +128,24 @@ TEST_CASE("a mesh that claims more than it has is left out", "[hostile]") {
   REQUIRE(in.model);
   CHECK(in.reports(kLeftOut, "mesh 'claim.stl'", "claim.stl"));
   // A COLLADA mesh whose nodes contain each other, and one whose count is larger than its numbers.
-  in.folder.write("loop.dae",
-                  "<COLLADA><library_nodes><node id=\"a\"><instance_node url=\"#b\"/></node>"
-                  "<node id=\"b\"><instance_node url=\"#a\"/><instance_node url=\"#a\"/></node></library_nodes>"
-                  "<library_visual_scenes><visual_scene id=\"s\"><node><instance_node url=\"#a\"/></node>"
-                  "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>");
+  in.folder.write(
+      "loop.dae",
+      "<COLLADA><library_nodes><node id=\"a\"><instance_node url=\"#b\"/></node>"
+      "<node id=\"b\"><instance_node url=\"#a\"/><instance_node url=\"#a\"/></node></library_nodes>"
+      "<library_visual_scenes><visual_scene id=\"s\"><node><instance_node url=\"#a\"/></node>"
+      "</visual_scene></library_visual_scenes><scene><instance_visual_scene "
+      "url=\"#s\"/></scene></COLLADA>");
   in.read(robot("loop.dae"));
   REQUIRE(in.model);
   CHECK(in.reports(kLeftOut, "mesh 'loop.dae'", "circle"));
-  in.folder.write("short.dae",
-                  "<COLLADA><library_geometries><geometry><mesh><source id=\"p\"><float_array count=\"1000000000\">"
-                  "0 0 0 1 0 0 0 1 0</float_array></source><vertices id=\"v\"><input semantic=\"POSITION\" "
-                  "source=\"#p\"/></vertices><triangles count=\"1000000000\"><input semantic=\"VERTEX\" "
-                  "source=\"#v\" offset=\"0\"/><p>0 1 99</p></triangles></mesh></geometry></library_geometries></COLLADA>");
+  in.folder.write(
+      "short.dae",
+      "<COLLADA><library_geometries><geometry><mesh><source id=\"p\"><float_array "
+      "count=\"1000000000\">"
+      "0 0 0 1 0 0 0 1 0</float_array></source><vertices id=\"v\"><input semantic=\"POSITION\" "
+      "source=\"#p\"/></vertices><triangles count=\"1000000000\"><input semantic=\"VERTEX\" "
+      "source=\"#v\" offset=\"0\"/><p>0 1 "
+      "99</p></triangles></mesh></geometry></library_geometries></COLLADA>");
   in.read(robot("short.dae"));
   REQUIRE(in.model);
   CHECK(in.reports(kLeftOut, "mesh 'short.dae'", "beyond the corners"));
@@ -154,7 +170,8 @@ TEST_CASE("files outside the model's folder are not read", "[hostile]") {
   Imported in;
   in.folder.write("secret.yaml", "key: 1\n");
   in.folder.write("secret.xml", "<mujoco/>");
-  in.read(kHead + "<link name=\"${xacro.load_yaml('../secret.yaml')['key']}\"/></robot>", "robot/r.urdf");
+  in.read(kHead + "<link name=\"${xacro.load_yaml('../secret.yaml')['key']}\"/></robot>",
+          "robot/r.urdf");
   CHECK(in.refuses("CG1411", "lies outside", 2));
   in.read("<mujoco>\n<include file=\"../secret.xml\"/></mujoco>", "robot/m.xml");
   CHECK(in.refuses("CG1412", "lies outside", 2));

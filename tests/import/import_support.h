@@ -50,19 +50,23 @@ struct Imported {
   const NamedFrame& frame(const std::string& name) const { return named(model->frames, name); }
 
   /// Whether the report has an entry with this text in its element and message.
-  bool reports(dsl::Fidelity fidelity, const std::string& element, const std::string& message = {}) const {
-    return std::any_of(result.entries.begin(), result.entries.end(), [&](const dsl::ImportEntry& e) {
-      return e.fidelity == fidelity && e.element.find(element) != std::string::npos &&
-             e.message.find(message) != std::string::npos;
-    });
+  bool reports(dsl::Fidelity fidelity, const std::string& element,
+               const std::string& message = {}) const {
+    return std::any_of(
+        result.entries.begin(), result.entries.end(), [&](const dsl::ImportEntry& e) {
+          return e.fidelity == fidelity && e.element.find(element) != std::string::npos &&
+                 e.message.find(message) != std::string::npos;
+        });
   }
   /// Whether a diagnostic has this code and text, at this line (0: any).
   bool refuses(const std::string& code, const std::string& message, int line = 0) const {
     return result.scene.empty() &&
-           std::any_of(result.diagnostics.begin(), result.diagnostics.end(), [&](const Diagnostic& d) {
-             return d.code == code && (d.message + " " + d.help).find(message) != std::string::npos &&
-                    (line == 0 || d.line == line);
-           });
+           std::any_of(result.diagnostics.begin(), result.diagnostics.end(),
+                       [&](const Diagnostic& d) {
+                         return d.code == code &&
+                                (d.message + " " + d.help).find(message) != std::string::npos &&
+                                (line == 0 || d.line == line);
+                       });
   }
 };
 

@@ -26,14 +26,16 @@ TEST_CASE("bodies, default classes and geoms of MJCF", "[mjcf]") {
     </worldbody>
     <actuator><position name="servo" joint="hip" kp="20" forcerange="-5 5"/></actuator>
     <sensor><jointpos joint="hip"/><gyro site="knee"/></sensor>
-  </mujoco>)", "m.xml");
+  </mujoco>)",
+          "m.xml");
   REQUIRE(in.model);
   CHECK(in.result.format == "MJCF");
   CHECK(in.model->physics.step == 0.002);
   const double pi = 3.14159265358979323846;
   CHECK(in.body("torso").mass == Approx(500.0 * 4.0 / 3.0 * pi * 1e-3).epsilon(1e-12));
   const double r = 0.02, h = 0.3;
-  CHECK(in.body("thigh").mass == Approx(500.0 * (pi * r * r * h + 4.0 / 3.0 * pi * r * r * r)).epsilon(1e-12));
+  CHECK(in.body("thigh").mass ==
+        Approx(500.0 * (pi * r * r * h + 4.0 / 3.0 * pi * r * r * r)).epsilon(1e-12));
   CHECK((in.body("thigh").com - Vec3(0, 0, -0.15)).norm() < 1e-12);
   const Joint& hip = in.joint("hip");
   CHECK(hip.axes[0].lower == Approx(-pi / 6));
@@ -48,7 +50,8 @@ TEST_CASE("two sliders and a hinge are a planar joint", "[mjcf]") {
   Imported in;
   in.read(R"(<mujoco><worldbody><body name="torso" pos="0 0 1">
       <joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide" axis="0 0 1"/>
-      <joint name="y" type="hinge" axis="0 1 0"/><geom type="sphere" size="0.1"/></body></worldbody></mujoco>)", "m.xml");
+      <joint name="y" type="hinge" axis="0 1 0"/><geom type="sphere" size="0.1"/></body></worldbody></mujoco>)",
+          "m.xml");
   REQUIRE(in.model);
   CHECK(in.model->bodies.size() == 1);
   CHECK(in.joint("x").type == JointType::planar);
@@ -60,7 +63,8 @@ TEST_CASE("a loop of MJCF is a joint that closes a loop", "[mjcf]") {
       <body name="a"><joint name="ja" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0"/>
         <body name="b" pos="0.5 0 0"><joint name="jb" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0 0 -0.5"/></body></body>
       <body name="c" pos="0 0 -0.5"><joint name="jc" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0"/></body>
-    </worldbody><equality><connect name="close" body1="b" body2="c" anchor="0 0 -0.5"/></equality></mujoco>)", "m.xml");
+    </worldbody><equality><connect name="close" body1="b" body2="c" anchor="0 0 -0.5"/></equality></mujoco>)",
+          "m.xml");
   REQUIRE(in.model);
   CHECK(in.joint("close").closes_loop);
   CHECK(in.reports(kApproximate, "connect 'close'", "rigid"));
@@ -68,6 +72,9 @@ TEST_CASE("a loop of MJCF is a joint that closes a loop", "[mjcf]") {
 
 TEST_CASE("a class that is not there is refused with the nearest", "[mjcf]") {
   Imported in;
-  in.read("<mujoco><default><default class=\"leg\"/></default>\n<worldbody><body><geom class=\"lge\" size=\"1\"/></body></worldbody></mujoco>", "m.xml");
+  in.read(
+      "<mujoco><default><default class=\"leg\"/></default>\n<worldbody><body><geom class=\"lge\" "
+      "size=\"1\"/></body></worldbody></mujoco>",
+      "m.xml");
   CHECK(in.refuses("CG1408", "did you mean 'leg'?", 2));
 }

@@ -17,7 +17,8 @@ const char* const kRobot = R"(<robot name="arm">
 // A tetrahedron in centimetres.
 const char* const kMesh =
     "<COLLADA><asset><unit meter=\"0.01\"/></asset><library_geometries><geometry id=\"g\"><mesh>"
-    "<source id=\"p\"><float_array count=\"12\">0 0 0 100 0 0 0 100 0 0 0 100</float_array></source>"
+    "<source id=\"p\"><float_array count=\"12\">0 0 0 100 0 0 0 100 0 0 0 "
+    "100</float_array></source>"
     "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>"
     "<triangles count=\"4\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>"
     "<p>0 2 1 0 1 3 1 2 3 2 0 3</p></triangles></mesh></geometry></library_geometries>"
@@ -58,9 +59,9 @@ TEST_CASE("a scene imports a robot as a prototype", "[scene]") {
   CHECK((low - Vec3(0, -1, 0)).norm() < 1e-12);
   CHECK((high - Vec3(1, 0, 1.1)).norm() < 1e-12);
   CHECK(volume == Approx(1.0 / 6.0).epsilon(1e-12));
-  CHECK(std::any_of(result.files_read.begin(), result.files_read.end(), [](const std::string& file) {
-    return file.find("tip.dae") != std::string::npos;
-  }));
+  CHECK(std::any_of(
+      result.files_read.begin(), result.files_read.end(),
+      [](const std::string& file) { return file.find("tip.dae") != std::string::npos; }));
 }
 
 TEST_CASE("what is wrong with an imported robot is reported at the import", "[scene]") {
@@ -79,8 +80,10 @@ TEST_CASE("what is wrong with an imported robot is reported at the import", "[sc
   CHECK(bad.diagnostics[0].message.find("arm.urdf:2:2: ") != std::string::npos);
   // What is left out is a warning, and a mesh outside of the scene's folder is left out.
   const dsl::CompileResult lost = compiled(
-      "<robot name=\"arm\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" "
-      "izz=\"1\"/></inertial>\n<visual><geometry><mesh filename=\"/etc/passwd\"/></geometry></visual></link></robot>");
+      "<robot name=\"arm\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+      "iyy=\"1\" "
+      "izz=\"1\"/></inertial>\n<visual><geometry><mesh "
+      "filename=\"/etc/passwd\"/></geometry></visual></link></robot>");
   CHECK(lost.ok());
   CHECK(std::any_of(lost.diagnostics.begin(), lost.diagnostics.end(), [](const Diagnostic& d) {
     return d.code == "CG2004" && d.message.find("lies outside") != std::string::npos;
@@ -94,7 +97,8 @@ TEST_CASE("a mesh of points is their hull", "[scene]") {
                              folder / "scene.scene.xml");
   };
   const dsl::CompileResult cube = compiled(
-      "<mesh convex=\"true\" mass=\"6 kg\" points=\"0 0 0 1 0 0 0 1 0 0 0 1 1 1 0 1 0 1 0 1 1 1 1 1 0.5 "
+      "<mesh convex=\"true\" mass=\"6 kg\" points=\"0 0 0 1 0 0 0 1 0 0 0 1 1 1 0 1 0 1 0 1 1 1 1 "
+      "1 0.5 "
       "0.5 0.5\"/>");
   INFO(dsl::to_text(cube.diagnostics));
   REQUIRE(cube.ok());

@@ -17,7 +17,8 @@ TEST_CASE("a model of SDF with frames and joints", "[sdf]") {
         <collision name="c"><geometry><cylinder><radius>0.05</radius><length>1</length></cylinder></geometry></collision></link>
       <joint name="j" type="revolute"><parent>base</parent><child>arm</child>
         <axis><xyz expressed_in="__model__">0 1 0</xyz><limit><lower>-1</lower><upper>1</upper></limit><dynamics><damping>0.2</damping></dynamics></axis></joint>
-    </model></world></sdf>)", "w.sdf");
+    </model></world></sdf>)",
+          "w.sdf");
   REQUIRE(in.model);
   CHECK(in.result.format == "SDF");
   const Body& arm = in.body("pendulum_arm");

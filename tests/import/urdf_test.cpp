@@ -46,7 +46,8 @@ TEST_CASE("links, joints and inertias come over exactly", "[urdf]") {
   const Vec3 a(0, 0, 0.2), b(0.1, 0, 0.4);
   const Vec3 com = (1.0 * a + 0.5 * b) / 1.5;
   CHECK((upper.com - com).norm() < 1e-14);
-  const Mat3 R = (Eigen::AngleAxisd(0.2, Vec3::UnitZ()) * Eigen::AngleAxisd(0.3, Vec3::UnitY())).toRotationMatrix();
+  const Mat3 R = (Eigen::AngleAxisd(0.2, Vec3::UnitZ()) * Eigen::AngleAxisd(0.3, Vec3::UnitY()))
+                     .toRotationMatrix();
   const auto shifted = [&](double m, const Vec3& from) -> Mat3 {
     const Vec3 d = from - com;
     return m * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
@@ -60,8 +61,9 @@ TEST_CASE("links, joints and inertias come over exactly", "[urdf]") {
   CHECK(shoulder.position == std::vector<double>{0.5});
   CHECK(in.reports(kApproximate, "joint 'shoulder'", "zero lies beyond its limits"));
   const Pose X_PC = base.X_WB.inverse() * upper.X_WB;
-  const Quat at_zero = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ()) * Eigen::AngleAxisd(0.2, Vec3::UnitY()) *
-                            Eigen::AngleAxisd(0.1, Vec3::UnitX()));
+  const Quat at_zero =
+      Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ()) * Eigen::AngleAxisd(0.2, Vec3::UnitY()) *
+           Eigen::AngleAxisd(0.1, Vec3::UnitX()));
   const Quat turned = at_zero * Quat(Eigen::AngleAxisd(0.5, Vec3::UnitY()));
   CHECK((X_PC.p - Vec3(0, 0.1, 0.1)).norm() < 1e-12);
   CHECK(X_PC.q.angularDistance(turned) < 1e-12);
@@ -120,7 +122,8 @@ TEST_CASE("what the scene cannot say is reported with its line", "[urdf]") {
 
 TEST_CASE("a robot that is no tree is refused at its line", "[urdf]") {
   Imported in;
-  const std::string link = R"(<link name="N"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>)";
+  const std::string link =
+      R"(<link name="N"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>)";
   const auto named = [&](const char* name) {
     std::string out = link;
     out.replace(out.find("N"), 1, name);
@@ -128,12 +131,14 @@ TEST_CASE("a robot that is no tree is refused at its line", "[urdf]") {
   };
   in.read("<robot name=\"r\">\n" + named("a") + "\n" + named("b") + "\n</robot>");
   CHECK(in.refuses("CG1410", "2 links have no parent: 'a', 'b'", 1));
-  in.read("<robot name=\"r\">" + named("a") + named("b") +
-          "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>\n"
-          "<joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>");
+  in.read(
+      "<robot name=\"r\">" + named("a") + named("b") +
+      "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>\n"
+      "<joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>");
   CHECK(in.refuses("CG1410", "in a circle"));
   in.read("<robot name=\"r\">" + named("arm") +
-          "\n<joint name=\"j\" type=\"revolut\"><parent link=\"arm\"/><child link=\"amr\"/></joint></robot>");
+          "\n<joint name=\"j\" type=\"revolut\"><parent link=\"arm\"/><child "
+          "link=\"amr\"/></joint></robot>");
   CHECK(in.refuses("CG1408", "did you mean 'arm'?", 2));
   in.read("<robot name=\"r\"></robot>");
   CHECK(in.refuses("CG1405", "no link"));
@@ -163,16 +168,22 @@ TEST_CASE("names that the scene language does not take are changed, and reported
 TEST_CASE("meshes are found in the package around the model, and nowhere else", "[urdf]") {
   Imported in;
   const std::string stl =
-      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
-      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\n"
-      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 1 0 0\nendloop\nendfacet\n"
-      "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 0 0 1\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+      "0\nendloop\nendfacet\n"
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 0 0 "
+      "1\nendloop\nendfacet\n"
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 1 0 "
+      "0\nendloop\nendfacet\n"
+      "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 0 0 1\nvertex 0 1 "
+      "0\nendloop\nendfacet\nendsolid\n";
   in.folder.write("bot_description/package.xml", "<package/>");
   in.folder.write("bot_description/meshes/a.stl", stl);
   in.folder.write("secret.stl", stl);
   const auto robot = [](const std::string& file) {
-    return "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>"
-           "</inertial><visual><geometry><mesh filename=\"" + file + "\" scale=\"2 2 2\"/></geometry></visual></link></robot>";
+    return "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+           "iyy=\"1\" izz=\"1\"/>"
+           "</inertial><visual><geometry><mesh filename=\"" +
+           file + "\" scale=\"2 2 2\"/></geometry></visual></link></robot>";
   };
   in.read(robot("package://bot_description/meshes/a.stl"), "bot_description/urdf/r.urdf");
   REQUIRE(in.model);
@@ -191,8 +202,9 @@ TEST_CASE("meshes are found in the package around the model, and nowhere else", 
 
 TEST_CASE("robots with the usual faults of XML are read", "[urdf]") {
   Imported in;
-  in.read("\n<?xml version=\"1.0\"?>\n<!-- run -- me --><robot name=\"r\"><link name=\"a\"><inertial>"
-          "<mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link></robot>");
+  in.read(
+      "\n<?xml version=\"1.0\"?>\n<!-- run -- me --><robot name=\"r\"><link name=\"a\"><inertial>"
+      "<mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link></robot>");
   REQUIRE(in.model);
   CHECK(in.result.entries.at(0).line == 3);
 }

@@ -28,7 +28,8 @@ TEST_CASE("properties, macros, blocks, conditions and expressions", "[xacro]") {
     <xacro:leg name="right" side="-1"><origin xyz="0 ${-n/10} 0"/><more/></xacro:leg>
     <xacro:if value="${n == 3 and 'ab' in 'cabs'}"><link name="never"/><joint name="f" type="fixed"><parent link="base"/><child link="never"/></joint></xacro:if>
     <xacro:unless value="true"><link name="gone"/></xacro:unless>
-  </robot>)", "robot.urdf.xacro");
+  </robot>)",
+          "robot.urdf.xacro");
   REQUIRE(in.model);
   CHECK(in.body("base").mass == Approx(6.5));
   CHECK(in.body("left").mass == 0.5);
@@ -40,7 +41,8 @@ TEST_CASE("properties, macros, blocks, conditions and expressions", "[xacro]") {
 TEST_CASE("files are included and YAML is read", "[xacro]") {
   Imported in;
   in.folder.write("parts/legs.xacro", "<robot xmlns:xacro=\"x\">" + kBox + "</robot>");
-  in.folder.write("config/sizes.yaml", "masses:\n  base: 4.5\n  list: [1, 2, 3]\nangle: !degrees 90\n");
+  in.folder.write("config/sizes.yaml",
+                  "masses:\n  base: 4.5\n  list: [1, 2, 3]\nangle: !degrees 90\n");
   in.options.arguments["size"] = "7";
   in.read(kHead + R"x(
     <xacro:arg name="size" default="1"/>
@@ -62,7 +64,8 @@ TEST_CASE("what is wrong in a xacro file is reported at its line", "[xacro]") {
   const auto fails = [&](const std::string& text, const std::string& message, int line) {
     in.read(kHead + kBox + text + "</robot>");
     INFO(text);
-    for (const Diagnostic& d : in.result.diagnostics) INFO(d.line << ": " << d.message << "; " << d.help);
+    for (const Diagnostic& d : in.result.diagnostics)
+      INFO(d.line << ": " << d.message << "; " << d.help);
     CHECK(in.refuses("CG1411", message, line));
   };
   std::string nested = "1";
@@ -75,5 +78,6 @@ TEST_CASE("what is wrong in a xacro file is reported at its line", "[xacro]") {
   fails("<xacro:include filename=\"../outside.xacro\"/>", "lies outside", 3);
   fails("<link name=\"$(env HOME)\"/>", "are not read", 3);
   fails("<link name=\"" + nested + "\"/>", "nested too deep", 3);
-  fails("<xacro:property name=\"a\" value=\"${a}\"/><link name=\"${a}\"/>", "is defined by itself", 3);
+  fails("<xacro:property name=\"a\" value=\"${a}\"/><link name=\"${a}\"/>", "is defined by itself",
+        3);
 }

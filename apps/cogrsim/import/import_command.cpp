@@ -58,14 +58,15 @@ void print_report(const dsl::ImportResult& result, const Style& style) {
   for (const Fidelity fidelity : {Fidelity::approximate, Fidelity::left_out}) {
     const std::size_t count = result.count(fidelity);
     if (count == 0) continue;
-    std::string text = fmt::format("{}{}{}, {}:\n", style.cyan, dsl::fidelity_name(fidelity), style.off,
-                                   count_text(count, "element", "elements"));
+    std::string text = fmt::format("{}{}{}, {}:\n", style.cyan, dsl::fidelity_name(fidelity),
+                                   style.off, count_text(count, "element", "elements"));
     constexpr std::size_t kMost = 20;
     std::size_t shown = 0;
     for (const dsl::ImportEntry& e : result.entries) {
       if (e.fidelity != fidelity) continue;
       if (++shown > kMost) break;
-      text += fmt::format("  {}{}{}: {}\n", position_of(e), e.file.empty() ? "" : ": ", e.element, e.message);
+      text += fmt::format("  {}{}{}: {}\n", position_of(e), e.file.empty() ? "" : ": ", e.element,
+                          e.message);
     }
     if (count > kMost)
       text += fmt::format("  and {} more; --report FILE.html lists all\n", count - kMost);
@@ -75,21 +76,25 @@ void print_report(const dsl::ImportResult& result, const Style& style) {
 
 int import_command(const ImportCommandOptions& options) {
   add_input(options.file);
-  for (const auto& [path, kind] : {std::pair{options.output, OutputKind::xml},
-                                   std::pair{options.report, options.report.ends_with(".html")
-                                                                 ? OutputKind::html
-                                                                 : OutputKind::json}})
+  for (const auto& [path, kind] :
+       {std::pair{options.output, OutputKind::xml},
+        std::pair{options.report,
+                  options.report.ends_with(".html") ? OutputKind::html : OutputKind::json}})
     if (!path.empty())
-      if (const auto writable = check_writable(path, kind); !writable) return refuse(writable.error());
+      if (const auto writable = check_writable(path, kind); !writable)
+        return refuse(writable.error());
   std::error_code missing;
   if (!fs::is_regular_file(options.file, missing))
     return refuse(Error(fmt::format("there is no file '{}'", options.file), "",
                         "name a URDF, xacro, MJCF or SDF file"));
   dsl::ImportOptions import = options.import;
-  const fs::path output = options.output.empty() || options.output == "-" ? fs::path("x") : fs::path(options.output);
+  const fs::path output =
+      options.output.empty() || options.output == "-" ? fs::path("x") : fs::path(options.output);
   std::error_code fault;
   import.scene_folder =
-      fs::weakly_canonical(output.parent_path().empty() ? fs::path(".") : output.parent_path(), fault).string();
+      fs::weakly_canonical(output.parent_path().empty() ? fs::path(".") : output.parent_path(),
+                           fault)
+          .string();
   const dsl::ImportResult result = dsl::import_model(options.file, import);
   print_diagnostics(result.diagnostics);
   if (!options.report.empty()) {
@@ -117,15 +122,18 @@ int import_command(const ImportCommandOptions& options) {
     fs::create_directories(path.parent_path(), fault);
     // A mesh that is there already with these bytes is the one that is meant.
     if (std::ifstream there(path, std::ios::binary);
-        there && std::equal(std::istreambuf_iterator<char>(there), {}, file.bytes.begin(), file.bytes.end()))
+        there &&
+        std::equal(std::istreambuf_iterator<char>(there), {}, file.bytes.begin(), file.bytes.end()))
       continue;
-    if (const auto written = write_output_file(path.string(), OutputKind::other, file.bytes, output_rules());
+    if (const auto written =
+            write_output_file(path.string(), OutputKind::other, file.bytes, output_rules());
         !written)
       return refuse(written.error());
   }
   if (options.output.empty() || options.output == "-") {
     if (const auto printed = print_output(result.scene); !printed) return refuse(printed.error());
-  } else if (const auto written = write_output(options.output, OutputKind::xml, result.scene); !written) {
+  } else if (const auto written = write_output(options.output, OutputKind::xml, result.scene);
+             !written) {
     return refuse(written.error());
   }
   // What was written is a scene, or that is our mistake: say so at once.
@@ -141,13 +149,14 @@ int import_command(const ImportCommandOptions& options) {
       print_error(fmt::format("'{}' was written, and is not a valid scene", options.output));
       return kFailed;
     }
-    std::fputs(printable(fmt::format("{}: {}; {} exact, {} approximate, {} left out\n", options.output,
-                                     count_text(loaded.model->bodies.size(), "body", "bodies") + ", " +
-                                         count_text(loaded.model->joints.size(), "joint", "joints"),
-                                     result.count(dsl::Fidelity::exact),
-                                     result.count(dsl::Fidelity::approximate), lost))
-                   .c_str(),
-               stderr);
+    std::fputs(
+        printable(fmt::format("{}: {}; {} exact, {} approximate, {} left out\n", options.output,
+                              count_text(loaded.model->bodies.size(), "body", "bodies") + ", " +
+                                  count_text(loaded.model->joints.size(), "joint", "joints"),
+                              result.count(dsl::Fidelity::exact),
+                              result.count(dsl::Fidelity::approximate), lost))
+            .c_str(),
+        stderr);
   }
   return kGood;
 }
@@ -175,8 +184,10 @@ Json fidelity_json(const dsl::ImportResult& result, const std::string& source) {
 
 std::string fidelity_html(const dsl::ImportResult& result, const std::string& source) {
   std::string out = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Import of {0}</title>\n"
-      "<style>body{{font:15px/1.5 system-ui,sans-serif;max-width:70em;margin:2em auto;padding:0 1em}}"
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Import of "
+      "{0}</title>\n"
+      "<style>body{{font:15px/1.5 system-ui,sans-serif;max-width:70em;margin:2em auto;padding:0 "
+      "1em}}"
       "table{{border-collapse:collapse;width:100%}}td,th{{text-align:left;padding:.25em .6em;"
       "border-bottom:1px solid #ddd;vertical-align:top}}.exact{{color:#2a7a2a}}"
       ".approximate{{color:#9a6a00}}.left{{color:#b02a2a}}</style></head><body>\n"
@@ -211,18 +222,20 @@ void add_import(CLI::App& app, int& status) {
   ImportCommandOptions& o = arguments->options;
   CLI::App& command = *app.add_subcommand(
       "import", "Convert a robot or world from URDF, xacro, MJCF or SDF into a scene");
-  command.add_option("file", o.file, "URDF, xacro, MJCF or SDF file")->required()->type_name("FILE");
-  command.add_option("-o,--out", o.output, "Scene to write; default: print it")
+  command.add_option("file", o.file, "URDF, xacro, MJCF or SDF file")
+      ->required()
+      ->type_name("FILE");
+  command.add_option("-o,--output", o.output, "Scene to write; default: print it")
       ->type_name("NAME.scene.xml");
   add_list(command, "--package", arguments->packages,
            "Folder of a ROS package, for package:// and $(find …); may be repeated", "NAME=DIR");
   add_list(command, "--arg", arguments->arguments, "Value of a xacro argument; may be repeated",
            "NAME=VALUE");
-  command.add_option("--srdf", o.import.semantics, "SRDF file with pairs of links that do not collide")
+  command
+      .add_option("--srdf", o.import.semantics, "SRDF file with pairs of links that do not collide")
       ->type_name("FILE");
   command
-      .add_option("--drives", arguments->drives,
-                  "Motors for the joints of a source that has none")
+      .add_option("--drives", arguments->drives, "Motors for the joints of a source that has none")
       ->check(CLI::IsMember({"none", "position", "torque", "velocity"}))
       ->type_name("none|position|torque|velocity");
   command.add_flag("--fixed-base", o.import.fixed_base, "The root link is static");
@@ -240,7 +253,8 @@ void add_import(CLI::App& app, int& status) {
   command.footer(
       "Examples:\n"
       "  cogrsim import robot.urdf -o robot.scene.xml\n"
-      "  cogrsim import arm.urdf.xacro -o arm.scene.xml --package arm_description=../arm_description\n"
+      "  cogrsim import arm.urdf.xacro -o arm.scene.xml --package "
+      "arm_description=../arm_description\n"
       "  cogrsim import humanoid.xml -o humanoid.scene.xml --report humanoid.html\n"
       "Then: cogrsim run robot.scene.xml, or cogrsim studio robot.scene.xml\n"
       "Exit status 0 imported, 1 not imported, 2 wrong usage.");
@@ -263,7 +277,8 @@ void add_import(CLI::App& app, int& status) {
       throw UsageError("--copy-meshes", Error("'" + folder + "' is not a folder beside the scene"));
     if (!options.report.empty() && !options.report.ends_with(".json") &&
         !options.report.ends_with(".html"))
-      throw UsageError("--report", Error("'" + options.report + "' ends neither in .json nor in .html"));
+      throw UsageError("--report",
+                       Error("'" + options.report + "' ends neither in .json nor in .html"));
     options.import.drives = arguments->drives == "position"   ? dsl::ImportDrives::position
                             : arguments->drives == "torque"   ? dsl::ImportDrives::torque
                             : arguments->drives == "velocity" ? dsl::ImportDrives::velocity

@@ -83,7 +83,6 @@ Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const O
       return tl::unexpected(added.error());
     }
   }
-  if (!options.quick) out->start_feedback();  // costs dWorldStep nothing
   return out;
 }
 
@@ -209,13 +208,8 @@ void Engine::near(const Geom& a, const Geom& b) {
     made.depth = contact.geom.depth;
     made.first = &a;
     made.second = &b;
-    if (feedback_) dJointSetFeedback(joint, &made.feedback);
+    dJointSetFeedback(joint, &made.feedback);
   }
-}
-
-void Engine::start_feedback() {
-  feedback_ = true;
-  for (JointLink& joint : joints_) joint.start_feedback();
 }
 
 void Engine::step(double h, unsigned long& seed) {

@@ -37,10 +37,6 @@ class Engine {
   /// only the destructor may be called.
   void step(double h, unsigned long& seed);
 
-  /// Whether ODE writes down what joints and contacts do in a step (dJointSetFeedback).
-  bool has_feedback() const { return feedback_; }
-  void start_feedback();
-
   /// Contacts of the last step, in the order of bodies and shapes.
   void report(std::vector<Contact>& out) const;
   void forget_contacts() { touched_ = 0; }
@@ -75,7 +71,6 @@ class Engine {
   dJointGroupID contacts_ = nullptr;
   dThreadingImplementationID threading_ = nullptr;
   bool broken_off_ = false;  ///< an exception left a step
-  bool feedback_ = false;
   std::vector<BodyLink> bodies_;
   std::deque<Geom> geoms_;
   std::deque<JointLink> joints_;

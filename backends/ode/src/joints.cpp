@@ -107,14 +107,10 @@ bool JointLink::turns(int speed) const { return axis_turns(joint_->type, speed);
 
 int JointLink::relative_to_parent() const { return sign_ < 0.0 ? 1 : second_.body ? 2 : 0; }
 
-dJointID JointLink::attached(dJointID id, dJointFeedback& feedback) {
+dJointID JointLink::attached(dJointID id, dJointFeedback& feedback) const {
   dJointAttach(id, first_.id(), second_.id());
-  feedbacks_.emplace_back(id, &feedback);
+  dJointSetFeedback(id, &feedback);
   return id;
-}
-
-void JointLink::start_feedback() {
-  for (const auto& [id, feedback] : feedbacks_) dJointSetFeedback(id, feedback);
 }
 
 void JointLink::make(dWorldID world, const Pose& X_WF, const Pose& X_WM) {

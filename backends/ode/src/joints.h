@@ -41,9 +41,7 @@ class JointLink {
   /// Brings the coordinates up to date; turns are counted from what `q` was.
   void update(double* q) const;
   void velocities(const double* q, double* u) const;
-  /// From now on ODE writes down what the joint does, for report().
-  void start_feedback();
-  /// After a step of `h` with feedback.
+  /// After a step of `h`.
   void report(double h, const JointReport& out) const;
 
  private:
@@ -67,7 +65,7 @@ class JointLink {
   Law& add_law(dWorldID world, int speed, bool own, const Vec3& direction);
   int group_of(int speed) const;
   bool turns(int speed) const;
-  dJointID attached(dJointID id, dJointFeedback& feedback);
+  dJointID attached(dJointID id, dJointFeedback& feedback) const;
   int relative_to_parent() const;
   /// Direction of a speed, given F and M.
   Vec3 direction(int speed, const Pose& X_WF, const Pose& X_WM) const;
@@ -83,7 +81,6 @@ class JointLink {
   dJointID normal_ = nullptr;  ///< of a planar joint
   dJointFeedback feedback_{}, normal_feedback_{};
   std::deque<Law> laws_;
-  std::vector<std::pair<dJointID, dJointFeedback*>> feedbacks_;  ///< of all joints of ODE's
 };
 
 }  // namespace cogrsim::ode

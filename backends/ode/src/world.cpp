@@ -48,7 +48,6 @@ Result<> OdeWorld::rebuild(Progress progress) {
   try {
     auto made = Engine::make(progress.model, *options, progress.poses, shapes_);
     if (!made) return tl::unexpected(made.error());
-    if (engine_ && engine_->has_feedback()) (*made)->start_feedback();
     engine_ = std::move(*made);
   } catch (const EngineError& error) {
     return fail(std::string(error.what()),
@@ -66,10 +65,11 @@ Result<> OdeWorld::rebuild(Progress progress) {
   return {};
 }
 
-void OdeWorld::write_motions(const std::vector<Motion>& motions) const {
-  for (std::size_t b = 0; b < motions.size(); ++b) {
-    if (engine_->body(b).exists()) engine_->body(b).write(motions[b]);
+void OdeWorld::write_motions() {
+  for (std::size_t b = 0; b < now_.motions.size(); ++b) {
+    if (engine_->body(b).exists()) engine_->body(b).write(now_.motions[b]);
   }
+  unchecked_ = true;
 }
 
 int OdeWorld::read_motions() {
@@ -92,13 +92,13 @@ StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
   now_.motions.resize(before_.size());
   std::string what;
   reported_ = false;
-  if (!engine_->has_feedback()) {
-    order_before_ = engine_->order();
-    last_drives_ = drives;
-    seed_before_ = now_.seed;
-  }
   try {
-    take_step(dt, drives, now_.q.data(), now_.seed);
+    prepare_thread();
+    const Joint* joint = now_.model->joints.data();
+    for (JointLink& link : engine_->joints()) {
+      link.drive(dt, drives, now_.q.data() + (joint++)->position_offset);
+    }
+    engine_->step(dt, now_.seed);
   } catch (const EngineError& error) {
     what = error.what();
   }
@@ -125,25 +125,6 @@ StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
   return {};
 }
 
-void OdeWorld::take_step(double dt, const std::vector<Drive>& drives, double* q,
-                         unsigned long& seed) const {
-  prepare_thread();
-  const Joint* joint = now_.model->joints.data();
-  for (JointLink& link : engine_->joints()) link.drive(dt, drives, q + (joint++)->position_offset);
-  engine_->step(dt, seed);
-}
-
-// ODE's feedback costs a dWorldQuickStep 2 %, so there it is off until the first report, for which
-// the last step is taken once more, with it: the same one bit for bit, as after restore().
-void OdeWorld::repeat_step() const {
-  engine_->start_feedback();
-  write_motions(before_);
-  engine_->set_order(order_before_);
-  std::vector<double> q = now_.q;
-  unsigned long seed = seed_before_;
-  take_step(now_.h, last_drives_, q.data(), seed);
-}
-
 StepResult OdeWorld::diverged(int body, std::string what) {
   if (body < 0) {  // ODE gave up before any body moved: name the first
     body = 0;
@@ -167,7 +148,6 @@ void OdeWorld::update_joints() {
 
 const StepReport& OdeWorld::report() const {
   if (reported_ || !engine_) return report_;
-  if (!engine_->has_feedback()) repeat_step();
   forget_report();
   const SceneModel& model = *now_.model;
   std::size_t j = 0;

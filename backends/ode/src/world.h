@@ -56,15 +56,13 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
   /// nothing has changed then.
   Result<> rebuild(Progress progress);
   Result<> change_to(const SceneModelPtr& next, SceneStep step);
-  void write_motions(const std::vector<Motion>& motions) const;
+  void write_motions();
   /// The first body beyond all bounds after reading all; -1: none.
   int read_motions();
   void update_joints();
   StepResult diverged(int body, std::string what);
   Pose pose_of(int body) const;
   Twist twist_of(int body) const;
-  void take_step(double dt, const std::vector<Drive>& drives, double* q, unsigned long& seed) const;
-  void repeat_step() const;
   const StepReport& report() const;
   void forget_report() const;
 
@@ -72,10 +70,6 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
   ShapeData shapes_;
   Progress now_;
   std::vector<Motion> before_;  ///< Progress::motions before the last step
-  // Likewise of the last step, for repeat_step().
-  std::vector<int> order_before_;
-  std::vector<Drive> last_drives_;
-  unsigned long seed_before_ = 0;
   std::unique_ptr<Engine> engine_;
   bool unchecked_ = true;  ///< motions that no step has left
   mutable StepReport report_;

@@ -98,8 +98,7 @@ Result<> OdeWorld::restore(const SnapshotPtr& snapshot) {
     if (auto built = rebuild(saved->progress); !built) return built;
   }
   now_ = saved->progress;
-  write_motions(now_.motions);
-  unchecked_ = true;
+  write_motions();
   engine_->set_order(saved->order);
   engine_->forget_contacts();
   report_ = saved->report;

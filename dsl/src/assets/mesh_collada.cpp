@@ -179,7 +179,8 @@ class ColladaReader {
     const Node* mesh = child(g, "mesh");
     if (mesh == nullptr) return;
     const std::vector<Vec3>& points = positions(*mesh);
-    if (out_.vertices.size() + points.size() > kMaxMeshVertices) throw Broken{"has too many corners"};
+    if (out_.vertices.size() + points.size() > kMaxMeshVertices)
+      throw Broken{"has too many corners"};
     const auto base = static_cast<int>(out_.vertices.size());
     for (const Vec3& p : points) out_.vertices.push_back(X * p);
     const bool mirrored = X.linear().determinant() < 0.0;
@@ -196,7 +197,8 @@ class ColladaReader {
         if (value(*input, "semantic") == "VERTEX") offset = at;
       }
       std::vector<std::size_t> counts;
-      if (const Node* vcount = child(*c, "vcount")) counts = indices(vcount->text, kMaxMeshTriangles);
+      if (const Node* vcount = child(*c, "vcount"))
+        counts = indices(vcount->text, kMaxMeshTriangles);
       std::size_t next = 0;
       for (const Node* p : c->children) {
         if (p->name != "p") continue;
@@ -253,8 +255,9 @@ Result<TriangleMesh> parse_collada(const std::string& bytes) {
   const Document* document = sources.open_plain_text(bytes, "mesh.dae");
   if (document == nullptr || document->root == nullptr) {
     const auto found = sink.take();
-    return fail(found.empty() ? "cannot be read"
-                              : fmt::format("line {}: {}", found.front().line, found.front().message));
+    return fail(found.empty()
+                    ? "cannot be read"
+                    : fmt::format("line {}: {}", found.front().line, found.front().message));
   }
   try {
     return ColladaReader(*document->root).read();

@@ -126,8 +126,8 @@ std::unique_ptr<XmlElement> Context::parse(const std::string& path, const Source
   std::error_code fault;
   const std::uintmax_t size = fs::file_size(path, fault);
   if (!fault && bytes_ + size > kMostBytes)
-    refuse(from, "CG1402", fmt::format("the model's files have more than {} MB together",
-                                       kMostBytes >> 20));
+    refuse(from, "CG1402",
+           fmt::format("the model's files have more than {} MB together", kMostBytes >> 20));
   bytes_ += fault ? 0 : static_cast<std::size_t>(size);
   if (files_.size() > 1000) refuse(from, "CG1402", "the model includes more than 1000 files");
   CompileOptions compile;
@@ -207,8 +207,8 @@ const Result<Bounds>& Context::mesh_bounds(const std::string& path) {
     const std::uintmax_t size = fs::file_size(path, fault);
     if (!fault) mesh_bytes_ += static_cast<std::size_t>(size);
     if (mesh_bytes_ > kMostMeshBytes)
-      return fail(fmt::format("the model's meshes have more than {} MB together",
-                              kMostMeshBytes >> 20));
+      return fail(
+          fmt::format("the model's meshes have more than {} MB together", kMostMeshBytes >> 20));
     auto mesh = load_mesh(path, fs::path(path).filename().string(), options.limits.asset_bytes);
     if (!mesh) return tl::unexpected(mesh.error());
     Bounds out;
@@ -226,7 +226,9 @@ bool Context::allowed(const std::string& path) const {
 Result<std::string> Context::locate(const std::string& href, const Source& from) {
   if (href.size() > 4096) return fail("the name of a file is longer than 4096 characters");
   std::string path;
-  const auto starts = [&](std::string_view with) { return href.compare(0, with.size(), with) == 0; };
+  const auto starts = [&](std::string_view with) {
+    return href.compare(0, with.size(), with) == 0;
+  };
   if (starts("package://") || starts("model://")) {
     const std::size_t begin = href.find("://") + 3;
     const std::size_t slash = href.find('/', begin);
@@ -245,8 +247,8 @@ Result<std::string> Context::locate(const std::string& href, const Source& from)
   }
   std::string found = canonical(path);
   std::error_code fault;
-  if (!fs::is_regular_file(found, fault) && from.file >= 0 && !href.empty() && href.front() != '/' &&
-      href.find("://") == std::string::npos) {
+  if (!fs::is_regular_file(found, fault) && from.file >= 0 && !href.empty() &&
+      href.front() != '/' && href.find("://") == std::string::npos) {
     // Some converters write names relative to the model and not to the file that is included.
     const std::string beside = canonical((fs::path(folder_) / href).string());
     if (fs::is_regular_file(beside, fault)) found = beside;

@@ -18,8 +18,8 @@ constexpr std::size_t kLongestText = 1u << 20;
 constexpr std::size_t kLongestList = 100000;
 
 const char* kind_of(const PyValue& v) {
-  static const char* const kKinds[] = {"None", "a boolean", "a number", "a number",
-                                       "a text", "a list",   "a dictionary"};
+  static const char* const kKinds[] = {"None",   "a boolean", "a number",    "a number",
+                                       "a text", "a list",    "a dictionary"};
   return kKinds[v.is.index()];
 }
 
@@ -142,7 +142,8 @@ class Parser {
         ++open;
       } else if (c == ')' || c == ']' || c == '}') {
         if (--open < 0) return false;
-      } else if (open == 0 && at_ > 0 && is_blank(text_[at_ - 1]) && text_.substr(at_, 3) == "if ") {
+      } else if (open == 0 && at_ > 0 && is_blank(text_[at_ - 1]) &&
+                 text_.substr(at_, 3) == "if ") {
         return true;
       }
     }
@@ -192,7 +193,8 @@ class Parser {
 
   static bool contains(const PyValue& in, const PyValue& what) {
     if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&in.is))
-      return std::any_of((*l)->begin(), (*l)->end(), [&](const PyValue& v) { return equal(v, what); });
+      return std::any_of((*l)->begin(), (*l)->end(),
+                         [&](const PyValue& v) { return equal(v, what); });
     if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&in.is))
       return (*d)->count(what.text()) != 0;
     if (const auto* s = std::get_if<std::string>(&in.is))
@@ -286,7 +288,8 @@ class Parser {
         out = PyValue{out.number() / b.number()};
       } else if (sign("%")) {
         const PyValue b = unary();
-        if (std::holds_alternative<std::string>(out.is)) throw PyError{"texts are not formatted here"};
+        if (std::holds_alternative<std::string>(out.is))
+          throw PyError{"texts are not formatted here"};
         if (b.number() == 0.0) throw PyError{"a division by zero"};
         const double m = out.number() - b.number() * std::floor(out.number() / b.number());
         out = integer_or(m, is_integer(out) && is_integer(b));
@@ -376,7 +379,8 @@ class Parser {
     if (const auto* s = std::get_if<std::string>(&of.is)) {
       double i = key.number();
       if (i < 0.0) i += static_cast<double>(s->size());
-      if (!(i >= 0.0 && i < static_cast<double>(s->size()))) throw PyError{"an index is beyond the text"};
+      if (!(i >= 0.0 && i < static_cast<double>(s->size())))
+        throw PyError{"an index is beyond the text"};
       return {std::string(1, (*s)[static_cast<std::size_t>(i)])};
     }
     throw PyError{std::string(kind_of(of)) + " has no entries"};
@@ -486,11 +490,16 @@ class Parser {
     };
     using Unary = double (*)(double);
     static const std::map<std::string, Unary> kUnary = {
-        {"sin", [](double v) { return std::sin(v); }},   {"cos", [](double v) { return std::cos(v); }},
-        {"tan", [](double v) { return std::tan(v); }},   {"asin", [](double v) { return std::asin(v); }},
-        {"acos", [](double v) { return std::acos(v); }}, {"atan", [](double v) { return std::atan(v); }},
-        {"sqrt", [](double v) { return std::sqrt(v); }}, {"exp", [](double v) { return std::exp(v); }},
-        {"log", [](double v) { return std::log(v); }},   {"fabs", [](double v) { return std::abs(v); }},
+        {"sin", [](double v) { return std::sin(v); }},
+        {"cos", [](double v) { return std::cos(v); }},
+        {"tan", [](double v) { return std::tan(v); }},
+        {"asin", [](double v) { return std::asin(v); }},
+        {"acos", [](double v) { return std::acos(v); }},
+        {"atan", [](double v) { return std::atan(v); }},
+        {"sqrt", [](double v) { return std::sqrt(v); }},
+        {"exp", [](double v) { return std::exp(v); }},
+        {"log", [](double v) { return std::log(v); }},
+        {"fabs", [](double v) { return std::abs(v); }},
         {"radians", [](double v) { return v * 3.14159265358979323846 / 180.0; }},
         {"degrees", [](double v) { return v * 180.0 / 3.14159265358979323846; }}};
     if (const auto it = kUnary.find(name); it != kUnary.end()) return {it->second(x(0))};
@@ -506,11 +515,13 @@ class Parser {
       return {std::nearbyint(x(0) * scale) / scale};
     }
     if (name == "int") {
-      if (!a.empty() && std::holds_alternative<std::string>(a[0].is)) return integer_or(std::trunc(literal(a[0].text()).number()), true);
+      if (!a.empty() && std::holds_alternative<std::string>(a[0].is))
+        return integer_or(std::trunc(literal(a[0].text()).number()), true);
       return integer_or(std::trunc(x(0)), true);
     }
     if (name == "float") {
-      if (!a.empty() && std::holds_alternative<std::string>(a[0].is)) return {literal(a[0].text()).number()};
+      if (!a.empty() && std::holds_alternative<std::string>(a[0].is))
+        return {literal(a[0].text()).number()};
       return {x(0)};
     }
     if (name == "str") {
@@ -523,7 +534,8 @@ class Parser {
     }
     if (name == "len") {
       if (a.size() != 1) throw PyError{"len() has one argument"};
-      if (const auto* s = std::get_if<std::string>(&a[0].is)) return {static_cast<long long>(s->size())};
+      if (const auto* s = std::get_if<std::string>(&a[0].is))
+        return {static_cast<long long>(s->size())};
       if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&a[0].is))
         return {static_cast<long long>((*l)->size())};
       if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&a[0].is))
@@ -609,8 +621,9 @@ double PyValue::number() const {
   if (const auto* b = std::get_if<bool>(&is)) return *b ? 1.0 : 0.0;
   if (const auto* i = std::get_if<long long>(&is)) return static_cast<double>(*i);
   if (const auto* d = std::get_if<double>(&is)) return *d;
-  throw PyError{std::string(kind_of(*this)) + " is not a number" +
-                (std::holds_alternative<std::string>(is) ? ": '" + text().substr(0, 40) + "'" : "")};
+  throw PyError{
+      std::string(kind_of(*this)) + " is not a number" +
+      (std::holds_alternative<std::string>(is) ? ": '" + text().substr(0, 40) + "'" : "")};
 }
 
 std::string PyValue::text() const {

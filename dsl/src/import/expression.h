@@ -25,8 +25,8 @@ using PyDict = std::map<std::string, PyValue>;
 
 /// Lists and dictionaries are shared and never changed.
 struct PyValue {
-  std::variant<std::monostate, bool, long long, double, std::string,
-               std::shared_ptr<const PyList>, std::shared_ptr<const PyDict>>
+  std::variant<std::monostate, bool, long long, double, std::string, std::shared_ptr<const PyList>,
+               std::shared_ptr<const PyDict>>
       is;
   bool truth() const;
   bool is_number() const { return is.index() >= 1 && is.index() <= 3; }

@@ -37,7 +37,8 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
       context.result.format = "URDF";
       robot = read_urdf(context, *root);
       if (!options.semantics.empty() && !context.failed()) {
-        const std::string srdf = std::filesystem::weakly_canonical(options.semantics, fault).string();
+        const std::string srdf =
+            std::filesystem::weakly_canonical(options.semantics, fault).string();
         auto semantics = context.parse(srdf, {});
         if (uses_xacro(*semantics)) semantics = expand_xacro(context, *semantics);
         read_srdf(context, *semantics, robot);
@@ -49,11 +50,13 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
       context.result.format = "SDF";
       robot = read_sdf(context, *root);
     } else if (root->name == "scene") {
-      context.refuse(root->at, "CG1401", "this is a scene already", "run it, or import it in a scene");
+      context.refuse(root->at, "CG1401", "this is a scene already",
+                     "run it, or import it in a scene");
     } else {
-      context.refuse(root->at, "CG1401",
-                     fmt::format("<{}> is none of the formats that are read", root->name.substr(0, 60)),
-                     "URDF and xacro begin with <robot>, MJCF with <mujoco>, SDF with <sdf>");
+      context.refuse(
+          root->at, "CG1401",
+          fmt::format("<{}> is none of the formats that are read", root->name.substr(0, 60)),
+          "URDF and xacro begin with <robot>, MJCF with <mujoco>, SDF with <sdf>");
     }
     if (context.failed()) return std::move(context.result);
     if (options.fixed_base) {

@@ -54,7 +54,8 @@ class MjcfReader {
   // ---- files
 
   void include(XmlElement& in, int depth) {
-    if (depth > 80) context_.refuse(in.at, "CG1402", "files include each other in a circle, or too deep");
+    if (depth > 80)
+      context_.refuse(in.at, "CG1402", "files include each other in a circle, or too deep");
     for (std::size_t i = 0; i < in.children.size(); ++i) {
       XmlElement& e = *in.children[i];
       if (e.name != "include") {
@@ -118,11 +119,13 @@ class MjcfReader {
 
   void option(const XmlElement& e) {
     if (const auto step = context_.number(e, "timestep"); step && *step > 0.0) robot_.step = *step;
-    if (e.find("gravity") != nullptr) robot_.gravity = context_.vec3(e, "gravity", Vec3(0, 0, -9.81));
+    if (e.find("gravity") != nullptr)
+      robot_.gravity = context_.vec3(e, "gravity", Vec3(0, 0, -9.81));
     for (const auto& [key, value] : e.attributes) {
       if (key == "timestep" || key == "gravity") continue;
       if (key == "density" || key == "viscosity" || key == "wind")
-        context_.left_out(e.at, fmt::format("option {}", key), "forces of a fluid are not simulated");
+        context_.left_out(e.at, fmt::format("option {}", key),
+                          "forces of a fluid are not simulated");
       else
         context_.left_out(e.at, fmt::format("option {}", key), "is a setting of MuJoCo's solver");
     }
@@ -169,8 +172,7 @@ class MjcfReader {
       } else if (c->name == "material") {
         if (const std::string* rgba = a.find("rgba")) {
           const auto v = context_.numbers(*c, *rgba, 3, 4, "'rgba'");
-          if (v)
-            materials_[key] = Color{(*v)[0], (*v)[1], (*v)[2], v->size() > 3 ? (*v)[3] : 1.0};
+          if (v) materials_[key] = Color{(*v)[0], (*v)[1], (*v)[2], v->size() > 3 ? (*v)[3] : 1.0};
         }
         context_.exact(c->at, quoted_name(*c), "its colour, without texture and gloss");
       } else if (c->name == "texture" || c->name == "skin") {
@@ -223,7 +225,8 @@ class MjcfReader {
     } else if (const std::string* a = e.find("axisangle")) {
       const auto v = context_.numbers(e, *a, 4, 4, "'axisangle'");
       if (v && Vec3((*v)[0], (*v)[1], (*v)[2]).norm() > 1e-12)
-        return Quat(Eigen::AngleAxisd(angle((*v)[3]), Vec3((*v)[0], (*v)[1], (*v)[2]).normalized()));
+        return Quat(
+            Eigen::AngleAxisd(angle((*v)[3]), Vec3((*v)[0], (*v)[1], (*v)[2]).normalized()));
     } else if (const std::string* u = e.find("euler")) {
       const auto v = context_.numbers(e, *u, 3, 3, "'euler'");
       if (v) {
@@ -286,7 +289,8 @@ class MjcfReader {
           ground().shapes.push_back(std::move(shape));
         }
       } else if (c->name == "site") {
-        ground().frames.push_back({name_of(*c, "site"), pose(with_defaults(*c, child_class(e, "")))});
+        ground().frames.push_back(
+            {name_of(*c, "site"), pose(with_defaults(*c, child_class(e, "")))});
       } else {
         context_.left_out(c->at, quoted_name(*c), "concerns appearance only");
       }
@@ -418,8 +422,7 @@ class MjcfReader {
     Mat3 I = Mat3::Zero();
     if (const std::string* full = e.find("fullinertia")) {
       const auto v = context_.numbers(e, *full, 6, 6, "'fullinertia'");
-      if (v)
-        I << (*v)[0], (*v)[3], (*v)[4], (*v)[3], (*v)[1], (*v)[5], (*v)[4], (*v)[5], (*v)[2];
+      if (v) I << (*v)[0], (*v)[3], (*v)[4], (*v)[3], (*v)[1], (*v)[5], (*v)[4], (*v)[5], (*v)[2];
     } else {
       I.diagonal() = context_.vec3(e, "diaginertia", Vec3::Zero());
     }
@@ -497,8 +500,9 @@ class MjcfReader {
       else if (j.type == Type::hinge && joints.back().name == j.name)
         normal = j.axis;
       if (used_joints_.count(j.name) != 0) return false;
-      if (std::isfinite(j.lower) || std::isfinite(j.upper) || j.damping != 0.0 || j.friction != 0.0 ||
-          j.stiffness != 0.0 || j.rotor_inertia != 0.0 || j.anchor != Vec3::Zero())
+      if (std::isfinite(j.lower) || std::isfinite(j.upper) || j.damping != 0.0 ||
+          j.friction != 0.0 || j.stiffness != 0.0 || j.rotor_inertia != 0.0 ||
+          j.anchor != Vec3::Zero())
         return false;
     }
     return slides.size() == 2 && std::abs(slides[0].dot(slides[1])) < 1e-9 && normal.norm() > 0.5 &&
@@ -519,7 +523,8 @@ class MjcfReader {
     else if (kind == "ball")
       out.type = Type::ball;
     else
-      context_.error(source.at, "CG1408", fmt::format("joint '{}': there is no type '{}'", out.name, kind),
+      context_.error(source.at, "CG1408",
+                     fmt::format("joint '{}': there is no type '{}'", out.name, kind),
                      "hinge, slide, ball and free are");
     const bool turns = out.type == Type::hinge;
     const auto coordinate = [&](double v) { return turns ? angle(v) : v; };
@@ -527,13 +532,16 @@ class MjcfReader {
     if (axis.norm() > 1e-12)
       out.axis = axis.normalized();
     else if (out.type != Type::ball)
-      context_.error(source.at, "CG1409", fmt::format("joint '{}' has an axis of length 0", out.name));
+      context_.error(source.at, "CG1409",
+                     fmt::format("joint '{}' has an axis of length 0", out.name));
     out.anchor = context_.vec3(e, "pos", Vec3::Zero());
     const double ref = coordinate(context_.number(e, "ref", 0.0));
     const std::string* limited = e.find("limited");
     const std::string* range = e.find("range");
-    const bool bounded = range != nullptr && (limited == nullptr ? auto_limits_ : *limited == "true" ||
-                                              (*limited == "auto" && auto_limits_));
+    const bool bounded =
+        range != nullptr &&
+        (limited == nullptr ? auto_limits_
+                            : *limited == "true" || (*limited == "auto" && auto_limits_));
     if (bounded) {
       const auto v = context_.numbers(source, *range, 2, 2, "'range'");
       if (v && out.type == Type::ball) {
@@ -624,8 +632,9 @@ class MjcfReader {
     masses(source, e, out, mass, inertia, what);
     if (kind == "ellipsoid" && !fitted) {
       g.points = ellipsoid_points(g.size);
-      context_.approximate(source.at, what,
-                           "touches as the hull of 242 points, up to 2 % inside; its mass is exact");
+      context_.approximate(
+          source.at, what,
+          "touches as the hull of 242 points, up to 2 % inside; its mass is exact");
     }
     const auto bits = [&](const char* name) {
       return static_cast<unsigned>(context_.number(e, name, 1.0));
@@ -759,7 +768,8 @@ class MjcfReader {
         context_.left_out(c->at, quoted_name(*c), "the scene language has no tendons");
     } else if (e.name != "compiler" && e.name != "option" && e.name != "default" &&
                e.name != "asset" && e.name != "worldbody") {
-      static const std::set<std::string> kSettings = {"size", "visual", "statistic", "custom", "extension"};
+      static const std::set<std::string> kSettings = {"size", "visual", "statistic", "custom",
+                                                      "extension"};
       context_.left_out(e.at, fmt::format("<{}>", e.name),
                         kSettings.count(e.name) != 0 ? "concerns MuJoCo" : "is not read");
     }
@@ -901,7 +911,8 @@ class MjcfReader {
     out.name = name_of(e, e.name.c_str());
     out.at = e.at;
     const std::string& kind = e.name;
-    if ((kind == "jointpos" || kind == "jointvel") && joint != nullptr && robot_.joint(*joint) >= 0) {
+    if ((kind == "jointpos" || kind == "jointvel") && joint != nullptr &&
+        robot_.joint(*joint) >= 0) {
       if (!encoders_.insert(*joint).second) {
         context_.exact(e.at, quoted_name(e), "the joint's encoder reads both");
         return;
@@ -915,17 +926,16 @@ class MjcfReader {
       return;
     }
     const auto known = site == nullptr ? sites_.end() : sites_.find(*site);
-    if (known != sites_.end() &&
-        (kind == "gyro" || kind == "accelerometer" || kind == "touch" || kind == "framequat" ||
-         kind == "framepos")) {
+    if (known != sites_.end() && (kind == "gyro" || kind == "accelerometer" || kind == "touch" ||
+                                  kind == "framequat" || kind == "framepos")) {
       out.element = kind == "touch" ? "contact" : kind[0] == 'f' ? "pose" : "imu";
       if (!at_site_.insert(out.element + *site).second) {
-        context_.exact(e.at, quoted_name(e), fmt::format("the {} at its site reads both", out.element));
+        context_.exact(e.at, quoted_name(e),
+                       fmt::format("the {} at its site reads both", out.element));
         return;
       }
       out.X = known->second.second;
-      RobotLink& link =
-          robot_.links[static_cast<std::size_t>(robot_.link(known->second.first))];
+      RobotLink& link = robot_.links[static_cast<std::size_t>(robot_.link(known->second.first))];
       if (kind == "touch")
         context_.approximate(e.at, quoted_name(e), "reads all contacts of its body");
       else
@@ -943,8 +953,9 @@ class MjcfReader {
       if (b.type != 0 || b.affinity != 0)
         differ = differ || b.type != bits_.front().type || b.affinity != bits_.front().affinity;
     if (differ)
-      context_.approximate({}, "contype and conaffinity",
-                           "shapes whose bits are all 0 touch nothing; else all shapes touch each other");
+      context_.approximate(
+          {}, "contype and conaffinity",
+          "shapes whose bits are all 0 touch nothing; else all shapes touch each other");
     if (total_mass_ > 0.0)
       context_.left_out({}, "settotalmass", "masses are as the bodies have them");
   }

@@ -61,8 +61,8 @@ int RobotModel::joint(const std::string& wanted) const {
 }
 
 Quat from_rpy(const Vec3& rpy) {
-  return Quat(Eigen::AngleAxisd(rpy.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vec3::UnitY()) *
-              Eigen::AngleAxisd(rpy.x(), Vec3::UnitX()))
+  return Quat(Eigen::AngleAxisd(rpy.z(), Vec3::UnitZ()) *
+              Eigen::AngleAxisd(rpy.y(), Vec3::UnitY()) * Eigen::AngleAxisd(rpy.x(), Vec3::UnitX()))
       .normalized();
 }
 
@@ -128,15 +128,17 @@ void repair_inertias(Context& context, RobotModel& robot) {
       for (const Vec3& p : g.points) own = std::max(own, p.norm());
       if (g.type == Geometry::Type::mesh)
         if (const auto& bounds = context.mesh_bounds(g.mesh); bounds && !bounds->empty())
-          own = bounds->low.cwiseAbs().cwiseMax(bounds->high.cwiseAbs()).cwiseProduct(g.scale).norm();
+          own =
+              bounds->low.cwiseAbs().cwiseMax(bounds->high.cwiseAbs()).cwiseProduct(g.scale).norm();
       radius = std::max(radius, s.X.p.norm() + own);
     }
     const double gyration = std::sqrt(link.inertia->I.trace() / 2.0 / link.inertia->mass);
     if (radius > 0.0 && gyration > 5.0 * radius)
-      context.approximate(link.at, fmt::format("inertia of link '{}'", link.name),
-                          fmt::format("is taken as written, but its radius of gyration, {:.3g} m, is far "
-                                      "beyond the link's shapes, {:.3g} m: a placeholder?",
-                                      gyration, radius));
+      context.approximate(
+          link.at, fmt::format("inertia of link '{}'", link.name),
+          fmt::format("is taken as written, but its radius of gyration, {:.3g} m, is far "
+                      "beyond the link's shapes, {:.3g} m: a placeholder?",
+                      gyration, radius));
   }
 }
 
@@ -172,14 +174,15 @@ void weld(Context& context, RobotModel& robot) {
   count();
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     int d = 0;
-    for (int up = carrier[i]; up >= 0 && robot.joints[at(up)].parent >= 0 &&
-                              d <= static_cast<int>(robot.links.size());
+    for (int up = carrier[i];
+         up >= 0 && robot.joints[at(up)].parent >= 0 && d <= static_cast<int>(robot.links.size());
          up = carrier[at(robot.joints[at(up)].parent)])
       ++d;
     depth[i] = d;
     order.push_back(static_cast<int>(i));
   }
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return depth[at(a)] > depth[at(b)]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return depth[at(a)] > depth[at(b)]; });
 
   std::vector<bool> gone(robot.links.size(), false);
   std::vector<bool> joint_gone(robot.joints.size(), false);
@@ -253,9 +256,10 @@ void weld(Context& context, RobotModel& robot) {
     RobotLink& link = robot.links[at(index)];
     if (gone[at(index)] || link.inertia || link.is_static) continue;
     const int j = carrier[at(index)];
-    const bool carries = std::any_of(robot.joints.begin(), robot.joints.end(), [&](const RobotJoint& k) {
-      return k.parent == index && !joint_gone[at(static_cast<int>(&k - robot.joints.data()))];
-    });
+    const bool carries =
+        std::any_of(robot.joints.begin(), robot.joints.end(), [&](const RobotJoint& k) {
+          return k.parent == index && !joint_gone[at(static_cast<int>(&k - robot.joints.data()))];
+        });
     if (j < 0 || joint_gone[at(j)]) {  // the root
       if (carries || robot.links.size() == 1 || !link.shapes.empty()) {
         link.is_static = true;
@@ -281,9 +285,9 @@ void weld(Context& context, RobotModel& robot) {
     made.mass = 1e-3 * mass_below(index);
     made.I = 0.4 * made.mass * 1e-4 * Mat3::Identity();
     link.inertia = made;
-    context.approximate(link.at, fmt::format("link '{}'", link.name),
-                        fmt::format("has no mass between joints that move: it was given {:.3g} kg",
-                                    made.mass));
+    context.approximate(
+        link.at, fmt::format("link '{}'", link.name),
+        fmt::format("has no mass between joints that move: it was given {:.3g} kg", made.mass));
   }
 
   // Drop what is gone, and count again.
@@ -311,7 +315,9 @@ void weld(Context& context, RobotModel& robot) {
   robot.loops = std::move(loops);
   // Pairs that do not touch are pairs of bodies now.
   std::map<std::string, std::string> body_of;
-  std::function<int(int)> home_of = [&](int i) { return home[at(i)] == i ? i : home_of(home[at(i)]); };
+  std::function<int(int)> home_of = [&](int i) {
+    return home[at(i)] == i ? i : home_of(home[at(i)]);
+  };
   std::vector<std::pair<std::string, std::string>> pairs;
   std::set<std::pair<int, int>> known;
   const auto find = [&](const std::string& name) {
@@ -345,8 +351,7 @@ namespace {
 
 std::string legal(const std::string& name) {
   std::string out;
-  for (const char c : name.substr(0, 60))
-    out += is_letter(c) || is_digit(c) || c == '-' ? c : '_';
+  for (const char c : name.substr(0, 60)) out += is_letter(c) || is_digit(c) || c == '-' ? c : '_';
   if (out.empty() || !is_letter(out.front())) out.insert(0, "_");
   return out;
 }

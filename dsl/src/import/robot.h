@@ -36,9 +36,9 @@ struct RobotShape {
 };
 
 struct RobotInertia {
-  double mass = 0.0;         ///< [kg]
-  Vec3 com = Vec3::Zero();   ///< in the link [m]
-  Mat3 I = Mat3::Zero();     ///< about the centre of mass, the link's axes [kg m^2]
+  double mass = 0.0;        ///< [kg]
+  Vec3 com = Vec3::Zero();  ///< in the link [m]
+  Mat3 I = Mat3::Zero();    ///< about the centre of mass, the link's axes [kg m^2]
 };
 
 /// A named frame on a link: of a link that was welded, a site, a sensor.
@@ -77,9 +77,9 @@ struct RobotJoint {
   std::string name;
   int parent = -1;  ///< by RobotModel::links; -1: the world
   int child = -1;
-  Pose X_PC;                  ///< of the child in the parent, at zero
+  Pose X_PC;                   ///< of the child in the parent, at zero
   Vec3 anchor = Vec3::Zero();  ///< of the joint in the child
-  Vec3 axis = Vec3::UnitX();  ///< in the joint's frame, unit
+  Vec3 axis = Vec3::UnitX();   ///< in the joint's frame, unit
   Vec3 axis2 = Vec3::UnitY();
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();

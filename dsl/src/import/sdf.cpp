@@ -119,7 +119,8 @@ class SdfReader {
       }
     for (const auto& c : e.children) {
       if (c->name == "physics") {
-        if (const auto step = value(c.get(), "max_step_size"); step && *step > 0.0) robot_.step = *step;
+        if (const auto step = value(c.get(), "max_step_size"); step && *step > 0.0)
+          robot_.step = *step;
         context_.approximate(c->at, quoted_name(*c), "its step is taken");
       } else if (c->name == "gravity") {
         robot_.gravity = vector(&e, "gravity");
@@ -127,9 +128,9 @@ class SdfReader {
         model(*c, "", in_world(*c, places), 0);
       } else if (c->name == "include") {
         include(*c, "", in_world(*c, places), 0);
-      } else if (c->name == "light" || c->name == "scene" || c->name == "gui" || c->name == "actor" ||
-                 c->name == "atmosphere" || c->name == "magnetic_field" || c->name == "wind" ||
-                 c->name == "audio" || c->name == "spherical_coordinates") {
+      } else if (c->name == "light" || c->name == "scene" || c->name == "gui" ||
+                 c->name == "actor" || c->name == "atmosphere" || c->name == "magnetic_field" ||
+                 c->name == "wind" || c->name == "audio" || c->name == "spherical_coordinates") {
         context_.left_out(c->at, quoted_name(*c), "concerns appearance or environment");
       } else if (c->name != "frame") {
         left_out(*c);
@@ -142,8 +143,8 @@ class SdfReader {
     return to.empty() || to == "world" ? pose(e) : resolve(to, places, e, 0) * pose(e);
   }
 
-  Pose resolve(const std::string& name, std::map<std::string, RelativePose>& places, const XmlElement& at,
-               int depth) {
+  Pose resolve(const std::string& name, std::map<std::string, RelativePose>& places,
+               const XmlElement& at, int depth) {
     if (name.empty() || name == "__model__" || name == "world") return {};
     const auto it = places.find(name);
     if (it == places.end()) {
@@ -157,7 +158,8 @@ class SdfReader {
     RelativePose& p = it->second;
     if (p.known) return p.X_M;
     if (p.busy || depth > 200) {
-      context_.error(at.at, "CG1410", fmt::format("frame '{}' is defined relative to itself", name));
+      context_.error(at.at, "CG1410",
+                     fmt::format("frame '{}' is defined relative to itself", name));
       return {};
     }
     p.busy = true;
@@ -168,11 +170,14 @@ class SdfReader {
   }
 
   void include(const XmlElement& e, const std::string& prefix, const Pose& X_W, int depth) {
-    if (depth > 20) context_.refuse(e.at, "CG1402", "models include each other in a circle, or too deep");
+    if (depth > 20)
+      context_.refuse(e.at, "CG1402", "models include each other in a circle, or too deep");
     const std::string uri = text(e, "uri");
     std::string href = uri;
     auto path = context_.locate(href, e.at);
-    if (!path) path = context_.locate(href + (href.empty() || href.back() == '/' ? "" : "/") + "model.sdf", e.at);
+    if (!path)
+      path = context_.locate(href + (href.empty() || href.back() == '/' ? "" : "/") + "model.sdf",
+                             e.at);
     if (!path) {
       context_.left_out(e.at, fmt::format("include '{}'", uri), path.error().message);
       return;
@@ -198,9 +203,10 @@ class SdfReader {
     if (depth > 20) context_.refuse(e.at, "CG1402", "models are nested too deep");
     const std::string own = e.find("name") == nullptr ? "model" : *e.find("name");
     if (robot_.name.empty()) robot_.name = own;
-    const Pose X_WM = depth == 0 && prefix.empty() && X_given.p == Vec3::Zero() && e.child("pose") != nullptr
-                          ? pose(e)
-                          : X_given;
+    const Pose X_WM =
+        depth == 0 && prefix.empty() && X_given.p == Vec3::Zero() && e.child("pose") != nullptr
+            ? pose(e)
+            : X_given;
     // One model keeps its names; several get those of their models before them.
     const std::string scope = prefix.empty() && models_++ == 0 ? "" : prefix + own + "_";
     const bool is_static = text(e, "static") == "true" || text(e, "static") == "1";
@@ -218,7 +224,8 @@ class SdfReader {
         places[name] = {relative, pose(*c), false, false, {}};
       } else if (c->name == "joint") {
         const std::string relative = relative_to(*c);
-        places[name] = {relative.empty() ? text(*c, "child") : relative, pose(*c), false, false, {}};
+        places[name] = {
+            relative.empty() ? text(*c, "child") : relative, pose(*c), false, false, {}};
         joints.push_back(c.get());
       } else if (c->name == "model") {
         places[name] = {relative_to(*c), pose(*c), false, false, {}};
@@ -226,11 +233,15 @@ class SdfReader {
         left_out(*c);
       }
     }
-    for (const XmlElement* l : links) link(*l, scope, X_WM * resolve(*l->find("name") , places, *l, 0), is_static);
+    for (const XmlElement* l : links)
+      link(*l, scope, X_WM * resolve(*l->find("name"), places, *l, 0), is_static);
     for (const auto& c : e.children) {
       if (c->name == "model")
-        model(*c, scope.empty() ? own + "_" : scope, X_WM * resolve(c->find("name") == nullptr ? "" : *c->find("name"), places, *c, 0), depth + 1);
-      if (c->name == "include") include(*c, scope.empty() ? own + "_" : scope, X_WM * pose(*c), depth + 1);
+        model(*c, scope.empty() ? own + "_" : scope,
+              X_WM * resolve(c->find("name") == nullptr ? "" : *c->find("name"), places, *c, 0),
+              depth + 1);
+      if (c->name == "include")
+        include(*c, scope.empty() ? own + "_" : scope, X_WM * pose(*c), depth + 1);
     }
     for (const XmlElement* j : joints) joint(*j, scope, X_WM, places);
     context_.exact(e.at, quoted_name(e));
@@ -258,15 +269,18 @@ class SdfReader {
       const Pose X = pose(*i);
       inertia.com = X.p;
       if (const XmlElement* m = i->child("inertia")) {
-        const auto v = [&](const char* tag, double otherwise) { return value(m, tag).value_or(otherwise); };
+        const auto v = [&](const char* tag, double otherwise) {
+          return value(m, tag).value_or(otherwise);
+        };
         Mat3 I;
-        I << v("ixx", 1), v("ixy", 0), v("ixz", 0), v("ixy", 0), v("iyy", 1), v("iyz", 0), v("ixz", 0),
-            v("iyz", 0), v("izz", 1);
+        I << v("ixx", 1), v("ixy", 0), v("ixz", 0), v("ixy", 0), v("iyy", 1), v("iyz", 0),
+            v("ixz", 0), v("iyz", 0), v("izz", 1);
         const Mat3 R = X.q.toRotationMatrix();
         inertia.I = R * I * R.transpose();
       }
       if (i->find("auto") != nullptr && *i->find("auto") == "true")
-        context_.left_out(i->at, fmt::format("automatic inertia of link '{}'", out.name), "is not computed");
+        context_.left_out(i->at, fmt::format("automatic inertia of link '{}'", out.name),
+                          "is not computed");
     }
     if (inertia.mass > 0.0) out.inertia = inertia;
     for (const auto& c : e.children) {
@@ -279,7 +293,8 @@ class SdfReader {
           context_.left_out(c->at, fmt::format("gravity of link '{}'", out.name),
                             "the scene language has no body without weight");
       } else if (c->name != "pose" && c->name != "inertial" && c->name != "self_collide" &&
-                 c->name != "kinematic" && c->name != "enable_wind" && c->name != "must_be_base_link") {
+                 c->name != "kinematic" && c->name != "enable_wind" &&
+                 c->name != "must_be_base_link") {
         left_out(*c);
       }
     }
@@ -324,7 +339,8 @@ class SdfReader {
       context_.approximate(s.at, quoted_name(e), "is the hull of 242 points, up to 2 % inside");
     } else if (s.name == "cone") {
       shape.type = Type::points;
-      const double radius = value(&s, "radius").value_or(1.0), length = value(&s, "length").value_or(1.0);
+      const double radius = value(&s, "radius").value_or(1.0),
+                   length = value(&s, "length").value_or(1.0);
       good = radius > 0.0 && length > 0.0;
       shape.points = cone_points(radius, length);
       context_.approximate(s.at, quoted_name(e), "is a pyramid of 32 sides, up to 0.5 % inside");
@@ -384,8 +400,8 @@ class SdfReader {
     out.name = scope + *name;
     out.at = e.at;
     static const std::map<std::string, Type> kTypes = {
-        {"revolute", Type::hinge}, {"continuous", Type::hinge}, {"prismatic", Type::slider},
-        {"fixed", Type::fixed},    {"ball", Type::ball},        {"universal", Type::universal},
+        {"revolute", Type::hinge},      {"continuous", Type::hinge}, {"prismatic", Type::slider},
+        {"fixed", Type::fixed},         {"ball", Type::ball},        {"universal", Type::universal},
         {"revolute2", Type::universal}, {"screw", Type::screw}};
     const auto known = kTypes.find(*type);
     if (known == kTypes.end()) {
@@ -404,12 +420,15 @@ class SdfReader {
     out.child = index(child);
     out.parent = parent == "world" || parent.empty() ? -1 : index(parent);
     if (out.child < 0 || (out.parent < 0 && parent != "world")) {
-      context_.error(e.at, "CG1408", fmt::format("joint '{}' connects '{}' and '{}', of which one is no "
-                                                 "link of the model", *name, parent, child));
+      context_.error(e.at, "CG1408",
+                     fmt::format("joint '{}' connects '{}' and '{}', of which one is no "
+                                 "link of the model",
+                                 *name, parent, child));
       return;
     }
     const Pose X_WC = robot_.links[static_cast<std::size_t>(out.child)].X;
-    const Pose X_WP = out.parent < 0 ? Pose() : robot_.links[static_cast<std::size_t>(out.parent)].X;
+    const Pose X_WP =
+        out.parent < 0 ? Pose() : robot_.links[static_cast<std::size_t>(out.parent)].X;
     out.X_PC = X_WP.inverse() * X_WC;
     const Pose X_CJ = X_WC.inverse() * (X_WM * resolve(*name, places, e, 0));
     out.anchor = X_CJ.p;
@@ -430,13 +449,16 @@ class SdfReader {
     if (out.type == Type::hinge || out.type == Type::slider) {
       const XmlElement* limit = a == nullptr ? nullptr : a->child("limit");
       if (*type != "continuous") {
-        const double low = value(limit, "lower").value_or(-1e16), high = value(limit, "upper").value_or(1e16);
+        const double low = value(limit, "lower").value_or(-1e16),
+                     high = value(limit, "upper").value_or(1e16);
         if (low > -1e15) out.lower = low;
         if (high < 1e15) out.upper = high;
         if (out.lower > out.upper) std::swap(out.lower, out.upper);
       }
-      if (const auto effort = value(limit, "effort"); effort && *effort > 0.0 && *effort < 1e15) out.max_effort = *effort;
-      if (const auto speed = value(limit, "velocity"); speed && *speed > 0.0 && *speed < 1e15) out.max_speed = *speed;
+      if (const auto effort = value(limit, "effort"); effort && *effort > 0.0 && *effort < 1e15)
+        out.max_effort = *effort;
+      if (const auto speed = value(limit, "velocity"); speed && *speed > 0.0 && *speed < 1e15)
+        out.max_speed = *speed;
       const XmlElement* dynamics = a == nullptr ? nullptr : a->child("dynamics");
       out.damping = std::max(0.0, value(dynamics, "damping").value_or(0.0));
       out.friction = std::max(0.0, value(dynamics, "friction").value_or(0.0));
@@ -451,9 +473,11 @@ class SdfReader {
       }
     }
     if (out.type == Type::screw) {
-      const double thread = value(&e, "screw_thread_pitch").value_or(value(&e, "thread_pitch").value_or(1.0));
+      const double thread =
+          value(&e, "screw_thread_pitch").value_or(value(&e, "thread_pitch").value_or(1.0));
       out.pitch = thread;
-      context_.approximate(e.at, quoted_name(e), "check the sign of its pitch: versions of SDF differ");
+      context_.approximate(e.at, quoted_name(e),
+                           "check the sign of its pitch: versions of SDF differ");
     }
     if (*type == "revolute2") context_.exact(e.at, quoted_name(e), "is a universal joint");
     const bool has_carrier = std::any_of(robot_.joints.begin(), robot_.joints.end(),
@@ -474,6 +498,8 @@ class SdfReader {
 
 }  // namespace
 
-RobotModel read_sdf(Context& context, const XmlElement& root) { return SdfReader(context).read(root); }
+RobotModel read_sdf(Context& context, const XmlElement& root) {
+  return SdfReader(context).read(root);
+}
 
 }  // namespace cogrsim::dsl::import

@@ -25,8 +25,7 @@ class UrdfReader {
     for (const auto& e : root.children)
       if (e->name == "joint") joint(*e);
     for (const auto& e : root.children) other(*e);
-    if (robot_.links.empty())
-      context_.refuse(root.at, "CG1405", "the robot has no link");
+    if (robot_.links.empty()) context_.refuse(root.at, "CG1405", "the robot has no link");
     if (!context_.failed()) check_tree(root);  // a joint that was not understood would be missing
     return std::move(robot_);
   }
@@ -36,8 +35,9 @@ class UrdfReader {
   void unknown(const XmlElement& e, const XmlElement& in, const std::vector<std::string>& known) {
     const std::string near = nearest_name(e.name, known);
     context_.left_out(e.at, fmt::format("<{}> of {}", e.name, quoted_name(in)),
-                      near.empty() ? "is not an element of URDF"
-                                   : fmt::format("is not an element of URDF; did you mean <{}>?", near));
+                      near.empty()
+                          ? "is not an element of URDF"
+                          : fmt::format("is not an element of URDF; did you mean <{}>?", near));
   }
 
   Pose origin(const XmlElement& in) {
@@ -119,9 +119,9 @@ class UrdfReader {
       if (out.scale.cwiseAbs().minCoeff() <= 0.0) return empty_shape(s);
       auto found = context_.locate(*file, s.at);
       if (!found) {
-        context_.left_out(s.at, fmt::format("mesh '{}'", *file),
-                          found.error().message +
-                              (found.error().hint.empty() ? "" : "; " + found.error().hint));
+        context_.left_out(
+            s.at, fmt::format("mesh '{}'", *file),
+            found.error().message + (found.error().hint.empty() ? "" : "; " + found.error().hint));
         return std::nullopt;
       }
       out.mesh = *found;
@@ -268,7 +268,8 @@ class UrdfReader {
       const Vec3 v = context_.vec3(*axis, "xyz", Vec3::UnitX());
       if (out.type != Type::fixed && out.type != Type::free && out.type != Type::ball) {
         if (!(v.norm() > 1e-12)) {
-          context_.error(axis->at, "CG1409", fmt::format("joint '{}' has an axis of length 0", *name));
+          context_.error(axis->at, "CG1409",
+                         fmt::format("joint '{}' has an axis of length 0", *name));
           return;
         }
         out.axis = v.normalized();
@@ -292,9 +293,9 @@ class UrdfReader {
       }
     }
     for (const auto& c : e.children) {
-      static const std::vector<std::string> kKnown = {"origin", "parent",   "child", "axis",
-                                                      "limit",  "dynamics", "mimic", "calibration",
-                                                      "safety_controller"};
+      static const std::vector<std::string> kKnown = {"origin", "parent",      "child",
+                                                      "axis",   "limit",       "dynamics",
+                                                      "mimic",  "calibration", "safety_controller"};
       if (c->name == "calibration" || c->name == "safety_controller")
         context_.left_out(c->at, fmt::format("<{}> of joint '{}'", c->name, *name),
                           "concerns the robot's driver, not its mechanics");
@@ -330,9 +331,9 @@ class UrdfReader {
     out.lower = context_.number(*l, "lower", 0.0);
     out.upper = context_.number(*l, "upper", 0.0);
     if (out.lower > out.upper) {
-      context_.approximate(l->at, fmt::format("limits of joint '{}'", out.name),
-                           fmt::format("lower {} is above upper {}: they were exchanged", out.lower,
-                                       out.upper));
+      context_.approximate(
+          l->at, fmt::format("limits of joint '{}'", out.name),
+          fmt::format("lower {} is above upper {}: they were exchanged", out.lower, out.upper));
       std::swap(out.lower, out.upper);
     }
   }
@@ -385,12 +386,13 @@ class UrdfReader {
     const std::string* reference = e.find("reference");
     const int link = reference == nullptr ? -1 : robot_.link(*reference);
     if (reference != nullptr && link < 0 && robot_.joint(*reference) < 0) {
-      context_.left_out(e.at, "<gazebo>", fmt::format("there is no link or joint '{}'", *reference));
+      context_.left_out(e.at, "<gazebo>",
+                        fmt::format("there is no link or joint '{}'", *reference));
       return;
     }
     for (const auto& c : e.children) {
-      const std::string what = fmt::format("<{}> of <gazebo{}>", c->name,
-                                           reference == nullptr ? "" : " " + *reference);
+      const std::string what =
+          fmt::format("<{}> of <gazebo{}>", c->name, reference == nullptr ? "" : " " + *reference);
       // As a text, or as older files write it: <mu1 value="0.8"/>.
       const std::string* attribute = c->find("value");
       const std::string& text = attribute == nullptr ? c->text : *attribute;
@@ -447,8 +449,7 @@ class UrdfReader {
       std::size_t at = i;
       while (!reached[at] && carrier[at] >= 0 && path.size() <= carrier.size()) {
         path.push_back(at);
-        at = static_cast<std::size_t>(
-            robot_.joints[static_cast<std::size_t>(carrier[at])].parent);
+        at = static_cast<std::size_t>(robot_.joints[static_cast<std::size_t>(carrier[at])].parent);
       }
       if (path.size() > carrier.size()) {
         context_.error(robot_.links[i].at, "CG1410",
@@ -495,8 +496,8 @@ void UrdfReader::sensor(const XmlElement& e, RobotLink& link) {
     const XmlElement* image = camera == nullptr ? nullptr : camera->child("image");
     const auto w = value(image, "width"), h = value(image, "height");
     if (w && h && *w >= 1 && *h >= 1 && *w <= 4096 && *h <= 4096)
-      out.attributes.emplace_back("resolution", fmt::format("{} {}", static_cast<int>(*w),
-                                                            static_cast<int>(*h)));
+      out.attributes.emplace_back("resolution",
+                                  fmt::format("{} {}", static_cast<int>(*w), static_cast<int>(*h)));
     if (kind != "camera") out.attributes.emplace_back("depth", "true");
   } else if (kind == "ray" || kind == "gpu_ray" || kind == "lidar" || kind == "gpu_lidar") {
     out.element = "lidar";
@@ -540,7 +541,8 @@ void read_srdf(Context& context, const XmlElement& root, RobotModel& robot) {
       const std::string* a = e->find("link1");
       const std::string* b = e->find("link2");
       if (a == nullptr || b == nullptr || robot.link(*a) < 0 || robot.link(*b) < 0) {
-        context.left_out(e->at, "<disable_collisions>", "names a link that the robot does not have");
+        context.left_out(e->at, "<disable_collisions>",
+                         "names a link that the robot does not have");
         continue;
       }
       robot.no_contact.emplace_back(*a, *b);

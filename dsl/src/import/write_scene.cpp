@@ -82,8 +82,8 @@ class SceneWriter {
     if (type == name) type += "_model";
 
     std::string out = fmt::format("<scene name=\"{}\" version=\"1\">\n", escaped(name));
-    out += fmt::format("  <!-- Written by cogrsim import from {}, {}. -->\n", context_.result.format,
-                       comment(context_.shown(context_.path_of(0))));
+    out += fmt::format("  <!-- Written by cogrsim import from {}, {}. -->\n",
+                       context_.result.format, comment(context_.shown(context_.path_of(0))));
     if (context_.options.prototype_only) {
       out += fmt::format("  <prototype name=\"{}\">\n{}  </prototype>\n</scene>\n", type, body);
       context_.result.scene = std::move(out);
@@ -96,7 +96,8 @@ class SceneWriter {
       out += "/>\n";
     }
     out += fmt::format("  <prototype name=\"{}\">\n{}  </prototype>\n", type, body);
-    if (context_.options.floor && !robot_.has_ground) out += "  <plane name=\"floor\" color=\"#d8d8d8\"/>\n";
+    if (context_.options.floor && !robot_.has_ground)
+      out += "  <plane name=\"floor\" color=\"#d8d8d8\"/>\n";
     out += fmt::format("  <instance of=\"{}\" name=\"{}\"", type, name);
     const double lift = context_.options.floor && !robot_.has_ground && !extent_.empty() &&
                                 std::isfinite(extent_.low[2])
@@ -117,7 +118,8 @@ class SceneWriter {
   /// limits may exclude.
   bool closes(const RobotJoint& j) {
     if (j.parent < 0) return true;
-    const auto parent = static_cast<std::size_t>(j.parent), child = static_cast<std::size_t>(j.child);
+    const auto parent = static_cast<std::size_t>(j.parent),
+               child = static_cast<std::size_t>(j.child);
     const Vec3 in_parent = zero_poses_[parent].inverse() * (zero_poses_[child] * j.anchor);
     const double gap = (poses_[parent] * in_parent - poses_[child] * j.anchor).norm();
     if (gap < 1e-4) return true;
@@ -180,8 +182,10 @@ class SceneWriter {
     const Vec3 round = degrees.array().round();
     // To 1e-13 rad: what is written differs from what was read by less than rounding of the poses.
     if (from_rpy(round * (kPi / 180.0)).angularDistance(q) < 1e-13)
-      return out + fmt::format(" rpy=\"{} {} {} deg\"", tidy(round[0]), tidy(round[1]), tidy(round[2]));
-    return out + fmt::format(" quat=\"{} {} {} {}\"", tidy(q.w()), tidy(q.x()), tidy(q.y()), tidy(q.z()));
+      return out +
+             fmt::format(" rpy=\"{} {} {} deg\"", tidy(round[0]), tidy(round[1]), tidy(round[2]));
+    return out +
+           fmt::format(" quat=\"{} {} {} {}\"", tidy(q.w()), tidy(q.x()), tidy(q.y()), tidy(q.z()));
   }
 
   void link(std::size_t index) {
@@ -193,7 +197,8 @@ class SceneWriter {
       if (j.child == static_cast<int>(index)) by = &j;
     if (by != nullptr) {
       if (by->parent >= 0)
-        out += fmt::format(" frame=\"{}\"", robot_.links[static_cast<std::size_t>(by->parent)].name);
+        out +=
+            fmt::format(" frame=\"{}\"", robot_.links[static_cast<std::size_t>(by->parent)].name);
       out += pose_text(by->X_PC);
     } else {
       out += pose_text(l.X);
@@ -230,8 +235,8 @@ class SceneWriter {
 
   static bool same(const RobotShape& a, const RobotShape& b) {
     const Geometry &x = a.geometry, &y = b.geometry;
-    return x.type == y.type && x.type != Geometry::Type::mesh && x.points == y.points && x.size == y.size &&
-           x.radius == y.radius && x.length == y.length && a.X.p == b.X.p &&
+    return x.type == y.type && x.type != Geometry::Type::mesh && x.points == y.points &&
+           x.size == y.size && x.radius == y.radius && x.length == y.length && a.X.p == b.X.p &&
            a.X.q.coeffs() == b.X.q.coeffs();
   }
 
@@ -290,8 +295,8 @@ class SceneWriter {
         Bounds b;
         for (const Vec3& p : g.points) {
           b.add(p);
-          list_text += fmt::format("{}{:.9g} {:.9g} {:.9g}", list_text.empty() ? "" : " ", tidy(p[0]),
-                                   tidy(p[1]), tidy(p[2]));
+          list_text += fmt::format("{}{:.9g} {:.9g} {:.9g}", list_text.empty() ? "" : " ",
+                                   tidy(p[0]), tidy(p[1]), tidy(p[2]));
         }
         extend(b);
         attributes = fmt::format(" points=\"{}\" convex=\"true\"", list_text);
@@ -335,13 +340,16 @@ class SceneWriter {
     return out + "/>\n";
   }
 
-  static int byte(double x) { return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0))); }
+  static int byte(double x) {
+    return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0)));
+  }
 
   std::string add_file(const std::string& wanted, std::string bytes) {
     const std::string folder =
         context_.options.copy_meshes.empty() ? "meshes" : context_.options.copy_meshes;
     std::string name;
-    for (const char c : wanted) name += is_letter(c) || is_digit(c) || c == '.' || c == '-' ? c : '_';
+    for (const char c : wanted)
+      name += is_letter(c) || is_digit(c) || c == '.' || c == '-' ? c : '_';
     if (name.empty() || name.front() == '.') name.insert(0, "_");
     const std::string stem = fs::path(name).stem().string();
     const std::string tail = fs::path(name).extension().string();
@@ -360,9 +368,9 @@ class SceneWriter {
     const auto [known, is_new] = meshes_.try_emplace(g.mesh);
     if (is_new && bounds) known->second = refer(g.mesh);
     if (known->second.empty()) {
-      context_.left_out(s.at, fmt::format("mesh '{}' of '{}'", fs::path(g.mesh).filename().string(), l.name),
-                        bounds ? "its name has characters that a scene does not take"
-                               : bounds.error().message);
+      context_.left_out(
+          s.at, fmt::format("mesh '{}' of '{}'", fs::path(g.mesh).filename().string(), l.name),
+          bounds ? "its name has characters that a scene does not take" : bounds.error().message);
       return "";
     }
     Bounds scaled;
@@ -375,7 +383,8 @@ class SceneWriter {
   /// Refers to a file below the scene's folder, or copies it. Empty: neither is possible.
   std::string refer(const std::string& path) {
     const ImportOptions& options = context_.options;
-    const std::string folder = options.scene_folder.empty() ? context_.folder() : options.scene_folder;
+    const std::string folder =
+        options.scene_folder.empty() ? context_.folder() : options.scene_folder;
     const fs::path relative = fs::path(path).lexically_relative(folder);
     const std::string text = relative.string();
     const bool inside = !relative.empty() && (options.refer || *relative.begin() != fs::path(".."));
@@ -384,7 +393,8 @@ class SceneWriter {
     });
     if (options.copy_meshes.empty() && inside && plain) return text;
     if (options.refer) return "";
-    return add_file(fs::path(path).filename().string(), read_bytes(path, options.limits.asset_bytes));
+    return add_file(fs::path(path).filename().string(),
+                    read_bytes(path, options.limits.asset_bytes));
   }
 
   void joint(const RobotJoint& j) {
@@ -393,22 +403,39 @@ class SceneWriter {
     if (j.type == Type::free && j.parent < 0) return;  // as every body of a scene
     const char* tag = "";
     switch (j.type) {
-      case Type::fixed: tag = "fixed"; break;
-      case Type::hinge: tag = "hinge"; break;
-      case Type::slider: tag = "slider"; break;
-      case Type::ball: tag = "ball"; break;
-      case Type::planar: tag = "planar"; break;
-      case Type::free: tag = "free"; break;
-      case Type::universal: tag = "universal"; break;
-      case Type::screw: tag = "screw"; break;
+      case Type::fixed:
+        tag = "fixed";
+        break;
+      case Type::hinge:
+        tag = "hinge";
+        break;
+      case Type::slider:
+        tag = "slider";
+        break;
+      case Type::ball:
+        tag = "ball";
+        break;
+      case Type::planar:
+        tag = "planar";
+        break;
+      case Type::free:
+        tag = "free";
+        break;
+      case Type::universal:
+        tag = "universal";
+        break;
+      case Type::screw:
+        tag = "screw";
+        break;
     }
     out += fmt::format("    <{} name=\"{}\"", tag, j.name);
     if (j.parent >= 0)
       out += fmt::format(" parent=\"{}\"", robot_.links[static_cast<std::size_t>(j.parent)].name);
     out += fmt::format(" child=\"{}\"", robot_.links[static_cast<std::size_t>(j.child)].name);
     if (j.anchor != Vec3::Zero())
-      out += fmt::format(" frame=\"{}\" xyz=\"{}\"",
-                         robot_.links[static_cast<std::size_t>(j.child)].name, list(tidy(j.anchor)));
+      out +=
+          fmt::format(" frame=\"{}\" xyz=\"{}\"",
+                      robot_.links[static_cast<std::size_t>(j.child)].name, list(tidy(j.anchor)));
     const bool turns = j.type == Type::hinge || j.type == Type::screw;
     const bool slides = j.type == Type::slider;
     if ((turns || slides || j.type == Type::planar || j.type == Type::universal) &&
@@ -428,8 +455,10 @@ class SceneWriter {
         out += fmt::format(" stiffness=\"{} {}\"", j.stiffness, turns ? "N*m/rad" : "N/m");
         if (j.rest != 0.0) out += fmt::format(" rest=\"{} {}\"", j.rest, unit);
       }
-      if (std::isfinite(j.max_effort)) out += fmt::format(" max-effort=\"{} {}\"", j.max_effort, effort);
-      if (std::isfinite(j.max_speed)) out += fmt::format(" max-speed=\"{} {}/s\"", j.max_speed, unit);
+      if (std::isfinite(j.max_effort))
+        out += fmt::format(" max-effort=\"{} {}\"", j.max_effort, effort);
+      if (std::isfinite(j.max_speed))
+        out += fmt::format(" max-speed=\"{} {}/s\"", j.max_speed, unit);
       const double start = start_of(j);
       if (start != 0.0) {
         out += fmt::format(" position=\"{} {}\"", start, unit);
@@ -442,11 +471,12 @@ class SceneWriter {
     }
     out += "/>\n";
     if (j.rotor_inertia > 0.0)
-      context_.left_out(j.at, fmt::format("rotor inertia of joint '{}'", j.name),
-                        fmt::format("{} kg m^2: the scene language has no rotor inertia",
-                                    j.rotor_inertia));
+      context_.left_out(
+          j.at, fmt::format("rotor inertia of joint '{}'", j.name),
+          fmt::format("{} kg m^2: the scene language has no rotor inertia", j.rotor_inertia));
     if (j.coupling)
-      context_.left_out(j.at, fmt::format("coupling of joint '{}' to '{}'", j.name, j.coupling->joint),
+      context_.left_out(j.at,
+                        fmt::format("coupling of joint '{}' to '{}'", j.name, j.coupling->joint),
                         "the scene language has no coupling: the joint moves freely");
   }
 
@@ -460,8 +490,8 @@ class SceneWriter {
                             turns ? "N*m" : "N")
               : std::string();
       if (d.mode == RobotDrive::Mode::position && d.kp > 0.0) {
-        out += fmt::format("    <servo name=\"{}\" joint=\"{}\" kp=\"{} {}\"", d.name, d.joint, d.kp,
-                           turns ? "N*m/rad" : "N/m");
+        out += fmt::format("    <servo name=\"{}\" joint=\"{}\" kp=\"{} {}\"", d.name, d.joint,
+                           d.kp, turns ? "N*m/rad" : "N/m");
         if (d.kd > 0.0) out += fmt::format(" kd=\"{} {}\"", d.kd, turns ? "N*m*s/rad" : "N*s/m");
         out += bound;
         if (d.target) out += fmt::format(" target=\"{} {}\"", *d.target, turns ? "rad" : "m");
@@ -522,8 +552,8 @@ class SceneWriter {
   void sensor(const RobotLink& l, const RobotSensor& s) {
     std::string& out = *body_;
     const Vec3 p = poses_[static_cast<std::size_t>(&l - robot_.links.data())] * s.X.p;
-    const bool below_floor = context_.options.floor && !robot_.has_ground && !extent_.empty() &&
-                             p[2] < extent_.low[2];
+    const bool below_floor =
+        context_.options.floor && !robot_.has_ground && !extent_.empty() && p[2] < extent_.low[2];
     if (s.element == "camera" && (below_floor || is_inside(p))) {
       context_.left_out(s.at, fmt::format("camera '{}'", s.name),
                         below_floor ? "lies below the floor, where it would see nothing"
@@ -535,7 +565,8 @@ class SceneWriter {
       out += fmt::format(" joint=\"{}\"", s.joint);
     else
       out += fmt::format(" on=\"{}\"{}", l.name, pose_text(s.X));
-    for (const auto& [key, value] : s.attributes) out += fmt::format(" {}=\"{}\"", key, escaped(value));
+    for (const auto& [key, value] : s.attributes)
+      out += fmt::format(" {}=\"{}\"", key, escaped(value));
     out += "/>\n";
   }
 

@@ -22,7 +22,8 @@ namespace {
 
 constexpr std::size_t kMostElements = 250000;
 constexpr int kMostDepth = 120;  // calls inside calls
-constexpr int kMostLevels = 1500;  // elements, blocks and calls inside each other: a matter of the stack
+constexpr int kMostLevels =
+    1500;  // elements, blocks and calls inside each other: a matter of the stack
 constexpr std::size_t kMostText = 1u << 20;
 
 struct Frame;
@@ -33,7 +34,7 @@ struct Property {
   bool busy = false;
   const XmlElement* block = nullptr;  ///< of block parameters and properties
   bool content = false;               ///< the block's children, without itself
-  std::shared_ptr<Frame> home;  ///< where the block's expressions are evaluated
+  std::shared_ptr<Frame> home;        ///< where the block's expressions are evaluated
 };
 
 struct Frame {
@@ -65,7 +66,8 @@ class Xacro {
     out->at = root.at;
     out->text = root.text;
     for (const auto& [key, value] : root.attributes)
-      if (key.compare(0, 5, "xmlns") != 0) out->attributes.emplace_back(key, text(value, root, global));
+      if (key.compare(0, 5, "xmlns") != 0)
+        out->attributes.emplace_back(key, text(value, root, global));
     children(root, *out, global, "");
     return out;
   }
@@ -81,7 +83,8 @@ class Xacro {
     int& level_;
   };
 
-  [[noreturn]] void refuse(const XmlElement& at, const std::string& message, std::string help = {}) {
+  [[noreturn]] void refuse(const XmlElement& at, const std::string& message,
+                           std::string help = {}) {
     context_.refuse(at.at, "CG1411", message, std::move(help));
   }
 
@@ -174,7 +177,8 @@ class Xacro {
       if (depth > 0) throw PyError{fmt::format("${}… has no {}", open, close)};
       std::string inner = raw.substr(i + 2, end - i - 3);
       // What stands inside is replaced first, also within the quotes of an expression.
-      if (open == '{' && (inner.find("$(") != std::string::npos || inner.find("${") != std::string::npos))
+      if (open == '{' &&
+          (inner.find("$(") != std::string::npos || inner.find("${") != std::string::npos))
         inner = value(inner, at, frame, prefix).text();
       PyValue v = open == '{' ? evaluate(inner, scope(frame, at, prefix))
                               : substitution(inner, at, frame, prefix);
@@ -262,13 +266,16 @@ class Xacro {
     for (const auto& c : from.children) element(*c, to, frame, prefix);
   }
 
-  void element(const XmlElement& e, XmlElement& to, const FramePtr& frame, const std::string& prefix) {
+  void element(const XmlElement& e, XmlElement& to, const FramePtr& frame,
+               const std::string& prefix) {
     const Deeper deeper(level_);
     if (level_ > kMostLevels)
       context_.refuse(e.at, "CG1402", "elements and macros are nested too deep");
-    if (e.name.compare(0, 6, "xacro:") == 0) return directive(e, e.name.substr(6), to, frame, prefix);
+    if (e.name.compare(0, 6, "xacro:") == 0)
+      return directive(e, e.name.substr(6), to, frame, prefix);
     if (++elements_ > kMostElements)
-      context_.refuse(e.at, "CG1402", fmt::format("xacro makes more than {} elements", kMostElements));
+      context_.refuse(e.at, "CG1402",
+                      fmt::format("xacro makes more than {} elements", kMostElements));
     auto out = std::make_unique<XmlElement>();
     out->name = e.name;
     out->at = e.at;
@@ -281,8 +288,8 @@ class Xacro {
     children(e, made, frame, prefix);
   }
 
-  void directive(const XmlElement& e, const std::string& word, XmlElement& to, const FramePtr& frame,
-                 const std::string& prefix) {
+  void directive(const XmlElement& e, const std::string& word, XmlElement& to,
+                 const FramePtr& frame, const std::string& prefix) {
     if (word == "property") return property(e, frame, prefix);
     if (word == "macro") return macro(e, prefix);
     if (word == "include") return include(e, to, frame, prefix);
@@ -447,15 +454,16 @@ class Xacro {
     auto found = prefix.empty() ? macros_.end() : macros_.find(prefix + name);
     if (found == macros_.end()) found = macros_.find(name);
     if (found == macros_.end()) {
-      std::vector<std::string> known = {"property", "macro", "include", "arg", "if", "unless",
-                                        "insert_block"};
+      std::vector<std::string> known = {"property", "macro",  "include",     "arg",
+                                        "if",       "unless", "insert_block"};
       for (const auto& [macro, m] : macros_) known.push_back(macro);
       const std::string near = nearest_name(name, known);
       refuse(e, fmt::format("there is no macro '{}'", name.substr(0, 60)),
              near.empty() ? "" : fmt::format("did you mean <xacro:{}>?", near));
     }
     if (++depth_ > kMostDepth)
-      context_.refuse(e.at, "CG1402", fmt::format("macros call each other more than {} deep", kMostDepth));
+      context_.refuse(e.at, "CG1402",
+                      fmt::format("macros call each other more than {} deep", kMostDepth));
     const Macro macro = found->second;
     auto inner = std::make_shared<Frame>();
     // A macro sees what was visible where it is called, as xacro's scopes do.
@@ -515,7 +523,8 @@ class Xacro {
     --depth_;
   }
 
-  void insert(const XmlElement& e, XmlElement& to, const FramePtr& frame, const std::string& prefix) {
+  void insert(const XmlElement& e, XmlElement& to, const FramePtr& frame,
+              const std::string& prefix) {
     const std::string* raw = e.find("name");
     if (raw == nullptr) refuse(e, "<xacro:insert_block> has no name");
     const std::string name = text(*raw, e, frame, prefix);
@@ -523,7 +532,8 @@ class Xacro {
     if (p == nullptr && !prefix.empty()) p = find(frame, "*" + prefix + name);
     if (p == nullptr || p->block == nullptr) refuse(e, fmt::format("there is no block '{}'", name));
     if (++depth_ > kMostDepth)
-      context_.refuse(e.at, "CG1402", fmt::format("blocks hold each other more than {} deep", kMostDepth));
+      context_.refuse(e.at, "CG1402",
+                      fmt::format("blocks hold each other more than {} deep", kMostDepth));
     const Property block = *p;
     if (block.content)
       children(*block.block, to, block.home, prefix);
@@ -532,7 +542,8 @@ class Xacro {
     --depth_;
   }
 
-  void include(const XmlElement& e, XmlElement& to, const FramePtr& frame, const std::string& prefix) {
+  void include(const XmlElement& e, XmlElement& to, const FramePtr& frame,
+               const std::string& prefix) {
     const std::string* raw = e.find("filename");
     if (raw == nullptr) refuse(e, "<xacro:include> has no filename");
     const std::string name = text(*raw, e, frame, prefix);
@@ -556,7 +567,7 @@ class Xacro {
   Context& context_;
   FramePtr global_;
   std::map<std::string, Macro> macros_;
-  std::map<std::string, std::string> defaults_;  // of arguments
+  std::map<std::string, std::string> defaults_;    // of arguments
   std::vector<std::unique_ptr<XmlElement>> kept_;  // files and elements that macros point into
   std::size_t elements_ = 0, budget_ = 20000000;
   int depth_ = 0, level_ = 0, text_level_ = 0;
