@@ -2,11 +2,14 @@
 //
 //     cogrsim_bench_backend BACKEND --scene NAME …      see engine_program.h
 //     cogrsim_bench_backend BACKEND --allocations SCENE [COUNT]
+//     cogrsim_bench_backend BACKEND --spawn COUNT       how long adding a body to so many takes
 //     cogrsim_bench_backend --compile COUNT             how long a scene of so many bodies compiles
 //     cogrsim_bench_backend --list                      the backends there are
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -14,8 +17,9 @@
 
 #include "allocations.h"
 #include "cogrsim/dsl/compiler.h"
-#include "cogrsim/physics/backend_choice.h"
+#include "cogrsim/model/builder.h"
 #include "cogrsim/physics/backend.h"
+#include "cogrsim/physics/backend_choice.h"
 #include "cogrsim/plugin/loader.h"
 #include "cogrsim/simulation/simulation.h"
 #include "engine_program.h"
@@ -143,6 +147,7 @@ class BackendProgram final : public EngineProgram {
     return std::make_unique<WorldRunner>(backend_, model);
   }
   int count_allocations(const Scene& scene);
+  int spawn(int count);
 
  private:
   std::shared_ptr<PluginLoader> loader_;
@@ -189,6 +194,44 @@ int BackendProgram::count_allocations(const Scene& scene) {
   return 0;
 }
 
+// Boxes side by side on a plane; a sphere is added above them between two steps, again and again.
+int BackendProgram::spawn(int count) {
+  constexpr int kRounds = 20;
+  ModelBuilder builder("spawn");
+  builder.plane("floor");
+  const int row = static_cast<int>(std::ceil(std::sqrt(count)));
+  const auto place = [&](int i, double height) {
+    return Pose(Vec3(0.5 * (i % row), 0.5 * (i / row), height), Quat::Identity());
+  };
+  for (int i = 0; i < count; ++i)
+    builder.box(fmt::format("box_{}", i), Vec3::Constant(0.2), 1.0, place(i, 0.1));
+  auto made = backend_->create_world(builder.build());
+  if (!made) throw std::runtime_error(made.error().text());
+  World& world = **made;
+  for (int i = 0; i < 100; ++i) world.step(1e-3, {});
+  std::vector<double> times;
+  for (int round = 0; round < kRounds; ++round) {
+    ModelBuilder next;
+    next.model = *world.model();
+    next.sphere(fmt::format("guest_{}", round), 0.05, 0.1, place(round % count, 1.0 + round));
+    const SceneModelPtr model = next.build();
+    const auto start = std::chrono::steady_clock::now();
+    const auto added = world.add(model);
+    const std::chrono::duration<double, std::micro> passed =
+        std::chrono::steady_clock::now() - start;
+    if (!added) throw std::runtime_error(added.error().text());
+    times.push_back(passed.count());
+    world.step(1e-3, {});
+  }
+  std::sort(times.begin(), times.end());
+  fmt::print(
+      "{}\n",
+      nlohmann::json{
+          {"engine", name()}, {"bodies", count}, {"median_us", times[kRounds / 2]}, {"us", times}}
+          .dump());
+  return 0;
+}
+
 int compile(int count) {
   const std::string text = scene_text(count);
   std::vector<double> times;
@@ -227,7 +270,10 @@ int main(int argc, char** argv) try {
     return compile(std::atoi(argv[2]));
   }
   if (first.empty() || first.front() == '-') {
-    fmt::print(stderr, "usage: {} BACKEND[(OPTION=VALUE …)] --scene NAME … | --list | --compile COUNT\n", argv[0]);
+    fmt::print(stderr,
+               "usage: {} BACKEND[(OPTION=VALUE …)] --scene NAME … | BACKEND --spawn COUNT | "
+               "--list | --compile COUNT\n",
+               argv[0]);
     return 2;
   }
   BackendProgram program(first);
@@ -237,6 +283,8 @@ int main(int argc, char** argv) try {
       throw std::runtime_error(fmt::format("there is no scene '{}'", argv[3]));
     return program.count_allocations(scene);
   }
+  if (argc == 4 && std::strcmp(argv[2], "--spawn") == 0 && std::atoi(argv[3]) > 0)
+    return program.spawn(std::atoi(argv[3]));
   return engine_main(argc - 1, argv + 1, program);
 } catch (const std::exception& error) {
   fmt::print("{}\n", nlohmann::json{{"failed", error.what()}}.dump());

@@ -306,17 +306,10 @@ Twist Engine::twist(int body) const {
 
 void Engine::get_joints(WorldState& out) const {
   turned_ = 0.0;
-  const auto place = [&](int body) { return body == kWorld ? Pose() : out.poses[at(body)]; };
-  const auto motion = [&](int body) { return body == kWorld ? Twist() : out.twists[at(body)]; };
   for (const Joint& joint : model_->joints) {
     if (joint.removed) continue;
     double* const q = positions_.data() + joint.position_offset;
-    const Pose X_WP = place(joint.parent), X_WC = place(joint.child);
-    const Pose X_FM = relative_pose(joint, X_WP, X_WC);
-    joint_position(joint, X_FM, q, q);
-    joint_velocity(joint, X_FM,
-                   relative_twist(joint, X_WP, motion(joint.parent), X_WC, motion(joint.child)), q,
-                   out.joint_velocities.data() + joint.speed_offset);
+    read_joint(joint, out, q, out.joint_velocities.data() + joint.speed_offset);
     std::copy(q, q + position_count(joint.type),
               out.joint_positions.begin() + joint.position_offset);
   }

@@ -1,6 +1,5 @@
 #include "world.h"
 
-#include "cogrsim/model/mass_properties.h"
 #include "cogrsim/physics/backend_checks.h"
 #include "convert.h"
 
@@ -35,14 +34,7 @@ Result<> check_scene(const SceneModel& model) {
                   place_of(model, joint.origin), "set limits within 6.2 rad, or none");
     }
   }
-  for (const Body& body : model.bodies) {
-    if (body.removed || body.kind != BodyKind::dynamic) continue;
-    if (auto massive = check_mass_properties(body.mass, body.inertia); !massive) {
-      return fail("body '" + body.name + "': " + massive.error().message,
-                  place_of(model, body.origin), massive.error().hint);
-    }
-  }
-  return {};
+  return check_masses(model);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <string>
 #include <system_error>
 
-#include "cogrsim/model/mass_properties.h"
+#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/backend_plugin.h"
 #include "world.h"
 
@@ -125,7 +125,7 @@ class DynamicsBackend final : public Backend {
     ours(StepStage::contact_law, "Solver, impulses of non-penetration");
     ours(StepStage::friction, "Solver, Coulomb's cone");
     ours(StepStage::restitution, "Solver, Newton's law");
-    ours(StepStage::joints, "Mechanism on SimTK::SimbodyMatterSubsystem, loops by projection");
+    ours(StepStage::joints, "Mechanism, loops by projection");
     ours(StepStage::limits, "Rows");
     ours(StepStage::motors, "Drives, implicit");
     ours(StepStage::integrator, "Stepper");
@@ -146,7 +146,7 @@ class DynamicsBackend final : public Backend {
       return fail(std::to_string(options->threads) + " threads cannot be started: " + e.what(),
                   place_of(*model, model->physics.origin), "set the option 'threads' lower");
     } catch (const std::exception& e) {
-      return fail("Simbody: " + message_of(e), place_of(*model, model->physics.origin));
+      return fail(message_of(e), place_of(*model, model->physics.origin));
     }
   }
 
@@ -158,23 +158,8 @@ class DynamicsBackend final : public Backend {
 }  // namespace
 
 Result<> check_scene(const SceneModel& model) {
-  for (const Motor& motor : model.motors) {
-    if (motor.removed || motor.joint < 0) continue;
-    const Joint& joint = model.joints[std::size_t(motor.joint)];
-    const bool spherical = joint.type == JointType::ball || joint.type == JointType::free;
-    if (spherical || motor.axis < 0 || motor.axis >= speed_count(joint.type))
-      return fail("motor '" + motor.name + "': a " + to_string(joint.type) + " joint has no axis " +
-                      std::to_string(motor.axis) + " to drive",
-                  place_of(model, motor.origin),
-                  "drive a hinge, slider, screw, cylindrical, universal or planar joint");
-  }
-  for (const Body& body : model.bodies) {
-    if (body.removed || body.kind != BodyKind::dynamic) continue;
-    if (auto r = check_mass_properties(body.mass, body.inertia); !r)
-      return fail("body '" + body.name + "': " + r.error().message, place_of(model, body.origin),
-                  r.error().hint);
-  }
-  return {};
+  if (auto r = check_motors(model); !r) return r;
+  return check_masses(model);
 }
 
 }  // namespace cogrsim::dynamics

@@ -1,5 +1,6 @@
 #include "components.h"
 
+#include <Eigen/Cholesky>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -60,20 +61,17 @@ void form_inverse(const std::vector<double>& factor, int n, std::vector<double>&
 void find_columns(const Mechanism& mechanism, const Link& link, const Placement& X,
                   const Vec3& origin, Spatial* column) {
   const Mounting& mounting = link.mounting;
-  if (!mechanism.closed_form()) {
-    for (int k = 0; k < link.nu; ++k) {
-      const SimTK::SpatialVec h = link.mobod.getHCol(mechanism.state, SimTK::MobilizerUIndex(k));
-      column[k].angular = from_simtk(h[0]);
-      column[k].linear = from_simtk(h[1]) + column[k].angular.cross(origin - X.p);
-    }
-    return;
-  }
   if (mounting.kind == Mounting::Kind::base) {
     const Vec3 arm = origin - X * mounting.centre;
     for (int k = 0; k < 3; ++k) {
       column[k] = {Vec3::Unit(k), Vec3::Unit(k).cross(arm)};
       column[3 + k] = {Vec3::Zero(), Vec3::Unit(k)};
     }
+    return;
+  }
+  if (mounting.kind == Mounting::Kind::other) {
+    find_joint_columns(mechanism.model(), link, inboard_frame(link, mechanism.motions()),
+                       mechanism.state.q().data() + link.first_q, origin, column);
     return;
   }
   if (link.nu == 0) return;
@@ -97,20 +95,30 @@ int Component::find(int link) const {
   return -1;
 }
 
+void update_motion(const Mechanism& mechanism, Component& c) {
+  const std::int64_t version = mechanism.state.q_version();
+  if (c.motion_version == version) return;
+  c.motion_version = version;
+  const std::vector<LinkMotion>& motions = mechanism.motions();
+  c.inertias.resize(c.links.size());
+  c.origin = motions[std::size_t(c.links[0])].X.p;
+  for (std::size_t i = 0; i < c.links.size(); ++i) {
+    const Link& link = mechanism.links()[std::size_t(c.links[i])];
+    const Placement& X = motions[std::size_t(c.links[i])].X;
+    c.inertias[i] = world_inertia(link, X, c.origin);
+    find_columns(mechanism, link, X, c.origin, c.motion.data() + c.first[i]);
+  }
+}
+
 void update_component(const Mechanism& mechanism, Component& c) {
-  const SimTK::ValueVersion version = mechanism.state.getQValueVersion();
+  const std::int64_t version = mechanism.state.q_version();
   if (c.version == version) return;
   c.version = version;
   c.has_inverse = false;
   const int n = c.size();
-  const auto link_of = [&](std::size_t i) -> const Link& {
-    return mechanism.links()[std::size_t(c.links[i])];
-  };
-
-  const std::vector<LinkMotion>& motions = mechanism.motions();
   if (c.lone) {
-    const Link& link = link_of(0);
-    const Placement& X = motions[std::size_t(c.links[0])].X;
+    const Link& link = mechanism.links()[std::size_t(c.links[0])];
+    const Placement& X = mechanism.motions()[std::size_t(c.links[0])].X;
     c.origin = X * link.com;
     c.inverse_mass = 1.0 / link.mass;
     c.inverse_inertia = X.R * link.inverse_inertia * X.R.transpose();
@@ -121,28 +129,19 @@ void update_component(const Mechanism& mechanism, Component& c) {
     return;
   }
 
-  if (!mechanism.closed_form()) mechanism.system.realize(mechanism.state, SimTK::Stage::Position);
+  update_motion(mechanism, c);
   static thread_local std::vector<Inertia> composite;
-  composite.resize(c.links.size());
-  c.inertias.resize(c.links.size());
-  c.origin = motions[std::size_t(c.links[0])].X.p;
-  for (std::size_t i = 0; i < c.links.size(); ++i) {
-    const Link& link = link_of(i);
-    const Placement& X = motions[std::size_t(c.links[i])].X;
-    composite[i] = c.inertias[i] = world_inertia(link, X, c.origin);
-    find_columns(mechanism, link, X, c.origin, c.motion.data() + c.first[i]);
-  }
+  composite = c.inertias;
   for (std::size_t i = c.links.size(); i-- > 0;)
     if (c.inboard[i] >= 0) composite[std::size_t(c.inboard[i])] += composite[i];
 
   c.factor.assign(std::size_t(n * n), 0.0);
   for (std::size_t i = 0; i < c.links.size(); ++i) {
-    for (int k = 0; k < link_of(i).nu; ++k) {
-      const int row = c.first[i] + k;
+    for (int row = c.first[i]; row < c.end_of(i); ++row) {
       const Spatial momentum = composite[i] * c.motion[std::size_t(row)];
       for (int on_path = int(i); on_path >= 0; on_path = c.inboard[std::size_t(on_path)]) {
         const int first = c.first[std::size_t(on_path)];
-        const int end = first + link_of(std::size_t(on_path)).nu;
+        const int end = c.end_of(std::size_t(on_path));
         for (int col = first; col < end; ++col) {
           const double value = dot(c.motion[std::size_t(col)], momentum);
           c.factor[std::size_t(std::max(row, col) * n + std::min(row, col))] = value;
@@ -166,7 +165,7 @@ void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>
     Eigen::Map<Vec3>{x + 3} = -forces[index];
     return;
   }
-  update_component(mechanism, c);
+  update_motion(mechanism, c);
   const auto velocity_of = [&](const LinkMotion& motion) -> Spatial {
     return {motion.angular, motion.velocity_at(c.origin)};
   };
@@ -183,6 +182,10 @@ void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>
     const Spatial v = velocity[i] = velocity_of(motion);
     Spatial& a = acceleration[i];
     a = Spatial();
+    if (link.mounting.kind == Mounting::Kind::other)
+      a = find_joint_bias(mechanism.model(), link, inboard_frame(link, mechanism.motions()),
+                          mechanism.state.q().data() + link.first_q,
+                          mechanism.state.u().data() + link.first_u, c.origin);
     if (link.mounting.kind == Mounting::Kind::base) {
       // Its centre and its spin have none; the point of it at the origin has.
       a.linear = -v.angular.cross(motion.velocity_at(motion.X * link.mounting.centre));
@@ -191,11 +194,11 @@ void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>
       Spatial inboard;
       if (c.inboard[i] >= 0) {
         inboard = velocity[std::size_t(c.inboard[i])];
-        a = acceleration[std::size_t(c.inboard[i])];
+        a += acceleration[std::size_t(c.inboard[i])];
       } else {
         const LinkMotion& carrier = motions[std::size_t(link.plan.parent)];
         inboard = velocity_of(carrier);
-        a.linear = -carrier.angular.cross(carrier.linear);
+        a.linear -= carrier.angular.cross(carrier.linear);
       }
       a.linear += inboard.angular.cross(v.linear) + inboard.linear.cross(v.angular);
       a.angular += inboard.angular.cross(v.angular);
@@ -210,12 +213,8 @@ void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>
     force[i].linear -= forces[index];
   }
   for (std::size_t i = count; i-- > 0;) {
-    const int end = i + 1 < count ? c.first[i + 1] : c.size();
-    for (int k = c.first[i]; k < end; ++k) x[k] = dot(c.motion[std::size_t(k)], force[i]);
-    if (c.inboard[i] < 0) continue;
-    Spatial& inboard = force[std::size_t(c.inboard[i])];
-    inboard.angular += force[i].angular;
-    inboard.linear += force[i].linear;
+    for (int k = c.first[i]; k < c.end_of(i); ++k) x[k] = dot(c.motion[std::size_t(k)], force[i]);
+    if (c.inboard[i] >= 0) force[std::size_t(c.inboard[i])] += force[i];
   }
 }
 
@@ -252,6 +251,64 @@ void solve_mass(const Component& c, double* x, int position_of_link) {
   solve_tree(c, x, c.trees[std::size_t(c.tree[std::size_t(position_of_link)])]);
 }
 
+void solve_mass_recursively(const Component& c, double* x) {
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  using Mat6 = Eigen::Matrix<double, 6, 6>;
+  using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+  struct Joint {
+    Columns S, U;
+    Eigen::LLT<Square> D;
+  };
+  static thread_local std::vector<Mat6> A;
+  static thread_local std::vector<Vec6> p;
+  static thread_local std::vector<Joint> joints;
+  const std::size_t count = c.links.size();
+  A.resize(count);
+  p.assign(count, Vec6::Zero());
+  joints.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Inertia& inertia = c.inertias[i];
+    const Vec3& m = inertia.moment;
+    Mat3 cross;
+    cross << 0.0, -m.z(), m.y(), m.z(), 0.0, -m.x(), -m.y(), m.x(), 0.0;
+    A[i] << inertia.second, cross, -cross, inertia.mass * Mat3::Identity();
+  }
+  const auto speeds = [&](std::size_t i) {
+    return Eigen::Map<Values>(x + c.first[i], c.end_of(i) - c.first[i]);
+  };
+  for (std::size_t i = count; i-- > 0;) {
+    Joint& joint = joints[i];
+    auto y = speeds(i);
+    joint.S.resize(6, y.size());
+    for (int k = 0; k < y.size(); ++k) {
+      const Spatial& column = c.motion[std::size_t(c.first[i] + k)];
+      joint.S.col(k) << column.angular, column.linear;
+    }
+    if (y.size() > 0) {
+      joint.U = A[i] * joint.S;
+      joint.D.compute(joint.S.transpose() * joint.U);
+      y -= joint.S.transpose() * p[i];
+    }
+    if (c.inboard[i] < 0) continue;
+    const std::size_t inboard = std::size_t(c.inboard[i]);
+    A[inboard] += A[i];
+    p[inboard] += p[i];
+    if (y.size() == 0) continue;
+    A[inboard] -= joint.U * joint.D.solve(joint.U.transpose());
+    p[inboard] += joint.U * joint.D.solve(y);
+  }
+  // From here on `p` is the acceleration.
+  for (std::size_t i = 0; i < count; ++i) {
+    const Joint& joint = joints[i];
+    p[i] = c.inboard[i] < 0 ? Vec6(Vec6::Zero()) : p[std::size_t(c.inboard[i])];
+    auto y = speeds(i);
+    if (y.size() == 0) continue;
+    y = joint.D.solve(y - joint.U.transpose() * p[i]).eval();
+    p[i] += joint.S * y;
+  }
+}
+
 void solve_mass_often(Component& c, const double* j, double* w) {
   const int n = c.size();
   if (c.lone || n > kLargestInverse) {
@@ -277,8 +334,7 @@ void fill_row(const Component& c, int position_of_link, const Spatial& wrench, d
     return;
   }
   for (int i = position_of_link; i >= 0; i = c.inboard[std::size_t(i)]) {
-    const int end = std::size_t(i) + 1 < c.links.size() ? c.first[std::size_t(i) + 1] : c.size();
-    for (int k = c.first[std::size_t(i)]; k < end; ++k)
+    for (int k = c.first[std::size_t(i)]; k < c.end_of(std::size_t(i)); ++k)
       row[k] += sign * dot(c.motion[std::size_t(k)], wrench);
   }
 }

@@ -2,43 +2,16 @@
 // different components meet through contact only, so the mass matrix has one block for each.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
-#include "cogrsim/core/types.h"
-#include "simbody_types.h"
+#include "spatial.h"
 
 namespace cogrsim::dynamics {
 
 class Mechanism;
 struct Link;
-
-/// Angular part first, linear velocity at (force through, torque about) the component's origin,
-/// world axes.
-struct Spatial {
-  Vec3 angular = Vec3::Zero();
-  Vec3 linear = Vec3::Zero();
-};
-inline double dot(const Spatial& a, const Spatial& b) {
-  return a.angular.dot(b.angular) + a.linear.dot(b.linear);
-}
-
-/// Mass, first and second moment of a body about a component's origin, world axes.
-struct Inertia {
-  double mass = 0.0;
-  Vec3 moment = Vec3::Zero();
-  Mat3 second = Mat3::Zero();
-
-  void operator+=(const Inertia& o) {
-    mass += o.mass;
-    moment += o.moment;
-    second += o.second;
-  }
-  /// Momentum of the body moving with `v`; or the force that accelerates it so from rest.
-  Spatial operator*(const Spatial& v) const {
-    return {second * v.angular + moment.cross(v.linear), mass * v.linear + v.angular.cross(moment)};
-  }
-};
 
 /// A ghost link and the link it is welded to.
 struct Weld {
@@ -76,11 +49,15 @@ struct Component {
   std::vector<int> tree;     ///< of each of `links`
   std::vector<Weld> welds;   ///< with some, `links` go tree by tree
   bool lone = false;         ///< one free body: closed forms hold
+  bool recursive = false;    ///< has a tree for which the recursion beats the dense factor
   int offset = 0;            ///< of its degrees of freedom in arrays over all components
   int size() const { return int(speeds.size()); }
+  /// One beyond the last local degree of freedom of a link at a position in `links`.
+  int end_of(std::size_t at) const { return at + 1 < first.size() ? first[at + 1] : size(); }
 
   // At one configuration: that of this version of the state's coordinates.
-  SimTK::ValueVersion version = -1;
+  std::int64_t motion_version = -1;     ///< of origin, inertias, motion
+  std::int64_t version = -1;            ///< of the rest
   Vec3 origin = Vec3::Zero();           ///< what `motion` refers to [m]
   std::vector<Inertia> inertias;        ///< of each of `links`; not of a lone body
   std::vector<Spatial> motion;          ///< velocity of the outboard bodies per unit speed (size)
@@ -98,17 +75,26 @@ struct Component {
   int find(int link) const;
 };
 
-/// Motion columns, composite inertias, mass matrix and its factor at the state's configuration.
-/// Composite-rigid-body method (Featherstone 2008, section 6.2), over Simbody's hinge matrices where
-/// the mechanism has joints without a closed form (Mechanism::closed_form).
+/// Origin, inertias and motion columns at the state's configuration.
+void update_motion(const Mechanism& mechanism, Component& component);
+
+/// All there is at the state's configuration: the mass matrix by the composite-rigid-body method
+/// (Featherstone 2008, section 6.2), its factor, and the loops.
 void update_component(const Mechanism& mechanism, Component& component);
 
 /// x := the generalized forces that give `component` no acceleration of its coordinates, less those
 /// of `forces`, through each link's centre of mass (nlink) [N]: recursive Newton-Euler method
-/// (Featherstone 2008, section 5.3) with all quantities about the component's origin. At the state,
-/// with Mechanism::closed_form only.
+/// (Featherstone 2008, section 5.3) with all quantities about the component's origin. At the state.
 void find_bias(const Mechanism& mechanism, Component& component, const std::vector<Vec3>& forces,
                double* x);
+
+/// x := M^-1 x, the loops ignored, without the mass matrix, in time that grows with the number of links:
+/// the articulated-body method (Featherstone 2008, section 7.3) at rest. With the articulated inertia A
+/// and force p of a link, its columns S, and a its acceleration, from the ends inwards
+///   U = A S,  D = S' U,  y = x - S' p,   A - U D^-1 U' and p + U D^-1 y are added to those inboard,
+/// and from the base outwards x = D^-1 (y - U' a), with a that inboard, and a += S x.
+/// After update_motion at the state.
+void solve_mass_recursively(const Component& component, double* x);
 
 /// x := M^-1 x, the loops ignored.
 void solve_mass(const Component& component, double* x);

@@ -20,18 +20,18 @@ void locate(const Mechanism& mechanism, AxisLaw& law) {
 
 }  // namespace
 
-double AxisLaw::coordinate(const SimTK::Vector& q) const {
+double AxisLaw::coordinate(const Values& q) const {
   return ball_axis < 0 ? q[position] : rotation_vector(q, position)[ball_axis];
 }
 
-double AxisLaw::effort_at(const SimTK::Vector& q, const SimTK::Vector& u) const {
+double AxisLaw::effort_at(const Values& q, const Values& u) const {
   double wanted = law.bias;
   if (law.kp > 0.0) wanted += law.kp * (law.position - coordinate(q));
   if (law.kd > 0.0) wanted += law.kd * (law.velocity - u[speed]);
   return std::clamp(wanted, -law.max_effort, law.max_effort);
 }
 
-Vec3 rotation_vector(const SimTK::Vector& q, int first) {
+Vec3 rotation_vector(const Values& q, int first) {
   const double sign = q[first] < 0 ? -1.0 : 1.0;
   const Vec3 v(sign * q[first + 1], sign * q[first + 2], sign * q[first + 3]);
   const double s = v.norm();

@@ -25,13 +25,13 @@ struct AxisLaw {
   bool implicit = false;
   double theta = 0.5;
 
-  double coordinate(const SimTK::Vector& q) const;
+  double coordinate(const Values& q) const;
   /// The law's effort at q, u.
-  double effort_at(const SimTK::Vector& q, const SimTK::Vector& u) const;
+  double effort_at(const Values& q, const Values& u) const;
 };
 
 /// The coordinate of a ball joint as rotation vector (axis times angle, angle 0 to pi), F's axes.
-Vec3 rotation_vector(const SimTK::Vector& q, int first);
+Vec3 rotation_vector(const Values& q, int first);
 
 /// All laws of a mechanism: joints' springs and dampers first, motors after, in model order.
 std::vector<AxisLaw> make_laws(const Mechanism& mechanism);

@@ -46,7 +46,8 @@ double settle(const std::vector<HeapGroup>& groups, std::vector<HeapGaps>& gaps,
 // Rigid faces that are a little out of true cannot all touch, and what cannot be done asks for ever more:
 // a row of the position stage yields by this much of its inverse mass to what it bears.
 constexpr double kYield = 0.1;
-// Sweeps stop as in Island; those of the position stage also where four more gain less than this.
+// Sweeps stop as in Island, those of the position stage as soon as they are idle, and where four more
+// gain less than kStuck.
 constexpr int kPatience = 4;
 constexpr double kIdle = 300.0, kSlow = 0.7, kStuck = 0.8;
 constexpr double kKeptIdle = 0.99;
@@ -236,24 +237,19 @@ int Heap::solve_velocities(const SolverOptions& options, std::vector<Line>& line
     for (int i = 0; i < g.count; ++i)
       if (g.lambda[i] != 0.0) apply(g, i, g.lambda[i], v_);
   const double idle = kIdle * options.tolerance;
-  along_.assign(groups_.size(), Four{});
-  along_v_.assign(v_.size(), HeapBody{});
-  last_.resize(groups_.size());
-  double last_size = 0.0, before = std::numeric_limits<double>::infinity();
+  const auto impulses = [&](std::size_t i) -> Four& { return groups_[i].lambda; };
+  set_out(impulses, v_);
+  double before = std::numeric_limits<double>::infinity();
   int count = 1;
   for (; count <= options.iterations; ++count) {
     const bool backwards = count % 2 == 0;
-    if (!backwards) {
-      for (std::size_t i = 0; i < groups_.size(); ++i) last_[i] = groups_[i].lambda;
-      last_v_ = v_;
-    }
     const double change = sweep(groups_, bearings_, backwards, v_.data());
     if (change < options.tolerance) break;
     if (count % kPatience == 0) {
       if (change < idle && change > kSlow * before) break;
       before = change;
     }
-    if (backwards && count < options.iterations) last_size = go_on(last_size);
+    if (backwards && count < options.iterations) go_on(impulses, v_);
   }
   for (std::size_t i = 0; i < line_of_.size(); ++i)
     if (line_of_[i] >= 0) lines[std::size_t(line_of_[i])].lambda = groups_[i / 4].lambda[i % 4];
@@ -261,28 +257,42 @@ int Heap::solve_velocities(const SolverOptions& options, std::vector<Line>& line
   return std::min(count, options.iterations);
 }
 
-double Heap::go_on(double last_size) {
+template <class Impulses>
+void Heap::set_out(const Impulses& x, const std::vector<HeapBody>& v) {
+  course_.along.assign(groups_.size(), Four{});
+  course_.along_v.assign(v.size(), HeapBody{});
+  course_.last.resize(groups_.size());
+  for (std::size_t i = 0; i < groups_.size(); ++i) course_.last[i] = x(i);
+  course_.last_v = v;
+  course_.size = 0.0;
+}
+
+template <class Impulses>
+void Heap::go_on(const Impulses& x, std::vector<HeapBody>& v) {
   Four sizes = {};
   for (std::size_t i = 0; i < groups_.size(); ++i) {
-    const Four d = groups_[i].lambda - last_[i];
+    const Four d = x(i) - course_.last[i];
     sizes += groups_[i].diagonal * d * d;
   }
   const double size = sum_of(sizes);
-  const double beta = size < last_size ? size / last_size : 0.0;
+  const double beta = size < course_.size ? size / course_.size : 0.0;
+  course_.size = size;
   for (std::size_t i = 0; i < groups_.size(); ++i) {
-    const Four step = beta * along_[i];
-    along_[i] = step + groups_[i].lambda - last_[i];
-    groups_[i].lambda += step;
+    Four& along = course_.along[i];
+    const Four step = beta * along;
+    along = step + x(i) - course_.last[i];
+    course_.last[i] = x(i) += step;
   }
-  for (std::size_t i = 0; i < v_.size(); ++i) {
-    const Four first = beta * along_v_[i].first;
-    const Two last = beta * along_v_[i].last;
-    along_v_[i].first = first + v_[i].first - last_v_[i].first;
-    along_v_[i].last = last + v_[i].last - last_v_[i].last;
-    v_[i].first += first;
-    v_[i].last += last;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    HeapBody& along = course_.along_v[i];
+    const Four first = beta * along.first;
+    const Two last = beta * along.last;
+    along.first = first + v[i].first - course_.last_v[i].first;
+    along.last = last + v[i].last - course_.last_v[i].last;
+    v[i].first += first;
+    v[i].last += last;
   }
-  return size;
+  course_.last_v = v;
 }
 
 // As Island::measure_gaps.
@@ -312,7 +322,7 @@ bool Heap::measure_gaps(double h, const std::vector<Line>& lines, std::vector<Ro
       gaps.error[i] = error;
       gaps.yield[i] = kYield * g.diagonal[i];
       gaps.weight[i] = 1.0 / (g.diagonal[i] + gaps.yield[i]);
-      gaps.any = true;
+      gaps.rows = i + 1;
       needed = needed || error > 0.0 || (pull && error != 0.0);
     }
   }
@@ -342,7 +352,8 @@ void Heap::hold_sticking(double h) {
         gaps.yield[k] = kYield * g.diagonal[k];
         gaps.hold[k] = 1.0 / g.diagonal[k];
         gaps.weight[k] = 1.0 / (g.diagonal[k] + gaps.yield[k]);
-        gaps.any = gaps.held = true;
+        gaps.rows = k + 1;
+        gaps.held = true;
       }
     }
   }
@@ -361,6 +372,7 @@ void Heap::solve_positions(const SolverOptions& options, double h, const std::ve
       if (gaps_[n].push[i] != 0.0) apply(groups_[n], i, gaps_[n].push[i], p_);
   double before = std::numeric_limits<double>::infinity();
   double kept = 0.0;  // share of the pushes that the next step starts from
+  const auto pushes = [&](std::size_t i) -> Four& { return gaps_[i].push; };
   const int sweeps = std::min(options.iterations, kPositionSweeps);
   for (int count = 1; count <= sweeps; ++count) {
     const bool backwards = count % 2 == 0;
@@ -370,24 +382,29 @@ void Heap::solve_positions(const SolverOptions& options, double h, const std::ve
       break;
     }
     if (count % kPatience == 0) {
-      if (change > kStuck * before || (change < idle && change > kSlow * before)) {
+      if (change < idle || change > kStuck * before) {
         kept = change < idle ? kKeptIdle : 0.0;
         break;
       }
       before = change;
     }
+    // What is stuck is so after the first few.
+    if (count == 2 * kPatience)
+      set_out(pushes, p_);
+    else if (count > 2 * kPatience && backwards && count < sweeps)
+      go_on(pushes, p_);
   }
-  last_.resize(groups_.size());
-  for (std::size_t i = 0; i < groups_.size(); ++i) last_[i] = gaps_[i].push;
+  std::vector<Four>& found = course_.last;
+  for (std::size_t i = 0; i < groups_.size(); ++i) found[i] = gaps_[i].push;
   // What the sweeps left of gaps is found again by the next step; of sliding it is not.
   for (int count = 1; count <= kHoldSweeps; ++count)
-    if (settle(groups_, gaps_, count % 2 == 1, true, p_.data()) < tolerance) break;
+    if (settle(groups_, gaps_, count % 2 == 1, true, p_.data()) < idle) break;
   for (std::size_t i = 0; i < line_of_.size(); ++i) {
     if (line_of_[i] < 0) continue;
     const HeapGaps& gaps = gaps_[i / 4];
     if (gaps.weight[i % 4] == 0.0) continue;
     Row& row = rows[std::size_t(lines[std::size_t(line_of_[i])].row)];
-    row.push = kept * last_[i / 4][i % 4];
+    row.push = kept * found[i / 4][i % 4];
     row.settled = along(groups_[i / 4], int(i % 4), p_);
   }
   unscale(p_, p);

@@ -51,10 +51,18 @@ struct alignas(32) HeapGroup {
 /// The rows of a group in the position stage.
 struct alignas(32) HeapGaps {
   Four error, push, least;
-  Four weight;  ///< 0: not concerned
-  Four yield;   ///< of what a multiplier moves
-  Four hold;    ///< the weight without yielding, of what is held; else 0
-  bool any = false, held = false;
+  Four weight;   ///< 0: not concerned
+  Four yield;    ///< of what a multiplier moves
+  Four hold;     ///< the weight without yielding, of what is held; else 0
+  int rows = 0;  ///< up to the last that is concerned
+  bool held = false;
+};
+
+/// Where sweeps come from and go to: for conjugate steps, see Heap::go_on.
+struct HeapCourse {
+  std::vector<Four> last, along;  ///< impulses, by group
+  std::vector<HeapBody> last_v, along_v;
+  double size = 0.0;
 };
 
 /// Contacts of free bodies, nothing else.
@@ -84,7 +92,12 @@ class Heap {
   void add_bearing(HeapGroup& group);
   void scale(const std::vector<double>& v, std::vector<HeapBody>& out) const;
   void unscale(const std::vector<HeapBody>& in, std::vector<double>& v) const;
-  double go_on(double last_size);
+  // Where the sweeps to come start from; then, after each pair of them there and back, on along what
+  // the last pairs changed: a step of Fletcher and Reeves's. `x(i)`: the impulses of a group.
+  template <class Impulses>
+  void set_out(const Impulses& x, const std::vector<HeapBody>& v);
+  template <class Impulses>
+  void go_on(const Impulses& x, std::vector<HeapBody>& v);
   bool measure_gaps(double h, const std::vector<Line>& lines, std::vector<Row>& rows);
   void hold_sticking(double h);
 
@@ -93,8 +106,8 @@ class Heap {
   std::vector<Bearing> bearings_;
   std::vector<int> line_of_;  // four for each group; -1: none
   std::vector<HeapGaps> gaps_;
-  std::vector<HeapBody> v_, p_, last_v_, along_v_;
-  std::vector<Four> last_, along_;
+  std::vector<HeapBody> v_, p_;
+  HeapCourse course_;
 };
 
 }  // namespace cogrsim::dynamics

@@ -1,27 +1,46 @@
 // Sweeps over the groups of a heap. heap.cpp includes this once for each set of instructions; no
 // figure depends on which is used.
 
+// J v of the first `rows` rows; the others have no entries.
+template <int rows>
 inline Four dots(const HeapGroup& g, const HeapBody* v) {
   const Four a = v[g.a].first, b = v[g.b].first;
   const Two la = v[g.a].last, lb = v[g.b].last;
   const Four last = {la[0], la[1], lb[0], lb[1]};
   const Four s0 = g.rows[0].a * a + g.rows[0].b * b + g.rows[0].last * last;
+  if constexpr (rows == 1) return Four{(s0[0] + s0[1]) + (s0[2] + s0[3]), 0.0, 0.0, 0.0};
   const Four s1 = g.rows[1].a * a + g.rows[1].b * b + g.rows[1].last * last;
   const Four s2 = g.rows[2].a * a + g.rows[2].b * b + g.rows[2].last * last;
-  const Four s3 = g.rows[3].a * a + g.rows[3].b * b + g.rows[3].last * last;
+  Four s3 = {};
+  if constexpr (rows > 3) s3 = g.rows[3].a * a + g.rows[3].b * b + g.rows[3].last * last;
   const Four t01 = Four{s0[0], s1[0], s0[2], s1[2]} + Four{s0[1], s1[1], s0[3], s1[3]};
   const Four t23 = Four{s2[0], s3[0], s2[2], s3[2]} + Four{s2[1], s3[1], s2[3], s3[3]};
   return Four{t01[0], t01[1], t23[0], t23[1]} + Four{t01[2], t01[3], t23[2], t23[3]};
 }
 
+// v += W d, likewise.
+template <int rows>
 inline void apply(const HeapGroup& g, const Four& d, HeapBody* v) {
+  Four first = g.rows[0].a * d[0], second = g.rows[0].b * d[0], last = g.rows[0].last * d[0];
+  if constexpr (rows > 1) {
+    first += g.rows[1].a * d[1];
+    second += g.rows[1].b * d[1];
+    last += g.rows[1].last * d[1];
+    Four a = g.rows[2].a * d[2], b = g.rows[2].b * d[2], l = g.rows[2].last * d[2];
+    if constexpr (rows > 3) {
+      a += g.rows[3].a * d[3];
+      b += g.rows[3].b * d[3];
+      l += g.rows[3].last * d[3];
+    }
+    first += a;
+    second += b;
+    last += l;
+  }
   HeapBody &a = v[g.a], &b = v[g.b];
-  const Four l = (g.rows[0].last * d[0] + g.rows[1].last * d[1]) +
-                 (g.rows[2].last * d[2] + g.rows[3].last * d[3]);
-  a.first += (g.rows[0].a * d[0] + g.rows[1].a * d[1]) + (g.rows[2].a * d[2] + g.rows[3].a * d[3]);
-  b.first += (g.rows[0].b * d[0] + g.rows[1].b * d[1]) + (g.rows[2].b * d[2] + g.rows[3].b * d[3]);
-  a.last += Two{l[0], l[1]};
-  b.last += Two{l[2], l[3]};
+  a.first += first;
+  b.first += second;
+  a.last += Two{last[0], last[1]};
+  b.last += Two{last[2], last[3]};
 }
 
 inline double larger(double a, double b) { return a > b ? a : b; }
@@ -110,7 +129,8 @@ double sweep(HeapGroup* groups, std::size_t count, const Heap::Bearing* bearings
     }
     for (std::size_t k = first; k < last; ++k) {
       HeapGroup& g = groups[k];
-      const Four r = g.bias + g.gamma * g.lambda + dots(g, v);
+      const bool three = g.count <= 3;
+      const Four r = g.bias + g.gamma * g.lambda + (three ? dots<3>(g, v) : dots<4>(g, v));
       Four d, change;
       switch (g.kind) {
         case HeapGroup::Kind::bearing:
@@ -130,13 +150,30 @@ double sweep(HeapGroup* groups, std::size_t count, const Heap::Bearing* bearings
           change = size_of(d) * g.diagonal;
       }
       g.lambda += d;
-      apply(g, d, v);
+      three ? apply<3>(g, d, v) : apply<4>(g, d, v);
       most = larger_of(most, change);
     }
     i += last - first;
     end = first;
   }
   return larger(larger(most[0], most[1]), larger(most[2], most[3]));
+}
+
+template <int rows>
+inline Four settle_rows(const HeapGroup& g, HeapGaps& gap, bool held, HeapBody* p) {
+  Four weight = gap.weight, r = gap.error - dots<rows>(g, p);
+  if (held)
+    weight = gap.hold;
+  else
+    r -= gap.yield * gap.push;
+  Four d = {};
+  for (int n = 0; n < rows; ++n) {
+    d[n] = larger(gap.push[n] + r[n] * weight[n], gap.least[n]) - gap.push[n];
+    if (n + 1 < rows) r -= g.below[n] * d[n];
+  }
+  gap.push += d;
+  apply<rows>(g, d, p);
+  return d;
 }
 
 /// The same of the position stage; `held`: over what is held only.
@@ -146,20 +183,11 @@ double settle(const HeapGroup* groups, HeapGaps* gaps, std::size_t count, bool b
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t k = backwards ? count - 1 - i : i;
     HeapGaps& gap = gaps[k];
-    if (!(held ? gap.held : gap.any)) continue;
+    if (held ? !gap.held : gap.rows == 0) continue;
     const HeapGroup& g = groups[k];
-    Four weight = gap.weight, r = gap.error - dots(g, p);
-    if (held)
-      weight = gap.hold;
-    else
-      r -= gap.yield * gap.push;
-    Four d = {};
-    for (int n = 0; n < 4; ++n) {
-      d[n] = larger(gap.push[n] + r[n] * weight[n], gap.least[n]) - gap.push[n];
-      if (n < 3) r -= g.below[n] * d[n];
-    }
-    gap.push += d;
-    apply(g, d, p);
+    const Four d = gap.rows == 1   ? settle_rows<1>(g, gap, held, p)
+                   : gap.rows <= 3 ? settle_rows<3>(g, gap, held, p)
+                                   : settle_rows<4>(g, gap, held, p);
     most = larger_of(most, size_of(d) * g.diagonal);
   }
   return larger(larger(most[0], most[1]), larger(most[2], most[3]));

@@ -134,13 +134,12 @@ void join_suddenly(Mechanism& mechanism, const SceneModel& model, const std::vec
     share[i] = value > cut ? share[i] / value : 0.0;
   }
   const Eigen::VectorXd change = -(W.transpose() * (eigen.eigenvectors() * share));
-  SimTK::Vector& u = mechanism.state.updU();
+  Values& u = mechanism.state.change_u();
   for (const auto& [number, offset] : first) {
     Component& component = mechanism.components()[std::size_t(number)];
     for (int k = 0; k < component.size(); ++k)
       u[component.speeds[std::size_t(k)]] += change[offset + k];
   }
-  mechanism.realize_velocity();
 }
 
 }  // namespace cogrsim::dynamics

@@ -7,7 +7,7 @@
 
 namespace cogrsim::dynamics {
 
-/// Changes the speeds of the mechanism's state, realized to Velocity, such that `joints` (of any
+/// Changes the speeds of the mechanism's state such that `joints` (of any
 /// model with the same bodies; the mechanism need not have them) do not forbid them and `stopped`
 /// bodies rest: by the impulses of a perfectly plastic joining,
 ///   u += M^-1 J^T l,  (J M^-1 J^T) l = -J u,

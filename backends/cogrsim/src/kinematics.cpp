@@ -23,12 +23,6 @@ Mat3 rotation_of(const double* q) {
 
 Vec3 entries(const double* x) { return {x[0], x[1], x[2]}; }
 
-// Where I is: `out` has the places of links before this one.
-Placement inboard_frame(const Link& link, const std::vector<LinkMotion>& out) {
-  if (link.plan.parent < 0) return link.mounting.X_PI;
-  return out[std::size_t(link.plan.parent)].X * link.mounting.X_PI;
-}
-
 Placement moved_along_axis(const Mounting& mounting, const Placement& X_WI, const double* q) {
   double angle = 0.0, height = 0.0;
   if (mounting.turns) {
@@ -46,10 +40,22 @@ Placement moved_along_axis(const Mounting& mounting, const Placement& X_WI, cons
   return X_WO;
 }
 
-// X_IO and how O moves in I, of any joint of the model.
+// Rates of the joint's twist in F at constant speeds, M's origin as it goes. Only the second axis of a
+// universal joint turns in F.
+Twist twist_rate(const Joint& joint, const double* q, const double* u) {
+  Twist out;
+  if (joint.type == JointType::universal)
+    out.angular = u[0] * u[1] * Vec3(0.0, -std::sin(q[0]), std::cos(q[0]));
+  return out;
+}
+
+// X_IO, how O moves in I, and the rate of that at constant speeds, of any joint of the model. With R, p
+// of X_FM and w, v of V_FM, the joint reversed is X_MF = (R', -R' p), in M's axes
+//   w_MF = -R' w,  v_MF = R' (w x p - v),   and, as R' changes by -R' [w],
+//   their rates -R' dw and R' (2 w x v - w x (w x p) + dw x p - dv).
 struct JointMotion {
   Placement X;
-  Twist V;
+  Twist V, rate;
 };
 JointMotion joint_motion(const SceneModel& model, const Link& link, const double* q,
                          const double* u) {
@@ -60,16 +66,26 @@ JointMotion joint_motion(const SceneModel& model, const Link& link, const double
   if (u)
     for (int k = 0; k < link.nu; ++k) model_u[std::size_t(k)] = u[link.u_map[std::size_t(k)]];
   JointMotion out{Placement(joint_pose(joint, model_q.data())),
-                  joint_twist(joint, model_q.data(), model_u.data())};
+                  joint_twist(joint, model_q.data(), model_u.data()),
+                  twist_rate(joint, model_q.data(), model_u.data())};
   if (!link.plan.reversed) return out;
   const Mat3 R = out.X.R.transpose();
-  out.X = {R, -(R * out.X.p)};
-  out.V.angular = -(R * out.V.angular);
-  out.V.linear = out.V.angular.cross(out.X.p) - R * out.V.linear;
+  const Vec3 p = out.X.p, w = out.V.angular, v = out.V.linear;
+  const Vec3 dw = out.rate.angular, dv = out.rate.linear;
+  out.X = {R, -(R * p)};
+  out.V.angular = -(R * w);
+  out.V.linear = R * (w.cross(p) - v);
+  out.rate.angular = -(R * dw);
+  out.rate.linear = R * (2.0 * w.cross(v) - w.cross(w.cross(p)) + dw.cross(p) - dv);
   return out;
 }
 
 }  // namespace
+
+Placement inboard_frame(const Link& link, const std::vector<LinkMotion>& motions) {
+  if (link.plan.parent < 0) return link.mounting.X_PI;
+  return motions[std::size_t(link.plan.parent)].X * link.mounting.X_PI;
+}
 
 Mounting mount(const SceneModel& model, const PlannedLink& plan) {
   Mounting out;
@@ -187,6 +203,32 @@ void find_velocities(const SceneModel& model, const std::vector<Link>& links, co
     }
     motion.linear += motion.angular.cross(motion.X.p - at);
   }
+}
+
+void find_joint_columns(const SceneModel& model, const Link& link, const Placement& X_WI,
+                        const double* q, const Vec3& origin, Spatial* columns) {
+  std::array<double, 6> u{};
+  for (int k = 0; k < link.nu; ++k) {
+    u[std::size_t(k)] = 1.0;
+    const JointMotion motion = joint_motion(model, link, q, u.data());
+    u[std::size_t(k)] = 0.0;
+    Spatial& column = columns[k];
+    column.angular = X_WI.R * motion.V.angular;
+    column.linear = X_WI.R * motion.V.linear + column.angular.cross(origin - X_WI * motion.X.p);
+  }
+}
+
+Spatial find_joint_bias(const SceneModel& model, const Link& link, const Placement& X_WI,
+                        const double* q, const double* u, const Vec3& origin) {
+  // The velocity at I's origin is v + p x w, where p, of O, changes by v.
+  const JointMotion motion = joint_motion(model, link, q, u);
+  const Twist& rate = motion.rate;
+  Spatial out;
+  out.angular = X_WI.R * rate.angular;
+  out.linear = X_WI.R * (rate.linear + motion.V.linear.cross(motion.V.angular) +
+                         motion.X.p.cross(rate.angular));
+  out.linear += out.angular.cross(origin - X_WI.p);
+  return out;
 }
 
 void find_rates(const std::vector<Link>& links, const double* q, const double* u, double* qdot) {

@@ -5,6 +5,7 @@
 
 #include "cogrsim/model/scene_model.h"
 #include "placement.h"
+#include "spatial.h"
 #include "tree_plan.h"
 
 namespace cogrsim::dynamics {
@@ -44,14 +45,25 @@ struct Mounting {
 
 Mounting mount(const SceneModel& model, const PlannedLink& plan);
 
-/// Places of all links, a parent before its children, at coordinates `q`. The same as Simbody's
-/// position kinematics but for rounding, at an eighth of the cost: Simbody finds much more besides.
+/// Places of all links, a parent before its children, at coordinates `q`.
 void find_places(const SceneModel& model, const std::vector<Link>& links, const double* q,
                  std::vector<LinkMotion>& out);
 
 /// How they move at speeds `u`; the places are in `out` already.
 void find_velocities(const SceneModel& model, const std::vector<Link>& links, const double* q,
                      const double* u, std::vector<LinkMotion>& out);
+
+/// X_WI of a link: `motions` has the places of the links before it.
+Placement inboard_frame(const Link& link, const std::vector<LinkMotion>& motions);
+
+/// Of a link whose joint has no fixed axis (Mounting::Kind::other): its velocity, world axes, about
+/// `origin`, per unit of each of its speeds. X_WI: its frame I; `q`: its own coordinates.
+void find_joint_columns(const SceneModel& model, const Link& link, const Placement& X_WI,
+                        const double* q, const Vec3& origin, Spatial* columns);
+
+/// Likewise: the rate of those columns, as seen from I, times its own speeds `u`.
+Spatial find_joint_bias(const SceneModel& model, const Link& link, const Placement& X_WI,
+                        const double* q, const double* u, const Vec3& origin);
 
 /// Rates of the coordinates `q` at the speeds `u`: qdot = N(q) u. `qdot` is not `u`.
 void find_rates(const std::vector<Link>& links, const double* q, const double* u, double* qdot);

@@ -15,29 +15,25 @@ constexpr int kMostProjections = 100;  // gives up after;
 constexpr double kLeastShare = 1e-2;   // goes no shorter way than this share of one of them;
 constexpr double kCannotClose = 1e-6;  // what of a gap is then an error.
 
+// Beyond this many degrees of freedom in one tree the recursion beats the dense block.
+constexpr int kLargestDense = 48;
+
 }  // namespace
 
-Mechanism::Mechanism(SceneModelPtr model)
-    : matter(system), model_(std::move(model)), plan_(plan_tree(*model_)) {
-  matter.setShowDefaultGeometry(false);
+Mechanism::Mechanism(SceneModelPtr model) : model_(std::move(model)), plan_(plan_tree(*model_)) {
   links_.reserve(plan_.links.size());
-  for (const PlannedLink& plan : plan_.links) add_link(plan);
-
-  state = system.realizeTopology();
-  system.realizeModel(state);
-  for (Link& link : links_) {
-    link.first_q = int(link.mobod.getFirstQIndex(state));
-    link.first_u = int(link.mobod.getFirstUIndex(state));
-    link.nq = link.mobod.getNumQ(state);
-    link.nu = link.mobod.getNumU(state);
-    const bool base = link.plan.joint < 0;
-    const JointType type =
-        base ? JointType::free : model_->joints[std::size_t(link.plan.joint)].type;
-    if (type == JointType::ball) quaternions_.push_back(link.first_q);
-    if (type == JointType::free) quaternions_.push_back(link.first_q);
+  int nq = 0, nu = 0;
+  for (const PlannedLink& plan : plan_.links) {
+    Link link = make_link(plan);
+    link.first_q = nq;
+    link.first_u = nu;
+    nq += link.nq;
+    nu += link.nu;
+    if (link.mounting.has_quaternion) quaternions_.push_back(link.first_q);
+    links_.push_back(link);
   }
+  state = State(nq, nu);
   make_components();
-
   for (const Link& link : links_) {
     if (link.plan.joint < 0) {
       const Body& body = model_->bodies[std::size_t(link.plan.body)];
@@ -48,11 +44,9 @@ Mechanism::Mechanism(SceneModelPtr model)
     }
   }
   if (has_loops_) project();
-  realize_velocity();
 }
 
-void Mechanism::add_link(const PlannedLink& plan) {
-  using SimTK::MobilizedBody;
+Link Mechanism::make_link(const PlannedLink& plan) const {
   const Body& body = model_->bodies[std::size_t(plan.body)];
   Link link;
   link.plan = plan;
@@ -61,35 +55,16 @@ void Mechanism::add_link(const PlannedLink& plan) {
   link.mass = plan.share * body.mass;
   link.com = body.com;
   link.inertia = plan.share * body.inertia;
-  const SimTK::Body::Rigid rigid =
-      rigid_body(body, plan.share * body.mass, plan.share * body.inertia);
-  if (!link.kinematic) {
-    // As Simbody has them: both ways to accelerations speak of the same body.
-    const SimTK::MassProperties& properties = rigid.getDefaultRigidBodyMassProperties();
-    const SimTK::Inertia central = properties.calcCentralInertia();
-    link.mass = properties.getMass();
-    link.com = from_simtk(properties.getMassCenter());
-    link.inertia = from_simtk(central.asSymMat33());
-  }
   link.inverse_inertia = link.inertia.inverse();
-
-  if (plan.joint < 0) {
-    const SimTK::Vec3 at = link.kinematic ? SimTK::Vec3(0) : to_simtk(body.com);
-    link.mobod = MobilizedBody::Free(matter.Ground(), SimTK::Transform(), rigid, at);
-    // What is prescribed has no acceleration; the velocity itself is set before each step.
-    if (link.kinematic) SimTK::Motion::Steady(link.mobod, SimTK::Vec6(0));
-    links_.push_back(link);
-    return;
+  const JointType type =
+      plan.joint < 0 ? JointType::free : model_->joints[std::size_t(plan.joint)].type;
+  link.nq = position_count(type);
+  link.nu = speed_count(type);
+  if (type == JointType::free) {
+    link.q_map = {4, 5, 6, 0, 1, 2, 3};
+    link.u_map = {3, 4, 5, 0, 1, 2};
   }
-
-  const Joint& joint = model_->joints[std::size_t(plan.joint)];
-  const bool on_ground = plan.parent < 0;
-  const MobilizedBody inboard =
-      on_ground ? MobilizedBody(matter.Ground()) : links_[std::size_t(plan.parent)].mobod;
-  const Pose* const anchor =
-      on_ground && plan.anchor >= 0 ? &model_->bodies[std::size_t(plan.anchor)].X_WB : nullptr;
-  static_cast<Mobilizer&>(link) = mobilizer_of(joint, plan.reversed, inboard, anchor, rigid);
-  links_.push_back(link);
+  return link;
 }
 
 void Mechanism::make_components() {
@@ -146,7 +121,7 @@ void Mechanism::make_components() {
       c.trees.back().end = c.size();
     }
     for (const Component::Range& tree : c.trees)
-      largest_ = std::max(largest_, tree.end - tree.first);
+      c.recursive = c.recursive || tree.end - tree.first > kLargestDense;
     for (int i : c.links) {
       const PlannedLink& plan = links_[std::size_t(i)].plan;
       if (!plan.ghost) continue;
@@ -166,10 +141,6 @@ void Mechanism::make_components() {
     c.lone = c.links.size() == 1 && links_[std::size_t(c.links[0])].plan.joint < 0;
     c.motion.resize(std::size_t(c.size()));
   }
-  closed_form_ =
-      largest_ <= kLargestDense && std::none_of(links_.begin(), links_.end(), [](const Link& link) {
-        return link.mounting.kind == Mounting::Kind::other;
-      });
 }
 
 int Mechanism::axis_speed(int joint, int axis) const {
@@ -187,23 +158,23 @@ int Mechanism::axis_position(int joint, int axis) const {
 }
 
 const std::vector<LinkMotion>& Mechanism::motions() const {
-  const SimTK::ValueVersion q = state.getQValueVersion(), u = state.getUValueVersion();
+  const std::int64_t q = state.q_version(), u = state.u_version();
   if (q == q_version_ && u == u_version_) return motions_;
-  const double* const coordinates = numbers(state.getQ());
+  const double* const coordinates = state.q().data();
   if (q != q_version_) find_places(*model_, links_, coordinates, motions_);
-  find_velocities(*model_, links_, coordinates, numbers(state.getU()), motions_);
+  find_velocities(*model_, links_, coordinates, state.u().data(), motions_);
   q_version_ = q;
   u_version_ = u;
   return motions_;
 }
 
-void Mechanism::multiply_by_n(const SimTK::Vector& u, SimTK::Vector& out) const {
-  if (out.size() != state.getNQ()) out.resize(state.getNQ());
-  find_rates(links_, numbers(state.getQ()), numbers(u), numbers(out));
+void Mechanism::multiply_by_n(const Values& u, Values& out) const {
+  if (out.size() != state.nq()) out.resize(state.nq());
+  find_rates(links_, state.q().data(), u.data(), out.data());
 }
 
 void Mechanism::normalize_quaternions() {
-  SimTK::Vector& q = state.updQ();
+  Values& q = state.change_q();
   for (int first : quaternions_) {
     double* const p = &q[first];
     const double norm = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
@@ -220,7 +191,7 @@ void Mechanism::project() {
 
 void Mechanism::close_coordinates() {
   static thread_local std::vector<double> gaps, change;
-  SimTK::Vector from, shift(state.getNU()), rates(state.getNQ());
+  Values from, shift(state.nu()), rates;
   double before = std::numeric_limits<double>::infinity(), share = 1.0;
   const auto measure = [&](Component& c) {
     gaps.resize(6 * c.welds.size());
@@ -235,7 +206,7 @@ void Mechanism::close_coordinates() {
     if (most < before || share < kLeastShare) {
       share = 1.0;
       before = most;
-      shift.setToZero();
+      shift.setZero();
       for (Component& c : components_) {
         if (c.welds.empty() || !(measure(c) > kClosed)) continue;
         update_component(*this, c);
@@ -244,12 +215,12 @@ void Mechanism::close_coordinates() {
         close_loops(c, change.data(), gaps.data());
         for (int k = 0; k < c.size(); ++k) shift[c.speeds[std::size_t(k)]] = change[std::size_t(k)];
       }
-      copy(state.getQ(), from);
+      from = state.q();
       multiply_by_n(shift, rates);
     } else {
       share *= 0.5;  // too far to be a straight way
     }
-    add(from, share, rates, state.updQ());
+    state.change_q() = from + share * rates;
     normalize_quaternions();
   }
   if (!(before < kCannotClose))
@@ -258,7 +229,7 @@ void Mechanism::close_coordinates() {
 
 void Mechanism::project_speeds() {
   static thread_local std::vector<double> wanted, change;
-  SimTK::Vector projected = state.getU();
+  Values projected = state.u();
   for (Component& c : components_) {
     if (c.welds.empty()) continue;
     update_component(*this, c);
@@ -270,12 +241,12 @@ void Mechanism::project_speeds() {
     for (int k = 0; k < c.size(); ++k)
       projected[c.speeds[std::size_t(k)]] += change[std::size_t(k)];
   }
-  copy(projected, state.updU());
+  state.change_u() = projected;
 }
 
 void Mechanism::set_base(const Link& link, const Pose& X_WB, const Twist& V_WB) {
-  SimTK::Vector& q = state.updQ();
-  SimTK::Vector& u = state.updU();
+  Values& q = state.change_q();
+  Values& u = state.change_u();
   const Vec3 r = link.kinematic ? Vec3::Zero() : Vec3(X_WB.q * link.com);
   const Vec3 p = X_WB.p + r, v = V_WB.at(r);
   q[link.first_q] = X_WB.q.w();
@@ -288,15 +259,15 @@ void Mechanism::set_base(const Link& link, const Pose& X_WB, const Twist& V_WB) 
 }
 
 void Mechanism::set_joint(const Link& link, const double* q, const double* u) {
-  SimTK::Vector& all_q = state.updQ();
-  SimTK::Vector& all_u = state.updU();
+  Values& all_q = state.change_q();
+  Values& all_u = state.change_u();
   for (int k = 0; k < link.nq; ++k) all_q[link.first_q + link.q_map[std::size_t(k)]] = q[k];
   for (int k = 0; k < link.nu; ++k) all_u[link.first_u + link.u_map[std::size_t(k)]] = u[k];
 }
 
 void Mechanism::get_joint(const Link& link, double* q, double* u) const {
-  const SimTK::Vector& all_q = state.getQ();
-  const SimTK::Vector& all_u = state.getU();
+  const Values& all_q = state.q();
+  const Values& all_u = state.u();
   for (int k = 0; k < link.nq; ++k) q[k] = all_q[link.first_q + link.q_map[std::size_t(k)]];
   for (int k = 0; k < link.nu; ++k) u[k] = all_u[link.first_u + link.u_map[std::size_t(k)]];
 }

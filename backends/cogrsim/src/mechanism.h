@@ -1,26 +1,28 @@
-// The scene as a Simbody system: bodies, mobilizers, welds that close loops.
+// The scene as trees of links, tied by welds where they form loops.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "components.h"
-#include "convert.h"
 #include "kinematics.h"
-#include "mobilizers.h"
+#include "state.h"
 #include "tree_plan.h"
 
 namespace cogrsim::dynamics {
 
-/// A mobilized body. Simbody's body frame is the model's body frame; a base moves in its centre of
-/// mass (kinematic: in its origin), so that its generalized speeds are angular velocity and
-/// velocity of that point, in world axes.
-struct Link : Mobilizer {
+/// A body and what carries it. A base moves in its centre of mass (kinematic: in its origin), so that
+/// its speeds are angular velocity and velocity of that point, in world axes.
+struct Link {
   PlannedLink plan;
   Mounting mounting;
   bool kinematic = false;
   int first_q = 0, nq = 0, first_u = 0, nu = 0;
+  /// q_map[i]: place, among its own q, of the model's q_i; u_map likewise.
+  std::array<int, 7> q_map{0, 1, 2, 3, 4, 5, 6};
+  std::array<int, 6> u_map{0, 1, 2, 3, 4, 5};
   double mass = 0.0;                ///< its share
   Vec3 com = Vec3::Zero();          ///< body frame
   Mat3 inertia = Mat3::Identity();  ///< its share, about com, body axes
@@ -30,7 +32,7 @@ struct Link : Mobilizer {
 
 class Mechanism {
  public:
-  /// Throws what Simbody throws, and std::runtime_error when loops cannot be closed.
+  /// Throws std::runtime_error when loops cannot be closed.
   explicit Mechanism(SceneModelPtr model);
 
   const SceneModel& model() const { return *model_; }
@@ -40,26 +42,16 @@ class Mechanism {
   int joint_link(int joint) const { return plan_.joint_link[std::size_t(joint)]; }
   std::vector<Component>& components() { return components_; }
   bool has_loops() const { return has_loops_; }
-  int largest_tree() const { return largest_; }
-  /// Beyond this many degrees of freedom in one tree the recursion beats the dense block.
-  static constexpr int kLargestDense = 48;
-  /// Small trees of joints with fixed axes: mass matrix and bias forces are found without
-  /// Simbody, whose stages cost several times as much.
-  bool closed_form() const { return closed_form_; }
-
   /// u index of an axis of a joint; -1: the joint moves nothing. Not for ball and free joints.
   int axis_speed(int joint, int axis) const;
   int axis_position(int joint, int axis) const;
 
-  SimTK::MultibodySystem system;
-  SimTK::SimbodyMatterSubsystem matter;
-  SimTK::State state;
+  State state;
 
-  void realize_velocity() { system.realize(state, SimTK::Stage::Velocity); }
   /// Rates of the coordinates at the state.
-  void calc_qdot(SimTK::Vector& out) const { multiply_by_n(state.getU(), out); }
+  void calc_qdot(Values& out) const { multiply_by_n(state.u(), out); }
   /// out := N(q) u.
-  void multiply_by_n(const SimTK::Vector& u, SimTK::Vector& out) const;
+  void multiply_by_n(const Values& u, Values& out) const;
 
   /// Quaternions back to unit length and, with loops, coordinates and speeds back onto them.
   void project();
@@ -72,14 +64,14 @@ class Mechanism {
   void set_joint(const Link& link, const double* q, const double* u);
   void get_joint(const Link& link, double* q, double* u) const;
 
-  /// Of every link, at the state, which need not be realized. Found once for each state.
+  /// Of every link, at the state. Found once for each state.
   const std::vector<LinkMotion>& motions() const;
   Placement placement(const Link& link) const {
     return motions()[std::size_t(&link - links_.data())].X;
   }
 
  private:
-  void add_link(const PlannedLink& plan);
+  Link make_link(const PlannedLink& plan) const;
   void make_components();
   // Least changes, in the norm of the mass matrix, that close the loops; see loops.h.
   void close_coordinates();
@@ -89,11 +81,10 @@ class Mechanism {
   std::vector<Link> links_;
   std::vector<Component> components_;
   std::vector<int> quaternions_;  ///< first q of each
-  bool has_loops_ = false, closed_form_ = false;
-  int largest_ = 0;
+  bool has_loops_ = false;
   // What `motions_` holds is of these versions of q and u.
   mutable std::vector<LinkMotion> motions_;
-  mutable SimTK::ValueVersion q_version_ = -1, u_version_ = -1;
+  mutable std::int64_t q_version_ = -1, u_version_ = -1;
 };
 
 }  // namespace cogrsim::dynamics

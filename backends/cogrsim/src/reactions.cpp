@@ -15,15 +15,13 @@ struct LinkState {
 };
 
 LinkState state_of(const Mechanism& m, const Link& link) {
-  const Placement X = m.placement(link);
-  const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(m.state);
+  const LinkMotion& motion = m.motions()[std::size_t(&link - m.links().data())];
+  const Mat3& R = motion.X.R;
   LinkState out;
-  out.com = X * link.com;
-  const Vec3 omega = from_simtk(V[0]);
-  const Vec3 v = from_simtk(V[1]) + omega.cross(out.com - X.p);
-  out.momentum.linear = link.mass * v;
+  out.com = motion.X * link.com;
+  out.momentum.linear = link.mass * motion.velocity_at(out.com);
   out.momentum.angular =
-      X.R * (link.inertia * (X.R.transpose() * omega)) + out.com.cross(out.momentum.linear);
+      R * (link.inertia * (R.transpose() * motion.angular)) + out.com.cross(out.momentum.linear);
   return out;
 }
 
@@ -100,19 +98,17 @@ void calc_joint_reactions(Mechanism& m, const StepRecord& record, std::vector<Wr
   std::vector<Momenta> own(links.size());
   std::vector<Vec3> start_com(links.size());
 
-  const SimTK::Vector q = m.state.getQ(), u = m.state.getU();
-  m.state.updQ() = *record.start_q;
-  m.state.updU() = *record.start_u;
-  m.realize_velocity();
+  const Values q = m.state.q(), u = m.state.u();
+  m.state.change_q() = *record.start_q;
+  m.state.change_u() = *record.start_u;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const LinkState s = state_of(m, links[i]);
     own[i].linear = -s.momentum.linear;
     own[i].angular = -s.momentum.angular;
     start_com[i] = s.com;
   }
-  m.state.updQ() = q;
-  m.state.updU() = u;
-  m.realize_velocity();
+  m.state.change_q() = q;
+  m.state.change_u() = u;
   for (std::size_t i = 0; i < links.size(); ++i) {
     if (links[i].kinematic) continue;
     const LinkState s = state_of(m, links[i]);

@@ -10,8 +10,8 @@ namespace cogrsim::dynamics {
 /// Everything that is known of a step after it.
 struct StepRecord {
   double dt = 0.0;
-  const SimTK::Vector* start_q = nullptr;
-  const SimTK::Vector* start_u = nullptr;
+  const Values* start_q = nullptr;
+  const Values* start_u = nullptr;
   const std::vector<ContactRecord>* contacts = nullptr;
   const std::vector<Collider>* colliders = nullptr;
   const std::vector<double>* joint_efforts = nullptr;  ///< mean, flat speeds

@@ -236,13 +236,13 @@ void RowBuilder::add_joint_rows(const StepContext& context, const std::vector<Ax
 
 void RowBuilder::add_limits(const StepContext& context, int joint_index) {
   const Joint& joint = mechanism_.model().joints[std::size_t(joint_index)];
-  const SimTK::State& state = mechanism_.state;
+  const State& state = mechanism_.state;
   for (int a = 0; a < int(joint.axes.size()); ++a) {
     const JointAxis& axis = joint.axes[std::size_t(a)];
     if (!axis.has_limit()) continue;
-    const double q = state.getQ()[mechanism_.axis_position(joint_index, a)];
+    const double q = state.q()[mechanism_.axis_position(joint_index, a)];
     const int speed = mechanism_.axis_speed(joint_index, a);
-    const double u = state.getU()[speed];
+    const double u = state.u()[speed];
     const double reach = kTouching * 10.0 + 2.0 * context.h * std::abs(u);
     for (int end = 0; end < 2; ++end) {
       const double gap = end == 0 ? q - axis.lower : axis.upper - q;
@@ -269,11 +269,11 @@ void RowBuilder::add_ball_limit(const StepContext& context, int joint_index) {
   const Joint& joint = mechanism_.model().joints[std::size_t(joint_index)];
   const JointAxis& axis = joint.axes[0];
   if (!std::isfinite(axis.upper)) return;
-  const SimTK::State& state = mechanism_.state;
-  const Vec3 rotation = rotation_vector(state.getQ(), mechanism_.axis_position(joint_index, 0));
+  const State& state = mechanism_.state;
+  const Vec3 rotation = rotation_vector(state.q(), mechanism_.axis_position(joint_index, 0));
   const double angle = rotation.norm();
   const int first = mechanism_.axis_speed(joint_index, 0);
-  const Vec3 u(state.getU()[first], state.getU()[first + 1], state.getU()[first + 2]);
+  const Vec3 u(state.u()[first], state.u()[first + 1], state.u()[first + 2]);
   const double gap = axis.upper - angle;
   if (gap > kTouching * 10.0 + 2.0 * context.h * u.norm() || angle < 1e-9) return;
   const Vec3 direction = -rotation / angle;

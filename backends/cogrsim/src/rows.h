@@ -126,8 +126,8 @@ struct StepContext {
   const double* u = nullptr;           ///< speeds, over all components
   const double* start_udot = nullptr;  ///< estimate that led to the middle, likewise
   const double* udot = nullptr;        ///< smooth, at the middle, likewise
-  const SimTK::Vector* start_q = nullptr;
-  const SimTK::Vector* start_u = nullptr;
+  const Values* start_q = nullptr;
+  const Values* start_u = nullptr;
 };
 
 /// Speed at which bodies that overlap at the start of a run are pushed apart [m/s].
@@ -146,7 +146,7 @@ void aim_unilateral(const StepContext& context, const Approach& approach, Row& r
 
 class RowBuilder {
  public:
-  /// The mechanism's state is realized to Velocity, and stays, while rows are added.
+  /// The mechanism's state stays while rows are added.
   RowBuilder(Mechanism& mechanism, RowSet& set)
       : mechanism_(mechanism), set_(set), motions_(mechanism.motions()) {}
 

@@ -4,7 +4,8 @@
 #include <exception>
 #include <string>
 
-#include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/scene_state.h"
 #include "joining.h"
 #include "world.h"
 
@@ -15,39 +16,6 @@ template <class T>
 void copy_entries(const std::vector<T>& from, std::size_t first, int count, std::vector<T>& to) {
   for (std::size_t i = first; i < first + std::size_t(count) && i < from.size(); ++i)
     to[i] = from[i];
-}
-
-bool all_finite(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
-}
-
-Result<> check_state(const SceneModel& model, const WorldState& s) {
-  const auto sized = [](const char* what, std::size_t have, std::size_t want) -> Result<> {
-    if (have == want) return {};
-    return fail("the state has " + std::to_string(have) + " " + what + ", the scene " +
-                std::to_string(want));
-  };
-  if (auto r = sized("poses", s.poses.size(), model.bodies.size()); !r) return r;
-  if (auto r = sized("twists", s.twists.size(), model.bodies.size()); !r) return r;
-  if (auto r =
-          sized("joint positions", s.joint_positions.size(), std::size_t(model.joint_positions));
-      !r)
-    return r;
-  if (auto r =
-          sized("joint velocities", s.joint_velocities.size(), std::size_t(model.joint_speeds));
-      !r)
-    return r;
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    if (model.bodies[b].removed) continue;
-    const Pose& X = s.poses[b];
-    const Twist& V = s.twists[b];
-    if (!X.p.allFinite() || !X.q.coeffs().allFinite() || !(X.q.norm() > 0.5) ||
-        !V.linear.allFinite() || !V.angular.allFinite())
-      return fail("body '" + model.bodies[b].name + "': its pose or twist is not finite");
-  }
-  if (!all_finite(s.joint_positions)) return fail("a joint position is not finite");
-  if (!all_finite(s.joint_velocities)) return fail("a joint velocity is not finite");
-  return {};
 }
 
 }  // namespace
@@ -99,35 +67,29 @@ void DynamicsWorld::get_state(WorldState& out) const {
       copy_entries(gone.joint_velocities, std::size_t(joint.speed_offset), speed_count(joint.type),
                    out.joint_velocities);
     } else {
-      fill_unmoved_joint(j, out);
+      fill_unmoved_joint(joint, out);
     }
   }
 }
 
 // Between bodies that no force moves: what their motion makes of it.
-void DynamicsWorld::fill_unmoved_joint(std::size_t index, WorldState& out) const {
-  const SceneModel& model = *progress_.model;
-  const Joint& joint = model.joints[index];
-  const auto pose = [&](int b) { return b < 0 ? Pose() : out.poses[std::size_t(b)]; };
-  const auto twist = [&](int b) { return b < 0 ? Twist() : out.twists[std::size_t(b)]; };
-  const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
-  const Twist V_FM = relative_twist(joint, pose(joint.parent), twist(joint.parent),
-                                    pose(joint.child), twist(joint.child));
+void DynamicsWorld::fill_unmoved_joint(const Joint& joint, WorldState& out) const {
   double* const q = out.joint_positions.data() + joint.position_offset;
-  double* const u = out.joint_velocities.data() + joint.speed_offset;
   // Turns that were counted while it moved stay counted.
   const std::vector<double>& seen = progress_.last_seen.joint_positions;
   const std::size_t first = std::size_t(joint.position_offset);
-  const bool known = first + std::size_t(position_count(joint.type)) <= seen.size();
-  joint_position(joint, X_FM, known ? seen.data() + first : nullptr, q);
-  joint_velocity(joint, X_FM, V_FM, q, u);
+  const std::size_t count = std::size_t(position_count(joint.type));
+  const double* const before =
+      first + count <= seen.size() ? seen.data() + first : joint.position.data();
+  std::copy_n(before, count, q);
+  read_joint(joint, out, q, out.joint_velocities.data() + joint.speed_offset);
 }
 
 Result<> DynamicsWorld::set_state(const WorldState& state) {
   const SceneModel& model = *progress_.model;
   if (auto r = check_state(model, state); !r) return r;
   Mechanism& m = engine_->mechanism;
-  const SimTK::Vector q = m.state.getQ(), u = m.state.getU();
+  const Values q = m.state.q(), u = m.state.u();
   try {
     for (const Link& link : m.links()) {
       const std::size_t body = std::size_t(link.plan.body);
@@ -142,11 +104,10 @@ Result<> DynamicsWorld::set_state(const WorldState& state) {
       }
     }
     m.project();
-    m.realize_velocity();
   } catch (const std::exception& e) {
-    m.state.updQ() = q;
-    m.state.updU() = u;
-    return fail("Simbody: " + message_of(e));
+    m.state.change_q() = q;
+    m.state.change_u() = u;
+    return fail(message_of(e));
   }
   engine_->stepper.memory.clear();
   progress_.reactions_kept = false;
@@ -213,12 +174,11 @@ Result<> DynamicsWorld::rebuild(const SceneModelPtr& next, SceneStep step) {
     const bool other_loops =
         !change->attached.empty() || !change->removed_joints.empty() || !change->kinds.empty();
     if (other_loops && engine_->mechanism.has_loops()) engine_->mechanism.project();
-    engine_->mechanism.realize_velocity();
   } catch (const std::exception& e) {
     if (swapped) engine_.swap(engine);
-    engine_->mechanism.state.updU() = old.u;
+    engine_->mechanism.state.change_u() = old.u;
     progress_ = old;
-    return fail("Simbody: " + message_of(e));
+    return fail(message_of(e));
   }
   progress_.reactions = std::move(reactions);
   progress_.reactions_kept = true;
@@ -232,13 +192,18 @@ void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
   Mechanism& m = to.mechanism;
   const std::size_t old_bodies = before.poses.size();
   const SceneModel& old_model = old.model();
+  WorldState seen = before;
+  for (std::size_t b = old_bodies; b < model.bodies.size(); ++b) {
+    seen.poses.push_back(model.bodies[b].X_WB);
+    seen.twists.push_back(model.bodies[b].V_WB);
+  }
 
-  const bool carry_udot = from.stepper.memory.udot.size() == old.state.getNU();
-  SimTK::Vector udot(m.state.getNU(), 0.0);
+  const bool carry_udot = from.stepper.memory.udot.size() == old.state.nu();
+  Values udot = Values::Zero(m.state.nu());
   for (const Link& link : m.links()) {
     const std::size_t body = std::size_t(link.plan.body);
     if (body >= old_bodies || old_model.bodies[body].removed) continue;
-    // The same mobilizer as before: bit for bit.
+    // The same joint or base as before: bit for bit.
     const int old_index =
         link.plan.joint >= 0 && std::size_t(link.plan.joint) < old_model.joints.size()
             ? old.joint_link(link.plan.joint)
@@ -247,9 +212,9 @@ void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
     if (was && was->plan.joint == link.plan.joint && was->plan.reversed == link.plan.reversed &&
         was->plan.body == link.plan.body) {
       for (int k = 0; k < link.nq; ++k)
-        m.state.updQ()[link.first_q + k] = old.state.getQ()[was->first_q + k];
+        m.state.change_q()[link.first_q + k] = old.state.q()[was->first_q + k];
       for (int k = 0; k < link.nu; ++k) {
-        m.state.updU()[link.first_u + k] = old.state.getU()[was->first_u + k];
+        m.state.change_u()[link.first_u + k] = old.state.u()[was->first_u + k];
         if (carry_udot) udot[link.first_u + k] = from.stepper.memory.udot[was->first_u + k];
       }
       continue;
@@ -265,27 +230,11 @@ void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
       continue;
     }
     // A new joint on an old body: what the bodies' places make of it.
-    const auto pose = [&](int b) {
-      return b < 0                         ? Pose()
-             : std::size_t(b) < old_bodies ? before.poses[std::size_t(b)]
-                                           : model.bodies[std::size_t(b)].X_WB;
-    };
-    const auto twist = [&](int b) {
-      return b < 0                         ? Twist()
-             : std::size_t(b) < old_bodies ? before.twists[std::size_t(b)]
-                                           : model.bodies[std::size_t(b)].V_WB;
-    };
-    std::vector<double> q(std::size_t(position_count(joint.type)));
-    std::vector<double> u(std::size_t(speed_count(joint.type)));
-    const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
-    joint_position(joint, X_FM, nullptr, q.data());
-    joint_velocity(joint, X_FM,
-                   relative_twist(joint, pose(joint.parent), twist(joint.parent), pose(joint.child),
-                                  twist(joint.child)),
-                   q.data(), u.data());
-    m.set_joint(link, q.data(), u.data());
+    double q[7], u[6];
+    std::copy(joint.position.begin(), joint.position.end(), q);
+    read_joint(joint, seen, q, u);
+    m.set_joint(link, q, u);
   }
-  m.realize_velocity();
 
   // Efforts and impulses: the flat arrays only grew.
   Stepper& stepper = to.stepper;

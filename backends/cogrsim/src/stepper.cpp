@@ -37,7 +37,7 @@ bool is_free(const Mechanism& mechanism, const Component& c) {
 void StepMemory::clear() {
   contacts.clear();
   efforts.clear();
-  udot.clear();
+  udot.resize(0);
   had_rows = false;
 }
 
@@ -66,9 +66,9 @@ Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions&
   impulses.motors.assign(model_.motors.size(), 0.0);
 }
 
-void Stepper::set(const SimTK::Vector& q, const SimTK::Vector& u) {
-  copy(q, mechanism_.state.updQ());
-  copy(u, mechanism_.state.updU());
+void Stepper::set(const Values& q, const Values& u) {
+  mechanism_.state.change_q() = q;
+  mechanism_.state.change_u() = u;
 }
 
 void Stepper::advance(double dt, const std::vector<Drive>& drives,
@@ -80,13 +80,13 @@ void Stepper::advance(double dt, const std::vector<Drive>& drives,
   for (const Link& link : mechanism_.links()) {
     if (!link.kinematic) continue;
     const Twist& twist = twists[std::size_t(link.plan.body)];
-    double* const u = &mechanism_.state.updU()[link.first_u];
+    double* const u = &mechanism_.state.change_u()[link.first_u];
     for (int k = 0; k < 3; ++k) {
       u[k] = twist.angular[k];
       u[3 + k] = twist.linear[k];
     }
   }
-  if (mechanism_.state.getNU() == 0) return;
+  if (mechanism_.state.nu() == 0) return;
   for (int i = 0; i < options_.substeps; ++i) move(dt / options_.substeps);
   const auto by_pair = [](const ContactRecord& a, const ContactRecord& b) {
     return a.collider_a != b.collider_a ? a.collider_a < b.collider_a : a.collider_b < b.collider_b;
@@ -96,8 +96,7 @@ void Stepper::advance(double dt, const std::vector<Drive>& drives,
   std::stable_sort(records.begin(), records.end(), by_pair);
 }
 
-void Stepper::sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double weight,
-                          bool untouched) {
+void Stepper::sum_efforts(const Values& q, const Values& u, double weight, bool untouched) {
   for (const AxisLaw& law : laws_) {
     if (law.implicit || bool(untouched_[std::size_t(law.component)]) != untouched) continue;
     const double impulse = weight * law.effort_at(q, u);
@@ -174,7 +173,7 @@ RowBuilder::Line Stepper::find_line(std::size_t index) const {
   return line;
 }
 
-void Stepper::flatten(const SimTK::Vector& by_speed, std::vector<double>& out) const {
+void Stepper::flatten(const Values& by_speed, std::vector<double>& out) const {
   const double* const in = by_speed.size() > 0 ? &by_speed[0] : nullptr;
   out.clear();
   for (const Component& c : mechanism_.components())
@@ -185,7 +184,7 @@ bool Stepper::build_rows(double h) {
   StepContext context;
   context.h = h;
   context.bounce_threshold = model_.physics.bounce_threshold;
-  flatten(mechanism_.state.getU(), row_u_);
+  flatten(mechanism_.state.u(), row_u_);
   flatten(start_udot_, row_start_);
   flatten(udot_, row_udot_);
   context.u = row_u_.data();
@@ -214,8 +213,8 @@ bool Stepper::build_rows(double h) {
 
 void Stepper::move(double h) {
   Mechanism& m = mechanism_;
-  copy(m.state.getQ(), q0_);
-  copy(m.state.getU(), u0_);
+  q0_ = m.state.q();
+  u0_ = m.state.u();
   m.calc_qdot(qdot0_);
   classify_laws(m, *drives_, h, laws_);
   measure_speeds(h);
@@ -225,13 +224,13 @@ void Stepper::move(double h) {
   // the last step where contact was on then, so that steps with contact cost one evaluation.
   const bool remembered = memory.had_rows && memory.udot.size() == u0_.size();
   if (remembered) {
-    copy(memory.udot, start_udot_);
+    start_udot_ = memory.udot;
   } else {
     accelerations_.compute(laws_, start_udot_);
-    copy(start_udot_, k_[0]);
+    k_[0] = start_udot_;
   }
-  add(q0_, 0.5 * h, qdot0_, qm_);
-  add(u0_, 0.5 * h, start_udot_, um_);
+  qm_ = q0_ + (0.5 * h) * qdot0_;
+  um_ = u0_ + (0.5 * h) * start_udot_;
   set(qm_, um_);
   const Accelerations::Middle middle{h, &start_udot_};
   const bool smooth = !remembered && options_.scheme != Scheme::midpoint;
@@ -256,8 +255,8 @@ void Stepper::move(double h) {
   if (smooth && m.has_loops()) accelerations_.compute(laws_, udot_, &middle);
   solve_rows(h);
   if (apart) {
-    copy(displaced_, smooth_q_);
-    copy(end_u_, smooth_u_);
+    smooth_q_ = displaced_;
+    smooth_u_ = end_u_;
     runge_kutta(h, false);
     for (const Link& link : m.links()) {
       if (link.component < 0 || !untouched_[std::size_t(link.component)]) continue;
@@ -279,15 +278,15 @@ void Stepper::runge_kutta(double h, bool have_first) {
     m.calc_qdot(qk_[stage]);
   };
   const auto go_to = [&](double step, int from) {
-    add(q0_, step, qk_[from], displaced_);
-    add(u0_, step, k_[from], stage_);
+    displaced_ = q0_ + step * qk_[from];
+    stage_ = u0_ + step * k_[from];
     set(displaced_, stage_);
   };
   EffortSums before;
   if (m.has_loops()) before = impulses;
-  copy(qdot0_, qk_[0]);
+  qk_[0] = qdot0_;
   if (have_first) {
-    copy(udot_, k_[1]);
+    k_[1] = udot_;
     m.calc_qdot(qk_[1]);
   } else {
     set(q0_, u0_);
@@ -296,20 +295,20 @@ void Stepper::runge_kutta(double h, bool have_first) {
     evaluate(1);
   }
   sum_efforts(q0_, u0_, h / 6, true);
-  sum_efforts(m.state.getQ(), m.state.getU(), h / 3, true);
+  sum_efforts(m.state.q(), m.state.u(), h / 3, true);
   go_to(0.5 * h, 1);
   evaluate(2);
-  sum_efforts(m.state.getQ(), m.state.getU(), h / 3, true);
+  sum_efforts(m.state.q(), m.state.u(), h / 3, true);
   go_to(h, 2);
   evaluate(3);
-  sum_efforts(m.state.getQ(), m.state.getU(), h / 6, true);
+  sum_efforts(m.state.q(), m.state.u(), h / 6, true);
 
-  copy(q0_, displaced_);
-  copy(u0_, stage_);
+  displaced_ = q0_;
+  stage_ = u0_;
   for (int i = 0; i < 4; ++i) {
     const double weight = (i == 0 || i == 3) ? h / 6 : h / 3;
-    add(displaced_, weight, qk_[i], displaced_);
-    add(stage_, weight, k_[i], stage_);
+    displaced_ = displaced_ + weight * qk_[i];
+    stage_ = stage_ + weight * k_[i];
   }
   if (!m.has_loops()) return;
   doubtful_.assign(m.components().size(), 0);
@@ -335,25 +334,25 @@ bool Stepper::disagree(const Component& c, double h) const {
 
 void Stepper::pass_singular(double h, const EffortSums& efforts) {
   Mechanism& m = mechanism_;
-  copy(displaced_, qk_[2]);
-  copy(stage_, k_[2]);
+  qk_[2] = displaced_;
+  k_[2] = stage_;
   // um = P(qm) (u0 + h / 2 a) with `a` at the start, the loops ignored: P never enlarges it.
   set(q0_, u0_);
   accelerations_.compute_open(laws_, k_[0]);
-  add(q0_, 0.5 * h, qdot0_, displaced_);
-  add(u0_, 0.5 * h, k_[0], stage_);
+  displaced_ = q0_ + (0.5 * h) * qdot0_;
+  stage_ = u0_ + (0.5 * h) * k_[0];
   set(displaced_, stage_);
   m.project_speeds();
-  add(m.state.getU(), -1.0, u0_, k_[0]);
+  k_[0] = m.state.u() - u0_;
   k_[0] *= 2.0 / h;
   const Accelerations::Middle middle{h, &k_[0]};
   accelerations_.compute(laws_, k_[1], &middle);
-  add(u0_, h, k_[1], stage_);
+  stage_ = u0_ + h * k_[1];
   m.multiply_by_n(stage_, qk_[1]);
-  add(displaced_, 0.5 * h, qk_[1], displaced_);
+  displaced_ = displaced_ + (0.5 * h) * qk_[1];
   for (const AxisLaw& law : laws_) {
     if (law.implicit || !doubtful_[std::size_t(law.component)]) continue;
-    const double impulse = h * law.effort_at(m.state.getQ(), m.state.getU());
+    const double impulse = h * law.effort_at(m.state.q(), m.state.u());
     impulses.joints[std::size_t(law.effort)] = efforts.joints[std::size_t(law.effort)] + impulse;
     if (law.motor >= 0)
       impulses.motors[std::size_t(law.motor)] = efforts.motors[std::size_t(law.motor)] + impulse;
@@ -427,8 +426,8 @@ void Stepper::solve_rows(double h) {
   for (const Component& c : m.components()) speeds += c.size();
   dv_.assign(std::size_t(speeds), 0.0);
   displacement_.assign(std::size_t(speeds), 0.0);
-  const double* const udot = numbers(udot_);
-  const double* const start_udot = numbers(start_udot_);
+  const double* const udot = udot_.data();
+  const double* const start_udot = start_udot_.data();
   for (const Component& c : m.components())
     for (int k = 0; k < c.size(); ++k) {
       const int u = c.speeds[std::size_t(k)];
@@ -438,15 +437,15 @@ void Stepper::solve_rows(double h) {
   balance_pairs(h);
   solver_.solve(set_, m.components(), h, dv_.data(), displacement_.data());
   limit_displacements(h);
-  sum_efforts(m.state.getQ(), m.state.getU(), h, false);
+  sum_efforts(m.state.q(), m.state.u(), h, false);
 
   // u at the end; q over the second half with it, and the displacement of the position stage.
-  copy(u0_, end_u_);
-  copy(u0_, stage_);
-  const double* const middle_u = numbers(um_);
-  double* const end_u = numbers(end_u_);
-  double* const second_half = numbers(stage_);
-  for (int u = 0, size = stage_.size(); u < size; ++u) second_half[u] *= 0.5 * h;
+  end_u_ = u0_;
+  stage_ = u0_;
+  const double* const middle_u = um_.data();
+  double* const end_u = end_u_.data();
+  double* const second_half = stage_.data();
+  stage_ *= 0.5 * h;
   for (const Component& c : m.components())
     for (int k = 0; k < c.size(); ++k) {
       const int u = c.speeds[std::size_t(k)];
@@ -454,7 +453,7 @@ void Stepper::solve_rows(double h) {
       second_half[u] = 0.5 * h * end_u[u] + displacement_[std::size_t(c.offset + k)];
     }
   m.multiply_by_n(stage_, displaced_);
-  add(displaced_, 1.0, qm_, displaced_);
+  displaced_ = displaced_ + qm_;
   contact_impulses_.clear();
   for (const ContactRows& contact : set_.contacts) contact_impulses_.push_back(impulse_of(contact));
   remember(h);

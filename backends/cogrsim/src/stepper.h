@@ -44,7 +44,7 @@ struct StepMemory {
   };
   std::vector<WarmContact> contacts;  ///< in the order of the colliders
   std::vector<double> efforts;        ///< see RowBuilder::slot_of; empty: none
-  SimTK::Vector udot;                 ///< mean over the last step, impulses included
+  Values udot;                        ///< mean over the last step, impulses included
   bool had_rows = false;              ///< `udot` and the rest are worth something
   void clear();
 };
@@ -64,7 +64,7 @@ class Stepper {
   Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions& options);
 
   /// One step of `dt` [s]. Kinematic bodies move with `twists` (nbody, of their origins). Throws
-  /// what Simbody throws; the state is then anywhere.
+  /// where loops cannot be closed; the state is then anywhere.
   void advance(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists);
 
   StepMemory memory;
@@ -100,12 +100,12 @@ class Stepper {
   // `inertia` tells whether that is wanted, too.
   void measure_momenta(bool inertia);
 
-  void set(const SimTK::Vector& q, const SimTK::Vector& u);
+  void set(const Values& q, const Values& u);
   // Of the components whose mark in `untouched_` is `untouched`.
-  void sum_efforts(const SimTK::Vector& q, const SimTK::Vector& u, double weight, bool untouched);
+  void sum_efforts(const Values& q, const Values& u, double weight, bool untouched);
   void measure_speeds(double h);
   // From the order of the state to that over all components.
-  void flatten(const SimTK::Vector& by_speed, std::vector<double>& out) const;
+  void flatten(const Values& by_speed, std::vector<double>& out) const;
   Vec3 impulse_of(const ContactRows& contact) const;  ///< on b
   // What the position stage found for a contact, its friction's only where that is of the point.
   Vec3 push_of(const ContactRows& contact) const;
@@ -143,8 +143,8 @@ class Stepper {
   std::vector<double> margins_;  ///< (nlink)
   /// (nbody) way from where it is looked at to the middle [m]; empty: nothing is fast.
   std::vector<Vec3> ahead_;
-  SimTK::Vector q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_,
-      end_u_, smooth_q_, smooth_u_;
+  Values q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_, end_u_,
+      smooth_q_, smooth_u_;
   std::vector<double> dv_, displacement_;             ///< over all components
   std::vector<double> row_u_, row_start_, row_udot_;  ///< likewise: what rows are made from
   std::vector<Vec3> contact_impulses_;                ///< on b, by contact

@@ -196,9 +196,9 @@ void Stepper::remember(double h) {
     w.push = push_of(contact);
     memory.contacts.push_back(w);
   }
-  add(end_u_, -1.0, u0_, memory.udot);
-  double* const udot = numbers(memory.udot);
-  for (int u = 0, size = memory.udot.size(); u < size; ++u) udot[u] *= 1.0 / h;
+  memory.udot = end_u_ - u0_;
+  double* const udot = memory.udot.data();
+  memory.udot *= 1.0 / h;
   // An impact's acceleration lasts no further step: what it met is carried to the next middle by its
   // speed alone.
   for (const Row& row : set_.rows) {

@@ -69,7 +69,7 @@ void Stepper::conserve_momentum(double h) {
     const Link& base = m.links()[std::size_t(first)];
     const Vec3 at = motions[std::size_t(first)].X * base.com;
     const Vec3 v = linear / end.mass + omega.cross(at - end.com);
-    double* const u = &m.state.updU()[base.first_u];
+    double* const u = &m.state.change_u()[base.first_u];
     for (int k = 0; k < 3; ++k) {
       u[k] += omega[k];
       u[3 + k] += v[k];

@@ -24,7 +24,7 @@ struct PlannedLink {
 struct TreePlan {
   std::vector<PlannedLink> links;
   std::vector<int> body_link;   ///< (nbody); -1: fixed or removed
-  std::vector<int> joint_link;  ///< link whose mobilizer is the joint (njoint); -1: moves nothing
+  std::vector<int> joint_link;  ///< link that the joint carries (njoint); -1: moves nothing
 };
 
 /// Bodies are reached breadth first: from all that never moves, then from each kinematic body, then

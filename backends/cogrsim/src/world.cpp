@@ -3,7 +3,7 @@
 #include <cmath>
 #include <exception>
 
-#include "cogrsim/core/random.h"
+#include "cogrsim/physics/backend_checks.h"
 
 namespace cogrsim::dynamics {
 namespace {
@@ -12,17 +12,9 @@ constexpr double kFarthest = 1e6;  // [m]
 constexpr double kFastest = 1e5;   // [m/s]
 
 struct DynamicsSnapshot final : WorldSnapshot {
-  std::uint64_t scene = 0;
+  SceneModelPtr scene;
   Progress progress;
 };
-
-// What makes two models the same scene: names, in order, of what was there at the start.
-std::uint64_t signature(const SceneModel& model) {
-  std::uint64_t hash = hash_bytes(model.name.data(), model.name.size());
-  for (const Body& b : model.bodies) hash = hash_bytes(b.name.c_str(), b.name.size() + 1, hash);
-  for (const Joint& j : model.joints) hash = hash_bytes(j.name.c_str(), j.name.size() + 1, hash);
-  return hash;
-}
 
 }  // namespace
 
@@ -43,8 +35,8 @@ void DynamicsWorld::start(SceneModelPtr model) {
 
 StepResult DynamicsWorld::step(double dt, const std::vector<Drive>& drives) {
   Mechanism& m = engine_->mechanism;
-  copy(m.state.getQ(), progress_.start_q);
-  copy(m.state.getU(), progress_.start_u);
+  progress_.start_q = m.state.q();
+  progress_.start_u = m.state.u();
   StepResult result;
   try {
     engine_->stepper.advance(dt, drives, progress_.twists);
@@ -55,14 +47,14 @@ StepResult DynamicsWorld::step(double dt, const std::vector<Drive>& drives) {
   } catch (const std::bad_alloc&) {
     throw;  // no fault of the world's
   } catch (const std::exception& e) {
-    result.message = std::string("Simbody: ") + e.what();
+    result.message = e.what();
     result.status = StepStatus::diverged;
     result.body = find_suspect();
   }
   if (result.body >= 0) result.status = StepStatus::diverged;
   if (result.status == StepStatus::diverged) {
-    m.state.updQ() = progress_.start_q;
-    m.state.updU() = progress_.start_u;
+    m.state.change_q() = progress_.start_q;
+    m.state.change_u() = progress_.start_u;
     engine_->stepper.memory.clear();
     return result;
   }
@@ -87,8 +79,8 @@ int DynamicsWorld::find_diverged() const {
 
 int DynamicsWorld::find_suspect() const {
   const Mechanism& m = engine_->mechanism;
-  const SimTK::Vector& q = m.state.getQ();
-  const SimTK::Vector& u = m.state.getU();
+  const Values& q = m.state.q();
+  const Values& u = m.state.u();
   int body = -1;
   double most = -1.0;
   for (const Link& link : m.links()) {
@@ -127,8 +119,8 @@ void DynamicsWorld::get_contacts(std::vector<Contact>& out) const {
 void DynamicsWorld::capture(Progress& progress) const {
   const Engine& e = *engine_;
   progress = progress_;
-  progress.q = e.mechanism.state.getQ();
-  progress.u = e.mechanism.state.getU();
+  progress.q = e.mechanism.state.q();
+  progress.u = e.mechanism.state.u();
   progress.memory = e.stepper.memory;
   progress.impulses = e.stepper.impulses;
   progress.records = e.stepper.records;
@@ -137,8 +129,8 @@ void DynamicsWorld::capture(Progress& progress) const {
 void DynamicsWorld::apply(const Progress& progress) {
   Engine& e = *engine_;
   progress_ = progress;
-  e.mechanism.state.updQ() = progress.q;
-  e.mechanism.state.updU() = progress.u;
+  e.mechanism.state.change_q() = progress.q;
+  e.mechanism.state.change_u() = progress.u;
   e.stepper.memory = progress.memory;
   e.stepper.impulses = progress.impulses;
   e.stepper.records = progress.records;
@@ -146,7 +138,7 @@ void DynamicsWorld::apply(const Progress& progress) {
 
 SnapshotPtr DynamicsWorld::save() const {
   auto snapshot = std::make_shared<DynamicsSnapshot>();
-  snapshot->scene = signature(*initial_);
+  snapshot->scene = initial_;
   capture(snapshot->progress);
   return snapshot;
 }
@@ -154,14 +146,14 @@ SnapshotPtr DynamicsWorld::save() const {
 Result<> DynamicsWorld::restore(const SnapshotPtr& snapshot) {
   const auto* mine = dynamic_cast<const DynamicsSnapshot*>(snapshot.get());
   if (!mine) return fail("the snapshot is not of a world of the cogrsim backend");
-  if (mine->scene != signature(*initial_))
+  if (!same_names(*mine->scene, *initial_))
     return fail("the snapshot is of another scene than '" + initial_->name + "'");
   try {
     if (mine->progress.placed != progress_.placed)
       engine_ = std::make_unique<Engine>(mine->progress.placed, options_);
     apply(mine->progress);
   } catch (const std::exception& e) {
-    return fail("Simbody: " + message_of(e));
+    return fail(message_of(e));
   }
   return {};
 }
@@ -170,7 +162,7 @@ Result<> DynamicsWorld::reset() {
   try {
     start(initial_);
   } catch (const std::exception& e) {
-    return fail("Simbody: " + message_of(e));
+    return fail(message_of(e));
   }
   return {};
 }
@@ -197,20 +189,12 @@ void DynamicsWorld::get_joint_reactions(std::vector<Wrench>& out) const {
   for (double& effort : efforts) effort /= record.dt > 0.0 ? record.dt : 1.0;
   record.joint_efforts = &efforts;
   // Before the first step.
-  if (progress_.start_q.size() != e.mechanism.state.getNQ()) record.dt = 0.0;
+  if (progress_.start_q.size() != e.mechanism.state.nq()) record.dt = 0.0;
   calc_joint_reactions(e.mechanism, record, out);
 }
 
 Result<> DynamicsWorld::set_kinematic_twist(int body, const Twist& twist) {
-  const SceneModel& model = *progress_.model;
-  if (body < 0 || std::size_t(body) >= model.bodies.size())
-    return fail("there is no body " + std::to_string(body));
-  const Body& b = model.bodies[std::size_t(body)];
-  if (b.kind != BodyKind::kinematic || b.removed)
-    return fail("body '" + b.name + "' is not kinematic", place_of(model, b.origin),
-                "say kinematic=\"true\" on it");
-  if (!twist.linear.allFinite() || !twist.angular.allFinite())
-    return fail("body '" + b.name + "': a twist must be finite");
+  if (auto r = check_kinematic_twist(*progress_.model, body, twist); !r) return r;
   progress_.twists[std::size_t(body)] = twist;
   return {};
 }

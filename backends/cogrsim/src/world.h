@@ -1,4 +1,4 @@
-// A scene running on Simbody.
+// A scene that runs.
 #pragma once
 
 #include <memory>
@@ -29,8 +29,8 @@ struct Progress {
   SceneModelPtr placed;  ///< `model` with its static bodies where they are: what the engine runs
   double time = 0.0;
   double last_dt = 0.0;
-  SimTK::Vector q, u;              ///< now
-  SimTK::Vector start_q, start_u;  ///< before the last step
+  Values q, u;              ///< now
+  Values start_q, start_u;  ///< before the last step
   StepMemory memory;
   EffortSums impulses;
   std::vector<ContactRecord> records;
@@ -43,7 +43,7 @@ struct Progress {
 
 class DynamicsWorld final : public World, public JointReactions, public KinematicDrive {
  public:
-  /// Throws std::exception when Simbody refuses the scene.
+  /// Throws std::exception where loops cannot be closed.
   DynamicsWorld(SceneModelPtr model, const StepperOptions& options);
 
   const SceneModelPtr& model() const override { return progress_.model; }
@@ -75,10 +75,10 @@ class DynamicsWorld final : public World, public JointReactions, public Kinemati
   void apply(const Progress& progress);
   // The first body that is beyond bounds; -1: none.
   int find_diverged() const;
-  // Where Simbody refused to go on: the first body with a coordinate that is not finite, else the
+  // Where a step was given up: the first body with a coordinate that is not finite, else the
   // fastest.
   int find_suspect() const;
-  void fill_unmoved_joint(std::size_t joint, WorldState& out) const;
+  void fill_unmoved_joint(const Joint& joint, WorldState& out) const;
 
   StepperOptions options_;
   SceneModelPtr initial_;

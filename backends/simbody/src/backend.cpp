@@ -83,34 +83,32 @@ class SimbodyBackend final : public Backend {
     out.integrator += options.integrator == "semi-explicit-euler" || options.substeps > 0
                           ? ", fixed steps"
                           : ", accuracy " + option_text(ParameterValue(options.accuracy));
-    const auto say = [&](StepStage stage, ComputedBy by, const char* what) {
-      out[stage] = {by, what};
-    };
     const auto engine = ComputedBy::engine, ours = ComputedBy::cogrsim;
     if (options.trackers) {
-      say(StepStage::broad_phase, engine, "ContactTrackerSubsystem");
-      say(StepStage::narrow_phase, engine, "ContactTracker::HalfSpaceSphere and the like");
-      say(StepStage::contact_memory, engine, "ContactSnapshot");
-      say(StepStage::contact_law, engine, "CompliantContactSubsystem");
-      say(StepStage::friction, engine, "CompliantContactSubsystem");
-      say(StepStage::restitution, engine, "dissipation of CompliantContactSubsystem");
+      out[StepStage::broad_phase] = {engine, "ContactTrackerSubsystem"};
+      out[StepStage::narrow_phase] = {engine, "ContactTracker::HalfSpaceSphere and the like"};
+      out[StepStage::contact_memory] = {engine, "ContactSnapshot"};
+      out[StepStage::contact_law] = {engine, "CompliantContactSubsystem"};
+      out[StepStage::friction] = {engine, "CompliantContactSubsystem"};
+      out[StepStage::restitution] = {engine, "dissipation of CompliantContactSubsystem"};
     } else {
-      say(StepStage::broad_phase, ours, "Detector");
-      say(StepStage::narrow_phase, ours, "Detector, with Bullet's btGjkPairDetector for hulls");
-      say(StepStage::contact_memory, ComputedBy::nobody,
-          "points are found again in each evaluation");
-      say(StepStage::contact_law, ours, "Force::Custom, Hunt and Crossley's force");
-      say(StepStage::friction, ours, "Force::Custom, Hollars' friction");
-      say(StepStage::restitution, ours, "Force::Custom, Hunt and Crossley's dissipation");
+      out[StepStage::broad_phase] = {ours, "Detector"};
+      out[StepStage::narrow_phase] = {ours, "Detector, with Bullet's btGjkPairDetector for hulls"};
+      out[StepStage::contact_memory] = {ComputedBy::nobody,
+                                        "points are found again in each evaluation"};
+      out[StepStage::contact_law] = {ours, "Force::Custom, Hunt and Crossley's force"};
+      out[StepStage::friction] = {ours, "Force::Custom, Hollars' friction"};
+      out[StepStage::restitution] = {ours, "Force::Custom, Hunt and Crossley's dissipation"};
     }
-    say(StepStage::joints, engine,
-        "MobilizedBody, loops cut by MultibodyGraphMaker and closed by "
-        "Constraint::Weld");
-    say(StepStage::limits, engine, "Force::MobilityLinearStop");
-    say(StepStage::motors, ours,
+    out[StepStage::joints] = {engine,
+                              "MobilizedBody, loops cut by MultibodyGraphMaker and closed by "
+                              "Constraint::Weld"};
+    out[StepStage::limits] = {engine, "Force::MobilityLinearStop"};
+    out[StepStage::motors] = {
+        ours,
         "efforts found by Drives, applied by Force::MobilityDiscreteForce; springs and dampers: "
-        "Force::MobilityLinearSpring, MobilityLinearDamper");
-    say(StepStage::integrator, engine, out.integrator.c_str());
+        "Force::MobilityLinearSpring, MobilityLinearDamper"};
+    out[StepStage::integrator] = {engine, out.integrator.c_str()};
     return out;
   }
   const Capabilities& capabilities() const override { return capabilities_; }

@@ -90,16 +90,8 @@ const std::vector<Contact>& GeneralContact::read(const SimTK::State& state) cons
   for (const dynamics::ContactPoint& point : points_) {
     const dynamics::Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
     const dynamics::Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
-    Contact contact;
-    contact.body_a = a.body;
-    contact.shape_a = a.shape;
-    contact.body_b = b.body;
-    contact.shape_b = b.shape;
-    contact.point = point.point;
-    contact.normal = point.normal;
-    contact.depth = -point.gap;
-    contact.force = from_simtk(push(point));
-    contacts_.push_back(contact);
+    contacts_.push_back({a.body, b.body, a.shape, b.shape, point.point, point.normal, -point.gap,
+                         from_simtk(push(point))});
   }
   q_ = state.getQ();
   u_ = state.getU();
@@ -130,9 +122,10 @@ void ContactReport::add(const std::vector<Contact>& now, double h) {
   last_ = now;
 }
 
-void ContactReport::get(double dt, std::vector<Contact>& out) const {
-  out = sums_;
+std::vector<Contact> ContactReport::get(double dt) const {
+  std::vector<Contact> out = sums_;
   for (Contact& contact : out) contact.force /= dt;
+  return out;
 }
 
 }  // namespace cogrsim::simbody

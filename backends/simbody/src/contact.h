@@ -59,7 +59,7 @@ class ContactReport {
  public:
   void start(const std::vector<Contact>& now) { last_ = now, sums_.clear(); }
   void add(const std::vector<Contact>& now, double h);
-  void get(double dt, std::vector<Contact>& out) const;
+  std::vector<Contact> get(double dt) const;
 
  private:
   std::vector<Contact> last_;  ///< forces [N]

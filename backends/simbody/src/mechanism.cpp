@@ -5,12 +5,69 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "cogrsim/physics/backend_checks.h"
+
 namespace cogrsim::simbody {
 
 namespace {
 
 // To MultibodyGraphMaker's names: "free" and "weld" are its own.
 std::string graph_type(JointType type) { return std::string("joint ") + to_string(type); }
+
+// One of the parts that a body is cut into. A kinematic body has a mass of 1 kg that nothing feels.
+SimTK::Body::Rigid rigid_body(const Body& body, double share) {
+  if (body.kind == BodyKind::kinematic)
+    return SimTK::Body::Rigid(SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::UnitInertia(1)));
+  const Mat3 I = share * body.inertia;
+  const double mass = share * body.mass;
+  const SimTK::Vec3 c = to_simtk(body.com);
+  const SimTK::Inertia central(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
+  return SimTK::Body::Rigid(SimTK::MassProperties(mass, c, central.shiftFromMassCenter(c, mass)));
+}
+
+// A joint as a mobilizer. `anchor`: pose of the body that it is fixed to where `inboard` is the ground in
+// its place; else null.
+void mobilize(const Joint& joint, SimTK::MobilizedBody inboard, const Pose* anchor,
+              const SimTK::Body::Rigid& rigid, Link& link) {
+  using SimTK::MobilizedBody;
+  SimTK::Transform inner = to_simtk(link.reversed ? joint.X_CM : joint.X_PF);
+  SimTK::Transform outer = to_simtk(link.reversed ? joint.X_PF : joint.X_CM);
+  if (anchor) inner = to_simtk(*anchor) * inner;
+  const auto direction = link.reversed ? MobilizedBody::Reverse : MobilizedBody::Forward;
+  const auto make = [&](auto type, auto... more) {
+    link.mobod = decltype(type)(inboard, inner, rigid, outer, more..., direction);
+  };
+  switch (joint.type) {
+    case JointType::fixed:
+      link.mobod = MobilizedBody::Weld(inboard, inner, rigid, outer);
+      return;
+    case JointType::hinge:
+      return make(MobilizedBody::Pin());
+    case JointType::slider: {
+      // Simbody slides along x where the scene language slides along z.
+      const SimTK::Rotation x_to_z(-SimTK::Pi / 2, SimTK::YAxis);
+      inner.updR() = inner.R() * x_to_z;
+      outer.updR() = outer.R() * x_to_z;
+      return make(MobilizedBody::Slider());
+    }
+    case JointType::screw:
+      return make(MobilizedBody::Screw(), joint.pitch / (2 * SimTK::Pi));
+    case JointType::cylindrical:
+      return make(MobilizedBody::Cylinder());
+    case JointType::universal:
+      return make(MobilizedBody::Universal());
+    case JointType::planar:
+      link.q_map = {1, 2, 0};
+      link.u_map = {1, 2, 0};
+      return make(MobilizedBody::Planar());
+    case JointType::ball:
+      return make(MobilizedBody::Ball());
+    case JointType::free:
+      link.q_map = {4, 5, 6, 0, 1, 2, 3};
+      link.u_map = {3, 4, 5, 0, 1, 2};
+      return make(MobilizedBody::Free());
+  }
+}
 
 }  // namespace
 
@@ -49,10 +106,7 @@ int Mechanism::inboard(int link) const {
 
 void Mechanism::plan() {
   SimTK::MultibodyGraphMaker graph;
-  for (const JointType type : {JointType::fixed, JointType::hinge, JointType::slider,
-                               JointType::screw, JointType::cylindrical, JointType::universal,
-                               JointType::planar, JointType::ball, JointType::free})
-    graph.addJointType(graph_type(type), speed_count(type));
+  for (const JointType type : kJointTypes) graph.addJointType(graph_type(type), speed_count(type));
   const auto body_name = [](int b) { return b < 0 ? std::string("ground") : std::to_string(b); };
   graph.addBody("ground", 0.0, false);
 
@@ -68,11 +122,8 @@ void Mechanism::plan() {
     if (joint.removed || joint.closes_loop) continue;
     const int a = find(is_dynamic(joint.parent) ? joint.parent : count);
     const int b = find(is_dynamic(joint.child) ? joint.child : count);
-    if (a == count || b == count) {
-      root[std::size_t(a == count ? b : a)] = count;
-    } else {
-      root[std::size_t(std::max(a, b))] = std::min(a, b);
-    }
+    const bool held = a == count || b == count;
+    root[std::size_t(held ? std::min(a, b) : std::max(a, b))] = held ? count : std::min(a, b);
   }
   for (int b = 0; b < count; ++b) {
     const Body& body = model_->bodies[std::size_t(b)];
@@ -138,8 +189,7 @@ void Mechanism::plan() {
 void Mechanism::add_link(Link link, int inboard_link, int anchor, int fragments) {
   using SimTK::MobilizedBody;
   const Body& body = model_->bodies[std::size_t(link.body)];
-  const SimTK::Body::Rigid rigid =
-      dynamics::rigid_body(body, body.mass / fragments, body.inertia / fragments);
+  const SimTK::Body::Rigid rigid = rigid_body(body, 1.0 / fragments);
   const int index = int(links_.size());
   link.tree = index;
   if (inboard_link >= 0 && !links_[std::size_t(inboard_link)].kinematic)
@@ -158,8 +208,7 @@ void Mechanism::add_link(Link link, int inboard_link, int anchor, int fragments)
   const MobilizedBody inboard =
       on_ground ? MobilizedBody(matter.Ground()) : links_[std::size_t(inboard_link)].mobod;
   const Pose* const place = on_ground && anchor >= 0 ? &places_[std::size_t(anchor)] : nullptr;
-  static_cast<dynamics::Mobilizer&>(link) =
-      dynamics::mobilizer_of(joint, link.reversed, inboard, place, rigid);
+  mobilize(joint, inboard, place, rigid, link);
   add_axes(joint, link);
   links_.push_back(link);
 }

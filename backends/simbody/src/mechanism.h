@@ -1,11 +1,11 @@
 // The scene as a Simbody system: bodies, mobilizers, the welds that close loops, and its own forces.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "convert.h"
-#include "mobilizers.h"
 #include "options.h"
 
 #include "cogrsim/model/scene_model.h"
@@ -15,7 +15,11 @@ namespace cogrsim::simbody {
 /// A mobilized body. Simbody's body frame is the scene's; what moves freely moves in its centre of
 /// mass (kinematic: in its origin), so that its speeds are its angular velocity and the velocity of
 /// that point, in world axes.
-struct Link : dynamics::Mobilizer {
+struct Link {
+  SimTK::MobilizedBody mobod;
+  /// q_map[i]: place, among the mobilizer's q, of the model's q_i; u_map likewise.
+  std::array<int, 7> q_map{0, 1, 2, 3, 4, 5, 6};
+  std::array<int, 6> u_map{0, 1, 2, 3, 4, 5};
   int body = -1;          ///< SceneModel::bodies
   int joint = -1;         ///< SceneModel::joints; -1: moves freely in the world
   bool reversed = false;  ///< outboard is the joint's parent

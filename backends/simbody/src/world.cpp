@@ -5,7 +5,6 @@
 #include <exception>
 
 #include "cogrsim/model/joint_kinematics.h"
-#include "cogrsim/model/mass_properties.h"
 #include "cogrsim/physics/backend_checks.h"
 
 namespace cogrsim::simbody {
@@ -28,13 +27,7 @@ double stop_effort(const AxisForces& axis, double d, double q, double u) {
 
 Result<> check_scene(const SceneModel& model) {
   if (auto fine = check_motors(model); !fine) return fine;
-  for (const Body& body : model.bodies) {
-    if (body.removed || body.kind != BodyKind::dynamic) continue;
-    if (auto fine = check_mass_properties(body.mass, body.inertia); !fine)
-      return fail("body '" + body.name + "': " + fine.error().message, place_of(model, body.origin),
-                  fine.error().hint);
-  }
-  return {};
+  return check_masses(model);
 }
 
 SimbodyWorld::Engine::Engine(SceneModelPtr model, Places poses, const Options& options)
@@ -88,28 +81,19 @@ void SimbodyWorld::start() {
 }
 
 void SimbodyWorld::see_new_elements() {
-  WorldState& seen = last_seen_;
-  for (std::size_t b = seen.poses.size(); b < model_->bodies.size(); ++b) {
-    seen.poses.push_back(model_->bodies[b].X_WB);
-    seen.twists.push_back(model_->bodies[b].V_WB);
-  }
-  const std::size_t known = seen.joint_positions.size();
-  seen.joint_positions.resize(std::size_t(model_->joint_positions));
-  seen.joint_velocities.resize(std::size_t(model_->joint_speeds));
-  seen.joint_efforts.resize(std::size_t(model_->joint_speeds));
-  seen.motor_efforts.resize(model_->motors.size());
-  for (const Joint& joint : model_->joints) {
-    if (std::size_t(joint.position_offset) < known) continue;
-    std::copy(joint.position.begin(), joint.position.end(),
-              seen.joint_positions.begin() + joint.position_offset);
-  }
+  WorldState all = initial_state(*model_);
+  const auto keep = [](const auto& seen, auto& in) {
+    std::copy(seen.begin(), seen.end(), in.begin());
+  };
+  keep(last_seen_.poses, all.poses);
+  keep(last_seen_.twists, all.twists);
+  keep(last_seen_.joint_positions, all.joint_positions);
+  keep(last_seen_.joint_velocities, all.joint_velocities);
+  last_seen_ = std::move(all);
 }
 
 void SimbodyWorld::forget_reports() {
-  last_seen_.joint_efforts.assign(std::size_t(model_->joint_speeds), 0.0);
-  last_seen_.motor_efforts.assign(model_->motors.size(), 0.0);
-  held_reactions_.assign(model_->joints.size(), {});
-  held_contacts_.clear();
+  held_.clear(*model_);
   stepped_ = false;
 }
 
@@ -238,26 +222,19 @@ int SimbodyWorld::find_diverged(const SimTK::State& state) const {
   return -1;
 }
 
-void SimbodyWorld::get_contacts(std::vector<Contact>& out) const {
-  if (stepped_) {
-    contacts_.get(last_dt_, out);
-  } else {
-    out = held_contacts_;
-  }
+StepReport SimbodyWorld::report() const {
+  if (!stepped_) return held_;
+  StepReport out;
+  get_efforts(out.joint_efforts, out.motor_efforts);
+  get_contacts(out.contacts);
+  get_joint_reactions(out.reactions);
+  return out;
 }
 
-void SimbodyWorld::get_joint_reactions(std::vector<Wrench>& out) const {
-  if (stepped_) {
-    find_reactions(out);
-  } else {
-    out = held_reactions_;
-  }
-}
-
-void SimbodyWorld::find_reactions(std::vector<Wrench>& out) const {
+std::vector<Wrench> SimbodyWorld::find_reactions() const {
   const Mechanism& m = engine_->mechanism;
-  out.assign(model_->joints.size(), Wrench());
-  if (model_->joints.empty()) return;
+  std::vector<Wrench> out(model_->joints.size());
+  if (out.empty()) return out;
   m.system.realize(state(), SimTK::Stage::Acceleration);
   SimTK::Vector_<SimTK::SpatialVec> at_M;
   m.matter.calcMobilizerReactionForces(state(), at_M);
@@ -275,6 +252,7 @@ void SimbodyWorld::find_reactions(std::vector<Wrench>& out) const {
     out[j].torque = -(out[j].torque + arm.cross(out[j].force));
     out[j].force = -out[j].force;
   }
+  return out;
 }
 
 void* SimbodyWorld::extension(std::string_view id) {

@@ -12,6 +12,7 @@
 #include "trackers.h"
 
 #include "cogrsim/physics/scene_change.h"
+#include "cogrsim/physics/scene_state.h"
 #include "cogrsim/physics/world.h"
 
 namespace cogrsim::simbody {
@@ -28,7 +29,9 @@ class SimbodyWorld final : public World, public JointReactions, public Kinematic
   StepResult step(double dt, const std::vector<Drive>& drives) override;
   void get_state(WorldState& out) const override;
   Result<> set_state(const WorldState& state) override;
-  void get_contacts(std::vector<Contact>& out) const override;
+  void get_contacts(std::vector<Contact>& out) const override {
+    out = stepped_ ? contacts_.get(last_dt_) : held_.contacts;
+  }
   Result<> add(const SceneModelPtr& next) override { return change_to(next, SceneStep::add); }
   Result<> remove(const SceneModelPtr& next) override { return change_to(next, SceneStep::remove); }
   Result<> change(const SceneModelPtr& next) override { return change_to(next, SceneStep::change); }
@@ -36,7 +39,9 @@ class SimbodyWorld final : public World, public JointReactions, public Kinematic
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
   void* extension(std::string_view id) override;
-  void get_joint_reactions(std::vector<Wrench>& out) const override;
+  void get_joint_reactions(std::vector<Wrench>& out) const override {
+    out = stepped_ ? find_reactions() : held_.reactions;
+  }
   Result<> set_kinematic_twist(int body, const Twist& twist) override;
 
  private:
@@ -65,8 +70,9 @@ class SimbodyWorld final : public World, public JointReactions, public Kinematic
   void add_efforts(const SimTK::State& state, double h);
   int find_diverged(const SimTK::State& state) const;
   void forget_reports();
-  void find_reactions(std::vector<Wrench>& out) const;
-  void fill_unmoved(const Joint& joint, WorldState& out) const;
+  std::vector<Wrench> find_reactions() const;
+  void get_efforts(std::vector<double>& joints, std::vector<double>& motors) const;
+  StepReport report() const;
   void see_new_elements();
 
   Result<> change_to(const SceneModelPtr& next, SceneStep step);
@@ -86,8 +92,7 @@ class SimbodyWorld final : public World, public JointReactions, public Kinematic
   std::vector<Contact> now_;
   std::vector<double> efforts_, last_efforts_;  ///< of springs, dampers, stops: impulses, at a time
   bool stepped_ = false;                        ///< the engine has what the last step found
-  std::vector<Contact> held_contacts_;          ///< reported while it does not; efforts: last_seen_
-  std::vector<Wrench> held_reactions_;
+  StepReport held_;                             ///< while it does not
   /// At the last change of the scene: what is gone, and turns of joints that hold nothing.
   WorldState last_seen_;
 };

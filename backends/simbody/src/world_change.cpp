@@ -30,8 +30,7 @@ Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
       if (!joint.removed && (joint.parent == b || joint.child == b))
         sudden.insert(sudden.end(), {joint.parent, joint.child});
   }
-  get_contacts(held_contacts_);
-  get_joint_reactions(held_reactions_);
+  StepReport report = this->report();
   const std::shared_ptr<Engine> old = engine_;
   const SceneModelPtr old_model = model_;
   const WorldState old_seen = last_seen_;
@@ -52,23 +51,9 @@ Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
     return fail("Simbody: " + message_of(e));
   }
 
-  // The last step's reports stay, but for what is gone.
+  report.carry_over(*next);
+  held_ = std::move(report);
   stepped_ = false;
-  held_reactions_.resize(next->joints.size());
-  for (std::size_t m = 0; m < next->motors.size(); ++m)
-    if (next->motors[m].removed) last_seen_.motor_efforts[m] = 0.0;
-  for (const int j : change->removed_joints) {
-    const Joint& joint = next->joints[std::size_t(j)];
-    held_reactions_[std::size_t(j)] = {};
-    std::fill_n(last_seen_.joint_efforts.begin() + joint.speed_offset, speed_count(joint.type),
-                0.0);
-  }
-  const auto gone = [&](const Contact& c) {
-    return next->bodies[std::size_t(c.body_a)].removed ||
-           next->bodies[std::size_t(c.body_b)].removed;
-  };
-  held_contacts_.erase(std::remove_if(held_contacts_.begin(), held_contacts_.end(), gone),
-                       held_contacts_.end());
   return {};
 }
 
@@ -77,8 +62,6 @@ void SimbodyWorld::carry_over(const Mechanism& old, const SimTK::State& old_stat
   const Mechanism& m = engine_->mechanism;
   const SceneModel& was = old.model();
   const WorldState& seen = last_seen_;
-  const auto pose = [&](int b) { return b < 0 ? Pose() : seen.poses[std::size_t(b)]; };
-  const auto twist = [&](int b) { return b < 0 ? Twist() : seen.twists[std::size_t(b)]; };
   SimTK::State next = engine_->start;
   next.updTime() = old_state.getTime();
   bool same_loops = old.has_loops() == m.has_loops() && sudden.empty();
@@ -98,19 +81,14 @@ void SimbodyWorld::carry_over(const Mechanism& old, const SimTK::State& old_stat
     }
     same_loops = false;
     if (link.joint < 0) {
-      m.set_base(next, link, pose(link.body), twist(link.body));
+      m.set_base(next, link, seen.poses[body], seen.twists[body]);
       continue;
     }
     const Joint& joint = model_->joints[std::size_t(link.joint)];
-    std::vector<double> q(std::size_t(position_count(joint.type)));
-    std::vector<double> u(std::size_t(speed_count(joint.type)));
-    const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
-    joint_position(joint, X_FM, seen.joint_positions.data() + joint.position_offset, q.data());
-    joint_velocity(joint, X_FM,
-                   relative_twist(joint, pose(joint.parent), twist(joint.parent), pose(joint.child),
-                                  twist(joint.child)),
-                   q.data(), u.data());
-    m.set_joint(next, link, q.data(), u.data());
+    double q[7], u[6];
+    std::copy_n(seen.joint_positions.data() + joint.position_offset, position_count(joint.type), q);
+    read_joint(joint, seen, q, u);
+    m.set_joint(next, link, q, u);
   }
   m.set_rates(next);
   if (!sudden.empty()) take_impact(next, sudden);

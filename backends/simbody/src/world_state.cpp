@@ -3,7 +3,6 @@
 #include <cmath>
 #include <exception>
 
-#include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/physics/backend_checks.h"
 #include "world.h"
 
@@ -15,23 +14,8 @@ struct SimbodyWorld::Snapshot final : WorldSnapshot {
   SimTK::Vector q, u;
   double engine_time = 0.0, time = 0.0, next_step = 0.0;
   WorldState last_seen;
-  std::vector<Contact> contacts;
-  std::vector<Wrench> reactions;
+  StepReport report;
 };
-
-// Between bodies that no force moves: what their motion makes of it, turns counted from `out` on.
-void SimbodyWorld::fill_unmoved(const Joint& joint, WorldState& out) const {
-  double* const q = out.joint_positions.data() + joint.position_offset;
-  const auto pose = [&](int b) { return b < 0 ? Pose() : out.poses[std::size_t(b)]; };
-  const auto twist = [&](int b) { return b < 0 ? Twist() : out.twists[std::size_t(b)]; };
-  const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
-  const std::vector<double> before(q, q + position_count(joint.type));
-  joint_position(joint, X_FM, before.data(), q);
-  joint_velocity(joint, X_FM,
-                 relative_twist(joint, pose(joint.parent), twist(joint.parent), pose(joint.child),
-                                twist(joint.child)),
-                 q, out.joint_velocities.data() + joint.speed_offset);
-}
 
 void SimbodyWorld::get_state(WorldState& out) const {
   const Mechanism& m = engine_->mechanism;
@@ -45,20 +29,27 @@ void SimbodyWorld::get_state(WorldState& out) const {
   }
   for (std::size_t j = 0; j < model_->joints.size(); ++j) {
     const Joint& joint = model_->joints[j];
+    double* const q = out.joint_positions.data() + joint.position_offset;
+    double* const u = out.joint_velocities.data() + joint.speed_offset;
     const int link = m.joint_link(int(j));
-    if (link >= 0) {
-      m.get_joint(now, m.links()[std::size_t(link)],
-                  out.joint_positions.data() + joint.position_offset,
-                  out.joint_velocities.data() + joint.speed_offset);
-    } else if (!joint.removed) {
-      fill_unmoved(joint, out);
-    }
+    // Between bodies that no force moves: what their motion makes of it.
+    if (link >= 0)
+      m.get_joint(now, m.links()[std::size_t(link)], q, u);
+    else if (!joint.removed)
+      read_joint(joint, out, q, u);
   }
+  get_efforts(out.joint_efforts, out.motor_efforts);
+}
+
+void SimbodyWorld::get_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
+  joints = held_.joint_efforts;
+  motors = held_.motor_efforts;
   if (!stepped_) return;
-  std::transform(efforts_.begin(), efforts_.end(), out.joint_efforts.begin(),
+  joints.resize(efforts_.size());
+  std::transform(efforts_.begin(), efforts_.end(), joints.begin(),
                  [&](double impulse) { return impulse / last_dt_; });
-  out.motor_efforts.assign(model_->motors.size(), 0.0);
-  engine_->drives.get_efforts(now, out.joint_efforts, out.motor_efforts);
+  motors.assign(model_->motors.size(), 0.0);
+  engine_->drives.get_efforts(state(), joints, motors);
 }
 
 Result<> SimbodyWorld::set_state(const WorldState& state) {
@@ -101,8 +92,7 @@ SnapshotPtr SimbodyWorld::save() const {
   out->time = time_;
   out->next_step = integrator_ ? integrator_->getPredictedNextStepSize() : next_step_;
   get_state(out->last_seen);
-  get_contacts(out->contacts);
-  get_joint_reactions(out->reactions);
+  out->report = report();
   return out;
 }
 
@@ -128,8 +118,7 @@ Result<> SimbodyWorld::restore(const SnapshotPtr& snapshot) {
   time_ = saved->time;
   next_step_ = saved->next_step;
   last_seen_ = saved->last_seen;
-  held_contacts_ = saved->contacts;
-  held_reactions_ = saved->reactions;
+  held_ = saved->report;
   stepped_ = false;
   return {};
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cogrsim/core/result.h"
+#include "cogrsim/model/mass_properties.h"
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/physics/capabilities.h"
 #include "cogrsim/physics/state.h"
@@ -83,6 +84,19 @@ inline Result<> check_motors(const SceneModel& model) {
                     " joint has no axis to drive",
                 place_of(model, motor.origin),
                 "use a hinge, slider, universal or another joint with axes");
+  }
+  return {};
+}
+
+/// Check for Backend::create_world() and World::add(). Errors: the mass or the inertia of a body that
+/// forces move is not physical (see check_mass_properties()), with the source location.
+inline Result<> check_masses(const SceneModel& model) {
+  for (const Body& body : model.bodies) {
+    if (body.removed || body.kind != BodyKind::dynamic) continue;
+    if (auto massive = check_mass_properties(body.mass, body.inertia); !massive) {
+      return fail("body '" + body.name + "': " + massive.error().message,
+                  place_of(model, body.origin), massive.error().hint);
+    }
   }
   return {};
 }

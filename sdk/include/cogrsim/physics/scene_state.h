@@ -28,6 +28,23 @@ inline WorldState initial_state(const SceneModel& model) {
   return out;
 }
 
+/// Coordinates `q` and speeds `u` of a joint from the motions of its two bodies in `state`. `q` holds
+/// earlier coordinates: full turns and the signs of quaternions remain nearest to them.
+inline void read_joint(const Joint& joint, const WorldState& state, double* q, double* u) {
+  const auto pose = [&](int b) {
+    return b == kWorld ? Pose() : state.poses[static_cast<std::size_t>(b)];
+  };
+  const auto twist = [&](int b) {
+    return b == kWorld ? Twist() : state.twists[static_cast<std::size_t>(b)];
+  };
+  const Pose X_WP = pose(joint.parent), X_WC = pose(joint.child);
+  const Pose X_FM = relative_pose(joint, X_WP, X_WC);
+  const std::vector<double> before(q, q + position_count(joint.type));
+  joint_position(joint, X_FM, before.data(), q);
+  joint_velocity(joint, X_FM,
+                 relative_twist(joint, X_WP, twist(joint.parent), X_WC, twist(joint.child)), q, u);
+}
+
 /// What a backend reports of a step, kept while its engine has no step to report: before the first
 /// one and after a change of the scene.
 struct StepReport {
