@@ -102,6 +102,29 @@ int RowBuilder::local_of(int component, int speed) const {
   return int(std::find(speeds.begin(), speeds.end(), speed) - speeds.begin());
 }
 
+Row& RowBuilder::next_row() {
+  if (grows_) set_.rows.emplace_back();
+  return set_.rows[end_.rows++];
+}
+
+std::size_t RowBuilder::next_numbers(std::size_t count) {
+  const std::size_t first = end_.pool;
+  end_.pool += count;
+  if (grows_) set_.pool.resize(end_.pool);
+  return first;
+}
+
+RowEnds RowBuilder::measure_contact(int body_a, int body_b, const SurfacePair& surface,
+                                    const Line& line) const {
+  std::size_t sides = 0;
+  for (const int body : {body_a, body_b}) {
+    const int link = mechanism_.body_link(body);
+    sides += link >= 0 && mechanism_.links()[std::size_t(link)].component >= 0;
+  }
+  const std::size_t rows = surface.friction <= 0.0 ? 1 : line.second ? 2 : 3;
+  return {rows, 12 * sides * rows, 1};
+}
+
 Vec3 RowBuilder::point_velocity(int link, const Vec3& point) const {
   return link < 0 ? Vec3::Zero() : motions_[std::size_t(link)].velocity_at(point);
 }
@@ -112,9 +135,8 @@ void RowBuilder::add_lone_side(Row& row, const Component& c, const Spatial& wren
   side.component = int(&c - mechanism_.components().data());
   side.size = 6;
   side.speeds = c.offset;
-  side.j = set_.pool.size();
+  side.j = next_numbers(12);
   side.w = side.j + 6;
-  set_.pool.resize(side.j + 12);
   double* const j = &set_.pool[side.j];
   const Vec3 spin = c.inverse_inertia * wrench.angular;
   for (int k = 0; k < 3; ++k) {
@@ -144,9 +166,8 @@ void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
     side.component = component;
     side.size = c.size();
     side.speeds = c.offset;
-    side.j = set_.pool.size();
+    side.j = next_numbers(2 * std::size_t(side.size));
     side.w = side.j + std::size_t(side.size);
-    set_.pool.resize(side.w + std::size_t(side.size));
   }
   fill_row(c, c.find(link), wrench, sign, &set_.pool[row.side[row.sides - 1].j]);
 }
@@ -165,8 +186,7 @@ void RowBuilder::finish_row(Row& row) {
 }
 
 Row& RowBuilder::add_point_row(int link_a, int link_b, const Vec3& point, const Vec3& direction) {
-  set_.rows.emplace_back();
-  Row& row = set_.rows.back();
+  Row& row = next_row();
   const std::vector<Link>& links = mechanism_.links();
   const int ca = link_a < 0 ? -1 : links[std::size_t(link_a)].component;
   const int cb = link_b < 0 ? -1 : links[std::size_t(link_b)].component;
@@ -178,8 +198,7 @@ Row& RowBuilder::add_point_row(int link_a, int link_b, const Vec3& point, const 
 }
 
 Row& RowBuilder::add_twist_row(int link_a, int link_b, const Vec3& axis) {
-  set_.rows.emplace_back();
-  Row& row = set_.rows.back();
+  Row& row = next_row();
   for (int side = 0; side < 2; ++side) {
     const int index = side == 0 ? link_a : link_b;
     if (index < 0) continue;
@@ -196,16 +215,14 @@ Row& RowBuilder::add_twist_row(int link_a, int link_b, const Vec3& axis) {
 Row& RowBuilder::add_axis_row(const StepContext& context, int component, int local, double sign) {
   Component& c = mechanism_.components()[std::size_t(component)];
   update_component(mechanism_, c);
-  set_.scalars.push_back(int(set_.rows.size()));
-  set_.rows.emplace_back();
-  Row& row = set_.rows.back();
+  set_.scalars.push_back(int(end_.rows));
+  Row& row = next_row();
   RowSide& side = row.side[row.sides++];
   side.component = component;
   side.size = c.size();
   side.speeds = c.offset;
-  side.j = set_.pool.size();
+  side.j = next_numbers(2 * std::size_t(side.size));
   side.w = side.j + std::size_t(side.size);
-  set_.pool.resize(side.w + std::size_t(side.size));
   if (local >= 0) {
     set_.pool[side.j + std::size_t(local)] = sign;
     row.effort_sign = sign;
@@ -291,7 +308,7 @@ void RowBuilder::add_ball_limit(const StepContext& context, int joint_index) {
   aim_unilateral(context, approach, row);
   row.slot = slot_of(mechanism_.model(), SlotKind::upper_limit, joint.speed_offset);
   row.inverse_diagonal = 1.0 / row.diagonal;
-  set_.ball_limits.push_back({int(set_.rows.size()) - 1, joint.speed_offset, direction});
+  set_.ball_limits.push_back({int(end_.rows) - 1, joint.speed_offset, direction});
 }
 
 void RowBuilder::add_friction(const StepContext& context, int joint_index) {
@@ -301,7 +318,7 @@ void RowBuilder::add_friction(const StepContext& context, int joint_index) {
   const int component =
       mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
   if (ball && joint.axes[0].friction > 0.0)
-    set_.balls.push_back({int(set_.rows.size()), joint.axes[0].friction * context.h});
+    set_.balls.push_back({int(end_.rows), joint.axes[0].friction * context.h});
   for (int a = 0; a < count; ++a) {
     const double friction = joint.axes[std::size_t(ball ? 0 : a)].friction;
     if (friction <= 0.0) continue;
@@ -316,7 +333,7 @@ void RowBuilder::add_friction(const StepContext& context, int joint_index) {
   }
   if (!ball || joint.axes[0].friction <= 0.0) return;
   // One step length for all three: else the effort at the bound would not oppose the motion.
-  Row* const rows = &set_.rows[set_.rows.size() - 3];
+  Row* const rows = &set_.rows[end_.rows - 3];
   const double most = std::max({rows[0].diagonal, rows[1].diagonal, rows[2].diagonal});
   for (int k = 0; k < 3; ++k) rows[k].inverse_diagonal = 1.0 / most;
 }
@@ -355,7 +372,7 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
                              int body_b, const SurfacePair& surface, const Line& line) {
   const int link_a = mechanism_.body_link(body_a), link_b = mechanism_.body_link(body_b);
   ContactRows contact;
-  contact.first = int(set_.rows.size());
+  contact.first = int(end_.rows);
   contact.friction = surface.friction;
   contact.point = point;
   // Tangents depend on the normal alone.
@@ -373,6 +390,7 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   }
   if (row.sides == 0 || row.diagonal <= kHeld * free) {
     set_.rows.pop_back();
+    --end_.rows;
     return;
   }
   Approach approach;
@@ -385,7 +403,7 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   aim_unilateral(context, approach, row);
   if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
   row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
-  const int index = int(set_.contacts.size());
+  const int index = int(end_.contacts);
   // Friction acts where the surfaces meet in the impact. Of what is moved by nobody's forces that is
   // the other's surface; between two that yield it is taken halfway, which keeps angular momentum.
   const auto yields = [&](int link) {
@@ -409,7 +427,8 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
     const double most = std::max(rows[1].diagonal, rows[2].diagonal);
     rows[1].inverse_diagonal = rows[2].inverse_diagonal = most > 0.0 ? 1.0 / most : 0.0;
   }
-  set_.contacts.push_back(contact);
+  if (grows_) set_.contacts.emplace_back();
+  set_.contacts[end_.contacts++] = contact;
 }
 
 }  // namespace cogrsim::dynamics

@@ -144,11 +144,22 @@ struct Approach {
 /// Fills target and position goal of a unilateral row; see README, "Unilateral conditions".
 void aim_unilateral(const StepContext& context, const Approach& approach, Row& row);
 
+/// Where rows, numbers and contacts of a set end.
+struct RowEnds {
+  std::size_t rows = 0, pool = 0, contacts = 0;
+};
+
 class RowBuilder {
  public:
-  /// The mechanism's state stays while rows are added.
+  /// The mechanism's state stays while rows are added. They are added from `begin` on; the set has
+  /// room for them already.
+  RowBuilder(Mechanism& mechanism, RowSet& set, const RowEnds& begin)
+      : mechanism_(mechanism), set_(set), motions_(mechanism.motions()), end_(begin) {}
+  /// At the end of the set, which grows.
   RowBuilder(Mechanism& mechanism, RowSet& set)
-      : mechanism_(mechanism), set_(set), motions_(mechanism.motions()) {}
+      : RowBuilder(mechanism, set, {set.rows.size(), set.pool.size(), set.contacts.size()}) {
+    grows_ = true;
+  }
 
   /// Adds the joints' rows: limits about to be reached, friction, implicit laws.
   void add_joint_rows(const StepContext& context, const std::vector<AxisLaw>& laws);
@@ -167,7 +178,15 @@ class RowBuilder {
   static int slot_of(const SceneModel& model, SlotKind kind, int index);
   static int slot_count(const SceneModel& model);
 
+  /// What add_contact() adds. Of bodies that no joint holds only: then one contact, always.
+  RowEnds measure_contact(int body_a, int body_b, const SurfacePair& surface,
+                          const Line& line) const;
+  bool jointed(int link) const;
+
  private:
+  Row& next_row();
+  /// Index in the pool of so many zeros.
+  std::size_t next_numbers(std::size_t count);
   Row& add_axis_row(const StepContext& context, int component, int local, double sign);
   Row& add_point_row(int link_a, int link_b, const Vec3& point, const Vec3& direction);
   // Velocity along `direction` of the body's point, or, without a point, spin about it.
@@ -176,7 +195,6 @@ class RowBuilder {
   Row& add_twist_row(int link_a, int link_b, const Vec3& axis);
   void add_lone_side(Row& row, const Component& c, const Spatial& wrench, double sign);
   void finish_row(Row& row);
-  bool jointed(int link) const;
   Vec3 point_velocity(int link, const Vec3& point) const;
   void add_limits(const StepContext& context, int joint);
   void add_ball_limit(const StepContext& context, int joint);
@@ -187,6 +205,8 @@ class RowBuilder {
   Mechanism& mechanism_;
   RowSet& set_;
   const std::vector<LinkMotion>& motions_;
+  RowEnds end_;
+  bool grows_ = false;
 };
 
 }  // namespace cogrsim::dynamics

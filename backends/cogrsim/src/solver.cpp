@@ -35,9 +35,9 @@ void Solver::partition(const RowSet& set) {
   for (int c = 0; c < components; ++c) number_[std::size_t(c)] = number_[std::size_t(find(c))];
 }
 
-Island& Solver::island_of(const RowSet& set, int row) {
+Solver::Share& Solver::share_of(const RowSet& set, int row) {
   const int component = set.rows[std::size_t(row)].side[0].component;
-  return islands_[std::size_t(number_[std::size_t(component)])];
+  return shares_[std::size_t(number_[std::size_t(component)])];
 }
 
 int Solver::add_line(const RowSet& set, int index, Island& island) {
@@ -69,19 +69,33 @@ int Solver::add_line(const RowSet& set, int index, Island& island) {
   return place_[std::size_t(index)] = int(island.lines.size()) - 1;
 }
 
-void Solver::fill_islands(const RowSet& set) {
-  if (islands_.size() < std::size_t(count_)) islands_.resize(std::size_t(count_));
-  for (int i = 0; i < count_; ++i) islands_[std::size_t(i)].clear();
+void Solver::share_out(const RowSet& set) {
+  const std::size_t count = std::size_t(count_);
+  if (islands_.size() < count) islands_.resize(count);
+  if (shares_.size() < count) shares_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    shares_[i].scalars.clear();
+    shares_[i].balls.clear();
+    shares_[i].contacts.clear();
+  }
   start_.assign(root_.size(), -1);
-  place_.assign(set.rows.size(), 0);
-  for (int index : set.scalars) {
-    Island& island = island_of(set, index);
+  place_.resize(set.rows.size());
+  for (const int row : set.scalars) share_of(set, row).scalars.push_back(row);
+  for (std::size_t i = 0; i < set.balls.size(); ++i)
+    share_of(set, set.balls[i].first).balls.push_back(int(i));
+  for (std::size_t i = 0; i < set.contacts.size(); ++i)
+    share_of(set, set.contacts[i].first).contacts.push_back(int(i));
+}
+
+void Solver::fill_island(const RowSet& set, const Share& share, Island& island) {
+  island.clear();
+  for (const int row : share.scalars) {
     Block block;
-    block.line = add_line(set, index, island);
+    block.line = add_line(set, row, island);
     island.blocks.push_back(block);
   }
-  for (const BallFriction& ball : set.balls) {
-    Island& island = island_of(set, ball.first);
+  for (const int index : share.balls) {
+    const BallFriction& ball = set.balls[std::size_t(index)];
     Block block;
     block.kind = Block::Kind::ball;
     block.friction = ball.bound;
@@ -89,12 +103,11 @@ void Solver::fill_islands(const RowSet& set) {
     for (int k = 1; k < 3; ++k) add_line(set, ball.first + k, island);
     island.blocks.push_back(block);
   }
-  for (int i = 0; i < count_; ++i)
-    islands_[std::size_t(i)].contacts = islands_[std::size_t(i)].blocks.size();
+  island.contacts = island.blocks.size();
   const ContactPoint* last = nullptr;
   int pair = 0;
-  for (const ContactRows& contact : set.contacts) {
-    Island& island = island_of(set, contact.first);
+  for (const int index : share.contacts) {
+    const ContactRows& contact = set.contacts[std::size_t(index)];
     Block block;
     block.kind = Block::Kind::contact;
     block.friction = contact.friction;
@@ -111,12 +124,11 @@ void Solver::fill_islands(const RowSet& set) {
     island.pairs.push_back(pair);
   }
   // Both ends of a line touch the same pair, so they are in the same island.
-  next_.assign(std::size_t(count_), 0);
-  for (const ContactRows& contact : set.contacts) {
-    Island& island = island_of(set, contact.first);
-    Block& block = island.blocks[island.contacts + next_[std::size_t(&island - islands_.data())]++];
+  for (std::size_t i = 0; i < share.contacts.size(); ++i) {
+    const ContactRows& contact = set.contacts[std::size_t(share.contacts[i])];
     if (contact.partner >= 0)
-      block.partner = place_[std::size_t(set.contacts[std::size_t(contact.partner)].first)];
+      island.blocks[island.contacts + i].partner =
+          place_[std::size_t(set.contacts[std::size_t(contact.partner)].first)];
   }
 }
 
@@ -135,14 +147,17 @@ void Solver::solve(RowSet& set, const std::vector<Component>& components, double
                    double* p) {
   components_ = &components;
   partition(set);
-  fill_islands(set);
+  share_out(set);
+  const auto solve_one = [&](std::size_t i) {
+    fill_island(set, shares_[i], islands_[i]);
+    solve_island(islands_[i], set, h, dv, p);
+  };
   // Waking the others takes some 20 us, a row some 1 us.
   constexpr std::size_t kWorthWaking = 200;
   if (pool_ && count_ > 1 && set.rows.size() > kWorthWaking) {
-    pool_->run(std::size_t(count_),
-               [&](std::size_t i) { solve_island(islands_[i], set, h, dv, p); });
+    pool_->run(std::size_t(count_), solve_one);
   } else {
-    for (int i = 0; i < count_; ++i) solve_island(islands_[std::size_t(i)], set, h, dv, p);
+    for (int i = 0; i < count_; ++i) solve_one(std::size_t(i));
   }
 }
 

@@ -31,8 +31,13 @@ class Solver {
  private:
   void partition(const RowSet& set);
   int find(int component);
-  Island& island_of(const RowSet& set, int row);
-  void fill_islands(const RowSet& set);
+  // Of joints' rows, balls' friction and contacts, which belong to an island.
+  struct Share {
+    std::vector<int> scalars, balls, contacts;
+  };
+  Share& share_of(const RowSet& set, int row);
+  void share_out(const RowSet& set);
+  void fill_island(const RowSet& set, const Share& share, Island& island);
   void solve_island(Island& island, RowSet& set, double h, double* dv, double* p) const;
   int add_line(const RowSet& set, int index, Island& island);
 
@@ -40,11 +45,11 @@ class Solver {
   WorkerPool* pool_;
   const std::vector<Component>* components_ = nullptr;
   std::vector<Island> islands_;  ///< the first `count_` are in use
+  std::vector<Share> shares_;    ///< likewise
   int count_ = 0;
   std::vector<int> root_, number_;  ///< by component
   std::vector<int> start_;          ///< by component: its first speed in the island
   std::vector<int> place_;          ///< by row: its line
-  std::vector<std::size_t> next_;   ///< by island
 };
 
 }  // namespace cogrsim::dynamics

@@ -180,6 +180,47 @@ void Stepper::flatten(const Values& by_speed, std::vector<double>& out) const {
     for (int u : c.speeds) out.push_back(in[u]);
 }
 
+void Stepper::add_contact(const StepContext& context, std::size_t index,
+                          RowBuilder& builder) const {
+  const ContactPoint& point = points_[index];
+  const Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
+  const Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
+  builder.add_contact(context, point, a.body, b.body, surface_of(point), find_line(index));
+}
+
+const SurfacePair& Stepper::surface_of(const ContactPoint& point) const {
+  const int a = detector_.colliders()[std::size_t(point.collider_a)].material;
+  const int b = detector_.colliders()[std::size_t(point.collider_b)].material;
+  return surfaces_[std::size_t(a) * model_.materials.size() + std::size_t(b)];
+}
+
+bool Stepper::add_free_contacts(const StepContext& context) {
+  if (!options_.pool || points_.size() < 2 * kAtOnce) return false;
+  const RowBuilder measure(mechanism_, set_);
+  begins_.resize(points_.size());
+  RowEnds end{set_.rows.size(), set_.pool.size(), set_.contacts.size()};
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const int a = detector_.colliders()[std::size_t(points_[i].collider_a)].body;
+    const int b = detector_.colliders()[std::size_t(points_[i].collider_b)].body;
+    const RowEnds size = measure.measure_contact(a, b, surface_of(points_[i]), find_line(i));
+    if (size.pool == 0 || measure.jointed(mechanism_.body_link(a)) ||
+        measure.jointed(mechanism_.body_link(b)))
+      return false;
+    begins_[i] = end;
+    end = {end.rows + size.rows, end.pool + size.pool, end.contacts + size.contacts};
+  }
+  set_.rows.resize(end.rows);
+  set_.pool.resize(end.pool);
+  set_.contacts.resize(end.contacts);
+  options_.pool->run((points_.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t number) {
+    const std::size_t first = number * kAtOnce;
+    RowBuilder builder(mechanism_, set_, begins_[first]);
+    for (std::size_t i = first; i < std::min(first + kAtOnce, points_.size()); ++i)
+      add_contact(context, i, builder);
+  });
+  return true;
+}
+
 bool Stepper::build_rows(double h) {
   StepContext context;
   context.h = h;
@@ -195,16 +236,8 @@ bool Stepper::build_rows(double h) {
   set_.clear();
   RowBuilder builder(mechanism_, set_);
   builder.add_joint_rows(context, laws_);
-  const std::vector<Collider>& colliders = detector_.colliders();
-  const std::size_t materials = model_.materials.size();
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const ContactPoint& point = points_[i];
-    const Collider& a = colliders[std::size_t(point.collider_a)];
-    const Collider& b = colliders[std::size_t(point.collider_b)];
-    builder.add_contact(context, point, a.body, b.body,
-                        surfaces_[std::size_t(a.material) * materials + std::size_t(b.material)],
-                        find_line(i));
-  }
+  if (!add_free_contacts(context))
+    for (std::size_t i = 0; i < points_.size(); ++i) add_contact(context, i, builder);
   std::fill(untouched_.begin(), untouched_.end(), 1);
   for (const Row& row : set_.rows)
     for (int k = 0; k < row.sides; ++k) untouched_[std::size_t(row.side[k].component)] = 0;
@@ -434,7 +467,8 @@ void Stepper::solve_rows(double h) {
       dv_[std::size_t(c.offset + k)] = h * (udot[u] - 0.5 * start_udot[u]);
     }
   warm_start(h);
-  balance_pairs(h);
+  share_contacts(
+      [&](std::size_t, std::size_t first, std::size_t end) { balance_pairs(h, first, end); });
   solver_.solve(set_, m.components(), h, dv_.data(), displacement_.data());
   limit_displacements(h);
   sum_efforts(m.state.q(), m.state.u(), h, false);
@@ -454,8 +488,10 @@ void Stepper::solve_rows(double h) {
     }
   m.multiply_by_n(stage_, displaced_);
   displaced_ = displaced_ + qm_;
-  contact_impulses_.clear();
-  for (const ContactRows& contact : set_.contacts) contact_impulses_.push_back(impulse_of(contact));
+  contact_impulses_.resize(set_.contacts.size());
+  share_contacts([&](std::size_t, std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) contact_impulses_[i] = impulse_of(set_.contacts[i]);
+  });
   remember(h);
   report();
 }

@@ -93,6 +93,15 @@ class Stepper {
   double allowed_share(const Component& component, double h, double gained) const;
   // At the middle of the step. False when no row came out of it.
   bool build_rows(double h);
+  // All of them at once on several threads; false: joints hold some of the bodies.
+  bool add_free_contacts(const StepContext& context);
+  void add_contact(const StepContext& context, std::size_t index, RowBuilder& builder) const;
+  const SurfacePair& surface_of(const ContactPoint& point) const;
+  // Calls work(number, first, end) for stretches of contacts on all threads; none ends within a pair.
+  // Returns their number, the same for any number of threads.
+  static constexpr std::size_t kAtOnce = 128;
+  template <class Work>
+  std::size_t share_contacts(const Work& work);
   // The line, if any, that a point of points_ is an end of: of a cylinder or capsule on its side.
   RowBuilder::Line find_line(std::size_t index) const;
   // Momentum of what floats free is kept to rounding, see README; the state is at the end.
@@ -110,12 +119,15 @@ class Stepper {
   // What the position stage found for a contact, its friction's only where that is of the point.
   Vec3 push_of(const ContactRows& contact) const;
   void warm_start(double h);
-  void share_warm_friction();
+  void warm_start_contacts(double h, std::size_t first, std::size_t end);
+  void share_warm_friction(std::size_t first, std::size_t end);
   // Shares the load of a resting pair among its points: makes each yield a little to what it bears
   // beyond the mean of the last step. Without it rigid contact leaves the shares to chance, and a
   // wheel rolls on one of its rims.
-  void balance_pairs(double h);
+  void balance_pairs(double h, std::size_t first, std::size_t end);
   void remember(double h);
+  struct Stretch;
+  void remember_contact(double h, std::size_t index, Stretch& out) const;
   // Adds the rows' impulses to `impulses` and `records`.
   void report();
 
@@ -139,6 +151,14 @@ class Stepper {
   std::vector<FreeMomentum> momenta_, start_momenta_;
   std::vector<Gain> gained_;  ///< (ncomponent)
   std::vector<Vec3> warm_;    ///< impulses to start from, by contact
+  std::vector<char> taken_;   ///< (StepMemory::contacts): a contact starts from it
+  /// What stretches of contacts leave, by stretch.
+  struct Stretch {
+    std::vector<StepMemory::WarmContact> contacts;
+    std::vector<int> hits;  ///< rows
+  };
+  std::vector<Stretch> stretches_;
+  std::vector<RowEnds> begins_;  ///< of the rows of each point
   std::vector<ContactPoint> points_;
   std::vector<double> margins_;  ///< (nlink)
   /// (nbody) way from where it is looked at to the middle [m]; empty: nothing is fast.
@@ -149,5 +169,28 @@ class Stepper {
   std::vector<double> row_u_, row_start_, row_udot_;  ///< likewise: what rows are made from
   std::vector<Vec3> contact_impulses_;                ///< on b, by contact
 };
+
+template <class Work>
+std::size_t Stepper::share_contacts(const Work& work) {
+  const std::vector<ContactRows>& contacts = set_.contacts;
+  const std::size_t count = (contacts.size() + kAtOnce - 1) / kAtOnce;
+  // The first contact of a pair from `i` on.
+  const auto begin_of = [&](std::size_t i) {
+    const auto same = [&](const ContactPoint& a, const ContactPoint& b) {
+      return a.collider_a == b.collider_a && a.collider_b == b.collider_b;
+    };
+    while (i > 0 && i < contacts.size() && same(contacts[i - 1].point, contacts[i].point)) ++i;
+    return std::min(i, contacts.size());
+  };
+  const auto one = [&](std::size_t number) {
+    work(number, begin_of(number * kAtOnce), begin_of((number + 1) * kAtOnce));
+  };
+  if (options_.pool && count > 1) {
+    options_.pool->run(count, one);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) one(i);
+  }
+  return count;
+}
 
 }  // namespace cogrsim::dynamics

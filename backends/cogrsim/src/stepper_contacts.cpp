@@ -49,16 +49,24 @@ void Stepper::warm_start(double h) {
         row.lambda = std::clamp(h * memory.efforts[std::size_t(row.slot)], row.low, row.high);
   }
   warm_.assign(set_.contacts.size(), Vec3::Zero());
-  std::size_t at = 0;
-  static thread_local std::vector<char> taken;
-  taken.assign(memory.contacts.size(), 0);
-  for (const ContactRows& contact : set_.contacts) {
+  taken_.assign(memory.contacts.size(), 0);
+  share_contacts(
+      [&](std::size_t, std::size_t first, std::size_t end) { warm_start_contacts(h, first, end); });
+}
+
+void Stepper::warm_start_contacts(double h, std::size_t first, std::size_t end) {
+  const auto before = [](const StepMemory::WarmContact& w, const ContactPoint& point) {
+    return w.collider_a != point.collider_a ? w.collider_a < point.collider_a
+                                            : w.collider_b < point.collider_b;
+  };
+  if (first == end) return;
+  std::size_t at = std::size_t(std::lower_bound(memory.contacts.begin(), memory.contacts.end(),
+                                                set_.contacts[first].point, before) -
+                               memory.contacts.begin());
+  for (std::size_t index = first; index < end; ++index) {
+    const ContactRows& contact = set_.contacts[index];
     const ContactPoint& point = contact.point;
-    const auto before = [&](const StepMemory::WarmContact& w) {
-      return w.collider_a != point.collider_a ? w.collider_a < point.collider_a
-                                              : w.collider_b < point.collider_b;
-    };
-    while (at < memory.contacts.size() && before(memory.contacts[at])) ++at;
+    while (at < memory.contacts.size() && before(memory.contacts[at], point)) ++at;
     const Placement& X_b = detector_.colliders()[std::size_t(point.collider_b)].X_WS;
     const Vec3 place = X_b.to_local(point.point);
     double nearest = kSamePoint * kSamePoint;
@@ -67,14 +75,14 @@ void Stepper::warm_start(double h) {
       const StepMemory::WarmContact& w = memory.contacts[i];
       if (w.collider_a != point.collider_a || w.collider_b != point.collider_b) break;
       const double d = (w.place - place).squaredNorm();
-      if (!taken[i] && d < nearest) {
+      if (!taken_[i] && d < nearest) {
         nearest = d;
         best = i;
       }
     }
     if (best == memory.contacts.size()) continue;
-    taken[best] = 1;
-    warm_[std::size_t(&contact - set_.contacts.data())] = h * memory.contacts[best].force;
+    taken_[best] = 1;
+    warm_[index] = h * memory.contacts[best].force;
     const Vec3& push = memory.contacts[best].push;
     Row* const rows = &set_.rows[std::size_t(contact.first)];
     rows[0].push = push.dot(point.normal);
@@ -82,8 +90,8 @@ void Stepper::warm_start(double h) {
     rows[1].push = push.dot(contact.tangent1);
     rows[2].push = push.dot(contact.tangent2);
   }
-  share_warm_friction();
-  for (std::size_t i = 0; i < set_.contacts.size(); ++i) {
+  share_warm_friction(first, end);
+  for (std::size_t i = first; i < end; ++i) {
     const ContactRows& contact = set_.contacts[i];
     Row* const rows = &set_.rows[std::size_t(contact.first)];
     rows[0].lambda = std::max(warm_[i].dot(contact.point.normal), 0.0);
@@ -105,15 +113,15 @@ void Stepper::warm_start(double h) {
 
 // What the sweeps leave of forces that only press the points of a face against each other would
 // stay for ever: the start is made without it.
-void Stepper::share_warm_friction() {
+void Stepper::share_warm_friction(std::size_t begin, std::size_t last) {
   constexpr double kSameNormal = 1.0 - 1e-6;  // cosine
   constexpr std::size_t kMost = 16;
   const std::vector<ContactRows>& contacts = set_.contacts;
-  std::size_t end = 0;
-  for (std::size_t first = 0; first < contacts.size(); first = end) {
+  std::size_t end = begin;
+  for (std::size_t first = begin; first < last; first = end) {
     const ContactPoint& leader = contacts[first].point;
     bool flat = true;
-    for (end = first; end < contacts.size(); ++end) {
+    for (end = first; end < last; ++end) {
       const ContactPoint& point = contacts[end].point;
       if (point.collider_a != leader.collider_a || point.collider_b != leader.collider_b) break;
       flat = flat && contacts[end].kind == FrictionKind::point &&
@@ -136,14 +144,14 @@ void Stepper::share_warm_friction() {
   }
 }
 
-void Stepper::balance_pairs(double h) {
+void Stepper::balance_pairs(double h, std::size_t begin, std::size_t last) {
   constexpr double kYield = 5e-3;  // of the inverse mass that the points feel
   // A light body under a heavy one feels little mass and much load: beyond a load of so many times its
   // weight it yields less, or the heavy one would tilt on it by and by.
   constexpr double kLoad = 100.0;
   const double most = kLoad * h * model_.physics.gravity.norm();
   std::vector<ContactRows>& contacts = set_.contacts;
-  for (std::size_t first = 0, end = 0; first < contacts.size(); first = end) {
+  for (std::size_t first = begin, end = begin; first < last; first = end) {
     double sum = 0.0, inverse_mass = 0.0;
     int resting = 0;
     const auto row_of = [&](std::size_t i) -> Row& {
@@ -153,9 +161,9 @@ void Stepper::balance_pairs(double h) {
       const Row& row = row_of(i);
       return row.has_gap && row.target == 0.0 && !row.pull;
     };
-    for (end = first; end < contacts.size() &&
-                      contacts[end].point.collider_a == contacts[first].point.collider_a &&
-                      contacts[end].point.collider_b == contacts[first].point.collider_b;
+    for (end = first;
+         end < last && contacts[end].point.collider_a == contacts[first].point.collider_a &&
+         contacts[end].point.collider_b == contacts[first].point.collider_b;
          ++end) {
       if (!rests(end)) continue;
       sum += row_of(end).lambda;
@@ -179,39 +187,57 @@ void Stepper::balance_pairs(double h) {
   }
 }
 
+void Stepper::remember_contact(double h, std::size_t index, Stretch& out) const {
+  const ContactRows& contact = set_.contacts[index];
+  const Row& normal = set_.rows[std::size_t(contact.first)];
+  if (normal.hits) out.hits.push_back(contact.first);
+  if (normal.lambda <= 0.0 && contact.kind == FrictionKind::point) return;
+  StepMemory::WarmContact w;
+  w.collider_a = contact.point.collider_a;
+  w.collider_b = contact.point.collider_b;
+  const Placement& X_b = detector_.colliders()[std::size_t(w.collider_b)].X_WS;
+  w.place = X_b.to_local(contact.point.point);
+  w.force = contact_impulses_[index] / h;
+  w.push = push_of(contact);
+  out.contacts.push_back(w);
+}
+
 void Stepper::remember(double h) {
   memory.contacts.clear();
   memory.efforts.assign(std::size_t(RowBuilder::slot_count(model_)), 0.0);
-  for (const Row& row : set_.rows)
-    if (row.slot >= 0) memory.efforts[std::size_t(row.slot)] = row.lambda / h;
-  for (const ContactRows& contact : set_.contacts) {
-    const Row* const rows = &set_.rows[std::size_t(contact.first)];
-    if (rows[0].lambda <= 0.0 && contact.kind == FrictionKind::point) continue;
-    StepMemory::WarmContact w;
-    w.collider_a = contact.point.collider_a;
-    w.collider_b = contact.point.collider_b;
-    const Placement& X_b = detector_.colliders()[std::size_t(w.collider_b)].X_WS;
-    w.place = X_b.to_local(contact.point.point);
-    w.force = contact_impulses_[std::size_t(&contact - set_.contacts.data())] / h;
-    w.push = push_of(contact);
-    memory.contacts.push_back(w);
-  }
-  memory.udot = end_u_ - u0_;
-  double* const udot = memory.udot.data();
-  memory.udot *= 1.0 / h;
+  if (!memory.efforts.empty())
+    for (const Row& row : set_.rows)
+      if (row.slot >= 0) memory.efforts[std::size_t(row.slot)] = row.lambda / h;
+  stretches_.resize(std::max(stretches_.size(), set_.contacts.size() / kAtOnce + 1));
+  const std::size_t count =
+      share_contacts([&](std::size_t number, std::size_t first, std::size_t end) {
+        Stretch& out = stretches_[number];
+        out.contacts.clear();
+        out.hits.clear();
+        for (std::size_t i = first; i < end; ++i) remember_contact(h, i, out);
+      });
+  memory.udot = (1.0 / h) * (end_u_ - u0_);
   // An impact's acceleration lasts no further step: what it met is carried to the next middle by its
   // speed alone.
-  for (const Row& row : set_.rows) {
-    if (!row.hits || row.lambda <= 0.0) continue;
+  const auto forget_impact = [&](int index) {
+    const Row& row = set_.rows[std::size_t(index)];
+    if (!row.hits || row.lambda <= 0.0) return;
     for (int s = 0; s < row.sides; ++s)
       for (int u : mechanism_.components()[std::size_t(row.side[s].component)].speeds)
-        udot[u] = 0.0;
+        memory.udot[u] = 0.0;
+  };
+  for (const int row : set_.scalars) forget_impact(row);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Stretch& stretch = stretches_[i];
+    memory.contacts.insert(memory.contacts.end(), stretch.contacts.begin(), stretch.contacts.end());
+    for (const int row : stretch.hits) forget_impact(row);
   }
   memory.had_rows = true;
 }
 
 void Stepper::report() {
   for (const Row& row : set_.rows) {
+    if (impulses.joints.empty()) break;
     if (row.effort < 0) continue;
     impulses.joints[std::size_t(row.effort)] += row.effort_sign * row.lambda;
     if (row.motor >= 0) impulses.motors[std::size_t(row.motor)] += row.lambda;
