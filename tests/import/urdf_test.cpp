@@ -15,11 +15,11 @@ const char* const kArm = R"(<robot name="arm">
     <collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision>
   </link>
   <link name="upper">
-    <inertial><origin xyz="0 0 0.2" rpy="0 0.3 0.2"/><mass value="1"/><inertia ixx="0.03" iyy="0.02" izz="0.015"/></inertial>
+    <inertial><origin xyz="0 0 0.2" rpy="0 0.3 0.2"/><mass value="1"/><inertia ixx="0.03" iyy="0.02" izz="0.015" ixy="0" ixz="0" iyz="0"/></inertial>
     <collision><origin xyz="0 0 0.2"/><geometry><cylinder radius="0.03" length="0.4"/></geometry></collision>
   </link>
   <link name="flange"/>
-  <link name="tool"><inertial><mass value="0.5"/><inertia ixx="0.001" iyy="0.001" izz="0.001"/></inertial></link>
+  <link name="tool"><inertial><mass value="0.5"/><inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <joint name="shoulder" type="revolute">
     <parent link="base"/><child link="upper"/><origin xyz="0 0.1 0.1" rpy="0.1 0.2 0.3"/><axis xyz="0 2 0"/>
     <limit lower="0.5" upper="1.5" effort="10" velocity="3"/><dynamics damping="0.1" friction="0.2"/>
@@ -73,6 +73,15 @@ TEST_CASE("links, joints and inertias come over exactly", "[urdf]") {
   CHECK(tool.X_BF.q.angularDistance(Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))) < 1e-14);
   CHECK(in.frame("flange").body == tool.body);
   CHECK(in.result.count(kLeftOut) == 0);
+}
+
+TEST_CASE("products of inertia that are not given are reported", "[urdf]") {
+  Imported in;
+  in.read(R"(<robot name="r"><link name="a"><inertial><mass value="1"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixz="0"/></inertial></link></robot>)");
+  REQUIRE(in.model);
+  CHECK(in.reports(kApproximate, "inertia of link 'a'",
+                   "does not give ixy, iyz, which is read as 0"));
 }
 
 TEST_CASE("an inertia that no body has is replaced by the nearest possible one", "[urdf]") {

@@ -167,7 +167,13 @@ class UrdfReader {
     const Pose X = origin(e);
     out.com = X.p;
     if (const XmlElement* i = e.child("inertia")) {
+      std::string missing;
       const auto v = [&](const char* name) { return context_.number(*i, name, 0.0); };
+      for (const char* name : {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"})
+        if (i->find(name) == nullptr) missing += (missing.empty() ? "" : ", ") + std::string(name);
+      if (!missing.empty())
+        context_.approximate(i->at, fmt::format("inertia of link '{}'", link),
+                             fmt::format("does not give {}, which is read as 0", missing));
       Mat3 I;
       I << v("ixx"), v("ixy"), v("ixz"), v("ixy"), v("iyy"), v("iyz"), v("ixz"), v("iyz"), v("izz");
       const Mat3 R = X.q.toRotationMatrix();
