@@ -71,8 +71,9 @@ std::string surface_class(const SurfaceGeom& geom) {
 Surfaces choose_surfaces(const SceneModel& model, const Options& options,
                          const std::vector<SurfaceGeom>& geoms) {
   Terms terms(model, options);
-  std::map<int, int> moving;  // geoms by material
-  for (const SurfaceGeom& geom : geoms) moving[geom.material] += geom.mobile ? 1 : 0;
+  std::map<int, int> moving;  // geoms by material; what is slick is so beside whatever there is
+  for (const SurfaceGeom& geom : geoms)
+    moving[geom.material] += geom.mobile && terms.of(geom.material, geom.material).friction > 0;
   const auto most =
       std::max_element(moving.begin(), moving.end(),
                        [](const auto& a, const auto& b) { return a.second < b.second; });
