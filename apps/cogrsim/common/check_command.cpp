@@ -26,10 +26,6 @@ int print_or_fail(const std::string& text, int status) {
 
 bool is_error(const Diagnostic& diagnostic) { return diagnostic.severity == Severity::error; }
 
-std::string count_text(std::size_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 std::string contents_text(const SceneModel& model) {
   return fmt::format("{}, {}, {}, {}", count_text(model.bodies.size(), "body", "bodies"),
                      count_text(model.joints.size(), "joint", "joints"),

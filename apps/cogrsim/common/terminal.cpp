@@ -57,6 +57,10 @@ Style style_of(int file_descriptor) {
   return {"\033[1m", "\033[2m", "\033[1;31m", "\033[32m", "\033[33m", "\033[36m", "\033[0m"};
 }
 
+std::string count_text(std::size_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
 bool is_live_terminal(int file_descriptor) {
   return isatty(file_descriptor) != 0 && !dumb_terminal();
 }

@@ -19,6 +19,9 @@ struct Style {
 };
 Style style_of(int file_descriptor);
 
+/// "1 body", "2 bodies".
+std::string count_text(std::size_t count, const char* one, const char* many);
+
 /// A terminal that can redraw a line.
 bool is_live_terminal(int file_descriptor);
 /// Columns of a terminal; 80 when not known.

@@ -14,6 +14,7 @@
 #include "common/refuse.h"
 #include "common/scene_loading.h"
 #include "common/terminal.h"
+#include "compare/zoom_chart.h"
 
 namespace cogrsim::cli {
 
@@ -27,32 +28,11 @@ struct ImportCommandOptions {
   dsl::ImportOptions import;
 };
 
-std::string count_text(std::size_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
-std::string html_text(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string position_of(const dsl::ImportEntry& e) {
   return e.file.empty() ? "" : fmt::format("{}:{}:{}", e.file, e.line, e.column);
 }
 
-/// What is not exact, equal messages once with their number.
+/// What is not exact, the first 20 of each kind.
 void print_report(const dsl::ImportResult& result, const Style& style) {
   using dsl::Fidelity;
   for (const Fidelity fidelity : {Fidelity::approximate, Fidelity::left_out}) {
@@ -193,12 +173,12 @@ std::string fidelity_html(const dsl::ImportResult& result, const std::string& so
       ".approximate{{color:#9a6a00}}.left{{color:#b02a2a}}</style></head><body>\n"
       "<h1>Import of {0}</h1>\n<p>{1}: <b class=\"exact\">{2} exact</b>, "
       "<b class=\"approximate\">{3} approximate</b>, <b class=\"left\">{4} left out</b></p>\n",
-      html_text(source), html_text(result.format.empty() ? "not imported" : result.format),
+      html_escaped(source), html_escaped(result.format.empty() ? "not imported" : result.format),
       result.count(dsl::Fidelity::exact), result.count(dsl::Fidelity::approximate),
       result.count(dsl::Fidelity::left_out));
   for (const Diagnostic& d : result.diagnostics)
-    out += fmt::format("<p class=\"left\"><b>{}:{}:{}: {}</b> {}</p>\n", html_text(d.file), d.line,
-                       d.column, html_text(d.message), html_text(d.help));
+    out += fmt::format("<p class=\"left\"><b>{}:{}:{}: {}</b> {}</p>\n", html_escaped(d.file),
+                       d.line, d.column, html_escaped(d.message), html_escaped(d.help));
   out += "<table><tr><th>fidelity</th><th>element</th><th>note</th><th>source</th></tr>\n";
   using dsl::Fidelity;
   for (const Fidelity fidelity : {Fidelity::left_out, Fidelity::approximate, Fidelity::exact})
@@ -206,8 +186,8 @@ std::string fidelity_html(const dsl::ImportResult& result, const std::string& so
       if (e.fidelity == fidelity)
         out += fmt::format("<tr><td class=\"{}\">{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
                            fidelity == Fidelity::left_out ? "left" : dsl::fidelity_name(fidelity),
-                           dsl::fidelity_name(fidelity), html_text(e.element), html_text(e.message),
-                           html_text(position_of(e)));
+                           dsl::fidelity_name(fidelity), html_escaped(e.element),
+                           html_escaped(e.message), html_escaped(position_of(e)));
   return out + "</table></body></html>\n";
 }
 
@@ -216,7 +196,7 @@ void add_import(CLI::App& app, int& status) {
     ImportCommandOptions options;
     std::vector<std::string> packages, arguments;
     std::string drives = "none";
-    bool refer = false, no_floor = false;
+    bool no_floor = false;
   };
   const auto arguments = std::make_shared<Arguments>();
   ImportCommandOptions& o = arguments->options;

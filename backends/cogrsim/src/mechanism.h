@@ -66,8 +66,8 @@ class Mechanism {
 
   /// Of every link, at the state. Found once for each state.
   const std::vector<LinkMotion>& motions() const;
-  Placement placement(const Link& link) const {
-    return motions()[std::size_t(&link - links_.data())].X;
+  const LinkMotion& motion(const Link& link) const {
+    return motions()[std::size_t(&link - links_.data())];
   }
 
  private:

@@ -15,7 +15,7 @@ struct LinkState {
 };
 
 LinkState state_of(const Mechanism& m, const Link& link) {
-  const LinkMotion& motion = m.motions()[std::size_t(&link - m.links().data())];
+  const LinkMotion& motion = m.motion(link);
   const Mat3& R = motion.X.R;
   LinkState out;
   out.com = motion.X * link.com;
@@ -66,7 +66,7 @@ void share_loops(Mechanism& m, Component& c, const StepRecord& record,
   for (std::size_t w = 0; w < c.welds.size(); ++w) {
     const Vec3 torque = f.segment<3>(Eigen::Index(6 * w)) * record.dt;
     const Vec3 force = f.segment<3>(Eigen::Index(6 * w + 3)) * record.dt;
-    const Vec3 at = m.placement(m.links()[std::size_t(c.welds[w].ghost)]).p;
+    const Vec3 at = m.motion(m.links()[std::size_t(c.welds[w].ghost)]).X.p;
     const Vec3 moment = torque + at.cross(force);
     Momenta& ghost = own[std::size_t(c.welds[w].ghost)];
     ghost.linear -= force;
@@ -133,7 +133,7 @@ void calc_joint_reactions(Mechanism& m, const StepRecord& record, std::vector<Wr
     Vec3 at = joint.X_CM.p;  // in the child, wherever that is
     const int child = link.plan.reversed ? link.plan.parent : int(i);
     if (child >= 0)
-      at = m.placement(links[std::size_t(child)]) * joint.X_CM.p;
+      at = m.motion(links[std::size_t(child)]).X * joint.X_CM.p;
     else if (joint.child >= 0)
       at = model.bodies[std::size_t(joint.child)].X_WB * joint.X_CM.p;
     Wrench& wrench = out[std::size_t(link.plan.joint)];

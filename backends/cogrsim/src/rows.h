@@ -96,6 +96,10 @@ class RowSet {
   std::vector<ContactRows> contacts;
   std::vector<double> pool;
   bool empty() const { return rows.empty(); }
+  /// How many rows there are of joints: they come before those of contacts.
+  std::size_t joint_rows() const {
+    return contacts.empty() ? rows.size() : std::size_t(contacts.front().first);
+  }
 
   /// J v for v over all components.
   double along(const Row& row, const double* v) const {

@@ -44,8 +44,8 @@ Vec3 Stepper::push_of(const ContactRows& contact) const {
 void Stepper::warm_start(double h) {
   if (!memory.had_rows) return;
   if (!memory.efforts.empty()) {
-    for (Row& row : set_.rows)
-      if (row.slot >= 0)
+    for (std::size_t i = 0; i < set_.joint_rows(); ++i)
+      if (Row& row = set_.rows[i]; row.slot >= 0)
         row.lambda = std::clamp(h * memory.efforts[std::size_t(row.slot)], row.low, row.high);
   }
   warm_.assign(set_.contacts.size(), Vec3::Zero());
@@ -205,9 +205,9 @@ void Stepper::remember_contact(double h, std::size_t index, Stretch& out) const 
 void Stepper::remember(double h) {
   memory.contacts.clear();
   memory.efforts.assign(std::size_t(RowBuilder::slot_count(model_)), 0.0);
-  if (!memory.efforts.empty())
-    for (const Row& row : set_.rows)
-      if (row.slot >= 0) memory.efforts[std::size_t(row.slot)] = row.lambda / h;
+  for (std::size_t i = 0; i < set_.joint_rows(); ++i)
+    if (const Row& row = set_.rows[i]; row.slot >= 0)
+      memory.efforts[std::size_t(row.slot)] = row.lambda / h;
   stretches_.resize(std::max(stretches_.size(), set_.contacts.size() / kAtOnce + 1));
   const std::size_t count =
       share_contacts([&](std::size_t number, std::size_t first, std::size_t end) {
@@ -236,8 +236,8 @@ void Stepper::remember(double h) {
 }
 
 void Stepper::report() {
-  for (const Row& row : set_.rows) {
-    if (impulses.joints.empty()) break;
+  for (std::size_t i = 0; i < set_.joint_rows(); ++i) {
+    const Row& row = set_.rows[i];
     if (row.effort < 0) continue;
     impulses.joints[std::size_t(row.effort)] += row.effort_sign * row.lambda;
     if (row.motor >= 0) impulses.motors[std::size_t(row.motor)] += row.lambda;
