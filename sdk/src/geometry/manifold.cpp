@@ -173,11 +173,26 @@ void reduce_points(std::vector<ContactPoint>& points, std::size_t first) {
   constexpr double kClearly = 1.0 + 1e-6;
   constexpr double kSameDepth = 1e-5;  // [m]
   std::size_t pick = 0;
-  for (std::size_t i = 1; i < count; ++i)
+  Vec3 middle = at(0).point;
+  for (std::size_t i = 1; i < count; ++i) {
     if (at(i).gap < at(pick).gap - kSameDepth) pick = i;
+    middle += at(i).point;
+  }
+  middle /= double(count);
+  // Of those as deep the farthest out: two edges that nearly coincide cross anywhere along them, and
+  // that point in place of a corner would leave the corner without support.
+  const double deepest = at(pick).gap + kSameDepth;
+  double most = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double d = (at(i).point - middle).squaredNorm();
+    if (at(i).gap <= deepest && d > most * kClearly) {
+      most = d;
+      pick = i;
+    }
+  }
   std::swap(at(0), at(pick));
 
-  double most = -1.0;
+  most = -1.0;
   pick = 1;
   for (std::size_t i = 1; i < count; ++i) {
     const double d = (at(i).point - at(0).point).squaredNorm();

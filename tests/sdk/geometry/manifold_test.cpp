@@ -100,3 +100,40 @@ TEST_CASE("contact points between two faces span what the faces have in common")
   }
   CHECK(met > 200);
 }
+
+// The outline of two squares that nearly coincide has eight corners: four that bear, and where edges
+// cross, anywhere along them.
+TEST_CASE("faces that nearly coincide keep their corners") {
+  RandomStream random(11, "coincident faces");
+  constexpr double kHalf = 0.1, kOff = 1e-7;
+  int crossed = 0;
+  for (int round = 0; round < 1000; ++round) {
+    geometry::Feature features[2];
+    for (int k = 0; k < 2; ++k) {
+      const Eigen::Rotation2Dd turn(k * random.uniform(-kOff, kOff));
+      const Eigen::Vector2d shift(k * random.uniform(-kOff, kOff), k * random.uniform(-kOff, kOff));
+      for (int c = 0; c < 4; ++c) {
+        const Eigen::Vector2d corner(c == 1 || c == 2 ? kHalf : -kHalf, c >= 2 ? kHalf : -kHalf);
+        const Eigen::Vector2d p = shift + turn * corner;
+        features[k].add({p.x(), p.y(), 0.0});
+      }
+    }
+    geometry::Separation separation;
+    separation.found = true;
+    std::vector<geometry::ContactPoint> points;
+    geometry::face_contacts(features[0], features[1], separation, 0.01, points);
+    crossed += points.size() > 4;
+    geometry::reduce_points(points, 0);
+    REQUIRE(points.size() == 4);
+    double sum_x = 0.0, sum_y = 0.0;
+    for (const geometry::ContactPoint& point : points) {
+      CHECK_THAT(std::abs(point.point.x()), WithinAbs(kHalf, 4.0 * kOff));
+      CHECK_THAT(std::abs(point.point.y()), WithinAbs(kHalf, 4.0 * kOff));
+      sum_x += point.point.x();
+      sum_y += point.point.y();
+    }
+    CHECK_THAT(sum_x, WithinAbs(0.0, 16.0 * kOff));  // one of each
+    CHECK_THAT(sum_y, WithinAbs(0.0, 16.0 * kOff));
+  }
+  CHECK(crossed > 50);
+}
