@@ -80,16 +80,13 @@ double across(const HeapGroup& g, int i, int k) {
 
 void Heap::add_bearing(HeapGroup& g) {
   Eigen::Matrix4d response = Eigen::Matrix4d::Identity();
-  // As Island::find_bearings: each point yields to what it bears beyond the mean of this step.
   const double shared = ::cogrsim::dynamics::Bearing::kShared * g.gamma[0] / g.count;
-  const double mean = sum_of(g.lambda) / g.count;
   Bearing bearing;
   bearing.shared = Four{};
   for (int i = 0; i < g.count; ++i) {
     for (int k = 0; k < i; ++k) response(i, k) = response(k, i) = across(g, i, k) - shared;
     response(i, i) = g.diagonal[i] + g.gamma[i] - shared;
     bearing.shared[i] = shared;
-    g.bias[i] += g.gamma[i] * mean;
     g.inverse[i] = 1.0 / response(i, i);
   }
   const Eigen::Matrix4d inverse = response.inverse();

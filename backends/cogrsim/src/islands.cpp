@@ -287,12 +287,7 @@ void Island::find_bearings() {
       }
       bearing.response(i, i) = a.diagonal + a.gamma;
     }
-    // Beyond the mean of this step, not of the last as the target says: else what lands on a light
-    // body would fall until the mean has grown.
     const double gamma = lines[std::size_t(bearing.line[0])].gamma;
-    double load = 0.0;
-    for (int i = 0; i < size; ++i) load += lines[std::size_t(bearing.line[i])].lambda;
-    for (int i = 0; i < size; ++i) lines[std::size_t(bearing.line[i])].bias += gamma * load / size;
     bearing.shared = Bearing::kShared * gamma / size;
     for (int i = 0; i < size; ++i)
       for (int k = 0; k < size; ++k) bearing.response(i, k) -= bearing.shared;

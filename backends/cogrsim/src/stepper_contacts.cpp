@@ -171,8 +171,11 @@ void Stepper::balance_pairs(double h, std::size_t begin, std::size_t last) {
       ++resting;
     }
     if (resting < 2) continue;
-    // The same yield for all: then the loads are the last step's mean, projected onto those that
-    // balance, which never adds to them. Else points that press against each other would.
+    // The same yield for all: then the loads are their mean, projected onto those that balance, which
+    // never adds to them. Else points that press against each other would. Of up to kMost points, as
+    // Bearing, the mean is that of this step, found by the sweeps; else it is the last step's, and what
+    // lands on a light body falls until it has grown.
+    const bool together = resting == int(end - first) && resting <= Bearing::kMost;
     double yield = kYield * inverse_mass / resting;
     const double speed = inverse_mass * sum / (resting * resting);
     if (most > 0.0 && speed > most)
@@ -181,7 +184,7 @@ void Stepper::balance_pairs(double h, std::size_t begin, std::size_t last) {
       if (!rests(i)) continue;
       Row& row = row_of(i);
       row.gamma = yield;
-      row.target = row.gamma * sum / resting;
+      if (!together) row.target = row.gamma * sum / resting;
       row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
     }
   }
