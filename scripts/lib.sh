@@ -97,17 +97,18 @@ build() {
   cmake --build "$build_dir" --parallel "$(nproc)" --target "$@"
 }
 
-# The demo: the navigation experiment on two engines, in its short form, and a comparison of the engines.
+# The demo: the navigation experiment on three engines, in its short form, and a comparison of the engines.
 run_demo() {
-  local example=examples/050_navigation album=$build_dir/navigation
-  say "$example/experiment --short --seeds 3 ${album#"$repo"/}"
-  COGRSIM=$build_dir/bin/cogrsim "$repo/$example/experiment" --short --seeds 3 "$album" || return
-  say "cogrsim compare $example/navigation.scene.xml --backends bullet,cogrsim"
-  "$build_dir/bin/cogrsim" compare "$repo/$example/navigation.scene.xml" --backends bullet,cogrsim \
+  local example=examples/050_navigation album=$build_dir/navigation engines=bullet,simbody,cogrsim
+  say "$example/experiment --short --seeds 3 --backends $engines ${album#"$repo"/}"
+  COGRSIM=$build_dir/bin/cogrsim "$repo/$example/experiment" --short --seeds 3 --backends "$engines" \
+    "$album" || return
+  say "cogrsim compare $example/navigation.scene.xml --backends $engines"
+  "$build_dir/bin/cogrsim" compare "$repo/$example/navigation.scene.xml" --backends "$engines" \
     --report "$album/report.html" || return
   printf '\nOver three seeds:\n'
   cat "$album/summary.txt"
   printf '\nThe map, with the path dashed: %s\nPictures and figures:          %s\n' \
     "$album/bullet/map.png" "$album"
-  printf 'The curves of both engines:    %s\n' "$album/report.html"
+  printf 'The curves of all engines:     %s\n' "$album/report.html"
 }
