@@ -184,6 +184,7 @@ void Engine::add_body(int body, const WorldState& state) {
   }
   before_[at(body)] = start;
   part.shape->collides ? world_->addRigidBody(&rigid) : world_->addRigidBody(&rigid, 0, 0);
+  rigid.setGravity(of.gravity_scale * world_->getGravity());  // addRigidBody sets the world's
 }
 
 void Engine::set_motion(btRigidBody& body, const Motion& motion) {

@@ -17,13 +17,12 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
   const Values& q = m.state.q();
   const Values& u = m.state.u();
 
-  const Vec3 g = m.model().physics.gravity;
   const std::vector<LinkMotion>& motions = m.motions();
   weights_.resize(motions.size());
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const Link& link = m.links()[i];
     if (link.kinematic) continue;
-    weights_[i] = link.mass * g;
+    weights_[i] = link.weight;
   }
 
   efforts_.setZero();

@@ -46,13 +46,13 @@ Capabilities make_capabilities() {
     c.set("joint." + name, Support::exact);
     c.set("loop." + name, Support::exact);
     if (joint == JointType::fixed || joint == JointType::free) continue;
-    for (const char* what : {"limit", "damping", "friction", "stiffness"})
+    for (const char* what : {"limit", "damping", "friction", "stiffness", "rotor-inertia"})
       c.set(std::string("joint.") + what + "." + name, Support::exact);
   }
   for (const char* mode : {"velocity", "torque", "position", "servo", "dc"})
     c.set(std::string("motor.") + mode, Support::exact);
   for (const char* feature :
-       {"body.static", "body.kinematic", "contact.stiffness", "runtime.add", "runtime.remove",
+       {"body.static", "body.kinematic", "body.gravity-scale", "joint.coupling", "joint.coupling-effort", "contact.stiffness", "runtime.add", "runtime.remove",
         "runtime.save", "runtime.set_state", "runtime.attach", "runtime.body_kind",
         "runtime.joint_axes", "report.contact_force", "report.joint_reaction",
         "report.joint_effort"})

@@ -149,6 +149,8 @@ void update_component(const Mechanism& mechanism, Component& c) {
       }
     }
   }
+  for (std::size_t k = 0; k < c.rotors.size(); ++k)
+    c.factor[k * std::size_t(n) + k] += c.rotors[k];
   for (const Component::Range& tree : c.trees) factorize(c.factor, n, tree);
   if (!c.welds.empty()) update_loops(mechanism, c);
 }
@@ -287,7 +289,10 @@ void solve_mass_recursively(const Component& c, double* x) {
     }
     if (y.size() > 0) {
       joint.U = A[i] * joint.S;
-      joint.D.compute(joint.S.transpose() * joint.U);
+      Square D = joint.S.transpose() * joint.U;
+      for (int k = 0; k < y.size() && !c.rotors.empty(); ++k)
+        D(k, k) += c.rotors[std::size_t(c.first[i] + k)];
+      joint.D.compute(D);
       y -= joint.S.transpose() * p[i];
     }
     if (c.inboard[i] < 0) continue;

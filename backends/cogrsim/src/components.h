@@ -48,6 +48,7 @@ struct Component {
   std::vector<Range> trees;  ///< degrees of freedom of each; one, unless there are welds
   std::vector<int> tree;     ///< of each of `links`
   std::vector<Weld> welds;   ///< with some, `links` go tree by tree
+  std::vector<double> rotors;  ///< inertia of the rotor on each degree of freedom; empty: none
   bool lone = false;         ///< one free body: closed forms hold
   bool recursive = false;    ///< has a tree for which the recursion beats the dense factor
   int offset = 0;            ///< of its degrees of freedom in arrays over all components
@@ -79,7 +80,7 @@ struct Component {
 void update_motion(const Mechanism& mechanism, Component& component);
 
 /// All there is at the state's configuration: the mass matrix by the composite-rigid-body method
-/// (Featherstone 2008, section 6.2), its factor, and the loops.
+/// (Featherstone 2008, section 6.2) with the rotors on its diagonal, its factor, and the loops.
 void update_component(const Mechanism& mechanism, Component& component);
 
 /// x := the generalized forces that give `component` no acceleration of its coordinates, less those
@@ -91,7 +92,7 @@ void find_bias(const Mechanism& mechanism, Component& component, const std::vect
 /// x := M^-1 x, the loops ignored, without the mass matrix, in time that grows with the number of links:
 /// the articulated-body method (Featherstone 2008, section 7.3) at rest. With the articulated inertia A
 /// and force p of a link, its columns S, and a its acceleration, from the ends inwards
-///   U = A S,  D = S' U,  y = x - S' p,   A - U D^-1 U' and p + U D^-1 y are added to those inboard,
+///   U = A S,  D = S' U + rotors,  y = x - S' p,   A - U D^-1 U' and p + U D^-1 y are added to those inboard,
 /// and from the base outwards x = D^-1 (y - U' a), with a that inboard, and a += S x.
 /// After update_motion at the state.
 void solve_mass_recursively(const Component& component, double* x);

@@ -427,6 +427,11 @@ bool Island::measure_gaps(double h, std::vector<Row>& rows) {
     const bool close = row.gap_target == 0.0 && std::abs(gap.error) < 1e-5;
     const bool rests = close && gap.error < 0.0;
     gap.pull = (row.pull || rests) && lines[i].lambda > 0.0;
+    if (row.both_ways) {
+      // At its bound it slips.
+      if (std::abs(lines[i].lambda) >= row.high) continue;
+      gap.pull = true;
+    }
     // What rests needs in this step what it needed in the last.
     if (close) gap.push = gap.pull ? lines[i].push : std::max(lines[i].push, 0.0);
     gaps_.push_back(gap);

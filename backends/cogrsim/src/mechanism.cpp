@@ -54,6 +54,7 @@ Link Mechanism::make_link(const PlannedLink& plan) const {
   link.kinematic = body.kind == BodyKind::kinematic;
   link.mass = plan.share * body.mass;
   link.com = body.com;
+  link.weight = body.gravity_scale * link.mass * model_->physics.gravity;
   link.inertia = plan.share * body.inertia;
   link.inverse_inertia = link.inertia.inverse();
   const JointType type =
@@ -84,6 +85,16 @@ void Mechanism::make_components() {
     has_loops_ = true;
     const int a = find(int(i)), b = find(body_link(links_[i].plan.body));
     root[std::size_t(std::max(a, b))] = std::min(a, b);
+  }
+  // Coupled joints are of one component, so that a coupling is one row of one side.
+  for (const Coupling& coupling : model_->couplings) {
+    const int first = coupled_link(coupling.removed ? -1 : coupling.joint);
+    for (const CouplingTerm& term : coupling.terms) {
+      const int other = coupled_link(term.joint);
+      if (first < 0 || other < 0) continue;
+      const int a = find(first), b = find(other);
+      root[std::size_t(std::max(a, b))] = std::min(a, b);
+    }
   }
 
   std::vector<int> component_of(links_.size(), -1);
@@ -140,6 +151,27 @@ void Mechanism::make_components() {
     offset += c.size();
     c.lone = c.links.size() == 1 && links_[std::size_t(c.links[0])].plan.joint < 0;
     c.motion.resize(std::size_t(c.size()));
+    add_rotors(c);
+  }
+}
+
+int Mechanism::coupled_link(int joint) const {
+  const int link = joint < 0 ? -1 : joint_link(joint);
+  return link >= 0 && !links_[std::size_t(link)].kinematic ? link : -1;
+}
+
+void Mechanism::add_rotors(Component& c) const {
+  for (std::size_t at = 0; at < c.links.size(); ++at) {
+    const Link& link = links_[std::size_t(c.links[at])];
+    if (link.plan.joint < 0) continue;
+    const Joint& joint = model_->joints[std::size_t(link.plan.joint)];
+    for (int k = 0; k < link.nu && !joint.axes.empty(); ++k) {
+      const std::size_t axis = joint.type == JointType::ball ? 0 : std::size_t(k);
+      const double rotor = joint.axes[axis].rotor_inertia;
+      if (rotor <= 0.0) continue;
+      c.rotors.resize(std::size_t(c.size()));
+      c.rotors[std::size_t(c.first[at] + link.u_map[std::size_t(k)])] = rotor;
+    }
   }
 }
 

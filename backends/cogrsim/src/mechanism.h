@@ -25,6 +25,7 @@ struct Link {
   std::array<int, 6> u_map{0, 1, 2, 3, 4, 5};
   double mass = 0.0;                ///< its share
   Vec3 com = Vec3::Zero();          ///< body frame
+  Vec3 weight = Vec3::Zero();       ///< of its share [N]
   Mat3 inertia = Mat3::Identity();  ///< its share, about com, body axes
   Mat3 inverse_inertia = Mat3::Identity();
   int component = -1;  ///< -1: kinematic
@@ -73,6 +74,9 @@ class Mechanism {
  private:
   Link make_link(const PlannedLink& plan) const;
   void make_components();
+  // The link whose speed is that of a joint; -1: it moves nothing.
+  int coupled_link(int joint) const;
+  void add_rotors(Component& component) const;
   // Least changes, in the norm of the mass matrix, that close the loops; see loops.h.
   void close_coordinates();
 

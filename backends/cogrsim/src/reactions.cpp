@@ -112,7 +112,7 @@ void calc_joint_reactions(Mechanism& m, const StepRecord& record, std::vector<Wr
   for (std::size_t i = 0; i < links.size(); ++i) {
     if (links[i].kinematic) continue;
     const LinkState s = state_of(m, links[i]);
-    const Vec3 weight = links[i].mass * model.physics.gravity * record.dt;
+    const Vec3 weight = links[i].weight * record.dt;
     own[i].linear += s.momentum.linear - weight;
     own[i].angular += s.momentum.angular - (0.5 * (start_com[i] + s.com)).cross(weight);
   }

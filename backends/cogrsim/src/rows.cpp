@@ -91,10 +91,12 @@ void RowSet::clear() {
 }
 
 int RowBuilder::slot_of(const SceneModel& model, SlotKind kind, int index) {
+  if (kind == SlotKind::coupling)
+    return slot_of(model, SlotKind::motor, int(model.motors.size()) + index);
   return int(kind) * model.joint_speeds + index;
 }
 int RowBuilder::slot_count(const SceneModel& model) {
-  return int(SlotKind::motor) * model.joint_speeds + int(model.motors.size());
+  return slot_of(model, SlotKind::coupling, int(model.couplings.size()));
 }
 
 int RowBuilder::local_of(int component, int speed) const {
@@ -245,6 +247,8 @@ void RowBuilder::add_joint_rows(const StepContext& context, const std::vector<Ax
   }
   for (const AxisLaw& law : laws)
     if (law.implicit) add_law(context, law);
+  for (std::size_t i = 0; i < model.couplings.size(); ++i)
+    if (!model.couplings[i].removed) add_coupling(context, int(i));
   for (int index : set_.scalars) {
     Row& row = set_.rows[std::size_t(index)];
     row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
@@ -361,6 +365,33 @@ void RowBuilder::add_law(const StepContext& context, const AxisLaw& law) {
                          kd * (law.law.velocity - (1.0 - theta) * u0);
   row.target = at_rest / K;
   row.gamma = 1.0 / (h * K);
+}
+
+// q - offset - sum of ratio q_i = 0, to the end of the step: its rate is brought to 0, and the position
+// stage closes what is left.
+void RowBuilder::add_coupling(const StepContext& context, int index) {
+  const Coupling& coupling = mechanism_.model().couplings[std::size_t(index)];
+  const int link = mechanism_.joint_link(coupling.joint);
+  const int component = link < 0 ? -1 : mechanism_.links()[std::size_t(link)].component;
+  if (component < 0) return;
+  Row& row = add_axis_row(context, component, -1, 1.0);
+  double gap = -coupling.offset;
+  const auto add = [&](int joint, double factor) {
+    const int speed = mechanism_.axis_speed(joint, 0);
+    if (speed < 0) return;
+    set_.pool[row.side[0].j + std::size_t(local_of(component, speed))] += factor;
+    gap += factor * mechanism_.state.q()[mechanism_.axis_position(joint, 0)];
+  };
+  add(coupling.joint, 1.0);
+  for (const CouplingTerm& term : coupling.terms) add(term.joint, -term.ratio);
+  row.now = set_.along(row, context.u);
+  finish_row(row);
+  row.coupling = index;
+  row.slot = slot_of(mechanism_.model(), SlotKind::coupling, index);
+  row.high = coupling.max_effort * context.h;
+  row.low = -row.high;
+  row.has_gap = row.both_ways = true;
+  row.gap = gap + 0.5 * context.h * row.now;
 }
 
 bool RowBuilder::jointed(int link) const {

@@ -37,6 +37,7 @@ struct Row {
 
   // Position stage: the gap at the end of the step is `gap` + J (h/2 dv + p), p a displacement.
   bool has_gap = false;
+  bool both_ways = false;  ///< brought to `gap_target` from either side, within its bounds
   bool pull = false;  ///< brought to `gap_target` from above, too, when it pressed
   bool hits = false;  ///< its impulse, if there is one, is an impact's
   bool deep = false;  ///< joints hold the bodies, which overlap
@@ -49,6 +50,7 @@ struct Row {
   int effort = -1;  ///< flat speed index
   double effort_sign = 1.0;
   int motor = -1;
+  int coupling = -1;
   int slot = -1;  ///< of the warm-start memory
 };
 
@@ -84,7 +86,7 @@ struct BallLimit {
 };
 
 /// Slots of the warm-start memory of joints' rows.
-enum class SlotKind { lower_limit, upper_limit, friction, passive, motor };
+enum class SlotKind { lower_limit, upper_limit, friction, passive, motor, coupling };
 
 class RowSet {
  public:
@@ -178,7 +180,7 @@ class RowBuilder {
   void add_contact(const StepContext& context, const ContactPoint& point, int body_a, int body_b,
                    const SurfacePair& surface, const Line& line);
 
-  /// Place in the warm-start memory; `index`: flat speed index, or motor.
+  /// Place in the warm-start memory; `index`: flat speed index, motor or coupling.
   static int slot_of(const SceneModel& model, SlotKind kind, int index);
   static int slot_count(const SceneModel& model);
 
@@ -204,6 +206,7 @@ class RowBuilder {
   void add_ball_limit(const StepContext& context, int joint);
   void add_friction(const StepContext& context, int joint);
   void add_law(const StepContext& context, const AxisLaw& law);
+  void add_coupling(const StepContext& context, int coupling);
   int local_of(int component, int speed) const;
 
   Mechanism& mechanism_;

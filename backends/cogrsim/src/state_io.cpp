@@ -247,9 +247,10 @@ void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
   if (!carry_udot) stepper.memory.had_rows = false;
   if (!was.memory.efforts.empty()) {
     stepper.memory.efforts.assign(std::size_t(RowBuilder::slot_count(model)), 0.0);
-    for (int kind = 0; kind <= int(SlotKind::motor); ++kind) {
-      const int count =
-          kind == int(SlotKind::motor) ? int(old_model.motors.size()) : old_model.joint_speeds;
+    for (int kind = 0; kind <= int(SlotKind::coupling); ++kind) {
+      const int count = kind == int(SlotKind::motor)      ? int(old_model.motors.size())
+                        : kind == int(SlotKind::coupling) ? int(old_model.couplings.size())
+                                                          : old_model.joint_speeds;
       for (int i = 0; i < count; ++i)
         stepper.memory.efforts[std::size_t(RowBuilder::slot_of(model, SlotKind(kind), i))] =
             was.memory.efforts[std::size_t(RowBuilder::slot_of(old_model, SlotKind(kind), i))];

@@ -241,6 +241,15 @@ void Stepper::remember(double h) {
 void Stepper::report() {
   for (std::size_t i = 0; i < set_.joint_rows(); ++i) {
     const Row& row = set_.rows[i];
+    if (row.coupling >= 0) {
+      const Coupling& coupling = model_.couplings[std::size_t(row.coupling)];
+      const auto add = [&](int joint, double factor) {
+        impulses.joints[std::size_t(model_.joints[std::size_t(joint)].speed_offset)] +=
+            factor * row.lambda;
+      };
+      add(coupling.joint, 1.0);
+      for (const CouplingTerm& term : coupling.terms) add(term.joint, -term.ratio);
+    }
     if (row.effort < 0) continue;
     impulses.joints[std::size_t(row.effort)] += row.effort_sign * row.lambda;
     if (row.motor >= 0) impulses.motors[std::size_t(row.motor)] += row.lambda;

@@ -10,7 +10,7 @@ void Stepper::measure_momenta(bool inertia) {
   for (FreeMomentum& f : momenta_) {
     const Component& c = mechanism_.components()[std::size_t(f.component)];
     f.mass = 0.0;
-    f.com = f.linear = f.angular = Vec3::Zero();
+    f.com = f.linear = f.angular = f.weight = f.weight_moment = Vec3::Zero();
     Mat3 about_origin = Mat3::Zero();
     for (int index : c.links) {
       const Link& link = m.links()[std::size_t(index)];
@@ -22,6 +22,8 @@ void Stepper::measure_momenta(bool inertia) {
       f.mass += link.mass;
       f.com += link.mass * p;
       f.linear += momentum;
+      f.weight += link.weight;
+      f.weight_moment += p.cross(link.weight);
       f.angular += R * (link.inertia * (R.transpose() * omega)) + p.cross(momentum);
       if (inertia)
         about_origin += R * link.inertia * R.transpose() +
@@ -58,10 +60,10 @@ void Stepper::conserve_momentum(double h) {
   for (std::size_t i = 0; i < momenta_.size(); ++i) {
     const FreeMomentum& end = momenta_[i];
     if (untouched_[std::size_t(end.component)]) continue;
-    const Vec3 weight = h * end.mass * model_.physics.gravity;
-    Vec3 linear = start_momenta_[i].linear + weight - end.linear;
-    Vec3 angular = start_momenta_[i].angular +
-                   (0.5 * (start_momenta_[i].com + end.com)).cross(weight) - end.angular;
+    const FreeMomentum& start = start_momenta_[i];
+    Vec3 linear = start.linear + h * end.weight - end.linear;
+    Vec3 angular =
+        start.angular + 0.5 * h * (start.weight_moment + end.weight_moment) - end.angular;
     linear += gained_[std::size_t(end.component)].linear;
     angular += gained_[std::size_t(end.component)].angular;
     const Vec3 omega = end.inertia.inverse() * (angular - end.com.cross(linear));

@@ -38,6 +38,7 @@ Capabilities make_capabilities() {
               "loop be the last one in the file");
     }
     if (type == JointType::fixed || type == JointType::free) continue;
+    out.set("joint.rotor-inertia." + name, Support::exact);
     out.set("joint.limit." + name, Support::approximate, "a soft stop, see solreflimit");
     out.set("joint.friction." + name, Support::approximate,
             std::string("slides slowly under loads that it should hold, see solreffriction") +
@@ -48,6 +49,8 @@ Capabilities make_capabilities() {
   }
   out.set("joint.screw", Support::approximate,
           "its travel is tied to its angle by a soft constraint, see solrefequality");
+  out.set("joint.coupling", Support::approximate,
+          "a soft constraint, see solrefequality; its effort is not reported");
   for (const char* loop : {"loop.hinge", "loop.ball", "loop.fixed"}) {
     out.set(loop, Support::approximate, "held by a soft constraint, see solrefequality");
   }
@@ -60,7 +63,7 @@ Capabilities make_capabilities() {
   out.set("contact.stiffness", Support::unsupported,
           "MuJoCo's contacts yield by acceleration, not by force: see solref and solimp");
   for (const char* feature :
-       {"body.static", "body.kinematic", "runtime.add", "runtime.remove", "runtime.save",
+       {"body.static", "body.kinematic", "body.gravity-scale", "runtime.add", "runtime.remove", "runtime.save",
         "runtime.set_state", "runtime.joint_axes", "report.contact_force", "report.joint_effort"}) {
     out.set(feature, Support::exact);
   }

@@ -58,12 +58,13 @@ class Writer {
   Result<std::string> geom_form(const Shape& shape, Pose& X);
   void write_joint(int j);
   void write_equality(int j);
+  void write_couplings();
   void write_actuators();
   std::string inertial(int b) const;
 
   Program& out_;
   const SceneModel& scene_;
-  std::string assets_, bodies_, contacts_, equalities_, actuators_;
+  std::string assets_, bodies_, contacts_, equalities_, tendons_, actuators_;
   std::vector<int> tree_;                   ///< by body, joint that holds it; -1: none
   std::vector<int> above_;                  ///< by body, that on which it hangs; kWorld
   std::vector<std::vector<int>> children_;  ///< by body
@@ -339,8 +340,9 @@ void Writer::write_joint(int j) {
     }
     const JointAxis& law = it.axes[static_cast<std::size_t>(axis.coordinate)];
     if (!slave) {
-      bodies_ += fmt::format("damping=\"{}\" frictionloss=\"{}\" stiffness=\"{}\" {} ", law.damping,
-                             law.friction, law.stiffness, out_.options.joint);
+      bodies_ += fmt::format(
+          "damping=\"{}\" frictionloss=\"{}\" stiffness=\"{}\" armature=\"{}\" {} ", law.damping,
+          law.friction, law.stiffness, law.rotor_inertia, out_.options.joint);
       if (!ball) bodies_ += fmt::format("springref=\"{}\" ", law.rest);
       // The bounds themselves may be one number, or infinite, and are set in the compiled model.
       if (law.has_limit()) bodies_ += "limited=\"true\" range=\"0 1\" ";
@@ -405,6 +407,27 @@ void Writer::write_equality(int j) {
   }
 }
 
+// A tendon whose length is that of the joint less ratio times that of the others, held at the offset.
+void Writer::write_couplings() {
+  const auto at = [](int joint) { return static_cast<std::size_t>(joint); };
+  for (std::size_t k = 0; k < scene_.couplings.size(); ++k) {
+    const Coupling& it = scene_.couplings[k];
+    std::vector<CouplingTerm> terms{{it.joint, -1.0}};
+    terms.insert(terms.end(), it.terms.begin(), it.terms.end());
+    const auto held = [&](const CouplingTerm& t) { return out_.joints[at(t.joint)].body >= 0; };
+    if (it.removed || !std::all_of(terms.begin(), terms.end(), held)) continue;
+    double length = -it.offset;  // that it has in the reference, which MuJoCo takes off
+    tendons_ += fmt::format("<fixed name=\"t{}\">", k);
+    for (const CouplingTerm& t : terms) {
+      length -= t.ratio * out_.references[at(t.joint)].q[0];
+      tendons_ += fmt::format("<joint joint=\"j{}_0\" coef=\"{}\"/>", t.joint, -t.ratio);
+    }
+    tendons_ += "</fixed>\n";
+    equalities_ += fmt::format("<tendon tendon1=\"t{}\" polycoef=\"{} 0 0 0 0\" {}/>\n", k, -length,
+                               out_.options.equality);
+  }
+}
+
 void Writer::write_actuators() {
   int count = 0;
   for (std::size_t m = 0; m < scene_.motors.size(); ++m) {
@@ -447,16 +470,17 @@ Result<std::string> Writer::write() {
     if (auto fine = check_loop(it); !fine) return tl::unexpected(fine.error());
     write_equality(static_cast<int>(j));
   }
+  write_couplings();
   write_actuators();
   const Surfaces surfaces = choose_surfaces(scene_, out_.options, surface_geoms_);
   return fmt::format(
       "<mujoco><compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n"
       "<size njmax=\"0\" nconmax=\"0\"/>\n<option {}><flag {}/></option>\n"
       "<default>\n{}</default>\n<asset>\n{}</asset>\n<worldbody>\n{}</worldbody>\n"
-      "<contact>\n{}{}</contact>\n<equality>\n{}</equality>\n"
+      "<contact>\n{}{}</contact>\n<equality>\n{}</equality>\n<tendon>\n{}</tendon>\n"
       "<actuator>\n{}</actuator></mujoco>\n",
       out_.options.option, out_.options.flag, surfaces.classes, assets_, bodies_, contacts_,
-      surfaces.pairs, equalities_, actuators_);
+      surfaces.pairs, equalities_, tendons_, actuators_);
 }
 
 }  // namespace

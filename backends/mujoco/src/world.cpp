@@ -202,13 +202,20 @@ void MujocoWorld::find_responses() {
 }
 
 void MujocoWorld::hold_kinematic() {
+  const Vec3 gravity = vec_at(model_->opt.gravity);
+  for (std::size_t b = 0; b < model()->bodies.size(); ++b) {
+    const Body& it = model()->bodies[b];
+    if (it.removed || it.kind != BodyKind::dynamic || it.gravity_scale == 1.0) continue;
+    put(data_->xfrc_applied + 6 * program_->bodies[b],
+        Vec3((it.gravity_scale - 1.0) * it.mass * gravity));
+  }
   for (const int body : program_->kinematic) {
     const auto b = static_cast<std::size_t>(body);
     const double* const qpos = data_->qpos + program_->free_qpos[b];
     put_free(b, {vec_at(qpos), quat_at(qpos + 3)}, kinematic_[b]);
     // Nothing pulls at it.
     const int i = program_->bodies[b];
-    put(data_->xfrc_applied + 6 * i, Vec3(-model_->body_mass[i] * vec_at(model_->opt.gravity)));
+    put(data_->xfrc_applied + 6 * i, Vec3(-model_->body_mass[i] * gravity));
   }
 }
 

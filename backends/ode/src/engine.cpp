@@ -95,6 +95,10 @@ Result<> Engine::add_body(std::size_t b) {
     return fail("body '" + body.name + "': " + error.what(), place_of(*model_, body.origin),
                 "look at its mass and inertia");
   }
+  if (body.kind == BodyKind::dynamic && body.gravity_scale != 1.0) {
+    lifts_.emplace_back(bodies_[b].id(),
+                        (body.gravity_scale - 1.0) * body.mass * model_->physics.gravity);
+  }
   return {};
 }
 
@@ -216,6 +220,7 @@ void Engine::step(double h, unsigned long& seed) {
   h_ = h;
   touched_ = 0;
   broken_off_ = true;
+  for (const auto& [body, force] : lifts_) dBodyAddForce(body, force.x(), force.y(), force.z());
   dSpaceCollide(space_, this, &Engine::near);
   if (options_.quick) {
     quick_step(world_, h, seed);

@@ -72,6 +72,7 @@ class Engine {
   dThreadingImplementationID threading_ = nullptr;
   bool broken_off_ = false;  ///< an exception left a step
   std::vector<BodyLink> bodies_;
+  std::vector<std::pair<dBodyID, Vec3>> lifts_;  ///< to weights other than the world's [N]
   std::deque<Geom> geoms_;
   std::deque<JointLink> joints_;
   CollisionFilter filter_;

@@ -94,8 +94,14 @@ Mechanism::Mechanism(SceneModelPtr model, std::vector<Pose> places, const Option
   forces.setNumberOfThreads(1);
   plan();
   SimTK::Force::Gravity gravity(forces, matter, to_simtk(model_->physics.gravity));
-  for (const Link& link : links_)
-    if (link.kinematic) gravity.setDefaultBodyIsExcluded(link.mobod, true);
+  for (const Link& link : links_) {
+    const double scale = link.kinematic ? 0.0 : model_->bodies[std::size_t(link.body)].gravity_scale;
+    if (scale == 1.0) continue;
+    gravity.setDefaultBodyIsExcluded(link.mobod, true);
+    const SimTK::MassProperties& mass = link.mobod.getDefaultMassProperties();
+    SimTK::Force::ConstantForce(forces, link.mobod, mass.getMassCenter(),
+                                scale * mass.getMass() * to_simtk(model_->physics.gravity));
+  }
 }
 
 int Mechanism::inboard(int link) const {

@@ -94,6 +94,9 @@ void Builder::matter_and_devices() {
       joint(element);
   });
   for_each(scene_, [&](const Element& element) {
+    if (element.tag() == "couple") coupling(element);
+  });
+  for_each(scene_, [&](const Element& element) {
     const std::string_view tag = element.tag();
     if (tag == "motor" || tag == "servo")
       motor(element);

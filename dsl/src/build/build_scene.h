@@ -70,6 +70,7 @@ class Builder {
     int assembly = -1;
     const Element* glue = nullptr;  ///< rigid assembly or body around, outermost
     bool is_static = false, is_kinematic = false;
+    double gravity_scale = 1.0;
     const Element* moving = nullptr;          ///< assembly whose initial velocity holds here
     const Element* material = nullptr;        ///< <material> named by an enclosing element
     const Element* whole_material = nullptr;  ///< by a rigid assembly: wins over a shape's own
@@ -178,6 +179,8 @@ class Builder {
   void collision_pairs();
 
   // devices.cpp
+  void coupling(const Element& element);
+  void couple_start(const Element& element, const Coupling& coupling);
   void motor(const Element& element);
   bool motor_laws(const Element& element, Motor& motor, bool turns);
 

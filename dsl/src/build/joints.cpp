@@ -1,4 +1,4 @@
-// Joints: ends, frames and axes; pairs of bodies that do not collide.
+// Joints: ends, frames and axes; couplings of joints; pairs of bodies that do not collide.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -194,6 +194,7 @@ bool Builder::joint_axes(const Element& element, Joint& joint) {
   take("rest", &JointAxis::rest);
   take("max-effort", &JointAxis::max_effort);
   take("max-speed", &JointAxis::max_speed);
+  take("rotor-inertia", &JointAxis::rotor_inertia);
   if (joint.type == JointType::ball) joint.axes[0].lower = 0.0;
   if (!good) return false;
   for (std::size_t i = 0; i < n; ++i) {
@@ -266,6 +267,114 @@ void Builder::joint_start(const Element& element, Joint& joint) {
               " its limit " + shown(low ? axis.lower : axis.upper, turns))
         .help("give 'position' a value between the limits");
     note(element).faulty = true;
+  }
+}
+
+void Builder::coupling(const Element& element) {
+  Coupling coupling;
+  coupling.name = element.path;
+  coupling.assembly = note(element).assembly;
+  coupling.origin = element.span();
+  Reader r = reader(element);
+  const auto find = [&](const Word& word, std::string_view attribute) {
+    const Element* found = names_.find(element, word, Wanted::joint);
+    if (found == nullptr || note(*found).joint < 0) return -1;
+    const Joint& joint = model_.joints[static_cast<std::size_t>(note(*found).joint)];
+    if (joint.axes.size() == 1 && joint.type != JointType::ball) return note(*found).joint;
+    fault("CG0714", element, attribute,
+          "'" + joint.name + "' is " + kind_of(*found) +
+              " joint: only joints with one axis can be "
+              "coupled")
+        .help("couple hinges, sliders and screws");
+    return -1;
+  };
+  const auto follower = r.word("joint");
+  if (follower.given()) coupling.joint = find(*follower, "joint");
+  const auto words = r.words("to");
+  const auto ratios = r.numbers("ratio");
+  if (coupling.joint < 0 || !words.given() || ratios.failed()) return;
+  const std::vector<double>& values = *ratios;
+  if (values.size() != (*words).size()) {
+    fault("CG0714", element, r.has("ratio") ? "ratio" : "to",
+          std::to_string((*words).size()) + " joints in 'to' and " + std::to_string(values.size()) +
+              (values.size() == 1 ? " ratio" : " ratios"))
+        .help("give one ratio for each joint");
+    return;
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const int joint = find((*words)[i], "to");
+    if (joint < 0) return;
+    const bool twice = joint == coupling.joint ||
+                       std::any_of(coupling.terms.begin(), coupling.terms.end(),
+                                   [&](const CouplingTerm& t) { return t.joint == joint; });
+    if (twice) {
+      fault("CG0714", element, "to",
+            "'" + model_.joints[static_cast<std::size_t>(joint)].name +
+                (joint == coupling.joint ? "' cannot follow itself" : "' is named twice"));
+      return;
+    }
+    coupling.terms.push_back({joint, values[i]});
+  }
+  const auto same =
+      std::find_if(model_.couplings.begin(), model_.couplings.end(),
+                   [&](const Coupling& other) { return other.joint == coupling.joint; });
+  if (same != model_.couplings.end()) {
+    fault("CG0714", element, "joint",
+          "'" + model_.joints[static_cast<std::size_t>(coupling.joint)].name +
+              "' already follows other joints")
+        .note("here", same->origin);
+    return;
+  }
+  const Joint& joint = model_.joints[static_cast<std::size_t>(coupling.joint)];
+  const bool turns = axis_turns(joint.type, 0);
+  const std::string_view wrong = turns ? "max-force" : "max-torque";
+  if (r.has(wrong))
+    fault("CG0714", element, wrong,
+          "'" + joint.name + (turns ? "' turns" : "' slides") + ", so it has no " +
+              std::string(wrong))
+        .help(turns ? "use max-torque" : "use max-force");
+  const auto offset = r.number("offset", turns ? dim::kAngle : dim::kLength);
+  if (offset.given()) coupling.offset = *offset;
+  const auto effort = r.number(turns ? "max-torque" : "max-force");
+  if (effort.given()) coupling.max_effort = *effort;
+  couple_start(element, coupling);
+  model_.couplings.push_back(std::move(coupling));
+}
+
+// The joint starts where the coupling puts it, or has to be given there.
+void Builder::couple_start(const Element& element, const Coupling& coupling) {
+  constexpr double kOff = 1e-6;  // [rad], [m] and per second
+  Joint& joint = model_.joints[static_cast<std::size_t>(coupling.joint)];
+  double q = coupling.offset, u = 0.0;
+  const auto value = [](const std::vector<double>& values) {
+    return values.empty() ? 0.0 : values[0];
+  };
+  for (const CouplingTerm& term : coupling.terms) {
+    const Joint& other = model_.joints[static_cast<std::size_t>(term.joint)];
+    q += term.ratio * value(other.position);
+    u += term.ratio * value(other.velocity);
+  }
+  const bool turns = axis_turns(joint.type, 0);
+  const auto index = static_cast<std::size_t>(coupling.joint);
+  if (joint.position.empty()) joint.position = {q};
+  hints_.joint_position[index] = true;
+  if (joint.velocity.empty() && u != 0.0) {
+    joint.velocity = {u};
+    hints_.joint_velocity[index] = true;
+  }
+  if (std::abs(joint.position[0] - q) > kOff) {
+    fault("CG0714", element, "joint",
+          "'" + joint.name + "' starts at " + shown(joint.position[0], turns) +
+              ", but the coupling needs " + shown(q, turns))
+        .help("leave its position out, or correct ratio and offset");
+  } else if (std::abs(value(joint.velocity) - u) > kOff) {
+    fault("CG0714", element, "joint",
+          "'" + joint.name + "' does not start with the velocity that the coupling needs")
+        .help("leave its velocity out");
+  } else if (q < joint.axes[0].lower - kOff || q > joint.axes[0].upper + kOff) {
+    fault("CG0714", element, "joint",
+          "the coupling puts '" + joint.name + "' at " + shown(q, turns) +
+              " at the start, beyond its limits");
   }
 }
 

@@ -36,6 +36,11 @@ Builder::Inherited Builder::mobility(const Element& element, Inherited inherited
       inherited.is_kinematic = *is_kinematic && !*is_static;
     }
   }
+  if (knows(element, "gravity-scale")) {
+    const auto scale = r.number("gravity-scale");
+    if (scale.failed()) note(element).faulty = true;
+    if (scale.given()) inherited.gravity_scale = *scale;
+  }
   if (knows(element, "linear-velocity") &&
       (r.has("linear-velocity") || r.has("angular-velocity"))) {
     inherited.moving = &element;
@@ -51,11 +56,12 @@ Builder::Inherited Builder::mobility(const Element& element, Inherited inherited
 void Builder::check_part(const Element& element, const Inherited& around, const Inherited& own) {
   if (around.glue == nullptr) return;
   if (own.moving == around.moving && own.is_static == around.is_static &&
-      own.is_kinematic == around.is_kinematic)
+      own.is_kinematic == around.is_kinematic && own.gravity_scale == around.gravity_scale)
     return;
   fault("CG0608", element,
-        "a part of the rigid '" + around.glue->path + "' cannot be static or move by itself")
-      .help("write static, kinematic and velocities on the whole");
+        "a part of the rigid '" + around.glue->path + "' cannot be static, move by itself or have "
+        "another weight")
+      .help("write static, kinematic, gravity-scale and velocities on the whole");
 }
 
 void Builder::name_material(const Element& element, Inherited& inherited) {
@@ -130,6 +136,7 @@ void Builder::new_body(const Element& element, const Inherited& around) {
     body.kind = inside.is_static      ? BodyKind::fixed
                 : inside.is_kinematic ? BodyKind::kinematic
                                       : BodyKind::dynamic;
+    body.gravity_scale = inside.gravity_scale;
     here.body = static_cast<int>(model_.bodies.size());
     here.owner = &element;
     model_.bodies.push_back(std::move(body));

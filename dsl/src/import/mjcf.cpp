@@ -396,8 +396,7 @@ class MjcfReader {
         link.is_static = true;
         context_.approximate(e.at, quoted_name(e), "a mocap body is static: nothing moves it here");
       } else if (key == "gravcomp") {
-        context_.left_out(e.at, fmt::format("gravcomp of body '{}'", link.name),
-                          "the scene language has no gravity compensation");
+        link.gravity_scale = 1.0 - context_.number(e, "gravcomp", 0.0);
       }
     }
     context_.exact(e.at, quoted_name(e));

@@ -204,6 +204,17 @@ void weld(Context& context, RobotModel& robot) {
     }
     if (from.inertia) {
       const RobotInertia there = moved(*from.inertia, X);
+      if (to.inertia && from.gravity_scale != to.gravity_scale) {
+        const double mass = from.inertia->mass, sum = mass + to.inertia->mass;
+        to.gravity_scale +=
+            (from.gravity_scale - to.gravity_scale) * (sum > 0.0 ? mass / sum : 0.0);
+        context.approximate(from.at, fmt::format("gravity of link '{}'", from.name),
+                            fmt::format("it is part of '{}' now, whose weight is that of both, but "
+                                        "acts at their centre of mass",
+                                        to.name));
+      } else if (!to.inertia) {
+        to.gravity_scale = from.gravity_scale;
+      }
       to.inertia = to.inertia ? sum(*to.inertia, there) : there;
     }
     for (RobotJoint& j : robot.joints)

@@ -63,6 +63,7 @@ struct RobotLink {
   std::vector<RobotFrame> frames;
   std::vector<RobotSensor> sensors;
   bool is_static = false;
+  double gravity_scale = 1.0;
   Source at;
 };
 

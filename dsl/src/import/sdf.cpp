@@ -289,9 +289,7 @@ class SdfReader {
       } else if (c->name == "sensor") {
         context_.left_out(c->at, quoted_name(*c), "sensors of SDF are not read yet");
       } else if (c->name == "gravity") {
-        if (c->text == "false" || c->text == "0")
-          context_.left_out(c->at, fmt::format("gravity of link '{}'", out.name),
-                            "the scene language has no body without weight");
+        if (c->text == "false" || c->text == "0") out.gravity_scale = 0.0;
       } else if (c->name != "pose" && c->name != "inertial" && c->name != "self_collide" &&
                  c->name != "kinematic" && c->name != "enable_wind" &&
                  c->name != "must_be_base_link") {

@@ -65,6 +65,7 @@ class SceneWriter {
     for (const RobotJoint& j : robot_.joints) joint(j);
     for (const RobotJoint& j : robot_.loops)
       if (closes(j)) joint(j);
+    couplings();
     drives();
     for (const RobotLink& l : robot_.links)
       for (const RobotSensor& s : l.sensors) sensor(l, s);
@@ -143,7 +144,10 @@ class SceneWriter {
         const auto child = static_cast<std::size_t>(j.child);
         if (known[child] || (j.parent >= 0 && !known[static_cast<std::size_t>(j.parent)])) continue;
         const Pose parent = j.parent < 0 ? Pose() : out[static_cast<std::size_t>(j.parent)];
-        out[child] = parent * j.X_PC * travel(j, at_zero ? 0.0 : start_of(j));
+        out[child] = parent * j.X_PC *
+                     travel(j, at_zero      ? 0.0
+                               : coupled(j) ? start_of_coupled(j, 0)
+                                            : start_of(j));
         known[child] = true;
         moved = true;
       }
@@ -204,6 +208,8 @@ class SceneWriter {
       out += pose_text(l.X);
     }
     if (l.is_static) out += " static=\"true\"";
+    if (!l.is_static && l.gravity_scale != 1.0)
+      out += fmt::format(" gravity-scale=\"{}\"", l.gravity_scale);
     if (l.inertia && !l.is_static) {
       const RobotInertia& i = *l.inertia;
       out += fmt::format(" mass=\"{} kg\" com=\"{}\" inertia=\"{} {} {} {} {} {}\"", i.mass,
@@ -460,7 +466,7 @@ class SceneWriter {
       if (std::isfinite(j.max_speed))
         out += fmt::format(" max-speed=\"{} {}/s\"", j.max_speed, unit);
       const double start = start_of(j);
-      if (start != 0.0) {
+      if (start != 0.0 && !coupled(j)) {
         out += fmt::format(" position=\"{} {}\"", start, unit);
         if (j.position == 0.0)
           context_.approximate(j.at, fmt::format("joint '{}'", j.name),
@@ -469,15 +475,74 @@ class SceneWriter {
     } else if (j.damping > 0.0 && j.type == Type::ball) {
       out += fmt::format(" damping=\"{} N*m*s/rad\"", j.damping);
     }
+    if (j.rotor_inertia > 0.0 && (turns || slides || j.type == Type::ball))
+      out += fmt::format(" rotor-inertia=\"{} {}\"", j.rotor_inertia, slides ? "kg" : "kg*m^2");
     out += "/>\n";
-    if (j.rotor_inertia > 0.0)
-      context_.left_out(
-          j.at, fmt::format("rotor inertia of joint '{}'", j.name),
-          fmt::format("{} kg m^2: the scene language has no rotor inertia", j.rotor_inertia));
-    if (j.coupling)
-      context_.left_out(j.at,
-                        fmt::format("coupling of joint '{}' to '{}'", j.name, j.coupling->joint),
-                        "the scene language has no coupling: the joint moves freely");
+    if (j.rotor_inertia > 0.0 && !turns && !slides && j.type != Type::ball)
+      context_.left_out(j.at, fmt::format("rotor inertia of joint '{}'", j.name),
+                        fmt::format("a {} joint has none here", tag));
+  }
+
+  static bool has_one_axis(const RobotJoint& j) {
+    using Type = RobotJoint::Type;
+    return j.type == Type::hinge || j.type == Type::slider || j.type == Type::screw;
+  }
+
+  /// Whether the scene can have the coupling of this joint: else the reason why not.
+  std::string cannot_couple(const RobotJoint& j) const {
+    const RobotJoint& other =
+        robot_.joints[static_cast<std::size_t>(robot_.joint(j.coupling->joint))];
+    if (!has_one_axis(j) || !has_one_axis(other)) return "only joints with one axis are coupled";
+    if (&other == &j) return "it is coupled to itself";
+    const double start = start_of_coupled(j, 0);
+    constexpr double kOff = 1e-6;
+    if (!std::isfinite(start)) return "the couplings form a circle";
+    if (start < j.lower - kOff || start > j.upper + kOff)
+      return fmt::format("it would start at {}, beyond its limits", start);
+    return {};
+  }
+  bool coupled(const RobotJoint& j) const { return j.coupling && cannot_couple(j).empty(); }
+
+  /// Where the couplings put a joint at the start; infinite: they form a circle.
+  double start_of_coupled(const RobotJoint& j, std::size_t depth) const {
+    if (depth > robot_.joints.size()) return std::numeric_limits<double>::infinity();
+    if (!j.coupling) return start_of(j);
+    const int other = robot_.joint(j.coupling->joint);
+    return j.coupling->offset +
+           j.coupling->ratio *
+               start_of_coupled(robot_.joints[static_cast<std::size_t>(other)], depth + 1);
+  }
+
+  /// A joint that others follow before those: the start of each follows from what stands above it.
+  void couplings() {
+    std::vector<const RobotJoint*> waiting;
+    for (const RobotJoint& j : robot_.joints) {
+      if (!j.coupling) continue;
+      const std::string why = cannot_couple(j);
+      if (why.empty())
+        waiting.push_back(&j);
+      else
+        context_.left_out(j.at,
+                          fmt::format("coupling of joint '{}' to '{}'", j.name, j.coupling->joint),
+                          why + ": the joint moves freely");
+    }
+    while (!waiting.empty()) {
+      const auto free = [&](const RobotJoint* j) {
+        return std::none_of(waiting.begin(), waiting.end(), [&](const RobotJoint* other) {
+          return other->name == j->coupling->joint;
+        });
+      };
+      const auto next = std::find_if(waiting.begin(), waiting.end(), free);
+      if (next == waiting.end()) return;  // no circle got here
+      const RobotJoint& j = **next;
+      *body_ += fmt::format("    <couple joint=\"{}\" to=\"{}\"", j.name, j.coupling->joint);
+      if (j.coupling->ratio != 1.0) *body_ += fmt::format(" ratio=\"{}\"", j.coupling->ratio);
+      if (j.coupling->offset != 0.0)
+        *body_ += fmt::format(" offset=\"{} {}\"", j.coupling->offset,
+                              j.type == RobotJoint::Type::slider ? "m" : "rad");
+      *body_ += "/>\n";
+      waiting.erase(next);
+    }
   }
 
   void drives() {

@@ -124,6 +124,16 @@ std::vector<CodeInfo> scene_codes() {
        "Save it as PNG with an image editor, smaller if necessary. Delete a texture-size that has "
        "no texture.",
        "<material name=\"floor\" texture=\"pictures/floor.png\" texture-size=\"2 m\"/>"},
+      {"CG0714", error, "a coupling that cannot hold",
+       "A `couple` couples joints with one axis (hinge, slider, screw), each joint once and not "
+       "with "
+       "itself; there is one `ratio` for each joint in `to`; the initial positions and velocities "
+       "of "
+       "the joints satisfy it.",
+       "Correct the attribute that the message names. A joint without `position` starts where the "
+       "coupling puts it.",
+       "bad:  <couple joint=\"a\" to=\"b c\" ratio=\"2\"/>\n"
+       "good: <couple joint=\"a\" to=\"b c\" ratio=\"2 -1\"/>"},
       // ---- CG08: what the backend can do
       {"CG0801", error, "something the backend cannot do",
        "The scene needs a shape, joint, motor or other feature that the chosen engine lacks. "

@@ -17,7 +17,9 @@ Attributes moving() {
 Attributes mobility() {
   return {attr("static", Kind::boolean, "Never moves.", "false"),
           attr("kinematic", Kind::boolean,
-               "Moves with its prescribed velocity, regardless of contacts.", "false")};
+               "Moves with its prescribed velocity, regardless of contacts.", "false"),
+          number("gravity-scale", kNone,
+                 "Factor on the weight of each body: 0 is weightless, 1 normal.", "1")};
 }
 
 Attributes shape(Attributes own) {
@@ -40,13 +42,14 @@ Attributes joint_ends(std::string_view axis, std::string_view axis_doc) {
 /// Attributes of the axes of a joint: one number per degree of freedom where `q` has several
 /// entries.
 Attributes joint_axes(const std::vector<Dimension>& q) {
-  std::vector<Dimension> u, effort, damping, stiffness;
+  std::vector<Dimension> u, effort, damping, stiffness, inertia;
   for (const Dimension& d : q) {
     const bool turns = d == kAngle;
     u.push_back(turns ? kAngularSpeed : kSpeed);
     effort.push_back(turns ? kTorque : kForce);
     damping.push_back(turns ? kAngularDamping : kDamping);
     stiffness.push_back(turns ? kAngularStiffness : kStiffness);
+    inertia.push_back(turns ? kInertia : kMass);
   }
   const auto row = [&](std::string_view name, const std::vector<Dimension>& d,
                        std::string_view doc) {
@@ -70,6 +73,10 @@ Attributes joint_axes(const std::vector<Dimension>& q) {
       above_zero(or_none(
           row("max-speed", u,
               "Largest speed that motors drive this joint to; no limit if left out."))),
+      at_least(row("rotor-inertia", inertia,
+                   "Inertia of the drive's rotor, reflected to the joint: gear ratio squared times "
+                   "that of the rotor; 0 if left out."),
+               0.0),
       row("position", q, "Initial position; 0 if left out."),
       row("velocity", u, "Initial velocity; 0 if left out.")};
 }
@@ -129,13 +136,15 @@ const Words kMatter = {"material", "collide"};
 
 /// Inside an assembly.
 Words assembly_content() {
-  return kShapes + Words{"body", "assembly", "frame"} + kJoints + Words{"motor", "servo"} +
-         kSensors + Words{"contact", "controller", "instance", "plot", "region", "door"} + kMatter;
+  return kShapes + Words{"body", "assembly", "frame"} + kJoints +
+         Words{"couple", "motor", "servo"} + kSensors +
+         Words{"contact", "controller", "instance", "plot", "region", "door"} + kMatter;
 }
 /// Inside a template: what an added assembly can have.
 Words template_content() {
-  return kShapes + Words{"body", "assembly", "frame"} + kJoints + Words{"motor", "servo"} +
-         kSensors + Words{"contact", "controller", "instance"} + kMatter;
+  return kShapes + Words{"body", "assembly", "frame"} + kJoints +
+         Words{"couple", "motor", "servo"} + kSensors + Words{"contact", "controller", "instance"} +
+         kMatter;
 }
 Words scene_content() {
   return Words{"physics", "param", "import", "prototype"} + assembly_content() +
@@ -379,6 +388,29 @@ void add_joints(std::vector<ElementSpec>& out) {
 }
 
 void add_motion(std::vector<ElementSpec>& out) {
+  AttributeSpec to = must(attr("to", Kind::references, "Joints that it follows."));
+  to.min_count = 1;
+  to.max_count = 65536;
+  AttributeSpec ratio = numbers("ratio", kNone, 65536,
+                                "Change of the joint per change of each joint in `to`, in SI units "
+                                "(m/rad where one slides and one turns).",
+                                "1");
+  ratio.min_count = 1;
+  out.push_back(element(
+      "Couplings", "couple",
+      "Couples joints, as gears, belts and linkages do: the position of `joint` is offset + ratio * "
+      "position of `to`, or the sum of several. All of them are joints with one axis.",
+      named() +
+          Attributes{must(attr("joint", Kind::reference, "Joint that follows.")), to, ratio,
+                     either("offset", {kAngle, kLength}, "Position of `joint` where those of `to` "
+                                                         "are 0; 0 if left out."),
+                     above_zero(number("max-torque", kTorque,
+                                       "Largest torque on `joint`, if it turns; no limit if left "
+                                       "out.")),
+                     above_zero(number("max-force", kForce,
+                                       "Largest force on `joint`, if it slides; no limit if left "
+                                       "out."))},
+      {}, "<couple joint=\"finger_right\" to=\"finger_left\" ratio=\"-1\"/>"));
   const auto group = "Motors";
   out.push_back(element(
       group, "motor", "Drives one degree of freedom of a joint.",

@@ -19,6 +19,7 @@ class Checker {
     materials();
     bodies();
     joints();
+    couplings();
     devices();
     places();
     for (const BodyPair& pair : model_.no_collide) {
@@ -102,6 +103,20 @@ class Checker {
                                : joint.type == JointType::free ? 0
                                                                : static_cast<std::size_t>(u);
       if (joint.axes.size() != axes) note(joint.name, "number of axes");
+    }
+  }
+
+  void couplings() {
+    for (const Coupling& coupling : model_.couplings) {
+      index(coupling.assembly, model_.assemblies, -1, coupling.name, "assembly");
+      const auto check = [&](int joint) {
+        index(joint, model_.joints, 0, coupling.name, "joint");
+        if (problem_.empty() && model_.joints[static_cast<std::size_t>(joint)].axes.size() != 1)
+          note(coupling.name, "joint");
+      };
+      check(coupling.joint);
+      for (const CouplingTerm& term : coupling.terms) check(term.joint);
+      if (coupling.terms.empty()) note(coupling.name, "number of terms");
     }
   }
 

@@ -40,10 +40,11 @@ void fields(Io& io, Shape& x) {
 
 template <class Io>
 void fields(Io& io, Body& x) {
-  auto& [name, kind, X_WB, V_WB, mass, com, inertia, shapes, assembly, removed, origin] = x;
+  auto& [name, kind, X_WB, V_WB, mass, com, inertia, gravity_scale, shapes, assembly, removed,
+         origin] = x;
   io("name", name)("kind", kind)("X_WB", X_WB)("V_WB", V_WB)("mass", mass)("com", com);
-  io("inertia", inertia)("shapes", shapes)("assembly", assembly)("removed", removed);
-  io("origin", origin);
+  io("inertia", inertia)("gravity_scale", gravity_scale)("shapes", shapes);
+  io("assembly", assembly)("removed", removed)("origin", origin);
 }
 
 template <class Io>
@@ -55,9 +56,11 @@ void fields(Io& io, NamedFrame& x) {
 
 template <class Io>
 void fields(Io& io, JointAxis& x) {
-  auto& [lower, upper, damping, friction, stiffness, rest, max_effort, max_speed] = x;
+  auto& [lower, upper, damping, friction, stiffness, rest, max_effort, max_speed, rotor_inertia] =
+      x;
   io("lower", lower)("upper", upper)("damping", damping)("friction", friction);
   io("stiffness", stiffness)("rest", rest)("max_effort", max_effort)("max_speed", max_speed);
+  io("rotor_inertia", rotor_inertia);
 }
 
 template <class Io>
@@ -69,6 +72,19 @@ void fields(Io& io, Joint& x) {
   io("closes_loop", closes_loop)("bodies_collide", bodies_collide);
   io("position_offset", position_offset)("speed_offset", speed_offset)("assembly", assembly);
   io("removed", removed)("origin", origin);
+}
+
+template <class Io>
+void fields(Io& io, CouplingTerm& x) {
+  auto& [joint, ratio] = x;
+  io("joint", joint)("ratio", ratio);
+}
+
+template <class Io>
+void fields(Io& io, Coupling& x) {
+  auto& [name, joint, terms, offset, max_effort, assembly, removed, origin] = x;
+  io("name", name)("joint", joint)("terms", terms)("offset", offset)("max_effort", max_effort);
+  io("assembly", assembly)("removed", removed)("origin", origin);
 }
 
 template <class Io>
@@ -199,7 +215,7 @@ void fields(Io& io, MeasureModel& x) {
 template <class Io>
 void fields(Io& io, SceneModel& x) {
   auto& [name, files, physics, materials, material_pairs, meshes, heightmaps, assemblies, bodies,
-         frames, joints, motors, sensors, controllers, supervisors, lights, views, record, plots,
+         frames, joints, couplings, motors, sensors, controllers, supervisors, lights, views, record, plots,
          regions, doors, mazes, templates, rules, measures, tests, no_collide, joint_positions,
          joint_speeds] = x;
   static_cast<void>(meshes);  // stored as packed numbers, see Model in cogrsim.proto
@@ -210,7 +226,8 @@ void fields(Io& io, SceneModel& x) {
   static_cast<void>(tests);
   io("name", name)("files", files)("physics", physics)("materials", materials);
   io("material_pairs", material_pairs)("assemblies", assemblies)("bodies", bodies);
-  io("frames", frames)("joints", joints)("motors", motors)("sensors", sensors);
+  io("frames", frames)("joints", joints)("couplings", couplings)("motors", motors);
+  io("sensors", sensors);
   io("controllers", controllers)("supervisors", supervisors)("lights", lights)("views", views);
   io("record", record)("plots", plots)("no_collide", no_collide);
   io("regions", regions)("doors", doors)("mazes", mazes)("measures", measures);

@@ -1,6 +1,7 @@
 #include "cogrsim/physics/capabilities.h"
 
 #include <array>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
@@ -32,6 +33,7 @@ class Check {
     check_bodies();
     check_pairs();
     check_joints();
+    check_couplings();
     check_motors();
     return std::move(out_);
   }
@@ -40,6 +42,7 @@ class Check {
   void check_bodies();
   void check_pairs();
   void check_joints();
+  void check_couplings();
   void check_motors();
 
   /// Checks a feature on its first use. `what` describes the feature ("joint type 'screw'"), and
@@ -85,6 +88,10 @@ void Check::check_bodies() {
       const bool fixed = body.kind == BodyKind::fixed;
       need(fixed ? "body.static" : "body.kinematic", fixed ? "static bodies" : "kinematic bodies",
            "body '" + body.name + "'", body.origin, "run the scene on another backend");
+    }
+    if (body.kind == BodyKind::dynamic && body.gravity_scale != 1.0) {
+      need("body.gravity-scale", "a body's gravity-scale", "body '" + body.name + "'", body.origin,
+           "leave the gravity-scale out, or run the scene on another backend");
     }
     for (const Shape& shape : body.shapes) {
       if (!shape.collides) continue;
@@ -179,6 +186,20 @@ void Check::check_joints() {
       need_of_axis(axis.damping > 0.0, "damping", "damping");
       need_of_axis(axis.friction > 0.0, "friction", "friction");
       need_of_axis(axis.stiffness > 0.0, "stiffness", "stiffness");
+      need_of_axis(axis.rotor_inertia > 0.0, "rotor-inertia", "rotor inertia");
+    }
+  }
+}
+
+void Check::check_couplings() {
+  for (const Coupling& coupling : model_.couplings) {
+    if (coupling.removed) continue;
+    need("joint.coupling", "coupled joints", "coupling '" + coupling.name + "'", coupling.origin,
+         "leave the coupling out, or run the scene on another backend");
+    if (std::isfinite(coupling.max_effort)) {
+      need("joint.coupling-effort", "the largest effort of a coupling",
+           "coupling '" + coupling.name + "'", coupling.origin,
+           "leave it out, or run the scene on another backend");
     }
   }
 }

@@ -31,6 +31,17 @@ double spring_energy(const Joint& joint, const double* q) {
   return energy;
 }
 
+double rotor_energy(const Joint& joint, const double* u) {
+  double energy = 0.0;
+  for (std::size_t i = 0; i < joint.axes.size(); ++i) {
+    // The one axis of a ball stands for its three speeds.
+    const bool ball = joint.type == JointType::ball;
+    const double square = ball ? Eigen::Map<const Vec3>(u).squaredNorm() : u[i] * u[i];
+    energy += 0.5 * joint.axes[i].rotor_inertia * square;
+  }
+  return energy;
+}
+
 std::uint64_t hash_numbers(const double* numbers, std::size_t count, std::uint64_t hash) {
   return hash_bytes(numbers, count * sizeof(double), hash);
 }
@@ -49,12 +60,13 @@ Energy energy_of(const SceneModel& model, const WorldState& state) {
     const Vec3 w_B = X_WB.q.conjugate() * V_WB.angular;
     out.kinetic +=
         0.5 * body.mass * V_WB.at(to_com).squaredNorm() + 0.5 * w_B.dot(body.inertia * w_B);
-    out.potential -= body.mass * model.physics.gravity.dot(X_WB.p + to_com);
+    out.potential -= body.gravity_scale * body.mass * model.physics.gravity.dot(X_WB.p + to_com);
   });
   assert(state.joint_positions.size() == static_cast<std::size_t>(model.joint_positions));
   for (const Joint& joint : model.joints) {
     if (joint.removed) continue;
     out.potential += spring_energy(joint, state.joint_positions.data() + joint.position_offset);
+    out.kinetic += rotor_energy(joint, state.joint_velocities.data() + joint.speed_offset);
   }
   return out;
 }

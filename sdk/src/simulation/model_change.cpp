@@ -162,6 +162,13 @@ class Appender {
       joint.assembly = assembly(original.assembly);
       to_.joints.push_back(std::move(joint));
     }
+    for (const Coupling& original : from_.couplings) {
+      Coupling coupling = renamed(original);
+      coupling.joint = shifted(original.joint, joints_);
+      for (CouplingTerm& term : coupling.terms) term.joint = shifted(term.joint, joints_);
+      coupling.assembly = assembly(original.assembly);
+      to_.couplings.push_back(std::move(coupling));
+    }
   }
 
   void append_devices() {
@@ -263,6 +270,11 @@ void remove_dependents(SceneModel& model) {
     return joint >= 0 && model.joints[static_cast<std::size_t>(joint)].removed;
   };
   for (Motor& motor : model.motors) motor.removed = motor.removed || joint_gone(motor.joint);
+  for (Coupling& coupling : model.couplings) {
+    coupling.removed = coupling.removed || joint_gone(coupling.joint);
+    for (const CouplingTerm& term : coupling.terms)
+      coupling.removed = coupling.removed || joint_gone(term.joint);
+  }
   for (SensorModel& sensor : model.sensors) {
     sensor.removed = sensor.removed || body_gone(sensor.body) || joint_gone(sensor.joint);
   }

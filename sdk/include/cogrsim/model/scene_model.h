@@ -40,6 +40,7 @@ struct Body {
   double mass = 1.0;                ///< [kg], > 0 when dynamic
   Vec3 com = Vec3::Zero();          ///< centre of mass, in the body frame [m]
   Mat3 inertia = Mat3::Identity();  ///< about the centre of mass, body axes [kg m^2]
+  double gravity_scale = 1.0;       ///< factor on the body's weight; 0: weightless
   std::vector<Shape> shapes;
   int assembly = -1;  ///< index into SceneModel::assemblies; -1: none
   bool removed = false;
@@ -88,6 +89,9 @@ struct JointAxis {
   /// Limits of the drive train: the largest effort and speed of any motor or servo on this axis.
   double max_effort = std::numeric_limits<double>::infinity();
   double max_speed = std::numeric_limits<double>::infinity();
+  /// Inertia of the rotor of a drive, reflected to the axis (armature), >= 0: [kg m^2] or [kg]. It
+  /// adds 1/2 rotor_inertia u^2 to the kinetic energy and acts on this axis alone.
+  double rotor_inertia = 0.0;
 
   bool has_limit() const {
     return lower > -std::numeric_limits<double>::infinity() ||
@@ -116,6 +120,27 @@ struct Joint {
   bool bodies_collide = false;  ///< parent and child collide with each other
   int position_offset = 0;      ///< index of the first coordinate in the flat array of all q
   int speed_offset = 0;         ///< index of the first speed in the flat array of all u
+  int assembly = -1;
+  bool removed = false;
+  SourceSpan origin;
+};
+
+/// One joint of a coupling, with exactly one axis.
+struct CouplingTerm {
+  int joint = -1;      ///< index into SceneModel::joints
+  double ratio = 1.0;  ///< change of the coupled coordinate per change of this one
+};
+
+/// `<couple>`: keeps the coordinate of a joint at a linear function of others, as gears, belts and
+/// linkages do: q = offset + sum of ratio * q of the terms. The effort E on the joint comes with
+/// the efforts -ratio E on the others.
+struct Coupling {
+  std::string name;  ///< dotted
+  int joint = -1;    ///< index into SceneModel::joints; has exactly one axis
+  std::vector<CouplingTerm> terms;  ///< at least one; not the joint itself
+  double offset = 0.0;              ///< [rad] or [m]
+  /// Largest effort on the joint [N m] or [N], > 0: beyond it the coupling slips.
+  double max_effort = std::numeric_limits<double>::infinity();
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
@@ -429,6 +454,7 @@ struct SceneModel {
   std::vector<Body> bodies;
   std::vector<NamedFrame> frames;
   std::vector<Joint> joints;
+  std::vector<Coupling> couplings;
   std::vector<Motor> motors;
   std::vector<SensorModel> sensors;
   std::vector<ControllerModel> controllers;

@@ -26,9 +26,12 @@ struct Capability {
 ///   pair.TYPE-TYPE             two colliding shapes; the types in the order above
 ///   joint.TYPE                 hinge slider …
 ///   joint.limit.TYPE  joint.damping.TYPE  joint.friction.TYPE  joint.stiffness.TYPE
+///   joint.rotor-inertia.TYPE
+///   joint.coupling             joints with coupled coordinates
+///   joint.coupling-effort      a limit of the effort of a coupling
 ///   loop.TYPE                  a joint that closes a loop
 ///   motor.MODE                 velocity torque position servo dc
-///   body.static  body.kinematic  contact.stiffness
+///   body.static  body.kinematic  body.gravity-scale  contact.stiffness
 ///   runtime.add  runtime.remove  runtime.save  runtime.set_state
 ///   runtime.attach  runtime.body_kind  runtime.joint_axes
 ///   report.contact_force  report.joint_reaction  report.joint_effort

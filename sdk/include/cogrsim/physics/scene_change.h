@@ -32,7 +32,8 @@ inline bool same_axes(const Joint& a, const Joint& b) {
     const JointAxis &x = a.axes[i], &y = b.axes[i];
     if (x.lower != y.lower || x.upper != y.upper || x.damping != y.damping ||
         x.friction != y.friction || x.stiffness != y.stiffness || x.rest != y.rest ||
-        x.max_effort != y.max_effort || x.max_speed != y.max_speed) {
+        x.max_effort != y.max_effort || x.max_speed != y.max_speed ||
+        x.rotor_inertia != y.rotor_inertia) {
       return false;
     }
   }
@@ -44,10 +45,11 @@ inline Result<> check_axes(const Joint& joint) {
   for (const JointAxis& axis : joint.axes) {
     // This form of the comparison also rejects NaN.
     if (!(axis.lower <= axis.upper)) return fail(what + "its lower limit is not below its upper");
-    const double laws[] = {axis.damping, axis.friction, axis.stiffness};
+    const double laws[] = {axis.damping, axis.friction, axis.stiffness, axis.rotor_inertia};
     for (const double law : laws) {
       if (!(law >= 0.0) || !std::isfinite(law)) {
-        return fail(what + "damping, friction and stiffness must be finite and not negative");
+        return fail(what +
+                    "damping, friction, stiffness and rotor inertia must be finite and not negative");
       }
     }
     if (!std::isfinite(axis.rest)) return fail(what + "the rest position must be finite");

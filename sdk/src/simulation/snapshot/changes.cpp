@@ -156,6 +156,11 @@ class Rebuilder {
       const bool parent = to(bodies_, joint.parent), child = to(bodies_, joint.child);
       return to(assemblies_, joint.assembly) && parent && child;
     });
+    append(&SceneModel::couplings, [&](Coupling& coupling) {
+      bool all = to(joints_, coupling.joint);
+      for (CouplingTerm& term : coupling.terms) all = to(joints_, term.joint) && all;
+      return to(assemblies_, coupling.assembly) && all;
+    });
     append(&SceneModel::motors, [&](Motor& motor) {
       const bool joint = to(joints_, motor.joint);
       return to(assemblies_, motor.assembly) && joint;
@@ -201,6 +206,7 @@ class Rebuilder {
     };
     each(&SceneModel::assemblies, removed);
     each(&SceneModel::frames, removed);
+    each(&SceneModel::couplings, removed);
     each(&SceneModel::motors, removed);
     each(&SceneModel::sensors, removed);
     each(&SceneModel::controllers, removed);
@@ -320,6 +326,7 @@ bool goes_on_from(const SceneModel& original, const SceneModel& then) {
   return longer(&SceneModel::materials) && longer(&SceneModel::material_pairs) &&
          longer(&SceneModel::assemblies) && longer(&SceneModel::bodies) &&
          longer(&SceneModel::frames) && longer(&SceneModel::joints) &&
+         longer(&SceneModel::couplings) &&
          longer(&SceneModel::motors) && longer(&SceneModel::sensors) &&
          longer(&SceneModel::controllers) && longer(&SceneModel::regions) &&
          longer(&SceneModel::doors);

@@ -1,0 +1,89 @@
+// Couplings, rotor inertias and weights of a source come to the scene.
+#include "import_support.h"
+
+using namespace cogrsim;
+using namespace cogrsim::test;
+
+namespace {
+
+const char* const kLink =
+    R"(<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>)";
+
+std::string link(const std::string& name) {
+  return "<link name=\"" + name + "\">" + kLink + "</link>";
+}
+
+std::string joint(const std::string& name, const std::string& child, const std::string& more) {
+  return "<joint name=\"" + name + "\" type=\"revolute\"><parent link=\"base\"/><child link=\"" +
+         child +
+         "\"/><axis xyz=\"0 1 0\"/><limit lower=\"-1\" upper=\"1\" effort=\"5\" velocity=\"2\"/>" +
+         more + "</joint>";
+}
+
+}  // namespace
+
+TEST_CASE("mimic becomes a coupling", "[urdf]") {
+  Imported in;
+  // `second` comes before `first`, which it follows, and starts with it.
+  in.read("<robot name=\"r\">" + link("base") + link("a") + link("b") + link("c") +
+          joint("second", "b", R"(<mimic joint="first" multiplier="-0.5" offset="0.1"/>)") +
+          joint("first", "a", R"(<mimic joint="zero" multiplier="2"/>)") + joint("zero", "c", "") +
+          "</robot>");
+  REQUIRE(in.model);
+  const SceneModel& model = *in.model;
+  REQUIRE(model.couplings.size() == 2);
+  const auto named = [&](int joint) { return model.joints[static_cast<std::size_t>(joint)].name; };
+  CHECK(named(model.couplings[0].joint) == "r.first");
+  CHECK(named(model.couplings[0].terms.at(0).joint) == "r.zero");
+  CHECK(model.couplings[0].terms.at(0).ratio == 2.0);
+  CHECK(named(model.couplings[1].joint) == "r.second");
+  CHECK(model.couplings[1].terms.at(0).ratio == -0.5);
+  CHECK(model.couplings[1].offset == 0.1);
+  CHECK(in.joint("second").position.at(0) == 0.1);
+}
+
+TEST_CASE("couplings that cannot hold are left out", "[urdf]") {
+  Imported in;
+  const auto robot = [](const std::string& a, const std::string& b) {
+    return "<robot name=\"r\">" + link("base") + link("a") + link("b") + joint("one", "a", a) +
+           joint("two", "b", b) + "</robot>";
+  };
+  in.read(robot("", R"(<mimic joint="one" offset="3"/>)"));
+  CHECK(
+      in.reports(dsl::Fidelity::left_out, "coupling of joint 'two' to 'one'", "beyond its limits"));
+  CHECK(in.model);
+  in.read(robot(R"(<mimic joint="two"/>)", R"(<mimic joint="one"/>)"));
+  CHECK(in.reports(dsl::Fidelity::left_out, "coupling of joint 'two' to 'one'", "form a circle"));
+  CHECK(in.model);
+  in.read(robot("", R"(<mimic joint="nowhere"/>)"));
+  CHECK(in.reports(dsl::Fidelity::left_out, "coupling of joint 'two'", "no joint 'nowhere'"));
+}
+
+TEST_CASE("armature, equality and gravcomp of MJCF come to the scene", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco model="m"><worldbody>
+    <body name="a" gravcomp="1"><joint name="left" type="slide" axis="0 1 0" armature="0.3"/>
+      <geom size="0.1" mass="1"/></body>
+    <body name="b" pos="1 0 0" gravcomp="0.25"><joint name="right" type="slide" axis="0 1 0"/>
+      <geom size="0.1" mass="1"/></body>
+    </worldbody><equality><joint joint1="right" joint2="left" polycoef="0.02 -1 0 0 0"/></equality>
+    </mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  const SceneModel& model = *in.model;
+  CHECK(in.body("a").gravity_scale == 0.0);
+  CHECK(in.body("b").gravity_scale == 0.75);
+  CHECK(in.joint("left").axes.at(0).rotor_inertia == 0.3);
+  REQUIRE(model.couplings.size() == 1);
+  CHECK(model.couplings[0].offset == 0.02);
+  CHECK(model.couplings[0].terms.at(0).ratio == -1.0);
+}
+
+TEST_CASE("a link of SDF without gravity is weightless", "[sdf]") {
+  Imported in;
+  in.read(R"(<sdf version="1.9"><model name="m"><link name="a"><gravity>false</gravity><inertial>
+    <mass>1</mass></inertial></link></model></sdf>)",
+          "m.sdf");
+  REQUIRE(in.model);
+  CHECK(in.body("a").gravity_scale == 0.0);
+}
