@@ -87,7 +87,7 @@ class PointContacts final : public SimTK::Force::Custom::Implementation {
       Eigen::Matrix3d R;
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) R(r, c) = X.R().asMat33()(r, c);
-      detector_.place(static_cast<int>(i), {R, Eigen::Vector3d(X.p()[0], X.p()[1], X.p()[2])}, 0.0);
+      detector_.set_pose(static_cast<int>(i), {R, Eigen::Vector3d(X.p()[0], X.p()[1], X.p()[2])}, 0.0);
     }
     detector_.detect(points_);
   }

@@ -116,7 +116,7 @@ void update_component(const Mechanism& mechanism, Component& c) {
   c.version = version;
   c.has_inverse = false;
   const int n = c.size();
-  if (c.lone) {
+  if (c.is_free_body) {
     const Link& link = mechanism.links()[std::size_t(c.links[0])];
     const Placement& X = mechanism.motions()[std::size_t(c.links[0])].X;
     c.origin = X * link.com;
@@ -158,7 +158,7 @@ void update_component(const Mechanism& mechanism, Component& c) {
 void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>& forces,
                double* x) {
   const std::vector<LinkMotion>& motions = mechanism.motions();
-  if (c.lone) {
+  if (c.is_free_body) {
     const std::size_t index = std::size_t(c.links[0]);
     const Link& link = mechanism.links()[index];
     const LinkMotion& motion = motions[index];
@@ -240,7 +240,7 @@ void solve_tree(const Component& c, double* x, const Component::Range& tree) {
 }  // namespace
 
 void solve_mass(const Component& c, double* x) {
-  if (c.lone) {
+  if (c.is_free_body) {
     Eigen::Map<Vec3> angular(x), linear(x + 3);
     angular = (c.inverse_inertia * angular).eval();
     linear *= c.inverse_mass;
@@ -316,7 +316,7 @@ void solve_mass_recursively(const Component& c, double* x) {
 
 void solve_mass_often(Component& c, const double* j, double* w) {
   const int n = c.size();
-  if (c.lone || n > kLargestInverse) {
+  if (c.is_free_body || n > kLargestInverse) {
     std::copy(j, j + n, w);
     solve_mass(c, w);
     return;
@@ -333,7 +333,7 @@ void solve_mass_often(Component& c, const double* j, double* w) {
 
 void fill_row(const Component& c, int position_of_link, const Spatial& wrench, double sign,
               double* row) {
-  if (c.lone) {
+  if (c.is_free_body) {
     Eigen::Map<Vec3>(row) += sign * wrench.angular;
     Eigen::Map<Vec3>(row + 3) += sign * wrench.linear;
     return;

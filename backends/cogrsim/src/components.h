@@ -24,14 +24,14 @@ struct Weld {
 /// What the welds of a component forbid at one configuration, see loops.h.
 struct Loops {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  struct Kept {
+  struct IndependentRow {
     int weld = 0, row = 0;
     int lead = 0;        ///< the first entry of its row of `factor` that is not zero
     double scale = 1.0;  ///< of the row in `factor`
   };
-  Rows G;                      ///< (6 nweld x size)
-  Rows W;                      ///< M^-1 G', by rows as G
-  std::vector<Kept> kept;      ///< rows that say something of their own
+  Rows G;                                   ///< (6 nweld x size)
+  Rows W;                                   ///< M^-1 G', by rows as G
+  std::vector<IndependentRow> independent;  ///< rows that none before them implies
   std::vector<double> factor;  ///< lower Cholesky factor of those of G M^-1 G', its diagonal
                                ///< inverted; rows of 6 nweld
 };
@@ -45,13 +45,13 @@ struct Component {
   struct Range {
     int first = 0, end = 0;
   };
-  std::vector<Range> trees;  ///< degrees of freedom of each; one, unless there are welds
-  std::vector<int> tree;     ///< of each of `links`
-  std::vector<Weld> welds;   ///< with some, `links` go tree by tree
+  std::vector<Range> trees;   ///< degrees of freedom of each; one, unless there are welds
+  std::vector<int> tree;      ///< of each of `links`
+  std::vector<Weld> welds;    ///< with some, `links` go tree by tree
   std::vector<double> rotors;  ///< inertia of the rotor on each degree of freedom; empty: none
-  bool lone = false;         ///< one free body: closed forms hold
-  bool recursive = false;    ///< has a tree for which the recursion beats the dense factor
-  int offset = 0;            ///< of its degrees of freedom in arrays over all components
+  bool is_free_body = false;  ///< one free body: closed forms hold
+  bool recursive = false;     ///< has a tree for which the recursion beats the dense factor
+  int offset = 0;             ///< of its degrees of freedom in arrays over all components
   int size() const { return int(speeds.size()); }
   /// One beyond the last local degree of freedom of a link at a position in `links`.
   int end_of(std::size_t at) const { return at + 1 < first.size() ? first[at + 1] : size(); }
@@ -60,10 +60,10 @@ struct Component {
   std::int64_t motion_version = -1;     ///< of origin, inertias, motion
   std::int64_t version = -1;            ///< of the rest
   Vec3 origin = Vec3::Zero();           ///< what `motion` refers to [m]
-  std::vector<Inertia> inertias;        ///< of each of `links`; not of a lone body
+  std::vector<Inertia> inertias;        ///< of each of `links`; not of a free body
   std::vector<Spatial> motion;          ///< velocity of the outboard bodies per unit speed (size)
-  double inverse_mass = 0.0;            ///< lone only
-  Mat3 inverse_inertia = Mat3::Zero();  ///< lone only, world axes
+  double inverse_mass = 0.0;            ///< free body only
+  Mat3 inverse_inertia = Mat3::Zero();  ///< free body only, world axes
   std::vector<double> factor;           ///< lower Cholesky factor of the mass matrix (size x size),
                                         ///< its diagonal inverted
   std::vector<double> inverse;          ///< M^-1 (size x size), the loops ignored; small ones only
@@ -79,7 +79,7 @@ struct Component {
 /// Origin, inertias and motion columns at the state's configuration.
 void update_motion(const Mechanism& mechanism, Component& component);
 
-/// All there is at the state's configuration: the mass matrix by the composite-rigid-body method
+/// Everything at the state's configuration: the mass matrix by the composite-rigid-body method
 /// (Featherstone 2008, section 6.2) with the rotors on its diagonal, its factor, and the loops.
 void update_component(const Mechanism& mechanism, Component& component);
 

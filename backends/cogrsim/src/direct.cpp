@@ -1,4 +1,16 @@
-// Islands of few rows that the sweeps leave undone, as those of large mass ratios: Newton's method.
+// Newton's method for islands of few rows that the sweeps leave unsolved, as those of large mass
+// ratios.
+//
+// All rows (see islands.h) are one equation F(l) = 0, non-smooth where a bound begins to hold, with r
+// the inverse of a row's own A_ii + gamma_i:
+//
+//   between bounds       F = l - clamp(l - r e, low, high)
+//   in a disc or ball    F = l - w min(1, b / |w|),  w = l - r e,  b = mu (load) or fixed
+//
+// e = J v + b + C l, v = v0 + W' (l - l0), with C the compliance of rows and normal blocks. Newton's
+// step with the generalized Jacobian D = dF/dl (Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92,
+// 1991) is shortened until the largest error, as a velocity, decreases. A result that has not converged
+// is dropped.
 #include <algorithm>
 #include <cmath>
 
@@ -8,126 +20,149 @@
 namespace cogrsim::dynamics {
 namespace {
 
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+
 constexpr int kNewtonSteps = 30;
 constexpr double kShortest = 1e-3;  // of a Newton step
-// Directions in which the rows say less than this of the most are left alone: forces that only press
-// the points of a face against each other.
-constexpr double kSayNothing = 1e-13;
+// Directions of less than this, relative to the largest, are left alone: forces that only press the
+// points of a face against each other.
+constexpr double kSingular = 1e-13;
 
 }  // namespace
 
-// All rows as one equation F(l) = 0, non-smooth where a bound begins to hold, with r the inverse of a
-// row's own response:
-//   between bounds   F = l - clamp(l - r e, low, high)
-//   in a disc or ball F = l - w min(1, b / |w|),  w = l - r e,  b = mu (load) or fixed
-// e = J v + what the row yields + bias, v = v0 + W (l - l0). Newton's step with the generalized
-// Jacobian of where l is (Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991), shortened
-// until the largest error, as a velocity, gets less. What does not converge is dropped.
-void Island::solve_directly(double tolerance) {
-  using Vector = Eigen::VectorXd;
-  using Matrix = Eigen::MatrixXd;
-  const Eigen::Index rows = Eigen::Index(lines.size()), freedoms = Eigen::Index(v.size());
-  Matrix J = Matrix::Zero(rows, freedoms), W = Matrix::Zero(rows, freedoms);
-  Vector start(rows), bias(rows), scale(rows);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    const Line& line = lines[std::size_t(i)];
-    const double* numbers = line.numbers;
-    for (int s = 0; s < 2; ++s) {
-      for (int k = 0; k < line.size[s]; ++k) {
-        J(i, line.at[s] + k) = numbers[k];
-        W(i, line.at[s] + k) = numbers[line.size[s] + k];
+/// F, its derivative, and the error, for the rows of an island.
+class Island::NewtonProblem {
+ public:
+  explicit NewtonProblem(const Island& island)
+      : rows_(island.rows),
+        blocks_(island.blocks),
+        W_(Matrix::Zero(Eigen::Index(rows_.size()), Eigen::Index(island.v.size()))),
+        start_(Eigen::Index(rows_.size())),
+        scale_(Eigen::Index(rows_.size())),
+        F_(Eigen::Index(rows_.size())) {
+    const Eigen::Index m = W_.rows(), n = W_.cols();
+    Matrix J = Matrix::Zero(m, n);
+    Vector bias(m);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const IslandRow& row = rows_[std::size_t(i)];
+      const double* numbers = row.numbers;
+      for (int s = 0; s < 2; ++s) {
+        for (int k = 0; k < row.size[s]; ++k) {
+          J(i, row.at[s] + k) = numbers[k];
+          W_(i, row.at[s] + k) = numbers[row.size[s] + k];
+        }
+        numbers += 2 * row.size[s];
       }
-      numbers += 2 * line.size[s];
+      start_[i] = row.lambda;
+      bias[i] = row.bias;
+      scale_[i] = row.inverse > 0.0 ? 1.0 / row.inverse : 0.0;
     }
-    start[i] = line.lambda;
-    bias[i] = line.bias;
-    scale[i] = line.inverse > 0.0 ? 1.0 / line.inverse : 0.0;
+    A_ = J * W_.transpose();
+    e0_ = bias + J * Eigen::Map<const Vector>(island.v.data(), n) - A_ * start_;
+    for (Eigen::Index i = 0; i < m; ++i) A_(i, i) += rows_[std::size_t(i)].gamma;
+    for (const NormalBlock& block : island.normal_blocks_)
+      for (int i = 0; i < block.count; ++i)
+        for (int k = 0; k < block.count; ++k)
+          A_(block.row[i], block.row[k]) -= block.mean_compliance;
   }
-  Matrix A = J * W.transpose();
-  Vector at_zero = bias + J * Eigen::Map<const Vector>(v.data(), freedoms) - A * start;
-  for (Eigen::Index i = 0; i < rows; ++i) A(i, i) += lines[std::size_t(i)].gamma;
-  for (const Bearing& bearing : bearings_)
-    for (int i = 0; i < bearing.count; ++i)
-      for (int k = 0; k < bearing.count; ++k) A(bearing.line[i], bearing.line[k]) -= bearing.shared;
 
-  Vector F(rows);
-  Matrix D;
-  // Fills F and, when wanted, D = dF/dl; returns the largest error [m/s].
-  const auto evaluate = [&](const Vector& l, bool derivatives) {
-    const Vector e = at_zero + A * l;
-    if (derivatives) D = Matrix::Zero(rows, rows);
-    const auto inverse = [&](Eigen::Index i) { return lines[std::size_t(i)].inverse; };
-    const auto clamp = [&](Eigen::Index i, double low, double high) {
-      const double w = l[i] - inverse(i) * e[i];
-      F[i] = l[i] - std::clamp(w, low, high);
-      if (!derivatives) return;
-      if (w > low && w < high)
-        D.row(i) = inverse(i) * A.row(i);
-      else
-        D(i, i) = 1.0;
-    };
-    // `loads`: rows whose sum bounds these, by `factor`; none: `factor` itself does.
-    const auto disc = [&](Eigen::Index first, int size, double factor, const int* loads,
-                          int count) {
-      double bound = factor;
-      if (count > 0) {
-        double load = 0.0;
-        for (int k = 0; k < count; ++k) load += l[loads[k]];
-        bound = factor * std::max(load, 0.0);
-      }
-      const Vector r = inverse(first) * Vector::Ones(size);
-      const Vector w = l.segment(first, size) - r.cwiseProduct(e.segment(first, size));
-      const double length = w.norm();
-      const bool sticks = length <= bound;
-      F.segment(first, size) = l.segment(first, size) - (sticks ? w : Vector(w * (bound / length)));
-      if (!derivatives) return;
-      Matrix dw = -(r.asDiagonal() * A.middleRows(first, size));
-      dw.middleCols(first, size) += Matrix::Identity(size, size);
-      if (!sticks) {
-        const Vector along = w / length;
-        dw = ((bound / length) * (dw - along * (along.transpose() * dw))).eval();
-        for (int k = 0; k < count; ++k)
-          if (bound > 0.0) dw.col(loads[k]) += factor * along;
-      }
-      D.middleRows(first, size) = -dw;
-      D.block(first, first, size, size) += Matrix::Identity(size, size);
-    };
-    for (const Block& block : blocks) {
-      const int line = block.line;
-      if (block.kind == Block::Kind::ball) {
-        disc(line, 3, block.friction, nullptr, 0);
+  const Vector& start() const { return start_; }
+  const Vector& F() const { return F_; }
+  const Matrix& D() const { return D_; }
+  /// Change of the island's speeds.
+  Vector speed_change(const Vector& l) const { return W_.transpose() * (l - start_); }
+
+  /// Fills F and, when wanted, D; returns the largest error [m/s].
+  double evaluate(const Vector& l, bool derivatives) {
+    e_ = e0_ + A_ * l;
+    derivatives_ = derivatives;
+    if (derivatives) D_ = Matrix::Zero(A_.rows(), A_.rows());
+    for (const RowBlock& block : blocks_) {
+      const int row = block.first_row;
+      if (block.kind == RowBlock::Kind::ball) {
+        evaluate_disc(l, row, 3, block.friction, nullptr, 0);
         continue;
       }
-      clamp(line, lines[std::size_t(line)].low, lines[std::size_t(line)].high);
-      if (block.kind != Block::Kind::contact || block.friction <= 0.0) continue;
-      const int loads[2] = {line, block.partner};
+      evaluate_bounds(l, row, rows_[std::size_t(row)].low, rows_[std::size_t(row)].high);
+      if (block.kind != RowBlock::Kind::contact || block.friction <= 0.0) continue;
+      const int loads[2] = {row, block.partner};
       if (block.friction_kind == FrictionKind::point)
-        disc(line + 1, 2, block.friction, loads, 1);
+        evaluate_disc(l, row + 1, 2, block.friction, loads, 1);
       else if (block.friction_kind == FrictionKind::patch)
-        disc(line + 1, 2, block.friction, loads, 2);
+        evaluate_disc(l, row + 1, 2, block.friction, loads, 2);
       else
-        disc(line + 1, 1, block.friction * block.lever, loads, 2);
+        evaluate_disc(l, row + 1, 1, block.friction * block.lever, loads, 2);
     }
-    return F.cwiseProduct(scale).cwiseAbs().maxCoeff();
-  };
+    return F_.cwiseProduct(scale_).cwiseAbs().maxCoeff();
+  }
 
-  Vector l = start;
-  double error = evaluate(l, true);
+ private:
+  double inverse(Eigen::Index i) const { return rows_[std::size_t(i)].inverse; }
+
+  void evaluate_bounds(const Vector& l, Eigen::Index i, double low, double high) {
+    const double w = l[i] - inverse(i) * e_[i];
+    F_[i] = l[i] - std::clamp(w, low, high);
+    if (!derivatives_) return;
+    if (w > low && w < high)
+      D_.row(i) = inverse(i) * A_.row(i);
+    else
+      D_(i, i) = 1.0;
+  }
+
+  // `loads`: rows whose sum times `factor` is the bound; none: `factor` itself is.
+  void evaluate_disc(const Vector& l, Eigen::Index first, int size, double factor, const int* loads,
+                     int count) {
+    double bound = factor;
+    if (count > 0) {
+      double load = 0.0;
+      for (int k = 0; k < count; ++k) load += l[loads[k]];
+      bound = factor * std::max(load, 0.0);
+    }
+    const Vector r = inverse(first) * Vector::Ones(size);
+    const Vector w = l.segment(first, size) - r.cwiseProduct(e_.segment(first, size));
+    const double length = w.norm();
+    const bool sticks = length <= bound;
+    F_.segment(first, size) = l.segment(first, size) - (sticks ? w : Vector(w * (bound / length)));
+    if (!derivatives_) return;
+    Matrix dw = -(r.asDiagonal() * A_.middleRows(first, size));
+    dw.middleCols(first, size) += Matrix::Identity(size, size);
+    if (!sticks) {
+      const Vector along = w / length;
+      dw = ((bound / length) * (dw - along * (along.transpose() * dw))).eval();
+      for (int k = 0; k < count; ++k)
+        if (bound > 0.0) dw.col(loads[k]) += factor * along;
+    }
+    D_.middleRows(first, size) = -dw;
+    D_.block(first, first, size, size) += Matrix::Identity(size, size);
+  }
+
+  const std::vector<IslandRow>& rows_;
+  const std::vector<RowBlock>& blocks_;
+  Matrix W_, A_, D_;  // A with the compliance C
+  Vector start_, scale_, e0_, e_, F_;
+  bool derivatives_ = false;
+};
+
+void Island::solve_directly(double tolerance) {
+  NewtonProblem problem(*this);
+  Vector l = problem.start();
+  double error = problem.evaluate(l, true);
   for (int step = 0; step < kNewtonSteps && error > tolerance; ++step) {
-    Eigen::CompleteOrthogonalDecomposition<Matrix> solver(rows, rows);
-    solver.setThreshold(kSayNothing);
-    solver.compute(D);
-    const Vector way = solver.solve(F);
+    Eigen::CompleteOrthogonalDecomposition<Matrix> solver(l.size(), l.size());
+    solver.setThreshold(kSingular);
+    solver.compute(problem.D());
+    const Vector direction = solver.solve(problem.F());
     double share = 1.0;
     for (; share > kShortest; share *= 0.5)
-      if (evaluate(l - share * way, false) < error) break;
+      if (problem.evaluate(l - share * direction, false) < error) break;
     if (share <= kShortest) break;
-    l -= share * way;
-    error = evaluate(l, true);
+    l -= share * direction;
+    error = problem.evaluate(l, true);
   }
   if (!(error <= tolerance)) return;
-  for (Eigen::Index i = 0; i < rows; ++i) lines[std::size_t(i)].lambda = l[i];
-  Eigen::Map<Vector>(v.data(), freedoms) += W.transpose() * (l - start);
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].lambda = l[Eigen::Index(i)];
+  Eigen::Map<Vector>(v.data(), Eigen::Index(v.size())) += problem.speed_change(l);
 }
 
 }  // namespace cogrsim::dynamics

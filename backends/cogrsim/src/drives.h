@@ -37,7 +37,7 @@ Vec3 rotation_vector(const Values& q, int first);
 std::vector<AxisLaw> make_laws(const Mechanism& mechanism);
 
 /// Takes over this step's drives and decides which laws are implicit. The measure of stiffness is
-/// x = (kd h + kp h^2) / m with m the inertia that the axis feels (inverse of the diagonal of
+/// x = (kd h + kp h^2) / m with m the effective inertia of the axis (inverse of the diagonal of
 /// M^-1); up to 0.5 the explicit schemes are accurate. The offset beyond that, theta = 1/(1 -
 /// exp(-x)) - 1/x, makes a single damped axis decay exactly (exponential fitting: Liniger and
 /// Willoughby, SIAM J. Numer. Anal. 7, 1970) and tends to implicit Euler when stiff.

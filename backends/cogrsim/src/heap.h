@@ -5,17 +5,18 @@
 #include <vector>
 
 #include "components.h"
+#include "conjugate_steps.h"
 #include "rows.h"
 
 namespace cogrsim::dynamics {
 
 struct SolverOptions;
-struct Line;
-struct Block;
+struct IslandRow;
+struct RowBlock;
 
 /// Figures worked on at once, extensions of GCC and Clang. Each entry is computed by itself, so that
 /// the results do not depend on how many of them the processor takes at a time. Structs that hold them
-/// say their alignment: what a Four has by itself depends on the instructions compiled for.
+/// set their alignment: that of a Four alone depends on the instructions compiled for.
 using Two = double __attribute__((vector_size(16)));
 using Four = double __attribute__((vector_size(32)));
 
@@ -28,10 +29,10 @@ struct alignas(64) HeapBody {
 /// Up to four rows of one pair of bodies, relaxed together.
 struct alignas(32) HeapGroup {
   enum class Kind {
-    normals,  ///< each by itself
-    bearing,  ///< all at once, see Bearing
-    point,    ///< the normal and two tangents of one point
-    tangents  ///< two tangents each of one or two points
+    normals,       ///< each by itself
+    normal_block,  ///< all at once, see NormalBlock
+    point,         ///< the normal and two tangents of one point
+    tangents       ///< two tangents each of one or two points
   };
   struct alignas(32) Row {
     Four a, last, b;  ///< of side a, of both, of side b; see HeapBody
@@ -42,15 +43,15 @@ struct alignas(32) HeapGroup {
   int a = 0, b = 0;  ///< bodies
   Kind kind = Kind::normals;
   int count = 0;
-  int normals = 0;  ///< tangents: the group of their normals
-  int point = 0;    ///< tangents: which of its rows is the normal of the first point
-  int bearing = 0;  ///< bearing: which
+  int normals = 0;       ///< tangents: the group of their normals
+  int point = 0;         ///< tangents: which of its rows is the normal of the first point
+  int normal_block = 0;  ///< its index
   double friction[2] = {0.0, 0.0};
 };
 
 /// The rows of a group in the position stage.
 struct alignas(32) HeapGaps {
-  Four error, push, least;
+  Four error, position_impulse, least;
   Four weight;   ///< 0: not concerned
   Four yield;    ///< of what a multiplier moves
   Four hold;     ///< the weight without yielding, of what is held; else 0
@@ -58,28 +59,26 @@ struct alignas(32) HeapGaps {
   bool held = false;
 };
 
-/// Where sweeps come from and go to: for conjugate steps, see Heap::go_on.
-struct HeapCourse {
-  std::vector<Four> last, along;  ///< impulses, by group
-  std::vector<HeapBody> last_v, along_v;
-  double size = 0.0;
-};
+inline void take_conjugate_step(double beta, HeapBody& v, HeapBody& last, HeapBody& direction) {
+  take_conjugate_step(beta, v.first, last.first, direction.first);
+  take_conjugate_step(beta, v.last, last.last, direction.last);
+}
 
 /// Contacts of free bodies, nothing else.
 class Heap {
  public:
-  struct alignas(32) Bearing {
-    Four response[4], inverse[4];
-    Four shared;  ///< of the sum of the loads, not yielded to
+  struct alignas(32) NormalBlock {
+    Four A[4], A_inverse[4];
+    Four mean_compliance;
   };
 
   /// `bodies`: components by their place in `speeds`, six each.
-  void fill(const std::vector<Line>& lines, const std::vector<Block>& blocks,
+  void fill(const std::vector<IslandRow>& rows, const std::vector<RowBlock>& blocks,
             const std::vector<int>& pairs, const std::vector<const Component*>& bodies);
-  int solve_velocities(const SolverOptions& options, std::vector<Line>& lines,
+  int solve_velocities(const SolverOptions& options, std::vector<IslandRow>& rows,
                        std::vector<double>& v);
-  void solve_positions(const SolverOptions& options, double h, const std::vector<Line>& lines,
-                       std::vector<Row>& rows, std::vector<double>& p);
+  void solve_positions(const SolverOptions& options, double h, const std::vector<IslandRow>& rows,
+                       std::vector<Row>& set_rows, std::vector<double>& p);
 
  private:
   // Of a body: W = root root^T.
@@ -87,27 +86,22 @@ class Heap {
     double angular[6];  // lower triangle, by rows
     double linear;
   };
-  void add_group(const std::vector<Line>& lines, HeapGroup::Kind kind, const int* indices,
+  void add_group(const std::vector<IslandRow>& rows, HeapGroup::Kind kind, const int* indices,
                  int count);
-  void add_bearing(HeapGroup& group);
+  void add_normal_block(HeapGroup& group);
   void scale(const std::vector<double>& v, std::vector<HeapBody>& out) const;
   void unscale(const std::vector<HeapBody>& in, std::vector<double>& v) const;
-  // Where the sweeps to come start from; then, after each pair of them there and back, on along what
-  // the last pairs changed: a step of Fletcher and Reeves's. `x(i)`: the impulses of a group.
-  template <class Impulses>
-  void set_out(const Impulses& x, const std::vector<HeapBody>& v);
-  template <class Impulses>
-  void go_on(const Impulses& x, std::vector<HeapBody>& v);
-  bool measure_gaps(double h, const std::vector<Line>& lines, std::vector<Row>& rows);
+  bool measure_gaps(double h, const std::vector<IslandRow>& rows, std::vector<Row>& set_rows);
   void hold_sticking(double h);
 
   std::vector<Root> roots_;  // last: of what does not move
   std::vector<HeapGroup> groups_;
-  std::vector<Bearing> bearings_;
-  std::vector<int> line_of_;  // four for each group; -1: none
+  std::vector<NormalBlock> normal_blocks_;
+  std::vector<int> row_of_;  // four for each group; -1: none
   std::vector<HeapGaps> gaps_;
   std::vector<HeapBody> v_, p_;
-  HeapCourse course_;
+  ConjugateSteps<Four, HeapBody> steps_;
+  std::vector<Four> found_;  ///< position impulses by group, before the last sweeps
 };
 
 }  // namespace cogrsim::dynamics

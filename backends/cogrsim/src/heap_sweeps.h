@@ -65,14 +65,15 @@ inline Four relax_normals(const HeapGroup& g, Four r) {
   return d;
 }
 
-inline Four relax_bearing(const HeapGroup& g, const Heap::Bearing& bearing, Four r, Four& change) {
+inline Four relax_normal_block(const HeapGroup& g, const Heap::NormalBlock& block, Four r,
+                               Four& change) {
   const Four before = g.lambda;
-  r -= bearing.shared * ((before[0] + before[1]) + (before[2] + before[3]));
-  Four wanted = before - ((bearing.inverse[0] * r[0] + bearing.inverse[1] * r[1]) +
-                          (bearing.inverse[2] * r[2] + bearing.inverse[3] * r[3]));
+  r -= block.mean_compliance * ((before[0] + before[1]) + (before[2] + before[3]));
+  Four wanted = before - ((block.A_inverse[0] * r[0] + block.A_inverse[1] * r[1]) +
+                          (block.A_inverse[2] * r[2] + block.A_inverse[3] * r[3]));
   if (wanted[0] < 0.0 || wanted[1] < 0.0 || wanted[2] < 0.0 || wanted[3] < 0.0) {
     constexpr int kPasses = 6;
-    const Four* const A = bearing.response;
+    const Four* const A = block.A;
     wanted = wanted < 0.0 ? Four{} : wanted;
     const Four d = wanted - before;
     Four now = r + ((A[0] * d[0] + A[1] * d[1]) + (A[2] * d[2] + A[3] * d[3]));
@@ -84,7 +85,7 @@ inline Four relax_bearing(const HeapGroup& g, const Heap::Bearing& bearing, Four
       }
   }
   const Four d = wanted - before;
-  const Four* const A = bearing.response;
+  const Four* const A = block.A;
   change = size_of((A[0] * d[0] + A[1] * d[1]) + (A[2] * d[2] + A[3] * d[3]));
   return d;
 }
@@ -114,8 +115,8 @@ inline Four relax_tangents(const HeapGroup& g, double load1, double load2, Four 
 }
 
 /// Over all groups once, there or back; returns the largest change of a velocity.
-double sweep(HeapGroup* groups, std::size_t count, const Heap::Bearing* bearings, bool backwards,
-             HeapBody* v) {
+double sweep(HeapGroup* groups, std::size_t count, const Heap::NormalBlock* normal_blocks,
+             bool backwards, HeapBody* v) {
   Four most = {};
   // The groups of a pair are relaxed in their order on the way back, too: friction last.
   std::size_t end = count;
@@ -133,8 +134,8 @@ double sweep(HeapGroup* groups, std::size_t count, const Heap::Bearing* bearings
       const Four r = g.bias + g.gamma * g.lambda + (three ? dots<3>(g, v) : dots<4>(g, v));
       Four d, change;
       switch (g.kind) {
-        case HeapGroup::Kind::bearing:
-          d = relax_bearing(g, bearings[g.bearing], r, change);
+        case HeapGroup::Kind::normal_block:
+          d = relax_normal_block(g, normal_blocks[g.normal_block], r, change);
           break;
         case HeapGroup::Kind::point:
           d = relax_point(g, r);
@@ -160,34 +161,35 @@ double sweep(HeapGroup* groups, std::size_t count, const Heap::Bearing* bearings
 }
 
 template <int rows>
-inline Four settle_rows(const HeapGroup& g, HeapGaps& gap, bool held, HeapBody* p) {
+inline Four relax_gaps(const HeapGroup& g, HeapGaps& gap, bool held, HeapBody* p) {
   Four weight = gap.weight, r = gap.error - dots<rows>(g, p);
   if (held)
     weight = gap.hold;
   else
-    r -= gap.yield * gap.push;
+    r -= gap.yield * gap.position_impulse;
   Four d = {};
   for (int n = 0; n < rows; ++n) {
-    d[n] = larger(gap.push[n] + r[n] * weight[n], gap.least[n]) - gap.push[n];
+    d[n] =
+        larger(gap.position_impulse[n] + r[n] * weight[n], gap.least[n]) - gap.position_impulse[n];
     if (n + 1 < rows) r -= g.below[n] * d[n];
   }
-  gap.push += d;
+  gap.position_impulse += d;
   apply<rows>(g, d, p);
   return d;
 }
 
 /// The same of the position stage; `held`: over what is held only.
-double settle(const HeapGroup* groups, HeapGaps* gaps, std::size_t count, bool backwards, bool held,
-              HeapBody* p) {
+double position_sweep(const HeapGroup* groups, HeapGaps* gaps, std::size_t count, bool backwards,
+                      bool held, HeapBody* p) {
   Four most = {};
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t k = backwards ? count - 1 - i : i;
     HeapGaps& gap = gaps[k];
     if (held ? !gap.held : gap.rows == 0) continue;
     const HeapGroup& g = groups[k];
-    const Four d = gap.rows == 1   ? settle_rows<1>(g, gap, held, p)
-                   : gap.rows <= 3 ? settle_rows<3>(g, gap, held, p)
-                                   : settle_rows<4>(g, gap, held, p);
+    const Four d = gap.rows == 1   ? relax_gaps<1>(g, gap, held, p)
+                   : gap.rows <= 3 ? relax_gaps<3>(g, gap, held, p)
+                                   : relax_gaps<4>(g, gap, held, p);
     most = larger_of(most, size_of(d) * g.diagonal);
   }
   return larger(larger(most[0], most[1]), larger(most[2], most[3]));

@@ -1,9 +1,26 @@
-// Mechanisms that rows tie together, solved each for itself: projected Gauss-Seidel.
+// Islands: mechanisms that rows tie together, each solved by itself with projected Gauss-Seidel.
+//
+// Velocity stage. With v (n) the change of the island's speeds over the step, v0 without impulses,
+// J (m x n) its rows, M the mass matrix, W = J M^-1 and l (m) the impulses, find
+//
+//   v = v0 + W' l,   e = J v + b + Gamma l,   low <= l <= high,   e = 0 where l is between its bounds,
+//
+// e <= 0 at the upper bound and e >= 0 at the lower one. b = J u - target [m/s], Gamma = diag(gamma)
+// the compliance of the rows [1/kg]. Relaxing row i: l_i := clamp(l_i - e_i / (A_ii + gamma_i)), with
+// A = J W' the effective inverse mass. Friction of a point: the two tangents' l lie in the disc of
+// radius mu l_n.
+//
+// Position stage. With p the displacement of the speeds' coordinates and s its multipliers (position
+// impulses), p = W' s: every gap g + J p is brought to its target, s >= 0 unless the row is bilateral.
+//
+// Normal block: the normals of one resting pair. Point i yields to its load beyond the mean of the k
+// points: e = J v + b + gamma (l - sum l / k), so that A + gamma (1 - 1 1' / k) is inverted at once.
 #pragma once
 
 #include <Eigen/Dense>
 #include <vector>
 
+#include "conjugate_steps.h"
 #include "heap.h"
 #include "rows.h"
 
@@ -14,105 +31,104 @@ struct SolverOptions {
   double tolerance = 1e-7;  ///< stop when no impulse changes a velocity by more [m/s], [rad/s]
 };
 
-/// A row as the sweeps need it. `numbers`: J and W of the first side, then those of the second.
-struct Line {
+/// A row of an island. `numbers`: J and W of the first side, then those of the second.
+struct IslandRow {
   const double* numbers = nullptr;
-  int at[2] = {0, 0};    ///< first entry of a side among the island's speeds
-  int size[2] = {0, 0};  ///< 0: no such side
-  int row = 0;
-  bool lone = false;  ///< both sides, as far as there are, are of one free body each
-  double bias = 0.0, gamma = 0.0, inverse = 0.0, diagonal = 0.0;
+  int at[2] = {0, 0};        ///< first entry of a side among the island's speeds
+  int size[2] = {0, 0};      ///< 0: no such side
+  int set_row = 0;           ///< in RowSet::rows
+  bool free_bodies = false;  ///< each of its sides is one free body
+  double bias = 0.0, gamma = 0.0;
+  double inverse = 0.0;   ///< 1 / (diagonal + gamma)
+  double diagonal = 0.0;  ///< of A
   double low = 0.0, high = 0.0;
   double lambda = 0.0;
-  double push = 0.0;  ///< to start from
+  double position_impulse = 0.0;  ///< warm start
 };
 
-/// What is solved at once.
-struct Block {
+/// Rows that are relaxed together.
+struct RowBlock {
   enum class Kind { scalar, ball, contact } kind = Kind::scalar;
-  int line = 0;     ///< the first of its lines
+  int first_row = 0;
   int partner = 0;  ///< patch, twist: the normal of the other point
   FrictionKind friction_kind = FrictionKind::point;
   double friction = 0.0;  ///< ball: the bound
   double lever = 0.0;
-  int bearing = -1;    ///< whose normals are solved before this contact's friction
-  bool borne = false;  ///< the normal has been solved with those of an earlier contact
+  int normal_block = -1;         ///< solved before this contact's friction; -1: none
+  bool in_normal_block = false;  ///< the normal has been solved with those of an earlier contact
 };
 
-/// The normals of a resting pair, solved together: how they share the load converges slowly one by
-/// one, because each point yields but little (see README).
-struct Bearing {
+/// The normals of a resting pair: one by one their shares of the load converge slowly, because each
+/// point yields little (see README).
+struct NormalBlock {
   static constexpr int kMost = 4;
-  /// To so much of the mean load no point yields. Not quite all: points that joints hold may have no
-  /// other say in it.
-  static constexpr double kShared = 1.0 - 1e-6;
+  /// Share of the mean load to which no point yields. Less than 1: where joints hold the points, the
+  /// rest alone keeps the matrix regular.
+  static constexpr double kMeanShare = 1.0 - 1e-6;
   int count = 0;
-  int line[kMost] = {0, 0, 0, 0};
-  double shared = 0.0;  ///< each point yields to what it bears beyond the mean of all [1/kg]: this
-                        ///< times their sum is taken off
-  Eigen::Matrix4d response = Eigen::Matrix4d::Zero();  ///< J W^T and what the points yield
-  Eigen::Matrix4d inverse = Eigen::Matrix4d::Zero();
+  int row[kMost] = {0, 0, 0, 0};
+  double mean_compliance = 0.0;                 ///< kMeanShare gamma / count [1/kg]
+  Eigen::Matrix4d A = Eigen::Matrix4d::Zero();  ///< J W' + gamma 1 - mean_compliance 1 1'
+  Eigen::Matrix4d A_inverse = Eigen::Matrix4d::Zero();
 };
 
 /// Components that rows tie together, and all their rows.
 class Island {
  public:
-  std::vector<Line> lines;
-  std::vector<Block> blocks;  ///< joints' first
-  std::size_t contacts = 0;   ///< where those of contacts begin
-  std::vector<int> speeds;    ///< of each speed, where it is in arrays over all components
-  std::vector<int> pairs;     ///< of each contact's block, a number that those of one pair share
+  std::vector<IslandRow> rows;
+  std::vector<RowBlock> blocks;  ///< joints' first
+  std::size_t contacts = 0;      ///< where those of contacts begin
+  std::vector<int> speeds;       ///< of each speed, where it is in arrays over all components
+  std::vector<int> pairs;        ///< of each contact's block, a number that those of one pair share
   std::vector<const Component*> components;
   std::vector<double> v;  ///< change of the speeds
   std::vector<double> p;  ///< displacement; empty: none
 
   void clear();
-  /// Makes ready what the sweeps need. After all lines and blocks are there.
+  /// Makes ready what the sweeps need. After all rows and blocks are there.
   void prepare();
-  /// Velocity stage, from the impulses in the lines, which are not in `v` yet. Returns the sweeps.
+  /// Velocity stage, from the impulses in the rows, which are not in `v` yet. Returns the sweeps.
   int solve_velocities(const SolverOptions& options);
   /// Position stage, after the other: fills `p` and the gaps of the rows in `rows`, all rows there
   /// are. `h` [s]: the step.
-  void solve_positions(const SolverOptions& options, double h, std::vector<Row>& rows);
+  void solve_positions(const SolverOptions& options, double h, std::vector<Row>& set_rows);
 
  private:
-  void find_bearings();
+  void make_normal_blocks();
   // A row with a gap, or one that must not slide: how far it is from its target, and the multiplier
   // of its displacement.
   struct Gap {
-    int line = 0;
-    bool pull = false;
-    double error = 0.0, push = 0.0;
-    double last = 0.0, along = 0.0;  // push before a pair of sweeps, and the conjugate step
+    int row = 0;
+    bool bilateral = false;
+    double error = 0.0, position_impulse = 0.0;
   };
 
   // `Rows`: AnyRows or RowsOf, see islands.cpp.
   template <class Rows>
   int solve_velocities_of(const SolverOptions& options);
   template <class Rows>
-  double relax_contact(const Block& block);
+  double relax_contact(const RowBlock& block);
   template <class Rows>
-  double relax_ball(const Block& block);
+  double relax_ball(const RowBlock& block);
   template <class Rows>
-  double relax_bearing(const Bearing& bearing);
+  double relax_normal_block(const NormalBlock& normal_block);
   template <class Rows>
-  double relax_two(const Bearing& bearing);
+  double relax_two_normals(const NormalBlock& normal_block);
   template <class Rows>
-  void apply_bearing(const Bearing& bearing, const Eigen::Vector4d& change);
+  void apply_normal_block(const NormalBlock& normal_block, const Eigen::Vector4d& change);
   template <class Rows>
   double sweep(bool backwards);
-  double go_on(double last_size);
-  // Changes nothing where it does not find what makes all rows hold; see direct.cpp.
+  // Changes nothing where it does not converge; see direct.cpp.
+  class NewtonProblem;
   void solve_directly(double tolerance);
-  double go_on_settling(double last_size);
-  bool measure_gaps(double h, std::vector<Row>& rows);
+  bool measure_gaps(double h, std::vector<Row>& set_rows);
   void hold_sticking(double h);
 
   bool is_heap_ = false;
   Heap heap_;  ///< with is_heap_: does all the work
-  std::vector<Bearing> bearings_;
+  std::vector<NormalBlock> normal_blocks_;
   std::vector<Gap> gaps_;
-  std::vector<double> last_lambda_, last_v_, along_lambda_, along_v_;
+  ConjugateSteps<double, double> steps_;
 };
 
 }  // namespace cogrsim::dynamics

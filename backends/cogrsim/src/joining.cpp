@@ -74,8 +74,8 @@ std::vector<Condition> conditions_of(const Mechanism& mechanism, const SceneMode
 
 }  // namespace
 
-void join_suddenly(Mechanism& mechanism, const SceneModel& model, const std::vector<int>& joints,
-                   const std::vector<int>& stopped) {
+void attach_inelastically(Mechanism& mechanism, const SceneModel& model,
+                          const std::vector<int>& joints, const std::vector<int>& stopped) {
   const std::vector<Condition> conditions = conditions_of(mechanism, model, joints, stopped);
   const int m = int(conditions.size());
   if (m == 0) return;

@@ -138,8 +138,8 @@ Mounting mount(const SceneModel& model, const PlannedLink& plan) {
   return out;
 }
 
-void find_places(const SceneModel& model, const std::vector<Link>& links, const double* q,
-                 std::vector<LinkMotion>& out) {
+void find_poses(const SceneModel& model, const std::vector<Link>& links, const double* q,
+                std::vector<LinkMotion>& out) {
   out.resize(links.size());
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Link& link = links[i];

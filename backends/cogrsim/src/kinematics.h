@@ -27,7 +27,7 @@ struct Mounting {
     base,   ///< moves freely in the world: its coordinates are those of a point of it
     fixed,  ///< not at all
     axis,   ///< turns about and slides along z of I: hinge, slider, screw, cylindrical
-    other   ///< as the model says of the joint
+    other   ///< as the model defines the joint
   };
   Kind kind = Kind::base;
   Placement X_PI;              ///< X_WI where nothing inboard moves
@@ -45,15 +45,15 @@ struct Mounting {
 
 Mounting mount(const SceneModel& model, const PlannedLink& plan);
 
-/// Places of all links, a parent before its children, at coordinates `q`.
-void find_places(const SceneModel& model, const std::vector<Link>& links, const double* q,
-                 std::vector<LinkMotion>& out);
+/// Poses of all links, a parent before its children, at coordinates `q`.
+void find_poses(const SceneModel& model, const std::vector<Link>& links, const double* q,
+                std::vector<LinkMotion>& out);
 
-/// How they move at speeds `u`; the places are in `out` already.
+/// How they move at speeds `u`; the poses are in `out` already.
 void find_velocities(const SceneModel& model, const std::vector<Link>& links, const double* q,
                      const double* u, std::vector<LinkMotion>& out);
 
-/// X_WI of a link: `motions` has the places of the links before it.
+/// X_WI of a link: `motions` has the poses of the links before it.
 Placement inboard_frame(const Link& link, const std::vector<LinkMotion>& motions);
 
 /// Of a link whose joint has no fixed axis (Mounting::Kind::other): its velocity, world axes, about

@@ -7,13 +7,13 @@
 //   velocities     u   -= M^-1 G' l,      A l = G u                         (least change in M)
 //   coordinates    q   -= N M^-1 G' l,    A l = e(q), repeated              (likewise)
 //
-// A is singular wherever rows say the same: three of the six of each planar loop always, others in
-// positions where the loop may go on in several ways, as a parallelogram that lies flat. Rows that
+// A is singular wherever rows are dependent: three of the six of each planar loop always, others in
+// positions from which the loop may continue in several ways, as a parallelogram that lies flat. Rows that
 // add nothing are left out, found by a Cholesky factor of A, weld by weld in the order of their
 // trees, largest remaining pivot of each weld's six first. A row of a weld touches the trees of its
 // two links only, so the factor of a row of loops has an envelope as narrow as one of them.
 //
-// Near a singular position, at a distance of d from it, the last of the kept pivots is about d^2.
+// Near a singular position, at a distance of d from it, the last pivot that is used is about d^2.
 // What divides by it must be in the range of A. That is so for G u: the projections of velocities
 // never enlarge anything. It is not so for b unless q and u are on the loop: an error y of q makes
 // one of about y u^2 / d^2 in udot. Hence coordinates are brought back to rounding, and where a step

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kClosed = 1e-13;      // [m], [rad]: what project() brings closed loops to, and
 constexpr int kMostProjections = 100;  // gives up after;
-constexpr double kLeastShare = 1e-2;   // goes no shorter way than this share of one of them;
+constexpr double kLeastShare = 1e-2;   // steps no shorter than this share of one of them;
 constexpr double kCannotClose = 1e-6;  // what of a gap is then an error.
 
 // Beyond this many degrees of freedom in one tree the recursion beats the dense block.
@@ -149,7 +149,7 @@ void Mechanism::make_components() {
     }
     c.offset = offset;
     offset += c.size();
-    c.lone = c.links.size() == 1 && links_[std::size_t(c.links[0])].plan.joint < 0;
+    c.is_free_body = c.links.size() == 1 && links_[std::size_t(c.links[0])].plan.joint < 0;
     c.motion.resize(std::size_t(c.size()));
     add_rotors(c);
   }
@@ -193,7 +193,7 @@ const std::vector<LinkMotion>& Mechanism::motions() const {
   const std::int64_t q = state.q_version(), u = state.u_version();
   if (q == q_version_ && u == u_version_) return motions_;
   const double* const coordinates = state.q().data();
-  if (q != q_version_) find_places(*model_, links_, coordinates, motions_);
+  if (q != q_version_) find_poses(*model_, links_, coordinates, motions_);
   find_velocities(*model_, links_, coordinates, state.u().data(), motions_);
   q_version_ = q;
   u_version_ = u;
@@ -250,7 +250,7 @@ void Mechanism::close_coordinates() {
       from = state.q();
       multiply_by_n(shift, rates);
     } else {
-      share *= 0.5;  // too far to be a straight way
+      share *= 0.5;  // too far for a straight path
     }
     state.change_q() = from + share * rates;
     normalize_quaternions();

@@ -20,7 +20,7 @@ struct Link {
   Mounting mounting;
   bool kinematic = false;
   int first_q = 0, nq = 0, first_u = 0, nu = 0;
-  /// q_map[i]: place, among its own q, of the model's q_i; u_map likewise.
+  /// q_map[i]: index, among its own q, of the model's q_i; u_map likewise.
   std::array<int, 7> q_map{0, 1, 2, 3, 4, 5, 6};
   std::array<int, 6> u_map{0, 1, 2, 3, 4, 5};
   double mass = 0.0;                ///< its share

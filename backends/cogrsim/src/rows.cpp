@@ -13,7 +13,7 @@ namespace {
 constexpr double kTouching = 1e-5;
 // A contact point with less than this part of its bodies' own inverse mass is held by joints.
 constexpr double kHeld = 1e-10;
-// Slower than this, what lands needs no pull onto the surface [m/s].
+// Slower than this, what lands needs no bilateral onto the surface [m/s].
 constexpr double kLandingSpeed = 1e-3;
 
 // Where and how fast it hits: gap + speed t + acceleration t^2 / 2 = 0.
@@ -71,13 +71,13 @@ void aim_unilateral(const StepContext& context, const Approach& a, Row& row) {
     const double away = -a.restitution * hit.speed;
     row.target = std::max(away + a.acceleration * rest, 0.0);
     row.gap_target = std::max(away * rest + 0.5 * a.acceleration * rest * rest, 0.0);
-    row.pull = true;
+    row.bilateral = true;
   } else {
-    row.pull = row.hits;
+    row.bilateral = row.hits;
   }
   if (a.gap < 0.0) {
     row.gap_target = std::min(row.gap_target, a.gap + (kRecoverySpeed + std::abs(a.speed)) * h);
-    row.pull = false;
+    row.bilateral = false;
   }
 }
 
@@ -117,7 +117,7 @@ std::size_t RowBuilder::next_numbers(std::size_t count) {
 }
 
 RowEnds RowBuilder::measure_contact(int body_a, int body_b, const SurfacePair& surface,
-                                    const Line& line) const {
+                                    const ContactLine& line) const {
   std::size_t sides = 0;
   for (const int body : {body_a, body_b}) {
     const int link = mechanism_.body_link(body);
@@ -132,7 +132,8 @@ Vec3 RowBuilder::point_velocity(int link, const Vec3& point) const {
 }
 
 // J and W of a free body in closed form.
-void RowBuilder::add_lone_side(Row& row, const Component& c, const Spatial& wrench, double sign) {
+void RowBuilder::add_free_body_side(Row& row, const Component& c, const Spatial& wrench,
+                                    double sign) {
   RowSide& side = row.side[row.sides++];
   side.component = int(&c - mechanism_.components().data());
   side.size = 6;
@@ -157,8 +158,8 @@ void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
   update_component(mechanism_, c);
   const Spatial wrench = point ? Spatial{(*point - c.origin).cross(direction), direction}
                                : Spatial{direction, Vec3::Zero()};
-  if (c.lone) {
-    add_lone_side(row, c, wrench, sign);
+  if (c.is_free_body) {
+    add_free_body_side(row, c, wrench, sign);
     return;
   }
   // Two bodies of one component share a side.
@@ -180,7 +181,7 @@ void RowBuilder::finish_row(Row& row) {
     Component& c = mechanism_.components()[std::size_t(side.component)];
     const double* const j = &set_.pool[side.j];
     double* const w = &set_.pool[side.w];
-    if (c.lone) continue;  // add_lone_side did it
+    if (c.is_free_body) continue;  // add_free_body_side did it
     solve_mass_often(c, j, w);
     close_loops(c, w);
     for (int k = 0; k < side.size; ++k) row.diagonal += j[k] * w[k];
@@ -264,10 +265,10 @@ void RowBuilder::add_limits(const StepContext& context, int joint_index) {
     const double q = state.q()[mechanism_.axis_position(joint_index, a)];
     const int speed = mechanism_.axis_speed(joint_index, a);
     const double u = state.u()[speed];
-    const double reach = kTouching * 10.0 + 2.0 * context.h * std::abs(u);
+    const double margin = kTouching * 10.0 + 2.0 * context.h * std::abs(u);
     for (int end = 0; end < 2; ++end) {
       const double gap = end == 0 ? q - axis.lower : axis.upper - q;
-      if (!(gap < reach)) continue;
+      if (!(gap < margin)) continue;
       const int component =
           mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
       Row& row =
@@ -390,17 +391,17 @@ void RowBuilder::add_coupling(const StepContext& context, int index) {
   row.slot = slot_of(mechanism_.model(), SlotKind::coupling, index);
   row.high = coupling.max_effort * context.h;
   row.low = -row.high;
-  row.has_gap = row.both_ways = true;
+  row.has_gap = row.equality = true;
   row.gap = gap + 0.5 * context.h * row.now;
 }
 
 bool RowBuilder::jointed(int link) const {
   const int component = link < 0 ? -1 : mechanism_.links()[std::size_t(link)].component;
-  return component >= 0 && !mechanism_.components()[std::size_t(component)].lone;
+  return component >= 0 && !mechanism_.components()[std::size_t(component)].is_free_body;
 }
 
 void RowBuilder::add_contact(const StepContext& context, const ContactPoint& point, int body_a,
-                             int body_b, const SurfacePair& surface, const Line& line) {
+                             int body_b, const SurfacePair& surface, const ContactLine& line) {
   const int link_a = mechanism_.body_link(body_a), link_b = mechanism_.body_link(body_b);
   ContactRows contact;
   contact.first = int(end_.rows);
@@ -413,7 +414,7 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   contact.tangent2 = n.cross(contact.tangent1);
 
   Row& row = add_point_row(link_a, link_b, point.point, n);
-  // Joints may hold a body such that it cannot yield: what is left is rounding, not a mass.
+  // Joints may hold a body such that it cannot yield: what remains is rounding, not a mass.
   double free = 0.0;
   for (const int link : {link_a, link_b}) {
     if (link < 0 || mechanism_.links()[std::size_t(link)].component < 0) continue;
@@ -435,8 +436,9 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
   row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
   const int index = int(end_.contacts);
-  // Friction acts where the surfaces meet in the impact. Of what is moved by nobody's forces that is
-  // the other's surface; between two that yield it is taken halfway, which keeps angular momentum.
+  // Friction acts where the surfaces meet in the impact. If one of the
+  // two yields to no force, that is the surface of the other; if both yield, it is halfway between,
+  // which conserves angular momentum.
   const auto yields = [&](int link) {
     return link >= 0 && mechanism_.links()[std::size_t(link)].component >= 0;
   };

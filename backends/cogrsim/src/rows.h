@@ -37,16 +37,16 @@ struct Row {
 
   // Position stage: the gap at the end of the step is `gap` + J (h/2 dv + p), p a displacement.
   bool has_gap = false;
-  bool both_ways = false;  ///< brought to `gap_target` from either side, within its bounds
-  bool pull = false;  ///< brought to `gap_target` from above, too, when it pressed
-  bool hits = false;  ///< its impulse, if there is one, is an impact's
-  bool deep = false;  ///< joints hold the bodies, which overlap
+  bool equality = false;   ///< the gap is brought to `gap_target` from either side, within the bounds
+  bool bilateral = false;  ///< with l > 0 the gap is brought to `gap_target` from above, too
+  bool hits = false;       ///< an impulse of it is an impact's
+  bool deep = false;       ///< joints hold the bodies, which overlap
   double gap = 0.0;
   double gap_target = 0.0;
-  double push = 0.0;     ///< impulse-like multiplier of the displacement; before: to start from
-  double settled = 0.0;  ///< what the displacement adds to the gap
+  double position_impulse = 0.0;  ///< multiplier of the displacement [N s^2]; before: warm start
+  double gap_change = 0.0;        ///< what the displacement adds to the gap
 
-  // A joint's rows: where efforts and warm starts are kept.
+  // A joint's rows: where efforts and warm starts are stored.
   int effort = -1;  ///< flat speed index
   double effort_sign = 1.0;
   int motor = -1;
@@ -61,7 +61,7 @@ enum class FrictionKind {
   twist   ///< second of the two: one row against turning about the normal
 };
 
-/// Rows of one point: the normal, then those of its friction, if there is any.
+/// Rows of one point: the normal, then those of friction, if any.
 struct ContactRows {
   int first = 0;
   double friction = 0.0;
@@ -98,7 +98,7 @@ class RowSet {
   std::vector<ContactRows> contacts;
   std::vector<double> pool;
   bool empty() const { return rows.empty(); }
-  /// How many rows there are of joints: they come before those of contacts.
+  /// Number of joints' rows, which come before those of contacts.
   std::size_t joint_rows() const {
     return contacts.empty() ? rows.size() : std::size_t(contacts.front().first);
   }
@@ -136,13 +136,13 @@ struct StepContext {
   const Values* start_u = nullptr;
 };
 
-/// Speed at which bodies that overlap at the start of a run are pushed apart [m/s].
+/// Speed at which bodies that overlap at the start of a run are separated [m/s].
 inline constexpr double kRecoverySpeed = 1.0;
 
 /// Gap and speed along a unilateral row, and what the step shall make of them.
 struct Approach {
   double gap = 0.0;           ///< at the start [m]
-  double speed = 0.0;         ///< its rate at the start, bodies apart when positive [m/s]
+  double speed = 0.0;         ///< its rate at the start [m/s]; positive: it opens
   double acceleration = 0.0;  ///< of the smooth motion [m/s^2]
   double restitution = 0.0;
 };
@@ -158,7 +158,7 @@ struct RowEnds {
 class RowBuilder {
  public:
   /// The mechanism's state stays while rows are added. They are added from `begin` on; the set has
-  /// room for them already.
+  /// entries for them already.
   RowBuilder(Mechanism& mechanism, RowSet& set, const RowEnds& begin)
       : mechanism_(mechanism), set_(set), motions_(mechanism.motions()), end_(begin) {}
   /// At the end of the set, which grows.
@@ -171,22 +171,21 @@ class RowBuilder {
   void add_joint_rows(const StepContext& context, const std::vector<AxisLaw>& laws);
 
   /// Adds the rows of one contact between two bodies of the model. `line`: the pair touches along a
-  /// line of which this is one end, `other` the other, and `second` tells that the other went
-  /// before.
-  struct Line {
+  /// line; this point is one end and `other` the other, which came before if `second`.
+  struct ContactLine {
     const ContactPoint* other = nullptr;
     bool second = false;
   };
   void add_contact(const StepContext& context, const ContactPoint& point, int body_a, int body_b,
-                   const SurfacePair& surface, const Line& line);
+                   const SurfacePair& surface, const ContactLine& line);
 
-  /// Place in the warm-start memory; `index`: flat speed index, motor or coupling.
+  /// Index in the warm-start memory; `index`: flat speed index, motor or coupling.
   static int slot_of(const SceneModel& model, SlotKind kind, int index);
   static int slot_count(const SceneModel& model);
 
   /// What add_contact() adds. Of bodies that no joint holds only: then one contact, always.
   RowEnds measure_contact(int body_a, int body_b, const SurfacePair& surface,
-                          const Line& line) const;
+                          const ContactLine& line) const;
   bool jointed(int link) const;
 
  private:
@@ -199,7 +198,7 @@ class RowBuilder {
   void add_side(Row& row, int component, int link, const Vec3* point, const Vec3& direction,
                 double sign);
   Row& add_twist_row(int link_a, int link_b, const Vec3& axis);
-  void add_lone_side(Row& row, const Component& c, const Spatial& wrench, double sign);
+  void add_free_body_side(Row& row, const Component& c, const Spatial& wrench, double sign);
   void finish_row(Row& row);
   Vec3 point_velocity(int link, const Vec3& point) const;
   void add_limits(const StepContext& context, int joint);

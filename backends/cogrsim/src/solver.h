@@ -17,7 +17,7 @@ namespace cogrsim::dynamics {
 /// What one call leaves for the next is memory to work in.
 class Solver {
  public:
-  /// Islands are solved on the threads of `pool`, if there is one: no figure depends on how many.
+  /// Islands are solved on the threads of `pool`, if any: no result depends on their number.
   Solver(const SolverOptions& options, WorkerPool* pool) : options_(options), pool_(pool) {}
 
   /// Velocity stage: finds the impulses of all rows, starting from those in the rows, and adds what
@@ -31,25 +31,25 @@ class Solver {
  private:
   void partition(const RowSet& set);
   int find(int component);
-  // Of joints' rows, balls' friction and contacts, which belong to an island.
-  struct Share {
+  // Joints' rows, balls' friction and contacts of one island.
+  struct IslandContent {
     std::vector<int> scalars, balls, contacts;
   };
-  Share& share_of(const RowSet& set, int row);
-  void share_out(const RowSet& set);
-  void fill_island(const RowSet& set, const Share& share, Island& island);
+  IslandContent& content_of(const RowSet& set, int row);
+  void distribute_rows(const RowSet& set);
+  void fill_island(const RowSet& set, const IslandContent& content, Island& island);
   void solve_island(Island& island, RowSet& set, double h, double* dv, double* p) const;
-  int add_line(const RowSet& set, int index, Island& island);
+  int add_row(const RowSet& set, int index, Island& island);
 
   SolverOptions options_;
   WorkerPool* pool_;
   const std::vector<Component>* components_ = nullptr;
-  std::vector<Island> islands_;  ///< the first `count_` are in use
-  std::vector<Share> shares_;    ///< likewise
+  std::vector<Island> islands_;          ///< the first `count_` are in use
+  std::vector<IslandContent> contents_;  ///< likewise
   int count_ = 0;
   std::vector<int> root_, number_;  ///< by component
   std::vector<int> start_;          ///< by component: its first speed in the island
-  std::vector<int> place_;          ///< by row: its line
+  std::vector<int> row_in_island_;  ///< by row: its index in Island::rows
 };
 
 }  // namespace cogrsim::dynamics

@@ -162,7 +162,7 @@ Result<> DynamicsWorld::rebuild(const SceneModelPtr& next, SceneStep step) {
     std::vector<int> stopped;
     for (const int b : change->kinds)
       if (next->bodies[std::size_t(b)].kind == BodyKind::fixed) stopped.push_back(b);
-    join_suddenly(engine_->mechanism, *next, change->attached, stopped);
+    attach_inelastically(engine_->mechanism, *next, change->attached, stopped);
     get_state(before);
     const SceneModelPtr placed = place_static(next, before);
     engine = std::make_unique<Engine>(placed, options_);
@@ -229,7 +229,7 @@ void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
                   before.joint_velocities.data() + joint.speed_offset);
       continue;
     }
-    // A new joint on an old body: what the bodies' places make of it.
+    // A new joint on an old body: its coordinates follow from the bodies' poses.
     double q[7], u[6];
     std::copy(joint.position.begin(), joint.position.end(), q);
     read_joint(joint, seen, q, u);

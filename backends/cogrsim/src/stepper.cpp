@@ -6,8 +6,8 @@
 namespace cogrsim::dynamics {
 namespace {
 
-// Two surfaces nearer than twice this are watched even when nothing moves [m].
-constexpr double kWatch = 1e-4;
+// Speculative margin of a body at rest [m].
+constexpr double kRestMargin = 1e-4;
 
 // A cylinder whose ends are less than this, and this much of its length, apart in height touches
 // along its whole line: contact leaves gaps of up to 1e-5 m (kTouching in rows.cpp) [m], [rad].
@@ -18,8 +18,8 @@ constexpr double kTilt = 1e-3;
 // are only just not stiff (kExplicitLimit in drives.cpp) reach 0.03.
 constexpr double kDoubt = 0.05;
 
-// What overlaps is not pushed apart where a link would move by more than this times what is gained.
-constexpr double kMostWay = 10.0;
+// An overlap is left where a link would move by more than this times what the gap gains.
+constexpr double kMostTravel = 10.0;
 
 // One tree on a free base, tied to nothing else.
 bool is_free(const Mechanism& mechanism, const Component& c) {
@@ -53,12 +53,12 @@ Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions&
       margins_(mechanism.links().size(), 0.0) {
   for (std::size_t i = 0; i < mechanism.components().size(); ++i) {
     const Component& c = mechanism.components()[i];
-    if (c.lone || !is_free(mechanism, c)) continue;
+    if (c.is_free_body || !is_free(mechanism, c)) continue;
     momenta_.emplace_back();
     momenta_.back().component = int(i);
   }
   for (const Link& link : mechanism.links())
-    has_shapes_ = has_shapes_ || detector.reach(link.plan.body) > 0.0;
+    has_shapes_ = has_shapes_ || detector.bounding_radius(link.plan.body) > 0.0;
   const int n = int(model_.materials.size());
   for (int a = 0; a < n; ++a)
     for (int b = 0; b < n; ++b) surfaces_.push_back(surface_pair(model_, a, b));
@@ -111,11 +111,11 @@ void Stepper::measure_speeds(double h) {
   const std::vector<LinkMotion>& motions = mechanism_.motions();
   for (std::size_t i = 0; i < margins_.size(); ++i) {
     const Link& link = mechanism_.links()[i];
-    const double reach = detector_.reach(link.plan.body);
-    if (link.plan.ghost || reach == 0.0) continue;
+    const double radius = detector_.bounding_radius(link.plan.body);
+    if (link.plan.ghost || radius == 0.0) continue;
     const LinkMotion& motion = motions[i];
-    const double spin = std::isfinite(reach) ? reach * motion.angular.norm() : 0.0;
-    margins_[i] = kWatch + fall + h * (motion.linear.norm() + spin);
+    const double spin = std::isfinite(radius) ? radius * motion.angular.norm() : 0.0;
+    margins_[i] = kRestMargin + fall + h * (motion.linear.norm() + spin);
   }
 }
 
@@ -124,31 +124,31 @@ void Stepper::detect(double h) {
   if (!has_shapes_) return;
   const std::vector<Link>& links = mechanism_.links();
   const std::vector<LinkMotion>& motions = mechanism_.motions();
-  ahead_.clear();
+  offsets_.clear();
   for (std::size_t i = 0; i < links.size(); ++i) {
     const int body = links[i].plan.body;
-    if (links[i].plan.ghost || detector_.reach(body) == 0.0) continue;
+    if (links[i].plan.ghost || detector_.bounding_radius(body) == 0.0) continue;
     Placement X = motions[i].X;
-    const Vec3 way = 0.5 * h * motions[i].velocity_at(X * links[i].com);
-    if (way.norm() > detector_.thinness(body)) {
-      ahead_.resize(model_.bodies.size(), Vec3::Zero());
-      ahead_[std::size_t(body)] = way;
-      X.p -= way;
+    const Vec3 offset = 0.5 * h * motions[i].velocity_at(X * links[i].com);
+    if (offset.norm() > detector_.thinness(body)) {
+      offsets_.resize(model_.bodies.size(), Vec3::Zero());
+      offsets_[std::size_t(body)] = offset;
+      X.p -= offset;
     }
-    detector_.place(body, X, margins_[i]);
+    detector_.set_pose(body, X, margins_[i]);
   }
   detector_.detect(points_, options_.pool.get());
-  if (ahead_.empty()) return;
+  if (offsets_.empty()) return;
   const std::vector<Collider>& colliders = detector_.colliders();
   for (ContactPoint& point : points_) {
-    const Vec3& a = ahead_[std::size_t(colliders[std::size_t(point.collider_a)].body)];
-    const Vec3& b = ahead_[std::size_t(colliders[std::size_t(point.collider_b)].body)];
+    const Vec3& a = offsets_[std::size_t(colliders[std::size_t(point.collider_a)].body)];
+    const Vec3& b = offsets_[std::size_t(colliders[std::size_t(point.collider_b)].body)];
     point.gap += point.normal.dot(b - a);
     point.point += 0.5 * (a + b);
   }
 }
 
-RowBuilder::Line Stepper::find_line(std::size_t index) const {
+RowBuilder::ContactLine Stepper::find_contact_line(std::size_t index) const {
   const auto pair_with = [&](std::size_t other) {
     return other < points_.size() && points_[other].collider_a == points_[index].collider_a &&
            points_[other].collider_b == points_[index].collider_b;
@@ -157,7 +157,7 @@ RowBuilder::Line Stepper::find_line(std::size_t index) const {
     const ShapeType type = detector_.colliders()[std::size_t(collider)].type;
     return type == ShapeType::cylinder || type == ShapeType::capsule;
   };
-  RowBuilder::Line line;
+  RowBuilder::ContactLine line;
   if (!round(points_[index].collider_a) && !round(points_[index].collider_b)) return line;
   const bool before = pair_with(index - 1), after = pair_with(index + 1);
   if (before == after || (before && pair_with(index - 2)) || (after && pair_with(index + 2)))
@@ -185,7 +185,7 @@ void Stepper::add_contact(const StepContext& context, std::size_t index,
   const ContactPoint& point = points_[index];
   const Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
   const Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
-  builder.add_contact(context, point, a.body, b.body, surface_of(point), find_line(index));
+  builder.add_contact(context, point, a.body, b.body, surface_of(point), find_contact_line(index));
 }
 
 const SurfacePair& Stepper::surface_of(const ContactPoint& point) const {
@@ -195,14 +195,15 @@ const SurfacePair& Stepper::surface_of(const ContactPoint& point) const {
 }
 
 bool Stepper::add_free_contacts(const StepContext& context) {
-  if (!options_.pool || points_.size() < 2 * kAtOnce) return false;
+  if (!options_.pool || points_.size() < 2 * kChunk) return false;
   const RowBuilder measure(mechanism_, set_);
   begins_.resize(points_.size());
   RowEnds end{set_.rows.size(), set_.pool.size(), set_.contacts.size()};
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const int a = detector_.colliders()[std::size_t(points_[i].collider_a)].body;
     const int b = detector_.colliders()[std::size_t(points_[i].collider_b)].body;
-    const RowEnds size = measure.measure_contact(a, b, surface_of(points_[i]), find_line(i));
+    const RowEnds size =
+        measure.measure_contact(a, b, surface_of(points_[i]), find_contact_line(i));
     if (size.pool == 0 || measure.jointed(mechanism_.body_link(a)) ||
         measure.jointed(mechanism_.body_link(b)))
       return false;
@@ -212,10 +213,10 @@ bool Stepper::add_free_contacts(const StepContext& context) {
   set_.rows.resize(end.rows);
   set_.pool.resize(end.pool);
   set_.contacts.resize(end.contacts);
-  options_.pool->run((points_.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t number) {
-    const std::size_t first = number * kAtOnce;
+  options_.pool->run((points_.size() + kChunk - 1) / kChunk, [&](std::size_t number) {
+    const std::size_t first = number * kChunk;
     RowBuilder builder(mechanism_, set_, begins_[first]);
-    for (std::size_t i = first; i < std::min(first + kAtOnce, points_.size()); ++i)
+    for (std::size_t i = first; i < std::min(first + kChunk, points_.size()); ++i)
       add_contact(context, i, builder);
   });
   return true;
@@ -279,15 +280,15 @@ void Stepper::move(double h) {
     return;
   }
   // Mechanisms that nothing concerns are integrated as if the rest were not there.
-  bool apart = false;
+  bool separate = false;
   for (const Component& c : m.components())
-    apart =
-        apart || (untouched_[std::size_t(&c - m.components().data())] && !c.lone && c.size() > 0);
-  apart = apart && options_.scheme != Scheme::midpoint;
-  if (!apart) std::fill(untouched_.begin(), untouched_.end(), 0);
+    separate = separate || (untouched_[std::size_t(&c - m.components().data())] &&
+                            !c.is_free_body && c.size() > 0);
+  separate = separate && options_.scheme != Scheme::midpoint;
+  if (!separate) std::fill(untouched_.begin(), untouched_.end(), 0);
   if (smooth && m.has_loops()) accelerations_.compute(laws_, udot_, &middle);
   solve_rows(h);
-  if (apart) {
+  if (separate) {
     smooth_q_ = displaced_;
     smooth_u_ = end_u_;
     runge_kutta(h, false);
@@ -406,19 +407,19 @@ void Stepper::limit_displacements(double h) {
     const Row& row = set_.rows[std::size_t(contact.first)];
     for (int s = 0; row.deep && s < row.sides; ++s) {
       double& most = gained[std::size_t(row.side[s].component)];
-      most = std::max({most, row.settled, 0.0});
+      most = std::max({most, row.gap_change, 0.0});
       deep = true;
     }
   }
   if (!deep) return;
   for (const Component& c : mechanism_.components()) {
     const double gain = gained[std::size_t(&c - mechanism_.components().data())];
-    if (gain < 0.0 || c.lone) continue;
+    if (gain < 0.0 || c.is_free_body) continue;
     const double share = allowed_share(c, h, gain);
     for (int k = 0; k < c.size(); ++k) displacement_[std::size_t(c.offset + k)] *= share;
   }
   for (Row& row : set_.rows)
-    if (row.has_gap) row.settled = set_.along(row, displacement_.data());
+    if (row.has_gap) row.gap_change = set_.along(row, displacement_.data());
 }
 
 // Of a component's displacement, such that no link moves by more, root mean square over its mass, than
@@ -445,10 +446,10 @@ double Stepper::allowed_share(const Component& c, double h, double gained) const
       const Vec3 local = X.R.transpose() * turn;
       return std::sqrt(shift.squaredNorm() + local.dot(link.inertia * local) / link.mass);
     };
-    const double way = mean(move.angular, move.linear + move.angular.cross(com - c.origin));
+    const double travel = mean(move.angular, move.linear + move.angular.cross(com - c.origin));
     const double most = h * (kRecoverySpeed + mean(motion.angular, motion.velocity_at(com)));
-    if (way > kFlush + kMostWay * gained) return 0.0;
-    if (way > most) share = std::min(share, most / way);
+    if (travel > kFlush + kMostTravel * gained) return 0.0;
+    if (travel > most) share = std::min(share, most / travel);
   }
   return share;
 }
@@ -467,7 +468,7 @@ void Stepper::solve_rows(double h) {
       dv_[std::size_t(c.offset + k)] = h * (udot[u] - 0.5 * start_udot[u]);
     }
   warm_start(h);
-  share_contacts(
+  for_contact_chunks(
       [&](std::size_t, std::size_t first, std::size_t end) { balance_pairs(h, first, end); });
   solver_.solve(set_, m.components(), h, dv_.data(), displacement_.data());
   limit_displacements(h);
@@ -489,7 +490,7 @@ void Stepper::solve_rows(double h) {
   m.multiply_by_n(stage_, displaced_);
   displaced_ = displaced_ + qm_;
   contact_impulses_.resize(set_.contacts.size());
-  share_contacts([&](std::size_t, std::size_t first, std::size_t end) {
+  for_contact_chunks([&](std::size_t, std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) contact_impulses_[i] = impulse_of(set_.contacts[i]);
   });
   remember(h);

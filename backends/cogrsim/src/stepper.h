@@ -38,9 +38,9 @@ struct ContactRecord {
 struct StepMemory {
   struct WarmContact {
     int collider_a = -1, collider_b = -1;
-    Vec3 place = Vec3::Zero();  ///< of the point, in body b's frame
-    Vec3 force = Vec3::Zero();  ///< on b, world [N]
-    Vec3 push = Vec3::Zero();   ///< multipliers of the position stage, likewise [N s^2]
+    Vec3 point_B = Vec3::Zero();           ///< of the point, in body b's frame
+    Vec3 force = Vec3::Zero();             ///< on b, world [N]
+    Vec3 position_impulse = Vec3::Zero();  ///< multipliers of the position stage, likewise [N s^2]
   };
   std::vector<WarmContact> contacts;  ///< in the order of the colliders
   std::vector<double> efforts;        ///< see RowBuilder::slot_of; empty: none
@@ -86,11 +86,12 @@ class Stepper {
   void pass_singular(double h, const EffortSums& efforts);
   // The motion with all rows, to displaced_ and stage_; the state is at the middle.
   void solve_rows(double h);
-  // Where the bodies are at the middle of the step, of length h; what would have moved by more than
-  // its own thickness is looked at where it started, lest it be beyond a wall by then.
+  // Where the bodies are at the middle of the step, of length h; a body that
+  // would have moved by more than its own thickness is tested where it started: it may be beyond a
+  // wall by then.
   void detect(double h);
-  // Links that joints hold inside each other would have to go far to come apart by little, and those
-  // that cannot come apart would be thrown about: none goes farther than what is pushed apart freely.
+  // Links that joints hold inside each other would have to move far for a small gap, and those that
+  // joints keep from separating would be thrown about: none moves farther than free bodies do.
   void limit_displacements(double h);
   double allowed_share(const Component& component, double h, double gained) const;
   // At the middle of the step. False when no row came out of it.
@@ -99,16 +100,16 @@ class Stepper {
   bool add_free_contacts(const StepContext& context);
   void add_contact(const StepContext& context, std::size_t index, RowBuilder& builder) const;
   const SurfacePair& surface_of(const ContactPoint& point) const;
-  // Calls work(number, first, end) for stretches of contacts on all threads; none ends within a pair.
+  // Calls work(number, first, end) for chunks of contacts on all threads; none ends within a pair.
   // Returns their number, the same for any number of threads.
-  static constexpr std::size_t kAtOnce = 128;
+  static constexpr std::size_t kChunk = 128;
   template <class Work>
-  std::size_t share_contacts(const Work& work);
+  std::size_t for_contact_chunks(const Work& work);
   // The line, if any, that a point of points_ is an end of: of a cylinder or capsule on its side.
-  RowBuilder::Line find_line(std::size_t index) const;
-  // Momentum of what floats free is kept to rounding, see README; the state is at the end.
+  RowBuilder::ContactLine find_contact_line(std::size_t index) const;
+  // Conserves the momentum of free mechanisms to rounding, see README; the state is at the end.
   void conserve_momentum(double h);
-  // `inertia` tells whether that is wanted, too.
+  // `inertia`: computes that, too.
   void measure_momenta(bool inertia);
 
   void set(const Values& q, const Values& u);
@@ -119,17 +120,17 @@ class Stepper {
   void flatten(const Values& by_speed, std::vector<double>& out) const;
   Vec3 impulse_of(const ContactRows& contact) const;  ///< on b
   // What the position stage found for a contact, its friction's only where that is of the point.
-  Vec3 push_of(const ContactRows& contact) const;
+  Vec3 position_impulse_of(const ContactRows& contact) const;
   void warm_start(double h);
   void warm_start_contacts(double h, std::size_t first, std::size_t end);
   void share_warm_friction(std::size_t first, std::size_t end);
-  // Shares the load of a resting pair among its points: makes each yield a little to what it bears
-  // beyond the mean of the last step. Without it rigid contact leaves the shares to chance, and a
-  // wheel rolls on one of its rims.
+  // Distributes the load of a resting pair over its points: each yields a little to its load beyond the
+  // mean of the last step. Without it rigid contact leaves the distribution to chance, and a wheel
+  // rolls on one of its rims.
   void balance_pairs(double h, std::size_t first, std::size_t end);
   void remember(double h);
-  struct Stretch;
-  void remember_contact(double h, std::size_t index, Stretch& out) const;
+  struct ContactChunk;
+  void remember_contact(double h, std::size_t index, ContactChunk& out) const;
   // Adds the rows' impulses to `impulses` and `records`.
   void report();
 
@@ -154,17 +155,17 @@ class Stepper {
   std::vector<Gain> gained_;  ///< (ncomponent)
   std::vector<Vec3> warm_;    ///< impulses to start from, by contact
   std::vector<char> taken_;   ///< (StepMemory::contacts): a contact starts from it
-  /// What stretches of contacts leave, by stretch.
-  struct Stretch {
+  /// What chunks of contacts leave, by chunk.
+  struct ContactChunk {
     std::vector<StepMemory::WarmContact> contacts;
     std::vector<int> hits;  ///< rows
   };
-  std::vector<Stretch> stretches_;
+  std::vector<ContactChunk> chunks_;
   std::vector<RowEnds> begins_;  ///< of the rows of each point
   std::vector<ContactPoint> points_;
   std::vector<double> margins_;  ///< (nlink)
-  /// (nbody) way from where it is looked at to the middle [m]; empty: nothing is fast.
-  std::vector<Vec3> ahead_;
+  /// (nbody) from where a body is tested for contact to the middle [m]; empty: no body is fast.
+  std::vector<Vec3> offsets_;
   Values q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_, end_u_,
       smooth_q_, smooth_u_;
   std::vector<double> dv_, displacement_;             ///< over all components
@@ -173,9 +174,9 @@ class Stepper {
 };
 
 template <class Work>
-std::size_t Stepper::share_contacts(const Work& work) {
+std::size_t Stepper::for_contact_chunks(const Work& work) {
   const std::vector<ContactRows>& contacts = set_.contacts;
-  const std::size_t count = (contacts.size() + kAtOnce - 1) / kAtOnce;
+  const std::size_t count = (contacts.size() + kChunk - 1) / kChunk;
   // The first contact of a pair from `i` on.
   const auto begin_of = [&](std::size_t i) {
     const auto same = [&](const ContactPoint& a, const ContactPoint& b) {
@@ -185,7 +186,7 @@ std::size_t Stepper::share_contacts(const Work& work) {
     return std::min(i, contacts.size());
   };
   const auto one = [&](std::size_t number) {
-    work(number, begin_of(number * kAtOnce), begin_of((number + 1) * kAtOnce));
+    work(number, begin_of(number * kChunk), begin_of((number + 1) * kChunk));
   };
   if (options_.pool && count > 1) {
     options_.pool->run(count, one);

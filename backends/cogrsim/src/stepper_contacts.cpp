@@ -34,11 +34,12 @@ Vec3 Stepper::impulse_of(const ContactRows& contact) const {
   return impulse + couple / std::max(r.squaredNorm(), 1e-18) * contact.point.normal.cross(r);
 }
 
-Vec3 Stepper::push_of(const ContactRows& contact) const {
+Vec3 Stepper::position_impulse_of(const ContactRows& contact) const {
   const Row* const rows = &set_.rows[std::size_t(contact.first)];
-  const Vec3 push = rows[0].push * contact.point.normal;
-  if (contact.friction <= 0.0 || contact.kind != FrictionKind::point) return push;
-  return push + rows[1].push * contact.tangent1 + rows[2].push * contact.tangent2;
+  const Vec3 impulse = rows[0].position_impulse * contact.point.normal;
+  if (contact.friction <= 0.0 || contact.kind != FrictionKind::point) return impulse;
+  return impulse + rows[1].position_impulse * contact.tangent1 +
+         rows[2].position_impulse * contact.tangent2;
 }
 
 void Stepper::warm_start(double h) {
@@ -50,7 +51,7 @@ void Stepper::warm_start(double h) {
   }
   warm_.assign(set_.contacts.size(), Vec3::Zero());
   taken_.assign(memory.contacts.size(), 0);
-  share_contacts(
+  for_contact_chunks(
       [&](std::size_t, std::size_t first, std::size_t end) { warm_start_contacts(h, first, end); });
 }
 
@@ -68,13 +69,13 @@ void Stepper::warm_start_contacts(double h, std::size_t first, std::size_t end) 
     const ContactPoint& point = contact.point;
     while (at < memory.contacts.size() && before(memory.contacts[at], point)) ++at;
     const Placement& X_b = detector_.colliders()[std::size_t(point.collider_b)].X_WS;
-    const Vec3 place = X_b.to_local(point.point);
+    const Vec3 point_B = X_b.to_local(point.point);
     double nearest = kSamePoint * kSamePoint;
     std::size_t best = memory.contacts.size();
     for (std::size_t i = at; i < memory.contacts.size(); ++i) {
       const StepMemory::WarmContact& w = memory.contacts[i];
       if (w.collider_a != point.collider_a || w.collider_b != point.collider_b) break;
-      const double d = (w.place - place).squaredNorm();
+      const double d = (w.point_B - point_B).squaredNorm();
       if (!taken_[i] && d < nearest) {
         nearest = d;
         best = i;
@@ -83,12 +84,12 @@ void Stepper::warm_start_contacts(double h, std::size_t first, std::size_t end) 
     if (best == memory.contacts.size()) continue;
     taken_[best] = 1;
     warm_[index] = h * memory.contacts[best].force;
-    const Vec3& push = memory.contacts[best].push;
+    const Vec3& position_impulse = memory.contacts[best].position_impulse;
     Row* const rows = &set_.rows[std::size_t(contact.first)];
-    rows[0].push = push.dot(point.normal);
+    rows[0].position_impulse = position_impulse.dot(point.normal);
     if (contact.friction <= 0.0 || contact.kind != FrictionKind::point) continue;
-    rows[1].push = push.dot(contact.tangent1);
-    rows[2].push = push.dot(contact.tangent2);
+    rows[1].position_impulse = position_impulse.dot(contact.tangent1);
+    rows[2].position_impulse = position_impulse.dot(contact.tangent2);
   }
   share_warm_friction(first, end);
   for (std::size_t i = first; i < end; ++i) {
@@ -145,9 +146,9 @@ void Stepper::share_warm_friction(std::size_t begin, std::size_t last) {
 }
 
 void Stepper::balance_pairs(double h, std::size_t begin, std::size_t last) {
-  constexpr double kYield = 5e-3;  // of the inverse mass that the points feel
-  // A light body under a heavy one feels little mass and much load: beyond a load of so many times its
-  // weight it yields less, or the heavy one would tilt on it by and by.
+  constexpr double kYield = 5e-3;  // of the effective inverse mass of the points
+  // A light body under a heavy one has little effective mass and much load: beyond a load of so many
+  // times its weight it yields less, or the heavy one would tilt on it slowly.
   constexpr double kLoad = 100.0;
   const double most = kLoad * h * model_.physics.gravity.norm();
   std::vector<ContactRows>& contacts = set_.contacts;
@@ -159,7 +160,7 @@ void Stepper::balance_pairs(double h, std::size_t begin, std::size_t last) {
     };
     const auto rests = [&](std::size_t i) {
       const Row& row = row_of(i);
-      return row.has_gap && row.target == 0.0 && !row.pull;
+      return row.has_gap && row.target == 0.0 && !row.bilateral;
     };
     for (end = first;
          end < last && contacts[end].point.collider_a == contacts[first].point.collider_a &&
@@ -173,9 +174,9 @@ void Stepper::balance_pairs(double h, std::size_t begin, std::size_t last) {
     if (resting < 2) continue;
     // The same yield for all: then the loads are their mean, projected onto those that balance, which
     // never adds to them. Else points that press against each other would. Of up to kMost points, as
-    // Bearing, the mean is that of this step, found by the sweeps; else it is the last step's, and what
+    // NormalBlock, the mean is that of this step, found by the sweeps; else it is the last step's, and what
     // lands on a light body falls until it has grown.
-    const bool together = resting == int(end - first) && resting <= Bearing::kMost;
+    const bool together = resting == int(end - first) && resting <= NormalBlock::kMost;
     double yield = kYield * inverse_mass / resting;
     const double speed = inverse_mass * sum / (resting * resting);
     if (most > 0.0 && speed > most)
@@ -190,7 +191,7 @@ void Stepper::balance_pairs(double h, std::size_t begin, std::size_t last) {
   }
 }
 
-void Stepper::remember_contact(double h, std::size_t index, Stretch& out) const {
+void Stepper::remember_contact(double h, std::size_t index, ContactChunk& out) const {
   const ContactRows& contact = set_.contacts[index];
   const Row& normal = set_.rows[std::size_t(contact.first)];
   if (normal.hits) out.hits.push_back(contact.first);
@@ -199,9 +200,9 @@ void Stepper::remember_contact(double h, std::size_t index, Stretch& out) const 
   w.collider_a = contact.point.collider_a;
   w.collider_b = contact.point.collider_b;
   const Placement& X_b = detector_.colliders()[std::size_t(w.collider_b)].X_WS;
-  w.place = X_b.to_local(contact.point.point);
+  w.point_B = X_b.to_local(contact.point.point);
   w.force = contact_impulses_[index] / h;
-  w.push = push_of(contact);
+  w.position_impulse = position_impulse_of(contact);
   out.contacts.push_back(w);
 }
 
@@ -211,10 +212,10 @@ void Stepper::remember(double h) {
   for (std::size_t i = 0; i < set_.joint_rows(); ++i)
     if (const Row& row = set_.rows[i]; row.slot >= 0)
       memory.efforts[std::size_t(row.slot)] = row.lambda / h;
-  stretches_.resize(std::max(stretches_.size(), set_.contacts.size() / kAtOnce + 1));
+  chunks_.resize(std::max(chunks_.size(), set_.contacts.size() / kChunk + 1));
   const std::size_t count =
-      share_contacts([&](std::size_t number, std::size_t first, std::size_t end) {
-        Stretch& out = stretches_[number];
+      for_contact_chunks([&](std::size_t number, std::size_t first, std::size_t end) {
+        ContactChunk& out = chunks_[number];
         out.contacts.clear();
         out.hits.clear();
         for (std::size_t i = first; i < end; ++i) remember_contact(h, i, out);
@@ -231,9 +232,9 @@ void Stepper::remember(double h) {
   };
   for (const int row : set_.scalars) forget_impact(row);
   for (std::size_t i = 0; i < count; ++i) {
-    const Stretch& stretch = stretches_[i];
-    memory.contacts.insert(memory.contacts.end(), stretch.contacts.begin(), stretch.contacts.end());
-    for (const int row : stretch.hits) forget_impact(row);
+    const ContactChunk& chunk = chunks_[i];
+    memory.contacts.insert(memory.contacts.end(), chunk.contacts.begin(), chunk.contacts.end());
+    for (const int row : chunk.hits) forget_impact(row);
   }
   memory.had_rows = true;
 }
@@ -279,7 +280,7 @@ void Stepper::report() {
     same->collider_b = contact.point.collider_b;
     same->point = contact.point.point;
     same->normal = contact.point.normal;
-    same->gap = rows[0].has_gap ? rows[0].gap + rows[0].settled : contact.point.gap;
+    same->gap = rows[0].has_gap ? rows[0].gap + rows[0].gap_change : contact.point.gap;
     same->impulse += impulse;
   }
 }

@@ -1,4 +1,4 @@
-// Momentum of what floats free, kept to rounding.
+// Conserves the momentum of free mechanisms to rounding.
 #include "stepper.h"
 
 namespace cogrsim::dynamics {

@@ -22,8 +22,8 @@ class Planner {
     for (std::size_t j = 0; j < model_.joints.size(); ++j) {
       const Joint& joint = model_.joints[j];
       if (joint.removed || joint.closes_loop) continue;
-      if (is_fixed(joint.parent)) reach(int(j), joint.child, -1, joint.parent, false);
-      if (is_fixed(joint.child)) reach(int(j), joint.parent, -1, joint.child, true);
+      if (is_fixed(joint.parent)) add_link(int(j), joint.child, -1, joint.parent, false);
+      if (is_fixed(joint.child)) add_link(int(j), joint.parent, -1, joint.child, true);
     }
     spread();
     start_trees(BodyKind::kinematic);
@@ -40,7 +40,7 @@ class Planner {
     return body != kWorld && model_.bodies[std::size_t(body)].kind == BodyKind::dynamic;
   }
 
-  void reach(int joint, int body, int parent, int anchor, bool reversed) {
+  void add_link(int joint, int body, int parent, int anchor, bool reversed) {
     if (!is_dynamic(body) || plan_.body_link[std::size_t(body)] >= 0) return;
     add({body, joint, parent, anchor, reversed, false, 1.0});
   }
@@ -63,7 +63,7 @@ class Planner {
         const Joint& joint = model_.joints[std::size_t(j)];
         if (joint.closes_loop) continue;
         const bool reversed = joint.child == body;
-        reach(j, reversed ? joint.parent : joint.child, link, kWorld, reversed);
+        add_link(j, reversed ? joint.parent : joint.child, link, kWorld, reversed);
       }
     }
   }

@@ -1,4 +1,4 @@
-// Which joint carries which body: a spanning forest over the bodies that move, and the places where
+// Which joint carries which body: a spanning forest over the bodies that move, and the joints where
 // loops are cut.
 #pragma once
 

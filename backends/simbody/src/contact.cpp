@@ -16,7 +16,7 @@ GeneralContact::GeneralContact(const Mechanism& mechanism, const Options& option
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     motions_.emplace_back().index = mechanism.mobod(int(b)).getMobilizedBodyIndex();
     if (mechanism.body_link(int(b)) < 0 && !model.bodies[b].removed)
-      detector_.place(int(b), dynamics::Placement(mechanism.places()[b]), 0.0);
+      detector_.set_pose(int(b), dynamics::Placement(mechanism.places()[b]), 0.0);
   }
 }
 
@@ -76,11 +76,11 @@ const std::vector<Contact>& GeneralContact::read(const SimTK::State& state) cons
   };
   if (same(q_, state.getQ()) && same(u_, state.getU())) return contacts_;
   for (const Link& link : mechanism_.links()) {
-    if (link.slave || detector_.reach(link.body) <= 0.0) continue;
+    if (link.slave || detector_.bounding_radius(link.body) <= 0.0) continue;
     const SimTK::Transform& X = link.mobod.getBodyTransform(state);
     Motion& motion = motions_[std::size_t(link.body)];
     motion = {X.p(), link.mobod.getBodyVelocity(state), motion.index};
-    detector_.place(
+    detector_.set_pose(
         link.body,
         dynamics::Placement(Eigen::Map<const Mat3>(&X.R().asMat33()(0, 0)), from_simtk(X.p())),
         0.0);

@@ -63,11 +63,11 @@ Separation separate_boxes(const PlacedBox& a, const PlacedBox& b, double margin)
       if (length < 1e-3) continue;
       axis /= length;
       const double along = d.dot(axis);
-      double reach = 0.0;
+      double extent = 0.0;
       for (int k = 0; k < 3; ++k)
-        reach += a.half[k] * std::abs(a.X_WS.R.col(k).dot(axis)) +
-                 b.half[k] * std::abs(b.X_WS.R.col(k).dot(axis));
-      const double gap = std::abs(along) - reach;
+        extent += a.half[k] * std::abs(a.X_WS.R.col(k).dot(axis)) +
+                  b.half[k] * std::abs(b.X_WS.R.col(k).dot(axis));
+      const double gap = std::abs(along) - extent;
       if (gap > margin) return best;
       if (gap > edge_gap) {
         edge_gap = gap;

@@ -12,7 +12,7 @@ namespace cogrsim::geometry {
 
 namespace {
 
-// Nearer than rounding in a scene some hundred metres wide lets one tell.
+// Less than the rounding of positions in a scene some hundred metres wide [m].
 constexpr double kTouching = 1e-9;  // [m]
 
 bool has_inside(const PlacedShape& placed) {
@@ -58,7 +58,7 @@ bool meets_triangles(const PlacedShape& surface, const PlacedShape& other) {
   for_triangles(*surface.model, *surface.shape, all_bounds(), [&](const Triangle& t) {
     if (found) return;
     const Triangle triangle = {surface.X_WS * t[0], surface.X_WS * t[1], surface.X_WS * t[2]};
-    found = !bounds_of(triangle).apart(other.bounds) &&
+    found = !bounds_of(triangle).disjoint(other.bounds) &&
             convex_meet(other, triangle, triangle[0] - middle);
   });
   if (surface.shape->type != ShapeType::heightmap || found) return found;
@@ -71,7 +71,7 @@ bool meets_triangles(const PlacedShape& surface, const PlacedShape& other) {
 // that have no inside never do.
 bool meet(const PlacedShape& a, const PlacedShape& b) {
   const bool solid_a = has_inside(a), solid_b = has_inside(b);
-  if (a.bounds.apart(b.bounds) || !(solid_a || solid_b)) return false;
+  if (a.bounds.disjoint(b.bounds) || !(solid_a || solid_b)) return false;
   if (solid_a && solid_b) return convex_meet(a, b, b.X_WS.p - a.X_WS.p);
   const PlacedShape& ground = solid_a ? b : a;
   const PlacedShape& solid = solid_a ? a : b;

@@ -1,4 +1,4 @@
-// Whether there is room in a world for things that come while it runs.
+// Whether a world has clearance for what is added while it runs.
 #pragma once
 
 #include <string>
@@ -25,7 +25,7 @@ class Clearance {
   /// `model` must outlive it; its bodies have the poses X_WB (nbody).
   Clearance(const SceneModel& model, const std::vector<Pose>& X_WB);
 
-  /// Name of a body that leaves no room for `fragment` at `pose`; empty: there is room. Surfaces are
+  /// Name of a body that leaves no clearance for `fragment` at `pose`; empty: none. Surfaces are
   /// compared, not bounds. `clearance` [m] is kept all round, level with the ground: what carries the
   /// newcomer may touch it, up to kSunk deep.
   std::string in_the_way(const SceneModel& fragment, const Pose& pose, double clearance) const;

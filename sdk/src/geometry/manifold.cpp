@@ -8,7 +8,7 @@ namespace cogrsim::geometry {
 namespace {
 
 constexpr int kMost = 2 * Feature::kMost;
-// A face that leans away from the normal by more than this (cosine) tells nothing about heights.
+// A face that leans away from the normal by more than this (cosine) determines no heights.
 constexpr double kSteepest = 0.1;
 constexpr double kParallel = 0.05;  // sine of the angle up to which two edges count as parallel
 

@@ -84,7 +84,7 @@ class Comparer {
     Penetration out;
     known->second.visit(bounds, [&](std::size_t i) {
       const Triangle corners = triangle(mesh, i);
-      if (bounds_of(corners).apart(bounds)) return true;
+      if (bounds_of(corners).disjoint(bounds)) return true;
       const Penetration in = convex(core_of(corners.data()), {}, placed.core, placed.X_WS);
       if (in.depth > out.depth) out = in;
       return work_ <= kMostWork;
@@ -173,7 +173,8 @@ class Finder {
   bool compare(const Solid& a, const Solid& b) {
     ++looked_at_;
     if (comparer_.work() + looked_at_ > kMostWork) return false;
-    if (a.bounds.apart(b.bounds, -kTouchingDepth) || !filter_.collide(a.body, b.body)) return true;
+    if (a.bounds.disjoint(b.bounds, -kTouchingDepth) || !filter_.collide(a.body, b.body))
+      return true;
     const Penetration in = is_ground(*a.shape) ? comparer_.ground(*a.shape, a.X_WS, b.core, b.X_WS)
                                                : comparer_.convex(a.core, a.X_WS, b.core, b.X_WS);
     if (in.depth <= kTouchingDepth) return true;

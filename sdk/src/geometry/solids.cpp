@@ -32,8 +32,8 @@ std::optional<Crossing> cross_infinite_cylinder(const Vec3& o, const Vec3& d, do
     if (o.x() * o.x() + o.y() * o.y() > radius * radius) return {};
     return Crossing{-kInfinity, kInfinity, 0, 0};
   }
-  const double moment = o.x() * d.y() - o.y() * d.x();
-  const double discriminant = radius * radius * a - moment * moment;
+  const double cross = o.x() * d.y() - o.y() * d.x();
+  const double discriminant = radius * radius * a - cross * cross;
   if (!(discriminant >= 0.0)) return {};
   const double b = o.x() * d.x() + o.y() * d.y(), root = std::sqrt(discriminant);
   return Crossing{(-b - root) / a, (-b + root) / a, 0, 0};

@@ -85,14 +85,14 @@ double above_plane(const Item& plane, const Item& item) {
 }
 
 /// Lowers `best` to the distance between a convex core and the triangles of `surface`.
-void core_to_triangles(const Placed& core, const Vec3& middle, double reach, const Item& surface,
+void core_to_triangles(const Placed& core, const Vec3& middle, double radius, const Item& surface,
                        double& best) {
   const BoundsTree& tree = surface.piece->tree;
   if (tree.nodes().empty()) return;
   const Vec3 centre = surface.X_WS.inverse() * middle;
   const auto bound = [&](const BoundsTree::Node& node) {
     const Vec3 nearest = centre.cwiseMax(node.bounds.low).cwiseMin(node.bounds.high);
-    return (centre - nearest).norm() - reach;
+    return (centre - nearest).norm() - radius;
   };
   std::vector<std::pair<double, std::size_t>> open = {{bound(tree.nodes()[0]), 0}};
   while (!open.empty()) {
@@ -135,9 +135,9 @@ void lower(const Item& a, const Item& b, double& best) {
     const Item& few = first ? a : b;
     for (const auto& triangle : few.piece->triangles) {
       const Vec3 middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
-      double reach = 0.0;
-      for (const Vec3& v : triangle) reach = std::max(reach, (v - middle).norm());
-      core_to_triangles({core_of(triangle.data()), few.X_WS}, few.X_WS * middle, reach,
+      double radius = 0.0;
+      for (const Vec3& v : triangle) radius = std::max(radius, (v - middle).norm());
+      core_to_triangles({core_of(triangle.data()), few.X_WS}, few.X_WS * middle, radius,
                         first ? b : a, best);
       if (best <= 0.0) return;
     }

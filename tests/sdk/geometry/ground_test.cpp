@@ -115,10 +115,10 @@ TEST_CASE("the triangles near a box are those not separated from it") {
     where.high.z() = 1.0;
     int all = 0, near = 0;
     geometry::for_triangles(grid, geometry::all_bounds(), [&](const geometry::Triangle& t) {
-      if (!geometry::bounds_of(t).apart(where)) ++all;
+      if (!geometry::bounds_of(t).disjoint(where)) ++all;
     });
     geometry::for_triangles(grid, where, [&](const geometry::Triangle& t) {
-      if (!geometry::bounds_of(t).apart(where)) ++near;
+      if (!geometry::bounds_of(t).disjoint(where)) ++near;
     });
     CHECK(all == near);
   }

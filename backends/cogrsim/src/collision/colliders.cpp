@@ -24,7 +24,7 @@ double margin_for(double smallest_half_extent) {
   return std::min(kMostMargin, kMarginFraction * smallest_half_extent);
 }
 
-// The hull for distance queries: shrunk by its margin, which gives the faces their place back.
+// The hull for distance queries: shrunk by its margin, which moves the faces back to where they are.
 std::shared_ptr<btConvexShape> make_rounded_hull(const std::vector<Vec3>& points) {
   geometry::Bounds bounds;
   for (const Vec3& p : points) bounds.add(p);
@@ -60,7 +60,7 @@ Collider make_collider(const SceneModel& model, int body, int index) {
   c.material = shape.material;
   c.moves = model.bodies[std::size_t(body)].kind != BodyKind::fixed;
   c.X_BS = Placement(shape.X_BS);
-  c.reach = geometry::bounding_radius(model, shape);
+  c.bounding_radius = geometry::bounding_radius(model, shape);
   if (c.is_convex()) c.core = geometry::core_of(model, shape);
   const double radius = shape.radius, half = 0.5 * shape.length;
   switch (shape.type) {

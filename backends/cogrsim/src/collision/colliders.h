@@ -26,7 +26,8 @@ struct Collider {
   bool moves = false;
   Placement X_BS;
   geometry::Core core;  ///< of what is convex; a hull's points are those of `hull`
-  double reach = 0.0;   ///< no point is farther from the shape's origin [m]; plane: infinite
+  double bounding_radius =
+      0.0;  ///< no point is farther from the shape's origin [m]; plane: infinite
   std::shared_ptr<const HullFaces> hull;        ///< at most Feature::kMost corners a face
   std::shared_ptr<btConvexShape> convex;        ///< all convex types
   std::shared_ptr<btTriangleMesh> triangles;    ///< mesh
@@ -36,14 +37,14 @@ struct Collider {
   // At the time of the query.
   Placement X_WS;
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< axis-aligned bounds, margin included [m]
-  double margin = 0.0;  ///< how far ahead this body's surface may matter [m]
+  double margin = 0.0;  ///< speculative margin: how far its surface may move in the step [m]
 
   bool is_convex() const { return type != ShapeType::plane && !is_concave(); }
   bool is_concave() const { return type == ShapeType::mesh || type == ShapeType::heightmap; }
 };
 
 /// Colliders of all shapes that collide, in model order; the index of one is stable for as long as
-/// the model only grows, because shapes that do not collide keep an empty place (body -1).
+/// the model only grows, because shapes that do not collide keep an empty entry (body -1).
 std::vector<Collider> make_colliders(const SceneModel& model);
 
 /// What the shape turns towards `direction` (world, unit): a face, an edge or a corner, in the

@@ -45,10 +45,9 @@ bool lies_on(const Triangle& t, const Vec3& n, const Vec3& p, double tolerance) 
 
 Vec3 normal_of(const Triangle& t) { return (t[1] - t[0]).cross(t[2] - t[0]).normalized(); }
 
-}  // namespace
-
-void concave_contacts(const Collider& concave, const Collider& convex, double margin,
-                      std::vector<ContactPoint>& out) {
+// Triangles of the mesh near the convex shape, in the world.
+std::vector<Triangle> triangles_near(const Collider& concave, const Collider& convex,
+                                     double margin) {
   // Bounds of the convex shape in the mesh's frame.
   const Placement& X = concave.X_WS;
   const Vec3 centre = X.to_local(convex.X_WS.p);
@@ -62,64 +61,55 @@ void concave_contacts(const Collider& concave, const Collider& convex, double ma
     collect_mesh(concave, where, found);
   else
     geometry::for_triangles(*concave.grid, where, [&](const Triangle& t) {
-      if (!geometry::bounds_of(t).apart(where)) found.triangles.push_back(t);
+      if (!geometry::bounds_of(t).disjoint(where)) found.triangles.push_back(t);
     });
-
-  constexpr double kOnFace = 1.0 - 1e-4;  // cosine between the normals of contact and triangle
-  const btTransform X_convex = to_bullet(convex.X_WS);
-  std::vector<TriangleContact> contacts;
-  for (Triangle& t : found.triangles) {
+  for (Triangle& t : found.triangles)
     for (Vec3& p : t) p = X * p;
-    const Vec3 n = normal_of(t);
-    if (!n.allFinite()) continue;
-    // From below a surface is not felt: what is under it came through, and is let out upwards.
-    const double above = n.dot(convex.X_WS.p - t[0]);
-    if (above < 0.0) continue;
-    const double extent = support_extent(convex, -n);
-    if (above - extent > margin) continue;
-    btTriangleShape shape(btVector3(t[0][0], t[0][1], t[0][2]),
-                          btVector3(t[1][0], t[1][1], t[1][2]),
-                          btVector3(t[2][0], t[2][1], t[2][2]));
-    shape.setMargin(0.0);
-    TriangleContact c;
-    c.triangle = t;
-    c.separation =
-        separate_convex(shape, btTransform::getIdentity(), *convex.convex, X_convex, margin);
-    if (!c.separation.found || c.separation.normal.dot(n) <= 0.0) continue;
-    // Where the triangle's own plane separates as well, it is the better witness.
-    const double plane_gap = above - extent;
-    c.on_face = c.separation.normal.dot(n) > kOnFace ||
-                (plane_gap <= margin && plane_gap > c.separation.gap - 1e-7);
-    if (c.on_face) {
-      c.separation.normal = n;
-      const Vec3 on_b = c.separation.on_b;
-      c.separation.on_a = on_b - n * n.dot(on_b - t[0]);
-      c.separation.gap = n.dot(on_b - t[0]);
-    }
-    contacts.push_back(c);
-  }
+  return std::move(found.triangles);
+}
 
-  const std::size_t first = out.size();
-  const double tolerance = 1e-4 * std::max(convex.reach, 1e-3);
-  for (const TriangleContact& c : contacts) {
-    if (!c.on_face) {
-      // On an edge that belongs to a face which is touched itself: the face speaks for it.
-      const bool spoken_for =
-          std::any_of(contacts.begin(), contacts.end(), [&](const TriangleContact& face) {
-            return face.on_face &&
-                   lies_on(face.triangle, normal_of(face.triangle), c.separation.on_a, tolerance);
-          });
-      if (spoken_for) continue;
-    }
-    Feature on_a, on_b;
-    for (const Vec3& p : c.triangle) on_a.add(p);
-    support_feature(convex, -c.separation.normal, on_b);
-    face_contacts(on_a, on_b, c.separation, margin, out);
+bool find_triangle_contact(const Triangle& t, const Collider& convex, const btTransform& X_convex,
+                           double margin, TriangleContact& out) {
+  constexpr double kOnFace = 1.0 - 1e-4;  // cosine between the normals of contact and triangle
+  const Vec3 n = normal_of(t);
+  if (!n.allFinite()) return false;
+  // A surface has no contact from below: what is under it passed through and may leave upwards.
+  const double above = n.dot(convex.X_WS.p - t[0]);
+  if (above < 0.0) return false;
+  const double extent = support_extent(convex, -n);
+  if (above - extent > margin) return false;
+  btTriangleShape shape(btVector3(t[0][0], t[0][1], t[0][2]), btVector3(t[1][0], t[1][1], t[1][2]),
+                        btVector3(t[2][0], t[2][1], t[2][2]));
+  shape.setMargin(0.0);
+  out.triangle = t;
+  Separation& separation = out.separation;
+  separation = separate_convex(shape, btTransform::getIdentity(), *convex.convex, X_convex, margin);
+  if (!separation.found || separation.normal.dot(n) <= 0.0) return false;
+  // Where the triangle's own plane separates as well, its normal and gap are more exact.
+  const double plane_gap = above - extent;
+  out.on_face = separation.normal.dot(n) > kOnFace ||
+                (plane_gap <= margin && plane_gap > separation.gap - 1e-7);
+  if (out.on_face) {
+    separation.normal = n;
+    separation.on_a = separation.on_b - n * n.dot(separation.on_b - t[0]);
+    separation.gap = n.dot(separation.on_b - t[0]);
   }
+  return true;
+}
 
-  // One group for each direction, at most four points in each; neighbours' doubles fall out.
-  std::vector<ContactPoint> all(out.begin() + std::ptrdiff_t(first), out.end());
-  out.resize(first);
+// Whether a contact is on an edge of a face that is touched itself: the face's contact replaces it.
+bool is_replaced(const TriangleContact& c, const std::vector<TriangleContact>& contacts,
+                 double tolerance) {
+  return !c.on_face &&
+         std::any_of(contacts.begin(), contacts.end(), [&](const TriangleContact& face) {
+           return face.on_face &&
+                  lies_on(face.triangle, normal_of(face.triangle), c.separation.on_a, tolerance);
+         });
+}
+
+// Groups the points of `all` by normal, with at most four in each; doubles of neighbours are dropped.
+void add_grouped(const std::vector<ContactPoint>& all, double tolerance,
+                 std::vector<ContactPoint>& out) {
   std::vector<char> used(all.size(), 0);
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (used[i]) continue;
@@ -135,6 +125,28 @@ void concave_contacts(const Collider& concave, const Collider& convex, double ma
     }
     reduce_points(out, group);
   }
+}
+
+}  // namespace
+
+void concave_contacts(const Collider& concave, const Collider& convex, double margin,
+                      std::vector<ContactPoint>& out) {
+  const btTransform X_convex = to_bullet(convex.X_WS);
+  std::vector<TriangleContact> contacts;
+  for (const Triangle& t : triangles_near(concave, convex, margin)) {
+    TriangleContact c;
+    if (find_triangle_contact(t, convex, X_convex, margin, c)) contacts.push_back(c);
+  }
+  const double tolerance = 1e-4 * std::max(convex.bounding_radius, 1e-3);
+  std::vector<ContactPoint> points;
+  for (const TriangleContact& c : contacts) {
+    if (is_replaced(c, contacts, tolerance)) continue;
+    Feature on_a, on_b;
+    for (const Vec3& p : c.triangle) on_a.add(p);
+    support_feature(convex, -c.separation.normal, on_b);
+    face_contacts(on_a, on_b, c.separation, margin, points);
+  }
+  add_grouped(points, tolerance, out);
 }
 
 }  // namespace cogrsim::dynamics

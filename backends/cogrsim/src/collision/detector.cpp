@@ -12,7 +12,7 @@ namespace {
 
 // Half of a shape's least extent along its axes [m].
 double thinness_of(const Collider& c) {
-  double least = c.reach;
+  double least = c.bounding_radius;
   for (int k = 0; k < 3 && c.is_convex(); ++k) {
     const Vec3 axis = c.X_WS.R.col(k);
     least = std::min(least, 0.5 * (support_extent(c, axis) + support_extent(c, -axis)));
@@ -26,23 +26,23 @@ Detector::Detector(const SceneModel& model) : filter_(model), colliders_(make_co
   std::size_t next = 0;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     first_.push_back(int(next));
-    double reach = 0.0;
+    double bounding_radius = 0.0;
     for (std::size_t s = 0; s < model.bodies[b].shapes.size(); ++s, ++next) {
       const Collider& c = colliders_[next];
       if (c.body < 0) continue;
       if (c.type == ShapeType::plane) {
         unbounded_.push_back(int(next));
-        reach = std::max(reach, 1e-3);
+        bounding_radius = std::max(bounding_radius, 1e-3);
       } else {
         sorted_.push_back(int(next));
-        reach = std::max(reach, c.X_BS.p.norm() + c.reach);
+        bounding_radius = std::max(bounding_radius, c.X_BS.p.norm() + c.bounding_radius);
       }
     }
-    reach_.push_back(reach);
+    bounding_radii_.push_back(bounding_radius);
   }
   first_.push_back(int(next));
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    place(int(b), Placement(model.bodies[b].X_WB), 0.0);
+    set_pose(int(b), Placement(model.bodies[b].X_WB), 0.0);
     double least = std::numeric_limits<double>::infinity();
     for (int i = first_[b]; i < first_[b + 1]; ++i) {
       const Collider& c = colliders_[std::size_t(i)];
@@ -52,7 +52,7 @@ Detector::Detector(const SceneModel& model) : filter_(model), colliders_(make_co
   }
 }
 
-void Detector::place(int body, const Placement& X_WB, double margin) {
+void Detector::set_pose(int body, const Placement& X_WB, double margin) {
   for (int i = first_[std::size_t(body)]; i < first_[std::size_t(body) + 1]; ++i) {
     Collider& c = colliders_[std::size_t(i)];
     if (c.body < 0) continue;
@@ -60,7 +60,8 @@ void Detector::place(int body, const Placement& X_WB, double margin) {
     c.margin = margin;
     if (c.type == ShapeType::plane) continue;
     const bool closed_form = c.is_convex() && c.hull == nullptr;
-    Vec3 extent = closed_form ? c.core.half_extents(c.X_WS.R) : Vec3(Vec3::Constant(c.reach));
+    Vec3 extent =
+        closed_form ? c.core.half_extents(c.X_WS.R) : Vec3(Vec3::Constant(c.bounding_radius));
     extent += Vec3::Constant(margin);
     c.low = c.X_WS.p - extent;
     c.high = c.X_WS.p + extent;
@@ -87,7 +88,7 @@ void Detector::detect(std::vector<ContactPoint>& out, WorkerPool* pool) {
 
 void Detector::find_pairs() {
   pairs_.clear();
-  // Sweep along x; equal bounds fall back on the index, so that the order is a function of places.
+  // Sweep along x; equal bounds fall back on the index, so that the order is a function of the poses.
   std::sort(sorted_.begin(), sorted_.end(), [this](int a, int b) {
     const double la = colliders_[std::size_t(a)].low[0], lb = colliders_[std::size_t(b)].low[0];
     return la < lb || (la == lb && a < b);
@@ -95,17 +96,17 @@ void Detector::find_pairs() {
   open_.clear();
   for (int i : sorted_) {
     const Collider& c = colliders_[std::size_t(i)];
-    std::size_t kept = 0;
+    std::size_t count = 0;
     for (int k : open_) {
       const Collider& o = colliders_[std::size_t(k)];
       if (o.high[0] < c.low[0]) continue;
-      open_[kept++] = k;
+      open_[count++] = k;
       if (!(c.moves || o.moves) || o.high[1] < c.low[1] || c.high[1] < o.low[1] ||
           o.high[2] < c.low[2] || c.high[2] < o.low[2])
         continue;
       pairs_.emplace_back(std::min(i, k), std::max(i, k));
     }
-    open_.resize(kept);
+    open_.resize(count);
     open_.push_back(i);
   }
   for (int p : unbounded_) {

@@ -8,7 +8,7 @@
 
 namespace cogrsim::dynamics {
 
-/// Collision detection without memory: the contact points are a function of the placements.
+/// Collision detection without memory: the contact points are a function of the poses.
 class Detector {
  public:
   explicit Detector(const SceneModel& model);
@@ -16,10 +16,10 @@ class Detector {
   /// Shapes as prepared; `body` -1 where a shape does not take part.
   const std::vector<Collider>& colliders() const { return colliders_; }
 
-  /// Moves a body's shapes. `margin` [m]: how far its surface may get within what is being planned.
-  void place(int body, const Placement& X_WB, double margin);
+  /// Moves a body's shapes. `margin`: speculative, how far its surface may move in the step [m].
+  void set_pose(int body, const Placement& X_WB, double margin);
   /// Radius around the body's origin that holds all its shapes [m]; 0 without shapes.
-  double reach(int body) const { return reach_[std::size_t(body)]; }
+  double bounding_radius(int body) const { return bounding_radii_[std::size_t(body)]; }
 
   /// Half of the least extent of its shapes [m]; what moves farther may be beyond what it meets.
   double thinness(int body) const { return thinness_[std::size_t(body)]; }
@@ -35,7 +35,7 @@ class Detector {
   CollisionFilter filter_;
   std::vector<Collider> colliders_;
   std::vector<int> first_;  ///< first collider of each body (nbody + 1)
-  std::vector<double> reach_, thinness_;
+  std::vector<double> bounding_radii_, thinness_;
   std::vector<int> sorted_;     ///< bounded colliders by lower x
   std::vector<int> unbounded_;  ///< planes
   std::vector<std::pair<int, int>> pairs_;

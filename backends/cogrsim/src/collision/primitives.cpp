@@ -34,7 +34,7 @@ void cylinder_on_plane(const Collider& c, PlaneSink& sink) {
   const Mat3& R = c.X_WS.R;
   const Vec3 down = -(R.transpose() * sink.normal());
   const double across = std::hypot(down[0], down[1]);
-  // Standing upright, any direction is lowest: one fixed in the body keeps the points in place.
+  // Standing upright, any direction is lowest: one fixed in the body keeps the points where they were.
   const Vec3 x = across > 1e-6 ? Vec3(down[0] / across, down[1] / across, 0) : Vec3(1, 0, 0);
   const Vec3 y(-x[1], x[0], 0);
   const double z = down[2] >= 0 ? c.core.half.z() : -c.core.half.z();
@@ -49,7 +49,7 @@ void cylinder_on_plane(const Collider& c, PlaneSink& sink) {
 
 // Distance queries know hulls to their size / 10216 only.
 double blur_of(const Collider& c) {
-  return c.type == ShapeType::convex_mesh ? 2e-4 * c.reach : 0.0;
+  return c.type == ShapeType::convex_mesh ? 2e-4 * c.bounding_radius : 0.0;
 }
 
 // Distance queries know the normal of faces that meet flush to some 1e-6 rad, other each time: a

@@ -34,7 +34,7 @@ struct Bounds {
     high = high.cwiseMax(other.high);
   }
   /// More than `gap` between the two along one of the axes.
-  bool apart(const Bounds& other, double gap = 0.0) const {
+  bool disjoint(const Bounds& other, double gap = 0.0) const {
     return (low.array() > other.high.array() + gap || high.array() < other.low.array() - gap).any();
   }
 };
@@ -73,7 +73,7 @@ class COGRSIM_API BoundsTree {
     while (!open.empty()) {
       const Node& node = nodes_[open.back()];
       open.pop_back();
-      if (node.bounds.apart(where)) continue;
+      if (node.bounds.disjoint(where)) continue;
       if (!node.leaf) {
         open.push_back(node.count);
         open.push_back(node.first);
