@@ -148,21 +148,6 @@ std::unique_ptr<XmlElement> Context::parse(const std::string& path, const Source
   return tree_of(*document->root, static_cast<int>(files_.size()) - 1);
 }
 
-std::unique_ptr<XmlElement> Context::parse_text(const std::string& text, const std::string& path) {
-  CompileOptions compile;
-  compile.limits = options.limits;
-  DiagnosticSink sink(compile.limits);
-  SourceFiles sources(compile, sink);
-  const Document* document = sources.open_plain_text(text, path);
-  files_.push_back(path);
-  if (document == nullptr || document->root == nullptr) {
-    for (Diagnostic d : sink.take()) result.diagnostics.push_back(std::move(d));
-    failed_ = true;
-    throw Refused{};
-  }
-  return tree_of(*document->root, static_cast<int>(files_.size()) - 1);
-}
-
 Result<std::string> Context::package(const std::string& name) {
   const auto known = packages_.find(name);
   if (known != packages_.end()) return known->second;

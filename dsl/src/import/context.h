@@ -39,8 +39,6 @@ class Context {
 
   /// Parses an XML file. Throws Refused.
   std::unique_ptr<XmlElement> parse(const std::string& path, const Source& from);
-  /// Parses a text that is the content of `path`.
-  std::unique_ptr<XmlElement> parse_text(const std::string& text, const std::string& path);
   /// The folder of a package. Errors: not found, with where it was looked for.
   Result<std::string> package(const std::string& name);
   /// A file that the model names: relative to `from`'s file, package://, model:// or file://.

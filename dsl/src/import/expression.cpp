@@ -48,6 +48,156 @@ bool is_integer(const PyValue& v) {
   return std::holds_alternative<long long>(v.is) || std::holds_alternative<bool>(v.is);
 }
 
+bool less(const PyValue& a, const PyValue& b) {
+  if (a.is_number() && b.is_number()) return a.number() < b.number();
+  const auto *x = std::get_if<std::string>(&a.is), *y = std::get_if<std::string>(&b.is);
+  if (x != nullptr && y != nullptr) return *x < *y;
+  throw PyError{fmt::format("{} and {} have no order", kind_of(a), kind_of(b))};
+}
+
+/// A call with its arguments, as the functions below take it.
+struct Call {
+  const std::string& name;
+  std::vector<PyValue> arguments;
+  const PyScope& scope;
+
+  double number(std::size_t i) const {
+    if (i >= arguments.size()) throw PyError{name + "() has too few arguments"};
+    return arguments[i].number();
+  }
+  const PyValue& only() const {
+    if (arguments.size() != 1) throw PyError{name + "() has one argument"};
+    return arguments[0];
+  }
+  bool is_text() const {
+    return !arguments.empty() && std::holds_alternative<std::string>(arguments[0].is);
+  }
+};
+
+PyValue round_of(const Call& call) {
+  if (call.arguments.size() < 2) return integer_or(std::nearbyint(call.number(0)), true);
+  const double scale = std::pow(10.0, call.number(1));
+  return {std::nearbyint(call.number(0) * scale) / scale};
+}
+
+PyValue length_of(const Call& call) {
+  const PyValue& value = call.only();
+  if (const auto* s = std::get_if<std::string>(&value.is))
+    return {static_cast<long long>(s->size())};
+  if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&value.is))
+    return {static_cast<long long>((*l)->size())};
+  if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&value.is))
+    return {static_cast<long long>((*d)->size())};
+  throw PyError{std::string(kind_of(value)) + " has no length"};
+}
+
+/// Of the arguments, or of the list that is the only argument: the one before which no other comes.
+PyValue first_of(const Call& call, bool (*before)(const PyValue&, const PyValue&)) {
+  PyList all = call.arguments;
+  if (all.size() == 1)
+    if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&call.arguments[0].is))
+      all = **l;
+  if (all.empty()) throw PyError{call.name + "() of nothing"};
+  PyValue best = all.front();
+  for (const PyValue& v : all)
+    if (before(v, best)) best = v;
+  return best;
+}
+
+PyValue load_yaml_of(const Call& call) {
+  if (call.arguments.size() != 1 || !call.scope.load_yaml)
+    throw PyError{"load_yaml() names one file"};
+  return call.scope.load_yaml(call.arguments[0].text());
+}
+
+PyValue argument_of(const Call& call) {
+  if (call.arguments.size() != 1 || !call.scope.argument) throw PyError{"arg() names one argument"};
+  return call.scope.argument(call.arguments[0].text());
+}
+
+template <class Container>
+PyValue empty_of(const Call& call) {
+  if (!call.arguments.empty()) throw PyError{"there is no function '" + call.name + "' here"};
+  return {std::make_shared<const Container>()};
+}
+
+PyValue nothing_of(const Call&) { return {std::string()}; }
+PyValue error_of(const Call& call) {
+  throw PyError{call.arguments.empty() ? "error" : call.arguments[0].text()};
+}
+
+template <double (*function)(double)>
+PyValue unary(const Call& call) {
+  return {function(call.number(0))};
+}
+template <double (*function)(double, double)>
+PyValue binary(const Call& call) {
+  return {function(call.number(0), call.number(1))};
+}
+/// An integer.
+template <double (*function)(double)>
+PyValue rounded(const Call& call) {
+  return integer_or(function(call.number(0)), true);
+}
+
+double radians(double v) { return v * 3.14159265358979323846 / 180.0; }
+double degrees(double v) { return v * 180.0 / 3.14159265358979323846; }
+
+using Function = PyValue (*)(const Call&);
+const std::map<std::string, Function>& functions() {
+  static const std::map<std::string, Function> kFunctions = {
+      {"sin", unary<std::sin>},
+      {"cos", unary<std::cos>},
+      {"tan", unary<std::tan>},
+      {"asin", unary<std::asin>},
+      {"acos", unary<std::acos>},
+      {"atan", unary<std::atan>},
+      {"sqrt", unary<std::sqrt>},
+      {"exp", unary<std::exp>},
+      {"log", unary<std::log>},
+      {"fabs", unary<std::fabs>},
+      {"radians", unary<radians>},
+      {"degrees", unary<degrees>},
+      {"atan2", binary<std::atan2>},
+      {"hypot", binary<std::hypot>},
+      {"pow", binary<std::pow>},
+      {"abs",
+       [](const Call& call) {
+         return integer_or(std::abs(call.number(0)), is_integer(call.arguments[0]));
+       }},
+      {"floor", rounded<std::floor>},
+      {"ceil", rounded<std::ceil>},
+      {"round", round_of},
+      {"int",
+       [](const Call& call) {
+         const double x =
+             call.is_text() ? literal(call.arguments[0].text()).number() : call.number(0);
+         return integer_or(std::trunc(x), true);
+       }},
+      {"float",
+       [](const Call& call) -> PyValue {
+         return {call.is_text() ? literal(call.arguments[0].text()).number() : call.number(0)};
+       }},
+      {"str", [](const Call& call) -> PyValue { return {call.only().text()}; }},
+      {"bool", [](const Call& call) -> PyValue { return {call.only().truth()}; }},
+      {"len", length_of},
+      {"min", [](const Call& call) { return first_of(call, less); }},
+      {"max",
+       [](const Call& call) {
+         return first_of(call, [](const PyValue& a, const PyValue& b) { return less(b, a); });
+       }},
+      {"dict", empty_of<PyDict>},
+      {"list", empty_of<PyList>},
+      {"load_yaml", load_yaml_of},
+      {"arg", argument_of},
+      {"error", error_of},
+      {"fatal_error", error_of},
+      {"warning", nothing_of},
+      {"message", nothing_of},
+      {"print_location", nothing_of}};
+  return kFunctions;
+}
+
 class Parser {
  public:
   Parser(std::string_view text, const PyScope& scope) : text_(text), scope_(scope) {}
@@ -182,13 +332,6 @@ class Parser {
     const Deeper deeper(depth_);
     if (word("not")) return {!negation().truth()};
     return compare();
-  }
-
-  static bool less(const PyValue& a, const PyValue& b) {
-    if (a.is_number() && b.is_number()) return a.number() < b.number();
-    const auto *x = std::get_if<std::string>(&a.is), *y = std::get_if<std::string>(&b.is);
-    if (x != nullptr && y != nullptr) return *x < *y;
-    throw PyError{fmt::format("{} and {} have no order", kind_of(a), kind_of(b))};
   }
 
   static bool contains(const PyValue& in, const PyValue& what) {
@@ -474,97 +617,18 @@ class Parser {
   }
 
   PyValue call(const std::string& name) {
-    std::vector<PyValue> a;
-    std::vector<std::string> keys;
+    Call call{name, {}, scope_};
     while (!sign(")")) {
-      a.push_back(ternary());
-      if (a.size() > 1000) throw PyError{"a call has too many arguments"};
+      call.arguments.push_back(ternary());
+      if (call.arguments.size() > 1000) throw PyError{"a call has too many arguments"};
       if (!sign(",")) {
         need(")");
         break;
       }
     }
-    const auto x = [&](std::size_t i) {
-      if (i >= a.size()) throw PyError{name + "() has too few arguments"};
-      return a[i].number();
-    };
-    using Unary = double (*)(double);
-    static const std::map<std::string, Unary> kUnary = {
-        {"sin", [](double v) { return std::sin(v); }},
-        {"cos", [](double v) { return std::cos(v); }},
-        {"tan", [](double v) { return std::tan(v); }},
-        {"asin", [](double v) { return std::asin(v); }},
-        {"acos", [](double v) { return std::acos(v); }},
-        {"atan", [](double v) { return std::atan(v); }},
-        {"sqrt", [](double v) { return std::sqrt(v); }},
-        {"exp", [](double v) { return std::exp(v); }},
-        {"log", [](double v) { return std::log(v); }},
-        {"fabs", [](double v) { return std::abs(v); }},
-        {"radians", [](double v) { return v * 3.14159265358979323846 / 180.0; }},
-        {"degrees", [](double v) { return v * 180.0 / 3.14159265358979323846; }}};
-    if (const auto it = kUnary.find(name); it != kUnary.end()) return {it->second(x(0))};
-    if (name == "atan2") return {std::atan2(x(0), x(1))};
-    if (name == "hypot") return {std::hypot(x(0), x(1))};
-    if (name == "pow") return {std::pow(x(0), x(1))};
-    if (name == "abs") return integer_or(std::abs(x(0)), is_integer(a[0]));
-    if (name == "floor") return integer_or(std::floor(x(0)), true);
-    if (name == "ceil") return integer_or(std::ceil(x(0)), true);
-    if (name == "round") {
-      if (a.size() < 2) return integer_or(std::nearbyint(x(0)), true);
-      const double scale = std::pow(10.0, x(1));
-      return {std::nearbyint(x(0) * scale) / scale};
-    }
-    if (name == "int") {
-      if (!a.empty() && std::holds_alternative<std::string>(a[0].is))
-        return integer_or(std::trunc(literal(a[0].text()).number()), true);
-      return integer_or(std::trunc(x(0)), true);
-    }
-    if (name == "float") {
-      if (!a.empty() && std::holds_alternative<std::string>(a[0].is))
-        return {literal(a[0].text()).number()};
-      return {x(0)};
-    }
-    if (name == "str") {
-      if (a.size() != 1) throw PyError{"str() has one argument"};
-      return {a[0].text()};
-    }
-    if (name == "bool") {
-      if (a.size() != 1) throw PyError{"bool() has one argument"};
-      return {a[0].truth()};
-    }
-    if (name == "len") {
-      if (a.size() != 1) throw PyError{"len() has one argument"};
-      if (const auto* s = std::get_if<std::string>(&a[0].is))
-        return {static_cast<long long>(s->size())};
-      if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&a[0].is))
-        return {static_cast<long long>((*l)->size())};
-      if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&a[0].is))
-        return {static_cast<long long>((*d)->size())};
-      throw PyError{std::string(kind_of(a[0])) + " has no length"};
-    }
-    if (name == "min" || name == "max") {
-      PyList all = a;
-      if (a.size() == 1)
-        if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&a[0].is)) all = **l;
-      if (all.empty()) throw PyError{name + "() of nothing"};
-      PyValue best = all.front();
-      for (const PyValue& v : all)
-        if (name == "min" ? less(v, best) : less(best, v)) best = v;
-      return best;
-    }
-    if (name == "dict" && a.empty()) return {std::make_shared<const PyDict>()};
-    if (name == "list" && a.empty()) return {std::make_shared<const PyList>()};
-    if (name == "load_yaml") {
-      if (a.size() != 1 || !scope_.load_yaml) throw PyError{"load_yaml() names one file"};
-      return scope_.load_yaml(a[0].text());
-    }
-    if (name == "arg") {
-      if (a.size() != 1 || !scope_.argument) throw PyError{"arg() names one argument"};
-      return scope_.argument(a[0].text());
-    }
-    if (name == "error" || name == "fatal_error") throw PyError{a.empty() ? "error" : a[0].text()};
-    if (name == "warning" || name == "message" || name == "print_location") return {std::string()};
-    throw PyError{"there is no function '" + name + "' here"};
+    const auto function = functions().find(name);
+    if (function == functions().end()) throw PyError{"there is no function '" + name + "' here"};
+    return function->second(call);
   }
 
   std::string_view text_;

@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <set>
 
@@ -142,56 +141,131 @@ void repair_inertias(Context& context, RobotModel& robot) {
   }
 }
 
-void weld(Context& context, RobotModel& robot) {
+namespace {
+
+/// Limits that leave no freedom make a joint a fixed one.
+void fix_limited_joints(Context& context, RobotModel& robot) {
   using Type = RobotJoint::Type;
-  // Limits that leave no freedom.
   for (RobotJoint& j : robot.joints) {
-    if ((j.type == Type::hinge || j.type == Type::slider) && j.lower == j.upper) {
-      context.approximate(j.at, fmt::format("joint '{}'", j.name),
-                          fmt::format("both limits are {}: it became a fixed joint", j.lower));
-      if (j.type == Type::hinge) {
-        const Quat turn(Eigen::AngleAxisd(j.lower, j.axis));
-        j.X_PC = j.X_PC * Pose(j.anchor - turn * j.anchor, turn);
+    if ((j.type != Type::hinge && j.type != Type::slider) || j.lower != j.upper) continue;
+    context.approximate(j.at, fmt::format("joint '{}'", j.name),
+                        fmt::format("both limits are {}: it became a fixed joint", j.lower));
+    if (j.type == Type::hinge) {
+      const Quat turn(Eigen::AngleAxisd(j.lower, j.axis));
+      j.X_PC = j.X_PC * Pose(j.anchor - turn * j.anchor, turn);
+    } else {
+      j.X_PC.p += j.X_PC.q * (j.lower * j.axis);
+    }
+    j.type = Type::fixed;
+  }
+}
+
+/// Merges links into their parents; merged links and joints are removed at the end, so that indices
+/// stay valid until then.
+class Welding {
+ public:
+  Welding(Context& context, RobotModel& robot)
+      : context_(context),
+        robot_(robot),
+        inboard_(robot.links.size(), -1),
+        link_removed_(robot.links.size(), false),
+        joint_removed_(robot.joints.size(), false) {
+    for (std::size_t i = 0; i < robot.joints.size(); ++i)
+      inboard_[at(robot.joints[i].child)] = static_cast<int>(i);
+    sort_children_first();
+  }
+
+  void merge_fixed_links() {
+    for (const int child : order_) {
+      const int j = inboard_[at(child)];
+      if (j < 0) continue;
+      const RobotJoint& joint = robot_.joints[at(j)];
+      if (joint.type != RobotJoint::Type::fixed) continue;
+      if (joint.parent < 0) {
+        robot_.links[at(child)].is_static = true;
+        robot_.links[at(child)].X = joint.X_PC;
       } else {
-        j.X_PC.p += j.X_PC.q * (j.lower * j.axis);
+        merge(child, joint.parent, joint.X_PC);
       }
-      j.type = Type::fixed;
+      joint_removed_[at(j)] = true;
     }
   }
-  std::vector<int> carrier(robot.links.size(), -1);
-  std::vector<int> movable_children(robot.links.size(), 0);
-  const auto count = [&] {
-    std::fill(carrier.begin(), carrier.end(), -1);
-    std::fill(movable_children.begin(), movable_children.end(), 0);
-    for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-      carrier[at(robot.joints[i].child)] = static_cast<int>(i);
-      if (robot.joints[i].parent >= 0) ++movable_children[at(robot.joints[i].parent)];
+
+  /// A root without mass is static, a leaf becomes a frame of its parent, and a link between two
+  /// joints is given a small mass.
+  void resolve_massless_links() {
+    for (const int index : order_) {
+      RobotLink& link = robot_.links[at(index)];
+      if (link_removed_[at(index)] || link.inertia || link.is_static) continue;
+      const int j = inboard_[at(index)];
+      const bool is_root = j < 0 || joint_removed_[at(j)];
+      const bool has_children = carries(index);
+      if (is_root) {
+        if (!has_children && robot_.links.size() != 1 && link.shapes.empty()) continue;
+        link.is_static = true;
+        context_.approximate(link.at, fmt::format("link '{}'", link.name),
+                             "the root has no mass: it is static");
+      } else if (const RobotJoint& joint = robot_.joints[at(j)];
+                 !has_children && joint.parent >= 0) {
+        context_.approximate(joint.at, fmt::format("joint '{}'", joint.name),
+                             fmt::format("its link '{}' has no mass and carries nothing: it "
+                                         "became a frame of its parent, at zero",
+                                         link.name));
+        joint_removed_[at(j)] = true;
+        merge(index, joint.parent, joint.X_PC);
+      } else {
+        give_mass(index);
+      }
     }
-  };
-
-  // Children before parents, so that a group folds up from its leaves.
-  std::vector<int> order, depth(robot.links.size(), 0);
-  count();
-  for (std::size_t i = 0; i < robot.links.size(); ++i) {
-    int d = 0;
-    for (int up = carrier[i];
-         up >= 0 && robot.joints[at(up)].parent >= 0 && d <= static_cast<int>(robot.links.size());
-         up = carrier[at(robot.joints[at(up)].parent)])
-      ++d;
-    depth[i] = d;
-    order.push_back(static_cast<int>(i));
   }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return depth[at(a)] > depth[at(b)]; });
 
-  std::vector<bool> gone(robot.links.size(), false);
-  std::vector<bool> joint_gone(robot.joints.size(), false);
-  std::vector<int> home(robot.links.size());  // of what was welded
-  for (std::size_t i = 0; i < home.size(); ++i) home[i] = static_cast<int>(i);
+  void remove_merged() {
+    std::vector<int> number(robot_.links.size(), -1);
+    std::vector<RobotLink> links;
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      if (link_removed_[i]) continue;
+      number[i] = static_cast<int>(links.size());
+      links.push_back(std::move(robot_.links[i]));
+    }
+    const auto renumber = [&](RobotJoint& j) {
+      if (j.parent >= 0) j.parent = number[at(j.parent)];
+      j.child = number[at(j.child)];
+    };
+    std::vector<RobotJoint> joints, loops;
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+      if (joint_removed_[i]) continue;
+      renumber(robot_.joints[i]);
+      joints.push_back(std::move(robot_.joints[i]));
+    }
+    for (RobotJoint& j : robot_.loops) {
+      renumber(j);
+      if (j.parent != j.child) loops.push_back(std::move(j));
+    }
+    robot_.links = std::move(links);
+    robot_.joints = std::move(joints);
+    robot_.loops = std::move(loops);
+  }
 
-  const auto fold = [&](int child, int parent, const Pose& X) {
-    RobotLink& from = robot.links[at(child)];
-    RobotLink& to = robot.links[at(parent)];
+ private:
+  void sort_children_first() {
+    std::vector<int> depth(robot_.links.size(), 0);
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      int d = 0;
+      for (int up = inboard_[i]; up >= 0 && robot_.joints[at(up)].parent >= 0 &&
+                                 d <= static_cast<int>(robot_.links.size());
+           up = inboard_[at(robot_.joints[at(up)].parent)])
+        ++d;
+      depth[i] = d;
+      order_.push_back(static_cast<int>(i));
+    }
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](int a, int b) { return depth[at(a)] > depth[at(b)]; });
+  }
+
+  /// `X`: the pose of the child in the parent.
+  void merge(int child, int parent, const Pose& X) {
+    RobotLink& from = robot_.links[at(child)];
+    RobotLink& to = robot_.links[at(parent)];
     to.frames.push_back({from.name, X});
     for (RobotFrame& f : from.frames) to.frames.push_back({f.name, X * f.X});
     for (RobotShape& s : from.shapes) {
@@ -203,26 +277,25 @@ void weld(Context& context, RobotModel& robot) {
       to.sensors.push_back(std::move(s));
     }
     if (from.inertia) {
-      const RobotInertia there = moved(*from.inertia, X);
+      const RobotInertia in_parent = moved(*from.inertia, X);
       if (to.inertia && from.gravity_scale != to.gravity_scale) {
         const double mass = from.inertia->mass, sum = mass + to.inertia->mass;
-        to.gravity_scale +=
-            (from.gravity_scale - to.gravity_scale) * (sum > 0.0 ? mass / sum : 0.0);
-        context.approximate(from.at, fmt::format("gravity of link '{}'", from.name),
-                            fmt::format("it is part of '{}' now, whose weight is that of both, but "
-                                        "acts at their centre of mass",
-                                        to.name));
+        to.gravity_scale += (from.gravity_scale - to.gravity_scale) * (sum > 0.0 ? mass / sum : 0.0);
+        context_.approximate(from.at, fmt::format("gravity of link '{}'", from.name),
+                             fmt::format("it is part of '{}' now, whose weight is that of both, but "
+                                         "acts at their centre of mass",
+                                         to.name));
       } else if (!to.inertia) {
         to.gravity_scale = from.gravity_scale;
       }
-      to.inertia = to.inertia ? sum(*to.inertia, there) : there;
+      to.inertia = to.inertia ? sum(*to.inertia, in_parent) : in_parent;
     }
-    for (RobotJoint& j : robot.joints)
+    for (RobotJoint& j : robot_.joints)
       if (j.parent == child) {
         j.parent = parent;
         j.X_PC = X * j.X_PC;
       }
-    for (RobotJoint& j : robot.loops) {
+    for (RobotJoint& j : robot_.loops) {
       if (j.parent == child) j.parent = parent;
       if (j.child == child) {
         j.child = parent;
@@ -230,124 +303,65 @@ void weld(Context& context, RobotModel& robot) {
         j.axis = X.q * j.axis;
       }
     }
-    gone[at(child)] = true;
-    home[at(child)] = parent;
+    link_removed_[at(child)] = true;
     from.shapes.clear();
-  };
-
-  for (const int child : order) {
-    const int j = carrier[at(child)];
-    if (j < 0) continue;
-    RobotJoint& joint = robot.joints[at(j)];
-    if (joint.type != Type::fixed) continue;
-    if (joint.parent < 0) {
-      robot.links[at(child)].is_static = true;
-      robot.links[at(child)].X = joint.X_PC;
-      joint_gone[at(j)] = true;
-      continue;
-    }
-    fold(child, joint.parent, joint.X_PC);
-    joint_gone[at(j)] = true;
   }
 
-  // Groups without mass.
-  const auto mass_below = [&](int link) {
-    // Smallest mass of a body that is joined to it, for a value that does not matter beside it.
+  bool carries(int link) const {
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i)
+      if (robot_.joints[i].parent == link && !joint_removed_[i]) return true;
+    return false;
+  }
+
+  /// A thousandth of its lightest neighbour, as a ball of 1 cm: what the chain does changes by that
+  /// much.
+  void give_mass(int index) {
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-      const RobotJoint& j = robot.joints[i];
-      if (joint_gone[i] || (j.parent != link && j.child != link)) continue;
-      const int other = j.parent == link ? j.child : j.parent;
-      if (other >= 0 && robot.links[at(other)].inertia)
-        least = std::min(least, robot.links[at(other)].inertia->mass);
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+      const RobotJoint& j = robot_.joints[i];
+      if (joint_removed_[i] || (j.parent != index && j.child != index)) continue;
+      const int other = j.parent == index ? j.child : j.parent;
+      if (other >= 0 && robot_.links[at(other)].inertia)
+        least = std::min(least, robot_.links[at(other)].inertia->mass);
     }
-    return std::isfinite(least) ? least : 1.0;
-  };
-  for (const int index : order) {
-    RobotLink& link = robot.links[at(index)];
-    if (gone[at(index)] || link.inertia || link.is_static) continue;
-    const int j = carrier[at(index)];
-    const bool carries =
-        std::any_of(robot.joints.begin(), robot.joints.end(), [&](const RobotJoint& k) {
-          return k.parent == index && !joint_gone[at(static_cast<int>(&k - robot.joints.data()))];
-        });
-    if (j < 0 || joint_gone[at(j)]) {  // the root
-      if (carries || robot.links.size() == 1 || !link.shapes.empty()) {
-        link.is_static = true;
-        context.approximate(link.at, fmt::format("link '{}'", link.name),
-                            "the root has no mass: it is static");
-      }
-      continue;
-    }
-    if (!carries) {
-      RobotJoint& joint = robot.joints[at(j)];
-      if (joint.parent >= 0) {
-        context.approximate(joint.at, fmt::format("joint '{}'", joint.name),
-                            fmt::format("its link '{}' has no mass and carries nothing: it "
-                                        "became a frame of its parent, at zero",
-                                        link.name));
-        joint_gone[at(j)] = true;
-        fold(index, joint.parent, joint.X_PC);
-        continue;
-      }
-    }
-    // A thousandth of its neighbours, as a ball of 1 cm: what the chain does changes by that much.
     RobotInertia made;
-    made.mass = 1e-3 * mass_below(index);
+    made.mass = 1e-3 * (std::isfinite(least) ? least : 1.0);
     made.I = 0.4 * made.mass * 1e-4 * Mat3::Identity();
+    RobotLink& link = robot_.links[at(index)];
     link.inertia = made;
-    context.approximate(
+    context_.approximate(
         link.at, fmt::format("link '{}'", link.name),
         fmt::format("has no mass between joints that move: it was given {:.3g} kg", made.mass));
   }
 
-  // Drop what is gone, and count again.
-  std::vector<int> number(robot.links.size(), -1);
-  std::vector<RobotLink> links;
-  for (std::size_t i = 0; i < robot.links.size(); ++i) {
-    if (gone[i]) continue;
-    number[i] = static_cast<int>(links.size());
-    links.push_back(std::move(robot.links[i]));
-  }
-  std::vector<RobotJoint> joints;
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    if (joint_gone[i]) continue;
-    RobotJoint j = std::move(robot.joints[i]);
-    if (j.parent >= 0) j.parent = number[at(j.parent)];
-    j.child = number[at(j.child)];
-    joints.push_back(std::move(j));
-  }
-  std::vector<RobotJoint> loops;
-  for (RobotJoint& j : robot.loops) {
-    if (j.parent >= 0) j.parent = number[at(j.parent)];
-    j.child = number[at(j.child)];
-    if (j.parent != j.child) loops.push_back(std::move(j));
-  }
-  robot.loops = std::move(loops);
-  // Pairs that do not touch are pairs of bodies now.
-  std::map<std::string, std::string> body_of;
-  std::function<int(int)> home_of = [&](int i) {
-    return home[at(i)] == i ? i : home_of(home[at(i)]);
-  };
-  std::vector<std::pair<std::string, std::string>> pairs;
-  std::set<std::pair<int, int>> known;
-  const auto find = [&](const std::string& name) {
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      if (links[i].name == name) return static_cast<int>(i);
-      for (const RobotFrame& f : links[i].frames)
+  Context& context_;
+  RobotModel& robot_;
+  std::vector<int> inboard_;  ///< joint of each link to its parent; -1: none
+  std::vector<int> order_;    ///< of the links, so that a group merges from its leaves
+  std::vector<bool> link_removed_, joint_removed_;
+};
+
+/// Pairs that do not touch become pairs of bodies: a merged link is a frame of its body.
+void join_excluded_pairs(RobotModel& robot) {
+  const auto body_of = [&](const std::string& name) {
+    for (std::size_t i = 0; i < robot.links.size(); ++i) {
+      if (robot.links[i].name == name) return static_cast<int>(i);
+      for (const RobotFrame& f : robot.links[i].frames)
         if (f.name == name) return static_cast<int>(i);
     }
     return -1;
   };
+  std::vector<std::pair<std::string, std::string>> pairs;
+  std::set<std::pair<int, int>> known;
   for (const auto& [a, b] : robot.no_contact) {
-    const int i = find(a), k = find(b);
+    const int i = body_of(a), k = body_of(b);
     if (i < 0 || k < 0 || i == k || !known.insert(std::minmax(i, k)).second) continue;
-    pairs.emplace_back(links[at(i)].name, links[at(k)].name);
+    pairs.emplace_back(robot.links[at(i)].name, robot.links[at(k)].name);
   }
-  robot.links = std::move(links);
-  robot.joints = std::move(joints);
   robot.no_contact = std::move(pairs);
-  // Drives of joints that are gone.
+}
+
+void remove_idle_drives(Context& context, RobotModel& robot) {
   robot.drives.erase(std::remove_if(robot.drives.begin(), robot.drives.end(),
                                     [&](const RobotDrive& d) {
                                       if (robot.joint(d.joint) >= 0) return false;
@@ -356,6 +370,18 @@ void weld(Context& context, RobotModel& robot) {
                                       return true;
                                     }),
                      robot.drives.end());
+}
+
+}  // namespace
+
+void weld(Context& context, RobotModel& robot) {
+  fix_limited_joints(context, robot);
+  Welding welding(context, robot);
+  welding.merge_fixed_links();
+  welding.resolve_massless_links();
+  welding.remove_merged();
+  join_excluded_pairs(robot);
+  remove_idle_drives(context, robot);
 }
 
 namespace {

@@ -111,11 +111,11 @@ class SdfReader {
 
   void world(const XmlElement& e) {
     if (robot_.name.empty() && e.find("name") != nullptr) robot_.name = *e.find("name");
-    std::map<std::string, RelativePose> places;
+    std::map<std::string, RelativePose> poses;
     for (const auto& c : e.children)
       if (c->name == "model" || c->name == "include" || c->name == "frame") {
         std::string name = c->find("name") != nullptr ? *c->find("name") : text(*c, "name");
-        if (!name.empty()) places[name] = {relative_to(*c), pose(*c), false, false, {}};
+        if (!name.empty()) poses[name] = {relative_to(*c), pose(*c), false, false, {}};
       }
     for (const auto& c : e.children) {
       if (c->name == "physics") {
@@ -125,9 +125,9 @@ class SdfReader {
       } else if (c->name == "gravity") {
         robot_.gravity = vector(&e, "gravity");
       } else if (c->name == "model") {
-        model(*c, "", in_world(*c, places), 0);
+        model(*c, "", in_world(*c, poses), 0);
       } else if (c->name == "include") {
-        include(*c, "", in_world(*c, places), 0);
+        include(*c, "", in_world(*c, poses), 0);
       } else if (c->name == "light" || c->name == "scene" || c->name == "gui" ||
                  c->name == "actor" || c->name == "atmosphere" || c->name == "magnetic_field" ||
                  c->name == "wind" || c->name == "audio" || c->name == "spherical_coordinates") {
@@ -138,18 +138,18 @@ class SdfReader {
     }
   }
 
-  Pose in_world(const XmlElement& e, std::map<std::string, RelativePose>& places) {
+  Pose in_world(const XmlElement& e, std::map<std::string, RelativePose>& poses) {
     const std::string to = relative_to(e);
-    return to.empty() || to == "world" ? pose(e) : resolve(to, places, e, 0) * pose(e);
+    return to.empty() || to == "world" ? pose(e) : resolve(to, poses, e, 0) * pose(e);
   }
 
-  Pose resolve(const std::string& name, std::map<std::string, RelativePose>& places,
+  Pose resolve(const std::string& name, std::map<std::string, RelativePose>& poses,
                const XmlElement& at, int depth) {
     if (name.empty() || name == "__model__" || name == "world") return {};
-    const auto it = places.find(name);
-    if (it == places.end()) {
+    const auto it = poses.find(name);
+    if (it == poses.end()) {
       std::vector<std::string> known;
-      for (const auto& [n, p] : places) known.push_back(n);
+      for (const auto& [n, p] : poses) known.push_back(n);
       const std::string near = nearest_name(name, known);
       context_.error(at.at, "CG1408", fmt::format("there is no frame '{}'", name),
                      near.empty() ? "" : fmt::format("did you mean '{}'?", near));
@@ -163,7 +163,7 @@ class SdfReader {
       return {};
     }
     p.busy = true;
-    p.X_M = resolve(p.relative_to, places, at, depth + 1) * p.X;
+    p.X_M = resolve(p.relative_to, poses, at, depth + 1) * p.X;
     p.busy = false;
     p.known = true;
     return p.X_M;
@@ -210,40 +210,39 @@ class SdfReader {
     // One model keeps its names; several get those of their models before them.
     const std::string scope = prefix.empty() && models_++ == 0 ? "" : prefix + own + "_";
     const bool is_static = text(e, "static") == "true" || text(e, "static") == "1";
-    std::map<std::string, RelativePose> places;
+    std::map<std::string, RelativePose> poses;
     std::vector<const XmlElement*> links, joints;
     for (const auto& c : e.children) {
       const std::string name = c->find("name") == nullptr ? "" : *c->find("name");
       if (c->name == "link") {
-        places[name] = {relative_to(*c), pose(*c), false, false, {}};
+        poses[name] = {relative_to(*c), pose(*c), false, false, {}};
         links.push_back(c.get());
       } else if (c->name == "frame") {
         const std::string* to = c->find("attached_to");
         std::string relative = relative_to(*c);
         if (relative.empty() && to != nullptr) relative = *to;
-        places[name] = {relative, pose(*c), false, false, {}};
+        poses[name] = {relative, pose(*c), false, false, {}};
       } else if (c->name == "joint") {
         const std::string relative = relative_to(*c);
-        places[name] = {
-            relative.empty() ? text(*c, "child") : relative, pose(*c), false, false, {}};
+        poses[name] = {relative.empty() ? text(*c, "child") : relative, pose(*c), false, false, {}};
         joints.push_back(c.get());
       } else if (c->name == "model") {
-        places[name] = {relative_to(*c), pose(*c), false, false, {}};
+        poses[name] = {relative_to(*c), pose(*c), false, false, {}};
       } else if (c->name == "plugin") {
         left_out(*c);
       }
     }
     for (const XmlElement* l : links)
-      link(*l, scope, X_WM * resolve(*l->find("name"), places, *l, 0), is_static);
+      link(*l, scope, X_WM * resolve(*l->find("name"), poses, *l, 0), is_static);
     for (const auto& c : e.children) {
       if (c->name == "model")
         model(*c, scope.empty() ? own + "_" : scope,
-              X_WM * resolve(c->find("name") == nullptr ? "" : *c->find("name"), places, *c, 0),
+              X_WM * resolve(c->find("name") == nullptr ? "" : *c->find("name"), poses, *c, 0),
               depth + 1);
       if (c->name == "include")
         include(*c, scope.empty() ? own + "_" : scope, X_WM * pose(*c), depth + 1);
     }
-    for (const XmlElement* j : joints) joint(*j, scope, X_WM, places);
+    for (const XmlElement* j : joints) joint(*j, scope, X_WM, poses);
     context_.exact(e.at, quoted_name(e));
   }
 
@@ -386,7 +385,7 @@ class SdfReader {
   }
 
   void joint(const XmlElement& e, const std::string& scope, const Pose& X_WM,
-             std::map<std::string, RelativePose>& places) {
+             std::map<std::string, RelativePose>& poses) {
     using Type = RobotJoint::Type;
     const std::string* name = e.find("name");
     const std::string* type = e.find("type");
@@ -428,48 +427,24 @@ class SdfReader {
     const Pose X_WP =
         out.parent < 0 ? Pose() : robot_.links[static_cast<std::size_t>(out.parent)].X;
     out.X_PC = X_WP.inverse() * X_WC;
-    const Pose X_CJ = X_WC.inverse() * (X_WM * resolve(*name, places, e, 0));
+    const Pose X_CJ = X_WC.inverse() * (X_WM * resolve(*name, poses, e, 0));
     out.anchor = X_CJ.p;
-    const auto axis = [&](const XmlElement* a, const Vec3& otherwise) {
-      Vec3 v = vector(a, "xyz").value_or(otherwise);
-      if (!(v.norm() > 1e-12)) v = otherwise;
+    const auto axis = [&](const XmlElement* a) {
+      Vec3 v = vector(a, "xyz").value_or(Vec3::UnitZ());
+      if (!(v.norm() > 1e-12)) v = Vec3::UnitZ();
       Quat q = X_CJ.q;  // the joint's frame, unless said
       if (const XmlElement* xyz = a == nullptr ? nullptr : a->child("xyz"))
         if (const std::string* in = xyz->find("expressed_in"); in != nullptr && !in->empty())
-          q = X_WC.q.conjugate() * (X_WM * resolve(*in, places, e, 0)).q;
+          q = X_WC.q.conjugate() * (X_WM * resolve(*in, poses, e, 0)).q;
       const std::string parent_frame = a == nullptr ? "" : text(*a, "use_parent_model_frame");
       if (parent_frame == "true" || parent_frame == "1") q = X_WC.q.conjugate() * X_WM.q;
       return Vec3((q * v).normalized());
     };
     const XmlElement* a = e.child("axis");
-    out.axis = axis(a, Vec3::UnitZ());
-    out.axis2 = axis(e.child("axis2"), Vec3::UnitZ());
-    if (out.type == Type::hinge || out.type == Type::slider) {
-      const XmlElement* limit = a == nullptr ? nullptr : a->child("limit");
-      if (*type != "continuous") {
-        const double low = value(limit, "lower").value_or(-1e16),
-                     high = value(limit, "upper").value_or(1e16);
-        if (low > -1e15) out.lower = low;
-        if (high < 1e15) out.upper = high;
-        if (out.lower > out.upper) std::swap(out.lower, out.upper);
-      }
-      if (const auto effort = value(limit, "effort"); effort && *effort > 0.0 && *effort < 1e15)
-        out.max_effort = *effort;
-      if (const auto speed = value(limit, "velocity"); speed && *speed > 0.0 && *speed < 1e15)
-        out.max_speed = *speed;
-      const XmlElement* dynamics = a == nullptr ? nullptr : a->child("dynamics");
-      out.damping = std::max(0.0, value(dynamics, "damping").value_or(0.0));
-      out.friction = std::max(0.0, value(dynamics, "friction").value_or(0.0));
-      out.stiffness = std::max(0.0, value(dynamics, "spring_stiffness").value_or(0.0));
-      out.rest = value(dynamics, "spring_reference").value_or(0.0);
-      if (const XmlElement* mimic = a == nullptr ? nullptr : a->child("mimic")) {
-        RobotCoupling c;
-        c.joint = scope + (mimic->find("joint") == nullptr ? "" : *mimic->find("joint"));
-        c.ratio = value(mimic, "multiplier").value_or(1.0);
-        c.offset = value(mimic, "offset").value_or(0.0);
-        out.coupling = c;
-      }
-    }
+    out.axis = axis(a);
+    out.axis2 = axis(e.child("axis2"));
+    if (a != nullptr && (out.type == Type::hinge || out.type == Type::slider))
+      axis_law(*a, scope, *type != "continuous", out);
     if (out.type == Type::screw) {
       const double thread =
           value(&e, "screw_thread_pitch").value_or(value(&e, "thread_pitch").value_or(1.0));
@@ -486,6 +461,34 @@ class SdfReader {
       robot_.loops.push_back(std::move(out));
     else
       robot_.joints.push_back(std::move(out));
+  }
+
+  /// Limits, damping, friction, spring and coupling of the axis of a hinge or slider.
+  void axis_law(const XmlElement& axis, const std::string& scope, bool bounded, RobotJoint& out) {
+    const XmlElement* limit = axis.child("limit");
+    if (bounded) {
+      const double low = value(limit, "lower").value_or(-1e16),
+                   high = value(limit, "upper").value_or(1e16);
+      if (low > -1e15) out.lower = low;
+      if (high < 1e15) out.upper = high;
+      if (out.lower > out.upper) std::swap(out.lower, out.upper);
+    }
+    if (const auto effort = value(limit, "effort"); effort && *effort > 0.0 && *effort < 1e15)
+      out.max_effort = *effort;
+    if (const auto speed = value(limit, "velocity"); speed && *speed > 0.0 && *speed < 1e15)
+      out.max_speed = *speed;
+    const XmlElement* dynamics = axis.child("dynamics");
+    out.damping = std::max(0.0, value(dynamics, "damping").value_or(0.0));
+    out.friction = std::max(0.0, value(dynamics, "friction").value_or(0.0));
+    out.stiffness = std::max(0.0, value(dynamics, "spring_stiffness").value_or(0.0));
+    out.rest = value(dynamics, "spring_reference").value_or(0.0);
+    if (const XmlElement* mimic = axis.child("mimic")) {
+      RobotCoupling c;
+      c.joint = scope + (mimic->find("joint") == nullptr ? "" : *mimic->find("joint"));
+      c.ratio = value(mimic, "multiplier").value_or(1.0);
+      c.offset = value(mimic, "offset").value_or(0.0);
+      out.coupling = c;
+    }
   }
 
   Context& context_;

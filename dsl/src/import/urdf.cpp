@@ -233,71 +233,17 @@ class UrdfReader {
       context_.error(e.at, "CG1407", fmt::format("a second joint '{}'", *name));
       return;
     }
-    const auto end = [&](const char* tag) {
-      const XmlElement* c = e.child(tag);
-      const std::string* link = c == nullptr ? nullptr : c->find("link");
-      if (link == nullptr) {
-        context_.error(e.at, "CG1404", fmt::format("joint '{}' has no <{} link=…>", *name, tag));
-        return -1;
-      }
-      const int index = robot_.link(*link);
-      if (index < 0) {
-        std::vector<std::string> known;
-        for (const RobotLink& l : robot_.links) known.push_back(l.name);
-        const std::string near = nearest_name(*link, known);
-        context_.error(c->at, "CG1408",
-                       fmt::format("joint '{}': there is no link '{}'", *name, *link),
-                       near.empty() ? "" : fmt::format("did you mean '{}'?", near));
-      }
-      return index;
-    };
-    out.parent = end("parent");
-    out.child = end("child");
+    out.parent = joint_end(e, *name, "parent");
+    out.child = joint_end(e, *name, "child");
     if (out.parent < 0 || out.child < 0) return;
     out.X_PC = origin(e);
-    using Type = RobotJoint::Type;
-    static const std::map<std::string, Type> kTypes = {
-        {"revolute", Type::hinge}, {"continuous", Type::hinge}, {"prismatic", Type::slider},
-        {"fixed", Type::fixed},    {"floating", Type::free},    {"planar", Type::planar},
-        {"spherical", Type::ball}};  // Bullet's
-    const auto known = kTypes.find(*type);
-    if (known == kTypes.end()) {
-      std::vector<std::string> names;
-      for (const auto& [word, t] : kTypes) names.push_back(word);
-      const std::string near = nearest_name(*type, names);
-      context_.error(e.at, "CG1408", fmt::format("joint '{}': there is no type '{}'", *name, *type),
-                     near.empty() ? "" : fmt::format("did you mean '{}'?", near));
-      return;
-    }
-    out.type = known->second;
-    if (const XmlElement* axis = e.child("axis")) {
-      const Vec3 v = context_.vec3(*axis, "xyz", Vec3::UnitX());
-      if (out.type != Type::fixed && out.type != Type::free && out.type != Type::ball) {
-        if (!(v.norm() > 1e-12)) {
-          context_.error(axis->at, "CG1409",
-                         fmt::format("joint '{}' has an axis of length 0", *name));
-          return;
-        }
-        out.axis = v.normalized();
-      }
-    }
+    if (!joint_type(e, *type, out) || !joint_axis(e, out)) return;
     limits(e, out, *type);
     if (const XmlElement* d = e.child("dynamics")) {
       out.damping = std::max(0.0, context_.number(*d, "damping", 0.0));
       out.friction = std::max(0.0, context_.number(*d, "friction", 0.0));
     }
-    if (const XmlElement* m = e.child("mimic")) {
-      RobotCoupling coupling;
-      const std::string* of = m->find("joint");
-      if (of == nullptr) {
-        context_.error(m->at, "CG1404", fmt::format("joint '{}': <mimic> names no joint", *name));
-      } else {
-        coupling.joint = *of;
-        coupling.ratio = context_.number(*m, "multiplier", 1.0);
-        coupling.offset = context_.number(*m, "offset", 0.0);
-        out.coupling = coupling;
-      }
-    }
+    if (const XmlElement* m = e.child("mimic")) mimic(*m, out);
     for (const auto& c : e.children) {
       static const std::vector<std::string> kKnown = {"origin", "parent",      "child",
                                                       "axis",   "limit",       "dynamics",
@@ -310,6 +256,77 @@ class UrdfReader {
     }
     context_.exact(e.at, quoted_name(e));
     robot_.joints.push_back(std::move(out));
+  }
+
+  /// The help of an error: "did you mean 'base'?"; empty: no name is near.
+  static std::string suggestion(const std::string& wanted, const std::vector<std::string>& known) {
+    const std::string near = nearest_name(wanted, known);
+    return near.empty() ? "" : fmt::format("did you mean '{}'?", near);
+  }
+
+  /// The link at one end of a joint; -1: none, which is reported.
+  int joint_end(const XmlElement& e, const std::string& joint, const char* tag) {
+    const XmlElement* c = e.child(tag);
+    const std::string* link = c == nullptr ? nullptr : c->find("link");
+    if (link == nullptr) {
+      context_.error(e.at, "CG1404", fmt::format("joint '{}' has no <{} link=…>", joint, tag));
+      return -1;
+    }
+    const int index = robot_.link(*link);
+    if (index < 0) {
+      std::vector<std::string> known;
+      for (const RobotLink& l : robot_.links) known.push_back(l.name);
+      context_.error(c->at, "CG1408",
+                     fmt::format("joint '{}': there is no link '{}'", joint, *link),
+                     suggestion(*link, known));
+    }
+    return index;
+  }
+
+  bool joint_type(const XmlElement& e, const std::string& type, RobotJoint& out) {
+    using Type = RobotJoint::Type;
+    static const std::map<std::string, Type> kTypes = {
+        {"revolute", Type::hinge}, {"continuous", Type::hinge}, {"prismatic", Type::slider},
+        {"fixed", Type::fixed},    {"floating", Type::free},    {"planar", Type::planar},
+        {"spherical", Type::ball}};  // Bullet's
+    const auto known = kTypes.find(type);
+    if (known != kTypes.end()) {
+      out.type = known->second;
+      return true;
+    }
+    std::vector<std::string> names;
+    for (const auto& [word, t] : kTypes) names.push_back(word);
+    context_.error(e.at, "CG1408", fmt::format("joint '{}': there is no type '{}'", out.name, type),
+                   suggestion(type, names));
+    return false;
+  }
+
+  bool joint_axis(const XmlElement& e, RobotJoint& out) {
+    using Type = RobotJoint::Type;
+    const XmlElement* axis = e.child("axis");
+    if (axis == nullptr) return true;
+    const Vec3 v = context_.vec3(*axis, "xyz", Vec3::UnitX());
+    if (out.type == Type::fixed || out.type == Type::free || out.type == Type::ball) return true;
+    if (!(v.norm() > 1e-12)) {
+      context_.error(axis->at, "CG1409",
+                     fmt::format("joint '{}' has an axis of length 0", out.name));
+      return false;
+    }
+    out.axis = v.normalized();
+    return true;
+  }
+
+  void mimic(const XmlElement& m, RobotJoint& out) {
+    const std::string* of = m.find("joint");
+    if (of == nullptr) {
+      context_.error(m.at, "CG1404", fmt::format("joint '{}': <mimic> names no joint", out.name));
+      return;
+    }
+    RobotCoupling coupling;
+    coupling.joint = *of;
+    coupling.ratio = context_.number(m, "multiplier", 1.0);
+    coupling.offset = context_.number(m, "offset", 0.0);
+    out.coupling = coupling;
   }
 
   void limits(const XmlElement& e, RobotJoint& out, const std::string& type) {

@@ -247,95 +247,9 @@ class SceneWriter {
   }
 
   std::string shape(const RobotLink& l, const RobotShape& s, const Pose& X_RL) {
-    const Geometry& g = s.geometry;
-    std::string tag, attributes;
-    const Pose X = X_RL * s.X;
-    const auto extend = [&](const Bounds& b) {
-      if (!s.collides || b.empty()) return;
-      for (int i = 0; i < 8; ++i)
-        extent_.add(X * Vec3(i & 1 ? b.high[0] : b.low[0], i & 2 ? b.high[1] : b.low[1],
-                             i & 4 ? b.high[2] : b.low[2]));
-    };
-    const auto box = [&](const Vec3& half) {
-      Bounds b;
-      b.add(half);
-      b.add(-half);
-      extend(b);
-    };
-    switch (g.type) {
-      case Geometry::Type::box:
-        tag = "box";
-        attributes = fmt::format(" size=\"{}\"", list(g.size));
-        box(0.5 * g.size);
-        break;
-      case Geometry::Type::sphere:
-        tag = "sphere";
-        attributes = fmt::format(" radius=\"{}\"", g.radius);
-        if (s.collides) {  // not its box: a ball does not grow where it turns
-          extent_.add(X.p + Vec3::Constant(g.radius));
-          extent_.add(X.p - Vec3::Constant(g.radius));
-        }
-        break;
-      case Geometry::Type::cylinder:
-      case Geometry::Type::capsule: {
-        const bool round = g.type == Geometry::Type::capsule;
-        tag = round ? "capsule" : "cylinder";
-        attributes = fmt::format(" radius=\"{}\" length=\"{}\"", g.radius, g.length);
-        if (s.collides) {
-          // Extent along an axis e of a disc of radius r with the normal n: r sqrt(1 - (n e)²).
-          const Vec3 n = X.q * Vec3::UnitZ();
-          Vec3 half = 0.5 * g.length * n.cwiseAbs();
-          for (int i = 0; i < 3; ++i)
-            half[i] += round ? g.radius : g.radius * std::sqrt(std::max(0.0, 1.0 - n[i] * n[i]));
-          extent_.add(X.p + half);
-          extent_.add(X.p - half);
-        }
-        break;
-      }
-      case Geometry::Type::plane:
-        tag = "plane";
-        break;
-      case Geometry::Type::points: {
-        tag = "mesh";
-        std::string list_text;
-        Bounds b;
-        for (const Vec3& p : g.points) {
-          b.add(p);
-          list_text += fmt::format("{}{:.9g} {:.9g} {:.9g}", list_text.empty() ? "" : " ",
-                                   tidy(p[0]), tidy(p[1]), tidy(p[2]));
-        }
-        extend(b);
-        attributes = fmt::format(" points=\"{}\" convex=\"true\"", list_text);
-        break;
-      }
-      case Geometry::Type::mesh: {
-        const std::string file = mesh_file(l, s, extend);
-        if (file.empty()) return "";
-        tag = "mesh";
-        attributes = fmt::format(" file=\"{}\"", escaped(file));
-        const Vec3& scale = g.scale;
-        if (scale != Vec3::Ones())
-          attributes += scale[0] == scale[1] && scale[1] == scale[2]
-                            ? fmt::format(" scale=\"{}\"", scale[0])
-                            : fmt::format(" scale=\"{}\"", list(scale));
-        if (!l.is_static) attributes += " convex=\"true\"";
-        if (s.collides && !l.is_static)
-          context_.approximate(s.at, fmt::format("collision mesh of '{}'", l.name),
-                               "collides as its convex hull");
-        break;
-      }
-    }
-    std::string out = "      <" + tag;
-    if (!s.name.empty()) {
-      std::string name = s.name;
-      for (char& c : name)
-        if (!is_letter(c) && !is_digit(c) && c != '-') c = '_';
-      if (is_letter(name.front()) && shape_names_.insert(l.name + "." + name).second &&
-          std::none_of(l.frames.begin(), l.frames.end(),
-                       [&](const RobotFrame& f) { return f.name == name; }))
-        out += fmt::format(" name=\"{}\"", name);
-    }
-    out += attributes + pose_text(s.X);
+    const ShapeText text = geometry(l, s, X_RL * s.X);
+    if (text.tag.empty()) return "";
+    std::string out = "      <" + text.tag + shape_name(l, s) + text.attributes + pose_text(s.X);
     if (s.color)
       out += fmt::format(" color=\"#{:02x}{:02x}{:02x}{}\"", byte(s.color->r), byte(s.color->g),
                          byte(s.color->b),
@@ -344,6 +258,102 @@ class SceneWriter {
     if (!s.collides) out += " collide=\"false\"";
     if (!s.visible) out += " visible=\"false\"";
     return out + "/>\n";
+  }
+
+  /// The geometry as an element of the scene; without a tag it is left out. `X`: pose of the shape in
+  /// the robot, whose extent grows by what collides.
+  struct ShapeText {
+    std::string tag, attributes;
+  };
+  ShapeText geometry(const RobotLink& l, const RobotShape& s, const Pose& X) {
+    const Geometry& g = s.geometry;
+    switch (g.type) {
+      case Geometry::Type::box: {
+        Bounds b;
+        b.add(0.5 * g.size);
+        b.add(-0.5 * g.size);
+        extend(s, X, b);
+        return {"box", fmt::format(" size=\"{}\"", list(g.size))};
+      }
+      case Geometry::Type::sphere:
+        extend_about(s, X.p, Vec3::Constant(g.radius));  // not its box: that grows where it turns
+        return {"sphere", fmt::format(" radius=\"{}\"", g.radius)};
+      case Geometry::Type::cylinder:
+      case Geometry::Type::capsule: {
+        const bool capsule = g.type == Geometry::Type::capsule;
+        // Extent along an axis e of a disc of radius r with the normal n: r sqrt(1 - (n e)²).
+        const Vec3 n = X.q * Vec3::UnitZ();
+        Vec3 half = 0.5 * g.length * n.cwiseAbs();
+        for (int i = 0; i < 3; ++i)
+          half[i] += capsule ? g.radius : g.radius * std::sqrt(std::max(0.0, 1.0 - n[i] * n[i]));
+        extend_about(s, X.p, half);
+        return {capsule ? "capsule" : "cylinder",
+                fmt::format(" radius=\"{}\" length=\"{}\"", g.radius, g.length)};
+      }
+      case Geometry::Type::plane:
+        return {"plane", ""};
+      case Geometry::Type::points:
+        return points(s, X);
+      case Geometry::Type::mesh:
+        return mesh(l, s, X);
+    }
+    return {};
+  }
+
+  ShapeText points(const RobotShape& s, const Pose& X) {
+    std::string text;
+    Bounds b;
+    for (const Vec3& p : s.geometry.points) {
+      b.add(p);
+      text += fmt::format("{}{:.9g} {:.9g} {:.9g}", text.empty() ? "" : " ", tidy(p[0]), tidy(p[1]),
+                          tidy(p[2]));
+    }
+    extend(s, X, b);
+    return {"mesh", fmt::format(" points=\"{}\" convex=\"true\"", text)};
+  }
+
+  ShapeText mesh(const RobotLink& l, const RobotShape& s, const Pose& X) {
+    const std::string file = mesh_file(l, s, X);
+    if (file.empty()) return {};
+    std::string attributes = fmt::format(" file=\"{}\"", escaped(file));
+    const Vec3& scale = s.geometry.scale;
+    if (scale != Vec3::Ones())
+      attributes += scale[0] == scale[1] && scale[1] == scale[2]
+                        ? fmt::format(" scale=\"{}\"", scale[0])
+                        : fmt::format(" scale=\"{}\"", list(scale));
+    if (!l.is_static) attributes += " convex=\"true\"";
+    if (s.collides && !l.is_static)
+      context_.approximate(s.at, fmt::format("collision mesh of '{}'", l.name),
+                           "collides as its convex hull");
+    return {"mesh", attributes};
+  }
+
+  /// The attribute `name`, where the source's name is one that a scene takes and is not taken yet.
+  std::string shape_name(const RobotLink& l, const RobotShape& s) {
+    if (s.name.empty()) return "";
+    std::string name = s.name;
+    for (char& c : name)
+      if (!is_letter(c) && !is_digit(c) && c != '-') c = '_';
+    const bool is_new = is_letter(name.front()) &&
+                        shape_names_.insert(l.name + "." + name).second &&
+                        std::none_of(l.frames.begin(), l.frames.end(),
+                                     [&](const RobotFrame& f) { return f.name == name; });
+    return is_new ? fmt::format(" name=\"{}\"", name) : "";
+  }
+
+  /// Bounds in the shape's frame.
+  void extend(const RobotShape& s, const Pose& X, const Bounds& b) {
+    if (!s.collides || b.empty()) return;
+    for (int i = 0; i < 8; ++i)
+      extent_.add(X * Vec3(i & 1 ? b.high[0] : b.low[0], i & 2 ? b.high[1] : b.low[1],
+                           i & 4 ? b.high[2] : b.low[2]));
+  }
+
+  /// Half extents along the robot's axes.
+  void extend_about(const RobotShape& s, const Vec3& centre, const Vec3& half) {
+    if (!s.collides) return;
+    extent_.add(centre + half);
+    extent_.add(centre - half);
   }
 
   static int byte(double x) {
@@ -367,8 +377,7 @@ class SceneWriter {
   }
 
   /// The file's name for the scene; empty: left out.
-  template <class Extend>
-  std::string mesh_file(const RobotLink& l, const RobotShape& s, const Extend& extend) {
+  std::string mesh_file(const RobotLink& l, const RobotShape& s, const Pose& X) {
     const Geometry& g = s.geometry;
     const auto& bounds = context_.mesh_bounds(g.mesh);
     const auto [known, is_new] = meshes_.try_emplace(g.mesh);
@@ -382,7 +391,7 @@ class SceneWriter {
     Bounds scaled;
     scaled.add(bounds->low.cwiseProduct(g.scale));
     scaled.add(bounds->high.cwiseProduct(g.scale));
-    extend(scaled);
+    extend(s, X, scaled);
     return known->second;
   }
 

@@ -1,0 +1,306 @@
+// Bodies and joints of MJCF.
+#include "import/mjcf_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace cogrsim::dsl::import {
+
+void MjcfReader::note_joints(const XmlElement& e, int depth) {
+  for (const char* key : {"joint", "joint1", "joint2"})
+    if (const std::string* name = e.find(key)) used_joints_.insert(*name);
+  if (depth < 90)
+    for (const auto& c : e.children) note_joints(*c, depth + 1);
+}
+
+void MjcfReader::world(const XmlElement& e) {
+  for (const auto& c : e.children) {
+    if (c->name == "body") {
+      body(*c, -1, child_class(e, ""), 0);
+    } else if (c->name == "geom") {
+      const XmlElement g = with_defaults(*c, child_class(e, ""));
+      RobotShape shape;
+      if (geom(*c, g, shape, nullptr)) {
+        if (shape.geometry.type == Geometry::Type::plane) robot_.has_ground = true;
+        ground().shapes.push_back(std::move(shape));
+      }
+    } else if (c->name == "site") {
+      ground().frames.push_back({name_of(*c, "site"), pose(with_defaults(*c, child_class(e, "")))});
+    } else {
+      context_.left_out(c->at, quoted_name(*c), "concerns appearance only");
+    }
+  }
+}
+
+RobotLink& MjcfReader::ground() {
+  const int known = robot_.link("world");
+  if (known >= 0) return robot_.links[static_cast<std::size_t>(known)];
+  RobotLink link;
+  link.name = "world";
+  link.is_static = true;
+  robot_.links.push_back(std::move(link));
+  return robot_.links.back();
+}
+
+std::string MjcfReader::child_class(const XmlElement& e, const std::string& around) {
+  const std::string* own = e.find("childclass");
+  return own != nullptr ? *own : around;
+}
+
+std::string MjcfReader::name_of(const XmlElement& e, const char* kind) {
+  if (const std::string* name = e.find("name"); name != nullptr && !name->empty()) return *name;
+  return fmt::format("{}_{}", kind, ++unnamed_);
+}
+
+void MjcfReader::body(const XmlElement& e, int parent, const std::string& around, int depth) {
+  if (depth > 80) context_.refuse(e.at, "CG1402", "bodies are nested too deep");
+  if (robot_.links.size() > 20000) context_.refuse(e.at, "CG1402", "more than 20000 bodies");
+  const std::string inner = child_class(e, around);
+  BodyParts parts;
+  RobotLink& link = parts.link;
+  link.name = name_of(e, "body");
+  link.at = e.at;
+  if (robot_.link(link.name) >= 0) {
+    context_.error(e.at, "CG1407", fmt::format("a second body '{}'", link.name));
+    return;
+  }
+  const Pose X_PB = pose(e);
+  for (const auto& c : e.children)
+    if (c->name != "body") part_of_body(*c, inner, parts);
+  link.inertia = inertia_of(parts);
+  for (const auto& [key, value] : e.attributes) {
+    if (key == "mocap" && value == "true") {
+      link.is_static = true;
+      context_.approximate(e.at, quoted_name(e), "a mocap body is static: nothing moves it here");
+    } else if (key == "gravcomp") {
+      link.gravity_scale = 1.0 - context_.number(e, "gravcomp", 0.0);
+    }
+  }
+  context_.exact(e.at, quoted_name(e));
+  const int index = attach(e, std::move(link), parent, X_PB, parts.joints, parts.is_free);
+  for (const auto& c : e.children)
+    if (c->name == "body") body(*c, index, inner, depth + 1);
+}
+
+void MjcfReader::part_of_body(const XmlElement& c, const std::string& around, BodyParts& parts) {
+  RobotLink& link = parts.link;
+  if (c.name == "freejoint") {
+    parts.is_free = true;
+  } else if (c.name == "joint") {
+    XmlElement j = with_defaults(c, around);
+    const std::string* type = j.find("type");
+    if (type != nullptr && *type == "free")
+      parts.is_free = true;
+    else
+      parts.joints.emplace_back(&c, std::move(j));
+  } else if (c.name == "inertial") {
+    parts.inertial = &c;
+  } else if (c.name == "geom") {
+    const XmlElement g = with_defaults(c, around);
+    RobotShape shape;
+    RobotInertia inertia;
+    const bool made = geom(c, g, shape, &inertia);
+    if (inertia.mass > 0.0) parts.masses.push_back(inertia);
+    if (made) link.shapes.push_back(std::move(shape));
+  } else if (c.name == "site") {
+    const Pose X = pose(with_defaults(c, around));
+    const std::string name = name_of(c, "site");
+    sites_[name] = {link.name, X};
+    link.frames.push_back({name, X});
+  } else if (c.name == "camera") {
+    link.sensors.push_back(camera(c, with_defaults(c, around)));
+  } else {
+    context_.left_out(c.at, fmt::format("<{}> of body '{}'", c.name, link.name),
+                      c.name == "light" ? "concerns appearance only" : "is not read");
+  }
+}
+
+RobotSensor MjcfReader::camera(const XmlElement& source, const XmlElement& e) {
+  RobotSensor out;
+  out.name = name_of(source, "camera");
+  out.element = "camera";
+  out.at = source.at;
+  // MuJoCo's cameras look along -z with y up, ours along x with z up.
+  Mat3 R;
+  R << 0, -1, 0, 0, 0, 1, -1, 0, 0;
+  out.X = pose(e) * Pose(Vec3::Zero(), Quat(R));
+  if (e.find("mode") != nullptr && *e.find("mode") != "fixed")
+    context_.approximate(source.at, quoted_name(source), "it is fixed to its body");
+  else
+    context_.exact(source.at, quoted_name(source));
+  return out;
+}
+
+std::optional<RobotInertia> MjcfReader::inertia_of(const BodyParts& parts) {
+  std::optional<RobotInertia> out;
+  if (parts.inertial != nullptr && from_geoms_ != "true")
+    out = given_inertia(*parts.inertial);
+  else if (!parts.masses.empty() && from_geoms_ != "false")
+    out = sum(parts.masses);
+  if (!out) return out;
+  out->mass = std::max(out->mass, bound_mass_);
+  if (bound_inertia_ > 0.0)
+    for (int i = 0; i < 3; ++i) out->I(i, i) = std::max(out->I(i, i), bound_inertia_);
+  return out;
+}
+
+RobotInertia MjcfReader::sum(const std::vector<RobotInertia>& parts) {
+  std::vector<MassProperties> all;
+  for (const RobotInertia& p : parts) all.push_back({p.mass, p.com, p.I});
+  const MassProperties m = combine(all);
+  return {m.mass, m.com, m.inertia};
+}
+
+std::optional<RobotInertia> MjcfReader::given_inertia(const XmlElement& e) {
+  RobotInertia out;
+  out.mass = context_.number(e, "mass", 0.0);
+  if (!(out.mass > 0.0)) return std::nullopt;
+  const Pose X = pose(e);
+  out.com = X.p;
+  Mat3 I = Mat3::Zero();
+  if (const std::string* full = e.find("fullinertia")) {
+    const auto v = context_.numbers(e, *full, 6, 6, "'fullinertia'");
+    if (v) I << (*v)[0], (*v)[3], (*v)[4], (*v)[3], (*v)[1], (*v)[5], (*v)[4], (*v)[5], (*v)[2];
+  } else {
+    I.diagonal() = context_.vec3(e, "diaginertia", Vec3::Zero());
+  }
+  const Mat3 R = X.q.toRotationMatrix();
+  out.I = R * I * R.transpose();
+  return out;
+}
+
+int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Pose& X_PB,
+                       const std::vector<std::pair<const XmlElement*, XmlElement>>& joints,
+                       bool is_free) {
+  using Type = RobotJoint::Type;
+  if (joints.empty()) {
+    RobotJoint j;
+    j.name = link.name + "_fixed";
+    j.at = e.at;
+    j.X_PC = X_PB;
+    j.parent = parent;
+    j.type = is_free ? Type::free : Type::fixed;
+    robot_.links.push_back(std::move(link));
+    j.child = static_cast<int>(robot_.links.size()) - 1;
+    // A free body in the world needs no joint, but has a pose: the joint keeps it.
+    if (is_free && parent >= 0) {
+      context_.error(e.at, "CG1413", "a free joint belongs to a body of the world");
+      return j.child;
+    }
+    robot_.joints.push_back(std::move(j));
+    return static_cast<int>(robot_.links.size()) - 1;
+  }
+  std::vector<RobotJoint> made;
+  for (const auto& [source, j] : joints) made.push_back(joint(*source, j));
+  if (planar(made)) {
+    RobotJoint j;
+    j.type = Type::planar;
+    j.name = made[0].name;
+    j.at = made[0].at;
+    for (const RobotJoint& k : made)
+      if (k.type == Type::hinge) j.axis = k.axis;
+    context_.exact(j.at, fmt::format("joints of body '{}'", link.name),
+                   fmt::format("are one planar joint, '{}'", j.name));
+    made = {j};
+  }
+  // The first joint moves the first link; the body is the last. All are in the body's frame.
+  int from = parent;
+  Pose X = X_PB;
+  const std::string name = link.name;
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    RobotLink next;
+    if (i + 1 < made.size()) {
+      next.name = fmt::format("{}_{}", name, i + 1);
+      next.at = link.at;
+    } else {
+      next = std::move(link);
+    }
+    robot_.links.push_back(std::move(next));
+    made[i].parent = from;
+    made[i].X_PC = X;
+    made[i].child = static_cast<int>(robot_.links.size()) - 1;
+    from = made[i].child;
+    X = Pose();
+    robot_.joints.push_back(made[i]);
+  }
+  return from;
+}
+
+bool MjcfReader::planar(const std::vector<RobotJoint>& joints) const {
+  using Type = RobotJoint::Type;
+  if (joints.size() != 3) return false;
+  std::vector<Vec3> slides;
+  Vec3 normal = Vec3::Zero();
+  for (const RobotJoint& j : joints) {
+    if (j.type == Type::slider)
+      slides.push_back(j.axis);
+    else if (j.type == Type::hinge && joints.back().name == j.name)
+      normal = j.axis;
+    if (used_joints_.count(j.name) != 0) return false;
+    if (std::isfinite(j.lower) || std::isfinite(j.upper) || j.damping != 0.0 || j.friction != 0.0 ||
+        j.stiffness != 0.0 || j.rotor_inertia != 0.0 || j.anchor != Vec3::Zero())
+      return false;
+  }
+  return slides.size() == 2 && std::abs(slides[0].dot(slides[1])) < 1e-9 && normal.norm() > 0.5 &&
+         std::abs(slides[0].dot(normal)) < 1e-9 && std::abs(slides[1].dot(normal)) < 1e-9;
+}
+
+RobotJoint MjcfReader::joint(const XmlElement& source, const XmlElement& e) {
+  using Type = RobotJoint::Type;
+  RobotJoint out;
+  out.name = name_of(source, "joint");
+  out.at = source.at;
+  const std::string* type = e.find("type");
+  const std::string kind = type == nullptr ? "hinge" : *type;
+  if (kind == "hinge")
+    out.type = Type::hinge;
+  else if (kind == "slide")
+    out.type = Type::slider;
+  else if (kind == "ball")
+    out.type = Type::ball;
+  else
+    context_.error(source.at, "CG1408",
+                   fmt::format("joint '{}': there is no type '{}'", out.name, kind),
+                   "hinge, slide, ball and free are");
+  const bool turns = out.type == Type::hinge;
+  const auto coordinate = [&](double v) { return turns ? angle(v) : v; };
+  const Vec3 axis = context_.vec3(e, "axis", Vec3::UnitZ());
+  if (axis.norm() > 1e-12)
+    out.axis = axis.normalized();
+  else if (out.type != Type::ball)
+    context_.error(source.at, "CG1409",
+                   fmt::format("joint '{}' has an axis of length 0", out.name));
+  out.anchor = context_.vec3(e, "pos", Vec3::Zero());
+  const double ref = coordinate(context_.number(e, "ref", 0.0));
+  const std::string* limited = e.find("limited");
+  const std::string* range = e.find("range");
+  const bool bounded =
+      range != nullptr &&
+      (limited == nullptr ? auto_limits_
+                          : *limited == "true" || (*limited == "auto" && auto_limits_));
+  if (bounded) {
+    const auto v = context_.numbers(source, *range, 2, 2, "'range'");
+    if (v && out.type == Type::ball) {
+      context_.left_out(source.at, fmt::format("range of joint '{}'", out.name),
+                        "the cone of a ball joint is not taken over");
+    } else if (v) {
+      out.lower = coordinate((*v)[0]) - ref;
+      out.upper = coordinate((*v)[1]) - ref;
+      if (out.lower > out.upper) std::swap(out.lower, out.upper);
+    }
+  }
+  out.damping = std::max(0.0, context_.number(e, "damping", 0.0));
+  out.friction = std::max(0.0, context_.number(e, "frictionloss", 0.0));
+  out.stiffness = std::max(0.0, context_.number(e, "stiffness", 0.0));
+  out.rest = coordinate(context_.number(e, "springref", 0.0)) - ref;
+  out.rotor_inertia = std::max(0.0, context_.number(e, "armature", 0.0));
+  if (ref != 0.0)
+    context_.exact(source.at, fmt::format("ref of joint '{}'", out.name),
+                   fmt::format("its zero is MuJoCo's {}", ref));
+  context_.exact(source.at, fmt::format("joint '{}'", out.name));
+  return out;
+}
+
+}  // namespace cogrsim::dsl::import

@@ -1,0 +1,139 @@
+// Default classes, assets, and attributes that many elements of MJCF have.
+#include "import/mjcf_reader.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "cogrsim/core/parameter.h"
+
+namespace cogrsim::dsl::import {
+
+void MjcfReader::default_class(const XmlElement& e, const std::string& parent, bool top) {
+  std::string name = parent;
+  if (const std::string* own = e.find("class")) name = *own;
+  if (!top || name != "main") classes_[name] = classes_[parent];
+  Defaults& d = classes_[name];
+  for (const auto& c : e.children) {
+    if (c->name == "default") continue;
+    for (const auto& [key, value] : c->attributes) d[c->name][key] = value;
+  }
+  for (const auto& c : e.children)
+    if (c->name == "default") default_class(*c, name, false);
+}
+
+void MjcfReader::assets(const XmlElement& e) {
+  for (const auto& c : e.children) {
+    const XmlElement a = with_defaults(*c, "");
+    const std::string* file = a.find("file");
+    const std::string* name = a.find("name");
+    std::string key = name != nullptr ? *name : "";
+    if (key.empty() && file != nullptr) key = std::filesystem::path(*file).stem().string();
+    if (c->name == "mesh") {
+      Mesh mesh;
+      mesh.at = c->at;
+      mesh.scale = context_.vec3(a, "scale", Vec3::Ones());
+      if (a.find("refpos") != nullptr || a.find("refquat") != nullptr)
+        context_.approximate(c->at, quoted_name(*c), "its reference pose is not applied");
+      if (file == nullptr) {
+        context_.left_out(c->at, quoted_name(*c), "has no file");
+        continue;
+      }
+      auto path = context_.locate(mesh_dir_.empty() ? *file : mesh_dir_ + "/" + *file, c->at);
+      if (!path) {
+        context_.left_out(c->at, quoted_name(*c), path.error().message);
+        continue;
+      }
+      mesh.path = *path;
+      meshes_[key] = mesh;
+      context_.exact(c->at, quoted_name(*c));
+    } else if (c->name == "material") {
+      if (const std::string* rgba = a.find("rgba")) {
+        const auto v = context_.numbers(*c, *rgba, 3, 4, "'rgba'");
+        if (v) materials_[key] = Color{(*v)[0], (*v)[1], (*v)[2], v->size() > 3 ? (*v)[3] : 1.0};
+      }
+      context_.exact(c->at, quoted_name(*c), "its colour, without texture and gloss");
+    } else if (c->name == "texture" || c->name == "skin") {
+      context_.left_out(c->at, quoted_name(*c), "concerns appearance only");
+    } else {
+      context_.left_out(c->at, quoted_name(*c), fmt::format("<{}> is not read", c->name));
+    }
+  }
+}
+
+XmlElement MjcfReader::with_defaults(const XmlElement& e, const std::string& around) {
+  XmlElement out;
+  out.name = e.name;
+  out.at = e.at;
+  std::string name = around.empty() ? "main" : around;
+  if (const std::string* own = e.find("class")) name = *own;
+  auto known = classes_.find(name);
+  if (known == classes_.end()) {
+    std::vector<std::string> names;
+    for (const auto& [n, d] : classes_) names.push_back(n);
+    const std::string near = nearest_name(name, names);
+    context_.error(e.at, "CG1408", fmt::format("there is no default class '{}'", name),
+                   near.empty() ? "" : fmt::format("did you mean '{}'?", near));
+    known = classes_.find("main");
+  }
+  Attributes all;
+  if (const auto of = known->second.find(e.name); of != known->second.end()) all = of->second;
+  for (const auto& [key, value] : e.attributes) {
+    if (value.empty())
+      all.erase(key);
+    else
+      all[key] = value;
+  }
+  for (auto& [key, value] : all) out.attributes.emplace_back(key, value);
+  return out;
+}
+
+Quat MjcfReader::orientation(const XmlElement& e) {
+  if (const std::string* q = e.find("quat")) {
+    const auto v = context_.numbers(e, *q, 4, 4, "'quat'");
+    if (v) {
+      const Quat out((*v)[0], (*v)[1], (*v)[2], (*v)[3]);
+      if (out.norm() > 1e-9) return out.normalized();
+    }
+  } else if (const std::string* a = e.find("axisangle")) {
+    const auto v = context_.numbers(e, *a, 4, 4, "'axisangle'");
+    if (v && Vec3((*v)[0], (*v)[1], (*v)[2]).norm() > 1e-12)
+      return Quat(Eigen::AngleAxisd(angle((*v)[3]), Vec3((*v)[0], (*v)[1], (*v)[2]).normalized()));
+  } else if (const std::string* u = e.find("euler")) {
+    const auto v = context_.numbers(e, *u, 3, 3, "'euler'");
+    if (v) {
+      Quat out = Quat::Identity();
+      for (std::size_t i = 0; i < 3; ++i) {
+        const char c = euler_[i];
+        const Vec3 axis = c == 'x' || c == 'X'   ? Vec3::UnitX()
+                          : c == 'y' || c == 'Y' ? Vec3::UnitY()
+                                                 : Vec3::UnitZ();
+        const Quat turn(Eigen::AngleAxisd(angle((*v)[i]), axis));
+        out = c >= 'a' ? out * turn : turn * out;  // small: about the moving axes
+      }
+      return out.normalized();
+    }
+  } else if (const std::string* xy = e.find("xyaxes")) {
+    const auto v = context_.numbers(e, *xy, 6, 6, "'xyaxes'");
+    if (v) {
+      Vec3 x((*v)[0], (*v)[1], (*v)[2]), y((*v)[3], (*v)[4], (*v)[5]);
+      if (x.norm() > 1e-12) {
+        x.normalize();
+        y -= x * x.dot(y);
+        if (y.norm() > 1e-12) {
+          y.normalize();
+          Mat3 R;
+          R << x, y, x.cross(y);
+          return Quat(R).normalized();
+        }
+      }
+    }
+  } else if (const std::string* z = e.find("zaxis")) {
+    const auto v = context_.numbers(e, *z, 3, 3, "'zaxis'");
+    if (v && Vec3((*v)[0], (*v)[1], (*v)[2]).norm() > 1e-12)
+      return Quat::FromTwoVectors(Vec3::UnitZ(), Vec3((*v)[0], (*v)[1], (*v)[2])).normalized();
+  }
+  return Quat::Identity();
+}
+
+}  // namespace cogrsim::dsl::import

@@ -1,0 +1,201 @@
+// Geoms of MJCF: shapes, masses and appearance.
+#include "import/mjcf_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "assets/mesh_file.h"
+
+namespace cogrsim::dsl::import {
+
+bool MjcfReader::geom(const XmlElement& source, const XmlElement& e, RobotShape& out,
+                      RobotInertia* inertia) {
+  out.at = source.at;
+  if (const std::string* name = source.find("name")) out.name = *name;
+  const std::string* type = e.find("type");
+  const std::string kind = type != nullptr ? *type : e.find("mesh") != nullptr ? "mesh" : "sphere";
+  const std::string what =
+      out.name.empty() ? fmt::format("geom of type {}", kind) : fmt::format("geom '{}'", out.name);
+  out.X = pose(e);
+  if (!geom_shape(source, e, kind, what, out)) return false;
+  geom_inertia(source, e, out, inertia, what);
+  if (out.geometry.type == Geometry::Type::points) {
+    out.geometry.points = ellipsoid_points(out.geometry.size);
+    context_.approximate(source.at, what,
+                         "touches as the hull of 242 points, up to 2 % inside; its mass is exact");
+  }
+  const Bits bits = geom_bits(e);
+  out.collides = bits.type != 0 || bits.affinity != 0;
+  geom_appearance(source, e, out);
+  if (!out.visible && !out.collides) return false;
+  out.friction = 1.0;
+  if (const std::string* text = e.find("friction")) {
+    const auto v = context_.numbers(source, *text, 1, 3, "'friction'");
+    if (v) out.friction = std::max(0.0, (*v)[0]);
+    if (v && v->size() > 1 && ((*v)[1] != 0.005 || (v->size() > 2 && (*v)[2] != 0.0001)))
+      context_.left_out(source.at, fmt::format("torsional and rolling friction of {}", what),
+                        "the scene language has sliding friction");
+  }
+  bits_.push_back(bits);
+  context_.exact(source.at, what);
+  return true;
+}
+
+bool MjcfReader::geom_shape(const XmlElement& source, const XmlElement& e, const std::string& kind,
+                            const std::string& what, RobotShape& out) {
+  const std::string* mesh = e.find("mesh");
+  std::vector<double> size;
+  if (const std::string* text = e.find("size"))
+    size = context_.numbers(source, *text, 1, 3, "'size'").value_or(std::vector<double>());
+  const auto s = [&](std::size_t i) { return i < size.size() ? size[i] : 0.0; };
+  double half = s(1);
+  if (const std::string* text = e.find("fromto")) {
+    const auto v = context_.numbers(source, *text, 6, 6, "'fromto'");
+    if (!v) return false;
+    const Vec3 a((*v)[0], (*v)[1], (*v)[2]), b((*v)[3], (*v)[4], (*v)[5]);
+    half = 0.5 * (b - a).norm();
+    out.X.p = 0.5 * (a + b);
+    if (half > 1e-12) out.X.q = Quat::FromTwoVectors(Vec3::UnitZ(), a - b).normalized();
+  }
+  Geometry& g = out.geometry;
+  bool has_size = true;
+  if (kind == "plane") {
+    g.type = Geometry::Type::plane;
+  } else if (kind == "mesh" || mesh != nullptr) {
+    return geom_mesh(source, mesh, kind, what, g);
+  } else if (kind == "sphere") {
+    g.type = Geometry::Type::sphere;
+    g.radius = s(0);
+    has_size = g.radius > 0.0;
+  } else if (kind == "capsule" || kind == "cylinder") {
+    g.type = kind == "capsule" ? Geometry::Type::capsule : Geometry::Type::cylinder;
+    g.radius = s(0);
+    g.length = 2.0 * half;
+    has_size = g.radius > 0.0 && g.length > 0.0;
+  } else if (kind == "box" || kind == "ellipsoid") {
+    Vec3 h(s(0), s(1), s(2));
+    if (e.find("fromto") != nullptr) h = Vec3(s(0), s(0), half);
+    g.type = kind == "box" ? Geometry::Type::box : Geometry::Type::points;
+    g.size = kind == "box" ? Vec3(2.0 * h) : h;
+    has_size = g.size.minCoeff() > 0.0;
+  } else {
+    context_.left_out(source.at, what, fmt::format("there is no shape '{}'", kind));
+    return false;
+  }
+  if (!has_size) context_.error(source.at, "CG1404", fmt::format("{} has no size", what));
+  return has_size;
+}
+
+bool MjcfReader::geom_mesh(const XmlElement& source, const std::string* mesh,
+                           const std::string& kind, const std::string& what, Geometry& g) {
+  if (kind != "mesh")
+    context_.approximate(source.at, what,
+                         fmt::format("is the mesh itself, where MuJoCo fits a {} to it", kind));
+  const auto known = mesh == nullptr ? meshes_.end() : meshes_.find(*mesh);
+  if (known == meshes_.end()) {
+    context_.left_out(source.at, what, "its mesh could not be read");
+    return false;
+  }
+  g.type = Geometry::Type::mesh;
+  g.mesh = known->second.path;
+  g.scale = known->second.scale;
+  return true;
+}
+
+MjcfReader::Bits MjcfReader::geom_bits(const XmlElement& e) {
+  const auto bits = [&](const char* name) {
+    return static_cast<unsigned>(context_.number(e, name, 1.0));
+  };
+  return {bits("contype"), bits("conaffinity")};
+}
+
+void MjcfReader::geom_appearance(const XmlElement& source, const XmlElement& e, RobotShape& out) {
+  out.visible = true;
+  if (const std::string* rgba = e.find("rgba")) {
+    const auto v = context_.numbers(source, *rgba, 3, 4, "'rgba'");
+    if (v) out.color = Color{(*v)[0], (*v)[1], (*v)[2], v->size() > 3 ? (*v)[3] : 1.0};
+  } else if (const std::string* material = e.find("material")) {
+    if (const auto known = materials_.find(*material); known != materials_.end())
+      out.color = known->second;
+  }
+  if (out.color && out.color->a == 0.0) {
+    out.visible = false;
+    out.color.reset();
+  }
+  // By convention group 3 and above are collision shapes that are not drawn.
+  if (context_.number(e, "group", 0.0) >= 3.0) out.visible = false;
+}
+
+const Result<MassProperties>& MjcfReader::mesh_mass(const Geometry& g, const std::string& what) {
+  const std::string key = fmt::format("{}|{} {} {}", g.mesh, g.scale[0], g.scale[1], g.scale[2]);
+  const auto known = mesh_masses_.find(key);
+  if (known != mesh_masses_.end()) return known->second;
+  const auto compute = [&]() -> Result<MassProperties> {
+    auto mesh = load_mesh(g.mesh, what, context_.options.limits.asset_bytes);
+    if (!mesh) return tl::unexpected(mesh.error());
+    for (Vec3& v : mesh->vertices) v = v.cwiseProduct(g.scale);
+    if (g.scale.prod() < 0.0)
+      for (Eigen::Vector3i& t : mesh->triangles) std::swap(t[1], t[2]);
+    Shape s;
+    s.type = ShapeType::mesh;
+    s.mesh = 0;
+    const std::vector<TriangleMesh> meshes = {std::move(*mesh)};
+    return shape_mass(s, meshes, shape_volume(s, meshes));
+  };
+  return mesh_masses_.emplace(key, compute()).first->second;
+}
+
+void MjcfReader::geom_inertia(const XmlElement& source, const XmlElement& e,
+                              const RobotShape& shape, RobotInertia* inertia,
+                              const std::string& what) {
+  if (inertia == nullptr || shape.geometry.type == Geometry::Type::plane) return;
+  const double group = context_.number(e, "group", 0.0);
+  if (group < first_group_ || group > last_group_) return;
+  const std::optional<double> given = context_.number(e, "mass");
+  const double density = context_.number(e, "density", 1000.0);
+  const Geometry& g = shape.geometry;
+  MassProperties m;
+  const double a = g.size[0], b = g.size[1], c = g.size[2];
+  double volume = 0.0;
+  switch (g.type) {
+    case Geometry::Type::points:  // of an ellipsoid, see geom()
+      volume = 4.0 / 3.0 * kPi * a * b * c;
+      m.mass = given.value_or(density * volume);
+      m.inertia.diagonal() = m.mass / 5.0 * Vec3(b * b + c * c, a * a + c * c, a * a + b * b);
+      break;
+    case Geometry::Type::mesh: {
+      const auto& unit = mesh_mass(g, what);
+      if (!unit) {
+        context_.left_out(source.at, fmt::format("mass of {}", what), unit.error().message);
+        return;
+      }
+      m = *unit;
+      const double factor = given ? *given / m.mass : density;
+      m.mass *= factor;
+      m.inertia *= factor;
+      if (!(m.mass > 0.0)) return;
+      break;
+    }
+    default: {
+      Shape s;
+      s.type = g.type == Geometry::Type::box        ? ShapeType::box
+               : g.type == Geometry::Type::sphere   ? ShapeType::sphere
+               : g.type == Geometry::Type::cylinder ? ShapeType::cylinder
+                                                    : ShapeType::capsule;
+      s.size = g.size;
+      s.radius = g.radius;
+      s.length = g.length;
+      volume = shape_volume(s, {});
+      const double wanted = given.value_or(density * volume);
+      if (!(wanted > 0.0)) return;
+      auto found = shape_mass(s, {}, wanted);
+      if (!found) return;
+      m = *found;
+    }
+  }
+  const Mat3 R = shape.X.q.toRotationMatrix();
+  *inertia = {m.mass, shape.X * m.com, R * m.inertia * R.transpose()};
+}
+
+}  // namespace cogrsim::dsl::import

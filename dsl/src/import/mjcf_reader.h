@@ -1,0 +1,117 @@
+// Reader of MJCF, MuJoCo's own format (mujoco.readthedocs.io, "XML reference"): default classes, bodies
+// with several joints, geoms with and without masses, sites, loops by equalities, actuators, sensors.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cogrsim/model/mass_properties.h"
+#include "import/robot.h"
+
+namespace cogrsim::dsl::import {
+
+class MjcfReader {
+ public:
+  explicit MjcfReader(Context& context) : context_(context) {}
+  RobotModel read(XmlElement& root);
+
+ private:
+  using Attributes = std::map<std::string, std::string>;
+  /// Attributes by element: "geom" → size, rgba, …
+  using Defaults = std::map<std::string, Attributes>;
+  struct Mesh {
+    std::string path;
+    Vec3 scale = Vec3::Ones();
+    Source at;
+  };
+  struct Bits {
+    unsigned type = 1, affinity = 1;
+  };
+  /// The content of a <body>, with the defaults of its classes.
+  struct BodyParts {
+    RobotLink link;
+    std::vector<std::pair<const XmlElement*, XmlElement>> joints;  ///< as written, with defaults
+    std::vector<RobotInertia> masses;                              ///< of its geoms
+    const XmlElement* inertial = nullptr;
+    bool is_free = false;
+  };
+
+  // ---- files
+  void include(XmlElement& in, int depth);
+
+  // ---- settings
+  void compiler(const XmlElement& e);
+  void option(const XmlElement& e);
+  void default_class(const XmlElement& e, const std::string& parent, bool top);
+  void assets(const XmlElement& e);
+
+  // ---- attributes with defaults
+  /// The element with what its class, or the class of the bodies around it, says for it.
+  XmlElement with_defaults(const XmlElement& e, const std::string& around);
+  double angle(double value) const { return degrees_ ? value * kPi / 180.0 : value; }
+  Quat orientation(const XmlElement& e);
+  Pose pose(const XmlElement& e) { return {context_.vec3(e, "pos", Vec3::Zero()), orientation(e)}; }
+
+  // ---- bodies
+  /// Joints that actuators, equalities, tendons and sensors name: these keep their own axis.
+  void note_joints(const XmlElement& e, int depth);
+  void world(const XmlElement& e);
+  /// What is fixed to the world.
+  RobotLink& ground();
+  static std::string child_class(const XmlElement& e, const std::string& around);
+  std::string name_of(const XmlElement& e, const char* kind);
+  void body(const XmlElement& e, int parent, const std::string& around, int depth);
+  void part_of_body(const XmlElement& c, const std::string& around, BodyParts& parts);
+  RobotSensor camera(const XmlElement& source, const XmlElement& e);
+  std::optional<RobotInertia> inertia_of(const BodyParts& parts);
+  static RobotInertia sum(const std::vector<RobotInertia>& parts);
+  std::optional<RobotInertia> given_inertia(const XmlElement& e);
+  /// Adds the link with its joints; several joints need links between them. Returns its index.
+  int attach(const XmlElement& e, RobotLink link, int parent, const Pose& X_PB,
+             const std::vector<std::pair<const XmlElement*, XmlElement>>& joints, bool is_free);
+  /// Two sliders and a hinge, each perpendicular to the others, without anything else.
+  bool planar(const std::vector<RobotJoint>& joints) const;
+  RobotJoint joint(const XmlElement& source, const XmlElement& e);
+
+  // ---- geoms
+  bool geom(const XmlElement& source, const XmlElement& e, RobotShape& out, RobotInertia* inertia);
+  /// Type and extents; of an ellipsoid its half axes, without points.
+  bool geom_shape(const XmlElement& source, const XmlElement& e, const std::string& kind,
+                  const std::string& what, RobotShape& out);
+  bool geom_mesh(const XmlElement& source, const std::string* mesh, const std::string& kind,
+                 const std::string& what, Geometry& g);
+  Bits geom_bits(const XmlElement& e);
+  void geom_appearance(const XmlElement& source, const XmlElement& e, RobotShape& out);
+  /// Of a mesh of density 1 kg/m^3, in its file's axes and after its scale.
+  const Result<MassProperties>& mesh_mass(const Geometry& g, const std::string& what);
+  void geom_inertia(const XmlElement& source, const XmlElement& e, const RobotShape& shape,
+                    RobotInertia* inertia, const std::string& what);
+
+  // ---- actuators, equalities, sensors, contacts
+  void section(const XmlElement& e);
+  void actuator(const XmlElement& source);
+  void equality(const XmlElement& source);
+  void sensor(const XmlElement& e);
+  void contacts();
+
+  Context& context_;
+  RobotModel robot_;
+  std::map<std::string, Defaults> classes_;
+  std::map<std::string, Mesh> meshes_;
+  std::map<std::string, Result<MassProperties>> mesh_masses_;
+  std::map<std::string, Color> materials_;
+  std::map<std::string, std::pair<std::string, Pose>> sites_;  // link and pose
+  std::set<std::string> encoders_, at_site_, used_joints_;
+  std::vector<Bits> bits_;
+  bool degrees_ = true, auto_limits_ = true;
+  std::string euler_ = "xyz", mesh_dir_, from_geoms_ = "auto";
+  double bound_mass_ = 0.0, bound_inertia_ = 0.0, total_mass_ = -1.0;
+  double first_group_ = 0.0, last_group_ = 5.0;
+  int unnamed_ = 0;
+};
+
+}  // namespace cogrsim::dsl::import
