@@ -67,7 +67,7 @@ class BestFirst : public HeldGrid {
       }
     }
     path.cost = best[static_cast<std::size_t>(to)];
-    if (path.cost == cogrsim::kBlocked) return no_way(start, goal);
+    if (path.cost == cogrsim::kBlocked) return no_path(start, goal);
     for (int cell = to; cell >= 0; cell = before[static_cast<std::size_t>(cell)]) {
       path.cells.push_back(grid_.cell(cell));
     }

@@ -34,7 +34,7 @@ class BreadthFirst final : public HeldGrid {
         queue.push_back(step.to);
       }
     }
-    if (seen_from(to) == kUnseen) return no_way(start, goal);
+    if (seen_from(to) == kUnseen) return no_path(start, goal);
     for (int cell = to; cell != kFirst; cell = seen_from(cell)) {
       path.cells.push_back(grid_.cell(cell));
     }

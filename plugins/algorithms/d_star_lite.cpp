@@ -175,7 +175,7 @@ class DStarLite final : public HeldGrid {
   }
 
   cogrsim::Result<GridPath> read_path(const Cell& start, const Cell& goal) {
-    if (at(start_).g == kBlocked) return no_way(start, goal);
+    if (at(start_).g == kBlocked) return no_path(start, goal);
     GridPath path;
     path.expanded = expanded_;
     path.cells.push_back(start);

@@ -80,7 +80,7 @@ class DynamicWindow final : public cogrsim::Steering {
     if (cogrsim::Result<> checked = cogrsim::check_task(task); !checked) {
       return tl::unexpected(checked.error());
     }
-    const PlanarPoint here = place(task.pose);
+    const PlanarPoint here = position_of(task.pose);
     progress_.update(task.path, here, 2.0 * lookahead_);
     SteeringCommand command;
     command.target = progress_.ahead(here, lookahead_);

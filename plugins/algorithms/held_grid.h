@@ -36,15 +36,15 @@ class HeldGrid : public cogrsim::GridPlanner {
     return {};
   }
 
-  tl::unexpected<cogrsim::Error> no_way(const cogrsim::Cell& start,
-                                        const cogrsim::Cell& goal) const {
+  tl::unexpected<cogrsim::Error> no_path(const cogrsim::Cell& start,
+                                         const cogrsim::Cell& goal) const {
     const std::size_t near_start = grid_.reachable(start).size();
     const std::size_t near_goal = grid_.reachable(goal).size();
     return cogrsim::fail(
         fmt::format("there is no path from {} to {}: of {} cells {} can be reached from the start "
                     "and {} from the goal, which is walled in on its side",
                     to_string(start), to_string(goal), grid_.size(), near_start, near_goal),
-        "", "open an edge between the two, or choose another goal", cogrsim::kNoWay);
+        "", "open an edge between the two, or choose another goal", cogrsim::kNoPath);
   }
 
   cogrsim::Grid grid_;

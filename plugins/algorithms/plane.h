@@ -14,7 +14,9 @@ inline double distance(const cogrsim::PlanarPoint& a, const cogrsim::PlanarPoint
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-inline cogrsim::PlanarPoint place(const cogrsim::PlanarPose& pose) { return {pose.x, pose.y}; }
+inline cogrsim::PlanarPoint position_of(const cogrsim::PlanarPose& pose) {
+  return {pose.x, pose.y};
+}
 
 /// A point in the frame of the vehicle: x forward, y to the left [m].
 inline cogrsim::PlanarPoint seen_from(const cogrsim::PlanarPose& pose,

@@ -40,7 +40,7 @@ class PotentialField final : public cogrsim::Steering {
     }
     SteeringCommand command;
     command.target = task.path.back();
-    const PlanarPoint here = place(task.pose);
+    const PlanarPoint here = position_of(task.pose);
     const double to_goal = distance(here, command.target);
     if (to_goal <= arrival_) {
       command.arrived = true;
@@ -99,8 +99,7 @@ COGRSIM_ALGORITHM(
     summary("follows a potential field with an attracting goal and repelling obstacles"),
     parameter("attraction", 1.0, "1/s", "k_a: speed per distance from the goal").range(1e-6, 1e6),
     parameter("repulsion", 1e-3, "m^4/s", "k_r").range(0.0, 1e6),
-    parameter("reach", 0.4, "m", "d_0: farther obstacles have no effect")
-        .range(1e-3, 1e3),
+    parameter("reach", 0.4, "m", "d_0: farther obstacles have no effect").range(1e-3, 1e3),
     parameter("points", "sum", "whether all points repel, or, for dense scans, the nearest alone")
         .one_of({"sum", "nearest"}),
     parameter("arrival", 0.05, "m", "distance to the goal at which it has arrived")

@@ -211,7 +211,8 @@ cogrsim::Result<SpacePath> sampled_plan(const SpaceProblem& problem, cogrsim::Ra
     return cogrsim::fail(fmt::format("no path from ({}) to ({}) was found with {} iterations",
                                      fmt::join(problem.start, ", "), fmt::join(problem.goal, ", "),
                                      problem.iterations),
-                         "", "there may be none, or more iterations find it", cogrsim::kNoWayFound);
+                         "", "there may be none, or more iterations find it",
+                         cogrsim::kNoPathFound);
   }
   const auto& found = *definition->getSolutionPath()->template as<ompl::geometric::PathGeometric>();
   for (std::size_t i = 0; i < found.getStateCount(); ++i) {

@@ -64,11 +64,18 @@ class BoxCarrier final : public cogrsim::Controller {
   void localise(double period);
   void look(double time);
   Scan scan_of(const cogrsim::Lidar& lidar) const;
-  void go_on(double time, double period);
+  void run_phase(double time, double period);
   void enter_phase(Phase phase, double time);
+  void approach_box(double time, double period);
+  void pick_up(double time, double period);
+  void dock(double time, double period);
+  void check_hold(double time);
+  void bring_to_slot(double time, double period);
+  void set_down(double time);
+  void retreat_if_blocked(double time);
 
   bool choose_box();
-  bool keep_box();
+  bool update_target();
   std::optional<double> approach_to(const Box& box, std::optional<double> before) const;
   PlanarPoint stand_of(const Box& box, double approach) const;
   bool choose_slot();
@@ -85,7 +92,9 @@ class BoxCarrier final : public cogrsim::Controller {
   void publish();
 
   double radius() const { return holding_ ? loaded_radius_ : radius_; }
-  PlanarPoint here() const { return place(pose_); }
+  PlanarPoint here() const { return position_of(pose_); }
+  /// Before the slot, south of the zone.
+  PlanarPoint gate() const { return {slot_.x, zone_.south - 0.32}; }
   double bearing_of(const PlanarPoint& p) const { return std::atan2(p.y - pose_.y, p.x - pose_.x); }
 
   std::optional<cogrsim::Assembly> robot_;
@@ -277,7 +286,7 @@ bool BoxCarrier::choose_box() {
 }
 
 // Updates the position of the target box; false: the box is gone, or the other robot takes it.
-bool BoxCarrier::keep_box() {
+bool BoxCarrier::update_target() {
   const BoxMemory::Known* nearest = nullptr;
   for (const BoxMemory::Known& known : memory_.boxes()) {
     if (distance(known.box.centre, target_->centre) < 0.12 &&
@@ -496,57 +505,65 @@ void BoxCarrier::enter_phase(Phase phase, double time) {
   planned_at_ = -1e9;
 }
 
-void BoxCarrier::go_on(double time, double period) {
-  const double north = kPi / 2;
-  const double lasted = time - since_;
-  const PlanarPoint gate{slot_.x, zone_.south - 0.32};
-  const auto back_off = [&](double length) {
-    const bool done = distance(here(), began_) >= length || lasted > 2.0 * length / kCreep + 6.0;
-    move(done ? 0.0 : -kCreep, 0.0);
-    return done;
-  };
+void BoxCarrier::run_phase(double time, double period) {
   move(0.0, 0.0);
   switch (phase_) {
     case Phase::idle:
-      if (choose_box()) {
-        enter_phase(Phase::fetch, time);
-      } else {
-        drive_to(home_, time, period);
-      }
-      break;
-    case Phase::fetch: {
-      if (!keep_box()) {
-        enter_phase(Phase::idle, time);
-        break;
-      }
-      drive_to(stand_of(*target_, *approach_), time, period);
-      if (arrived_) enter_phase(Phase::face, time);
-      break;
-    }
+    case Phase::fetch:
     case Phase::face:
-      if (!keep_box()) {
-        enter_phase(Phase::idle, time);
-      } else if (turn_to(bearing_of(target_->centre))) {
-        enter_phase(Phase::dock, time);
+      approach_box(time, period);
+      break;
+    case Phase::dock:
+    case Phase::grip:
+    case Phase::lift:
+    case Phase::back:
+      pick_up(time, period);
+      break;
+    case Phase::carry:
+    case Phase::turn:
+    case Phase::enter:
+      bring_to_slot(time, period);
+      break;
+    case Phase::lower:
+    case Phase::release:
+    case Phase::leave:
+      set_down(time);
+      break;
+    case Phase::retreat:
+      drive_to(goal_, time, period);
+      if (arrived_ || time - since_ > kRetreat) {
+        enter_phase(holding_ ? Phase::carry : Phase::idle, time);
       }
       break;
-    case Phase::dock: {
-      (void)keep_box();
-      const double range = feeler_.valid() ? feeler_.distance() : 1.0;
-      const double left = std::isfinite(range) ? range : range < 0 ? 0.0 : 1.0;
-      if (left <= kTouch) {
-        gripping_ = true;
-        enter_phase(Phase::grip, time);
-      } else if (distance(here(), began_) > kStandOff + 0.1 || lasted > 8.0) {
-        enter_phase(Phase::back, time);
-      } else {
-        const double a = bearing_of(target_->centre);
-        follow(began_,
-               {target_->centre.x + 0.3 * std::cos(a), target_->centre.y + 0.3 * std::sin(a)},
-               left < 0.03 ? 0.4 * kCreep : kCreep, period);
-      }
-      break;
+  }
+  retreat_if_blocked(time);
+}
+
+// Chooses a box, drives to where docking begins, and turns to the box.
+void BoxCarrier::approach_box(double time, double period) {
+  if (phase_ == Phase::idle) {
+    if (choose_box()) {
+      enter_phase(Phase::fetch, time);
+    } else {
+      drive_to(home_, time, period);
     }
+  } else if (!update_target()) {
+    enter_phase(Phase::idle, time);
+  } else if (phase_ == Phase::fetch) {
+    drive_to(stand_of(*target_, *approach_), time, period);
+    if (arrived_) enter_phase(Phase::face, time);
+  } else if (turn_to(bearing_of(target_->centre))) {
+    enter_phase(Phase::dock, time);
+  }
+}
+
+// Drives the fork to the box, grips and lifts it, and backs off.
+void BoxCarrier::pick_up(double time, double period) {
+  const double lasted = time - since_;
+  switch (phase_) {
+    case Phase::dock:
+      dock(time, period);
+      break;
     case Phase::grip:
       if (lasted > kGripTime) {
         raised_ = true;
@@ -559,71 +576,85 @@ void BoxCarrier::go_on(double time, double period) {
         enter_phase(Phase::back, time);
       }
       break;
-    case Phase::back:
-      if (back_off(kBackOff)) {
-        const double range = feeler_.valid() ? feeler_.distance() : 1.0;
-        holding_ = gripping_ && range < kHolds;
-        if (holding_) {
-          memory_.forget(target_->centre, 0.15);
-          enter_phase(Phase::carry, time);
-        } else {
-          // The position or the kind of the object may be wrong, so it is observed again.
-          if (target_) memory_.forget(target_->centre, 0.15);
-          gripping_ = raised_ = false;
-          enter_phase(Phase::idle, time);
-        }
-      }
-      break;
-    case Phase::carry:
-      if (!choose_slot()) {
-        drive_to(home_, time, period);  // the zone is full
-      } else if (zone_taken()) {
-        // Next to the zone, on its own side.
-        drive_to({from_east_ ? zone_.east + 0.65 : zone_.west - 0.65, zone_.south - 0.35}, time,
-                 period);
-        arrived_ = false;
-      } else {
-        drive_to({slot_.x, zone_.south - 0.32}, time, period);
-        if (arrived_) enter_phase(Phase::turn, time);
-      }
-      break;
-    case Phase::turn:
-      if (turn_to(north)) enter_phase(Phase::enter, time);
-      break;
-    case Phase::enter:
-      if (pose_.y + fork_ + side_ / 2 >= slot_.y || lasted > 15.0) {
-        raised_ = false;
-        enter_phase(Phase::lower, time);
-      } else {
-        follow(gate, {slot_.x, zone_.north}, kCreep, period);
-      }
-      break;
-    case Phase::lower:
-      if (lasted > kLiftTime) {
-        gripping_ = false;
-        ++fetched_;
-        enter_phase(Phase::release, time);
-      }
-      break;
-    case Phase::release:
-      if (lasted > kGripTime) enter_phase(Phase::leave, time);
-      break;
-    case Phase::leave:
-      if (pose_.y <= gate.y || lasted > 12.0) {
-        holding_ = false;
-        enter_phase(Phase::idle, time);
-      } else {
+    default:
+      if (distance(here(), began_) < kBackOff && lasted <= 2.0 * kBackOff / kCreep + 6.0) {
         move(-kCreep, 0.0);
+      } else {
+        check_hold(time);
       }
-      break;
-    case Phase::retreat:
-      drive_to(goal_, time, period);
-      if (arrived_ || lasted > kRetreat) {
-        enter_phase(holding_ ? Phase::carry : Phase::idle, time);
-      }
-      break;
   }
-  // A robot that has waited too long for the other one retreats.
+}
+
+void BoxCarrier::dock(double time, double period) {
+  (void)update_target();
+  const double range = feeler_.valid() ? feeler_.distance() : 1.0;
+  const double left = std::isfinite(range) ? range : range < 0 ? 0.0 : 1.0;
+  if (left <= kTouch) {
+    gripping_ = true;
+    enter_phase(Phase::grip, time);
+  } else if (distance(here(), began_) > kStandOff + 0.1 || time - since_ > 8.0) {
+    enter_phase(Phase::back, time);
+  } else {
+    const double a = bearing_of(target_->centre);
+    follow(began_, {target_->centre.x + 0.3 * std::cos(a), target_->centre.y + 0.3 * std::sin(a)},
+           left < 0.03 ? 0.4 * kCreep : kCreep, period);
+  }
+}
+
+// Whether the box came along decides what follows.
+void BoxCarrier::check_hold(double time) {
+  const double range = feeler_.valid() ? feeler_.distance() : 1.0;
+  holding_ = gripping_ && range < kHolds;
+  // If it did not, its position or kind may be wrong, so it is observed again.
+  if (target_) memory_.forget(target_->centre, 0.15);
+  if (!holding_) gripping_ = raised_ = false;
+  enter_phase(holding_ ? Phase::carry : Phase::idle, time);
+}
+
+// Drives to the gate of a free slot, turns north and enters the zone.
+void BoxCarrier::bring_to_slot(double time, double period) {
+  if (phase_ == Phase::carry) {
+    if (!choose_slot()) {
+      drive_to(home_, time, period);  // the zone is full
+    } else if (zone_taken()) {
+      // Next to the zone, on its own side.
+      drive_to({from_east_ ? zone_.east + 0.65 : zone_.west - 0.65, zone_.south - 0.35}, time,
+               period);
+      arrived_ = false;
+    } else {
+      drive_to(gate(), time, period);
+      if (arrived_) enter_phase(Phase::turn, time);
+    }
+  } else if (phase_ == Phase::turn) {
+    if (turn_to(kPi / 2)) enter_phase(Phase::enter, time);
+  } else if (pose_.y + fork_ + side_ / 2 >= slot_.y || time - since_ > 15.0) {
+    raised_ = false;
+    enter_phase(Phase::lower, time);
+  } else {
+    follow(gate(), {slot_.x, zone_.north}, kCreep, period);
+  }
+}
+
+// Lowers the box, releases it and backs out of the zone.
+void BoxCarrier::set_down(double time) {
+  const double lasted = time - since_;
+  if (phase_ == Phase::lower) {
+    if (lasted <= kLiftTime) return;
+    gripping_ = false;
+    ++fetched_;
+    enter_phase(Phase::release, time);
+  } else if (phase_ == Phase::release) {
+    if (lasted > kGripTime) enter_phase(Phase::leave, time);
+  } else if (pose_.y <= gate().y || lasted > 12.0) {
+    holding_ = false;
+    enter_phase(Phase::idle, time);
+  } else {
+    move(-kCreep, 0.0);
+  }
+}
+
+// A robot that has waited too long for the other one retreats.
+void BoxCarrier::retreat_if_blocked(double time) {
   const bool travels =
       phase_ == Phase::fetch || phase_ == Phase::carry || (phase_ == Phase::idle && !arrived_);
   if (!travels || distance(here(), moved_from_) > 0.1) {
@@ -664,7 +695,7 @@ void BoxCarrier::update(const cogrsim::Tick& tick) {
   localise(tick.period);
   if (!placed_) return;
   look(tick.time);
-  go_on(tick.time, tick.period);
+  run_phase(tick.time, tick.period);
   send(tick.period);
   publish();
 }

@@ -173,7 +173,7 @@ bool BoxMemory::looked_through(const Scan& scan, const PlanarPoint& position) co
 
 void BoxMemory::see(const Scan& scan, const Rectangle& arena,
                     const std::vector<PlanarPoint>& masked, double masked_radius) {
-  const PlanarPoint eye = place(scan.sensor);
+  const PlanarPoint eye = position_of(scan.sensor);
   std::vector<char> met(boxes_.size(), 0);
   for (const Cluster& cluster : clusters_of(scan, arena, kWalls, kGap)) {
     if (cluster.hidden || cluster.points.size() < 2) continue;

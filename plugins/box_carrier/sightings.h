@@ -20,7 +20,7 @@ struct Rectangle {
 };
 
 double distance(const PlanarPoint& a, const PlanarPoint& b);
-inline PlanarPoint place(const PlanarPose& pose) { return {pose.x, pose.y}; }
+inline PlanarPoint position_of(const PlanarPose& pose) { return {pose.x, pose.y}; }
 
 /// One scan of a range finder: its pose and the ends of its rays. Rays without a hit are missing.
 struct Scan {

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "brain.h"
 #include "cogrsim/control/controller.h"
 #include "cogrsim/core/constants.h"
 #include "obstacle_map.h"
+#include "policy.h"
 #include "wheel_driver.h"
 
 namespace grid_navigator {
@@ -47,7 +47,7 @@ class GridNavigator final : public cogrsim::Controller {
  private:
   bool configure_maze(cogrsim::Assembly& robot);
   void configure_sensors(cogrsim::Assembly& robot);
-  void configure_brain(cogrsim::Assembly& robot);
+  void configure_policy(cogrsim::Assembly& robot);
 
   void localise();
   void look();
@@ -86,7 +86,7 @@ class GridNavigator final : public cogrsim::Controller {
   WheelDriver driver_;
   ObstacleMap obstacles_;
   std::vector<Avoided> avoided_;
-  std::unique_ptr<Brain> brain_;
+  std::unique_ptr<Policy> policy_;
   bool map_stale_ = true;
   double think_at_ = 0.0;           // [s]
   int finished_ = 0;                // number of processed actions of the driver
@@ -124,7 +124,7 @@ void GridNavigator::configure(cogrsim::Assembly& robot) {
   settings.clearance = robot.parameter<double>("clearance");
   driver_ = WheelDriver(settings);
   obstacles_ = ObstacleMap(*maze_);
-  configure_brain(robot);
+  configure_policy(robot);
 }
 
 void GridNavigator::configure_sensors(cogrsim::Assembly& robot) {
@@ -160,8 +160,8 @@ bool GridNavigator::configure_maze(cogrsim::Assembly& robot) {
   return true;
 }
 
-void GridNavigator::configure_brain(cogrsim::Assembly& robot) {
-  const std::string name = robot.parameter<std::string>("brain");
+void GridNavigator::configure_policy(cogrsim::Assembly& robot) {
+  const std::string name = robot.parameter<std::string>("policy");
   if (name == "q_learning" || name == "sarsa") {
     // The maze is deterministic, so a high learning rate is suitable.
     cogrsim::Parameters parameters{{"rate", 0.3}, {"discount", 0.97}};
@@ -175,17 +175,17 @@ void GridNavigator::configure_brain(cogrsim::Assembly& robot) {
     Rehearsal rehearsal;
     rehearsal.episodes = robot.parameter<int>("rehearsals");
     rehearsal.again = std::max(1, rehearsal.episodes / 5);
-    brain_ = std::make_unique<LearnerBrain>(std::move(learner), ends_, rehearsal,
-                                            [this] { return robot_->uniform(0.0, 1.0); });
+    policy_ = std::make_unique<LearnerPolicy>(std::move(learner), ends_, rehearsal,
+                                              [this] { return robot_->uniform(0.0, 1.0); });
     return;
   }
-  const auto planners = [&]() -> PlannerBrain::Planners {
+  const auto planners = [&]() -> PlannerPolicy::Planners {
     return {robot.algorithm<cogrsim::GridPlanner>(name),
             robot.algorithm<cogrsim::GridPlanner>(name)};
   };
-  PlannerBrain::Planners to_trigger = planners(), to_goal = planners();
+  PlannerPolicy::Planners to_trigger = planners(), to_goal = planners();
   if (to_trigger.path && to_trigger.value && to_goal.path && to_goal.value) {
-    brain_ = std::make_unique<PlannerBrain>(std::move(to_trigger), std::move(to_goal), ends_);
+    policy_ = std::make_unique<PlannerPolicy>(std::move(to_trigger), std::move(to_goal), ends_);
   }
 }
 
@@ -274,7 +274,7 @@ void GridNavigator::map_changed() {
       if (obstacles_.blocked(cell) && !needed) (void)grid.set_cost(cell, cogrsim::kBlocked);
     }
     for (const Avoided& avoided : avoided_) (void)grid.set_cost(avoided.edge, cogrsim::kBlocked);
-    brain_->set_map(errand, grid);
+    policy_->set_map(errand, grid);
   }
   map_stale_ = false;
   chosen_for_.reset();
@@ -293,7 +293,7 @@ void GridNavigator::arrive_at(const Cell& cell) {
 std::optional<Action> GridNavigator::next_action(const Cell& at, std::optional<Action> straight) {
   if (!chosen_for_ || *chosen_for_ != at) {
     chosen_for_ = at;
-    chosen_ = brain_->choose(errand_, at, straight);
+    chosen_ = policy_->choose(errand_, at, straight);
   }
   return chosen_;
 }
@@ -306,7 +306,7 @@ void GridNavigator::end_action() {
     Outcome outcome = *under_way_;
     outcome.to = at;
     outcome.arrived = at == ends_.of(outcome.errand);
-    brain_->learn(outcome);
+    policy_->learn(outcome);
     under_way_.reset();
   }
   chosen_for_.reset();
@@ -397,7 +397,7 @@ void GridNavigator::update(const cogrsim::Tick& tick) {
         cell.column >= maze_->columns) {
       throw std::runtime_error("the robot is outside of the maze");
     }
-    driver_.place(cell, pose);
+    driver_.start_in(cell, pose);
     placed_ = true;
     if (driver_.idle()) arrive_at(cell);
   }
@@ -423,9 +423,9 @@ void GridNavigator::publish(const cogrsim::Tick&) {
   const cogrsim::Vec3 centre = cogrsim::centre_of(*maze_, cell);
   robot_->publish("value_x", centre.x());
   robot_->publish("value_y", centre.y());
-  robot_->publish("value", brain_->value(Errand::goal, cell));
+  robot_->publish("value", policy_->value(Errand::goal, cell));
   robot_->publish("value_trigger", errand_ == Errand::trigger
-                                       ? brain_->value(Errand::trigger, cell)
+                                       ? policy_->value(Errand::trigger, cell)
                                        : std::numeric_limits<double>::quiet_NaN());
   shown_ = (shown_ + 1) % (maze_->rows * maze_->columns);
 }
@@ -438,7 +438,7 @@ std::optional<std::string> GridNavigator::save() const {
   out << "grid_navigator 1\n"
       << static_cast<int>(errand_) << ' ' << arrived_ << ' ' << plans_ << ' ' << blocked_ << '\n';
   for (const int count : obstacles_.evidence()) out << count << ' ';
-  out << '\n' << brain_->memory();
+  out << '\n' << policy_->memory();
   return out.str();
 }
 
@@ -457,7 +457,7 @@ void GridNavigator::restore(const std::string& memory) {
   in.get();
   std::ostringstream rest;
   rest << in.rdbuf();
-  if (!rest.str().empty()) brain_->remember(rest.str());
+  if (!rest.str().empty()) policy_->remember(rest.str());
   map_stale_ = true;
 }
 
@@ -470,7 +470,7 @@ COGRSIM_CONTROLLER(
     parameter("maze", "", "name of the maze; empty: the only one"),
     parameter("trigger", "", "cell to go to first: a named cell, or \"r2c5\"").must_be_set(),
     parameter("goal", "", "cell to go to then").must_be_set(),
-    parameter("brain", "d_star_lite",
+    parameter("policy", "d_star_lite",
               "method of choosing actions: a grid planner, or q_learning or sarsa"),
     parameter("table", "", "file in which a learner stores its table between runs; empty: none"),
     parameter("rehearsals", 2000, "simulated episodes of a learner before it starts, per errand")

@@ -76,7 +76,7 @@ void Localiser::correct(const PlanarPose& measured) {
   pose_.heading = wrapped(pose_.heading + trust * wrapped(measured.heading - pose_.heading));
 }
 
-void WheelDriver::place(const Cell& cell, const PlanarPose& pose) {
+void WheelDriver::start_in(const Cell& cell, const PlanarPose& pose) {
   from_ = to_ = cell;
   const double dx = (cell.column + 0.5) * settings_.cell - pose.x;
   const double dy = (cell.row + 0.5) * settings_.cell - pose.y;

@@ -71,7 +71,7 @@ class WheelDriver {
   explicit WheelDriver(const DriverSettings& settings) : settings_(settings) {}
 
   /// Sets the cell of the robot. The robot first drives to its centre if necessary.
-  void place(const Cell& cell, const PlanarPose& pose);
+  void start_in(const Cell& cell, const PlanarPose& pose);
 
   /// Starts an action. Precondition: idle().
   void begin(Action action);

@@ -146,9 +146,9 @@ void MazeReferee::draw_obstacles(SupervisorContext& context) {
   std::vector<int> free;
   for (int i = 0; i < maze_.rows * maze_.columns; ++i) {
     const Cell cell{i / maze_.columns, i % maze_.columns};
-    const bool named = std::any_of(
-        maze_.places.begin(), maze_.places.end(),
-        [&](const auto& p) { return p.row == cell.row && p.column == cell.column; });
+    const bool named =
+        std::any_of(maze_.named_cells.begin(), maze_.named_cells.end(),
+                    [&](const auto& p) { return p.row == cell.row && p.column == cell.column; });
     if (!named) free.push_back(i);
   }
   for (std::int64_t i = 0; i < cubes + balls; ++i) {
@@ -334,9 +334,9 @@ void MazeReferee::publish(SupervisorContext& context) {
   context.publish("touched", touched_);
   context.publish("time_to_trigger", trigger_time_);
   context.publish("time_to_goal", goal_time_);
-  context.publish("obstacles",
-                static_cast<double>(std::count_if(obstacles_.begin(), obstacles_.end(),
-                                                  [](const Obstacle& one) { return one.there; })));
+  context.publish("obstacles", static_cast<double>(
+                                   std::count_if(obstacles_.begin(), obstacles_.end(),
+                                                 [](const Obstacle& one) { return one.there; })));
 }
 
 void MazeReferee::update(const cogrsim::Tick&, SupervisorContext& context) {
@@ -434,8 +434,7 @@ COGRSIM_SUPERVISOR(
     parameter("start", "", "cell in which it starts: a named cell, or \"r2c5\"").must_be_set(),
     parameter("trigger", "", "cell it must visit first").must_be_set(),
     parameter("goal", "", "cell at which the run ends").must_be_set(),
-    parameter("speed", 0.5, "m/s", "highest speed of the robot, for the optimum")
-        .range(0.01, 10.0),
+    parameter("speed", 0.5, "m/s", "highest speed of the robot, for the optimum").range(0.01, 10.0),
     parameter("acceleration", 2.0, "m/s^2", "the same").range(0.01, 100.0),
     parameter("turn_rate", 6.0, "rad/s", "the same").range(0.1, 100.0),
     parameter("turn_acceleration", 30.0, "rad/s^2", "the same").range(0.1, 1000.0),
@@ -447,8 +446,7 @@ COGRSIM_SUPERVISOR(
     parameter("until", 15.0, "s", "time by which the last appears").range(0.0, 1e6),
     parameter("vanishing", 0.5, "1", "fraction of the balls that vanish after 4 s to 12 s")
         .range(0.0, 1.0),
-    parameter("scatter", 0.03, "m",
-              "largest offset of an obstacle from the centre of its cell")
+    parameter("scatter", 0.03, "m", "largest offset of an obstacle from the centre of its cell")
         .range(0.0, 1.0),
     parameter("cube", 0.2, "m", "edge of the cubes").range(0.01, 2.0),
     parameter("ball", 0.06, "m", "radius of the balls").range(0.005, 1.0),

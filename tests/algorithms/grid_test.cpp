@@ -137,7 +137,7 @@ TEST_CASE("grid planners find the cheapest path between any two cells", "[algori
           std::isinf(planner->grid().cost(start)) || std::isinf(planner->grid().cost(goal));
       REQUIRE(path.has_value() == (std::isfinite(shortest) && !blocked));
       if (!path) {
-        CHECK(path.error().code == (blocked ? "" : kNoWay));
+        CHECK(path.error().code == (blocked ? "" : kNoPath));
         continue;
       }
       // Sums of at most 63 costs in another order: rounding of 63 * 2^-53 at most.
@@ -233,7 +233,7 @@ TEST_CASE("D* Lite stays optimal while the grid changes and expands less", "[alg
     const auto lite = d_star->plan(here, goal), whole = dijkstra->plan(here, goal);
     REQUIRE(lite.has_value() == whole.has_value());
     if (!lite) {
-      CHECK(lite.error().code == kNoWay);
+      CHECK(lite.error().code == kNoPath);
       ++unreachable;
       REQUIRE(d_star->set_cost(GridEdge{{0, 0}, Side::north}, 1.0));
       REQUIRE(dijkstra->set_cost(GridEdge{{0, 0}, Side::north}, 1.0));
@@ -307,7 +307,7 @@ TEST_CASE("grid planners report their errors", "[algorithms][grid]") {
     REQUIRE(planner->set_cost(GridEdge{{3, 4}, Side::west}, kBlocked));
     const auto none = planner->plan({0, 0}, {3, 4});
     REQUIRE_FALSE(none);
-    CHECK(none.error().code == kNoWay);
+    CHECK(none.error().code == kNoPath);
     CHECK(has(none.error().message,
               "of 20 cells 19 can be reached from the start and 1 from the goal"));
     REQUIRE(planner->set_cost(Cell{2, 2}, kBlocked));
@@ -340,7 +340,7 @@ TEST_CASE("a maze's plan becomes a grid", "[algorithms][grid]") {
   const int o = MazeModel::kOpen, w = MazeModel::kWall;
   maze.vertical = {w, o, w, w, w, w};
   maze.horizontal = {w, w, 3, o, w, w};
-  maze.places = {{"S", 1, 0}, {"G", 0, 1}};
+  maze.named_cells = {{"S", 1, 0}, {"G", 0, 1}};
   const Cell start = *find_cell(maze, "S"), goal = *find_cell(maze, "G");
   CHECK(start == Cell{1, 0});
   CHECK(*find_cell(maze, "r1c1") == Cell{1, 1});

@@ -217,6 +217,6 @@ TEST_CASE("sampling planners report their errors", "[algorithms][space]") {
   closed.valid = [](const SpacePoint& p) { return std::abs(p[0] - 0.5) > 0.1; };
   const auto none = planner->plan(closed);
   REQUIRE_FALSE(none);
-  CHECK(none.error().code == kNoWayFound);
+  CHECK(none.error().code == kNoPathFound);
   CHECK(has(none.error().message, "300 iterations"));
 }

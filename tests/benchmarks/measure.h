@@ -41,7 +41,7 @@ struct Row {
   double check = 0, expected = 0, within = 0;
   bool agrees = false;
   double build_us = 0, memory = 0;  ///< to build the scene [us]; resident, at the end [byte]
-  double seen = 0;                  ///< sum of the infrareds' readings [m]
+  double seen = 0;                  ///< sum of the infrared sensors' readings [m]
   std::string missing;              ///< why there are no figures; empty: there are
   std::string note;                 ///< what else to know
 };

@@ -113,8 +113,9 @@ void claim_real_time(const Results& results, std::vector<Claim>& claims) {
   for (const char* engine : {"cogrsim-bullet", "cogrsim-cogrsim"}) {
     const Row* row = find(results.table, engine, "robots-infrared");
     const double speed = row ? row->dt * 1e6 / row->time.median : kNan;
-    Claim claim{fmt::format("100 robots with infrareds on {}: times real time, above 1", engine),
-                "not measured", Claim::unknown};
+    Claim claim{
+        fmt::format("100 robots with infrared sensors on {}: times real time, above 1", engine),
+        "not measured", Claim::unknown};
     if (row) {
       claim.measured =
           fmt::format("{:.2f} ({:.0f} us for a step of 1 ms)", speed, row->time.median);

@@ -150,7 +150,7 @@ void add_chain(Scene& scene, int links) {
   scene.why_expected = "the median of all engines";
 }
 
-/// Two wheels, a slick caster behind; drives a curve. `eyes`: two infrareds that look ahead.
+/// Two wheels, a slick caster behind; drives a curve. `eyes`: two infrared sensors that look ahead.
 void add_robots(Scene& scene, int count, bool eyes) {
   constexpr double kSpacing = 1.0, kChassisMass = 1.2, kHeight = 0.05;
   constexpr double kWheelRadius = 0.04, kWheelWidth = 0.02, kWheelMass = 0.15;
@@ -327,7 +327,7 @@ const std::vector<SceneInfo>& scene_list() {
       {"falling-boxes", "boxes fall and heap up", 3000},
       {"chain", "links on hinges, without contact", 30},
       {"robots", "robots on two driven wheels and a caster", 100},
-      {"robots-infrared", "the same with two infrareds each, read every 10 ms", 100},
+      {"robots-infrared", "the same with two infrared sensors each, read every 10 ms", 100},
       {"tumbling", "a box without forces", 1},
       {"stack", "boxes on top of each other", 5},
       {"grid", "boxes that lie on the floor", 200},

@@ -135,7 +135,7 @@ class ToyBackend final : public Backend {
     out.engine = "a toy";
     out.solver = out.formulation = "none";
     out.integrator = "explicit Euler";
-    for (const StepStage stage : kStepStages) out[stage] = {ComputedBy::nobody, "bodies fly freely"};
+    for (const StepStage stage : kStepStages) out[stage] = {ComputedBy::none, "bodies fly freely"};
     out[StepStage::integrator] = {ComputedBy::engine, "ToyWorld::step"};
     return out;
   }

@@ -76,10 +76,13 @@ TEST_CASE("a maze's plan is what was drawn", "[maze]") {
                                          kWall, kWall, kWall});
   CHECK(m.west(1, 1) == 0);
   CHECK(m.north(0, 2) == 1);
-  REQUIRE(m.places.size() == 3);
-  CHECK((m.places[0].name == "S" && m.places[0].row == 1 && m.places[0].column == 0));
-  CHECK((m.places[1].name == "T1" && m.places[1].row == 1 && m.places[1].column == 2));
-  CHECK((m.places[2].name == "G" && m.places[2].row == 0 && m.places[2].column == 2));
+  REQUIRE(m.named_cells.size() == 3);
+  CHECK(
+      (m.named_cells[0].name == "S" && m.named_cells[0].row == 1 && m.named_cells[0].column == 0));
+  CHECK(
+      (m.named_cells[1].name == "T1" && m.named_cells[1].row == 1 && m.named_cells[1].column == 2));
+  CHECK(
+      (m.named_cells[2].name == "G" && m.named_cells[2].row == 0 && m.named_cells[2].column == 2));
 }
 
 TEST_CASE("a maze's walls are few long boxes of its assembly", "[maze]") {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <set>
 
+#include "build/place_scatter.h"
 #include "build_support.h"
 #include "cogrsim/geometry/overlap.h"
-#include "build/place_scatter.h"
 
 using namespace cogrsim;
 using namespace cogrsim::test;
@@ -112,7 +112,7 @@ TEST_CASE("scattered objects are clear of everything, over many seeds", "[scatte
       const int row = static_cast<int>(std::floor(p.y() / 0.5)),
                 column = static_cast<int>(std::floor(p.x() / 0.5));
       CHECK((row >= 0 && row < 4 && column >= 0 && column < 4));
-      for (const auto& cell : maze.places)
+      for (const auto& cell : maze.named_cells)
         CHECK_FALSE((cell.row == row && cell.column == column));
       const double least = thing.name[0] == 'l' ? 0.03 : 0.02;
       for (const Body& other : model->bodies) {

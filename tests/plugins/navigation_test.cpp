@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "cogrsim/algorithms/grid.h"
-#include "grid_navigator/brain.h"
 #include "grid_navigator/obstacle_map.h"
+#include "grid_navigator/policy.h"
 #include "grid_navigator/wheel_driver.h"
 #include "maze_referee/hindsight.h"
 
@@ -76,7 +76,7 @@ TEST_CASE("an action leads to the middle of the neighbouring cell", "[navigation
   WheelDriver driver{DriverSettings{}};
   Vehicle vehicle;
   vehicle.pose = {1.26, 1.24, 0.7};  // a little off the middle of cell (2, 2)
-  driver.place({2, 2}, vehicle.pose);
+  driver.start_in({2, 2}, vehicle.pose);
   REQUIRE(driver.idle());
   driver.begin(action);
   vehicle.run(driver, 10.0);
@@ -94,7 +94,7 @@ TEST_CASE("an action leads to the middle of the neighbouring cell", "[navigation
 TEST_CASE("equal actions flow without a stop", "[navigation]") {
   WheelDriver driver{DriverSettings{}};
   Vehicle vehicle;
-  driver.place({0, 0}, vehicle.pose);
+  driver.start_in({0, 0}, vehicle.pose);
   driver.begin(Action::east);
   double slowest = kInfinity;
   int extended = 0;
@@ -118,7 +118,7 @@ TEST_CASE("equal actions flow without a stop", "[navigation]") {
 TEST_CASE("an action against a wall ends blocked in the middle of its cell", "[navigation]") {
   WheelDriver driver{DriverSettings{}};
   Vehicle vehicle;
-  driver.place({0, 0}, vehicle.pose);
+  driver.start_in({0, 0}, vehicle.pose);
   driver.begin(Action::east);
   SECTION("that is seen") { vehicle.wall_x = 0.5; }
   SECTION("that appears during the motion") { vehicle.wall_x = 0.85; }
@@ -132,7 +132,7 @@ TEST_CASE("an action against a wall ends blocked in the middle of its cell", "[n
 TEST_CASE("what jams unseen is left after a time", "[navigation]") {
   WheelDriver driver{DriverSettings{}};
   Vehicle vehicle;
-  driver.place({0, 0}, vehicle.pose);
+  driver.start_in({0, 0}, vehicle.pose);
   driver.begin(Action::east);
   vehicle.run(driver, 10.0, 0.5);
   REQUIRE(driver.idle());
@@ -144,7 +144,7 @@ TEST_CASE("a robot left between two cells goes to the middle of the nearer one",
   WheelDriver driver{DriverSettings{}};
   Vehicle vehicle;
   vehicle.pose = {0.25, 0.42, 0.0};
-  driver.place({0, 0}, vehicle.pose);
+  driver.start_in({0, 0}, vehicle.pose);
   REQUIRE_FALSE(driver.idle());
   vehicle.run(driver, 10.0);
   REQUIRE(driver.idle());

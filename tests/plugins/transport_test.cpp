@@ -53,7 +53,7 @@ Scan look_from(const PlanarPose& eye, const std::vector<Box>& boxes) {
     double least = std::numeric_limits<double>::infinity();
     for (const auto& outline : outlines) {
       for (std::size_t k = 0; k < 4; ++k) {
-        least = std::min(least, to_segment(place(eye), eye.heading + scan.bearings.back(),
+        least = std::min(least, to_segment(position_of(eye), eye.heading + scan.bearings.back(),
                                            outline[k], outline[(k + 1) % 4]));
       }
     }
@@ -90,7 +90,7 @@ TEST_CASE("a box is found with its position and heading", "[transport]") {
   REQUIRE(whole != clusters.end());
   CHECK(std::count_if(clusters.begin(), clusters.end(),
                       [](const Cluster& cluster) { return !cluster.hidden; }) == 1);
-  const auto box = box_of(*whole, place(eye), kSide);
+  const auto box = box_of(*whole, position_of(eye), kSide);
   REQUIRE(box);
   REQUIRE(box->shape_known);
   // Rays are 1 deg apart: a face's end is missed by up to range * 1 deg / sin(60 deg) or so, 1.6 cm
@@ -161,14 +161,14 @@ TEST_CASE("robots that drive at each other stop before their discs touch", "[tra
     const double time = i * 0.04;
     for (Walker* w : {&a, &b}) {
       const Walker& o = w == &a ? b : a;
-      w->other.see(place(o.pose), time);
+      w->other.see(position_of(o.pose), time);
     }
     for (Walker* w : {&a, &b}) {
       if (!may_drive(w->pose, w->speed, w->radius, w->other, 0.27, w->rules)) continue;
       w->pose.x += 0.04 * w->speed * std::cos(w->pose.heading);
       w->pose.y += 0.04 * w->speed * std::sin(w->pose.heading);
     }
-    nearest = std::min(nearest, distance(place(a.pose), place(b.pose)));
+    nearest = std::min(nearest, distance(position_of(a.pose), position_of(b.pose)));
   }
   CHECK(nearest > 0.54);  // the two radii
 }

@@ -260,9 +260,9 @@ TEST_CASE("a scene model is read back completely") {
     maze.vertical.pop_back();
     CHECK_FALSE(check_model(wrong));
     maze.vertical.push_back(MazeModel::kWall);
-    maze.places.push_back({"S", 0, 1});
+    maze.named_cells.push_back({"S", 0, 1});
     CHECK_FALSE(check_model(wrong));
-    maze.places.clear();
+    maze.named_cells.clear();
     maze.rows = maze.columns = std::numeric_limits<int>::max();
     CHECK_FALSE(check_model(wrong));
   }

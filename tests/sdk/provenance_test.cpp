@@ -19,7 +19,7 @@ Provenance whole() {
   out.integrator = "Euler";
   out.cogrsim_version = "0.1.0";
   for (const StepStage stage : kStepStages) out[stage] = {ComputedBy::engine, to_string(stage)};
-  out[StepStage::restitution] = {ComputedBy::nobody, "impacts do not bounce"};
+  out[StepStage::restitution] = {ComputedBy::none, "impacts do not bounce"};
   out.options = {{"iterations", std::int64_t{50}}, {"erp", 0.2}};
   out.assembly_options["bot"] = {{"formulation", std::string("reduced")}};
   return out;
@@ -51,8 +51,17 @@ TEST_CASE("a provenance comes back from its text", "[provenance]") {
   const auto after = parse_provenance(to_json_text(before));
   REQUIRE(after);
   CHECK(to_json_text(*after) == to_json_text(before));
-  CHECK((*after)[StepStage::restitution].by == ComputedBy::nobody);
+  CHECK((*after)[StepStage::restitution].by == ComputedBy::none);
   CHECK(option_text(after->options.at("erp")) == "0.2");
+  // Version 0.1 wrote "nobody".
+  std::string old = to_json_text(before);
+  const std::string none = "\"by\":\"none\"";
+  const std::size_t found = old.find(none);
+  REQUIRE(found != std::string::npos);
+  old.replace(found, none.size(), "\"by\":\"nobody\"");
+  const auto read = parse_provenance(old);
+  REQUIRE(read);
+  CHECK(to_json_text(*read) == to_json_text(before));
   for (const char* bad : {"", "7", "{}", "[", "{\"backend\":\"x\"}", "null"}) {
     INFO(bad);
     CHECK_FALSE(parse_provenance(bad));

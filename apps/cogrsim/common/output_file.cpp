@@ -15,7 +15,7 @@ namespace {
 
 // One for the whole process, which runs one command.
 struct Rules {
-  std::mutex guard;
+  std::mutex mutex;
   OutputRules rules;
 };
 
@@ -30,13 +30,13 @@ std::FILE* g_output = nullptr;  // set before there are threads
 
 void allow_overwriting() {
   Rules& all = process_rules();
-  const std::lock_guard lock(all.guard);
+  const std::lock_guard lock(all.mutex);
   all.rules.overwrite = true;
 }
 
 void add_input(const std::string& path) {
   Rules& all = process_rules();
-  const std::lock_guard lock(all.guard);
+  const std::lock_guard lock(all.mutex);
   for (const std::string& known : all.rules.inputs) {
     if (known == path) return;
   }
@@ -45,7 +45,7 @@ void add_input(const std::string& path) {
 
 OutputRules output_rules() {
   Rules& all = process_rules();
-  const std::lock_guard lock(all.guard);
+  const std::lock_guard lock(all.mutex);
   return all.rules;
 }
 

@@ -140,11 +140,14 @@ Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t v
               {"viewers", viewers}};
   if (s.speed) out["speed"] = *s.speed;
   if (const auto& call = s.waiting) {
-    out["waiting"] = {{"kind", call->kind},     {"name", call->name},      {"of", call->of},
-                      {"plugin", call->plugin}, {"doing", call->doing},    {"time", nullptr},
-                      {"seconds", call->lasts}, {"isolated", call->apart}, {"limit", nullptr}};
+    out["waiting"] = {{"kind", call->kind},     {"name", call->name},
+                      {"of", call->of},         {"plugin", call->plugin},
+                      {"doing", call->doing},   {"time", nullptr},
+                      {"seconds", call->lasts}, {"isolated", call->out_of_process},
+                      {"limit", nullptr}};
     if (std::isfinite(call->time)) out["waiting"]["time"] = call->time;
-    if (call->apart && std::isfinite(call->patience)) out["waiting"]["limit"] = call->patience;
+    if (call->out_of_process && std::isfinite(call->patience))
+      out["waiting"]["limit"] = call->patience;
   }
   if (s.recording) out["recording"] = *s.recording;
   if (s.compare) {

@@ -110,7 +110,7 @@ class OdeBackend final : public Backend {
     };
     engine(StepStage::broad_phase, "dHashSpace");
     engine(StepStage::narrow_phase, "dCollide");
-    out[StepStage::contact_memory] = {ComputedBy::nobody,
+    out[StepStage::contact_memory] = {ComputedBy::none,
                                       "no memory: each step finds its contacts again"};
     engine(StepStage::contact_law, "dJointCreateContact");
     engine(StepStage::friction, std::get<std::string>(options.at("friction")) == "pyramid"

@@ -94,7 +94,7 @@ class SimbodyBackend final : public Backend {
     } else {
       out[StepStage::broad_phase] = {ours, "Detector"};
       out[StepStage::narrow_phase] = {ours, "Detector, with Bullet's btGjkPairDetector for hulls"};
-      out[StepStage::contact_memory] = {ComputedBy::nobody,
+      out[StepStage::contact_memory] = {ComputedBy::none,
                                         "points are found again in each evaluation"};
       out[StepStage::contact_law] = {ours, "Force::Custom, Hunt and Crossley's force"};
       out[StepStage::friction] = {ours, "Force::Custom, Hollars' friction"};

@@ -380,7 +380,7 @@ void Builder::couple_start(const Element& element, const Coupling& coupling) {
 
 // <collide> in file order: later ones overrule earlier ones.
 void Builder::collision_pairs() {
-  std::set<BodyPair> apart;
+  std::set<BodyPair> separated;
   std::map<BodyPair, std::vector<std::size_t>> joined;
   for (std::size_t j = 0; j < model_.joints.size(); ++j) {
     const Joint& joint = model_.joints[j];
@@ -420,14 +420,14 @@ void Builder::collision_pairs() {
         if (a == b) continue;
         const BodyPair pair = std::minmax(a, b);
         if (*with)
-          apart.erase(pair);
+          separated.erase(pair);
         else
-          apart.insert(pair);
+          separated.insert(pair);
         if (const auto it = joined.find(pair); it != joined.end())
           for (const std::size_t j : it->second) model_.joints[j].bodies_collide = *with;
       }
   });
-  model_.no_collide.assign(apart.begin(), apart.end());
+  model_.no_collide.assign(separated.begin(), separated.end());
 }
 
 }  // namespace cogrsim::dsl

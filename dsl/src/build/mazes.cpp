@@ -48,8 +48,9 @@ void Builder::doors() {
                 "the leaf of door '" + door.name + "' weighs " + newtons(weight) +
                     " along its direction of travel, but the force of its motor is at most " +
                     newtons(drive.max_effort))
-              .help("increase the force, or make the leaf lighter: use another material, or make "
-                    "it thinner");
+              .help(
+                  "increase the force, or make the leaf lighter: use another material, or make "
+                  "it thinner");
       }
     }
     model_.doors.push_back(std::move(door));
@@ -66,7 +67,7 @@ void Builder::mazes() {
     };
     std::for_each(maze.vertical.begin(), maze.vertical.end(), number);
     std::for_each(maze.horizontal.begin(), maze.horizontal.end(), number);
-    for (const MazeModel::Place& cell : maze.places) {
+    for (const MazeModel::NamedCell& cell : maze.named_cells) {
       RegionModel region;
       region.name = maze.name + "." + cell.name;
       // As deep as it is high: what stands on the floor has its origin there, or a little below.

@@ -136,8 +136,7 @@ bool Builder::event(const Element& element, RuleModel& rule) {
     return wrong("there is no event '" + kind + "'" +
                  (near.empty() ? "" : ", did you mean '" + near + "'?"));
   }
-  if (known->last)
-    return wrong("the run is over when '" + kind + "' occurs: no action can follow");
+  if (known->last) return wrong("the run is over when '" + kind + "' occurs: no action can follow");
   std::vector<std::string> names;
   if (open != std::string::npos)
     if (const std::string bad = event_names(whole, names); !bad.empty()) return wrong(bad);
@@ -370,9 +369,9 @@ bool Builder::spawn_poses(const Element& element, const Word& word, std::vector<
   }
   for (int row = 0; row < maze->rows; ++row)
     for (int column = 0; column < maze->columns; ++column) {
-      const bool named = std::any_of(maze->places.begin(), maze->places.end(), [&](const auto& p) {
-        return p.row == row && p.column == column;
-      });
+      const bool named =
+          std::any_of(maze->named_cells.begin(), maze->named_cells.end(),
+                      [&](const auto& p) { return p.row == row && p.column == column; });
       if (only_free && named) continue;
       poses.push_back(maze->X_WM * Pose(maze->centre(row, column), Quat(1, 0, 0, 0)));
     }
@@ -406,8 +405,8 @@ std::optional<Action> Builder::spawn(const Element& element) {
     if (!r.has(attribute)) continue;
     const auto word = r.word(attribute);
     const auto pose = !word.given()             ? std::nullopt
-                       : (*word).text == "world" ? std::optional<Pose>(Pose{})
-                                                 : named_pose(element, *word);
+                      : (*word).text == "world" ? std::optional<Pose>(Pose{})
+                                                : named_pose(element, *word);
     good = good && pose.has_value();
     if (pose) spawn.pose = *pose * *own;
   }

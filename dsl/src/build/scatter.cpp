@@ -9,7 +9,7 @@
 namespace cogrsim::dsl {
 namespace {
 
-constexpr int kRounds = 24;                 // drawings of one scatter
+constexpr int kRounds = 24;                        // drawings of one scatter
 constexpr std::size_t kMostPositions = 4'000'000;  // tried by one scatter: a few seconds
 
 // Four digits are enough for a message.
@@ -46,7 +46,7 @@ std::optional<Ground> Builder::named_ground(const Element& scatter) {
       out.X_WG = note(*maze->element).X_W;
       for (int row = 0; row < maze->plan.rows; ++row)
         for (int column = 0; column < maze->plan.columns; ++column)
-          if (std::none_of(maze->plan.places.begin(), maze->plan.places.end(),
+          if (std::none_of(maze->plan.named_cells.begin(), maze->plan.named_cells.end(),
                            [&](const auto& p) { return p.row == row && p.column == column; }))
             cell(maze->plan, row, column);
       if (!out.rectangles.empty()) return out;
@@ -65,9 +65,9 @@ std::optional<Ground> Builder::named_ground(const Element& scatter) {
     int row = 0, column = 0;
     if (maze != context_.mazes.end()) {
       out.X_WG = note(*maze->element).X_W;
-      const auto named = std::find_if(maze->plan.places.begin(), maze->plan.places.end(),
+      const auto named = std::find_if(maze->plan.named_cells.begin(), maze->plan.named_cells.end(),
                                       [&](const auto& p) { return p.name == element->name; });
-      if (named != maze->plan.places.end()) {
+      if (named != maze->plan.named_cells.end()) {
         cell(maze->plan, named->row, named->column);
         return out;
       }
@@ -161,8 +161,7 @@ void Builder::scatter_instances(const ScatterPlan& plan, const std::set<int>& ab
         if (member->find(placed) != nullptr) {
           good = false;
           fault("CG1012", *member, placed,
-                "'" + std::string(placed) +
-                    "' sets a pose, but the scatter draws the pose")
+                "'" + std::string(placed) + "' sets a pose, but the scatter draws the pose")
               .help("move it out of the scatter, or delete '" + std::string(placed) + "'");
         }
       take(*member);

@@ -5,10 +5,10 @@
 #include <set>
 #include <unordered_map>
 
+#include "edit/outline_notes.h"
 #include "report/diagnostics.h"
 #include "syntax/edit_tree.h"
 #include "syntax/element.h"
-#include "edit/outline_notes.h"
 #include "syntax/xml_scan.h"
 
 namespace cogrsim::dsl {
@@ -129,7 +129,7 @@ namespace {
 void add(const EditElement& e, const std::string& text, std::size_t& at, int& line, int& column,
          std::vector<OutlineElement>& out) {
   // Lines end with \n, \r\n or \r, as everywhere.
-  const auto go_on = [&](std::size_t bytes) {
+  const auto skip = [&](std::size_t bytes) {
     for (const std::size_t end = at + bytes; at < end; ++at) {
       const char c = text[at];
       if (c == '\n' || (c == '\r' && (at + 1 >= text.size() || text[at + 1] != '\n'))) {
@@ -140,7 +140,7 @@ void add(const EditElement& e, const std::string& text, std::size_t& at, int& li
       }
     }
   };
-  go_on(e.lead.size());
+  skip(e.lead.size());
   const std::size_t index = out.size();
   OutlineElement element;
   element.id = e.id;
@@ -151,13 +151,13 @@ void add(const EditElement& e, const std::string& text, std::size_t& at, int& li
   for (const EditAttribute& a : e.attributes) element.attributes.emplace_back(a.name, a.value());
   element.name = e.value(e.tag == "import" ? "as" : "name");
   out.push_back(std::move(element));
-  go_on(1 + e.tag.size());
+  skip(1 + e.tag.size());
   for (const EditAttribute& a : e.attributes)
-    go_on(a.lead.size() + a.name.size() + a.equals.size() + a.raw.size() + 2);
-  go_on(e.close.size() + (e.empty ? 2 : 1));
+    skip(a.lead.size() + a.name.size() + a.equals.size() + a.raw.size() + 2);
+  skip(e.close.size() + (e.empty ? 2 : 1));
   if (!e.empty) {
     for (const auto& child : e.children) add(*child, text, at, line, column, out);
-    go_on(e.tail.size() + 2 + e.tag.size() + e.end.size() + 1);
+    skip(e.tail.size() + 2 + e.tag.size() + e.end.size() + 1);
   }
   out[index].end_line = line;
 }

@@ -286,7 +286,7 @@ class MazeMaker {
     for (const char c : drawing_.vertical) m.vertical.push_back(piece(c));
     for (const char c : drawing_.horizontal) m.horizontal.push_back(piece(c));
     for (const MazeDrawing::Cell& cell : drawing_.cells)
-      m.places.push_back({cell.name, cell.row, cell.column});
+      m.named_cells.push_back({cell.name, cell.row, cell.column});
   }
 
   void look(Node& box, std::string_view but = {}) const {

@@ -23,19 +23,19 @@ struct Seen {
   }
 };
 
-bool is_visible(const Vec3& middle, double reach, const View& view) {
+bool is_visible(const Vec3& middle, double radius, const View& view) {
   return std::all_of(view.planes.begin(), view.planes.end(), [&](const Eigen::Vector4d& plane) {
-    return plane.head<3>().dot(middle) + plane.w() >= -reach;
+    return plane.head<3>().dot(middle) + plane.w() >= -radius;
   });
 }
 
 }  // namespace
 
-Instance make_instance(const Item& item, const Placement& place, const Vec3& origin) {
+Instance make_instance(const Item& item, const Placement& placement, const Vec3& origin) {
   Instance out;
-  const Vec3 p = place.p_WS - origin;
+  const Vec3 p = placement.p_WS - origin;
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) out.rows[i][j] = static_cast<float>(place.R_WS(i, j));
+    for (int j = 0; j < 3; ++j) out.rows[i][j] = static_cast<float>(placement.R_WS(i, j));
     out.rows[i][3] = static_cast<float>(p[i]);
   }
   std::copy(item.scale.begin(), item.scale.end(), out.scale);
@@ -44,16 +44,16 @@ Instance make_instance(const Item& item, const Placement& place, const Vec3& ori
   return out;
 }
 
-DrawList list_items(const std::vector<Item>& items, const std::vector<Placement>& places,
+DrawList list_items(const std::vector<Item>& items, const std::vector<Placement>& placements,
                     const View& view, const DrawOptions& options, const GeometryFinder& geometry,
                     const TextureFinder& texture) {
   std::vector<Seen> seen;
   seen.reserve(items.size());
   // Nothing of the near plane's rectangle is farther off than this.
-  double near_reach = 0.0;
+  double near_radius = 0.0;
   for (const double column : {0.0, double(view.width)}) {
     for (const double row : {0.0, double(view.height)}) {
-      near_reach = std::max(near_reach, view.near * view.ray(column, row).norm());
+      near_radius = std::max(near_radius, view.near * view.ray(column, row).norm());
     }
   }
   for (std::size_t i = 0; i < items.size(); ++i) {
@@ -64,8 +64,8 @@ DrawList list_items(const std::vector<Item>& items, const std::vector<Placement>
                            item.body)) {
       continue;
     }
-    const Vec3 middle = places[i].middle - view.origin;
-    if (!is_visible(middle, item.reach, view)) continue;
+    const Vec3 middle = placements[i].middle - view.origin;
+    if (!is_visible(middle, item.bounding_radius, view)) continue;
     Seen entry;
     entry.item = i;
     entry.distance = middle.squaredNorm();
@@ -74,7 +74,7 @@ DrawList list_items(const std::vector<Item>& items, const std::vector<Placement>
     if (item.curve > 0.0 && options.segments > 0) {
       segments = options.segments;
     } else if (item.curve > 0.0) {
-      const double nearest = std::max(distance - item.reach, view.near);
+      const double nearest = std::max(distance - item.bounding_radius, view.near);
       segments =
           segments_for(item.curve / nearest * std::max(view.fx, view.fy), options.pixel_tolerance);
       if (options.relative_tolerance < 1.0) {
@@ -86,7 +86,7 @@ DrawList list_items(const std::vector<Item>& items, const std::vector<Placement>
     entry.texture = texture ? texture(i) : nullptr;
     entry.transparent = item.color[3] < 1.0F;
     // From inside, or where the near plane cuts it open, the back is what one sees.
-    entry.cull = item.closed() && distance > item.reach + near_reach;
+    entry.cull = item.closed() && distance > item.bounding_radius + near_radius;
     seen.push_back(entry);
   }
   std::sort(seen.begin(), seen.end());
@@ -99,7 +99,7 @@ DrawList list_items(const std::vector<Item>& items, const std::vector<Placement>
     }
     ++out.batches.back().count;
     const std::size_t item = seen[i].item;
-    out.instances.push_back(make_instance(items[item], places[item], view.origin));
+    out.instances.push_back(make_instance(items[item], placements[item], view.origin));
   }
   return out;
 }

@@ -44,11 +44,11 @@ struct DrawOptions {
 };
 
 /// All but planes.
-DrawList list_items(const std::vector<Item>& items, const std::vector<Placement>& places,
+DrawList list_items(const std::vector<Item>& items, const std::vector<Placement>& placements,
                     const View& view, const DrawOptions& options, const GeometryFinder& geometry,
                     const TextureFinder& texture);
 
-/// One instance; `origin` is taken off its place.
-Instance make_instance(const Item& item, const Placement& place, const Vec3& origin);
+/// One instance; `origin` is subtracted from its position.
+Instance make_instance(const Item& item, const Placement& placement, const Vec3& origin);
 
 }  // namespace cogrsim::osmesa

@@ -132,7 +132,7 @@ Triangles unit_cylinder(int segments) {
 }
 
 /// Corner normals: the mean over the faces around a vertex that lie within 30 degrees of this one,
-/// weighted by area; vertices at one place count as one.
+/// weighted by area; vertices at one position count as one.
 Triangles smooth(const std::vector<Vec3>& vertices, const std::vector<Eigen::Vector3i>& faces) {
   const double kCrease = std::cos(30.0 * kPi / 180.0);
   std::map<std::array<double, 3>, std::vector<std::size_t>> around;
@@ -149,7 +149,7 @@ Triangles smooth(const std::vector<Vec3>& vertices, const std::vector<Eigen::Vec
   std::map<std::array<float, 6>, std::uint32_t> known;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const double length = normals[f].norm();
-    // One without area stays in its place, so that the order of the faces is the mesh's.
+    // One without area stays where it is, so that the order of the faces is the mesh's.
     const Vec3 own = length > 0.0 ? Vec3(normals[f] / length) : Vec3::UnitZ();
     std::array<std::uint32_t, 3> indices{};
     for (int k = 0; k < 3; ++k) {

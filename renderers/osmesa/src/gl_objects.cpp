@@ -32,10 +32,11 @@ Geometry::Geometry(const Gl& gl, const Triangles& triangles)
                           offset(offsetof(Vertex, position)));
   gl_.VertexAttribPointer(kNormal, 3, GL_FLOAT, GL_FALSE, stride, offset(offsetof(Vertex, normal)));
   gl_.VertexAttribPointer(kTexture, 2, GL_FLOAT, GL_FALSE, stride, offset(offsetof(Vertex, uv)));
-  for (const GLuint place : {kPosition, kNormal, kTexture}) gl_.EnableVertexAttribArray(place);
-  for (GLuint place = kRows; place <= kBody; ++place) {
-    gl_.EnableVertexAttribArray(place);
-    gl_.VertexAttribDivisor(place, 1);
+  for (const GLuint location : {kPosition, kNormal, kTexture})
+    gl_.EnableVertexAttribArray(location);
+  for (GLuint location = kRows; location <= kBody; ++location) {
+    gl_.EnableVertexAttribArray(location);
+    gl_.VertexAttribDivisor(location, 1);
   }
 }
 
@@ -76,12 +77,12 @@ Target::Target(const Gl& gl, Kind kind, int width, int height, int samples)
     : gl_(gl), kind_(kind), width_(width), height_(height), samples_(samples) {
   gl_.GenFramebuffers(1, &framebuffer_);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  const auto attach = [&](GLuint& id, GLenum format, GLenum place) {
+  const auto attach = [&](GLuint& id, GLenum format, GLenum point) {
     gl_.GenRenderbuffers(1, &id);
     gl_.BindRenderbuffer(GL_RENDERBUFFER, id);
     gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples > 1 ? samples : 0, format, width,
                                        height);
-    gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, place, GL_RENDERBUFFER, id);
+    gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, point, GL_RENDERBUFFER, id);
   };
   attach(color_, kind == Kind::color ? GL_SRGB8_ALPHA8 : GL_RG32F, GL_COLOR_ATTACHMENT0);
   attach(depth_, GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT);

@@ -19,26 +19,26 @@ using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy
 using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 
 /// Where a point is seen [pixel]; false: behind the camera, out of the picture, or hidden.
-bool find_place(const Vec3& at, const Camera& camera, const std::vector<float>& depth,
-                Eigen::Vector2d& place) {
+bool find_pixel(const Vec3& at, const Camera& camera, const std::vector<float>& depth,
+                Eigen::Vector2d& pixel) {
   if (!at.allFinite()) return false;
   const Vec3 p = camera.X_WC.inverse() * at;
   if (p.x() < camera.near || p.x() > camera.far) return false;
-  place = distort(camera, {-p.y() / p.x(), -p.z() / p.x()});
-  place = {camera.cx + camera.fx * place.x(), camera.cy + camera.fy * place.y()};
-  if (!(place.x() >= 0.0 && place.y() >= 0.0 && place.x() < camera.width &&
-        place.y() < camera.height)) {
+  pixel = distort(camera, {-p.y() / p.x(), -p.z() / p.x()});
+  pixel = {camera.cx + camera.fx * pixel.x(), camera.cy + camera.fy * pixel.y()};
+  if (!(pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() < camera.width &&
+        pixel.y() < camera.height)) {
     return false;
   }
-  const auto index = static_cast<std::size_t>(place.y()) * static_cast<std::size_t>(camera.width) +
-                     static_cast<std::size_t>(place.x());
+  const auto index = static_cast<std::size_t>(pixel.y()) * static_cast<std::size_t>(camera.width) +
+                     static_cast<std::size_t>(pixel.x());
   return (1.0 - kNearer) * p.x() <= static_cast<double>(depth[index]);
 }
 
-void write_text(cairo_t* context, const OverlayLabel& label, const Eigen::Vector2d& place,
+void write_text(cairo_t* context, const OverlayLabel& label, const Eigen::Vector2d& pixel,
                 double size) {
   cairo_new_path(context);
-  cairo_move_to(context, place.x() + 0.4 * size, place.y() + 0.35 * size);
+  cairo_move_to(context, pixel.x() + 0.4 * size, pixel.y() + 0.35 * size);
   cairo_text_path(context, valid_utf8(label.text).c_str());
   // A rim that stands out from the letters keeps them readable on any ground.
   const double light = 0.3 * label.color.r + 0.59 * label.color.g + 0.11 * label.color.b;
@@ -101,8 +101,8 @@ void write_labels(const std::vector<OverlayLabel>& labels, const Camera& camera,
                          CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(context.get(), size);
   for (const OverlayLabel& label : labels) {
-    Eigen::Vector2d place;
-    if (find_place(label.at, camera, depth, place)) write_text(context.get(), label, place, size);
+    Eigen::Vector2d pixel;
+    if (find_pixel(label.at, camera, depth, pixel)) write_text(context.get(), label, pixel, size);
   }
   cairo_surface_flush(surface.get());
   std::uint8_t* out = picture.data.data();

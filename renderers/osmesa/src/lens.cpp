@@ -47,7 +47,7 @@ Vector2d distort(const Camera& camera, const Vector2d& point) {
 
 std::optional<Vector2d> undistort(const Camera& camera, const Vector2d& bent) {
   // From the middle outwards in small steps, each put right by Newton's method: so the answer lies
-  // on the branch that begins there, and the way ends where the formula folds back.
+  // on the branch that begins there, and the path ends where the formula folds back.
   const int steps = 1 + static_cast<int>(std::ceil(4.0 * bent.norm()));
   Vector2d at = Vector2d::Zero();
   for (int step = 1; step <= steps; ++step) {
@@ -114,9 +114,9 @@ Result<Bending> make_bending(const Camera& camera) {
   out.straight.cy = -top;
   out.straight.width = static_cast<int>(width);
   out.straight.height = static_cast<int>(height);
-  out.places.reserve(points.size());
+  out.pixels.reserve(points.size());
   for (const Vector2d& point : points) {
-    out.places.push_back(Vector2d(point.x() * fx - left, point.y() * fy - top).cast<float>());
+    out.pixels.push_back(Vector2d(point.x() * fx - left, point.y() * fy - top).cast<float>());
   }
   return out;
 }
@@ -125,13 +125,13 @@ Image bend_color(const Bending& bending, const Image& straight) {
   Image out;
   out.width = bending.lens.width;
   out.height = bending.lens.height;
-  out.data.assign(3 * bending.places.size(), 0);
+  out.data.assign(3 * bending.pixels.size(), 0);
   const int w = straight.width, h = straight.height;
-  for (std::size_t i = 0; i < bending.places.size(); ++i) {
-    const Eigen::Vector2f& place = bending.places[i];
-    if (std::isnan(place.x())) continue;
-    const float x = std::clamp(place.x() - 0.5F, 0.0F, static_cast<float>(w - 1));
-    const float y = std::clamp(place.y() - 0.5F, 0.0F, static_cast<float>(h - 1));
+  for (std::size_t i = 0; i < bending.pixels.size(); ++i) {
+    const Eigen::Vector2f& pixel = bending.pixels[i];
+    if (std::isnan(pixel.x())) continue;
+    const float x = std::clamp(pixel.x() - 0.5F, 0.0F, static_cast<float>(w - 1));
+    const float y = std::clamp(pixel.y() - 0.5F, 0.0F, static_cast<float>(h - 1));
     const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
     const int x1 = std::min(x0 + 1, w - 1), y1 = std::min(y0 + 1, h - 1);
     const float u = x - static_cast<float>(x0), v = y - static_cast<float>(y0);
@@ -147,15 +147,15 @@ Image bend_color(const Bending& bending, const Image& straight) {
 }
 
 void bend_data(const Bending& bending, const Picture& straight, Picture& out) {
-  const std::size_t count = bending.places.size();
+  const std::size_t count = bending.pixels.size();
   const auto times = static_cast<float>(straight.width / bending.straight.width);
   if (!straight.depth.empty()) out.depth.assign(count, std::numeric_limits<float>::infinity());
   if (!straight.bodies.empty()) out.bodies.assign(count, -1);
   for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector2f place = times * bending.places[i];
-    if (std::isnan(place.x())) continue;
-    const int column = std::clamp(static_cast<int>(place.x()), 0, straight.width - 1);
-    const int row = std::clamp(static_cast<int>(place.y()), 0, straight.height - 1);
+    const Eigen::Vector2f pixel = times * bending.pixels[i];
+    if (std::isnan(pixel.x())) continue;
+    const int column = std::clamp(static_cast<int>(pixel.x()), 0, straight.width - 1);
+    const int row = std::clamp(static_cast<int>(pixel.y()), 0, straight.height - 1);
     const std::size_t from =
         static_cast<std::size_t>(row) * static_cast<std::size_t>(straight.width) +
         static_cast<std::size_t>(column);

@@ -21,7 +21,7 @@ std::optional<Eigen::Vector2d> undistort(const Camera& camera, const Eigen::Vect
 struct Bending {
   Camera lens;                          ///< whose table this is; pose, near and far do not matter
   Camera straight;                      ///< what to draw instead, no distortion
-  std::vector<Eigen::Vector2f> places;  ///< (height x width) columns and rows; NaN: sees nothing
+  std::vector<Eigen::Vector2f> pixels;  ///< (height x width) columns and rows; NaN: sees nothing
   bool serves(const Camera& camera) const;
 };
 
@@ -32,7 +32,7 @@ Result<Bending> make_bending(const Camera& camera);
 Image bend_color(const Bending& bending, const Image& straight);
 
 /// Depth and labels by the nearest pixel of `straight`, which is Bending::straight or a whole
-/// number of times as large; infinitely far and nobody where the lens does not reach.
+/// number of times as large; infinitely far and no body where the lens does not reach.
 void bend_data(const Bending& bending, const Picture& straight, Picture& out);
 
 }  // namespace cogrsim::osmesa

@@ -37,7 +37,7 @@ Mat3 axes_around(const Vec3& along) {
 }
 
 double lamp_far(const Light& light, const CasterBounds& bounds) {
-  return std::max((bounds.middle - light.place).norm() + bounds.radius, 2.0 * kLampNear);
+  return std::max((bounds.middle - light.position).norm() + bounds.radius, 2.0 * kLampNear);
 }
 
 /// What a map of a spot must span: tangent of the half angle, kept below a right angle.
@@ -58,7 +58,7 @@ std::vector<Light> lights_of(const SceneModel& model) {
     if (static_cast<int>(out.size()) == kMaxLights) break;
     Light light;
     light.type = source.type;
-    light.place = source.X_WL.p;
+    light.position = source.X_WL.p;
     light.direction = source.X_WL.q * Vec3::UnitX();
     light.color =
         kLightShare * source.intensity *
@@ -115,7 +115,7 @@ std::vector<ShadowMap> shadow_maps(const Light& light, const CasterBounds& bound
   const auto add = [&](const Eigen::RowVector3d& across, const Eigen::RowVector3d& up,
                        const Eigen::RowVector3d& along) {
     ShadowMap map;
-    map.origin = light.place;
+    map.origin = light.position;
     map.clip.setZero();
     map.clip.row(0).head<3>() = across;
     map.clip.row(1).head<3>() = up;
@@ -149,10 +149,10 @@ void set_lights(Program& program, const std::vector<Light>& lights, bool shadows
     const auto name = [i](const char* what) { return fmt::format("u_light{}_{}", i, what); };
     const bool directional = light.type == LightModel::Type::directional;
     program.set(name("color").c_str(), Eigen::Vector3f(light.color.cast<float>()));
-    const Vec3 place = directional ? Vec3(-light.direction) : Vec3(light.place - view.origin);
-    program.set(name("place").c_str(), Eigen::Vector3f(place.cast<float>()));
+    const Vec3 position = directional ? Vec3(-light.direction) : Vec3(light.position - view.origin);
+    program.set(name("position").c_str(), Eigen::Vector3f(position.cast<float>()));
     program.set(name("axis").c_str(), Eigen::Vector3f(light.direction.cast<float>()));
-    program.set(name("reach").c_str(),
+    program.set(name("range").c_str(),
                 Eigen::Vector4d(1.0 / (kLampRange * kLampRange), std::cos(light.cone),
                                 std::cos(kSpotEdge * light.cone), 0.0)
                     .cast<float>()

@@ -13,7 +13,7 @@ namespace cogrsim::osmesa {
 /// One light as it is drawn.
 struct Light {
   LightModel::Type type = LightModel::Type::directional;
-  Vec3 place = Vec3::Zero();       ///< world [m]
+  Vec3 position = Vec3::Zero();    ///< world [m]
   Vec3 direction = Vec3::UnitX();  ///< it shines in, world
   Vec3 color = Vec3::Ones();       ///< linear light
   double cone = 0.5;

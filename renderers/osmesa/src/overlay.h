@@ -18,7 +18,7 @@ struct OverlayVertex {
 std::vector<OverlayVertex> line_triangles(const std::vector<OverlayLine>& lines, bool on_top,
                                           const View& view, int across, int down);
 
-/// Writes the labels whose places are before the scene's `depth` (height x width) [m].
+/// Writes the labels whose positions are before the scene's `depth` (height x width) [m].
 void write_labels(const std::vector<OverlayLabel>& labels, const Camera& camera,
                   const std::vector<float>& depth, Image& picture);
 

@@ -12,7 +12,7 @@ namespace cogrsim::osmesa {
 
 namespace {
 
-/// A metre of a floor that nobody chose the looks of: lines every metre, fainter ones every 10 cm.
+/// A metre of a floor that has no chosen appearance: lines every metre, fainter ones every 10 cm.
 std::shared_ptr<const Image> floor_grid() {
   static const std::shared_ptr<const Image> grid = [] {
     constexpr int kSize = 500, kCell = 50;  // [pixel], 2 mm each
@@ -63,7 +63,7 @@ Result<std::vector<Item>> collect_items(const SceneModel& model, TextureStore& t
       const geometry::Ball ball = geometry::bounding_ball(model, shape);
       item.middle = ball.middle;
       // A polygon of a circle's area reaches beyond it, 5.4 % with 8 corners.
-      item.reach = shape.type == ShapeType::plane ? 0.0 : 1.06 * ball.radius;
+      item.bounding_radius = shape.type == ShapeType::plane ? 0.0 : 1.06 * ball.radius;
       const bool round = shape.type == ShapeType::sphere || shape.type == ShapeType::cylinder ||
                          shape.type == ShapeType::capsule;
       if (round) item.curve = shape.radius;
@@ -78,11 +78,11 @@ std::vector<Placement> place_items(const std::vector<Item>& items, const std::ve
   out.reserve(items.size());
   for (const Item& item : items) {
     const Pose& X_WB = poses[static_cast<std::size_t>(item.body)];
-    Placement place;
-    place.R_WS = (X_WB.q * item.X_BS.q).normalized().toRotationMatrix();
-    place.p_WS = X_WB * item.X_BS.p;
-    place.middle = place.p_WS + place.R_WS * item.middle;
-    out.push_back(place);
+    Placement placement;
+    placement.R_WS = (X_WB.q * item.X_BS.q).normalized().toRotationMatrix();
+    placement.p_WS = X_WB * item.X_BS.p;
+    placement.middle = placement.p_WS + placement.R_WS * item.middle;
+    out.push_back(placement);
   }
   return out;
 }

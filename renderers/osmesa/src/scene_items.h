@@ -19,7 +19,7 @@ struct Item {
   std::array<float, 4> color{};          ///< linear light, and opacity
   std::shared_ptr<const Image> picture;  ///< nullptr: no texture
   Vec3 middle = Vec3::Zero();            ///< of a sphere around it, in S [m]
-  double reach = 0.0;                    ///< radius of that sphere [m]
+  double bounding_radius = 0.0;          ///< radius of that sphere [m]
   double curve = 0.0;                    ///< radius of what is round [m]; 0: nothing
   bool closed() const { return type <= ShapeType::capsule; }
 };

@@ -23,20 +23,20 @@ Eigen::Vector3f linear(double r, double g, double b) {
   return Vec3(to_linear(r), to_linear(g), to_linear(b)).cast<float>();
 }
 
-CasterBounds bounds_of(const std::vector<Item>& items, const std::vector<Placement>& places) {
+CasterBounds bounds_of(const std::vector<Item>& items, const std::vector<Placement>& placements) {
   Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (items[i].type == ShapeType::plane) continue;
-    box.extend((places[i].middle.array() - items[i].reach).matrix());
-    box.extend((places[i].middle.array() + items[i].reach).matrix());
+    box.extend((placements[i].middle.array() - items[i].bounding_radius).matrix());
+    box.extend((placements[i].middle.array() + items[i].bounding_radius).matrix());
   }
   CasterBounds bounds;
   if (box.isEmpty()) return bounds;
   bounds.middle = box.center();
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (items[i].type == ShapeType::plane) continue;
-    bounds.radius =
-        std::max(bounds.radius, (places[i].middle - bounds.middle).norm() + items[i].reach);
+    bounds.radius = std::max(
+        bounds.radius, (placements[i].middle - bounds.middle).norm() + items[i].bounding_radius);
   }
   return bounds;
 }
@@ -81,10 +81,10 @@ SceneRenderer::SceneRenderer(const Gl& gl) : gl_(gl) {
   gl_.GenBuffers(1, &line_buffer_);
   gl_.BindVertexArray(line_array_);
   gl_.BindBuffer(GL_ARRAY_BUFFER, line_buffer_);
-  for (const GLuint place : {0U, 1U}) {
-    gl_.EnableVertexAttribArray(place);
-    gl_.VertexAttribPointer(place, 4, GL_FLOAT, GL_FALSE, sizeof(OverlayVertex),
-                            reinterpret_cast<const void*>(std::size_t{16} * place));
+  for (const GLuint location : {0U, 1U}) {
+    gl_.EnableVertexAttribArray(location);
+    gl_.VertexAttribPointer(location, 4, GL_FLOAT, GL_FALSE, sizeof(OverlayVertex),
+                            reinterpret_cast<const void*>(std::size_t{16} * location));
   }
 }
 
@@ -140,15 +140,15 @@ Result<> SceneRenderer::take_model(const SceneModelPtr& model) {
   lights_ = lights_of(*model);
   model_ = model;
   poses_.clear();
-  places_.clear();
+  placements_.clear();
   return {};
 }
 
 void SceneRenderer::take_poses(const std::vector<Pose>& poses) {
   if (!poses_.empty() && same(poses, poses_)) return;
   poses_ = poses;
-  places_ = place_items(items_, poses);
-  casters_ = bounds_of(items_, places_);
+  placements_ = place_items(items_, poses);
+  casters_ = bounds_of(items_, placements_);
   shadows_drawn_ = false;
 }
 
@@ -227,9 +227,9 @@ void SceneRenderer::draw(const DrawList& list, bool transparent,
     gl_.BindVertexArray(batch.geometry->array());
     gl_.BindBuffer(GL_ARRAY_BUFFER, instances_);
     const GLsizei stride = sizeof(Instance);
-    const auto point = [&](GLuint place, GLint size, std::size_t bytes) {
+    const auto point = [&](GLuint location, GLint size, std::size_t bytes) {
       gl_.VertexAttribPointer(
-          place, size, GL_FLOAT, GL_FALSE, stride,
+          location, size, GL_FLOAT, GL_FALSE, stride,
           reinterpret_cast<const void*>(batch.first * sizeof(Instance) + bytes));
     };
     for (GLuint i = 0; i < 3; ++i) point(kRows + i, 4, offsetof(Instance, rows) + 16 * i);
@@ -258,18 +258,19 @@ void SceneRenderer::add_planes(DrawList& list, const View& view, const RenderReq
       continue;
     }
     // A square around the camera's foot on it, as large as the camera sees.
-    const Placement& place = places_[i];
-    const Vec3 camera_S = place.R_WS.transpose() * (view.origin - place.p_WS);
-    double reach = 0.0;
+    const Placement& placement = placements_[i];
+    const Vec3 camera_S = placement.R_WS.transpose() * (view.origin - placement.p_WS);
+    double extent = 0.0;
     for (const double column : {0.0, double(view.width)}) {
       for (const double row : {0.0, double(view.height)}) {
-        reach = std::max(reach, 1.01 * view.far * view.ray(column, row).norm());
+        extent = std::max(extent, 1.01 * view.far * view.ray(column, row).norm());
       }
     }
     std::vector<Vec3> polygon;
     const double corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
     for (const auto& corner : corners) {
-      polygon.push_back(place.R_WS * Vec3(reach * corner[0], reach * corner[1], -camera_S.z()));
+      polygon.push_back(placement.R_WS *
+                        Vec3(extent * corner[0], extent * corner[1], -camera_S.z()));
     }
     polygon = cut(std::move(polygon), view);
     if (polygon.size() < 3) continue;
@@ -281,7 +282,7 @@ void SceneRenderer::add_planes(DrawList& list, const View& view, const RenderReq
     Triangles fan;
     for (const Vec3& corner : polygon) {
       Vertex vertex;
-      const Vec3 normal = place.R_WS.col(2), local = place.R_WS.transpose() * corner;
+      const Vec3 normal = placement.R_WS.col(2), local = placement.R_WS.transpose() * corner;
       const Eigen::Vector2d uv =
           (local.head<2>().array() / size.array()).matrix() + (start - shift);
       for (int k = 0; k < 3; ++k) {
@@ -354,7 +355,7 @@ void SceneRenderer::draw_shadow_maps() {
       options.segments = 24;
       options.opaque_only = true;
       DrawList list = list_items(
-          items_, places_, view, options,
+          items_, placements_, view, options,
           [this](std::size_t i, int segments) -> const Geometry& {
             return geometry_of(i, segments);
           },
@@ -404,7 +405,7 @@ void SceneRenderer::draw_color(const View& view, const RenderRequest& request, i
   options.hidden_bodies = &request.hidden_bodies;
   options.pixel_tolerance = 0.1;
   DrawList list = list_items(
-      items_, places_, view, options,
+      items_, placements_, view, options,
       [this](std::size_t i, int segments) -> const Geometry& { return geometry_of(i, segments); },
       [this](std::size_t i) { return texture_of(i); });
   add_planes(list, view, request);
@@ -489,7 +490,7 @@ void SceneRenderer::draw_data(const View& view, const RenderRequest& request, fl
   options.pixel_tolerance = 0.05;
   options.relative_tolerance = 1e-4;
   DrawList list = list_items(
-      items_, places_, view, options,
+      items_, placements_, view, options,
       [this](std::size_t i, int segments) -> const Geometry& { return geometry_of(i, segments); },
       nullptr);
   add_planes(list, view, request);

@@ -59,7 +59,7 @@ class SceneRenderer {
   std::vector<Item> items_;
   std::vector<Light> lights_;
   std::vector<Pose> poses_;
-  std::vector<Placement> places_;
+  std::vector<Placement> placements_;
   CasterBounds casters_;
   bool shadows_drawn_ = false;
 

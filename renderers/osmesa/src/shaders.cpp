@@ -27,11 +27,11 @@ GLuint compile(const Gl& gl, GLenum kind, const std::string& source) {
 
 // Shadow maps are layers of one array. A lit point is moved off its surface by about a texel before
 // it is compared, which keeps surfaces from shading themselves; each look-up is the mean of 2 x 2
-// comparisons weighted by place, four of them make a soft edge two texels wide.
+// comparisons weighted by position, four of them make a soft edge two texels wide.
 constexpr const char* kShadowFunctions = R"(
 uniform sampler2DArrayShadow u_shadows;
-float shadow_at(vec3 place, float layer) {
-  vec4 where = vec4(place.xy, layer, min(place.z, 1.0));  // behind all that casts: lit
+float shadow_at(vec3 position, float layer) {
+  vec4 where = vec4(position.xy, layer, min(position.z, 1.0));  // behind all that casts: lit
   vec2 step = 0.5 / vec2(textureSize(u_shadows, 0).xy);
   float sum = texture(u_shadows, where + vec4(step.x, step.y, 0.0, 0.0));
   sum += texture(u_shadows, where + vec4(-step.x, step.y, 0.0, 0.0));
@@ -74,21 +74,21 @@ Program::Program(const Gl& gl, const std::string& vertex, const std::string& fra
 
 Program::~Program() { gl_.DeleteProgram(id_); }
 
-GLint Program::place(const char* name) {
-  const auto [it, is_new] = places_.try_emplace(name, -1);
+GLint Program::location(const char* name) {
+  const auto [it, is_new] = locations_.try_emplace(name, -1);
   if (is_new) it->second = gl_.GetUniformLocation(id_, name);
   return it->second;
 }
 
-void Program::set(const char* name, int value) { gl_.Uniform1i(place(name), value); }
+void Program::set(const char* name, int value) { gl_.Uniform1i(location(name), value); }
 void Program::set(const char* name, const Eigen::Vector3f& value) {
-  gl_.Uniform3fv(place(name), 1, value.data());
+  gl_.Uniform3fv(location(name), 1, value.data());
 }
 void Program::set(const char* name, const Eigen::Vector4f& value) {
-  gl_.Uniform4fv(place(name), 1, value.data());
+  gl_.Uniform4fv(location(name), 1, value.data());
 }
 void Program::set(const char* name, const Eigen::Matrix4f& value) {
-  gl_.UniformMatrix4fv(place(name), 1, GL_FALSE, value.data());
+  gl_.UniformMatrix4fv(location(name), 1, GL_FALSE, value.data());
 }
 
 std::string instanced_vertex_shader(bool shading, bool textured) {
@@ -159,9 +159,9 @@ uniform vec3 u_ambient_toward;
   if (textured) out += "in vec2 v_uv;\nuniform sampler2D u_texture;\n";
   bool shadows = false;
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    out += fmt::format("uniform vec3 u_light{0}_color;\nuniform vec3 u_light{0}_place;\n", i);
+    out += fmt::format("uniform vec3 u_light{0}_color;\nuniform vec3 u_light{0}_position;\n", i);
     if (lights[i] != 'd' && lights[i] != 'D')
-      out += fmt::format("uniform vec4 u_light{}_reach;\n", i);
+      out += fmt::format("uniform vec4 u_light{}_range;\n", i);
     if (lights[i] == 's' || lights[i] == 'S')
       out += fmt::format("uniform vec3 u_light{}_axis;\n", i);
     if (lights[i] < 'a') {
@@ -181,7 +181,7 @@ void main() {
     const bool casts = lights[i] < 'a';
     out += "  {\n";
     if (kind == 'd') {
-      out += fmt::format("    float s = max(dot(n, u_light{}_place), 0.0);\n", i);
+      out += fmt::format("    float s = max(dot(n, u_light{}_position), 0.0);\n", i);
       if (casts) {
         // u_light_shadow: layer, offset along the normal [m]
         out += fmt::format(
@@ -190,16 +190,16 @@ void main() {
             i);
       }
     } else {
-      // u_light_reach: 1 / range^2, cosines at which a spot ends and is full
+      // u_light_range: 1 / range^2, cosines at which a spot ends and is full
       out += fmt::format(
-          "    vec3 d = v_position - u_light{0}_place;\n"
+          "    vec3 d = v_position - u_light{0}_position;\n"
           "    float r2 = dot(d, d);\n"
           "    float r = sqrt(r2);\n"
-          "    float s = max(-dot(n, d), 0.0) / (r * (1.0 + r2 * u_light{0}_reach.x));\n",
+          "    float s = max(-dot(n, d), 0.0) / (r * (1.0 + r2 * u_light{0}_range.x));\n",
           i);
       if (kind == 's') {
         out += fmt::format(
-            "    s *= smoothstep(u_light{0}_reach.y, u_light{0}_reach.z, "
+            "    s *= smoothstep(u_light{0}_range.y, u_light{0}_range.z, "
             "dot(d, u_light{0}_axis) / r);\n",
             i);
       }

@@ -29,10 +29,10 @@ class Program {
   void set(const char* name, const Eigen::Matrix4f& value);
 
  private:
-  GLint place(const char* name);
+  GLint location(const char* name);
   const Gl& gl_;
   GLuint id_ = 0;
-  std::map<std::string, GLint> places_;
+  std::map<std::string, GLint> locations_;
 };
 
 std::string instanced_vertex_shader(bool shading, bool textured);

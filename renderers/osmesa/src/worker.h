@@ -1,4 +1,4 @@
-// One thread that does what it is told, in order. A GL context belongs to the thread it was made
+// One thread that runs tasks in their order. A GL context belongs to the thread it was made
 // in, while a renderer is called from any.
 #pragma once
 

@@ -43,8 +43,8 @@ Cell beside(const Cell& cell, Side side) {
 
 Result<> check_cost(const std::string& what, double cost) {
   if (cost > 0.0) return {};
-  return fail(fmt::format(
-      "the cost of {} is {}, but must be above 0, or infinite to block it", what, cost));
+  return fail(fmt::format("the cost of {} is {}, but must be above 0, or infinite to block it",
+                          what, cost));
 }
 
 }  // namespace
@@ -217,7 +217,7 @@ Vec3 centre_of(const MazeModel& maze, const Cell& cell) {
 
 Result<Cell> find_cell(const MazeModel& maze, const std::string& name) {
   std::vector<std::string> names;
-  for (const MazeModel::Place& named : maze.places) {
+  for (const MazeModel::NamedCell& named : maze.named_cells) {
     if (named.name == name) return Cell{named.row, named.column};
     names.push_back(named.name);
   }

@@ -21,7 +21,7 @@ class Checker {
     joints();
     couplings();
     devices();
-    places();
+    regions_and_mazes();
     for (const BodyPair& pair : model_.no_collide) {
       index(pair.first, model_.bodies, 0, "no_collide", "body");
       index(pair.second, model_.bodies, 0, "no_collide", "body");
@@ -143,7 +143,7 @@ class Checker {
     }
   }
 
-  void places() {
+  void regions_and_mazes() {
     for (const RegionModel& region : model_.regions) {
       index(region.body, model_.bodies, -1, region.name, "body");
       index(region.assembly, model_.assemblies, -1, region.name, "assembly");
@@ -164,9 +164,9 @@ class Checker {
         for (const int side : *sides)
           index(side, model_.doors, MazeModel::kWall, maze.name, "door");
       }
-      for (const MazeModel::Place& place : maze.places) {
-        if (place.row < 0 || place.row >= maze.rows || place.column < 0 ||
-            place.column >= maze.columns) {
+      for (const MazeModel::NamedCell& cell : maze.named_cells) {
+        if (cell.row < 0 || cell.row >= maze.rows || cell.column < 0 ||
+            cell.column >= maze.columns) {
           note(maze.name, "named cell");
         }
       }

@@ -192,18 +192,18 @@ void fields(Io& io, DoorModel& x) {
 }
 
 template <class Io>
-void fields(Io& io, MazeModel::Place& x) {
+void fields(Io& io, MazeModel::NamedCell& x) {
   auto& [name, row, column] = x;
   io("name", name)("row", row)("column", column);
 }
 
 template <class Io>
 void fields(Io& io, MazeModel& x) {
-  auto& [name, X_WM, rows, columns, cell, thickness, height, vertical, horizontal, places, origin] =
-      x;
+  auto& [name, X_WM, rows, columns, cell, thickness, height, vertical, horizontal, named_cells,
+         origin] = x;
   io("name", name)("X_WM", X_WM)("rows", rows)("columns", columns)("cell", cell);
   io("thickness", thickness)("height", height)("vertical", vertical)("horizontal", horizontal);
-  io("places", places)("origin", origin);
+  io("places", named_cells)("origin", origin);
 }
 
 template <class Io>

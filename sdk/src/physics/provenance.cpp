@@ -27,7 +27,7 @@ constexpr TextField kTexts[] = {{"backend", &Provenance::backend},
                                 {"cogrsim_version", &Provenance::cogrsim_version}};
 
 constexpr ComputedBy kComputedBy[] = {ComputedBy::unanswered, ComputedBy::engine,
-                                      ComputedBy::cogrsim, ComputedBy::nobody};
+                                      ComputedBy::cogrsim, ComputedBy::none};
 
 Json options_json(const Parameters& options) {
   Json out = Json::object();
@@ -83,8 +83,8 @@ const char* to_string(ComputedBy by) {
       return "engine";
     case ComputedBy::cogrsim:
       return "cogrsim";
-    case ComputedBy::nobody:
-      return "nobody";
+    case ComputedBy::none:
+      return "none";
   }
   return "?";
 }
@@ -172,7 +172,8 @@ Result<Provenance> parse_provenance(const std::string& text) {
     for (const TextField& field : kTexts) out.*field.text = json.at(field.key).get<std::string>();
     for (const StepStage stage : kStepStages) {
       const Json& entry = json.at("stages").at(to_string(stage));
-      const auto by = entry.at("by").get<std::string>();
+      auto by = entry.at("by").get<std::string>();
+      if (by == "nobody") by = to_string(ComputedBy::none);  // recordings of version 0.1
       const auto* const found =
           std::find_if(std::begin(kComputedBy), std::end(kComputedBy),
                        [&](ComputedBy candidate) { return by == to_string(candidate); });

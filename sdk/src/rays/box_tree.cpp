@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPadding = 48.0 / 16777216.0;  // times R, see the class
 
-/// A tree that is only refitted gets worse as things wander off; building anew costs a few refits.
+/// A tree that is only refitted gets worse as things wander off; rebuilding costs a few refits.
 constexpr int kRefitsBetweenBuilds = 64;
 
 struct Trace {

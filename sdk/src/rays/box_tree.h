@@ -71,7 +71,7 @@ class BoxTree {
   RTCSceneTy* scene_ = nullptr;
   RTCGeometryTy* geometry_ = nullptr;
   bool moving_;
-  int refits_ = 0;  // since the tree was last built anew
+  int refits_ = 0;  // since the tree was last rebuilt
   Vec3 middle_ = Vec3::Zero();
   double radius_ = 0.0;
   std::vector<Padded> padded_;

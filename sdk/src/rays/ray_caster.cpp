@@ -27,12 +27,12 @@ constexpr double kSlack = 1.25;
 /// first, in one cache line.
 struct alignas(64) Placed {
   Vec3 middle = Vec3::Zero();  // of the sphere, in the world
-  double reach = 0.0;          // radius of the sphere [m]
+  double radius = 0.0;         // radius of the sphere [m]
   int body = -1;
   ShapeType type = ShapeType::box;
   const Shape* shape = nullptr;
   int shape_index = -1;
-  enum class Place : char { tree, list, nowhere } place = Place::list;
+  enum class Group : char { tree, list, nowhere } group = Group::list;
   unsigned box = 0;  // in the tree
   Mat3 R_WS = Mat3::Identity();
   Vec3 p_WS = Vec3::Zero();
@@ -98,8 +98,8 @@ class Cast final : public rays::BoxVisitor {
     const Vec3 to_middle = placed.middle - origin_;
     const double nearest = to_middle.dot(direction_);
     const Vec3 start = nearest * direction_ - to_middle;
-    if (start.squaredNorm() > placed.reach * placed.reach) return;
-    if (nearest + placed.reach < from_ || nearest - placed.reach > limit()) return;
+    if (start.squaredNorm() > placed.radius * placed.radius) return;
+    if (nearest + placed.radius < from_ || nearest - placed.radius > limit()) return;
     if (is_ignored(placed)) return;
     const Vec3 o = placed.R_WS.transpose() * start + placed.middle_S;
     const Vec3 d = placed.R_WS.transpose() * direction_;
@@ -178,7 +178,7 @@ struct RayCaster::Impl {
   void set_extent(Placed& out);
   void place(Placed& out, const Pose& X_WB);
   Bounds box_of(const Placed& p) const;
-  void plant();
+  void build_tree();
 };
 
 // Trees over triangles are costly: what did not change keeps them.
@@ -227,18 +227,18 @@ void RayCaster::Impl::set_extent(Placed& out) {
   if (is_triangles(shape.type)) {
     out.triangles = triangles(shape);
     out.middle_S = out.triangles->box().middle();
-    out.reach = out.triangles->box().half().norm();
+    out.radius = out.triangles->box().half().norm();
   } else {
     out.core = geometry::core_of(*model, shape);
-    out.reach = geometry::bounding_radius(*model, shape);
+    out.radius = geometry::bounding_radius(*model, shape);
   }
-  // Room for the rounding in the test against it.
-  out.reach *= 1.0 + 1e-9;
+  // A margin for the rounding in the test against it.
+  out.radius *= 1.0 + 1e-9;
 }
 
 void RayCaster::Impl::place(Placed& out, const Pose& X_WB) {
   if (!finite(X_WB)) {
-    out.place = Placed::Place::nowhere;
+    out.group = Placed::Group::nowhere;
     return;
   }
   const Pose X_WS = Pose(X_WB.p, X_WB.q.normalized()) * out.shape->X_BS;
@@ -246,9 +246,9 @@ void RayCaster::Impl::place(Placed& out, const Pose& X_WB) {
   out.R_WS = X_WS.q.normalized().toRotationMatrix();
   out.middle = out.p_WS + out.R_WS * out.middle_S;
   // Rounding of a position far from the origin can be more than that of a small shape.
-  const double away = (out.middle - centre).norm() + out.reach;
+  const double away = (out.middle - centre).norm() + out.radius;
   const bool listed = out.shape->type == ShapeType::plane || !(away < kFar);
-  out.place = listed ? Placed::Place::list : Placed::Place::tree;
+  out.group = listed ? Placed::Group::list : Placed::Group::tree;
 }
 
 Bounds RayCaster::Impl::box_of(const Placed& p) const {
@@ -284,7 +284,7 @@ void RayCaster::Impl::take_model(const SceneModelPtr& next, RayTargets next_targ
 }
 
 /// Sorts everything into tree, list and nowhere, and builds the tree.
-void RayCaster::Impl::plant() {
+void RayCaster::Impl::build_tree() {
   // The middle of most things, so that a few that flew away do not count.
   std::vector<double> sorted[3];
   for (const Placed& p : placed) {
@@ -304,8 +304,8 @@ void RayCaster::Impl::plant() {
   for (std::size_t i = 0; i < placed.size(); ++i) {
     Placed& p = placed[i];
     place(p, poses[static_cast<std::size_t>(p.body)]);
-    if (p.place == Placed::Place::list) in_list.push_back(static_cast<int>(i));
-    if (p.place != Placed::Place::tree) continue;
+    if (p.group == Placed::Group::list) in_list.push_back(static_cast<int>(i));
+    if (p.group != Placed::Group::tree) continue;
     p.box = static_cast<unsigned>(boxes.size());
     in_tree.push_back(static_cast<int>(i));
     boxes.push_back(box_of(p));
@@ -329,14 +329,14 @@ void RayCaster::update(const SceneModelPtr& model, const std::vector<Pose>& pose
     impl.tree.build({});
     return;
   }
-  bool anew = other || impl.poses.size() != model->bodies.size();
-  if (anew) {
+  bool rebuild = other || impl.poses.size() != model->bodies.size();
+  if (rebuild) {
     // A body without a pose has none that is finite either.
     Pose none;
     none.p.setConstant(std::numeric_limits<double>::quiet_NaN());
     impl.poses.assign(model->bodies.size(), none);
     std::copy_n(poses.begin(), std::min(poses.size(), impl.poses.size()), impl.poses.begin());
-    impl.plant();
+    impl.build_tree();
     return;
   }
   bool moved = false;
@@ -345,18 +345,18 @@ void RayCaster::update(const SceneModelPtr& model, const std::vector<Pose>& pose
     impl.poses[b] = poses[b];
     for (int i = impl.first[b]; i < impl.first[b + 1]; ++i) {
       Placed& p = impl.placed[static_cast<std::size_t>(i)];
-      const Placed::Place before = p.place;
+      const Placed::Group before = p.group;
       impl.place(p, poses[b]);
-      if (p.place != before) {
-        anew = true;
-      } else if (p.place == Placed::Place::tree) {
+      if (p.group != before) {
+        rebuild = true;
+      } else if (p.group == Placed::Group::tree) {
         moved = true;
-        if (!impl.tree.move(p.box, impl.box_of(p))) anew = true;
+        if (!impl.tree.move(p.box, impl.box_of(p))) rebuild = true;
       }
     }
   }
-  if (anew) {
-    impl.plant();
+  if (rebuild) {
+    impl.build_tree();
   } else if (moved) {
     impl.tree.refit();
   }

@@ -361,8 +361,8 @@ Result<SceneModelPtr> with_added(const SceneModel& model, const SceneModel& frag
 
 Result<SceneModelPtr> with_removed(const SceneModel& model, const std::string& name) {
   const int target = find_assembly(model, name);
-  const int lone = target < 0 ? find_body(model, name) : -1;
-  if (target < 0 && lone < 0) {
+  const int free_body = target < 0 ? find_body(model, name) : -1;
+  if (target < 0 && free_body < 0) {
     std::vector<std::string> names;
     collect_names(model.assemblies, names);
     for (const Body& body : model.bodies) {
@@ -372,8 +372,8 @@ Result<SceneModelPtr> with_removed(const SceneModel& model, const std::string& n
                 did_you_mean(name, names));
   }
   auto next = std::make_shared<SceneModel>(model);
-  if (lone >= 0) {
-    Body& body = next->bodies[static_cast<std::size_t>(lone)];
+  if (free_body >= 0) {
+    Body& body = next->bodies[static_cast<std::size_t>(free_body)];
     if (body.assembly >= 0) {
       const std::string& whole = model.assemblies[static_cast<std::size_t>(body.assembly)].name;
       return fail("cannot remove body '" + name + "': it is a part of assembly '" + whole + "'", "",

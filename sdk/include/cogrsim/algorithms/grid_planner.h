@@ -17,7 +17,7 @@ struct GridPath {
 };
 
 /// Error::code if start and goal are not connected.
-inline constexpr const char* kNoWay = "no-way";
+inline constexpr const char* kNoPath = "no-path";
 
 /// Finds the path of least cost from cell to cell, and replans when the grid changes.
 ///
@@ -43,7 +43,7 @@ class GridPlanner {
   virtual Result<> set_cost(const GridEdge& edge, double cost) = 0;
 
   /// Plans a path. Errors: start or goal is outside of the grid or blocked, or no path exists (code
-  /// kNoWay), with the numbers of cells that can be reached from both ends.
+  /// kNoPath), with the numbers of cells that can be reached from both ends.
   virtual Result<GridPath> plan(const Cell& start, const Cell& goal) = 0;
 };
 

@@ -46,12 +46,12 @@ class SpacePlanner {
 
   /// Plans a path. Errors: the sizes of vectors differ; bounds or points are not finite or outside
   /// of the box; start or goal is not valid; `valid` is empty; a callback throws; a cost is not
-  /// above 0; no path was found within the iterations (code kNoWayFound), although one may exist.
+  /// above 0; no path was found within the iterations (code kNoPathFound), although one may exist.
   virtual Result<SpacePath> plan(const SpaceProblem& problem) = 0;
 };
 
 /// Error::code if no path was found within the iterations.
-inline constexpr const char* kNoWayFound = "no-way-found";
+inline constexpr const char* kNoPathFound = "no-path-found";
 
 /// Checks a problem for the errors that all planners report in the same way. Calls valid() for
 /// start and goal.

@@ -155,8 +155,8 @@ COGRSIM_API const char* to_string(MotorMode mode);
 /// and efforts are in rad and N m (rotation), or in m and N (translation).
 struct Motor {
   std::string name;  ///< dotted
-  int joint = -1;  ///< index into SceneModel::joints
-  int axis = 0;    ///< index of the axis of the joint
+  int joint = -1;    ///< index into SceneModel::joints
+  int axis = 0;      ///< index of the axis of the joint
   MotorMode mode = MotorMode::velocity;
   double max_effort = std::numeric_limits<double>::infinity();
   double max_speed = std::numeric_limits<double>::infinity();
@@ -312,8 +312,8 @@ struct RegionModel {
   enum class Type { box, sphere };
   std::string name;  ///< dotted
   Type type = Type::box;
-  int body = kWorld;  ///< body that the region is fixed to
-  Pose X_BR;          ///< pose in the body
+  int body = kWorld;         ///< body that the region is fixed to
+  Pose X_BR;                 ///< pose in the body
   Vec3 size = Vec3::Ones();  ///< box: full extents [m]
   double radius = 0.5;       ///< sphere [m]
   /// Dotted names of the bodies, named frames and assemblies that it detects. An object is inside
@@ -345,7 +345,7 @@ struct DoorModel {
 struct MazeModel {
   static constexpr int kOpen = -1, kWall = -2;  ///< other values: index into SceneModel::doors
   /// A named cell.
-  struct Place {
+  struct NamedCell {
     std::string name;  ///< as in the drawing: "S", "T1"
     int row = 0, column = 0;
   };
@@ -358,7 +358,7 @@ struct MazeModel {
   // Each entry is the boundary between two neighbouring cells: kOpen, kWall or a door.
   std::vector<int> vertical;    ///< rows x (columns + 1): entry [row][c] is west of column c
   std::vector<int> horizontal;  ///< (rows + 1) x columns: entry [r][column] is south of row r
-  std::vector<Place> places;
+  std::vector<NamedCell> named_cells;
   SourceSpan origin;
 
   // The boundary of a cell on one side: kOpen, kWall or a door. Indices are not checked.
@@ -386,7 +386,7 @@ struct TemplateModel {
 /// `<on>`: a rule of the scene. It fires on an event, at a time, or when a condition becomes true.
 /// Its actions are applied in order at the next step boundary, or `after` seconds later.
 struct RuleModel {
-  std::string name;                   ///< dotted, unique
+  std::string name;  ///< dotted, unique
   /// Kind, source and subject of the event. An empty source or subject matches any; an empty kind
   /// means that the rule does not depend on an event.
   std::string kind, source, subject;
@@ -404,7 +404,7 @@ struct RuleModel {
 /// `<measure>`: a performance measure of a whole run, computed from a signal.
 struct MeasureModel {
   enum class Take { last, minimum, maximum, mean, integral, first_time };
-  std::string name;    ///< dotted, unique
+  std::string name;  ///< dotted, unique
   /// The signal. For first_time: a condition; the measure is the time at which it first became true
   /// [s], or NaN if it never did.
   std::string signal;

@@ -43,14 +43,14 @@ enum class ComputedBy {
   unanswered,  ///< not declared by the backend
   engine,      ///< code of the engine named in Provenance::engine
   cogrsim,     ///< code of CogRSim or of the author of the backend
-  nobody       ///< the engine has no such stage
+  none         ///< the engine has no such stage
 };
 
-/// "unanswered", "engine", "cogrsim", "nobody".
+/// "unanswered", "engine", "cogrsim", "none".
 COGRSIM_API const char* to_string(ComputedBy by);
 
 /// Declaration for one stage. `name` is the class or function that computes it, for example
-/// "btDbvtBroadphase"; for ComputedBy::nobody it is the consequence for the results, for example
+/// "btDbvtBroadphase"; for ComputedBy::none it is the consequence for the results, for example
 /// "impacts do not bounce".
 struct StageOrigin {
   ComputedBy by = ComputedBy::unanswered;

@@ -52,9 +52,9 @@ class COGRSIM_API PluginWatch {
   /// A call, with the arguments of PluginCall.
   struct Call {
     std::string kind, name, of, plugin, doing;
-    double time = 0.0;      ///< simulated time [s]; NaN: there is none
-    double lasts = 0.0;     ///< wall-clock duration so far [s]
-    bool apart = false;     ///< out-of-process: a call into another process
+    double time = 0.0;            ///< simulated time [s]; NaN: there is none
+    double lasts = 0.0;           ///< wall-clock duration so far [s]
+    bool out_of_process = false;  ///< a call into another process
     double patience = 0.0;  ///< time after which another process is killed [s]; may be infinite
   };
 

@@ -98,7 +98,7 @@ struct Reader::File {
 
   // Reads bytes of the file. Errors: beyond the end, or those of the operating system. Memory is
   // only
-// allocated for bytes that the file has.
+  // allocated for bytes that the file has.
   Result<std::string> read(std::uint64_t offset, std::uint64_t count) const {
     if (offset > size || count > size - offset) return fail("beyond the end of the file");
     std::string out(static_cast<std::size_t>(count), '\0');
@@ -188,11 +188,16 @@ const std::vector<Reader::Location>& Reader::locations(std::uint16_t channel) co
   return found == locations_.end() ? kNone : found->second;
 }
 
-// Reads the index at the end of the file. Errors: there is none, or it is inconsistent.
-Result<> Reader::read_summary() {
-  const auto damaged = [](const char* what) {
-    return fail(std::string("its index is damaged: ") + what);
-  };
+namespace {
+
+tl::unexpected<Error> damaged_index(const char* what) {
+  return fail(std::string("its index is damaged: ") + what);
+}
+
+}  // namespace
+
+// The records between data and footer, with verified checksum. Errors: there are none.
+Result<std::string> Reader::summary_records() {
   const std::uint64_t tail = kFooterSize + kMagic.size();
   const auto end = size_ < tail ? Result<std::string>(fail("")) : file_->read(size_ - tail, tail);
   if (!end || end->substr(kFooterSize) != kMagic) {
@@ -204,56 +209,36 @@ Result<> Reader::read_summary() {
   const auto start = footer.number<std::uint64_t>();
   footer.number<std::uint64_t>();  // start of the summary offsets: the whole summary is read here
   const auto crc = footer.number<std::uint32_t>();
-  if (op != Op::footer || length != 20) return damaged("the footer");
+  if (op != Op::footer || length != 20) return damaged_index("the footer");
   if (start == 0) return fail("it has no index");
-  if (start > size_ - tail) return damaged("it lies outside the file");
-  const auto summary = file_->read(start, size_ - tail - start);
-  if (!summary) return summary.map([](const auto&) {});
+  if (start > size_ - tail) return damaged_index("it lies outside the file");
+  auto summary = file_->read(start, size_ - tail - start);
+  if (!summary) return summary;
   if (crc != 0 &&
       crc32(std::string_view(*end).substr(0, kFooterSize - 4), crc32(*summary)) != crc) {
-    return damaged("its checksum does not fit");
+    return damaged_index("its checksum does not fit");
   }
-  // No byte may be requested twice: the total length is limited to that of the file.
-  std::uint64_t left = size_;
-  const auto within = [&left](std::uint64_t bytes) {
-    if (bytes > left) return false;
-    left -= bytes;
-    return true;
-  };
+  return summary;
+}
+
+// Reads the index at the end of the file. Errors: there is none, or it is inconsistent.
+Result<> Reader::read_summary() {
+  const auto summary = summary_records();
+  if (!summary) return summary.map([](const auto&) {});
+  ByteBudget budget{size_};
   std::vector<MetadataLocation> metadata;
   ByteReader in(*summary);
   while (!in.empty()) {
     const auto kind = static_cast<Op>(in.number<std::uint8_t>());
     const std::string_view content = in.bytes(in.number<std::uint64_t>());
-    if (!in.good()) return damaged("a record in it");
+    if (!in.good()) return damaged_index("a record in it");
     ByteReader fields(content);
     if (kind == Op::chunk_index) {
-      ChunkIndex chunk;
-      chunk.start_time = fields.number<std::uint64_t>();
-      chunk.end_time = fields.number<std::uint64_t>();
-      chunk.offset = fields.number<std::uint64_t>();
-      chunk.length = fields.number<std::uint64_t>();
-      fields.text();
-      chunk.index_length = fields.number<std::uint64_t>();
-      chunk.compression = std::string(fields.text());
-      chunk.packed_size = fields.number<std::uint64_t>();
-      chunk.size = fields.number<std::uint64_t>();
-      if (chunk.size > kMaxChunkBytes || chunk.offset > size_ ||
-          chunk.length > size_ - chunk.offset || !within(chunk.index_length)) {
-        return damaged("a chunk lies outside the file");
-      }
-      chunks_.push_back(std::move(chunk));
+      if (!take_chunk_index(fields, budget)) return damaged_index("a chunk lies outside the file");
     } else if (kind == Op::attachment_index) {
-      AttachmentLocation location;
-      location.offset = fields.number<std::uint64_t>();
-      location.length = fields.number<std::uint64_t>();
-      location.log_time = fields.number<std::uint64_t>();
-      location.create_time = fields.number<std::uint64_t>();
-      location.size = fields.number<std::uint64_t>();
-      location.name = std::string(fields.text());
-      location.media_type = std::string(fields.text());
-      if (!within(location.length)) return damaged("an attachment lies outside the file");
-      attachments_.push_back(std::move(location));
+      if (!take_attachment_index(fields, budget)) {
+        return damaged_index("an attachment lies outside the file");
+      }
     } else if (kind == Op::metadata_index) {
       MetadataLocation location;
       location.offset = fields.number<std::uint64_t>();
@@ -261,25 +246,60 @@ Result<> Reader::read_summary() {
       location.name = std::string(fields.text());
       metadata.push_back(std::move(location));
     } else if (!take_record(kind, content, 0)) {
-      return damaged("a record in it");
+      return damaged_index("a record in it");
     }
-    if (!fields.good()) return damaged("a record in it");
+    if (!fields.good()) return damaged_index("a record in it");
   }
   for (const MetadataLocation& location : metadata) {
     const auto record = file_->record_at(location.offset);
-    if (!record || record->op != Op::metadata || !within(record->length))
-      return damaged("metadata are not where it says");
+    if (!record || record->op != Op::metadata || !budget.take(record->length))
+      return damaged_index("metadata are not where it says");
     const auto content = file_->read(location.offset + kRecordHead, record->length);
     if (!content || !take_record(Op::metadata, *content, location.offset)) {
-      return damaged("metadata are not where it says");
+      return damaged_index("metadata are not where it says");
     }
   }
   for (std::size_t i = 0; i < chunks_.size(); ++i) {
     if (!read_message_indexes(static_cast<std::uint32_t>(i))) {
-      return damaged("what a chunk holds is not where it says");
+      return damaged_index("what a chunk holds is not where it says");
     }
   }
   return {};
+}
+
+// False: the chunk lies outside the file.
+bool Reader::take_chunk_index(ByteReader& fields, ByteBudget& budget) {
+  ChunkIndex chunk;
+  chunk.start_time = fields.number<std::uint64_t>();
+  chunk.end_time = fields.number<std::uint64_t>();
+  chunk.offset = fields.number<std::uint64_t>();
+  chunk.length = fields.number<std::uint64_t>();
+  fields.text();
+  chunk.index_length = fields.number<std::uint64_t>();
+  chunk.compression = std::string(fields.text());
+  chunk.packed_size = fields.number<std::uint64_t>();
+  chunk.size = fields.number<std::uint64_t>();
+  if (chunk.size > kMaxChunkBytes || chunk.offset > size_ || chunk.length > size_ - chunk.offset ||
+      !budget.take(chunk.index_length)) {
+    return false;
+  }
+  chunks_.push_back(std::move(chunk));
+  return true;
+}
+
+// False: the attachments are longer than the file.
+bool Reader::take_attachment_index(ByteReader& fields, ByteBudget& budget) {
+  AttachmentLocation location;
+  location.offset = fields.number<std::uint64_t>();
+  location.length = fields.number<std::uint64_t>();
+  location.log_time = fields.number<std::uint64_t>();
+  location.create_time = fields.number<std::uint64_t>();
+  location.size = fields.number<std::uint64_t>();
+  location.name = std::string(fields.text());
+  location.media_type = std::string(fields.text());
+  if (!budget.take(location.length)) return false;
+  attachments_.push_back(std::move(location));
+  return true;
 }
 
 bool Reader::read_message_indexes(std::uint32_t chunk) {

@@ -14,6 +14,8 @@
 
 namespace cogrsim::mcap {
 
+class ByteReader;
+
 class Reader {
  public:
   /// Opens a file. A truncated or damaged file opens, too; damage() describes the damage. Errors:
@@ -62,7 +64,19 @@ class Reader {
   struct File;
   explicit Reader(std::unique_ptr<File> file);
 
+  /// Bytes that indexes may still request: none twice, so all together are limited to the file's.
+  struct ByteBudget {
+    std::uint64_t left;
+    bool take(std::uint64_t bytes) {
+      if (bytes > left) return false;
+      left -= bytes;
+      return true;
+    }
+  };
+  Result<std::string> summary_records();
   Result<> read_summary();
+  bool take_chunk_index(ByteReader& fields, ByteBudget& budget);
+  bool take_attachment_index(ByteReader& fields, ByteBudget& budget);
   void scan();
   bool take_record(Op op, std::string_view content, std::uint64_t offset);
   /// Remaining limits while a file is scanned.

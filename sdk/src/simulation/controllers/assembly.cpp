@@ -299,7 +299,7 @@ void Assembly::fail(const std::string& message) { access_->mistakes.push_back(me
 std::shared_ptr<void> Assembly::find_algorithm(const std::string& name, const char* family,
                                                const Parameters& parameters) {
   Simulation::Impl& simulation = *access_->simulation;
-  // Two algorithms of a controller, and two controllers with the same algorithm, draw apart.
+  // Two algorithms of a controller, and two controllers with the same algorithm, draw different numbers.
   const std::string path = access_->controller + "." + name;
   const std::uint64_t seed = RandomStream(simulation.original->physics.seed, path).next();
   auto made = load_algorithm_of(*simulation.loader, name, family, parameters, seed,

@@ -4,7 +4,7 @@ import { kJoints } from "../forms/schema";
 import { group_elements } from "../tree/commands";
 import { tree_state } from "../tree/tree_state";
 import { insert_dialog } from "./dialog";
-import { insert_op, insert_plan, loose_robot } from "./plan";
+import { insert_op, insert_plan, unassembled_robot } from "./plan";
 
 /** In the order of the menu; the elements for beginners come first. */
 const kOffered: [string, string][] = [
@@ -44,7 +44,7 @@ export async function insert(studio: Studio, tag: string, ask: boolean): Promise
   }
   let plan = insert_plan(studio.state, schema, tag);
   if (tag === "controller" && plan.parent === 0) {
-    const robot = loose_robot(studio.state.tree.peek().elements);
+    const robot = unassembled_robot(studio.state.tree.peek().elements);
     if (robot.length > 0) {
       const names = robot.map((id) => studio.state.element(id)?.name || studio.state.element(id)?.tag).join(", ");
       const text = `A controller commands the assembly in which it stands. ${names} become one; nothing moves.`;

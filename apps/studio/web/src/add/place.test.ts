@@ -5,7 +5,7 @@ import { State } from "../core/state";
 import { Schema } from "../forms/schema";
 import { color_for } from "./defaults";
 import { free_position, front_position, into_frame, rotate } from "./place";
-import { common_parent, insert_op, insert_plan, loose_robot, parent_for } from "./plan";
+import { common_parent, insert_op, insert_plan, unassembled_robot, parent_for } from "./plan";
 
 const close = (a: readonly number[], b: readonly number[]) =>
   a.forEach((v, i) => assert.ok(Math.abs(v - b[i]!) < 1e-12, `${a.join(" ")} is not ${b.join(" ")}`));
@@ -80,17 +80,17 @@ test("a motor takes the only joint and stands beside it", () => {
   assert.deepEqual([motor.parent, motor.attributes.joint, motor.attributes["max-torque"]], [1, "axle", "1 N*m"]);
 });
 
-test("a robot that stands loose is found by its motors", () => {
+test("a robot that is not one assembly is found by its motors", () => {
   const rows: [number, string, string, Record<string, string>][] = [
     [-1, "scene", "", {}], [0, "plane", "floor", {}], [0, "box", "deck", {}], [0, "cylinder", "wheel", {}], [0, "box", "other", {}],
     [0, "hinge", "axle", { parent: "deck", child: "wheel" }], [0, "motor", "left", { joint: "axle" }],
     [0, "camera", "eye", { on: "deck" }], [0, "camera", "room", { on: "other" }], [0, "slider", "rail", { parent: "floor", child: "deck" }],
   ];
-  const loose = (list: typeof rows) =>
-    loose_robot(list.map(([parent, tag, name, attributes], id) =>
+  const unattached = (list: typeof rows) =>
+    unassembled_robot(list.map(([parent, tag, name, attributes], id) =>
       ({ id, parent, tag, name, path: name, attributes, line: 1, column: 1, end_line: 1 })));
-  assert.deepEqual(loose(rows), [2, 3, 5, 6, 7, 9]);
-  assert.deepEqual(loose(rows.filter(([, tag]) => tag !== "motor")), []);
+  assert.deepEqual(unattached(rows), [2, 3, 5, 6, 7, 9]);
+  assert.deepEqual(unattached(rows.filter(([, tag]) => tag !== "motor")), []);
 });
 
 test("sensors stand at the front of their body, one beside the other", () => {

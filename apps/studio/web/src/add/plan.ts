@@ -70,15 +70,15 @@ const kDrives = ["motor", "servo"];
 
 /** Elements of one robot that stand directly in the scene: motors, their joints, the bodies these connect, and the sensors on
  *  all of them. Empty: no motor stands in the scene itself. */
-export function loose_robot(elements: readonly TreeElement[]): number[] {
-  const loose = elements.filter((e) => e.parent === 0);
-  const robot = new Set(loose.filter((e) => kDrives.includes(e.tag)));
+export function unassembled_robot(elements: readonly TreeElement[]): number[] {
+  const unattached = elements.filter((e) => e.parent === 0);
+  const robot = new Set(unattached.filter((e) => kDrives.includes(e.tag)));
   if (robot.size === 0) return [];
-  const named = (name: string | undefined) => loose.find((e) => name !== undefined && name !== "" && e.name === name);
+  const named = (name: string | undefined) => unattached.find((e) => name !== undefined && name !== "" && e.name === name);
   const ends = (e: TreeElement) => [named(e.attributes.parent), named(e.attributes.child)];
   for (let size = 0; size !== robot.size; ) {
     size = robot.size;
-    for (const e of loose) {
+    for (const e of unattached) {
       const { joint, on } = e.attributes;
       const refers = kJoints.includes(e.tag) ? ends(e) : [named(joint), named(on)];
       if (refers.some((r) => r && robot.has(r) && r.tag !== "plane")) robot.add(e);

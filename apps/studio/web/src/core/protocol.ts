@@ -26,7 +26,7 @@ export interface Hello {
 }
 
 export interface StageOrigin {
-  by: "engine" | "cogrsim" | "nobody" | "unanswered";
+  by: "engine" | "cogrsim" | "none" | "unanswered";
   name: string;
 }
 /** The provenance of a run. */

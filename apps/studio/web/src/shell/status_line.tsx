@@ -15,7 +15,7 @@ const kStates: Record<string, string> = {
 
 /** The lines of the table of a run's provenance. */
 export function provenance_rows(p: Provenance): [string, string][] {
-  const kBy: Record<string, string> = { engine: p.engine, cogrsim: "CogRSim", nobody: "none" };
+  const kBy: Record<string, string> = { engine: p.engine, cogrsim: "CogRSim" };
   const options = Object.entries(p.options).map(([name, value]) => `${name}=${value}`);
   return [
     ["engine", `${p.engine} ${p.version}`],

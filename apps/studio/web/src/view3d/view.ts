@@ -1,6 +1,6 @@
 // The 3D view itself: loaded when the panel is first shown.
 import { effect, untracked } from "@preact/signals-core";
-import { Color, Raycaster, Scene as Stage, Vector2 } from "three";
+import { Color, Raycaster, Scene as ThreeScene, Vector2 } from "three";
 import type { Frame, Scene } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { Backdrop } from "./backdrop";
@@ -31,7 +31,7 @@ const CLICK = 4; // a pointer that moved less between down and up has clicked [p
 const SHADOW_LIMIT = 400; // beyond so many bodies the bounds are not checked for every frame
 
 export class View3d {
-  private readonly stage = new Stage();
+  private readonly stage = new ThreeScene();
   private readonly backdrop = new Backdrop();
   private readonly highlight = new Highlight();
   private readonly overlay = new Overlay();

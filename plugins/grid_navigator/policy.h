@@ -26,9 +26,9 @@ struct Outcome {
   bool arrived = false;  ///< `to` is the end of the errand
 };
 
-class Brain {
+class Policy {
  public:
-  virtual ~Brain() = default;
+  virtual ~Policy() = default;
   /// Sets the current map for an errand; doors are closed on the first one. Called at the start and
   /// whenever an obstacle is detected or has disappeared.
   virtual void set_map(Errand errand, const cogrsim::Grid& grid) = 0;
@@ -62,14 +62,14 @@ std::vector<std::pair<Action, int>> risks(const cogrsim::Grid& grid, const Cell&
 
 /// Follows the path of the planner. Of equally short paths it takes the one with the smallest risk,
 /// and of those the one that goes straight ahead.
-class PlannerBrain final : public Brain {
+class PlannerPolicy final : public Policy {
  public:
   /// One planner for each errand, which retains its search, and another one for the values, whose
   /// start cells vary.
   struct Planners {
     std::shared_ptr<cogrsim::GridPlanner> path, value;
   };
-  PlannerBrain(Planners to_trigger, Planners to_goal, const Ends& ends);
+  PlannerPolicy(Planners to_trigger, Planners to_goal, const Ends& ends);
   void set_map(Errand errand, const cogrsim::Grid& grid) override;
   std::optional<Action> choose(Errand errand, const Cell& at,
                                std::optional<Action> straight) override;
@@ -93,11 +93,11 @@ struct Rehearsal {
 /// Learns the values of the four actions in every cell by rehearsal on the map (as in Dyna, Sutton
 /// 1990), then selects the action with the highest value, and continues to learn from the executed
 /// actions.
-class LearnerBrain final : public Brain {
+class LearnerPolicy final : public Policy {
  public:
   /// `chance`: uniform in [0, 1), for the start cells of the rehearsals.
-  LearnerBrain(std::shared_ptr<cogrsim::Learner> learner, const Ends& ends,
-               const Rehearsal& rehearsal, std::function<double()> chance);
+  LearnerPolicy(std::shared_ptr<cogrsim::Learner> learner, const Ends& ends,
+                const Rehearsal& rehearsal, std::function<double()> chance);
   void set_map(Errand errand, const cogrsim::Grid& grid) override;
   std::optional<Action> choose(Errand errand, const Cell& at,
                                std::optional<Action> straight) override;

@@ -1,4 +1,4 @@
-#include "brain.h"
+#include "policy.h"
 
 #include <algorithm>
 #include <limits>
@@ -70,7 +70,7 @@ std::vector<int> steps_to(const Grid& grid, const Cell& end, int without) {
 
 std::vector<std::pair<Action, int>> risks(const Grid& grid, const Cell& at, const Cell& end) {
   // Cost of a cell without which there is no path: more than any detour in a maze of this size.
-  const int no_way = grid.size();
+  const int no_path = grid.size();
   const std::vector<int> steps = steps_to(grid, end, -1);
   const auto to_go = [&](int cell) { return steps[static_cast<std::size_t>(cell)]; };
   std::vector<int> near;  // cells on shortest paths, the nearest to the end first
@@ -85,7 +85,7 @@ std::vector<std::pair<Action, int>> risks(const Grid& grid, const Cell& at, cons
     auto& detour = around[static_cast<std::size_t>(over)];
     if (detour.empty()) detour = steps_to(grid, end, over);
     const int then = detour[static_cast<std::size_t>(from)];
-    return (then < 0 ? no_way : then - to_go(from)) + risk[static_cast<std::size_t>(over)];
+    return (then < 0 ? no_path : then - to_go(from)) + risk[static_cast<std::size_t>(over)];
   };
   std::vector<std::pair<Action, int>> out;
   std::vector<Grid::Step> next;
@@ -105,16 +105,16 @@ std::vector<std::pair<Action, int>> risks(const Grid& grid, const Cell& at, cons
   return out;
 }
 
-PlannerBrain::PlannerBrain(Planners to_trigger, Planners to_goal, const Ends& ends)
+PlannerPolicy::PlannerPolicy(Planners to_trigger, Planners to_goal, const Ends& ends)
     : planners_{std::move(to_trigger), std::move(to_goal)}, ends_(ends) {}
 
-void PlannerBrain::set_map(Errand errand, const Grid& grid) {
+void PlannerPolicy::set_map(Errand errand, const Grid& grid) {
   follow(*of(errand).path, grid);
   follow(*of(errand).value, grid);
 }
 
-std::optional<Action> PlannerBrain::choose(Errand errand, const Cell& at,
-                                           std::optional<Action> straight) {
+std::optional<Action> PlannerPolicy::choose(Errand errand, const Cell& at,
+                                            std::optional<Action> straight) {
   cogrsim::GridPlanner& planner = *of(errand).path;
   const Cell& end = ends_.of(errand);
   const auto path = planner.plan(at, end);
@@ -131,19 +131,19 @@ std::optional<Action> PlannerBrain::choose(Errand errand, const Cell& at,
   return best;
 }
 
-double PlannerBrain::value(Errand errand, const Cell& at) {
+double PlannerPolicy::value(Errand errand, const Cell& at) {
   const auto path = of(errand).value->plan(at, ends_.of(errand));
   return path ? -path->cost : std::numeric_limits<double>::quiet_NaN();
 }
 
-LearnerBrain::LearnerBrain(std::shared_ptr<cogrsim::Learner> learner, const Ends& ends,
-                           const Rehearsal& rehearsal, std::function<double()> chance)
+LearnerPolicy::LearnerPolicy(std::shared_ptr<cogrsim::Learner> learner, const Ends& ends,
+                             const Rehearsal& rehearsal, std::function<double()> chance)
     : learner_(std::move(learner)),
       ends_(ends),
       rehearsal_(rehearsal),
       chance_(std::move(chance)) {}
 
-std::int64_t LearnerBrain::state(Errand errand, const Cell& at) {
+std::int64_t LearnerPolicy::state(Errand errand, const Cell& at) {
   // The states of an errand depend on its target cell: values for one goal are useless for another,
   // and runs with other goals may use the same stored table.
   const Grid& grid = of(errand).grid;
@@ -151,7 +151,7 @@ std::int64_t LearnerBrain::state(Errand errand, const Cell& at) {
   return ((errand == Errand::goal ? size : 0) + end) * size + grid.index(at);
 }
 
-void LearnerBrain::set_map(Errand errand, const Grid& grid) {
+void LearnerPolicy::set_map(Errand errand, const Grid& grid) {
   Map& map = of(errand);
   map.grid = grid;
   map.visits.assign(static_cast<std::size_t>(grid.size()), 0);
@@ -160,13 +160,13 @@ void LearnerBrain::set_map(Errand errand, const Grid& grid) {
   map.rehearsed = true;
 }
 
-int LearnerBrain::decide(Errand errand, const Cell& at, bool exploring) {
+int LearnerPolicy::decide(Errand errand, const Cell& at, bool exploring) {
   const auto action = learner_->choose(state(errand, at), 4, exploring);
   if (!action) throw std::runtime_error(action.error().message);
   return *action;
 }
 
-void LearnerBrain::experience(const Outcome& outcome, int next_action) {
+void LearnerPolicy::experience(const Outcome& outcome, int next_action) {
   cogrsim::Experience e;
   e.state = state(outcome.errand, outcome.from);
   e.action = static_cast<int>(outcome.action);
@@ -177,7 +177,7 @@ void LearnerBrain::experience(const Outcome& outcome, int next_action) {
   if (auto learnt = learner_->learn(e); !learnt) throw std::runtime_error(learnt.error().message);
 }
 
-void LearnerBrain::rehearse(Errand errand, int episodes) {
+void LearnerPolicy::rehearse(Errand errand, int episodes) {
   const Map& map = of(errand);
   if (map.reachable.size() < 2) return;
   const Cell& end = ends_.of(errand);
@@ -200,7 +200,7 @@ void LearnerBrain::rehearse(Errand errand, int episodes) {
   }
 }
 
-std::optional<Action> LearnerBrain::choose(Errand errand, const Cell& at, std::optional<Action>) {
+std::optional<Action> LearnerPolicy::choose(Errand errand, const Cell& at, std::optional<Action>) {
   Map& map = of(errand);
   const int index = map.grid.index(at);
   if (std::find(map.reachable.begin(), map.reachable.end(), index) == map.reachable.end()) {
@@ -212,15 +212,15 @@ std::optional<Action> LearnerBrain::choose(Errand errand, const Cell& at, std::o
   return static_cast<Action>(decide(errand, at, false));
 }
 
-void LearnerBrain::learn(const Outcome& outcome) {
+void LearnerPolicy::learn(const Outcome& outcome) {
   experience(outcome, outcome.arrived ? -1 : decide(outcome.errand, outcome.to, false));
 }
 
-double LearnerBrain::value(Errand errand, const Cell& at) {
+double LearnerPolicy::value(Errand errand, const Cell& at) {
   return at == ends_.of(errand) ? 0.0 : learner_->value(state(errand, at));
 }
 
-void LearnerBrain::remember(const std::string& memory) {
+void LearnerPolicy::remember(const std::string& memory) {
   if (auto done = learner_->remember(memory, "the snapshot"); !done) {
     throw std::runtime_error(done.error().message);
   }
