@@ -61,7 +61,7 @@ Capabilities make_capabilities() {
   }
   out.set("joint.limit.ball", Support::unsupported,
           "Bullet limits swing and twist apart, not the whole angle of turning");
-  for (const char* feature : {"body.static", "body.kinematic", "body.gravity-scale", "runtime.add", "runtime.remove",
+  for (const char* feature : {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add", "runtime.remove",
                               "runtime.save", "runtime.set_state", "report.contact_force",
                               "report.joint_reaction", "report.joint_effort"}) {
     out.set(feature, Support::exact);

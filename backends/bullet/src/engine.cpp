@@ -236,7 +236,8 @@ double* Engine::count_turns(int joint) const {
   return q;
 }
 
-int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists) {
+int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists,
+                 const std::vector<Wrench>& external) {
   double spin = 0.0;
   for (const int b : kinematic_) {
     // Bullet takes its velocity from where it is put.
@@ -256,6 +257,11 @@ int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<
     if (joint->has_laws()) joint->apply(dt, drives, [&] { return count_turns(joint->joint()); });
   }
   for (const int b : movers_) before_[at(b)] = motion(*parts_[at(b)].rigid);
+  for (std::size_t b = 0; b < external.size(); ++b) {  // Bullet clears them after the step
+    if (!parts_[b].rigid) continue;
+    parts_[b].rigid->applyCentralForce(to_bt(external[b].force));
+    parts_[b].rigid->applyTorque(to_bt(external[b].torque));
+  }
   dt_ = dt;
   rows_.resizeNoInitialize(0);
   sound_ = false;

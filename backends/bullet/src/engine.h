@@ -51,7 +51,8 @@ class Engine {
 
   /// One stepSimulation(dt, 0). `twists`: of kinematic bodies, by body. Returns the first body that
   /// has left all bounds, with everything back where it was before; -1: none.
-  int step(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists);
+  int step(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists,
+           const std::vector<Wrench>& external);
 
   Pose pose(int body) const;
   /// Of the body's origin; kinematic bodies excepted.

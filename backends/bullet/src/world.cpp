@@ -68,7 +68,7 @@ void BulletWorld::start(std::unique_ptr<Engine> engine) {
 
 StepResult BulletWorld::step(double dt, const std::vector<Drive>& drives) {
   StepResult out;
-  out.body = engine_->step(dt, drives, twists_);
+  out.body = engine_->step(dt, drives, twists_, external_);
   if (out.body >= 0) {
     out.status = StepStatus::diverged;
     out.message = "body '" + model()->bodies[at(out.body)].name +
@@ -223,6 +223,7 @@ Result<> BulletWorld::reset() {
 void* BulletWorld::extension(std::string_view id) {
   if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
   if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
+  if (id == ExternalForces::kId) return static_cast<ExternalForces*>(this);
   return nullptr;
 }
 

@@ -12,7 +12,7 @@
 
 namespace cogrsim::bullet {
 
-class BulletWorld final : public World, public JointReactions, public KinematicDrive {
+class BulletWorld final : public World, public JointReactions, public KinematicDrive, public ExternalForces {
  public:
   /// Errors: a motor without an axis, a shape or joint that Bullet cannot take, with its place.
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);

@@ -17,14 +17,6 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
   const Values& q = m.state.q();
   const Values& u = m.state.u();
 
-  const std::vector<LinkMotion>& motions = m.motions();
-  weights_.resize(motions.size());
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    const Link& link = m.links()[i];
-    if (link.kinematic) continue;
-    weights_[i] = link.weight;
-  }
-
   efforts_.setZero();
   for (const AxisLaw& law : laws) {
     if (!law.implicit) efforts_[law.speed] += law.effort_at(q, u);
@@ -32,7 +24,7 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
   udot.setZero(m.state.nu());
   for (Component& c : m.components()) {
     local_.resize(std::size_t(c.size()));
-    find_bias(m, c, weights_, local_.data());
+    find_bias(m, c, local_.data());
     for (int k = 0; k < c.size(); ++k) {
       double& x = local_[std::size_t(k)];
       x = efforts_[c.speeds[std::size_t(k)]] - x;

@@ -29,7 +29,6 @@ class Accelerations {
   void close(const Middle* middle, Values& udot);
 
   Mechanism& mechanism_;
-  std::vector<Vec3> weights_;  ///< through each link's centre of mass (nlink)
   Values efforts_;             ///< along each speed
   std::vector<double> local_, wanted_, start_;
 };

@@ -52,7 +52,7 @@ Capabilities make_capabilities() {
   for (const char* mode : {"velocity", "torque", "position", "servo", "dc"})
     c.set(std::string("motor.") + mode, Support::exact);
   for (const char* feature :
-       {"body.static", "body.kinematic", "body.gravity-scale", "joint.coupling", "joint.coupling-effort", "contact.stiffness", "runtime.add", "runtime.remove",
+       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "joint.coupling", "joint.coupling-effort", "contact.stiffness", "runtime.add", "runtime.remove",
         "runtime.save", "runtime.set_state", "runtime.attach", "runtime.body_kind",
         "runtime.joint_axes", "report.contact_force", "report.joint_reaction",
         "report.joint_effort"})

@@ -155,16 +155,16 @@ void update_component(const Mechanism& mechanism, Component& c) {
   if (!c.welds.empty()) update_loops(mechanism, c);
 }
 
-void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>& forces,
-               double* x) {
+void find_bias(const Mechanism& mechanism, Component& c, double* x) {
+  const std::vector<Wrench>& loads = mechanism.loads();
   const std::vector<LinkMotion>& motions = mechanism.motions();
   if (c.is_free_body) {
     const std::size_t index = std::size_t(c.links[0]);
     const Link& link = mechanism.links()[index];
     const LinkMotion& motion = motions[index];
     const Vec3 momentum = motion.X.R * (link.inertia * (motion.X.R.transpose() * motion.angular));
-    Eigen::Map<Vec3>{x} = motion.angular.cross(momentum);
-    Eigen::Map<Vec3>{x + 3} = -forces[index];
+    Eigen::Map<Vec3>{x} = motion.angular.cross(momentum) - loads[index].torque;
+    Eigen::Map<Vec3>{x + 3} = -loads[index].force;
     return;
   }
   update_motion(mechanism, c);
@@ -211,8 +211,8 @@ void find_bias(const Mechanism& mechanism, Component& c, const std::vector<Vec3>
     force[i].angular += v.angular.cross(momentum.angular) + v.linear.cross(momentum.linear);
     force[i].linear += v.angular.cross(momentum.linear);
     const Vec3 arm = motion.X * link.com - c.origin;
-    force[i].angular -= arm.cross(forces[index]);
-    force[i].linear -= forces[index];
+    force[i].angular -= arm.cross(loads[index].force) + loads[index].torque;
+    force[i].linear -= loads[index].force;
   }
   for (std::size_t i = count; i-- > 0;) {
     for (int k = c.first[i]; k < c.end_of(i); ++k) x[k] = dot(c.motion[std::size_t(k)], force[i]);

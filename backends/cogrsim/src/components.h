@@ -84,10 +84,9 @@ void update_motion(const Mechanism& mechanism, Component& component);
 void update_component(const Mechanism& mechanism, Component& component);
 
 /// x := the generalized forces that give `component` no acceleration of its coordinates, less those
-/// of `forces`, through each link's centre of mass (nlink) [N]: recursive Newton-Euler method
-/// (Featherstone 2008, section 5.3) with all quantities about the component's origin. At the state.
-void find_bias(const Mechanism& mechanism, Component& component, const std::vector<Vec3>& forces,
-               double* x);
+/// of the mechanism's loads: recursive Newton-Euler method (Featherstone 2008, section 5.3) with all
+/// quantities about the component's origin. At the state.
+void find_bias(const Mechanism& mechanism, Component& component, double* x);
 
 /// x := M^-1 x, the loops ignored, without the mass matrix, in time that grows with the number of links:
 /// the articulated-body method (Featherstone 2008, section 7.3) at rest. With the articulated inertia A

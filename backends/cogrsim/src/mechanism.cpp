@@ -33,6 +33,7 @@ Mechanism::Mechanism(SceneModelPtr model) : model_(std::move(model)), plan_(plan
     links_.push_back(link);
   }
   state = State(nq, nu);
+  set_external({});
   make_components();
   for (const Link& link : links_) {
     if (link.plan.joint < 0) {
@@ -172,6 +173,20 @@ void Mechanism::add_rotors(Component& c) const {
       c.rotors.resize(std::size_t(c.size()));
       c.rotors[std::size_t(c.first[at] + link.u_map[std::size_t(k)])] = rotor;
     }
+  }
+}
+
+void Mechanism::set_external(const std::vector<Wrench>& forces) {
+  loads_.resize(links_.size());
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const Link& link = links_[i];
+    Wrench& load = loads_[i];
+    load = {link.kinematic ? Vec3(Vec3::Zero()) : link.weight, Vec3::Zero()};
+    if (forces.empty() || link.kinematic) continue;
+    // A body that was cut to open a loop shares them as it shares its mass.
+    const Wrench& external = forces[std::size_t(link.plan.body)];
+    load.force += link.plan.share * external.force;
+    load.torque += link.plan.share * external.torque;
   }
 }
 

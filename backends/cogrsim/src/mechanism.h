@@ -49,6 +49,11 @@ class Mechanism {
 
   State state;
 
+  /// Sets the forces from outside on each body (nbody), or none at all, beside the weights.
+  void set_external(const std::vector<Wrench>& forces);
+  /// Weight and forces from outside of each link, through its centre of mass (nlink).
+  const std::vector<Wrench>& loads() const { return loads_; }
+
   /// Rates of the coordinates at the state.
   void calc_qdot(Values& out) const { multiply_by_n(state.u(), out); }
   /// out := N(q) u.
@@ -84,6 +89,7 @@ class Mechanism {
   TreePlan plan_;
   std::vector<Link> links_;
   std::vector<Component> components_;
+  std::vector<Wrench> loads_;
   std::vector<int> quaternions_;  ///< first q of each
   bool has_loops_ = false;
   // What `motions_` holds is of these versions of q and u.

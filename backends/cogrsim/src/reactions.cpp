@@ -112,9 +112,9 @@ void calc_joint_reactions(Mechanism& m, const StepRecord& record, std::vector<Wr
   for (std::size_t i = 0; i < links.size(); ++i) {
     if (links[i].kinematic) continue;
     const LinkState s = state_of(m, links[i]);
-    const Vec3 weight = links[i].weight * record.dt;
-    own[i].linear += s.momentum.linear - weight;
-    own[i].angular += s.momentum.angular - (0.5 * (start_com[i] + s.com)).cross(weight);
+    const Vec3 force = m.loads()[i].force * record.dt, torque = m.loads()[i].torque * record.dt;
+    own[i].linear += s.momentum.linear - force;
+    own[i].angular += s.momentum.angular - (0.5 * (start_com[i] + s.com)).cross(force) - torque;
   }
   add_contacts(m, record, own);
 

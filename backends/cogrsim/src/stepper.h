@@ -56,8 +56,8 @@ struct FreeMomentum {
   Vec3 com = Vec3::Zero();
   Vec3 linear = Vec3::Zero();
   Vec3 angular = Vec3::Zero();  ///< about the world's origin
-  Vec3 weight = Vec3::Zero();   ///< [N]
-  Vec3 weight_moment = Vec3::Zero();  ///< about the world's origin [N m]
+  Vec3 load = Vec3::Zero();  ///< weights and forces from outside [N]
+  Vec3 load_moment = Vec3::Zero();  ///< about the world's origin [N m]
   Mat3 inertia = Mat3::Zero();  ///< of all together, about com
 };
 

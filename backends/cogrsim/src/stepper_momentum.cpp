@@ -10,7 +10,7 @@ void Stepper::measure_momenta(bool inertia) {
   for (FreeMomentum& f : momenta_) {
     const Component& c = mechanism_.components()[std::size_t(f.component)];
     f.mass = 0.0;
-    f.com = f.linear = f.angular = f.weight = f.weight_moment = Vec3::Zero();
+    f.com = f.linear = f.angular = f.load = f.load_moment = Vec3::Zero();
     Mat3 about_origin = Mat3::Zero();
     for (int index : c.links) {
       const Link& link = m.links()[std::size_t(index)];
@@ -22,8 +22,9 @@ void Stepper::measure_momenta(bool inertia) {
       f.mass += link.mass;
       f.com += link.mass * p;
       f.linear += momentum;
-      f.weight += link.weight;
-      f.weight_moment += p.cross(link.weight);
+      const Wrench& load = m.loads()[std::size_t(index)];
+      f.load += load.force;
+      f.load_moment += p.cross(load.force) + load.torque;
       f.angular += R * (link.inertia * (R.transpose() * omega)) + p.cross(momentum);
       if (inertia)
         about_origin += R * link.inertia * R.transpose() +
@@ -61,9 +62,9 @@ void Stepper::conserve_momentum(double h) {
     const FreeMomentum& end = momenta_[i];
     if (untouched_[std::size_t(end.component)]) continue;
     const FreeMomentum& start = start_momenta_[i];
-    Vec3 linear = start.linear + h * end.weight - end.linear;
+    Vec3 linear = start.linear + h * end.load - end.linear;
     Vec3 angular =
-        start.angular + 0.5 * h * (start.weight_moment + end.weight_moment) - end.angular;
+        start.angular + 0.5 * h * (start.load_moment + end.load_moment) - end.angular;
     linear += gained_[std::size_t(end.component)].linear;
     angular += gained_[std::size_t(end.component)].angular;
     const Vec3 omega = end.inertia.inverse() * (angular - end.com.cross(linear));

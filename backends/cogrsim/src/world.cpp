@@ -39,6 +39,8 @@ StepResult DynamicsWorld::step(double dt, const std::vector<Drive>& drives) {
   progress_.start_u = m.state.u();
   StepResult result;
   try {
+    if (!external_.empty() || pushed_) engine_->mechanism.set_external(external_);
+    pushed_ = !external_.empty();
     engine_->stepper.advance(dt, drives, progress_.twists);
     result.body = find_diverged();
     if (result.body >= 0)
@@ -170,6 +172,7 @@ Result<> DynamicsWorld::reset() {
 void* DynamicsWorld::extension(std::string_view id) {
   if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
   if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
+  if (id == ExternalForces::kId) return static_cast<ExternalForces*>(this);
   return nullptr;
 }
 

@@ -41,7 +41,7 @@ struct Progress {
   bool reactions_kept = false;
 };
 
-class DynamicsWorld final : public World, public JointReactions, public KinematicDrive {
+class DynamicsWorld final : public World, public JointReactions, public KinematicDrive, public ExternalForces {
  public:
   /// Throws std::exception where loops cannot be closed.
   DynamicsWorld(SceneModelPtr model, const StepperOptions& options);
@@ -59,6 +59,7 @@ class DynamicsWorld final : public World, public JointReactions, public Kinemati
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
   void* extension(std::string_view id) override;
+  double evaluation_time() const override { return 0.5; }
 
   void get_joint_reactions(std::vector<Wrench>& out) const override;
   Result<> set_kinematic_twist(int body, const Twist& twist) override;
@@ -81,6 +82,7 @@ class DynamicsWorld final : public World, public JointReactions, public Kinemati
   void fill_unmoved_joint(const Joint& joint, WorldState& out) const;
 
   StepperOptions options_;
+  bool pushed_ = false;  ///< the mechanism has forces from outside
   SceneModelPtr initial_;
   std::unique_ptr<Engine> engine_;
   Progress progress_;  ///< q, u, memory, impulses, records live in the engine while it runs

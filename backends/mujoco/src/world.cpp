@@ -205,9 +205,11 @@ void MujocoWorld::hold_kinematic() {
   const Vec3 gravity = vec_at(model_->opt.gravity);
   for (std::size_t b = 0; b < model()->bodies.size(); ++b) {
     const Body& it = model()->bodies[b];
-    if (it.removed || it.kind != BodyKind::dynamic || it.gravity_scale == 1.0) continue;
-    put(data_->xfrc_applied + 6 * program_->bodies[b],
-        Vec3((it.gravity_scale - 1.0) * it.mass * gravity));
+    if (it.removed || it.kind != BodyKind::dynamic) continue;
+    const Wrench external = b < external_.size() ? external_[b] : Wrench();
+    double* const applied = data_->xfrc_applied + 6 * program_->bodies[b];
+    put(applied, Vec3((it.gravity_scale - 1.0) * it.mass * gravity + external.force));
+    put(applied + 3, external.torque);
   }
   for (const int body : program_->kinematic) {
     const auto b = static_cast<std::size_t>(body);
@@ -288,6 +290,7 @@ int MujocoWorld::find_bad() const {
 void* MujocoWorld::extension(std::string_view id) {
   if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
   if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
+  if (id == ExternalForces::kId) return static_cast<ExternalForces*>(this);
   return nullptr;
 }
 

@@ -12,7 +12,7 @@
 
 namespace cogrsim::mujoco {
 
-class MujocoWorld final : public World, public JointReactions, public KinematicDrive {
+class MujocoWorld final : public World, public JointReactions, public KinematicDrive, public ExternalForces {
  public:
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
 

@@ -31,6 +31,13 @@ class BodyLink {
   bool exists() const { return id_ != nullptr; }
   dBodyID id() const { return id_; }
 
+  /// For the next step.
+  void push(const Wrench& wrench) {
+    if (!id_) return;
+    dBodyAddForce(id_, wrench.force.x(), wrench.force.y(), wrench.force.z());
+    dBodyAddTorque(id_, wrench.torque.x(), wrench.torque.y(), wrench.torque.z());
+  }
+
   Pose pose() const { return from_centre(to_vec(p_), to_quat(q_)); }
   /// Where it was before the step of h that made its present velocity.
   Pose pose_before(double h) const;

@@ -98,6 +98,7 @@ StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
     for (JointLink& link : engine_->joints()) {
       link.drive(dt, drives, now_.q.data() + (joint++)->position_offset);
     }
+    for (std::size_t b = 0; b < external_.size(); ++b) engine_->body(b).push(external_[b]);
     engine_->step(dt, now_.seed);
   } catch (const EngineError& error) {
     what = error.what();
@@ -169,6 +170,7 @@ void OdeWorld::forget_report() const {
 void* OdeWorld::extension(std::string_view id) {
   if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
   if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
+  if (id == ExternalForces::kId) return static_cast<ExternalForces*>(this);
   return nullptr;
 }
 

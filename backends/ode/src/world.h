@@ -11,7 +11,7 @@
 
 namespace cogrsim::ode {
 
-class OdeWorld final : public World, public JointReactions, public KinematicDrive {
+class OdeWorld final : public World, public JointReactions, public KinematicDrive, public ExternalForces {
  public:
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
 

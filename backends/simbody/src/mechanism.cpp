@@ -104,6 +104,20 @@ Mechanism::Mechanism(SceneModelPtr model, std::vector<Pose> places, const Option
   }
 }
 
+void Mechanism::set_external(SimTK::State& state, const std::vector<Wrench>& given) const {
+  external_.clearAllBodyForces(state);
+  for (const Link& link : links_) {
+    if (given.empty() || link.kinematic) continue;
+    const SimTK::MassProperties& mass = link.mobod.getBodyMassProperties(state);
+    // A body that was cut to open a loop shares them as it shares its mass.
+    const double share = mass.getMass() / model_->bodies[std::size_t(link.body)].mass;
+    const SimTK::Vec3 force = share * to_simtk(given[std::size_t(link.body)].force);
+    const SimTK::Vec3 arm = link.mobod.getBodyRotation(state) * mass.getMassCenter();
+    const SimTK::Vec3 torque = share * to_simtk(given[std::size_t(link.body)].torque);
+    external_.setOneBodyForce(state, link.mobod, SimTK::SpatialVec(torque + arm % force, force));
+  }
+}
+
 int Mechanism::inboard(int link) const {
   // Simbody numbers bodies as they are made, the ground first.
   const SimTK::MobilizedBody& mobod = links_[std::size_t(link)].mobod;

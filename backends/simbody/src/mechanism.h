@@ -76,6 +76,9 @@ class Mechanism {
   /// Kinematic bodies go on with the speeds that the state has.
   void set_rates(SimTK::State& state) const;
 
+  /// Forces on bodies (nbody), or none, from now on. Realized to Stage::Position.
+  void set_external(SimTK::State& state, const std::vector<Wrench>& forces) const;
+
   /// Quaternions to unit length, coordinates and speeds onto closed loops.
   void project(SimTK::State& state) const;
 
@@ -88,6 +91,7 @@ class Mechanism {
   void add_axes(const Joint& joint, const Link& link);
   void set_stops(SimTK::State& state);
 
+  SimTK::Force::DiscreteForces external_{forces, matter};
   SceneModelPtr model_;
   std::vector<Pose> places_;
   Options options_;

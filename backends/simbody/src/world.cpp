@@ -132,8 +132,11 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
     if (!integrator_) start_integrator(dt);
     SimTK::State& now = integrator_->updAdvancedState();
     engine.mechanism.system.realize(now, SimTK::Stage::Velocity);
-    if (!engine.drives.empty()) {
-      engine.drives.set(now, dt, drives);
+    const bool pushed = !external_.empty() || pushed_;
+    if (pushed) engine.mechanism.set_external(now, external_);
+    pushed_ = !external_.empty();
+    if (!engine.drives.empty()) engine.drives.set(now, dt, drives);
+    if (!engine.drives.empty() || pushed) {
       integrator_->reinitialize(SimTK::Stage::Dynamics, false);
     }
     run_integrator(start + dt);
@@ -258,6 +261,7 @@ std::vector<Wrench> SimbodyWorld::find_reactions() const {
 void* SimbodyWorld::extension(std::string_view id) {
   if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
   if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
+  if (id == ExternalForces::kId) return static_cast<ExternalForces*>(this);
   return nullptr;
 }
 

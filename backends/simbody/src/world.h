@@ -20,7 +20,7 @@ namespace cogrsim::simbody {
 /// Errors: what Simbody cannot have, by the scene alone, with its place.
 Result<> check_scene(const SceneModel& model);
 
-class SimbodyWorld final : public World, public JointReactions, public KinematicDrive {
+class SimbodyWorld final : public World, public JointReactions, public KinematicDrive, public ExternalForces {
  public:
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
 
@@ -39,12 +39,14 @@ class SimbodyWorld final : public World, public JointReactions, public Kinematic
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
   void* extension(std::string_view id) override;
+  double evaluation_time() const override { return 0.5; }
   void get_joint_reactions(std::vector<Wrench>& out) const override {
     out = stepped_ ? find_reactions() : held_.reactions;
   }
   Result<> set_kinematic_twist(int body, const Twist& twist) override;
 
  private:
+  bool pushed_ = false;  ///< the state has forces from outside
   struct Snapshot;
   using Places = std::shared_ptr<const std::vector<Pose>>;  ///< of static bodies, by body
   /// Simbody's system with all that was added to it. It stays where it is: the system refers to it.

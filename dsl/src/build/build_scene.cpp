@@ -45,6 +45,7 @@ SceneModelPtr Builder::build() {
   templates();
   for_each(scene_, [&](const Element& element) {
     if (element.tag() == "region") region(element);
+    if (is_force(element.tag())) force(element);
   });
   for_each(scene_, [&](const Element& element) {
     if (element.tag() == "record") record(element);
@@ -57,6 +58,7 @@ SceneModelPtr Builder::build() {
   door_pairs();
   if (sink().has_errors()) return nullptr;
   start();
+  spring_lengths();
   check_cameras();
   if (sink().has_errors()) return nullptr;
   // Poses of scattered objects are drawn when everything else has its pose; then the scene is built

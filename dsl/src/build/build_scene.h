@@ -179,6 +179,9 @@ class Builder {
   void collision_pairs();
 
   // devices.cpp
+  void force(const Element& element);
+  void spring_lengths();
+  bool spring_ends(const Element& element, ForceModel& force);
   void coupling(const Element& element);
   void couple_start(const Element& element, const Coupling& coupling);
   void motor(const Element& element);

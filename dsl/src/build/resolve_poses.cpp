@@ -12,7 +12,7 @@ bool has_pose(const Element& element) {
   const std::string_view tag = element.tag();
   return is_shape(tag) || is_joint(tag) || tag == "body" || tag == "assembly" ||
          tag == "instance" || tag == "frame" || tag == "scatter" || tag == "light" ||
-         tag == "view" || tag == "region" ||
+         tag == "view" || tag == "region" || tag == "force" || tag == "drag" ||
          (is_sensor(element.node->spec) && tag != "encoder" && tag != "force-torque");
 }
 
@@ -34,7 +34,7 @@ const Element* Builder::reference(const Element& element) {
     attribute = "frame";
   else if (is_joint(element.tag()) && !r.has("xyz") && !r.has("rpy") && !r.has("quat"))
     attribute = "child";
-  else if (is_sensor(element.node->spec))
+  else if (is_sensor(element.node->spec) || (is_force(element.tag()) && knows(element, "on")))
     attribute = "on";
   n.reference = element.parent;
   if (attribute.empty() || !r.has(attribute)) return n.reference;

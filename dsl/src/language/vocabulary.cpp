@@ -40,6 +40,7 @@ bool in_group(std::string_view element, std::string_view group) {
 }
 }  // namespace
 
+bool is_force(std::string_view element) { return in_group(element, "Forces"); }
 bool is_joint(std::string_view element) { return in_group(element, "Joints"); }
 
 bool is_shape(std::string_view element) {

@@ -75,6 +75,8 @@ const ElementSpec& contact_sensor();
 
 /// Joint elements: hinge slider ball universal fixed cylindrical planar screw free.
 bool is_joint(std::string_view element);
+/// Elements that act on bodies: force drag spring.
+bool is_force(std::string_view element);
 /// Shape elements: box sphere cylinder capsule plane mesh heightmap.
 bool is_shape(std::string_view element);
 /// Sensor elements; false for nullptr.

@@ -137,13 +137,14 @@ const Words kMatter = {"material", "collide"};
 /// Inside an assembly.
 Words assembly_content() {
   return kShapes + Words{"body", "assembly", "frame"} + kJoints +
-         Words{"couple", "motor", "servo"} + kSensors +
+         Words{"couple", "motor", "servo", "force", "drag", "spring"} + kSensors +
          Words{"contact", "controller", "instance", "plot", "region", "door"} + kMatter;
 }
 /// Inside a template: what an added assembly can have.
 Words template_content() {
   return kShapes + Words{"body", "assembly", "frame"} + kJoints +
-         Words{"couple", "motor", "servo"} + kSensors + Words{"contact", "controller", "instance"} +
+         Words{"couple", "motor", "servo", "force", "drag", "spring"} + kSensors +
+         Words{"contact", "controller", "instance"} +
          kMatter;
 }
 Words scene_content() {
@@ -387,6 +388,60 @@ void add_joints(std::vector<ElementSpec>& out) {
       "<free name=\"drift\" parent=\"station\" child=\"capsule\"/>");
 }
 
+void add_forces(std::vector<ElementSpec>& out) {
+  const auto group = "Forces";
+  const Attributes on = {must(attr("on", Kind::reference, "Body or frame that it acts on."))};
+  out.push_back(element(
+      group, "force",
+      "A force and a torque on a body, at the element's position: constant, during an interval, or "
+      "in proportion to a signal, as a thruster whose controller publishes the thrust.",
+      named() + on + placed() +
+          Attributes{numbers("force", kForce, 3, "Force.", "0 0 0"),
+                     numbers("torque", kTorque, 3, "Torque.", "0 0 0"),
+                     choice("axes", {"world", "own"},
+                            "Axes of force and torque: the world's, or those of the element, which "
+                            "turn with the body.",
+                            "world"),
+                     attr("factor", Kind::text,
+                          "Signal that multiplies both, such as \"pilot.thrust\" or "
+                          "\"sin(2 rad/s * time)\"; 1 if left out."),
+                     at_least(number("from", kTime, "Time at which it begins.", "0 s"), 0.0),
+                     at_least(or_none(number("until", kTime, "Time at which it ends.", "none")),
+                              0.0)},
+      {}, "<force on=\"hull\" xyz=\"-20 0 0 cm\" force=\"4 0 0\" axes=\"own\" until=\"2 s\"/>"));
+  out.push_back(element(
+      group, "drag",
+      "Resistance of air or water: -(linear + quadratic |v|) v at the element's position, v being its "
+      "velocity relative to the wind, and -angular times the angular velocity.",
+      named() + on + placed() +
+          Attributes{at_least(number("linear", kDamping, "Force per speed.", "0"), 0.0),
+                     at_least(number("quadratic", kLinearDensity,
+                                     "Force per speed squared: density times area times drag "
+                                     "coefficient / 2.",
+                                     "0"),
+                              0.0),
+                     at_least(number("angular", kAngularDamping, "Torque per angular speed.", "0"),
+                              0.0),
+                     numbers("wind", kSpeed, 3, "Velocity of the medium, in world axes.", "0 0 0")},
+      {}, "<drag on=\"hull\" quadratic=\"0.3 kg/m\" wind=\"5 0 0\"/>"));
+  AttributeSpec ends = must(attr("between", Kind::references,
+                                 "Its two ends: bodies or frames; \"world\" is a point at the "
+                                 "origin."));
+  ends.min_count = ends.max_count = 2;
+  out.push_back(element(
+      group, "spring",
+      "A spring with a damper from point to point, also between bodies that no joint connects.",
+      named() +
+          Attributes{ends,
+                     must(at_least(number("stiffness", kStiffness, "Force per extension."), 0.0)),
+                     at_least(number("damping", kDamping, "Force per speed of extension.", "0"), 0.0),
+                     at_least(number("length", kLength,
+                                     "Length without force; that at the start if left out."),
+                              0.0),
+                     attr("cable", Kind::boolean, "Pulls only, as a rope does.", "false")},
+      {}, "<spring between=\"hook crate\" stiffness=\"500 N/m\" damping=\"5 N*s/m\"/>"));
+}
+
 void add_motion(std::vector<ElementSpec>& out) {
   AttributeSpec to = must(attr("to", Kind::references, "Joints that it follows."));
   to.min_count = 1;
@@ -586,6 +641,7 @@ const std::vector<ElementSpec>& vocabulary() {
     add_assemblies(out);
     add_joints(out);
     add_motion(out);
+    add_forces(out);
     add_sensors(out);
     add_controllers(out);
     add_reuse(out);

@@ -138,6 +138,7 @@ constexpr NamedDimension kNames[] = {
     {Dimension{0, 0, -2, 0, 1}, "an angular acceleration", "rad/s^2"},
     {kFrequency, "a frequency", "Hz"},
     {kDensity, "a density", "kg/m^3"},
+    {kLinearDensity, "a mass per length", "kg/m"},
     {kInertia, "a moment of inertia", "kg*m^2"},
     {kForce, "a force", "N"},
     {kTorque, "a torque", "N*m"},

@@ -130,6 +130,11 @@ class Checker {
         note(motor.name, "axis");
       }
     }
+    for (const ForceModel& force : model_.forces) {
+      index(force.body, model_.bodies, -1, force.name, "body");
+      index(force.other, model_.bodies, -1, force.name, "body");
+      index(force.assembly, model_.assemblies, -1, force.name, "assembly");
+    }
     for (const SensorModel& sensor : model_.sensors) {
       index(sensor.body, model_.bodies, -1, sensor.name, "body");
       index(sensor.joint, model_.joints, -1, sensor.name, "joint");

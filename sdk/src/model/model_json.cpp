@@ -99,6 +99,19 @@ void fields(Io& io, Motor& x) {
 }
 
 template <class Io>
+void fields(Io& io, ForceModel& x) {
+  auto& [kind, name, body, X_BE, other, other_point, in_body, force, torque, factor, from, until,
+         linear, quadratic, angular, wind, stiffness, damping, length, cable, assembly, removed,
+         origin] = x;
+  io("kind", kind)("name", name)("body", body)("X_BE", X_BE)("other", other);
+  io("other_point", other_point)("in_body", in_body)("force", force)("torque", torque);
+  io("factor", factor)("from", from)("until", until)("linear", linear)("quadratic", quadratic);
+  io("angular", angular)("wind", wind)("stiffness", stiffness)("damping", damping);
+  io("length", length)("cable", cable)("assembly", assembly)("removed", removed);
+  io("origin", origin);
+}
+
+template <class Io>
 void fields(Io& io, NoiseTerm& x) {
   auto& [kind, a, b, group] = x;
   io("kind", kind)("a", a)("b", b)("group", group);
@@ -215,7 +228,7 @@ void fields(Io& io, MeasureModel& x) {
 template <class Io>
 void fields(Io& io, SceneModel& x) {
   auto& [name, files, physics, materials, material_pairs, meshes, heightmaps, assemblies, bodies,
-         frames, joints, couplings, motors, sensors, controllers, supervisors, lights, views, record, plots,
+         frames, joints, couplings, motors, forces, sensors, controllers, supervisors, lights, views, record, plots,
          regions, doors, mazes, templates, rules, measures, tests, no_collide, joint_positions,
          joint_speeds] = x;
   static_cast<void>(meshes);  // stored as packed numbers, see Model in cogrsim.proto
@@ -227,7 +240,7 @@ void fields(Io& io, SceneModel& x) {
   io("name", name)("files", files)("physics", physics)("materials", materials);
   io("material_pairs", material_pairs)("assemblies", assemblies)("bodies", bodies);
   io("frames", frames)("joints", joints)("couplings", couplings)("motors", motors);
-  io("sensors", sensors);
+  io("forces", forces)("sensors", sensors);
   io("controllers", controllers)("supervisors", supervisors)("lights", lights)("views", views);
   io("record", record)("plots", plots)("no_collide", no_collide);
   io("regions", regions)("doors", doors)("mazes", mazes)("measures", measures);
@@ -241,6 +254,9 @@ constexpr int last_of() {
   if constexpr (std::is_same_v<Enum, ShapeType>) return static_cast<int>(ShapeType::heightmap);
   if constexpr (std::is_same_v<Enum, JointType>) return static_cast<int>(JointType::free);
   if constexpr (std::is_same_v<Enum, MotorMode>) return static_cast<int>(MotorMode::dc);
+  if constexpr (std::is_same_v<Enum, ForceModel::Kind>) {
+    return static_cast<int>(ForceModel::Kind::spring);
+  }
   if constexpr (std::is_same_v<Enum, NoiseTerm::Kind>) {
     return static_cast<int>(NoiseTerm::Kind::bias_walk);
   }

@@ -35,6 +35,11 @@ class Check {
     check_joints();
     check_couplings();
     check_motors();
+    for (const ForceModel& force : model_.forces) {
+      if (force.removed) continue;
+      need("body.force", "forces on bodies", "force '" + force.name + "'", force.origin,
+           "leave it out, or run the scene on another backend");
+    }
     return std::move(out_);
   }
 

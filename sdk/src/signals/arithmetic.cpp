@@ -33,6 +33,20 @@ struct Number final : Signal::Node {
   bool without_unit;
 };
 
+/// A function of one number. Trigonometric ones take an angle, or a number without unit in rad.
+struct FunctionSpec {
+  const char* name;
+  double (*of)(double);
+  bool keeps_unit;  ///< else the result has no unit
+  bool takes_angle;
+};
+constexpr FunctionSpec kFunctions[] = {
+    {"abs", [](double x) { return std::abs(x); }, true, false},
+    {"sin", [](double x) { return std::sin(x); }, false, true},
+    {"cos", [](double x) { return std::cos(x); }, false, true},
+    {"exp", [](double x) { return std::exp(x); }, false, false},
+};
+
 enum class Operation { none, sum, product };
 
 // Kind of the root of an expression; only a sum or a product may need brackets.
@@ -43,24 +57,31 @@ std::string operand(const SignalNode& node, bool bracket) {
   return bracket ? "(" + node->text + ")" : node->text;
 }
 
-/// -a and abs(a).
+/// -a, and functions of a.
 struct Unary final : Signal::Node {
-  Unary(SignalNode of, bool absolute) : a(std::move(of)), abs(absolute) {
-    text = abs ? "abs(" + a->text + ")" : "-" + operand(a, operation_of(a) != Operation::none);
-    quantity = a->quantity;
-    unit = a->unit;
+  /// Without a function: -a.
+  Unary(SignalNode of, const FunctionSpec* what) : a(std::move(of)), function(what) {
+    text = function ? fmt::format("{}({})", function->name, a->text)
+                    : "-" + operand(a, operation_of(a) != Operation::none);
+    quantity = keeps_unit() ? a->quantity : text;
+    unit = keeps_unit() ? a->unit : "1";
     needs = a->needs;
   }
+  bool keeps_unit() const { return !function || function->keeps_unit; }
   double value(const Frame& frame) const override {
     const double v = a->value(frame);
-    return abs ? std::abs(v) : -v;
+    if (!function) return -v;
+    const double result = function->of(v);
+    return std::isfinite(result) ? result : kNaN;  // infinity could not be compared or averaged
   }
   std::uint64_t revision(const Frame& frame) const override { return a->revision(frame); }
-  std::optional<units::Dimension> dimension() const override { return a->dimension(); }
+  std::optional<units::Dimension> dimension() const override {
+    return keeps_unit() ? a->dimension() : units::Dimension{};
+  }
   bool constant() const override { return a->constant(); }
-  bool bare() const override { return a->bare(); }
+  bool bare() const override { return keeps_unit() && a->bare(); }
   SignalNode a;
-  bool abs;
+  const FunctionSpec* function;
 };
 
 struct Binary final : Signal::Node {
@@ -220,17 +241,28 @@ class Arithmetic {
       ++at_;
       auto of = factor();
       if (!of) return of;
-      return SignalNode(std::make_shared<Unary>(*of, false));
+      return SignalNode(std::make_shared<Unary>(*of, nullptr));
     }
     if (next() == '(') {
       ++at_;
       return closed(sum());
     }
-    if (text_.compare(at_, 4, "abs(") == 0) {
-      at_ += 4;
+    for (const FunctionSpec& function : kFunctions) {
+      const std::string name = std::string(function.name) + "(";
+      if (text_.compare(at_, name.size(), name) != 0) continue;
+      at_ += name.size();
       auto of = closed(sum());
       if (!of) return of;
-      return SignalNode(std::make_shared<Unary>(*of, true));
+      const auto dimension = (*of)->dimension();
+      const bool fits = function.keeps_unit || !dimension || dimension->none() ||
+                        (function.takes_angle && *dimension == units::dim::kAngle);
+      if (fits) return SignalNode(std::make_shared<Unary>(*of, &function));
+      return fail(fmt::format("{}({}): the argument has the unit {}", function.name, (*of)->text,
+                              (*of)->unit),
+                  "",
+                  function.takes_angle
+                      ? "it takes an angle, for example sin(2 rad/s * time)"
+                      : "it takes a number without unit, for example exp(-1 * time / 2 s)");
     }
     if (std::isdigit(static_cast<unsigned char>(next()))) return number();
     return signal();

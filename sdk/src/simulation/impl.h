@@ -19,6 +19,7 @@
 #include "simulation/controllers/hosted_controller.h"
 #include "simulation/frame_pool.h"
 #include "simulation/events/event_system.h"
+#include "simulation/force_system.h"
 #include "simulation/message_log.h"
 #include "simulation/motor_law.h"
 
@@ -135,6 +136,7 @@ struct Simulation::Impl {
 
   std::vector<MotorState> motors;
   std::vector<Drive> drives;
+  ForceSystem forces;
   SensorSuite sensors;
   FrameSensorContext sensing;
   std::vector<ControllerSlot> controllers;
@@ -193,6 +195,7 @@ struct Simulation::Impl {
 
   // step.cpp
   void read_sensors();
+  void apply_forces();
   RunStatus step();
   void show_start();
   void show_frame();  ///< passes the current frame to the observers

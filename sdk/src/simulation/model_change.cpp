@@ -178,6 +178,15 @@ class Appender {
       motor.assembly = assembly(original.assembly);
       to_.motors.push_back(std::move(motor));
     }
+    for (const ForceModel& original : from_.forces) {
+      ForceModel force = renamed(original);
+      force.body = shifted(original.body, bodies_);
+      force.other = shifted(original.other, bodies_);
+      if (original.body == kWorld) force.X_BE = pose_ * original.X_BE;
+      if (original.other == kWorld) force.other_point = pose_ * original.other_point;
+      force.assembly = assembly(original.assembly);
+      to_.forces.push_back(std::move(force));
+    }
     for (const SensorModel& original : from_.sensors) {
       SensorModel sensor = renamed(original);
       sensor.body = shifted(original.body, bodies_);
@@ -274,6 +283,9 @@ void remove_dependents(SceneModel& model) {
     coupling.removed = coupling.removed || joint_gone(coupling.joint);
     for (const CouplingTerm& term : coupling.terms)
       coupling.removed = coupling.removed || joint_gone(term.joint);
+  }
+  for (ForceModel& force : model.forces) {
+    force.removed = force.removed || body_gone(force.body) || body_gone(force.other);
   }
   for (SensorModel& sensor : model.sensors) {
     sensor.removed = sensor.removed || body_gone(sensor.body) || joint_gone(sensor.joint);

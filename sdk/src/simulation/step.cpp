@@ -161,6 +161,18 @@ void Simulation::Impl::show_start() {
   show_frame();
 }
 
+void Simulation::Impl::apply_forces() {
+  forces.apply(
+      *world, model, present_state(), time(), clock.dt(),
+      [this](int sensor) { return &sensors.channels(static_cast<std::size_t>(sensor)); },
+      [this](const FrameContents& contents) {
+        // Controllers have published since the frame of this step was made.
+        auto frame = std::make_shared<Frame>(*frame_with(contents));
+        copy_controller_outputs(*frame);
+        return FramePtr(std::move(frame));
+      });
+}
+
 RunStatus Simulation::Impl::step() {
   if (stop_requested.exchange(false) && status == RunStatus::running) status = RunStatus::stopped;
   const auto begin = [this] {
@@ -184,6 +196,7 @@ RunStatus Simulation::Impl::step() {
   } else {
     twists_before.clear();
   }
+  apply_forces();
   const StepResult result = [&] {
     const PluginCall call("backend", backend->name(), "", "", "in a step", time());
     return world->step(clock.dt(), drives);

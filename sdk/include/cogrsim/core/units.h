@@ -34,6 +34,7 @@ inline constexpr Dimension kAcceleration{1, 0, -2, 0, 0};
 inline constexpr Dimension kAngularSpeed{0, 0, -1, 0, 1};
 inline constexpr Dimension kFrequency{0, 0, -1, 0, 0};
 inline constexpr Dimension kDensity{-3, 1, 0, 0, 0};
+inline constexpr Dimension kLinearDensity{-1, 1, 0, 0, 0};
 inline constexpr Dimension kInertia{2, 1, 0, 0, 0};
 inline constexpr Dimension kForce{1, 1, -2, 0, 0};
 inline constexpr Dimension kTorque{2, 1, -2, 0, 0};

@@ -178,6 +178,39 @@ struct Motor {
   SourceSpan origin;
 };
 
+/// `<force>`, `<drag>` or `<spring>`: a force and a torque on a body, computed by CogRSim from the
+/// state and given to the engine for each step. They act at the frame E of the element.
+struct ForceModel {
+  enum class Kind {
+    force,  ///< `factor` times `force` and `torque`
+    drag,   ///< -(linear + quadratic |v|) v - angular w, with v the velocity of E relative to `wind`
+            ///< and w the angular velocity of the body
+    spring  ///< between E and E2, along the line: stiffness (l - length) + damping dl/dt
+  } kind = Kind::force;
+  std::string name;  ///< dotted
+  int body = kWorld;
+  Pose X_BE;                   ///< of E in the body
+  int other = kWorld;          ///< spring: the second body
+  Vec3 other_point = Vec3::Zero();  ///< spring: E2 in it [m]
+  bool in_body = false;        ///< force: the vectors are in the axes of E; else in world axes
+  Vec3 force = Vec3::Zero();   ///< [N]
+  Vec3 torque = Vec3::Zero();  ///< [N m]
+  std::string factor;          ///< force: a signal (cogrsim/signals/signal.h); empty: 1
+  double from = 0.0;           ///< force: time at which it begins [s]
+  double until = std::numeric_limits<double>::infinity();  ///< and ends [s]
+  double linear = 0.0;         ///< drag [N s/m], >= 0
+  double quadratic = 0.0;      ///< drag [N s^2/m^2], >= 0
+  double angular = 0.0;        ///< drag [N m s/rad], >= 0
+  Vec3 wind = Vec3::Zero();    ///< drag: velocity of the medium [m/s]
+  double stiffness = 0.0;      ///< spring [N/m], >= 0
+  double damping = 0.0;        ///< spring [N s/m], >= 0
+  double length = 0.0;         ///< spring: at which it exerts no force [m], >= 0
+  bool cable = false;          ///< spring: pulls only
+  int assembly = -1;
+  bool removed = false;
+  SourceSpan origin;
+};
+
 /// One term of the noise model of a sensor. The terms are applied in the order of the file.
 struct NoiseTerm {
   enum class Kind { normal, uniform, bias, dropout, quantisation, bias_walk } kind = Kind::normal;
@@ -456,6 +489,7 @@ struct SceneModel {
   std::vector<Joint> joints;
   std::vector<Coupling> couplings;
   std::vector<Motor> motors;
+  std::vector<ForceModel> forces;
   std::vector<SensorModel> sensors;
   std::vector<ControllerModel> controllers;
   std::vector<ControllerModel> supervisors;

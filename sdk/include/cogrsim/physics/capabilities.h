@@ -31,6 +31,7 @@ struct Capability {
 ///   joint.coupling-effort      a limit of the effort of a coupling
 ///   loop.TYPE                  a joint that closes a loop
 ///   motor.MODE                 velocity torque position servo dc
+///   body.force                 forces and torques given for each step, see ExternalForces
 ///   body.static  body.kinematic  body.gravity-scale  contact.stiffness
 ///   runtime.add  runtime.remove  runtime.save  runtime.set_state
 ///   runtime.attach  runtime.body_kind  runtime.joint_axes

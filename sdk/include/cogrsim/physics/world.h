@@ -86,8 +86,8 @@ class World {
   /// Returns to the initial scene at time 0. The world is then bit-identical to a new one.
   virtual Result<> reset() = 0;
 
-  /// An optional interface by its id, or nullptr if the engine does not have it: see JointReactions
-  /// and KinematicDrive.
+  /// An optional interface by its id, or nullptr if the engine does not have it: see JointReactions,
+  /// ExternalForces and KinematicDrive.
   virtual void* extension(std::string_view id) {
     (void)id;
     return nullptr;
@@ -103,6 +103,24 @@ class JointReactions {
   /// the joint, including constraint, motors and springs; about the origin of M, in world axes. One
   /// entry per joint; zero for removed joints.
   virtual void get_joint_reactions(std::vector<Wrench>& out) const = 0;
+};
+
+/// Extension "cogrsim.external_forces/1": forces and torques on bodies that the simulation computes.
+class ExternalForces {
+ public:
+  static constexpr std::string_view kId = "cogrsim.external_forces/1";
+  virtual ~ExternalForces() = default;
+  /// Sets the force [N] through the centre of mass and the torque [N m] of each dynamic body, in
+  /// world axes, constant in every following step until set again. One entry per body of model(), or
+  /// none at all. They are not part of snapshots. Precondition: all values are finite.
+  void set_external_forces(std::vector<Wrench> forces) { external_ = std::move(forces); }
+  /// Time after the start of a step at which a force that depends on the state is to be evaluated, as
+  /// a fraction of the step: 0 for semi-implicit Euler, 1/2 for methods of second order. A conservative
+  /// force then does not change the mean energy.
+  virtual double evaluation_time() const { return 0.0; }
+
+ protected:
+  std::vector<Wrench> external_;
 };
 
 /// Extension "cogrsim.kinematic_drive/1": prescribes the motion of kinematic bodies.

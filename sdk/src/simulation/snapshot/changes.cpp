@@ -161,6 +161,10 @@ class Rebuilder {
       for (CouplingTerm& term : coupling.terms) all = to(joints_, term.joint) && all;
       return to(assemblies_, coupling.assembly) && all;
     });
+    append(&SceneModel::forces, [&](ForceModel& force) {
+      const bool body = to(bodies_, force.body), other = to(bodies_, force.other);
+      return to(assemblies_, force.assembly) && body && other;
+    });
     append(&SceneModel::motors, [&](Motor& motor) {
       const bool joint = to(joints_, motor.joint);
       return to(assemblies_, motor.assembly) && joint;
@@ -207,6 +211,7 @@ class Rebuilder {
     each(&SceneModel::assemblies, removed);
     each(&SceneModel::frames, removed);
     each(&SceneModel::couplings, removed);
+    each(&SceneModel::forces, removed);
     each(&SceneModel::motors, removed);
     each(&SceneModel::sensors, removed);
     each(&SceneModel::controllers, removed);
@@ -327,7 +332,7 @@ bool goes_on_from(const SceneModel& original, const SceneModel& then) {
          longer(&SceneModel::assemblies) && longer(&SceneModel::bodies) &&
          longer(&SceneModel::frames) && longer(&SceneModel::joints) &&
          longer(&SceneModel::couplings) &&
-         longer(&SceneModel::motors) && longer(&SceneModel::sensors) &&
+         longer(&SceneModel::forces) && longer(&SceneModel::motors) && longer(&SceneModel::sensors) &&
          longer(&SceneModel::controllers) && longer(&SceneModel::regions) &&
          longer(&SceneModel::doors);
 }

@@ -1,0 +1,140 @@
+// Forces, drags and springs on bodies.
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "build/build_scene.h"
+
+namespace cogrsim::dsl {
+
+bool Builder::spring_ends(const Element& element, ForceModel& force) {
+  const auto words = reader(element).words("between");
+  if (!words.given()) return false;
+  std::array<int, 2> bodies{};
+  std::array<Vec3, 2> points;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Word& word = (*words)[k];
+    bodies[k] = kWorld;
+    points[k].setZero();
+    if (word.text == "world") continue;
+    const Element* end = names_.find(element, word, Wanted::posed);
+    if (end == nullptr) return false;
+    if (end->tag() == "frame") {
+      bodies[k] = carrier(*end);
+    } else if (const auto body = body_at(element, word, false)) {
+      bodies[k] = *body;
+    } else {
+      return false;
+    }
+    points[k] = note(*end).X_W.p;
+  }
+  if (bodies[0] == bodies[1]) {
+    fault("CG0604", element, "between",
+          bodies[0] == kWorld ? std::string("both ends are fixed in the world")
+                              : "both ends are on '" +
+                                    model_.bodies[static_cast<std::size_t>(bodies[0])].name + "'")
+        .help("name two bodies, or frames on two bodies");
+    return false;
+  }
+  const auto local = [&](std::size_t k) -> Vec3 {
+    if (bodies[k] == kWorld) return points[k];
+    return model_.bodies[static_cast<std::size_t>(bodies[k])].X_WB.inverse() * points[k];
+  };
+  force.body = bodies[0];
+  force.X_BE.p = local(0);
+  force.other = bodies[1];
+  force.other_point = local(1);
+  force.length = std::numeric_limits<double>::quiet_NaN();  // see spring_lengths()
+  return true;
+}
+
+// A spring without a length has none of its force at the start.
+void Builder::spring_lengths() {
+  const auto place = [&](int body, const Vec3& point) -> Vec3 {
+    return body == kWorld ? point : model_.bodies[static_cast<std::size_t>(body)].X_WB * point;
+  };
+  for (ForceModel& force : model_.forces) {
+    if (!std::isnan(force.length)) continue;
+    force.length = (place(force.other, force.other_point) - place(force.body, force.X_BE.p)).norm();
+  }
+}
+
+void Builder::force(const Element& element) {
+  ForceModel force;
+  force.name = element.path;
+  force.assembly = note(element).assembly;
+  force.origin = element.span();
+  Reader r = reader(element);
+  bool good = !note(element).faulty;
+  const auto take = [&](std::string_view attribute, double& value) {
+    const auto given = r.number(attribute);
+    good = good && !given.failed();
+    if (given.given()) value = *given;
+  };
+  const auto take_vector = [&](std::string_view attribute, Vec3& value) {
+    const auto given = r.vec3(attribute);
+    good = good && !given.failed();
+    if (given.given()) value = *given;
+  };
+  if (element.tag() == "spring") {
+    force.kind = ForceModel::Kind::spring;
+    good = spring_ends(element, force) && good;
+    take("stiffness", force.stiffness);
+    take("damping", force.damping);
+    take("length", force.length);
+    force.cable = *r.boolean("cable");
+    if (good) model_.forces.push_back(std::move(force));
+    return;
+  }
+  const auto word = r.word("on");
+  const Element* on = word.given() ? names_.find(element, *word, Wanted::posed) : nullptr;
+  if (on == nullptr) return;
+  if (on->tag() == "frame") {
+    force.body = carrier(*on);
+  } else if (const auto body = body_at(element, *word, false)) {
+    force.body = *body;
+  } else {
+    return;
+  }
+  if (force.body == kWorld ||
+      model_.bodies[static_cast<std::size_t>(force.body)].kind != BodyKind::dynamic) {
+    fault("CG0707", element, "on",
+          "'" + (*word).text + "' " +
+              (force.body == kWorld ? "is fixed in the world" : "is static or kinematic") +
+              ": forces do not move it")
+        .help("name a body that moves");
+    return;
+  }
+  force.X_BE =
+      model_.bodies[static_cast<std::size_t>(force.body)].X_WB.inverse() * note(element).X_W;
+  if (element.tag() == "drag") {
+    force.kind = ForceModel::Kind::drag;
+    take("linear", force.linear);
+    take("quadratic", force.quadratic);
+    take("angular", force.angular);
+    take_vector("wind", force.wind);
+  } else {
+    take_vector("force", force.force);
+    take_vector("torque", force.torque);
+    force.in_body = *r.text("axes") == "own";
+    take("from", force.from);
+    take("until", force.until);
+    if (r.has("factor")) {
+      const auto text = r.text("factor");
+      const auto parse = [&](const SignalScope& scope) -> Result<std::string> {
+        const auto parsed = Signal::parse(scope, *text);
+        if (!parsed) return tl::unexpected(parsed.error());
+        if (parsed->unit() == "1" || parsed->unit().empty()) return parsed->text();
+        return fail("the factor has the unit " + parsed->unit(), "",
+                    "divide it by one of them: (" + *text + ") / 1 " + parsed->unit());
+      };
+      const auto factor =
+          text.given() ? with_signals("CG1201", element, "factor", *text, {}, parse) : std::nullopt;
+      good = good && factor.has_value();
+      if (factor) force.factor = *factor;
+    }
+  }
+  if (good) model_.forces.push_back(std::move(force));
+}
+
+}  // namespace cogrsim::dsl
