@@ -62,6 +62,7 @@ const std::vector<WrittenUnits>& written_units() {
                                                   {dim::kAngularSpeed, {"rad/s", "deg/s", "rpm"}},
                                                   {dim::kFrequency, {"Hz", "kHz"}},
                                                   {dim::kDensity, {"kg/m^3", "g/cm^3"}},
+                                                  {dim::kLinearDensity, {"kg/m", "g/m"}},
                                                   {dim::kInertia, {"kg*m^2", "g*cm^2"}},
                                                   {dim::kForce, {"N", "kN", "mN"}},
                                                   {dim::kTorque, {"N*m", "N*cm", "mN*m"}},

@@ -1,6 +1,9 @@
 // Diagnostics about elements of a model, with the source location of the element.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "cogrsim/core/diagnostic.h"
 #include "cogrsim/model/scene_model.h"
 
@@ -24,6 +27,16 @@ inline Diagnostic diagnose(const SceneModel& model, const SourceSpan& origin,
   d.help = help;
   locate(d, model, origin);
   return d;
+}
+
+/// The messages in one line, separated by semicolons.
+inline std::string joined(const std::vector<Diagnostic>& found) {
+  std::string out;
+  for (const Diagnostic& d : found) {
+    if (!out.empty()) out += "; ";
+    out += d.message;
+  }
+  return out;
 }
 
 }  // namespace cogrsim

@@ -74,12 +74,6 @@ std::vector<Diagnostic> SensorSuite::build(const SceneModelPtr& model, std::uint
   return found;
 }
 
-void SensorSuite::set_count(std::size_t count) {
-  cut(0);
-  slots_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) slots_[i].memory.reading.sensor = static_cast<int>(i);
-}
-
 void SensorSuite::cut(std::size_t count) {
   due_.clear();
   channels_.reset();

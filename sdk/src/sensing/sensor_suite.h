@@ -47,10 +47,6 @@ class SensorSuite {
   /// the loader), or a configuration that the sensor rejects (its own code or CG0906).
   std::vector<Diagnostic> build(const SceneModelPtr& model, std::uint64_t seed,
                                 PluginLoader& loader, std::size_t first = 0);
-  /// Creates `count` sensors without models, whose readings are set through upd_reading(); for the
-  /// process of an isolated controller.
-  void set_count(std::size_t count);
-  Reading& upd_reading(std::size_t sensor) { return slots_[sensor].memory.reading; }
   /// Destroys the sensors from index `count` on.
   void cut(std::size_t count);
   void clear() { cut(0); }

@@ -85,19 +85,23 @@ tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneMo
 
 }  // namespace
 
-void name_outputs(SceneModel& model, PluginLoader& loader) {
-  const auto name = [&](std::vector<ControllerModel>& controllers, PluginKind kind) {
-    for (ControllerModel& controller : controllers) {
-      const auto plugin = loader.load(kind, controller.plugin);
-      if (!plugin) continue;  // reported when the controller is built
-      controller.outputs.clear();
-      for (const PluginOutput& output : (*plugin)->descriptor().outputs) {
-        controller.outputs.push_back({output.name, output.unit});
-      }
-    }
-  };
-  name(model.controllers, PluginKind::controller);
-  name(model.supervisors, PluginKind::supervisor);
+Simulation::Impl::Impl(std::shared_ptr<PluginLoader> plugins,
+                       std::shared_ptr<const Backend> backend, Provenance provenance,
+                       const SceneModelPtr& scene, const SimulationOptions& options)
+    : loader(std::move(plugins)),
+      host(std::move(backend), std::move(provenance), scene),
+      devices(*loader, host, clock),
+      events(clock, log,
+             [this](const Event& event) {
+               cached.reset();  // the cached frame does not contain the event
+               supervisors.deliver(event);
+             }),
+      supervisors({*loader, host, clock, log, events, commands}),
+      controllers(*loader, host, devices, clock, log, events, options.isolation),
+      actions(*loader, clock, host, devices, controllers, events) {
+  clock.set_dt(scene->physics.step);
+  events.reset(*scene, host.seed());
+  pace.speed = options.speed;
 }
 
 tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::create(
@@ -111,52 +115,41 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   }
   if (!(options.speed > 0.0)) return refuse(Error("the speed must be above 0"), "CG0905");
 
-  auto impl = std::make_unique<Impl>(std::move(loader));
   std::string name = options.backend;
   if (name.empty()) name = scene->physics.backend;
   if (name.empty()) name = kDefaultBackend;
-  auto backend = impl->loader->backend(name);
+  auto backend = loader->backend(name);
   if (!backend) {
     Diagnostic d = from_error(backend.error(), "CG0901");
     if (options.backend.empty()) locate(d, *scene, scene->physics.backend_origin);
     return Failure(std::vector<Diagnostic>{std::move(d)});
   }
-  impl->backend = *backend;
-
   // The loader has already parsed the name, so it is valid.
   const BackendChoice choice = *parse_backend_choice(name);
-  auto settled = settled_model(*scene, options, choice, *impl->backend, *impl->loader);
+  auto settled = settled_model(*scene, options, choice, **backend, *loader);
   if (!settled) return Failure(settled.error());
-  impl->original = impl->model = *settled;
-  auto provenance = provenance_of(*impl->backend, *impl->model);
+  auto provenance = provenance_of(**backend, **settled);
   if (!provenance) {
     Error error = provenance.error();
-    error.message =
-        fmt::format("backend '{}' does not declare what computes its results:\n{}", name, error.message);
+    error.message = fmt::format("backend '{}' does not declare what computes its results:\n{}",
+                                name, error.message);
     return Failure(std::vector<Diagnostic>{from_error(error, "CG0901")});
   }
-  impl->provenance = std::move(*provenance);
-  impl->clock.set_dt(impl->model->physics.step);
-  impl->event_system.reset(*impl->model, impl->model->physics.seed);
-  impl->pace.speed = options.speed;
-  impl->isolation = options.isolation;
+  auto impl = std::make_unique<Impl>(std::move(loader), *backend, std::move(*provenance), *settled,
+                                     options);
 
   std::vector<Diagnostic> found =
-      check_capabilities(*impl->model, choice.name, impl->backend->capabilities());
+      check_capabilities(impl->model(), choice.name, (*backend)->capabilities());
   const auto is_error = [](const Diagnostic& d) { return d.severity == Severity::error; };
   if (std::none_of(found.begin(), found.end(), is_error)) {
-    const PluginCall call("backend", impl->backend->name(), "", "", "while the world was created");
-    auto world = impl->backend->create_world(impl->model);
-    if (world) {
-      impl->world = std::move(*world);
-    } else {
-      found.push_back(from_error(world.error(), "CG0801"));
+    if (auto created = impl->host.create(); !created) {
+      found.push_back(from_error(created.error(), "CG0801"));
     }
   }
-  for (const BuriedCamera& buried : buried_cameras(*impl->model)) {
-    const SensorModel& sensor = impl->model->sensors[static_cast<std::size_t>(buried.sensor)];
+  for (const BuriedCamera& buried : buried_cameras(impl->model())) {
+    const SensorModel& sensor = impl->model().sensors[static_cast<std::size_t>(buried.sensor)];
     const Error& error = buried.error;
-    found.push_back(impl->problem(error.message, sensor.origin, error.code, error.hint));
+    found.push_back(diagnose(impl->model(), sensor.origin, error.message, error.code, error.hint));
   }
   // Controllers are configured even if the world could not be built, to report all errors at once.
   for (Diagnostic& d : impl->build_all()) found.push_back(std::move(d));
@@ -165,46 +158,15 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   return std::unique_ptr<Simulation>(new Simulation(std::move(impl)));
 }
 
-Diagnostic Simulation::Impl::problem(const std::string& message, const SourceSpan& origin,
-                                     const std::string& code, const std::string& help) const {
-  return diagnose(*model, origin, message, code, help);
-}
-
-void Simulation::Impl::build_motors(std::size_t first) {
-  motors.resize(first);
-  for (std::size_t i = first; i < model->motors.size(); ++i) {
-    motors.push_back(initial_motor_state(*model, model->motors[i]));
-  }
-}
-
-std::vector<Diagnostic> Simulation::Impl::build_sensors(std::size_t first) {
-  return sensors.build(model, original->physics.seed, *loader, first);
-}
-
-std::vector<Diagnostic> Simulation::Impl::build_controllers(std::size_t first_controller,
-                                                      bool with_supervisors) {
-  std::vector<Diagnostic> found;
-  const auto collect = [&found](std::vector<Diagnostic> more) {
-    for (Diagnostic& d : more) found.push_back(std::move(d));
-  };
-  controllers.erase(controllers.begin() + static_cast<std::ptrdiff_t>(first_controller),
-                    controllers.end());
-  for (std::size_t i = first_controller; i < model->controllers.size(); ++i) {
-    collect(build_controller(i));
-  }
-  if (!with_supervisors) return found;
-  supervisors.clear();
-  if (!world) return found;  // supervisors need frames, which do not exist without a world
-  for (const ControllerModel& description : model->supervisors) {
-    collect(build_supervisor(description));
-  }
+std::vector<Diagnostic> Simulation::Impl::build_controllers() {
+  std::vector<Diagnostic> found = controllers.build(0);
+  for (Diagnostic& d : supervisors.build(*this)) found.push_back(std::move(d));
   return found;
 }
 
 std::vector<Diagnostic> Simulation::Impl::build_all() {
-  build_motors(0);
-  std::vector<Diagnostic> found = build_sensors(0);
-  for (Diagnostic& d : build_controllers(0, true)) found.push_back(std::move(d));
+  std::vector<Diagnostic> found = devices.build({});
+  for (Diagnostic& d : build_controllers()) found.push_back(std::move(d));
   return found;
 }
 

@@ -32,11 +32,15 @@ void ForceSystem::resolve(const SceneModelPtr& model, const ChannelLookup& chann
   if (model_ == model) return;
   model_ = model;
   factors_.assign(model->forces.size(), Signal());
+  needs_ = {};
+  has_factors_ = false;
   const SignalScope scope{*model, channels, {}};
   for (std::size_t i = 0; i < factors_.size(); ++i) {
     if (model->forces[i].factor.empty()) continue;
+    has_factors_ = true;
     if (auto parsed = Signal::parse(scope, model->forces[i].factor)) {
       factors_[i] = std::move(*parsed);
+      needs_ = needs_ | factors_[i].needs();
     }
   }
 }
@@ -50,15 +54,19 @@ void ForceSystem::add(const SceneModel& model, int body, const WorldState& state
   sum.torque += torque + (point - X_WB * model.bodies[at(body)].com).cross(force);
 }
 
-void ForceSystem::apply(World& world, const SceneModelPtr& model, const WorldState& state,
-                        double time, double dt, const ChannelLookup& channels,
-                        const std::function<FramePtr(const FrameContents&)>& frame) {
+void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup& channels,
+                        FrameSource& frames) {
+  const SceneModelPtr& model = host.model();
   if (model->forces.empty() && !given_) return;
-  auto* const engine = static_cast<ExternalForces*>(world.extension(ExternalForces::kId));
+  auto* const engine = static_cast<ExternalForces*>(host.world().extension(ExternalForces::kId));
   if (!engine) return;  // refused before the run
   resolve(model, channels);
   constexpr double kEarly = 1e-6;  // of a step: times that are multiples of it count as reached
-  const double now = time + kEarly * dt, ahead = engine->evaluation_time() * dt;
+  const double now = clock.time() + kEarly * clock.dt();
+  const double ahead = engine->evaluation_time() * clock.dt();
+  const WorldState& state = host.state();
+  // Controllers have published since the frame of this step was made.
+  const std::shared_ptr<Frame> frame = has_factors_ ? frames.latest(needs_) : nullptr;
   sums_.assign(model->bodies.size(), Wrench());
   for (std::size_t i = 0; i < model->forces.size(); ++i) {
     const ForceModel& it = model->forces[i];
@@ -68,7 +76,7 @@ void ForceSystem::apply(World& world, const SceneModelPtr& model, const WorldSta
       case ForceModel::Kind::force: {
         if (now < it.from || now >= it.until) break;
         double factor = 1.0;
-        if (!it.factor.empty()) factor = factors_[i].evaluate(*frame(factors_[i].needs()));
+        if (!it.factor.empty()) factor = factors_[i].evaluate(*frame);
         if (!std::isfinite(factor)) break;
         Quat q(1, 0, 0, 0);
         if (it.in_body && it.body != kWorld) q = state.poses[at(it.body)].q * it.X_BE.q;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cogrsim/core/constants.h"
+#include "model/motor_limits.h"
 
 namespace cogrsim {
 
@@ -79,24 +80,6 @@ Drive dc_drive(const Motor& motor, double voltage, double max_effort) {
 
 }  // namespace
 
-double motor_max_effort(const SceneModel& model, const Motor& motor) {
-  const JointAxis* axis = axis_of(model, motor);
-  return axis ? std::min(motor.max_effort, axis->max_effort) : motor.max_effort;
-}
-
-double motor_max_speed(const SceneModel& model, const Motor& motor) {
-  const JointAxis* axis = axis_of(model, motor);
-  return axis ? std::min(motor.max_speed, axis->max_speed) : motor.max_speed;
-}
-
-int motor_position_index(const SceneModel& model, const Motor& motor) {
-  return model.joints[static_cast<std::size_t>(motor.joint)].position_offset + motor.axis;
-}
-
-int motor_speed_index(const SceneModel& model, const Motor& motor) {
-  return model.joints[static_cast<std::size_t>(motor.joint)].speed_offset + motor.axis;
-}
-
 MotorState initial_motor_state(const SceneModel& model, const Motor& motor) {
   MotorState state;
   const Joint& joint = model.joints[static_cast<std::size_t>(motor.joint)];
@@ -105,23 +88,6 @@ MotorState initial_motor_state(const SceneModel& model, const Motor& motor) {
   const double start = holds && axis < joint.position.size() ? joint.position[axis] : 0.0;
   state.target = clamp_target(model, motor, motor.target.value_or(start));
   return state;
-}
-
-double clamp_target(const SceneModel& model, const Motor& motor, double target) {
-  switch (motor.mode) {
-    case MotorMode::velocity:
-      return clamp_to(target, motor_max_speed(model, motor));
-    case MotorMode::torque:
-      return clamp_to(target, motor_max_effort(model, motor));
-    case MotorMode::dc:
-      return clamp_to(target, motor.max_voltage);
-    case MotorMode::position:
-    case MotorMode::servo: {
-      const JointAxis* axis = axis_of(model, motor);
-      return axis ? std::clamp(target, axis->lower, axis->upper) : target;
-    }
-  }
-  return target;
 }
 
 void make_drives(const SceneModel& model, const WorldState& state, double dt,

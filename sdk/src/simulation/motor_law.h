@@ -19,17 +19,6 @@ struct MotorState {
 /// position and servo modes.
 MotorState initial_motor_state(const SceneModel& model, const Motor& motor);
 
-/// Clamps a target to the limits of the motor.
-double clamp_target(const SceneModel& model, const Motor& motor, double target);
-
-/// The smaller of the limits of the motor and its joint.
-double motor_max_effort(const SceneModel& model, const Motor& motor);
-double motor_max_speed(const SceneModel& model, const Motor& motor);
-
-/// Indices of the driven coordinate and its speed in the flat arrays of a state.
-int motor_position_index(const SceneModel& model, const Motor& motor);
-int motor_speed_index(const SceneModel& model, const Motor& motor);
-
 /// Computes the drives of all motors for a step of `dt` [s] from the state before the step, and
 /// updates the integrals of the servos.
 void make_drives(const SceneModel& model, const WorldState& state, double dt,

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/index.h"
+#include "simulation/find_named.h"
 #include "simulation/impl.h"
 #include "simulation/snapshot/data.h"
 
@@ -92,24 +94,24 @@ void BatchWorld::set_rows(const Rows& rows) {
 void BatchWorld::write_targets() {
   const Simulation::Impl& impl = SnapshotAccess::of(*simulation_);
   for (std::size_t k = 0; k < names_.motors.size(); ++k) {
-    rows_.actions[k] = impl.motors[static_cast<std::size_t>(names_.motors[k])].target;
+    rows_.actions[k] = impl.devices.motor(names_.motors[k]).target;
   }
 }
 
 void BatchWorld::give_targets() {
   Simulation::Impl& impl = SnapshotAccess::of(*simulation_);
   for (std::size_t k = 0; k < names_.motors.size(); ++k) {
-    const auto motor = static_cast<std::size_t>(names_.motors[k]);
-    const Motor& description = impl.model->motors[motor];
+    const int motor = names_.motors[k];
+    const Motor& description = impl.model().motors[at(motor)];
     const double target = rows_.actions[k];
     if (description.removed) {
       impl.log.report(Severity::error, "batch",
-                  "there is no motor '" + description.name + "' any more");
+                      "there is no motor '" + description.name + "' any more");
     } else if (!std::isfinite(target)) {
       impl.log.report(Severity::error, "batch",
-                  "motor '" + description.name + "': the target is not a finite number");
+                      "motor '" + description.name + "': the target is not a finite number");
     } else {
-      impl.motors[motor].target = clamp_target(*impl.model, description, target);
+      impl.devices.set_target(motor, target);
     }
   }
 }
@@ -208,7 +210,7 @@ Result<> BatchWorld::reset(std::optional<std::uint64_t> seed) {
       Simulation::Impl& impl = SnapshotAccess::of(*simulation_);
       impl.log.clear();
       impl.pace.paused = impl.pace.single_step = false;
-      impl.clock.set_dt(impl.original->physics.step);
+      impl.clock.set_dt(impl.host.original()->physics.step);
       if (auto done = impl.restart(episode_seed(first, episode)); !done) {
         broken_ = true;
         return failed(done.error().message);

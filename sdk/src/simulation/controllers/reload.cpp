@@ -1,19 +1,10 @@
 // Replacing the library of a running controller by a new build.
-#include "cogrsim/plugin/loader.h"
-#include "simulation/controllers/shape_of_plugin.h"
-#include "simulation/impl.h"
+#include <algorithm>
+
+#include "core/index.h"
+#include "simulation/controllers/controller_manager.h"
 
 namespace cogrsim {
-
-std::string shape_of(const PluginDescriptor& plugin) {
-  std::string out;
-  for (const ParameterSpec& parameter : plugin.parameters) {
-    out += parameter.name + " " + to_string(parameter.type()) + " " + parameter.unit + "\n";
-  }
-  out += "->\n";
-  for (const PluginOutput& output : plugin.outputs) out += output.name + " " + output.unit + "\n";
-  return out;
-}
 
 namespace {
 
@@ -27,8 +18,7 @@ Result<std::size_t> find_controller(const SceneModel& model, const std::string& 
     if (controller.removed) continue;
     if (controller.name == name) return i;
     names.push_back(controller.name);
-    if (controller.assembly < 0 ||
-        model.assemblies[static_cast<std::size_t>(controller.assembly)].name != name) {
+    if (controller.assembly < 0 || model.assemblies[at(controller.assembly)].name != name) {
       continue;
     }
     of_assembly.push_back(controller.name);
@@ -60,29 +50,22 @@ bool same_outputs(const std::vector<PluginOutput>& a, const std::vector<PluginOu
 
 // Starts the new controller and gives it the state of the old one. Returns an error message if that
 // fails.
-std::optional<std::string> Simulation::Impl::transfer_state(const ControllerSlot& old,
-                                                       ControllerSlot& fresh, std::size_t index,
-                                                            Reloaded& done) {
+std::optional<std::string> ControllerManager::transfer_state(const ControllerSlot& old,
+                                                             ControllerSlot& fresh,
+                                                             std::size_t index, Reloaded& done) {
   std::optional<std::string> memory;
-  if (old.controller) {
-    if (const auto failure = old.controller->save(memory)) {
-      return "the old one " + phrase(*failure, "while its state was saved");
-    }
+  if (const auto failure = old.save(memory)) {
+    return "the old one " + phrase(*failure, "while its state was saved");
   }
-  const std::vector<MotorState> targets = motors;
-  const std::vector<SensorMemory> switches = sensors.save();
-  const auto undo = [&] {
-    motors = targets;
-    sensors.restore(switches);
-  };
-  const StartOutcome outcome = start_controller(fresh, index);
+  const DeviceManager::Saved before = devices_.save();
+  const StartOutcome outcome = start(fresh, index);
   std::string wrong;
   for (const std::string& mistake : outcome.mistakes) {
     wrong += (wrong.empty() ? "" : "; ") + mistake;
   }
   if (outcome.failure) wrong += (wrong.empty() ? "" : "; ") + ("it " + *outcome.failure);
   if (!wrong.empty()) {
-    undo();
+    devices_.restore(before);
     return wrong;
   }
   if (!memory) {
@@ -90,21 +73,21 @@ std::optional<std::string> Simulation::Impl::transfer_state(const ControllerSlot
     return std::nullopt;
   }
   if (const auto failure = fresh.controller->restore(*memory)) {
-    undo();
+    devices_.restore(before);
     return "it does not accept the state of the old one: " + phrase(*failure, "in restore");
   }
   // The controller continues from the current run, not from the initial values of configure().
-  undo();
+  devices_.restore(before);
   fresh.access->random->set_state(old.access->random->state());
   fresh.access->outputs = old.access->outputs;
   done.memory_kept = true;
   return std::nullopt;
 }
 
-Result<Reloaded> Simulation::Impl::reload(const std::string& name) {
-  const auto found = find_controller(*model, name);
+Result<Reloaded> ControllerManager::reload(const std::string& name, RunStatus status) {
+  const auto found = find_controller(*host_.model(), name);
   if (!found) return tl::unexpected(found.error());
-  const ControllerModel& description = model->controllers[*found];
+  const ControllerModel& description = host_.model()->controllers[*found];
   const auto refuse = [&](const std::string& why, const std::string& hint = {}) {
     return fail(
         "controller '" + description.name + "' was not reloaded, the old one is kept: " + why, "",
@@ -113,9 +96,9 @@ Result<Reloaded> Simulation::Impl::reload(const std::string& name) {
   if (status != RunStatus::running) {
     return refuse(std::string("the run has ended (") + to_string(status) + ")", "restart the run");
   }
-  ControllerSlot& old = controllers[*found];
+  ControllerSlot& old = slots_[*found];
   if (!old.plugin || !old.access) return refuse("it never ran");
-  const auto plugin = loader->load_fresh_copy(*old.plugin);
+  const auto plugin = loader_.load_fresh_copy(*old.plugin);
   if (!plugin) return refuse(plugin.error().text());
   const PluginDescriptor& descriptor = (*plugin)->descriptor();
   if (descriptor.kind != PluginKind::controller) {
@@ -134,23 +117,20 @@ Result<Reloaded> Simulation::Impl::reload(const std::string& name) {
   }
   ControllerSlot fresh;
   fresh.plugin = *plugin;
-  fresh.access = make_access(*this, description, *plugin, std::move(*parameters));
+  fresh.access = make_access(port_, description, *plugin, std::move(*parameters));
   fresh.clock = old.clock;
-  if (std::exchange(fresh.clock.stopped, false)) fresh.clock.timer.skip_to(time(), clock.dt());
+  if (std::exchange(fresh.clock.stopped, false))
+    fresh.clock.timer.skip_to(clock_.time(), clock_.dt());
   Reloaded done{description.name, description.plugin, descriptor.version, false, ""};
   if (const auto wrong = transfer_state(old, fresh, *found, done)) return refuse(*wrong);
-  loader->replace(*plugin);
+  loader_.replace(*plugin);
   old.controller.reset();  // before the library it came from
   old = std::move(fresh);
-  cached.reset();
-  log.report(Severity::note, "controller '" + description.plugin + "' of '" + old.access->name + "'",
-         "reloaded, version " + descriptor.version +
-             (done.memory_kept ? "; it continues in the state of the old one" : "; " + done.note));
+  log_.report(
+      Severity::note, "controller '" + description.plugin + "' of '" + old.access->name + "'",
+      "reloaded, version " + descriptor.version +
+          (done.memory_kept ? "; it continues in the state of the old one" : "; " + done.note));
   return done;
-}
-
-Result<Reloaded> Simulation::reload_controller(const std::string& name) {
-  return impl_->reload(name);
 }
 
 }  // namespace cogrsim

@@ -114,6 +114,7 @@ void EventSystem::reset(const SceneModel& model, std::uint64_t seed) {
   memory = EventState{};
   memory.rules.resize(model.rules.size());
   memory.random = RandomStream(seed, "spawn").state();
+  clear();
   model_.reset();
   conditions_model_.reset();
 }
@@ -200,8 +201,8 @@ void EventSystem::detect_at_doors(const SceneModel& model, const WorldState& sta
   }
 }
 
-const std::vector<std::optional<Condition>>& EventSystem::conditions(const SceneModelPtr& model,
-                                                                const ChannelLookup& channels) {
+const std::vector<std::optional<Condition>>& EventSystem::conditions(
+    const SceneModelPtr& model, const ChannelLookup& channels) {
   if (conditions_model_ == model) return conditions_;
   conditions_model_ = model;
   conditions_.resize(model->rules.size());

@@ -1,8 +1,8 @@
-// Rules of the scene: their firing, their scheduled actions, and the lifetimes of assemblies.
+// Publication of events, and the rules of the scene: their firing and their scheduled actions.
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/impl.h"
+#include "simulation/events/event_system.h"
 
 namespace cogrsim {
 
@@ -21,56 +21,71 @@ std::string circle(const SceneModel& model, const Causes& causes, int rule) {
   return out + "'" + model.rules[static_cast<std::size_t>(rule)].name + "'";
 }
 
-}  // namespace
-
-void Simulation::Impl::publish_event(Event event) {
-  cached.reset();  // the cached frame does not contain the event
-  for (SupervisorSlot& slot : supervisors) {
-    if (slot.events.size() < kMaxEventsPerStep) slot.events.push_back(event);
-  }
-  if (events.size() < kMaxEventsPerStep) {
-    events.push_back(std::move(event));
-    event_causes.push_back(causes);
-    return;
-  }
-  if (std::exchange(event_system.memory.event_limit_reported, true)) return;
-  log.report(Severity::error, "run",
-         "more than " + std::to_string(kMaxEventsPerStep) +
-             " events in one step; excess events are discarded, now and later");
+// Moves the entries that are due at `now` [s] to `taken`, in their order.
+template <class Entry>
+void take(std::vector<Entry>& entries, double now, std::vector<Entry>& taken) {
+  const auto over = [now](const Entry& entry) { return entry.due <= now; };
+  if (std::none_of(entries.begin(), entries.end(), over)) return;
+  std::copy_if(entries.begin(), entries.end(), std::back_inserter(taken), over);
+  entries.erase(std::remove_if(entries.begin(), entries.end(), over), entries.end());
 }
 
-void Simulation::Impl::detect_events() {
+}  // namespace
+
+void EventSystem::publish(Event event) {
+  on_event_(event);
+  if (events_.size() < kMaxEventsPerStep) {
+    events_.push_back(std::move(event));
+    led_to_.push_back(causes_);
+    return;
+  }
+  if (std::exchange(memory.event_limit_reported, true)) return;
+  log_.report(Severity::error, "run",
+              "more than " + std::to_string(kMaxEventsPerStep) +
+                  " events in one step; excess events are discarded, now and later");
+}
+
+void EventSystem::clear() {
+  events_.clear();
+  led_to_.clear();
+}
+
+void EventSystem::process(WorldHost& host, const SensorSuite& sensors, FrameSource& frames) {
+  const SceneModelPtr& model = host.model();
   if (model->rules.empty() && model->regions.empty() && model->doors.empty()) {
-    event_system.memory.started = true;
+    memory.started = true;
     return;
   }
   std::vector<Event> seen;
-  event_system.detect(model, present_state(), time(), seen);
-  for (Event& event : seen) publish_event(std::move(event));
-  if (!model->rules.empty()) fire_rules();
+  detect(model, host.state(), clock_.time(), seen);
+  for (Event& event : seen) publish(std::move(event));
+  if (!model->rules.empty()) fire_rules(model, sensors, frames);
 }
 
-void Simulation::Impl::fire_rules() {
-  const auto channels = [this](int sensor) -> const std::vector<Channel>* {
+double EventSystem::boundary() const { return clock_.time() + kEarly * clock_.dt(); }
+
+void EventSystem::fire_rules(const SceneModelPtr& model, const SensorSuite& sensors,
+                             FrameSource& frames) {
+  const auto channels = [&sensors](int sensor) -> const std::vector<Channel>* {
     return &sensors.channels(static_cast<std::size_t>(sensor));
   };
-  const auto& conditions = event_system.conditions(model, channels);
-  const double now = time() + kEarly * clock.dt();
+  const auto& resolved = conditions(model, channels);
+  const double now = boundary();
   for (std::size_t i = 0; i < model->rules.size(); ++i) {
     const RuleModel& rule = model->rules[i];
-    RuleMemory& memory = event_system.memory.rules[i];
-    if (memory.off) continue;
+    RuleMemory& state = memory.rules[i];
+    if (state.off) continue;
     bool holds = true, rises = false;
     if (!rule.when.empty()) {
-      holds = conditions[i] && conditions[i]->holds(*frame_with(conditions[i]->needs()));
-      rises = holds && !memory.held;
-      memory.held = holds;
+      holds = resolved[i] && resolved[i]->holds(*frames.frame_with(resolved[i]->needs()));
+      rises = holds && !state.held;
+      state.held = holds;
     }
     bool on_its_own = true;
     if (!rule.kind.empty()) {
       on_its_own = false;
-      for (std::size_t e = 0; e < events.size() && holds && !memory.off; ++e) {
-        if (matches(rule, events[e])) fire(i, event_causes[e]);
+      for (std::size_t e = 0; e < events_.size() && holds && !state.off; ++e) {
+        if (matches(rule, events_[e])) fire(*model, i, led_to_[e]);
       }
     }
     if (rule.every || rule.time) {
@@ -84,90 +99,71 @@ void Simulation::Impl::fire_rules() {
       // All but the last period are skipped at once; the last one is determined exactly.
       if (rule.every && !countless) {
         const double over = std::floor((now - first) / period) - 1.0;
-        if (over > static_cast<double>(memory.rounds))
-          memory.rounds = static_cast<std::uint64_t>(over);
+        if (over > static_cast<double>(state.rounds))
+          state.rounds = static_cast<std::uint64_t>(over);
       }
-      while (!countless && (rule.every || memory.rounds == 0) &&
-             first + static_cast<double>(memory.rounds) * period <= now) {
-        ++memory.rounds;
+      while (!countless && (rule.every || state.rounds == 0) &&
+             first + static_cast<double>(state.rounds) * period <= now) {
+        ++state.rounds;
         due = true;
       }
-      if (due && holds) fire(i, {});
+      if (due && holds) fire(*model, i, {});
     }
-    if (on_its_own && rises) fire(i, {});
+    if (on_its_own && rises) fire(*model, i, {});
   }
 }
 
-void Simulation::Impl::fire(std::size_t rule, const Causes& led_to) {
-  const RuleModel& description = model->rules[rule];
-  RuleMemory& memory = event_system.memory.rules[rule];
+void EventSystem::fire(const SceneModel& model, std::size_t rule, const Causes& led_to) {
+  const RuleModel& description = model.rules[rule];
+  RuleMemory& state = memory.rules[rule];
   const int index = static_cast<int>(rule);
   const std::string who = "rule '" + description.name + "'";
-  const std::string where = place_of(*model, description.origin);
+  const std::string where = place_of(model, description.origin);
   if (std::count(led_to.begin(), led_to.end(), index) >= kMaxRounds) {
-    memory.off = true;
-    log.report(Severity::error, who,
-           (where.empty() ? "" : where + ": ") + who + " triggers itself repeatedly: " +
-               circle(*model, led_to, index) + "; it is switched off after " +
-               std::to_string(kMaxRounds) + " rounds, the run continues");
+    state.off = true;
+    log_.report(Severity::error, who,
+                (where.empty() ? "" : where + ": ") + who + " triggers itself repeatedly: " +
+                    circle(model, led_to, index) + "; it is switched off after " +
+                    std::to_string(kMaxRounds) + " rounds, the run continues");
     return;
   }
-  if (memory.fired >= description.limit) {
+  if (state.fired >= description.limit) {
     // A limit of 1 is the intention of the author and needs no warning.
-    if (description.limit == 1 || std::exchange(memory.limit_reported, true)) return;
-    log.report(Severity::warning, who,
-           (where.empty() ? "" : where + ": ") + who + " has fired " +
-               std::to_string(description.limit) +
-               " times, which is its limit; it does not fire any more");
+    if (description.limit == 1 || std::exchange(state.limit_reported, true)) return;
+    log_.report(Severity::warning, who,
+                (where.empty() ? "" : where + ": ") + who + " has fired " +
+                    std::to_string(description.limit) +
+                    " times, which is its limit; it does not fire any more");
     return;
   }
-  if (event_system.memory.pending.size() >= kMaxPending) {
-    if (std::exchange(event_system.memory.pending_limit_reported, true)) return;
-    log.report(Severity::error, who,
-           "more than " + std::to_string(kMaxPending) +
-               " actions of rules are scheduled; excess actions are discarded");
+  if (memory.pending.size() >= kMaxPending) {
+    if (std::exchange(memory.pending_limit_reported, true)) return;
+    log_.report(Severity::error, who,
+                "more than " + std::to_string(kMaxPending) +
+                    " actions of rules are scheduled; excess actions are discarded");
     return;
   }
-  ++memory.fired;
-  PendingActions pending{time() + description.after, index, {}};
+  ++state.fired;
+  PendingActions pending{clock_.time() + description.after, index, {}};
   // A delay starts a new chain of causes; otherwise the chain continues.
   if (description.after == 0.0) pending.causes = led_to;
   pending.causes.push_back(index);
   if (pending.causes.size() > kMaxCauses) pending.causes.erase(pending.causes.begin());
-  event_system.memory.pending.push_back(std::move(pending));
+  memory.pending.push_back(std::move(pending));
 }
 
-void Simulation::Impl::apply_due() {
-  EventState& memory = event_system.memory;
-  const double now = time() + kEarly * clock.dt();
-  const auto over = [now](const auto& entry) { return entry.due <= now; };
-  if (std::any_of(memory.lifetimes.begin(), memory.lifetimes.end(), over)) {
-    for (const Lifetime& lifetime : std::vector<Lifetime>(memory.lifetimes)) {
-      const auto index = static_cast<std::size_t>(lifetime.assembly);
-      if (!over(lifetime) || model->assemblies[index].removed) continue;
-      if (auto done = remove_named(std::string(model->assemblies[index].name)); !done) {
-        refused(done.error());
-      }
-      world_changed();
-    }
-    memory.lifetimes.erase(std::remove_if(memory.lifetimes.begin(), memory.lifetimes.end(), over),
-                           memory.lifetimes.end());
-  }
-  if (!std::any_of(memory.pending.begin(), memory.pending.end(), over)) return;
+std::vector<Lifetime> EventSystem::take_expired() {
+  std::vector<Lifetime> expired;
+  take(memory.lifetimes, boundary(), expired);
+  return expired;
+}
+
+std::vector<PendingActions> EventSystem::take_due() {
   std::vector<PendingActions> due;
-  std::copy_if(memory.pending.begin(), memory.pending.end(), std::back_inserter(due), over);
-  memory.pending.erase(std::remove_if(memory.pending.begin(), memory.pending.end(), over),
-                       memory.pending.end());
+  take(memory.pending, boundary(), due);
   std::stable_sort(due.begin(), due.end(),
                    [](const PendingActions& a, const PendingActions& b) { return a.due < b.due; });
-  for (const PendingActions& pending : due) {
-    causes = pending.causes;
-    for (const Action& action : model->rules[static_cast<std::size_t>(pending.rule)].actions) {
-      Command command = std::visit([](const auto& a) { return Command(a); }, action);
-      apply(command);
-    }
-  }
-  causes.clear();
+  return due;
 }
 
 }  // namespace cogrsim

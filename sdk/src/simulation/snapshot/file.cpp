@@ -37,69 +37,39 @@ Json clock_json(const ControllerClock& clock, double rate) {
           {"count", clock.count}};
 }
 
+/// The controllers or supervisors by name, each with the state that it saves itself.
 template <class Slot>
-Result<Json> memory_json(const Slot& slot, const std::string& name, const Json& rest) {
-  Json out = rest;
-  out["memory"] = nullptr;
-  std::optional<std::string> memory;
-  std::optional<std::string> thrown;
-  if constexpr (std::is_same_v<Slot, ControllerSlot>) {
-    if (slot.controller) {
-      if (const auto failure = slot.controller->save(memory)) {
-        return fail("'" + name + "' " + phrase(*failure, "while its state was saved"));
-      }
+Result<Json> hosted_json(const std::vector<ControllerModel>& models,
+                         const std::vector<Slot>& slots) {
+  Json out = Json::object();
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const ControllerModel& model = models[i];
+    const Slot& slot = slots[i];
+    if (model.removed || !slot.random()) continue;
+    Json one = {{"plugin", model.plugin},
+                {"clock", clock_json(slot.clock, model.rate)},
+                {"random", slot.random()->state()},
+                {"outputs", numbers(*slot.outputs())},
+                {"memory", nullptr}};
+    std::optional<std::string> memory;
+    if (const auto failure = slot.save(memory)) {
+      return fail("'" + model.name + "' " + phrase(*failure, "while its state was saved"));
     }
-  } else {
-    if (slot.supervisor) {
-      const PluginCall call = slot.context->calling("while its state was saved");
-      thrown = slot.entry->save(*slot.supervisor, memory);
-    }
+    if (memory) one["memory"] = *memory;
+    out[model.name] = std::move(one);
   }
-  if (thrown) return fail("'" + name + "' threw while its state was saved: " + *thrown);
-  if (memory) out["memory"] = *memory;
   return out;
 }
 
-Result<> put_controllers(const Simulation::Impl& from, Json& content) {
-  Json controllers = Json::object(), supervisors = Json::object();
-  for (std::size_t i = 0; i < from.controllers.size(); ++i) {
-    const ControllerModel& model = from.model->controllers[i];
-    const ControllerSlot& slot = from.controllers[i];
-    if (model.removed || !slot.access) continue;
-    auto made = memory_json(slot, model.name,
-                            {{"plugin", model.plugin},
-                             {"clock", clock_json(slot.clock, model.rate)},
-                             {"random", slot.access->random->state()},
-                             {"outputs", numbers(slot.access->outputs)}});
-    if (!made) return tl::unexpected(made.error());
-    controllers[model.name] = std::move(*made);
-  }
-  for (std::size_t i = 0; i < from.supervisors.size(); ++i) {
-    const ControllerModel& model = from.model->supervisors[i];
-    const SupervisorSlot& slot = from.supervisors[i];
-    auto made = memory_json(slot, model.name,
-                            {{"plugin", model.plugin},
-                             {"clock", clock_json(slot.clock, model.rate)},
-                             {"random", slot.context->random().state()},
-                             {"outputs", numbers(slot.context->outputs())}});
-    if (!made) return tl::unexpected(made.error());
-    supervisors[model.name] = std::move(*made);
-  }
-  content["controllers"] = std::move(controllers);
-  content["supervisors"] = std::move(supervisors);
-  return {};
-}
-
 void put_world(const Simulation::Impl& from, const WorldState& state, Json& content) {
-  const SceneModel& model = *from.model;
+  const SceneModel& model = from.model();
+  const std::vector<Twist>& twists_before = from.host.before().twists;
   Json bodies = Json::object(), before = Json::object();
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     if (model.bodies[i].removed) continue;
     bodies[model.bodies[i].name] = {{"pose", pose(state.poses[i])},
                                     {"twist", twist(state.twists[i])}};
-    if (i < from.twists_before.size()) {
-      before[model.bodies[i].name] = twist(from.twists_before[i]);
-    }
+    if (i < twists_before.size()) before[model.bodies[i].name] = twist(twists_before[i]);
   }
   Json joints = Json::object();
   for (const Joint& joint : model.joints) {
@@ -119,19 +89,19 @@ void put_world(const Simulation::Impl& from, const WorldState& state, Json& cont
 }
 
 void put_devices(const Simulation::Impl& from, const WorldState& state, Json& content) {
-  const SceneModel& model = *from.model;
+  const SceneModel& model = from.model();
+  const DeviceManager::Saved devices = from.devices.save();
   Json motors = Json::object(), sensors = Json::object();
   for (std::size_t i = 0; i < model.motors.size(); ++i) {
     if (model.motors[i].removed) continue;
     motors[model.motors[i].name] = {{"mode", to_string(model.motors[i].mode)},
-                                    {"target", number(from.motors[i].target)},
-                                    {"integral", number(from.motors[i].integral)},
+                                    {"target", number(devices.motors[i].target)},
+                                    {"integral", number(devices.motors[i].integral)},
                                     {"effort", number(state.motor_efforts[i])}};
   }
-  const std::vector<SensorMemory> memories = from.sensors.save();
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {
     if (model.sensors[i].removed) continue;
-    const SensorMemory& memory = memories[i];
+    const SensorMemory& memory = devices.sensors[i];
     sensors[model.sensors[i].name] = {{"type", model.sensors[i].type},
                                       {"rate", model.sensors[i].rate},
                                       {"ticks", memory.timer.next()},
@@ -171,30 +141,36 @@ Result<> write_snapshot(const Simulation& simulation, const std::string& path,
                         const OutputRules& rules) {
   const Simulation::Impl& from = SnapshotAccess::of(simulation);
   Json content;
-  content["scene"] = from.model->name;
-  content["signature"] = scene_signature(*from.original);
-  content["backend"] = from.backend->name();
-  content["engine_version"] = from.backend->engine_version();
+  content["scene"] = from.model().name;
+  content["signature"] = scene_signature(*from.host.original());
+  content["backend"] = from.host.backend().name();
+  content["engine_version"] = from.host.backend().engine_version();
   content["parameters"] = Json::object();
   for (const auto& [name, value] : parameters) content["parameters"][name] = value;
-  content["seed"] = from.original->physics.seed;
+  content["seed"] = from.host.seed();
   content["status"] = to_string(from.status);
   const Clock::State& clock = from.clock.save();
-  content["clock"] = {{"time", number(from.time())},
+  content["clock"] = {{"time", number(from.clock.time())},
                       {"dt", number(clock.dt)},
                       {"base_time", number(clock.base_time)},
                       {"last_dt", number(clock.last_dt)},
                       {"steps", clock.steps},
                       {"steps_since_base", clock.steps_since_base}};
   WorldState state;
-  from.get_state(state);
+  from.host.get_state(state);
   put_world(from, state, content);
   put_devices(from, state, content);
-  if (auto controllers = put_controllers(from, content); !controllers) return controllers;
-  content["event_system"] = event_state_json(*from.model, from.event_system.memory);
+  auto controllers = hosted_json(from.model().controllers, from.controllers.slots());
+  if (!controllers) return tl::unexpected(controllers.error());
+  content["controllers"] = std::move(*controllers);
+  auto supervisors = hosted_json(from.model().supervisors, from.supervisors.slots());
+  if (!supervisors) return tl::unexpected(supervisors.error());
+  content["supervisors"] = std::move(*supervisors);
+  content["event_system"] = event_state_json(from.model(), from.events.memory);
   content["sent"] = from.commands.own_count();
-  content["changes"] =
-      from.model == from.original ? Json(nullptr) : changes_of(*from.original, *from.model);
+  content["changes"] = from.host.model() == from.host.original()
+                           ? Json(nullptr)
+                           : changes_of(*from.host.original(), from.model());
   const Json file = {{"format", kFormat},
                      {"version", kSnapshotVersion},
                      {"checksum", checksum(content)},
@@ -239,8 +215,7 @@ Result<SnapshotFile> SnapshotFile::read(const std::string& path) {
       !file.contains("version") || !file["version"].is_number_integer()) {
     return refuse("is not a snapshot", "snapshots are made by cogrsim run --save-at");
   }
-  if (const auto version = file["version"].get<std::int64_t>();
-      version != kSnapshotVersion) {
+  if (const auto version = file["version"].get<std::int64_t>(); version != kSnapshotVersion) {
     return refuse("is a snapshot of version " + std::to_string(version) + ", this program reads " +
                       std::to_string(kSnapshotVersion),
                   "use the cogrsim that wrote it");

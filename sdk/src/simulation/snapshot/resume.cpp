@@ -37,16 +37,15 @@ class Resumption {
     motors();
     to_.world_changed();
     // Controllers are configured again, so that they see the current world and not the initial one.
-    std::string problems;
-    for (const Diagnostic& d : to_.build_controllers(0, true)) {
-      problems += (problems.empty() ? "" : "; ") + d.message;
+    if (const auto found = to_.build_controllers(); !found.empty()) {
+      return fail("the controllers cannot be configured: " + joined(found));
     }
-    if (!problems.empty()) return fail("the controllers cannot be configured: " + problems);
     sensors();
-    controllers("controllers", to_.model->controllers);
-    controllers("supervisors", to_.model->supervisors);
-    to_.event_system.update_model(to_.model);  // a door that the file lacks is at its start
-    event_state_from(content_.at("event_system"), *to_.model, to_.event_system.memory);
+    const SceneModel& model = to_.model();
+    hosted("controller", content_.at("controllers"), model.controllers, to_.controllers.slots());
+    hosted("supervisor", content_.at("supervisors"), model.supervisors, to_.supervisors.slots());
+    to_.events.update_model(to_.host.model());  // a door that the file lacks is at its start
+    event_state_from(content_.at("event_system"), model, to_.events.memory);
     if (!same_seed_) {
       notes_.push_back("the seed differs: the random streams restart");
     }
@@ -74,10 +73,11 @@ class Resumption {
   }
 
   Result<> world() {
-    const SceneModel& model = *to_.model;
+    const SceneModel& model = to_.model();
     WorldState state;
-    to_.world->get_state(state);
-    to_.joint_efforts_before.assign(state.joint_efforts.size(), 0.0);
+    to_.host.world().get_state(state);
+    WorldHost::Before before = to_.host.before();
+    before.joint_efforts.assign(state.joint_efforts.size(), 0.0);
     const Json &bodies = content_.at("bodies"), &joints = content_.at("joints");
     std::vector<std::string> fresh, odd;
     std::set<std::string> names;
@@ -125,50 +125,57 @@ class Resumption {
       if (!then.contains("effort")) continue;  // older files
       const std::vector<double> effort = numbers_from(then.at("effort"));
       if (effort.size() == u.size()) {
-        std::copy(effort.begin(), effort.end(),
-                  to_.joint_efforts_before.begin() + joint.speed_offset);
+        std::copy(effort.begin(), effort.end(), before.joint_efforts.begin() + joint.speed_offset);
       }
     }
     note_elements("starts as in the scene, because the snapshot does not have it: joint",
                   "start as in the scene, because the snapshot does not have them: joints", fresh);
     note_elements("is of another type than in the snapshot and starts as in the scene: joint",
-         "are of another type than in the snapshot and start as in the scene: joints", odd);
+                  "are of another type than in the snapshot and start as in the scene: joints",
+                  odd);
     note_missing("joint", "joints", joints, names);
-    if (auto done = to_.world->set_state(state); !done) return done;
-    const Json& before = content_.at("twists_before");
-    if (!before.empty()) {
-      to_.twists_before = state.twists;
+    if (auto done = to_.host.world().set_state(state); !done) return done;
+    const Json& twists = content_.at("twists_before");
+    if (!twists.empty()) {
+      before.twists = state.twists;
       for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-        if (before.contains(model.bodies[i].name)) {
-          to_.twists_before[i] = twist_from(before.at(model.bodies[i].name));
-        }
+        const std::string& name = model.bodies[i].name;
+        if (twists.contains(name)) before.twists[i] = twist_from(twists.at(name));
       }
     }
+    to_.host.set_before(std::move(before));
     to_.world_changed();
     return {};
   }
 
   void motors() {
     const Json& then = content_.at("motors");
+    const SceneModel& model = to_.model();
     std::set<std::string> names;
     std::vector<std::string> fresh, odd;
-    to_.motor_efforts_before.assign(to_.model->motors.size(), 0.0);
-    for (std::size_t i = 0; i < to_.model->motors.size(); ++i) {
-      const Motor& motor = to_.model->motors[i];
+    DeviceManager::Saved devices = to_.devices.save();
+    WorldHost::Before before = to_.host.before();
+    before.motor_efforts.assign(model.motors.size(), 0.0);
+    for (std::size_t i = 0; i < model.motors.size(); ++i) {
+      const Motor& motor = model.motors[i];
       if (motor.removed) continue;
       names.insert(motor.name);
       if (!then.contains(motor.name)) {
         fresh.push_back(motor.name);
-      } else if (then.at(motor.name).at("mode") != to_string(motor.mode)) {
-        odd.push_back(motor.name);
-      } else {
-        to_.motors[i].target =
-            clamp_target(*to_.model, motor, number_from(then.at(motor.name).at("target")));
-        to_.motors[i].integral = number_from(then.at(motor.name).at("integral"));
-        if (then.at(motor.name).contains("effort"))  // not in older files
-          to_.motor_efforts_before[i] = number_from(then.at(motor.name).at("effort"));
+        continue;
       }
+      const Json& saved = then.at(motor.name);
+      if (saved.at("mode") != to_string(motor.mode)) {
+        odd.push_back(motor.name);
+        continue;
+      }
+      devices.motors[i].target = clamp_target(model, motor, number_from(saved.at("target")));
+      devices.motors[i].integral = number_from(saved.at("integral"));
+      if (saved.contains("effort"))  // not in older files
+        before.motor_efforts[i] = number_from(saved.at("effort"));
     }
+    to_.devices.restore(devices);
+    to_.host.set_before(std::move(before));
     note_elements("starts as in the scene, because the snapshot does not have it: motor",
                   "start as in the scene, because the snapshot does not have them: motors", fresh);
     note_elements("has another mode than in the snapshot and starts as in the scene: motor",
@@ -181,20 +188,20 @@ class Resumption {
     if (saved.is_object() && number_from(saved.at("rate")) == rate) {
       timer.set_next(whole_from<std::uint64_t>(saved.at("ticks")));
     } else {
-      timer.skip_to(to_.time(), to_.clock.dt());
+      timer.skip_to(to_.clock.time(), to_.clock.dt());
     }
   }
 
   void sensors() {
     const Json& then = content_.at("sensors");
-    std::vector<SensorMemory> memories = to_.sensors.save();
+    DeviceManager::Saved devices = to_.devices.save();
     std::set<std::string> names;
     std::vector<std::string> fresh;
-    for (std::size_t i = 0; i < memories.size(); ++i) {
-      const SensorModel& sensor = to_.model->sensors[i];
+    for (std::size_t i = 0; i < devices.sensors.size(); ++i) {
+      const SensorModel& sensor = to_.model().sensors[i];
       if (sensor.removed) continue;
       names.insert(sensor.name);
-      SensorMemory& memory = memories[i];
+      SensorMemory& memory = devices.sensors[i];
       set_timer(memory.timer, then.contains(sensor.name) ? then.at(sensor.name) : Json(),
                 sensor.rate);
       if (!then.contains(sensor.name) || then.at(sensor.name).at("type") != sensor.type) {
@@ -215,7 +222,7 @@ class Resumption {
       memory.reading.time = number_from(saved.at("time"));
       memory.reading.valid = saved.at("valid").get<bool>();
     }
-    to_.sensors.restore(memories);
+    to_.devices.restore(devices);
     note_elements("restarts, because the snapshot does not have it: sensor",
                   "restart, because the snapshot does not have them: sensors", fresh);
     note_missing("sensor", "sensors", then, names);
@@ -228,33 +235,26 @@ class Resumption {
     clock.count = whole_from<std::uint64_t>(saved.at("count"));
   }
 
-  void controllers(const char* key, const std::vector<ControllerModel>& models) {
-    const Json& then = content_.at(key);
-    const bool controllers = key[0] == 'c';
-    const std::string kind = controllers ? "controller" : "supervisor";
+  /// Transfers controllers or supervisors.
+  template <class Slot>
+  void hosted(const std::string& kind, const Json& then, const std::vector<ControllerModel>& models,
+              std::vector<Slot>& slots) {
     std::set<std::string> names;
     std::vector<std::string> fresh, forgetful;
     for (std::size_t i = 0; i < models.size(); ++i) {
       const ControllerModel& model = models[i];
       if (model.removed) continue;
       names.insert(model.name);
-      ControllerClock& clock = controllers ? to_.controllers[i].clock : to_.supervisors[i].clock;
+      Slot& slot = slots[i];
       if (!then.contains(model.name) || then.at(model.name).at("plugin") != model.plugin) {
-        clock.timer.skip_to(to_.time(), to_.clock.dt());
+        slot.clock.timer.skip_to(to_.clock.time(), to_.clock.dt());
         fresh.push_back(model.name);
         continue;
       }
       const Json& saved = then.at(model.name);
-      take_clock(saved.at("clock"), model.rate, clock);
-      RandomStream* random = nullptr;
-      std::vector<double>* outputs = nullptr;
-      if (controllers && to_.controllers[i].access) {
-        random = &*to_.controllers[i].access->random;
-        outputs = &to_.controllers[i].access->outputs;
-      } else if (!controllers && to_.supervisors[i].context) {
-        random = &to_.supervisors[i].context->random();
-        outputs = &to_.supervisors[i].context->outputs();
-      }
+      take_clock(saved.at("clock"), model.rate, slot.clock);
+      RandomStream* random = slot.random();
+      std::vector<double>* outputs = slot.outputs();
       if (random && same_seed_) random->set_state(whole_from<std::uint64_t>(saved.at("random")));
       const std::vector<double> published = numbers_from(saved.at("outputs"));
       if (outputs && published.size() == outputs->size()) *outputs = published;
@@ -262,22 +262,12 @@ class Resumption {
         forgetful.push_back(model.name);
         continue;
       }
-      const auto memory = saved.at("memory").get<std::string>();
-      std::optional<std::string> thrown;
-      bool there = true;
-      if (controllers && to_.controllers[i].controller) {
-        if (const auto failure = to_.controllers[i].controller->restore(memory)) {
-          there = failure->kind == HostFailure::Kind::thrown;
-          thrown = there ? failure->what : phrase(*failure, "while taking it");
-        }
-      } else if (!controllers && to_.supervisors[i].supervisor) {
-        const PluginCall call = to_.supervisors[i].context->calling("while its state was restored");
-        thrown = to_.supervisors[i].entry->restore(*to_.supervisors[i].supervisor, memory);
-      }
-      if (thrown) {
-        notes_.push_back(kind + " '" + model.name + "' does not accept its state" +
-                         (there ? " and restarts: " : ": it ") + *thrown);
-      }
+      const auto failure = slot.restore(saved.at("memory").template get<std::string>());
+      if (!failure) continue;
+      const bool there = failure->kind == HostFailure::Kind::thrown;
+      notes_.push_back(kind + " '" + model.name + "' does not accept its state" +
+                       (there ? " and restarts: " + failure->what
+                              : ": it " + phrase(*failure, "while taking it")));
     }
     note_elements("restarts, because the snapshot does not have it: " + kind,
                   "restart, because the snapshot does not have them: " + kind + "s", fresh);
@@ -296,8 +286,8 @@ class Resumption {
     for (const auto& entry : then.items()) {
       if (now.count(entry.key()) == 0) missing.push_back(entry.key());
     }
-    note_elements("is not in the scene any more: " + one,
-                  "are not in the scene any more: " + many, missing);
+    note_elements("is not in the scene any more: " + one, "are not in the scene any more: " + many,
+                  missing);
   }
 
   Simulation::Impl& to_;
@@ -334,25 +324,22 @@ tl::expected<Resumed, std::vector<Diagnostic>> resume(const SnapshotFile& snapsh
     if (info.changed) {
       auto plain_run = Simulation::create(scene, options, loader);
       if (!plain_run) return Failure(plain_run.error());
-      original = SnapshotAccess::of(**plain_run).original;
+      original = SnapshotAccess::of(**plain_run).host.original();
       then = with_changes(*scene, content, resumed.notes);
     }
     auto created = Simulation::create(then, options, loader);
     if (!created) return Failure(created.error());
     resumed.simulation = std::move(*created);
     Simulation::Impl& to = SnapshotAccess::of(*resumed.simulation);
-    const std::string signature = scene_signature(original ? *original : *to.original);
+    const std::string signature = scene_signature(original ? *original : *to.host.original());
     const bool unchanged = content.at("signature") == signature;
-    if (original) {
-      to.original = original;
-      to.rebuild_on_restart = true;
-    }
+    if (original) to.host.restart_from(original);
     if (!unchanged) {
       resumed.notes.push_back(
           "the scene is not that of the snapshot: the state is transferred by names of elements");
     }
-    resumed.same_scene = unchanged && info.backend == to.backend->name();
-    const bool same_seed = to.original->physics.seed == info.seed;
+    resumed.same_scene = unchanged && info.backend == to.host.backend().name();
+    const bool same_seed = to.host.seed() == info.seed;
     if (auto good = Resumption(to, snapshot, same_seed, resumed.notes).run(); !good) {
       return refuse(good.error());
     }

@@ -13,11 +13,9 @@
 
 #include "cogrsim/core/units.h"
 #include "cogrsim/plugin/crash_report.h"
-#include "cogrsim/plugin/loader.h"
+#include "control/hosted_controller.h"
 #include "control/process/child_process.h"
-#include "simulation/controllers/hosted_controller.h"
-#include "simulation/controllers/proxy.h"
-#include "simulation/controllers/shape_of_plugin.h"
+#include "control/process/proxy.h"
 
 namespace cogrsim {
 
@@ -64,14 +62,15 @@ bool debugging() {
 class IsolatedController final : public HostedController {
  public:
   IsolatedController(PluginPtr plugin, std::shared_ptr<AssemblyAccess> access,
-                     std::size_t controller, std::unique_ptr<ChildProcess> process)
+                     std::size_t controller, SceneForControllers& scene,
+                     std::unique_ptr<ChildProcess> process)
       : plugin_(std::move(plugin)),
         access_(std::move(access)),
-        proxy_(*access_),
+        proxy_(*access_, scene),
         controller_(controller),
         who_("controller '" + access_->plugin + "' of '" + access_->name + "'"),
         process_(std::move(process)) {
-    const ControllerModel& model = access_->simulation->model->controllers[controller];
+    const ControllerModel& model = access_->port->model()->controllers[controller];
     deadline_ = debugging() ? std::numeric_limits<double>::infinity() : model.deadline;
     memory_ = model.memory;
   }
@@ -89,7 +88,7 @@ class IsolatedController final : public HostedController {
   std::optional<HostFailure> configure() override {
     WireWriter out(request_);
     out.put(HostCall::configure);
-    out.put(access_->simulation->loader->folders());
+    out.put(access_->port->loader().folders());
     out.put(plugin_->path());
     out.put(static_cast<std::uint64_t>(controller_));
     out.put(memory_);
@@ -185,7 +184,7 @@ class IsolatedController final : public HostedController {
     }
     const char* const doing = during(static_cast<HostCall>(request_.front()));
     const PluginCall call("controller", access_->controller.c_str(), access_->name.c_str(),
-                          access_->plugin.c_str(), doing, access_->simulation->time(), patience);
+                          access_->plugin.c_str(), doing, access_->port->time(), patience);
     auto failure = attempt(patience);
     if (failure) lost_ = "it " + failure->what + " " + doing;
     return failure;
@@ -251,11 +250,12 @@ class IsolatedController final : public HostedController {
 }  // namespace
 
 Result<std::unique_ptr<HostedController>> make_isolated_controller(
-    PluginPtr plugin, std::shared_ptr<AssemblyAccess> access, std::size_t controller) {
+    PluginPtr plugin, std::shared_ptr<AssemblyAccess> access, std::size_t controller,
+    SceneForControllers& scene) {
   auto process = ChildProcess::start();
   if (!process) return tl::unexpected(process.error());
   return std::make_unique<IsolatedController>(std::move(plugin), std::move(access), controller,
-                                              std::move(*process));
+                                              scene, std::move(*process));
 }
 
 }  // namespace cogrsim

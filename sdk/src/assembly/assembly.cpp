@@ -5,10 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "assembly/assembly_access.h"
 #include "cogrsim/algorithms/algorithm.h"
 #include "cogrsim/core/constants.h"
 #include "cogrsim/sensing/sensor_models.h"
-#include "simulation/impl.h"
+#include "core/index.h"
+#include "model/motor_limits.h"
 
 namespace cogrsim {
 
@@ -31,8 +33,7 @@ std::string not_there(const std::string& kind, const std::string& name,
 template <class Elements>
 std::vector<std::string> names_inside(const SceneModel& model, int assembly,
                                       const Elements& elements) {
-  const std::string prefix =
-      assembly < 0 ? "" : model.assemblies[static_cast<std::size_t>(assembly)].name + ".";
+  const std::string prefix = assembly < 0 ? "" : model.assemblies[at(assembly)].name + ".";
   std::vector<std::string> names;
   for (const auto& element : elements) {
     if (!element.removed && element.name.compare(0, prefix.size(), prefix) == 0) {
@@ -45,8 +46,7 @@ std::vector<std::string> names_inside(const SceneModel& model, int assembly,
 template <class Elements>
 int find_inside(const SceneModel& model, int assembly, const Elements& elements,
                 const std::string& name) {
-  const std::string full =
-      assembly < 0 ? name : model.assemblies[static_cast<std::size_t>(assembly)].name + "." + name;
+  const std::string full = assembly < 0 ? name : model.assemblies[at(assembly)].name + "." + name;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     if (!elements[i].removed && elements[i].name == full) return static_cast<int>(i);
   }
@@ -54,50 +54,38 @@ int find_inside(const SceneModel& model, int assembly, const Elements& elements,
 }
 
 const Motor& motor_of(const AssemblyAccess& access, int index) {
-  return access.simulation->model->motors[static_cast<std::size_t>(index)];
+  return access.port->model()->motors[at(index)];
 }
 
 }  // namespace
 
 void MotorHandle::set(double target) {
   if (!access_) return;
-  const Motor& motor = motor_of(*access_, motor_);
-  if (!std::isfinite(target)) {
-    if (!access_->fault) {
-      access_->fault =
-          fmt::format("sent {} to motor '{}'; its target stays {}", target, motor.name,
-                      access_->simulation->motors[static_cast<std::size_t>(motor_)].target);
-    }
-    return;
-  }
-  access_->simulation->motors[static_cast<std::size_t>(motor_)].target =
-      clamp_target(*access_->simulation->model, motor, target);
+  if (std::isfinite(target)) return access_->port->set_target(motor_, target);
+  if (access_->fault) return;
+  access_->fault = fmt::format("sent {} to motor '{}'; its target stays {}", target,
+                               motor_of(*access_, motor_).name, access_->port->target(motor_));
 }
 
-double MotorHandle::target() const {
-  return access_ ? access_->simulation->motors[static_cast<std::size_t>(motor_)].target : kNaN;
-}
+double MotorHandle::target() const { return access_ ? access_->port->target(motor_) : kNaN; }
 
-double MotorHandle::effort() const {
-  if (!access_) return kNaN;
-  return access_->simulation->present_state().motor_efforts[static_cast<std::size_t>(motor_)];
-}
+double MotorHandle::effort() const { return access_ ? access_->port->effort(motor_) : kNaN; }
 
 MotorMode MotorHandle::mode() const {
   return access_ ? motor_of(*access_, motor_).mode : MotorMode::velocity;
 }
 
 double MotorHandle::max_speed() const {
-  return access_ ? motor_max_speed(*access_->simulation->model, motor_of(*access_, motor_)) : 0.0;
+  return access_ ? motor_max_speed(*access_->port->model(), motor_of(*access_, motor_)) : 0.0;
 }
 
 double MotorHandle::max_effort() const {
-  return access_ ? motor_max_effort(*access_->simulation->model, motor_of(*access_, motor_)) : 0.0;
+  return access_ ? motor_max_effort(*access_->port->model(), motor_of(*access_, motor_)) : 0.0;
 }
 
 const Reading& SensorHandle::reading() const {
   static const Reading kNone;
-  return access_ ? access_->simulation->sensors.reading(static_cast<std::size_t>(sensor_)) : kNone;
+  return access_ ? access_->port->reading(sensor_) : kNone;
 }
 
 bool SensorHandle::valid() const { return access_ && reading().valid; }
@@ -114,19 +102,17 @@ double SensorHandle::value(int channel) const {
 }
 
 void SensorHandle::enable(bool on) {
-  if (!access_) return;
-  access_->simulation->sensors.enable(static_cast<std::size_t>(sensor_), on);
+  if (access_) access_->port->enable(sensor_, on);
 }
 
 std::string SensorHandle::body_name(int body) const {
   if (!access_ || body < 0) return "";
-  const std::vector<Body>& bodies = access_->simulation->model->bodies;
-  const auto index = static_cast<std::size_t>(body);
-  return index < bodies.size() ? bodies[index].name : "";
+  const std::vector<Body>& bodies = access_->port->model()->bodies;
+  return at(body) < bodies.size() ? bodies[at(body)].name : "";
 }
 
 const SensorModel& SensorHandle::description() const {
-  return access_->simulation->model->sensors[static_cast<std::size_t>(sensor_)];
+  return access_->port->model()->sensors[at(sensor_)];
 }
 
 std::string Infrared::body() const {
@@ -160,17 +146,17 @@ std::vector<std::string> ContactSensor::bodies() const {
 const std::string& Assembly::name() const { return access_->name; }
 
 std::vector<std::string> Assembly::motor_names() const {
-  const SceneModel& model = *access_->simulation->model;
+  const SceneModel& model = *access_->port->model();
   return names_inside(model, access_->assembly, model.motors);
 }
 
 std::vector<std::string> Assembly::sensor_names() const {
-  const SceneModel& model = *access_->simulation->model;
+  const SceneModel& model = *access_->port->model();
   return names_inside(model, access_->assembly, model.sensors);
 }
 
 MotorHandle Assembly::motor(const std::string& name) {
-  const SceneModel& model = *access_->simulation->model;
+  const SceneModel& model = *access_->port->model();
   const int index = find_inside(model, access_->assembly, model.motors, name);
   if (index < 0) {
     access_->mistakes.push_back(not_there("motor", name, motor_names()));
@@ -187,13 +173,13 @@ SensorHandle Assembly::any_sensor(const std::string& name) {
 }
 
 void Assembly::bind(SensorHandle& handle, const std::string& name, const char* type) {
-  const SceneModel& model = *access_->simulation->model;
+  const SceneModel& model = *access_->port->model();
   const int index = find_inside(model, access_->assembly, model.sensors, name);
   if (index < 0) {
     access_->mistakes.push_back(not_there("sensor", name, sensor_names()));
     return;
   }
-  const SensorModel& sensor = model.sensors[static_cast<std::size_t>(index)];
+  const SensorModel& sensor = model.sensors[at(index)];
   if (type && sensor.type != type) {
     access_->mistakes.push_back("sensor '" + name + "' is of type '" + sensor.type +
                                 "', and was asked for as '" + type + "'");
@@ -249,35 +235,28 @@ std::vector<double> Assembly::parameter<std::vector<double>>(const std::string& 
 }
 
 double Assembly::joint_position(const MotorHandle& motor) const {
-  if (!motor.valid()) return kNaN;
-  Simulation::Impl& simulation = *access_->simulation;
-  const int at = motor_position_index(*simulation.model, motor_of(*access_, motor.motor_));
-  return simulation.present_state().joint_positions[static_cast<std::size_t>(at)];
+  return motor.valid() ? access_->port->joint_position(motor.motor_) : kNaN;
 }
 
 double Assembly::joint_velocity(const MotorHandle& motor) const {
-  if (!motor.valid()) return kNaN;
-  Simulation::Impl& simulation = *access_->simulation;
-  const int at = motor_speed_index(*simulation.model, motor_of(*access_, motor.motor_));
-  return simulation.present_state().joint_velocities[static_cast<std::size_t>(at)];
+  return motor.valid() ? access_->port->joint_velocity(motor.motor_) : kNaN;
 }
 
 std::string Assembly::scene_folder() const {
-  const SceneModel& model = *access_->simulation->model;
+  const SceneModel& model = *access_->port->model();
   if (model.files.empty()) return "";
   const std::size_t slash = model.files.front().find_last_of('/');
   return slash == std::string::npos ? "." : model.files.front().substr(0, slash);
 }
 
 void Assembly::report(const std::string& message) {
-  access_->simulation->log.report(
-      Severity::note, "controller '" + access_->plugin + "' of '" + access_->name + "'", message);
+  access_->port->report("controller '" + access_->plugin + "' of '" + access_->name + "'", message);
 }
 
 const MazeModel* Assembly::maze(const std::string& name) {
   // From the original scene, because later models of the run may be destroyed while a controller
   // uses the maze.
-  const std::vector<MazeModel>& mazes = access_->simulation->original->mazes;
+  const std::vector<MazeModel>& mazes = access_->port->original()->mazes;
   std::vector<std::string> names;
   for (const MazeModel& maze : mazes) {
     if (maze.name == name || (name.empty() && mazes.size() == 1)) return &maze;
@@ -298,11 +277,12 @@ void Assembly::fail(const std::string& message) { access_->mistakes.push_back(me
 
 std::shared_ptr<void> Assembly::find_algorithm(const std::string& name, const char* family,
                                                const Parameters& parameters) {
-  Simulation::Impl& simulation = *access_->simulation;
-  // Two algorithms of a controller, and two controllers with the same algorithm, draw different numbers.
+  DevicePort& port = *access_->port;
+  // Two algorithms of a controller, and two controllers with the same algorithm, draw different
+  // numbers.
   const std::string path = access_->controller + "." + name;
-  const std::uint64_t seed = RandomStream(simulation.original->physics.seed, path).next();
-  auto made = load_algorithm_of(*simulation.loader, name, family, parameters, seed,
+  const std::uint64_t seed = RandomStream(port.original()->physics.seed, path).next();
+  auto made = load_algorithm_of(port.loader(), name, family, parameters, seed,
                                 scene_folder().empty() ? "." : scene_folder());
   if (made) return *made;
   std::string mistake = made.error().message;

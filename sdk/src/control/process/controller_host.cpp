@@ -1,6 +1,6 @@
-// The worker side of an isolated controller. It hosts the controller as a simulation does, on a
-// Simulation::Impl whose contents come from the simulation process.
-#include "simulation/controllers/controller_host.h"
+// The worker side of an isolated controller. It hosts the controller as a simulation does, on
+// devices whose state comes from the simulation process.
+#include "control/process/controller_host.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -9,11 +9,10 @@
 #include <cstdio>
 #include <fstream>
 
+#include "control/hosted_controller.h"
 #include "control/process/child_process.h"
+#include "control/process/proxy.h"
 #include "control/process/watchdog.h"
-#include "simulation/controllers/hosted_controller.h"
-#include "simulation/controllers/proxy.h"
-#include "simulation/controllers/shape_of_plugin.h"
 
 namespace cogrsim {
 
@@ -68,8 +67,8 @@ class Host {
     if (call == HostCall::configure) {
       configure(in, out);
     } else {
-      proxy_->take_scene(in);
-      proxy_->take_state(in, *access_);
+      devices_->take_scene(in);
+      devices_->take_state(in, *access_);
       dispatch(call, in, out);
     }
     std::fflush(nullptr);
@@ -89,32 +88,31 @@ class Host {
     const auto index = static_cast<std::size_t>(in.take<std::uint64_t>());
     const auto memory = in.take<double>();
     in.get(shape);
-    simulation_ = std::make_unique<Simulation::Impl>(std::make_shared<PluginLoader>(folders));
-    proxy_ = std::make_unique<ProxyReader>(*simulation_);
-    proxy_->take_scene(in);
+    devices_ = std::make_unique<RemoteDevices>(folders);
+    devices_->take_scene(in);
     limit_memory(memory);
 
     std::optional<std::string> refused, thrown;
-    if (!in.good() || index >= simulation_->model->controllers.size()) {
+    if (!in.good() || index >= devices_->model()->controllers.size()) {
       refused = "received a scene that cannot be read";
     } else {
-      refused = load(path, shape, simulation_->model->controllers[index]);
+      refused = load(path, shape, devices_->model()->controllers[index]);
     }
     out.put(static_cast<std::int64_t>(::getpid()));
     if (!refused) {
-      proxy_->take_state(in, *access_);
+      devices_->take_state(in, *access_);
       controller_ = make_in_process_controller(plugin_, access_);
       if (auto failure = controller_->configure()) thrown = failure->what;
     }
     out.put(refused);
     out.put(thrown);
-    if (!refused) proxy_->put_effects(out, *access_);
+    if (!refused) devices_->put_effects(out, *access_);
   }
 
   /// Loads the plugin; returns the error, if any.
   std::optional<std::string> load(const std::string& path, const std::string& shape,
                                   const ControllerModel& description) {
-    auto plugin = simulation_->loader->load_from(path);
+    auto plugin = devices_->loader().load_from(path);
     if (!plugin) return "cannot be loaded in its process: " + plugin.error().text();
     plugin_ = *plugin;
     const PluginDescriptor& descriptor = plugin_->descriptor();
@@ -124,7 +122,7 @@ class Host {
     }
     auto parameters = complete_parameters(descriptor.parameters, description.parameters);
     if (!parameters) return "rejects its parameters: " + parameters.error().message;
-    access_ = make_access(*simulation_, description, plugin_, std::move(*parameters));
+    access_ = make_access(*devices_, description, plugin_, std::move(*parameters));
     return std::nullopt;
   }
 
@@ -146,14 +144,13 @@ class Host {
       failure = controller_->restore(memory);
     }
     out.put(failure ? std::optional<std::string>(failure->what) : std::nullopt);
-    proxy_->put_effects(out, *access_);
+    devices_->put_effects(out, *access_);
   }
 
   CallChannel& channel_;
   bool end_requested_ = false;
   std::vector<char> request_, reply_;
-  std::unique_ptr<Simulation::Impl> simulation_;
-  std::unique_ptr<ProxyReader> proxy_;
+  std::unique_ptr<RemoteDevices> devices_;
   PluginPtr plugin_;
   std::shared_ptr<AssemblyAccess> access_;
   std::unique_ptr<HostedController> controller_;

@@ -1,10 +1,13 @@
-#include "simulation/controllers/hosted_controller.h"
+#include "control/hosted_controller.h"
 
 #include "cogrsim/plugin/crash_report.h"
-#include "cogrsim/plugin/loader.h"
-#include "simulation/impl.h"
 
 namespace cogrsim {
+
+std::optional<HostFailure> thrown_failure(std::optional<std::string> thrown) {
+  if (!thrown) return std::nullopt;
+  return HostFailure{HostFailure::Kind::thrown, std::move(*thrown)};
+}
 
 std::string phrase(const HostFailure& failure, const std::string& doing) {
   std::string out = failure.what;
@@ -14,12 +17,17 @@ std::string phrase(const HostFailure& failure, const std::string& doing) {
   return out;
 }
 
-namespace {
-
-std::optional<HostFailure> failure_of(std::optional<std::string> thrown) {
-  if (!thrown) return std::nullopt;
-  return HostFailure{HostFailure::Kind::thrown, std::move(*thrown)};
+std::string shape_of(const PluginDescriptor& plugin) {
+  std::string out;
+  for (const ParameterSpec& parameter : plugin.parameters) {
+    out += parameter.name + " " + to_string(parameter.type()) + " " + parameter.unit + "\n";
+  }
+  out += "->\n";
+  for (const PluginOutput& output : plugin.outputs) out += output.name + " " + output.unit + "\n";
+  return out;
 }
+
+namespace {
 
 class InProcessController final : public HostedController {
  public:
@@ -40,21 +48,21 @@ class InProcessController final : public HostedController {
     auto thrown = entry_.create(made);
     controller_.reset(made);
     if (made) thrown = entry_.configure(*made, robot_);
-    return failure_of(std::move(thrown));
+    return thrown_failure(std::move(thrown));
   }
   std::optional<HostFailure> update(const Tick& tick) override {
     const PluginCall call = calling("in update");
-    return failure_of(entry_.update(*controller_, tick));
+    return thrown_failure(entry_.update(*controller_, tick));
   }
   std::optional<HostFailure> save(std::optional<std::string>& memory) override {
     if (!controller_) return std::nullopt;
     const PluginCall call = calling("while its state was saved");
-    return failure_of(entry_.save(*controller_, memory));
+    return thrown_failure(entry_.save(*controller_, memory));
   }
   std::optional<HostFailure> restore(const std::string& memory) override {
     if (!controller_) return std::nullopt;
     const PluginCall call = calling("while its state was restored");
-    return failure_of(entry_.restore(*controller_, memory));
+    return thrown_failure(entry_.restore(*controller_, memory));
   }
 
  private:
@@ -64,7 +72,7 @@ class InProcessController final : public HostedController {
             access_->name.c_str(),
             access_->plugin.c_str(),
             doing,
-            access_->simulation->time()};
+            access_->port->time()};
   }
 
   PluginPtr plugin_;

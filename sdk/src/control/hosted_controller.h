@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "assembly/assembly_access.h"
 #include "cogrsim/control/controller.h"
 #include "cogrsim/core/result.h"
 
@@ -22,6 +23,9 @@ struct HostFailure {
   std::string more{};  ///< further details, appended to the message
 };
 
+/// The failure of a call that threw; nullopt: it did not.
+std::optional<HostFailure> thrown_failure(std::optional<std::string> thrown);
+
 /// The message of a failure: "threw in update: cell 9 of 8", "crashed (SIGSEGV) in update".
 std::string phrase(const HostFailure& failure, const std::string& doing);
 
@@ -37,14 +41,18 @@ class HostedController {
   virtual std::optional<HostFailure> restore(const std::string& memory) = 0;
 };
 
-class Plugin;
-using PluginPtr = std::shared_ptr<const Plugin>;
-struct AssemblyAccess;
+struct SceneForControllers;
 
 std::unique_ptr<HostedController> make_in_process_controller(
     PluginPtr plugin, std::shared_ptr<AssemblyAccess> access);
-/// `controller` is the index into SceneModel::controllers. Errors: the process cannot be started.
+/// `controller` is the index into SceneModel::controllers; `scene` is shared by the controllers of a
+/// run and must outlive them. Errors: the process cannot be started.
 Result<std::unique_ptr<HostedController>> make_isolated_controller(
-    PluginPtr plugin, std::shared_ptr<AssemblyAccess> access, std::size_t controller);
+    PluginPtr plugin, std::shared_ptr<AssemblyAccess> access, std::size_t controller,
+    SceneForControllers& scene);
+
+/// The parameters and outputs of a plugin as text. Two builds of a plugin can replace each other
+/// during a run if their texts are equal.
+std::string shape_of(const PluginDescriptor& plugin);
 
 }  // namespace cogrsim

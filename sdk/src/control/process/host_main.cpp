@@ -1,4 +1,4 @@
 // The program that runs controllers with isolation="process".
-#include "simulation/controllers/controller_host.h"
+#include "control/process/controller_host.h"
 
 int main() { return cogrsim::run_controller_host(); }

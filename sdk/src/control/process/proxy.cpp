@@ -1,4 +1,4 @@
-#include "simulation/controllers/proxy.h"
+#include "control/process/proxy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include "cogrsim/rendering/renderer.h"
 #include "core/index.h"
 #include "model/model_json.h"
+#include "model/motor_limits.h"
 
 namespace cogrsim {
 
@@ -79,7 +80,7 @@ bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; 
 
 }  // namespace
 
-Devices::Devices(const SceneModel& model, int assembly)
+DeviceIndices::DeviceIndices(const SceneModel& model, int assembly)
     : motors(inside(model, assembly, model.motors)),
       sensors(inside(model, assembly, model.sensors)) {}
 
@@ -108,32 +109,28 @@ const std::string& SceneForControllers::of(const SceneModelPtr& now,
 }
 
 void ProxyWriter::put_scene(WireWriter& out) {
-  Simulation::Impl& simulation = *access_.simulation;
-  const bool fresh = shown_ != simulation.model;
+  const DevicePort& port = *access_.port;
+  const bool fresh = shown_ != port.model();
   out.put(fresh);
   if (!fresh) return;
-  shown_ = simulation.model;
-  devices_ = Devices(*shown_, access_.assembly);
+  shown_ = port.model();
+  devices_ = DeviceIndices(*shown_, access_.assembly);
   pictures_.assign(devices_.sensors.size(), nullptr);
-  out.put(simulation.scene_for_controllers.of(simulation.model, simulation.original));
+  out.put(scene_.of(port.model(), port.original()));
 }
 
 void ProxyWriter::put_state(WireWriter& out) {
-  Simulation::Impl& simulation = *access_.simulation;
+  DevicePort& port = *access_.port;
   out.put(access_.random->state());
   out.put(access_.outputs);
-  if (!devices_.motors.empty()) {
-    const WorldState& state = simulation.present_state();
-    for (const int index : devices_.motors) {
-      const Motor& motor = simulation.model->motors[at(index)];
-      out.put(simulation.motors[at(index)].target);
-      out.put(state.motor_efforts[at(index)]);
-      out.put(state.joint_positions[at(motor_position_index(*simulation.model, motor))]);
-      out.put(state.joint_velocities[at(motor_speed_index(*simulation.model, motor))]);
-    }
+  for (const int motor : devices_.motors) {
+    out.put(port.target(motor));
+    out.put(port.effort(motor));
+    out.put(port.joint_position(motor));
+    out.put(port.joint_velocity(motor));
   }
   for (std::size_t i = 0; i < devices_.sensors.size(); ++i) {
-    const Reading& reading = simulation.sensors.reading(at(devices_.sensors[i]));
+    const Reading& reading = port.reading(devices_.sensors[i]);
     out.put(reading.time);
     out.put(reading.sequence);
     out.put(reading.valid);
@@ -153,7 +150,6 @@ void ProxyWriter::put_state(WireWriter& out) {
 }
 
 bool ProxyWriter::take_effects(WireReader& in) {
-  Simulation::Impl& simulation = *access_.simulation;
   // Everything is read first, so that inconsistent data from a damaged process have no effect.
   const auto random = in.take<std::uint64_t>();
   std::vector<double> outputs, targets(devices_.motors.size());
@@ -185,50 +181,61 @@ bool ProxyWriter::take_effects(WireReader& in) {
 
   access_.random->set_state(random);
   access_.outputs = std::move(outputs);
+  DevicePort& port = *access_.port;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    double& target = simulation.motors[at(devices_.motors[i])].target;
-    if (!same_bits(target, targets[i])) target = targets[i];
+    const int motor = devices_.motors[i];
+    if (!same_bits(port.target(motor), targets[i])) port.set_target(motor, targets[i]);
   }
   for (std::size_t i = 0; i < switches.size(); ++i) {
-    const std::size_t sensor = at(devices_.sensors[i]);
-    const Reading& reading = simulation.sensors.reading(sensor);
+    const int sensor = devices_.sensors[i];
+    const Reading& reading = port.reading(sensor);
     // Switching the sensor off and on again makes the reading invalid.
-    if (reading.valid && !switches[i].valid) simulation.sensors.enable(sensor, false);
-    if (reading.enabled != switches[i].enabled) {
-      simulation.sensors.enable(sensor, switches[i].enabled);
-    }
+    if (reading.valid && !switches[i].valid) port.enable(sensor, false);
+    if (reading.enabled != switches[i].enabled) port.enable(sensor, switches[i].enabled);
   }
   access_.motors = std::move(asked);
-  for (std::size_t i = 0; i < reports.size(); ++i) {
-    simulation.log.report(Severity::note, sources[i], reports[i]);
-  }
+  for (std::size_t i = 0; i < reports.size(); ++i) port.report(sources[i], reports[i]);
   access_.mistakes = std::move(mistakes);
   access_.fault = std::move(fault);
   return true;
 }
 
-void ProxyReader::take_scene(WireReader& in) {
+void RemoteDevices::set_target(int motor, double target) {
+  motors_[at(motor)].target = clamp_target(*model_, model_->motors[at(motor)], target);
+}
+
+void RemoteDevices::enable(int sensor, bool on) {
+  Reading& reading = readings_[at(sensor)];
+  reading.enabled = on;
+  if (!on) reading.valid = false;
+}
+
+void RemoteDevices::report(const std::string& source, const std::string& message) {
+  // The log of the run stores fewer and notes that messages are missing.
+  constexpr std::size_t kMost = 2000;
+  if (reports_.size() >= kMost) return;
+  sources_.push_back(source);
+  reports_.push_back(message);
+}
+
+void RemoteDevices::take_scene(WireReader& in) {
   if (!in.take<bool>()) return;
   std::string text;
   in.get(text);
   auto model = model_from_json(text);
   if (!in.good() || !model) return in.spoil();
-  simulation_.model = std::make_shared<SceneModel>(std::move(*model));
+  model_ = std::make_shared<SceneModel>(std::move(*model));
   // The controller may keep pointers to the mazes of the first scene.
-  if (!simulation_.original) simulation_.original = simulation_.model;
-  const SceneModel& scene = *simulation_.model;
-  simulation_.motors.resize(scene.motors.size());
-  simulation_.sensors.set_count(scene.sensors.size());
-  WorldState& state = simulation_.state;
-  state.joint_positions.assign(static_cast<std::size_t>(scene.joint_positions), 0.0);
-  state.joint_velocities.assign(static_cast<std::size_t>(scene.joint_speeds), 0.0);
-  state.motor_efforts.assign(scene.motors.size(), 0.0);
-  simulation_.state_fresh = true;
+  if (!original_) original_ = model_;
+  motors_.resize(model_->motors.size());
+  for (MotorCopy& motor : motors_) motor = {motor.target};  // removed motors have no state
+  readings_.assign(model_->sensors.size(), Reading());
+  for (std::size_t i = 0; i < readings_.size(); ++i) readings_[i].sensor = static_cast<int>(i);
   fresh_ = true;
 }
 
-void ProxyReader::take_reading(WireReader& in, std::size_t device) {
-  Reading& reading = simulation_.sensors.upd_reading(at(devices_.sensors[device]));
+void RemoteDevices::take_reading(WireReader& in, std::size_t device) {
+  Reading& reading = readings_[at(devices_.sensors[device])];
   in.get(reading.time);
   in.get(reading.sequence);
   in.get(reading.valid);
@@ -248,46 +255,35 @@ void ProxyReader::take_reading(WireReader& in, std::size_t device) {
   }
 }
 
-void ProxyReader::take_state(WireReader& in, AssemblyAccess& access) {
-  const SceneModel& scene = *simulation_.model;
+void RemoteDevices::take_state(WireReader& in, AssemblyAccess& access) {
   if (std::exchange(fresh_, false)) {
-    devices_ = Devices(scene, access.assembly);
+    devices_ = DeviceIndices(*model_, access.assembly);
     pictures_.assign(devices_.sensors.size(), nullptr);
   }
   access.random->set_state(in.take<std::uint64_t>());
   in.get(access.outputs);
   for (const int index : devices_.motors) {
-    const Motor& motor = scene.motors[at(index)];
-    in.get(simulation_.motors[at(index)].target);
-    in.get(simulation_.state.motor_efforts[at(index)]);
-    in.get(simulation_.state.joint_positions[at(motor_position_index(scene, motor))]);
-    in.get(simulation_.state.joint_velocities[at(motor_speed_index(scene, motor))]);
+    MotorCopy& motor = motors_[at(index)];
+    for (double* value : {&motor.target, &motor.effort, &motor.position, &motor.velocity}) {
+      in.get(*value);
+    }
   }
   for (std::size_t i = 0; i < devices_.sensors.size(); ++i) take_reading(in, i);
 }
 
-void ProxyReader::put_effects(WireWriter& out, AssemblyAccess& access) {
+void RemoteDevices::put_effects(WireWriter& out, AssemblyAccess& access) {
   out.put(access.random->state());
   out.put(access.outputs);
-  for (const int motor : devices_.motors) out.put(simulation_.motors[at(motor)].target);
+  for (const int motor : devices_.motors) out.put(target(motor));
   for (const int sensor : devices_.sensors) {
-    const Reading& reading = simulation_.sensors.reading(at(sensor));
-    out.put(reading.enabled);
-    out.put(reading.valid);
+    out.put(reading(sensor).enabled);
+    out.put(reading(sensor).valid);
   }
   out.put(access.motors);
-  std::vector<std::string> sources, reports;
-  for (const RunMessage& message : simulation_.log.messages()) {
-    sources.push_back(message.source);
-    reports.push_back(message.message);
-  }
-  simulation_.log.clear();
-  out.put(sources);
-  out.put(reports);
-  out.put(access.mistakes);
-  out.put(access.fault);
-  access.mistakes.clear();
-  access.fault.reset();
+  out.put(std::exchange(sources_, {}));
+  out.put(std::exchange(reports_, {}));
+  out.put(std::exchange(access.mistakes, {}));
+  out.put(std::exchange(access.fault, std::nullopt));
 }
 
 }  // namespace cogrsim

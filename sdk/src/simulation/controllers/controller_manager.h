@@ -1,0 +1,90 @@
+// The controllers of a run.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cogrsim/simulation/simulation.h"
+#include "control/process/proxy.h"
+#include "simulation/controllers/hosted_plugin.h"
+#include "simulation/controllers/local_devices.h"
+
+namespace cogrsim {
+
+struct ControllerSlot {
+  PluginPtr plugin;
+  std::shared_ptr<AssemblyAccess> access;
+  std::unique_ptr<HostedController> controller;
+  ControllerClock clock;
+
+  RandomStream* random() const { return access ? &*access->random : nullptr; }
+  std::vector<double>* outputs() const { return access ? &access->outputs : nullptr; }
+  /// The state that the controller itself saves; none if it was never created.
+  std::optional<HostFailure> save(std::optional<std::string>& memory) const {
+    return controller ? controller->save(memory) : std::nullopt;
+  }
+  std::optional<HostFailure> restore(const std::string& memory) {
+    return controller ? controller->restore(memory) : std::nullopt;
+  }
+};
+
+class ControllerManager {
+ public:
+  /// `isolation` is that of controllers that do not set it. The other arguments must outlive this
+  /// object.
+  ControllerManager(PluginLoader& loader, WorldHost& host, DeviceManager& devices,
+                    const Clock& clock, MessageLog& log, EventSystem& events, Isolation isolation)
+      : loader_(loader),
+        host_(host),
+        devices_(devices),
+        clock_(clock),
+        log_(log),
+        events_(events),
+        isolation_(isolation),
+        port_(loader, host, devices, clock, log) {}
+
+  /// Creates and configures the controllers of the model from index `first` on; those before are
+  /// unchanged. Errors have the source location of the controller.
+  std::vector<Diagnostic> build(std::size_t first);
+  std::size_t size() const { return slots_.size(); }
+  /// Destroys the controllers from index `count` on.
+  void cut(std::size_t count);
+  /// Destroys the controllers of removed elements; their indices remain in use.
+  void drop_removed();
+
+  /// Updates the controllers that are due, in the order of the model. False: a fault ends the run.
+  bool update();
+
+  /// See Simulation::reload_controller().
+  Result<Reloaded> reload(const std::string& name, RunStatus status);
+
+  /// The published outputs, as in Frame::controller_outputs.
+  void copy_outputs(std::vector<std::vector<double>>& out) const;
+
+  std::vector<HostedState> save() const;
+  void restore(const std::vector<HostedState>& saved);
+  std::vector<ControllerSlot>& slots() { return slots_; }
+  const std::vector<ControllerSlot>& slots() const { return slots_; }
+
+ private:
+  std::vector<Diagnostic> build_one(std::size_t index);
+  /// Creates and configures the controller of a slot that has its plugin and its access.
+  StartOutcome start(ControllerSlot& slot, std::size_t index);
+  std::optional<std::string> transfer_state(const ControllerSlot& old, ControllerSlot& fresh,
+                                            std::size_t index, Reloaded& done);
+
+  PluginLoader& loader_;
+  WorldHost& host_;
+  DeviceManager& devices_;
+  const Clock& clock_;
+  MessageLog& log_;
+  EventSystem& events_;
+  Isolation isolation_;
+  LocalDevices port_;
+  SceneForControllers scene_;
+  std::vector<ControllerSlot> slots_;
+};
+
+}  // namespace cogrsim
