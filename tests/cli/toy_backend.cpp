@@ -1,8 +1,10 @@
-// A backend without an engine: bodies fly freely and never touch. Built twice, as `toy`, which is
-// exact in position, and as `toy_euler`, which errs in first order. Lets the command line be tested
-// where no engine is built, and where a known difference is wanted.
+// A backend without an engine: bodies fly freely and never touch. Built three times: as `toy`, which
+// is exact in position, as `toy_euler`, which errs in first order, and as `toy_sticky`, whose worlds
+// take bodies in and never let them go. Lets the command line be tested where no engine is built,
+// and where a known difference is wanted.
 #include <cmath>
 #include <memory>
+#include <string_view>
 
 #include "cogrsim/physics/backend_plugin.h"
 
@@ -10,13 +12,11 @@ namespace {
 
 using namespace cogrsim;
 
-#ifdef TOY_EULER
-constexpr bool kEuler = true;
-#define TOY_NAME "toy_euler"
-#else
-constexpr bool kEuler = false;
+#ifndef TOY_NAME
 #define TOY_NAME "toy"
 #endif
+constexpr bool kEuler = std::string_view(TOY_NAME) == "toy_euler";
+constexpr bool kSticky = std::string_view(TOY_NAME) == "toy_sticky";
 
 struct ToySnapshot final : WorldSnapshot {
   WorldState state;
@@ -59,12 +59,18 @@ class ToyWorld final : public World {
     return {};
   }
   void get_contacts(std::vector<Contact>& out) const override { out.clear(); }
-  Result<> add(const SceneModelPtr&) override { return fail("a toy world takes nothing in"); }
+  Result<> add(const SceneModelPtr& next) override {
+    if (!kSticky) return fail("a toy world takes nothing in");
+    include(next->bodies, model_->bodies.size());
+    model_ = next;
+    return {};
+  }
   Result<> change(const SceneModelPtr& next) override {
     model_ = next;
     return {};
   }
   Result<> remove(const SceneModelPtr& next) override {
+    if (kSticky) return fail("a sticky world lets nothing go");
     model_ = next;
     return {};
   }
@@ -87,13 +93,16 @@ class ToyWorld final : public World {
   }
 
  private:
+  void include(const std::vector<Body>& bodies, std::size_t first) {
+    for (std::size_t i = first; i < bodies.size(); ++i) {
+      state_.poses.push_back(bodies[i].X_WB);
+      state_.twists.push_back(bodies[i].V_WB);
+    }
+  }
   void start() {
     time_ = 0.0;
     state_ = {};
-    for (const Body& body : model_->bodies) {
-      state_.poses.push_back(body.X_WB);
-      state_.twists.push_back(body.V_WB);
-    }
+    include(model_->bodies, 0);
     state_.joint_positions.assign(static_cast<std::size_t>(model_->joint_positions), 0.0);
     state_.joint_velocities.assign(static_cast<std::size_t>(model_->joint_speeds), 0.0);
     state_.joint_efforts = state_.joint_velocities;

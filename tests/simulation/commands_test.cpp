@@ -1,4 +1,6 @@
 // Changing a running world: only by commands, at step boundaries.
+#include "../support/temporary_folder.h"
+#include "cogrsim/simulation/snapshot_file.h"
 #include "support.h"
 
 using namespace cogrsim;
@@ -69,6 +71,29 @@ TEST_CASE("commands that cannot be carried out are reported and change nothing",
   };
   CHECK((ball(*simulation) - ball(*undisturbed)).norm() < 1e-9);
   CHECK(simulation->status() == RunStatus::running);
+}
+
+TEST_CASE("an assembly that fails and cannot be removed stays in model and world", "[commands]") {
+  auto simulation = simulate(falling_ball().build(), "toy_sticky");
+  ModelBuilder builder("robot");
+  const int torso = builder.box("bot.torso", Vec3(0.2, 0.2, 0.2), 1.0, Pose{});
+  ControllerModel driver;
+  driver.name = "bot.driver";
+  driver.plugin = "probe_controller";
+  driver.assembly = builder.assembly("bot", {torso}, {});
+  driver.parameters["mode"] = std::string("missing-devices");
+  builder.model.controllers.push_back(driver);
+  simulation->send(AddAssembly{builder.build(), "late", Pose(Vec3(2, 0, 1), Quat(1, 0, 0, 0))});
+  CHECK(simulation->run_until(0.01) == RunStatus::completed);
+  const std::string said = messages_of(*simulation);
+  CHECK(said.find("cannot add assembly 'late'") != std::string::npos);
+  CHECK(said.find("lfet") != std::string::npos);
+  CHECK(said.find("a sticky world lets nothing go") != std::string::npos);
+  const FramePtr frame = simulation->frame();
+  CHECK(frame->state.poses.size() == 2);
+  CHECK(frame->model->bodies.size() == frame->state.poses.size());
+  CHECK(find_body(*frame->model, "late.bot.torso") == 1);
+  CHECK(frame->controller_outputs.size() == frame->model->controllers.size());
 }
 
 TEST_CASE("an added robot brings its controller", "[commands]") {
@@ -146,6 +171,34 @@ TEST_CASE("a run continues from a snapshot bit for bit, noise included", "[comma
   const FramePtr second = simulation->frame();
   CHECK(state_hash(first->state) == state_hash(second->state));
   CHECK(first->readings[0].values == second->readings[0].values);
+}
+
+TEST_CASE("a restart after resuming from a file has no efforts of the snapshot", "[commands]") {
+  SimulationOptions options;
+  options.backend = GENERATE(engines());
+  Flywheel flywheel(MotorMode::torque);
+  flywheel.builder.model.motors[0].target = 0.5;
+  const SceneModelPtr scene = flywheel.builder.build();
+  const auto effort_at_start = [](Simulation& simulation) {
+    const WorldState& state = simulation.frame()->state;
+    return std::pair(state.joint_efforts.at(0), state.motor_efforts.at(0));
+  };
+  auto simulation = simulate(scene, options.backend);
+  const auto fresh = effort_at_start(*simulation);
+  simulation->run_until(0.1);
+  REQUIRE(simulation->frame()->state.motor_efforts[0] == Approx(0.5));
+  const TemporaryFolder folder;
+  REQUIRE(write_snapshot(*simulation, folder / "wheel.snap"));
+  const auto file = SnapshotFile::read(folder / "wheel.snap");
+  REQUIRE(file);
+  auto resumed = resume(*file, scene, options, loader());
+  REQUIRE(resumed);
+  CHECK(effort_at_start(*resumed->simulation).second == Approx(0.5));
+  resumed->simulation->send(Pause{});
+  resumed->simulation->send(Restart{});
+  resumed->simulation->step();
+  REQUIRE(resumed->simulation->step_count() == 0);
+  CHECK(effort_at_start(*resumed->simulation) == fresh);
 }
 
 TEST_CASE("a supervisor observes and ends the run", "[commands]") {

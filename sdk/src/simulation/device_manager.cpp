@@ -14,9 +14,8 @@ std::vector<Diagnostic> DeviceManager::build(const Counts& first) {
   return sensors_.build(model, host_.seed(), loader_, first.sensors);
 }
 
-void DeviceManager::cut(const Counts& first) {
-  motors_.resize(first.motors);
-  sensors_.cut(first.sensors);
+void DeviceManager::retire_sensors(std::size_t first) {
+  for (std::size_t i = first; i < sensors_.size(); ++i) sensors_.retire(i);
 }
 
 void DeviceManager::drop_removed(bool free) {

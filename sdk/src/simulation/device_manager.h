@@ -32,8 +32,8 @@ class DeviceManager {
   /// Creates the devices of the model beyond the `first` ones, which are unchanged.
   std::vector<Diagnostic> build(const Counts& first);
   Counts counts() const { return {motors_.size(), sensors_.size()}; }
-  /// Destroys the devices beyond the `first` ones.
-  void cut(const Counts& first);
+  /// Switches off the sensors from index `first` on permanently.
+  void retire_sensors(std::size_t first);
   /// Switches off the sensors of removed elements; `free` also releases their memory.
   void drop_removed(bool free);
 

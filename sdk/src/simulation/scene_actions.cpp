@@ -103,24 +103,25 @@ Result<> SceneActions::add(const AddAssembly& action, const std::string& subject
     name_outputs(*named, loader_);
     next = SceneModelPtr(std::move(named));
   }
-  const SceneModelPtr before = host_.model();
   const DeviceManager::Counts devices_before = devices_.counts();
   const std::size_t controllers_before = controllers_.size();
   if (auto added = host_.add(*next); !added) return added;
   std::vector<Diagnostic> found = devices_.build(devices_before);
   for (Diagnostic& d : controllers_.build(controllers_before)) found.push_back(std::move(d));
   if (!found.empty()) {
-    controllers_.cut(controllers_before);
-    devices_.cut(devices_before);
+    std::string why = joined(found);
+    controllers_.stop(controllers_before);
     // The bodies are already in the world, so they are removed again.
-    const auto without = with_removed(**next, action.name);
-    if (without && host_.remove(*without)) {
-      devices_.build(devices_before);
+    next = with_removed(**next, action.name);
+    const Result<> removed = next ? host_.remove(*next) : Result<>(tl::unexpected(next.error()));
+    devices_.build(devices_before);
+    if (removed) {
       controllers_.build(controllers_before);
     } else {
-      host_.abandon(before);
+      devices_.retire_sensors(devices_before.sensors);
+      why += "; its bodies stay, without sensors and controllers: " + removed.error().message;
     }
-    return fail("cannot add assembly '" + action.name + "': " + joined(found));
+    return fail("cannot add assembly '" + action.name + "': " + why);
   }
   ++events_.memory.added_in_step;
   events_.publish("added", action.name, "", subject);

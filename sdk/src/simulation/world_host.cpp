@@ -38,7 +38,7 @@ Result<> WorldHost::restart(std::optional<std::uint64_t> seed) {
     original_ = std::move(reseeded);
   }
   model_ = original_;
-  before_.twists.clear();
+  before_ = {};
   changed();
   return {};
 }

@@ -52,8 +52,6 @@ class WorldHost {
   Result<> add(SceneModelPtr next);
   Result<> remove(SceneModelPtr next);
   Result<> change(SceneModelPtr next);
-  /// Changes the model only: the world cannot undo an addition that failed.
-  void abandon(SceneModelPtr model) { model_ = std::move(model); }
 
   /// The current state; the reference is valid until the next change. Without a world, whose
   /// errors are still being collected, all values are 0.

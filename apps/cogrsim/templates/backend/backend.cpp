@@ -54,7 +54,7 @@ Capabilities make_capabilities() {
   return c;
 }
 
-class @CLASS @Backend final : public cogrsim::Backend {
+class @CLASS@Backend final : public cogrsim::Backend {
  public:
   const char* name() const override { return "@NAME@"; }
   // Query the library of your engine, so that the version is that of the library in use.
@@ -75,8 +75,8 @@ class @CLASS @Backend final : public cogrsim::Backend {
   const Capabilities& capabilities() const override { return capabilities_; }
   const cogrsim::ParameterTable& world_options() const override { return options_; }
 
-  cogrsim::Result<std::unique_ptr<cogrsim::World>> create_world(const cogrsim::SceneModelPtr& model)
-      const override {
+  cogrsim::Result<std::unique_ptr<cogrsim::World>> create_world(
+      const cogrsim::SceneModelPtr& model) const override {
     if (!model) return cogrsim::fail("no scene given");
     if (auto possible = adapter::check_scene(*model); !possible) {
       return tl::unexpected(possible.error());
@@ -102,5 +102,5 @@ class @CLASS @Backend final : public cogrsim::Backend {
 
 }  // namespace
 
-COGRSIM_BACKEND(@CLASS @Backend, "@NAME@", version("0.1.0"), author("you"),
+COGRSIM_BACKEND(@CLASS@Backend, "@NAME@", version("0.1.0"), author("you"),
                 summary("rigid bodies in free flight"))

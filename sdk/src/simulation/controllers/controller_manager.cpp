@@ -3,7 +3,7 @@
 namespace cogrsim {
 
 std::vector<Diagnostic> ControllerManager::build(std::size_t first) {
-  cut(first);
+  slots_.erase(slots_.begin() + static_cast<std::ptrdiff_t>(first), slots_.end());
   std::vector<Diagnostic> found;
   for (std::size_t i = first; i < host_.model()->controllers.size(); ++i) {
     for (Diagnostic& d : build_one(i)) found.push_back(std::move(d));
@@ -53,15 +53,19 @@ StartOutcome ControllerManager::start(ControllerSlot& slot, std::size_t index) {
   return outcome;
 }
 
-void ControllerManager::cut(std::size_t count) {
-  slots_.erase(slots_.begin() + static_cast<std::ptrdiff_t>(count), slots_.end());
+void ControllerManager::stop(ControllerSlot& slot) {
+  slot.clock.stopped = true;
+  slot.controller.reset();
+}
+
+void ControllerManager::stop(std::size_t first) {
+  for (std::size_t i = first; i < slots_.size(); ++i) stop(slots_[i]);
 }
 
 void ControllerManager::drop_removed() {
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     if (!host_.model()->controllers[i].removed) continue;
-    slots_[i].clock.stopped = true;
-    slots_[i].controller.reset();
+    stop(slots_[i]);
     if (slots_[i].access) slots_[i].access->parameters.clear();
   }
 }

@@ -49,8 +49,8 @@ class ControllerManager {
   /// unchanged. Errors have the source location of the controller.
   std::vector<Diagnostic> build(std::size_t first);
   std::size_t size() const { return slots_.size(); }
-  /// Destroys the controllers from index `count` on.
-  void cut(std::size_t count);
+  /// Destroys the controllers from index `first` on; their indices remain in use.
+  void stop(std::size_t first);
   /// Destroys the controllers of removed elements; their indices remain in use.
   void drop_removed();
 
@@ -69,6 +69,7 @@ class ControllerManager {
   const std::vector<ControllerSlot>& slots() const { return slots_; }
 
  private:
+  static void stop(ControllerSlot& slot);
   std::vector<Diagnostic> build_one(std::size_t index);
   /// Creates and configures the controller of a slot that has its plugin and its access.
   StartOutcome start(ControllerSlot& slot, std::size_t index);
