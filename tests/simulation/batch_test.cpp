@@ -308,6 +308,49 @@ TEST_CASE("an invalid batch is refused with the available names", "[batch]") {
   CHECK(batch->world(0).step_count() == 3);
 }
 
+TEST_CASE("a batch rewards with a signal at the end of each call, also of an ended episode",
+          "[batch]") {
+  BatchOptions options = knocker_options(GENERATE(engines()), 2);
+  options.reward = "2 * ball.x";
+  options.duration = 0.03;
+  options.auto_reset = true;
+  const auto batch = made(Batch::create(knocker(), 3, options, loader()));
+  CHECK(batch->rewards() == std::vector<double>(3, 0.0));
+  batch->actions().setConstant(1.0);
+  batch->step(20);
+  for (int i = 0; i < 3; ++i) {
+    CHECK(batch->rewards()[static_cast<std::size_t>(i)] == 2.0 * batch->observations()(i, 0));
+  }
+  batch->step(20);  // the episode ends after 30 steps, and the next one has begun
+  for (int i = 0; i < 3; ++i) {
+    REQUIRE(batch->ends()[static_cast<std::size_t>(i)] == EpisodeEnd::time);
+    CHECK(batch->rewards()[static_cast<std::size_t>(i)] == 2.0 * batch->final_observations()(i, 0));
+  }
+  options.reward = "bal.x";
+  const auto refused = Batch::create(knocker(), 1, options, loader());
+  REQUIRE_FALSE(refused);
+  CHECK(said(refused.error()).find("ball") != std::string::npos);
+}
+
+TEST_CASE("a batch writes its observations into a table of the caller", "[batch]") {
+  const auto scene = knocker();
+  const BatchOptions options = knocker_options("cogrsim", 2);
+  const auto own = made(Batch::create(scene, 4, options, loader()));
+  const auto other = made(Batch::create(scene, 4, options, loader()));
+  Batch::RowMajor table = Batch::RowMajor::Zero(4, 3);
+  other->observe_into(table.data());
+  CHECK(table(0, 0) == own->observations()(0, 0));  // the current values, at once
+  for (const auto& batch : {own.get(), other.get()}) batch->step(30);
+  CHECK(table == own->observations());
+  CHECK(other->observations().data() == table.data());
+  other->observe_into(nullptr);
+  CHECK(other->observations() == table);
+  const Batch::RowMajor before = table;
+  for (const auto& batch : {own.get(), other.get()}) batch->step(30);
+  CHECK(table == before);
+  CHECK(other->observations() == own->observations());
+}
+
 TEST_CASE("a restart takes another seed", "[batch]") {
   const std::string backend = GENERATE(engines());
   const auto scene = knocker();

@@ -54,6 +54,9 @@ struct BatchOptions {
   std::vector<std::string> actions;       ///< dotted names of motors
   std::vector<std::string> observations;  ///< signals, see cogrsim/signals/signal.h
   std::string done;  ///< condition that ends an episode, checked after every step; empty: none
+  /// Signal whose value at the end of every step() or run_until() is the reward of a world; empty:
+  /// none.
+  std::string reward;
   double duration = std::numeric_limits<double>::infinity();  ///< of an episode at most [s], > 0
   /// Starts the next episode of a world in the same call in which its episode ended.
   bool auto_reset = false;
@@ -99,6 +102,14 @@ class COGRSIM_API Batch {
   /// Values of the signals BatchOptions::observations (nworld x nsignal) after the last step, or at
   /// the start of a new episode.
   ConstTable observations() const;
+  /// Writes observations() to `table` (nworld x nsignal, row-major) from now on, beginning with the
+  /// current values; nullptr: to memory of the batch. The table must remain valid until the next
+  /// call, or as long as the batch.
+  void observe_into(double* table);
+  /// Values of the signal BatchOptions::reward (nworld) at the end of the last step() or
+  /// run_until(), or at the end of the episode if it ended in that call; 0 without such a signal.
+  /// A signal without a value gives BatchOptions::missing.
+  const std::vector<double>& rewards() const;
   /// Values of the signals at the end of the last episode of each world (nworld x nsignal);
   /// BatchOptions::missing if none has ended.
   ConstTable final_observations() const;

@@ -58,6 +58,8 @@ struct Batch::Impl {
   WorkerPool pool;
   std::vector<BatchWorld> worlds;
   Batch::RowMajor actions, observations, final_observations;
+  double* observed = nullptr;  ///< the memory of `observations`, or a table of the caller
+  std::vector<double> rewards;
   std::vector<EpisodeEnd> ends;
   std::vector<std::int64_t> steps_made;
 };
@@ -135,12 +137,15 @@ tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> Batch::create(
   impl->actions.setZero(impl->rows(), columns(options.actions));
   impl->observations.setConstant(impl->rows(), columns(options.observations), options.missing);
   impl->final_observations = impl->observations;
+  impl->observed = impl->observations.data();
+  impl->rewards.assign(count, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     impl->worlds[i].set_rows(
         {impl->actions.data() + row * impl->actions.cols(),
          impl->observations.data() + row * impl->observations.cols(),
-         impl->final_observations.data() + row * impl->final_observations.cols()});
+         impl->final_observations.data() + row * impl->final_observations.cols(),
+         &impl->rewards[i]});
     impl->worlds[i].write_targets();
   }
   impl->ends.assign(count, EpisodeEnd::none);
@@ -156,8 +161,20 @@ Batch::Table Batch::actions() {
 }
 
 Batch::ConstTable Batch::observations() const {
-  return {impl_->observations.data(), impl_->observations.rows(), impl_->observations.cols()};
+  return {impl_->observed, impl_->observations.rows(), impl_->observations.cols()};
 }
+
+void Batch::observe_into(double* table) {
+  double* const to = table ? table : impl_->observations.data();
+  if (to == impl_->observed) return;
+  std::copy_n(impl_->observed, impl_->observations.size(), to);
+  impl_->observed = to;
+  for (std::size_t i = 0; i < impl_->worlds.size(); ++i) {
+    impl_->worlds[i].observe_into(to + static_cast<Eigen::Index>(i) * impl_->observations.cols());
+  }
+}
+
+const std::vector<double>& Batch::rewards() const { return impl_->rewards; }
 
 Batch::ConstTable Batch::final_observations() const {
   return {impl_->final_observations.data(), impl_->final_observations.rows(),

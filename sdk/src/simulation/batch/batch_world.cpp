@@ -72,6 +72,15 @@ tl::expected<BatchWorld::Names, std::vector<Diagnostic>> BatchWorld::look_up(
       found.push_back(unknown_name(signal.error()));
     }
   }
+  if (!options.reward.empty()) {
+    auto reward = Signal::parse(scope, options.reward);
+    if (reward) {
+      names.needs = names.needs | reward->needs();
+      names.reward = std::move(*reward);
+    } else {
+      found.push_back(unknown_name(reward.error()));
+    }
+  }
   if (!options.done.empty()) {
     auto done = Condition::parse(scope, options.done);
     if (done) {
@@ -123,6 +132,13 @@ void BatchWorld::observe() {
     const double value = names_.signals[k].evaluate(*frame);
     rows_.observations[k] = std::isnan(value) ? options_->missing : value;
   }
+}
+
+void BatchWorld::take_reward() {
+  if (!names_.reward) return;
+  const double value =
+      names_.reward->evaluate(*SnapshotAccess::of(*simulation_).frame_with(names_.needs));
+  *rows_.reward = std::isnan(value) ? options_->missing : value;
 }
 
 EpisodeEnd BatchWorld::ended_by_run() const {
@@ -182,6 +198,7 @@ void BatchWorld::advance(std::int64_t most, double end_time) {
       if (ended_) break;
     }
     observe();
+    take_reward();
   } catch (const std::exception& e) {
     fail_episode(message_of(e));
   } catch (...) {

@@ -14,6 +14,7 @@ class BatchWorld {
     double* actions = nullptr;
     double* observations = nullptr;
     double* final_observations = nullptr;
+    double* reward = nullptr;
   };
 
   /// `options` must outlive the object. Errors: those of Simulation::create(), or an unknown name.
@@ -23,6 +24,7 @@ class BatchWorld {
 
   /// Sets the rows of the tables that belong to this world and writes the initial values.
   void set_rows(const Rows& rows);
+  void observe_into(double* observations) { rows_.observations = observations; }
   /// Writes the motor targets of the scene as actions.
   void write_targets();
 
@@ -47,6 +49,7 @@ class BatchWorld {
     std::vector<int> motors;
     std::vector<Signal> signals;
     std::optional<Condition> done;
+    std::optional<Signal> reward;
     FrameContents needs;
   };
   static tl::expected<Names, std::vector<Diagnostic>> look_up(const Simulation& simulation,
@@ -54,6 +57,7 @@ class BatchWorld {
   tl::expected<void, std::vector<Diagnostic>> build(SceneModelPtr scene, std::uint64_t seed);
   void give_targets();
   void observe();
+  void take_reward();
   void end_episode(EpisodeEnd why, std::string message);
   void fail_episode(const std::string& what);
   EpisodeEnd ended_by_run() const;
