@@ -14,6 +14,7 @@
 
 #include "cogrsim/core/random.h"
 #include "cogrsim/physics/backend.h"
+#include "cogrsim/plugin/source.h"
 #include "plugin/elf_symbols.h"
 
 using namespace cogrsim;
@@ -263,4 +264,41 @@ TEST_CASE("all plugins are listed, and those refused with the reason", "[loader]
   };
   CHECK_THAT(reason(folder.file("foreign.so")), Contains("built for gcc99"));
   CHECK_THAT(reason(second.file("good.so")), Contains("hidden by"));
+}
+
+TEST_CASE("plugins of a source are no libraries") {
+  int asked = 0;
+  const std::vector<std::string> folders = {"/here"};
+  set_plugin_source("toy:", [&](PluginKind kind, const std::string& name,
+                                const std::vector<std::string>& searched)
+                                -> Result<std::shared_ptr<const PluginDescriptor>> {
+    ++asked;
+    CHECK(searched.front() == folders.front());
+    if (name != "toy:car") return fail("there is no toy '" + name + "'", "", "", "CG0901");
+    auto out = std::make_shared<PluginDescriptor>();
+    out->kind = kind;
+    out->name = name;
+    out->factory = &asked;
+    return out;
+  });
+  PluginLoader loader(folders);
+  const auto car = loader.load(PluginKind::controller, "toy:car");
+  REQUIRE(car);
+  CHECK((*car)->descriptor().factory == &asked);
+  CHECK((*car)->path().empty());
+  CHECK(*loader.load(PluginKind::controller, "toy:car") == *car);
+  CHECK(asked == 1);
+  // Kept by loader and kind.
+  CHECK(*loader.load(PluginKind::sensor, "toy:car") != *car);
+  CHECK(*PluginLoader(folders).load(PluginKind::controller, "toy:car") != *car);
+  CHECK(asked == 3);
+  const auto none = loader.load(PluginKind::controller, "toy:boat");
+  REQUIRE_FALSE(none);
+  CHECK(none.error().code == "CG0901");
+  CHECK_THAT(none.error().message, Contains("toy:boat"));
+  const auto copy = loader.load_fresh_copy(**car);
+  REQUIRE_FALSE(copy);
+  CHECK_THAT(copy.error().message, Contains("no library"));
+  set_plugin_source("toy:", {});
+  CHECK_FALSE(loader.load(PluginKind::controller, "toy:car"));
 }

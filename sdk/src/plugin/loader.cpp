@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <map>
+#include <mutex>
 #include <string_view>
 #include <tuple>
 
@@ -16,6 +18,7 @@
 #include <boost/dll/shared_library.hpp>
 
 #include "cogrsim/plugin/crash_report.h"
+#include "cogrsim/plugin/source.h"
 #include "elf_symbols.h"
 
 namespace cogrsim {
@@ -25,9 +28,11 @@ namespace fs = std::filesystem;
 struct Plugin::Impl {
   boost::dll::shared_library library;
   std::string path;
-  const PluginDescriptor* descriptor = nullptr;  // lives in the library
+  const PluginDescriptor* descriptor = nullptr;  // lives in the library, or is `own`
+  std::shared_ptr<const PluginDescriptor> own;   // of a source
 
   ~Impl() {
+    if (own) return;
     const PluginCall call("library", path.c_str(), "", "", "while it was unloaded");
     library.unload();
   }
@@ -76,6 +81,24 @@ Result<> check_file(const std::string& path) {
     return tl::unexpected<Error>(
         refused(path, fmt::format("the symbol '{}' is missing", kDescriptorSymbol),
                 "end its source with COGRSIM_CONTROLLER(…) or the like, once"));
+  }
+  return {};
+}
+
+struct Sources {
+  std::mutex mutex;
+  std::map<std::string, PluginSource> by_prefix;
+};
+Sources& sources() {
+  static Sources all;
+  return all;
+}
+
+/// The source of the plugins with this name; empty: they are libraries.
+PluginSource source_of(const std::string& name) {
+  std::lock_guard lock(sources().mutex);
+  for (const auto& [prefix, source] : sources().by_prefix) {
+    if (name.compare(0, prefix.size(), prefix) == 0) return source;
   }
   return {};
 }
@@ -228,7 +251,20 @@ Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
   return opened;
 }
 
+void set_plugin_source(const std::string& prefix, PluginSource source) {
+  std::lock_guard lock(sources().mutex);
+  if (source) {
+    sources().by_prefix[prefix] = std::move(source);
+  } else {
+    sources().by_prefix.erase(prefix);
+  }
+}
+
 Result<PluginPtr> PluginLoader::load_fresh_copy(const Plugin& plugin) {
+  if (plugin.path().empty()) {
+    return fail(fmt::format("plugin '{}' is no library", plugin.descriptor().name), "",
+                "restart the run instead", "CG0902");
+  }
   const auto copy = private_copy(plugin.path());
   if (!copy) return tl::unexpected<Error>(copy.error());
   auto opened = open_library(plugin.path(), *copy);
@@ -255,6 +291,30 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
                 "a scene names a plugin, never a path; folders are given by --plugin-path or "
                 "COGRSIM_PLUGIN_PATH",
                 "CG0901");
+  }
+  if (const PluginSource source = source_of(name)) {
+    const auto known = [&]() -> PluginPtr {
+      for (const PluginPtr& plugin : loaded_) {
+        const PluginDescriptor& d = plugin->descriptor();
+        if (plugin->path().empty() && d.kind == kind && d.name == name) return plugin;
+      }
+      return nullptr;
+    };
+    {
+      std::lock_guard lock(mutex_);
+      if (PluginPtr plugin = known()) return plugin;
+    }
+    // Without the lock: the source may wait for a thread that loads a plugin itself.
+    auto found = source(kind, name, folders_);
+    if (!found) return tl::unexpected<Error>(std::move(found.error()));
+    auto impl = std::make_unique<Plugin::Impl>();
+    impl->own = std::move(*found);
+    impl->descriptor = impl->own.get();
+    auto made = std::make_shared<const Plugin>(std::move(impl));
+    std::lock_guard lock(mutex_);
+    if (PluginPtr plugin = known()) return plugin;
+    loaded_.push_back(made);
+    return made;
   }
   std::lock_guard lock(mutex_);
   std::string tried;

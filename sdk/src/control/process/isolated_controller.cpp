@@ -252,6 +252,10 @@ class IsolatedController final : public HostedController {
 Result<std::unique_ptr<HostedController>> make_isolated_controller(
     PluginPtr plugin, std::shared_ptr<AssemblyAccess> access, std::size_t controller,
     SceneForControllers& scene) {
+  if (plugin->path().empty()) {
+    return fail("plugin '" + plugin->descriptor().name + "' is no library, and cannot run in a "
+                "process of its own", "", "leave isolation=\"process\" out");
+  }
   auto process = ChildProcess::start();
   if (!process) return tl::unexpected(process.error());
   return std::make_unique<IsolatedController>(std::move(plugin), std::move(access), controller,
