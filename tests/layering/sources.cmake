@@ -10,7 +10,7 @@ function(refuse file pattern what)
 endfunction()
 
 set(sources "")
-foreach(folder sdk dsl plugins apps examples)
+foreach(folder sdk dsl plugins apps examples python)
   file(GLOB_RECURSE found "${SOURCE_DIR}/${folder}/*.h" "${SOURCE_DIR}/${folder}/*.cpp")
   list(APPEND sources ${found})
   file(GLOB_RECURSE found "${SOURCE_DIR}/${folder}/CMakeLists.txt")

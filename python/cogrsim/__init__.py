@@ -1,0 +1,81 @@
+"""CogRSim: robot simulation on several physics engines.
+
+    import cogrsim as cg
+    scene = cg.compile("cart.scene.xml", set={"length": "0.8 m"})
+    sim = cg.Simulation(scene, backend="simbody")
+    frame = sim.run_until(2.0)
+    frame.position, frame["cart.pivot"].position
+
+All quantities are in SI units, orientations are quaternions w x y z, names are those of scenes and of C++.
+"""
+
+from ._errors import CompileError, Error, RunWarning
+from ._cogrsim import (Diagnostic, Element, Event, Frame, ImportedModel, ImportEntry, Message, Motor,
+                       Observation, Reading, Recorder, Robot, Scene, SensorContext, SensorHandle, Signal,
+                       Simulation, Snapshot, SupervisorContext, Tick, check, compile, compile_string, explain,
+                       import_model, resume)
+from .control import Channel, Controller, Output, Parameter, Sensor, Supervisor, channel, output, parameter
+from .recording import Recording
+
+from . import _cogrsim as _c
+
+
+def _signal(self, text):
+    """A signal of the scene such as 'distance(robot, wall)', parsed once, for this simulation and its frames.
+
+    Raises ValueError: the signal is wrong, with the most similar names.
+    """
+    return _c._signal(self, text)
+
+
+def _record(self, path, *, every=0.0, contacts=True, images=True, jpeg=False, overwrite=False):
+    """Start recording into an MCAP file, before the first step; returns a Recorder for `with`.
+
+    every: time between recorded frames [s]; 0: every step. Raises Error: the file cannot be written.
+    """
+    return _c._record(self, path, every=every, contacts=contacts, images=images, jpeg=jpeg,
+                      overwrite=overwrite)
+
+
+Simulation.signal = _signal
+Simulation.record = _record
+
+
+def render(frame, view="iso", *, width=640, height=480, fov=0.0, shadows=True, depth=False, labels=False,
+           scene=None):
+    """An image of a frame: (height, width, 3) uint8, read-only.
+
+    view: a <view> of the scene, or "front", "back", "left", "right", "top", "bottom", "iso". fov: horizontal
+    field of view [rad]; 0: that of the view. With depth or labels a dict: "color", "depth" (height, width)
+    float32 [m] (inf: background), "labels" (height, width) int32 body indices (-1: background).
+    Raises KeyError: no such view; Error: no renderer is installed.
+    """
+    out = _c._render(frame, view, width=width, height=height, fov=fov, depth=depth, labels=labels,
+                     shadows=shadows, scene=scene)
+    return out if depth or labels else out["color"]
+
+
+_LATE = {"VectorEnv": "env", "Env": "env", "compare": "comparison",
+         "Comparison": "comparison", "Divergence": "comparison"}
+
+
+def __getattr__(name):
+    # numpy, subprocess and gymnasium take longer to import than all the rest.
+    if name not in _LATE:
+        raise AttributeError(f"module 'cogrsim' has no attribute {name!r}")
+    import importlib
+    value = getattr(importlib.import_module("." + _LATE[name], __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted(set(globals()) | set(_LATE))
+
+
+for _class in list(globals().values()):
+    if isinstance(_class, type) and _class.__module__ == "cogrsim._cogrsim":
+        _class.__module__ = "cogrsim"
+del _class
+
+__all__ = [name for name in __dir__() if not name.startswith("_")]

@@ -1,0 +1,47 @@
+"""Finds the classes behind names such as "py:steer.Steer"."""
+
+import difflib
+import importlib
+import sys
+
+from . import control
+
+_BASES = {"controller": control.Controller, "supervisor": control.Supervisor, "sensor": control.Sensor}
+
+
+def _import(name, folders):
+    if name in sys.modules:
+        return sys.modules[name]
+    added = [folder for folder in folders if folder not in sys.path]
+    sys.path[:0] = added
+    try:
+        return importlib.import_module(name)
+    finally:
+        for folder in added:
+            sys.path.remove(folder)
+
+
+def find(kind, name, folders):
+    """The class; LookupError: there is none, TypeError: it is of another kind."""
+    module_name, _, class_name = name[len("py:"):].rpartition(".")
+    if not module_name or not class_name:
+        raise LookupError(f"'{name}' is no Python class; write \"py:MODULE.CLASS\"")
+    try:
+        module = _import(module_name, folders)
+    except ModuleNotFoundError as error:
+        if error.name is None or not (module_name + ".").startswith(error.name + "."):
+            raise
+        raise LookupError(
+            f"there is no Python module '{module_name}' for the {kind} '{name}'; it is searched like "
+            "`import`, and in the folders of plugin_path and COGRSIM_PLUGIN_PATH first") from None
+    base = _BASES[kind]
+    found = getattr(module, class_name, None)
+    if not isinstance(found, type):
+        classes = [key for key, value in vars(module).items()
+                   if isinstance(value, type) and issubclass(value, base) and value is not base]
+        near = difflib.get_close_matches(class_name, classes, 1)
+        there = f"did you mean '{near[0]}'?" if near else "there are " + (", ".join(classes) or "none")
+        raise LookupError(f"module '{module_name}' has no {kind} '{class_name}'; {there}")
+    if not issubclass(found, base):
+        raise TypeError(f"'{name}' is not derived from cogrsim.{base.__name__}")
+    return found

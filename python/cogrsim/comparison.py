@@ -1,0 +1,186 @@
+"""Comparing engines: the results of `cogrsim compare`, as arrays."""
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+
+from . import _cogrsim
+from ._errors import Error
+
+
+def program():
+    """Path of the program `cogrsim`: COGRSIM_PROGRAM, that of this installation or build tree, or the first in
+    PATH. Raises Error if there is none."""
+    named = os.environ.get("COGRSIM_PROGRAM")
+    if named:
+        return named
+    folder = os.path.dirname(os.path.abspath(__file__))
+    for _ in range(6):
+        folder = os.path.dirname(folder)
+        found = os.path.join(folder, "bin", "cogrsim")
+        if os.access(found, os.X_OK):
+            return found
+    found = shutil.which("cogrsim")
+    if found:
+        return found
+    raise Error("the program 'cogrsim', which compares engines, is not found\n"
+                "help: install it, or name it in COGRSIM_PROGRAM")
+
+
+def _run_program(arguments):
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "result.json")
+        done = subprocess.run([program(), *arguments, "--json", path], capture_output=True, text=True,
+                              check=False)
+        if not os.path.exists(path):
+            raise Error(done.stderr.strip() or f"cogrsim {arguments[0]} failed ({done.returncode})")
+        with open(path, encoding="utf-8") as file:
+            return json.load(file), done
+
+
+class Divergence:
+    """Distances between the reference and the other runs over time.
+
+    times (nsample,) [s]; position: dict by (body, backend) of arrays (nsample,), the largest distance of the
+    body to that of the reference in each interval [m]; angle, the same [rad].
+    """
+
+    def __init__(self, data):
+        import numpy
+
+        self.reference = data["backends"][0]
+        self.times = numpy.array(data["curve_times"])
+        self.position, self.angle = {}, {}
+        for entry in data["bodies"]:
+            key = (entry["name"], entry["other"])
+            for kind, into in (("position", self.position), ("angle", self.angle)):
+                if entry[kind]:
+                    into[key] = numpy.array(entry[kind]["curve"])
+
+    def plot(self, axes=None, most=8):
+        """Draw the `most` largest distances over time with matplotlib; returns the axes."""
+        import matplotlib.pyplot
+
+        if axes is None:
+            axes = matplotlib.pyplot.subplots()[1]
+        worst = sorted(self.position, key=lambda key: -self.position[key].max(initial=0.0))[:most]
+        for name, other in worst:
+            curve = self.position[name, other]
+            axes.plot(self.times[:len(curve)], curve, label=f"{name}, {other}")
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel(f"distance to {self.reference} [m]")
+        if worst:
+            axes.legend()
+        return axes
+
+
+class Comparison:
+    """The result of compare(). data: all of it, as `cogrsim compare --json` writes it."""
+
+    def __init__(self, data):
+        self.data = data
+
+    @property
+    def backends(self):
+        """The engines as named; the first is the reference."""
+        return self.data["backends"]
+
+    @property
+    def runs(self):
+        """list of dict: backend, status, state_hash, energy, contacts, deepest_penetration, wall_time, …"""
+        return self.data["runs"]
+
+    @property
+    def first_over(self):
+        """Time at which two runs first differ by more than the threshold [s]; None: never."""
+        return self.data["first_over"]["time"]
+
+    @property
+    def divergence(self):
+        """Distances over time: a Divergence."""
+        return Divergence(self.data)
+
+    def table(self, name="bodies"):
+        """"bodies" or "joints": name, reference, other, the largest, the root mean square and the last
+        difference [m] and [rad], as a structured array. Raises KeyError."""
+        import numpy
+
+        if name not in ("bodies", "joints"):
+            raise KeyError(f"there is no table '{name}'; there are 'bodies' and 'joints'")
+        distance = "position" if name == "bodies" else "distance"
+        entries = self.data[name]
+        length = max([1] + [len(e[key]) for e in entries for key in ("name", "reference", "other")])
+        kinds = [(key, f"U{length}") for key in ("name", "reference", "other")]
+        kinds += [(f"{what}_{key}", float) for what in (distance, "angle") for key in ("max", "rms", "end")]
+        kinds += [("first_over", float)]
+        out = numpy.full(len(entries), numpy.nan, dtype=kinds)
+        for row, entry in zip(out, entries):
+            for key in ("name", "reference", "other"):
+                row[key] = entry[key]
+            for what in (distance, "angle"):
+                for key in ("max", "rms", "end"):
+                    if entry[what]:
+                        row[f"{what}_{key}"] = entry[what][key]
+            if entry["first_over"] is not None:
+                row["first_over"] = entry["first_over"]
+        return out
+
+    @property
+    def study(self):
+        """Means, deviations and confidence intervals over `seeds`, as a dict; None without seeds."""
+        return self.data["study"]
+
+    def __repr__(self):
+        return f"<Comparison of '{self.data['scene']}' on {', '.join(self.backends)}>"
+
+
+def compare(scene, backends=(), *, seeds=(), duration=None, step=None, shake=None, set=None, seed=None,
+            plugin_path=(), threshold=None):
+    """Run a scene on several engines side by side: a Comparison.
+
+    scene: path of a scene file, or a Scene compiled from one. backends: names, also with options; the first
+    is the reference; empty: all. seeds: repetitions. duration, step: [s]; None: those of the scene. shake:
+    largest random displacement of the start of each repetition [m]. threshold: "5mm,2deg".
+    Runs the program `cogrsim compare`, so controllers in Python are not available in it.
+    Raises Error with what the program printed; ValueError: a scene that is no file.
+    """
+    if isinstance(scene, _cogrsim.Scene):
+        settings = dict(scene.set)
+        if not scene.path:
+            raise ValueError("scene: expected a scene file, given a Scene that was compiled from a text")
+        scene = scene.path
+    else:
+        settings = {}
+        scene = os.fspath(scene)
+    settings.update(set or {})
+    arguments = ["compare", scene]
+    for name, value in settings.items():
+        arguments += ["--set", f"{name}={value}"]
+    if backends:
+        if isinstance(backends, str):
+            raise TypeError(f"backends: expected a list of names, given a str; write [{backends!r}]")
+        arguments += ["--backends", ",".join(backends)]
+    if len(seeds) > 0:
+        arguments += ["--seeds", ",".join(str(int(one)) for one in seeds)]
+    if duration is not None:
+        arguments += ["--duration", f"{float(duration)!r} s"]
+    if step is not None:
+        arguments += ["--step", f"{float(step)!r} s"]
+    if shake is not None:
+        arguments += ["--shake", f"{float(shake)!r} m"]
+    if seed is not None:
+        arguments += ["--seed", str(int(seed))]
+    if threshold is not None:
+        arguments += ["--threshold", threshold]
+    for folder in plugin_path:
+        arguments += ["--plugin-path", os.fspath(folder)]
+    data, done = _run_program(arguments)
+    if not data["runs"]:
+        raise Error(done.stderr.strip() or "cogrsim compare failed")
+    return Comparison(data)
+
+
+for _class in (Divergence, Comparison, compare):
+    _class.__module__ = "cogrsim"

@@ -1,0 +1,162 @@
+#include "common.h"
+
+#include "cogrsim/core/parameter.h"
+#include "cogrsim/dsl/compiler.h"
+
+namespace cogrsim::python {
+
+void raise(const char* type, const std::string& text, const std::vector<Diagnostic>& diagnostics) {
+  const py::object cls = py::module_::import("cogrsim._errors").attr(type);
+  PyErr_SetObject(cls.ptr(), cls(text, py::cast(diagnostics)).ptr());
+  throw py::error_already_set();
+}
+
+void raise(const Error& error) {
+  std::string text = error.text();
+  if (!error.code.empty()) text = "[" + error.code + "] " + text;
+  raise("Error", text);
+}
+
+void raise(const char* type, const std::vector<Diagnostic>& diagnostics) {
+  raise(type, dsl::to_text(diagnostics), diagnostics);
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 12;
+  std::string out;
+  for (std::size_t i = 0; i < names.size() && i < kShown; ++i) {
+    out += (i == 0 ? "'" : ", '") + names[i] + "'";
+  }
+  if (names.size() > kShown) out += " and " + std::to_string(names.size() - kShown) + " more";
+  return out;
+}
+
+void raise_unknown(const std::string& what, const std::string& name,
+                   const std::vector<std::string>& names) {
+  std::string text = "there is no " + what + " '" + name + "'";
+  const std::string near = nearest_name(name, names);
+  if (!near.empty()) text += "; did you mean '" + near + "'?";
+  text += names.empty() ? "; there are none" : "; there are " + list_of(names);
+  throw py::key_error(text);
+}
+
+Held hold(py::object object) {
+  return Held(new py::object(std::move(object)), [](py::object* held) {
+    if (!Py_IsInitialized()) return;  // the interpreter is gone, and its objects with it
+    const py::gil_scoped_acquire lock;
+    delete held;
+  });
+}
+
+std::string exception_text(py::error_already_set& error) {
+  if (error.matches(PyExc_KeyboardInterrupt)) {
+    PyErr_SetInterrupt();  // raised again between two steps
+    return {};
+  }
+  try {
+    const py::object lines =
+        py::module_::import("traceback")
+            .attr("format_exception")(error.type(), error.value(), error.trace());
+    auto text = py::str("").attr("join")(lines).cast<std::string>();
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return text;
+  } catch (const std::exception&) {
+    return error.what();
+  }
+}
+
+std::string path_of(const py::object& path) {
+  return py::module_::import("os").attr("fspath")(path).cast<std::string>();
+}
+
+namespace {
+
+std::string shape_text(const std::vector<py::ssize_t>& shape) {
+  std::string out = "(";
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    out += (i == 0 ? "" : ", ") + (shape[i] < 0 ? std::string("any") : std::to_string(shape[i]));
+  }
+  return out + (shape.size() == 1 ? ",)" : ")");
+}
+
+}  // namespace
+
+py::array_t<double> numbers(const py::object& given, const std::string& name,
+                            std::initializer_list<py::ssize_t> shape) {
+  py::array array;
+  try {
+    array = py::module_::import("numpy").attr("asarray")(given).cast<py::array>();
+  } catch (py::error_already_set& error) {
+    throw py::type_error(name + ": expected an array of numbers of the shape " + shape_text(shape) +
+                         "; " + py::str(error.value()).cast<std::string>());
+  }
+  const char kind = array.dtype().kind();
+  if (kind != 'f' && kind != 'i' && kind != 'u') {
+    throw py::type_error(name + ": expected real numbers (float64), given the dtype " +
+                         py::str(array.dtype()).cast<std::string>());
+  }
+  std::vector<py::ssize_t> has(array.shape(), array.shape() + array.ndim());
+  bool fits = has.size() == shape.size();
+  for (std::size_t i = 0; fits && i < has.size(); ++i) {
+    const py::ssize_t wanted = *(shape.begin() + static_cast<std::ptrdiff_t>(i));
+    fits = wanted < 0 || wanted == has[i];
+  }
+  if (!fits) {
+    throw py::value_error(name + ": expected the shape " + shape_text(shape) + ", given " +
+                          shape_text(has));
+  }
+  return py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
+}
+
+Vec3 vector_of(const py::object& given, const std::string& name) {
+  const py::array_t<double> values = numbers(given, name, {3});
+  return {values.at(0), values.at(1), values.at(2)};
+}
+
+Quat quaternion_of(const py::object& given, const std::string& name) {
+  if (given.is_none()) return Quat(1, 0, 0, 0);
+  const py::array_t<double> values = numbers(given, name, {4});
+  const Quat q(values.at(0), values.at(1), values.at(2), values.at(3));
+  const double norm = q.norm();
+  if (!(norm > 1e-9) || !(norm < 1e9)) {
+    throw py::value_error(name + ": expected a quaternion w x y z whose length is not 0");
+  }
+  return q.normalized();
+}
+
+Pose pose_of(const py::object& position, const py::object& orientation) {
+  return {position.is_none() ? Vec3(0, 0, 0) : vector_of(position, "position"),
+          quaternion_of(orientation, "orientation")};
+}
+
+py::tuple to_python(const Vec3& v) { return py::make_tuple(v.x(), v.y(), v.z()); }
+py::tuple to_python(const Quat& q) { return py::make_tuple(q.w(), q.x(), q.y(), q.z()); }
+
+py::array view(const py::dtype& type, std::vector<py::ssize_t> shape,
+               std::vector<py::ssize_t> strides, const void* data, const py::object& owner) {
+  // An empty vector has no memory, and numpy would then allocate some of its own.
+  static const double nothing = 0.0;
+  py::array out(type, std::move(shape), std::move(strides), data ? data : &nothing, owner);
+  py::detail::array_proxy(out.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return out;
+}
+
+py::object owner_of(std::shared_ptr<const void> memory) {
+  using Memory = std::shared_ptr<const void>;
+  return py::capsule(new Memory(std::move(memory)),
+                     [](void* held) { delete static_cast<Memory*>(held); });
+}
+
+py::array owned(std::vector<double> values, std::vector<py::ssize_t> shape) {
+  const auto memory = std::make_shared<const std::vector<double>>(std::move(values));
+  std::vector<py::ssize_t> strides(shape.size());
+  py::ssize_t stride = sizeof(double);
+  for (std::size_t i = shape.size(); i-- > 0;) {
+    strides[i] = stride;
+    stride *= shape[i];
+  }
+  return view(py::dtype::of<double>(), std::move(shape), std::move(strides), memory->data(),
+              owner_of(memory));
+}
+
+}  // namespace cogrsim::python

@@ -1,0 +1,90 @@
+// Helpers of all binding files: errors, locks, and conversions with checks.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "cogrsim/core/diagnostic.h"
+#include "cogrsim/core/result.h"
+#include "cogrsim/core/types.h"
+
+namespace cogrsim::python {
+
+namespace py = pybind11;
+
+/// Raises cogrsim.TYPE(text, diagnostics).
+[[noreturn]] void raise(const char* type, const std::string& text,
+                        const std::vector<Diagnostic>& diagnostics = {});
+[[noreturn]] void raise(const Error& error);
+/// Raises cogrsim.TYPE with the diagnostics in compiler style.
+[[noreturn]] void raise(const char* type, const std::vector<Diagnostic>& diagnostics);
+
+/// The value of a Result, or its error as cogrsim.Error.
+template <class T>
+T value_of(Result<T>&& result) {
+  if (!result) raise(result.error());
+  return std::move(*result);
+}
+inline void check(const Result<>& result) {
+  if (!result) raise(result.error());
+}
+
+/// "'a', 'b', 'c' and 12 more".
+std::string list_of(const std::vector<std::string>& names);
+/// Raises KeyError: "there is no WHAT 'name'", with the nearest names or those that exist.
+[[noreturn]] void raise_unknown(const std::string& what, const std::string& name,
+                                const std::vector<std::string>& names);
+
+/// A Python object that threads without the interpreter's lock may own.
+using Held = std::shared_ptr<py::object>;
+Held hold(py::object object);
+
+/// The message of the current Python exception with its traceback. A KeyboardInterrupt is handed to
+/// the thread of the caller of a stepping function, and the result is then empty.
+std::string exception_text(py::error_already_set& error);
+
+/// A path as text; accepts str and os.PathLike.
+std::string path_of(const py::object& path);
+
+/// An array of numbers as float64 in C order, after a check of its type and shape. A size of -1
+/// stands for any. Errors: TypeError, ValueError with what is expected and what was given.
+py::array_t<double> numbers(const py::object& given, const std::string& name,
+                            std::initializer_list<py::ssize_t> shape);
+Vec3 vector_of(const py::object& given, const std::string& name);
+/// A quaternion w x y z of any length but zero; None: no rotation.
+Quat quaternion_of(const py::object& given, const std::string& name);
+Pose pose_of(const py::object& position, const py::object& orientation);
+py::tuple to_python(const Vec3& v);
+py::tuple to_python(const Quat& q);  // w x y z
+
+/// A read-only view of memory that `owner` keeps alive.
+py::array view(const py::dtype& type, std::vector<py::ssize_t> shape,
+               std::vector<py::ssize_t> strides, const void* data, const py::object& owner);
+/// A read-only array that owns `values`.
+py::array owned(std::vector<double> values, std::vector<py::ssize_t> shape);
+/// Name of a view's owner in Python.
+py::object owner_of(std::shared_ptr<const void> memory);
+
+void bind_batch(py::module_& m);
+void bind_controllers(py::module_& m);
+void bind_frame(py::module_& m);
+void bind_frame_views(py::module_& m);
+void bind_handles(py::module_& m);
+void bind_import(py::module_& m);
+void bind_recording(py::module_& m);
+void bind_rendering(py::module_& m);
+void bind_scene(py::module_& m);
+void bind_signals(py::module_& m);
+void bind_simulation(py::module_& m);
+void bind_supervisors(py::module_& m);
+
+}  // namespace cogrsim::python

@@ -1,0 +1,196 @@
+// The robot of a controller: motors, sensors, parameters.
+#include "handles.h"
+
+#include "cogrsim/control/controller.h"
+#include "frame.h"
+#include "rendering.h"
+
+namespace cogrsim::python {
+
+namespace {
+
+struct PyMotor {
+  Assembly assembly;  // keeps what the handle refers to
+  MotorHandle handle;
+  GatePtr gate;
+  std::string name;
+  const MotorHandle& get() const {
+    gate->check("motor '" + name + "'");
+    return handle;
+  }
+};
+
+struct PySensor {
+  Assembly assembly;
+  SensorHandle handle;
+  GatePtr gate;
+  std::string name;
+  const SensorHandle& get() const {
+    gate->check("sensor '" + name + "'");
+    return handle;
+  }
+};
+
+Assembly& robot(PyAssembly& self) {
+  self.gate->check("'" + self.assembly.name() + "'");
+  return self.assembly;
+}
+
+py::object parameter(PyAssembly& self, const std::string& name) {
+  Assembly& of = robot(self);
+  std::vector<std::string> names;
+  for (const ParameterSpec& spec : *self.table) {
+    names.push_back(spec.name);
+    if (spec.name != name) continue;
+    switch (spec.type()) {
+      case ParameterType::boolean:
+        return py::bool_(of.parameter<bool>(name));
+      case ParameterType::integer:
+        return py::int_(of.parameter<int>(name));
+      case ParameterType::number:
+        return py::float_(of.parameter<double>(name));
+      case ParameterType::text:
+        return py::str(of.parameter<std::string>(name));
+      case ParameterType::number_list:
+        return py::cast(of.parameter<std::vector<double>>(name));
+    }
+  }
+  raise_unknown("parameter", name, names);
+}
+
+std::shared_ptr<const std::vector<Contact>> contacts(const PySensor& self) {
+  return std::make_shared<const std::vector<Contact>>(self.get().reading().contacts);
+}
+
+}  // namespace
+
+void Gate::check(const std::string& what) const {
+  if (open && thread == std::this_thread::get_id()) return;
+  throw std::runtime_error(what +
+                           " can only be used inside the calls of its controller, supervisor or "
+                           "sensor, and in their thread");
+}
+
+py::object to_python(const ParameterValue& value) {
+  return std::visit([](const auto& v) -> py::object { return py::cast(v); }, value);
+}
+
+void bind_handles(py::module_& m) {
+  py::class_<Tick>(m, "Tick", "Timing of an update.")
+      .def_readonly("time", &Tick::time, "Time of the measured frame [s]")
+      .def_readonly("period", &Tick::period, "Time since the previous update [s]")
+      .def_readonly("count", &Tick::count, "Number of previous updates");
+
+  py::class_<PyMotor>(m, "Motor", "A motor of a robot, for its controller.")
+      .def_readonly("name", &PyMotor::name)
+      .def(
+          "set",
+          [](PyMotor& self, double target) {
+            self.get();
+            self.handle.set(target);
+          },
+          py::arg("target"),
+          "Set the target from the next step on, in the unit of the mode; clamped to the limits. A "
+          "value\n"
+          "that is not finite is a fault.")
+      .def_property_readonly("target", [](const PyMotor& s) { return s.get().target(); })
+      .def_property_readonly(
+          "effort", [](const PyMotor& s) { return s.get().effort(); },
+          "Mean during the last step [N m] or [N]")
+      .def_property_readonly(
+          "mode", [](const PyMotor& s) { return to_string(s.get().mode()); },
+          "'velocity', 'torque', 'position', 'servo' or 'dc'")
+      .def_property_readonly("max_speed", [](const PyMotor& s) { return s.get().max_speed(); })
+      .def_property_readonly("max_effort", [](const PyMotor& s) { return s.get().max_effort(); })
+      .def_property_readonly("valid", [](const PyMotor& s) { return s.get().valid(); })
+      .def_property_readonly(
+          "joint_position", [](const PyMotor& s) { return s.assembly.joint_position(s.get()); },
+          "Position of the driven joint axis at the end of the last step [rad] or [m]")
+      .def_property_readonly(
+          "joint_velocity", [](const PyMotor& s) { return s.assembly.joint_velocity(s.get()); },
+          "[rad/s] or [m/s]");
+
+  py::class_<PySensor>(m, "SensorHandle", "A sensor of a robot, for its controller.")
+      .def_readonly("name", &PySensor::name)
+      .def_property_readonly("valid", [](const PySensor& s) { return s.get().valid(); })
+      .def_property_readonly(
+          "time", [](const PySensor& s) { return s.get().time(); },
+          "Time of the measured frame [s]")
+      .def_property_readonly(
+          "sequence", [](const PySensor& s) { return s.get().sequence(); },
+          "Number of readings so far")
+      .def(
+          "value", [](const PySensor& s, int channel) { return s.get().value(channel); },
+          py::arg("channel"), "Value of a channel by its index; NaN if the reading is not valid.")
+      .def_property_readonly(
+          "values",
+          [](const PySensor& s) {
+            const std::vector<double>& values = s.get().reading().values;
+            return owned(values, {static_cast<py::ssize_t>(values.size())});
+          },
+          "(nchannel,) float64; empty before the first reading")
+      .def_property_readonly(
+          "contacts",
+          [](const PySensor& s) {
+            const auto all = contacts(s);
+            return contacts_view(*all, owner_of(all));
+          },
+          "Of a contact sensor, structured as Frame.contacts")
+      .def_property_readonly(
+          "image",
+          [](const PySensor& s) {
+            const PicturePtr picture = s.get().valid() ? s.get().reading().picture : nullptr;
+            return picture ? color_of(picture) : py::none();
+          },
+          "Of a camera: (height, width, 3) uint8; None: no image")
+      .def(
+          "enable",
+          [](PySensor& s, bool on) {
+            s.get();
+            s.handle.enable(on);
+          },
+          py::arg("on") = true, "Switch the sensor on or off.");
+
+  py::class_<PyAssembly>(m, "Robot", R"(The assembly of a controller, for configure() and update().
+
+A name that does not exist does not raise: the errors are collected, and loading the scene fails with all of
+them. Usable only inside the calls of the controller.)")
+      .def_property_readonly("name", [](PyAssembly& s) { return robot(s).name(); })
+      .def(
+          "motor",
+          [](PyAssembly& s, const std::string& name) {
+            return PyMotor{s.assembly, robot(s).motor(name), s.gate, name};
+          },
+          py::arg("name"), "A motor by its name inside the assembly ('left', 'arm.elbow').")
+      .def(
+          "sensor",
+          [](PyAssembly& s, const std::string& name) {
+            return PySensor{s.assembly, robot(s).any_sensor(name), s.gate, name};
+          },
+          py::arg("name"), "A sensor by its name inside the assembly.")
+      .def_property_readonly("motors", [](PyAssembly& s) { return robot(s).motor_names(); })
+      .def_property_readonly("sensors", [](PyAssembly& s) { return robot(s).sensor_names(); })
+      .def("parameter", &parameter, py::arg("name"),
+           "Value of a declared parameter, in SI units. Raises KeyError.")
+      .def_property_readonly("scene_folder", [](PyAssembly& s) { return robot(s).scene_folder(); })
+      .def(
+          "publish",
+          [](PyAssembly& s, const std::string& output, double value) {
+            robot(s).publish(output, value);
+          },
+          py::arg("output"), py::arg("value"), "Set the value of a declared output.")
+      .def(
+          "uniform",
+          [](PyAssembly& s, double low, double high) { return robot(s).uniform(low, high); },
+          py::arg("low"), py::arg("high"),
+          "A number from [low, high), from the seeded stream of the controller.")
+      .def(
+          "report", [](PyAssembly& s, const std::string& message) { robot(s).report(message); },
+          py::arg("message"), "Report a message to the user.")
+      .def(
+          "fail", [](PyAssembly& s, const std::string& message) { robot(s).fail(message); },
+          py::arg("message"),
+          "Report an error of the scene, in configure(): loading fails with it.");
+}
+
+}  // namespace cogrsim::python

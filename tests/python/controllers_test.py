@@ -1,0 +1,250 @@
+"""Controllers, supervisors and sensors in Python."""
+
+import gc
+import sys
+import unittest
+import warnings
+
+import numpy as np
+
+import cogrsim as cg
+
+from support import YARD, Case, main
+
+ROBOT = YARD.replace("</assembly>", """<controller plugin="py:PLACE.Turner" rate="100 Hz" on-fault="FAULT">
+      <set speed="90 deg/s" SETTINGS/>
+    </controller>
+  </assembly>""", 1)
+
+MODULE = '''
+import cogrsim as cg
+
+handles = []
+
+class Turner(cg.Controller):
+    """Turns the arm."""
+    parameters = [cg.parameter("speed", 0.2, "rad/s", "of the arm", range=(0.0, 3.0)),
+                  cg.parameter("name", "left", choices=["left", "right"]),
+                  cg.parameter("count", 3), cg.parameter("on", True),
+                  cg.parameter("points", [0.0, 1.0], "m")]
+    outputs = [cg.output("angle", "rad", "of the arm")]
+
+    def configure(self, robot):
+        self.robot = robot
+        self.motor = robot.motor("turn")
+        self.ticks = robot.sensor("ticks")
+        self.speed = robot.parameter("speed")
+        self.all = [robot.parameter(name) for name in ("name", "count", "on", "points")]
+        self.updates = 0
+        handles[:] = [robot, self.motor, self.ticks, self]
+
+    def update(self, tick):
+        self.updates += 1
+        if tick.time > 0.3:
+            raise ZeroDivisionError("after 0.3 s")
+        self.motor.set(self.speed)
+        self.robot.publish("angle", self.motor.joint_position)
+
+    def save(self):
+        return str(self.updates)
+
+    def restore(self, memory):
+        self.updates = int(memory)
+
+class NotOne:
+    pass
+
+class Boss(cg.Supervisor):
+    contacts = True
+    parameters = [cg.parameter("limit", 0.5, "m")]
+    outputs = [cg.output("height", "m")]
+    frames = []
+
+    def configure(self, context):
+        self.limit = context.parameter("limit")
+
+    def update(self, tick, context):
+        z = context.frame["ball"].z
+        self.frames.append(context.frame)
+        context.publish("height", z)
+        if z < self.limit:
+            context.end_run("low enough")
+
+class Height(cg.Sensor):
+    parameters = [cg.parameter("offset", 0.0, "m")]
+    channels = [cg.channel("height", "m"), cg.channel("below", "m")]
+
+    def configure(self, sensor, parameters):
+        self.offset = parameters["offset"]
+        self.body = sensor["body"]
+
+    def read(self, context):
+        z = context.frame[self.body].z
+        distances, bodies = context.cast(context.frame[self.body].position, [(0, 0, -1)], ignore=self.body)
+        return [z + self.offset, distances[0]]
+
+class Bad(Height):
+    def read(self, context):
+        return [1.0, 2.0, 3.0]
+'''
+
+
+class InPython(Case):
+    count = 0
+
+    def setUp(self):
+        super().setUp()
+        InPython.count += 1
+        self.module = f"turning_{InPython.count}"
+        self.write(f"{self.module}.py", MODULE)
+
+    def compile(self, text=ROBOT, fault="stop-controller", settings="", **options):
+        text = text.replace("PLACE", self.module).replace("FAULT", fault).replace("SETTINGS", settings)
+        return cg.compile_string(text, plugin_path=[self.folder], **options)
+
+    def loaded(self):
+        return sys.modules[self.module]
+
+    def test_controller_runs_with_its_parameters(self):
+        sim = cg.Simulation(self.compile(settings='name="right" count="5" on="false" points="1 2 3"'))
+        frame = sim.run_until(0.25)
+        self.assertAlmostEqual(frame["arm.elbow"].velocity, np.pi / 2, places=2)
+        controller = self.loaded().handles[3]
+        self.assertEqual(controller.all, ["right", 5, False, [1.0, 2.0, 3.0]])
+        self.assertEqual(controller.updates, 25)
+        name = sim.scene.controllers[0]
+        self.assertAlmostEqual(frame[name].angle, frame["arm.elbow"].position, places=1)
+
+    def test_parameters_are_checked_by_the_compiler(self):
+        for settings, expected in (('sped="1 m"', "speed"), ('name="up"', "left"), ('count="1.5"', "count")):
+            with self.assertRaises(cg.CompileError) as caught:
+                self.compile(settings=settings)
+            self.assertIn(expected, str(caught.exception))
+            self.assertGreater(caught.exception.diagnostics[0].line, 0)
+        with self.assertRaises(cg.CompileError) as caught:
+            self.compile(ROBOT.replace('"90 deg/s"', '"9 rad/s"'))
+        self.assertIn("3", str(caught.exception))
+        with self.assertRaises(cg.CompileError):
+            self.compile(ROBOT.replace('"90 deg/s"', '"9 m"'))
+
+    def test_names_that_are_wrong(self):
+        for name, expected in (("Turnr", "did you mean 'Turner'"), ("NotOne", "not derived from"),
+                               ("Boss", "not derived from"), ("missing", "no controller")):
+            with self.assertRaises(cg.CompileError) as caught:
+                self.compile(ROBOT.replace("PLACE.Turner", f"PLACE.{name}"))
+            self.assertIn(expected, str(caught.exception))
+        with self.assertRaisesRegex(cg.CompileError, "there is no Python module"):
+            self.compile(ROBOT.replace("PLACE", "no_such_module"))
+        with self.assertRaisesRegex(cg.CompileError, "MODULE.CLASS"):
+            self.compile(ROBOT.replace("py:PLACE.Turner", "py:Turner"))
+        self.write("broken_module.py", "import no_such_thing_either\n")
+        with self.assertRaisesRegex(cg.CompileError, "no_such_thing_either"):
+            self.compile(ROBOT.replace("PLACE", "broken_module"))
+
+    def test_exception_stops_the_controller(self):
+        sim = cg.Simulation(self.compile())
+        events = []
+        sim.observe(lambda frame: events.extend(frame.events))
+        with self.assertWarnsRegex(cg.RunWarning, "after 0.3 s"):
+            frame = sim.run_until(0.5)
+        self.assertEqual((sim.status, round(frame.time, 6)), ("running", 0.5))
+        message = [one for one in sim.messages if one.severity == "error"][0]
+        self.assertIn("'arm'", message.source)
+        self.assertAlmostEqual(message.time, 0.31, delta=0.011)
+        self.assertIn("ZeroDivisionError", message.message)
+        self.assertIn(f"{self.module}.py", message.message)
+        self.assertIn("in update", message.message)
+        self.assertEqual([event.kind for event in events], ["fault"])
+
+    def test_exception_ends_the_run(self):
+        sim = cg.Simulation(self.compile(fault="end-run"))
+        with self.assertWarns(cg.RunWarning):
+            sim.run_until(0.5)
+        self.assertEqual(sim.status, "fault")
+        self.assertLess(sim.time, 0.35)
+
+    def test_missing_motor_is_an_error_of_the_scene(self):
+        with self.assertRaisesRegex(cg.Error, "turn"):
+            cg.Simulation(self.compile(ROBOT.replace('"turn"', '"turns"')))
+
+    def test_handles_outside_their_calls_raise(self):
+        sim = cg.Simulation(self.compile())
+        sim.run_until(0.1)
+        robot, motor, ticks, controller = self.loaded().handles
+        for again in (True, False):
+            for use in (lambda: motor.set(1.0), lambda: motor.target, lambda: ticks.values,
+                        lambda: robot.motors, lambda: robot.motor("turn"), lambda: robot.parameter("speed")):
+                with self.assertRaisesRegex(RuntimeError, "only be used inside the calls"):
+                    use()
+            if again:
+                del sim
+                gc.collect()
+
+    def test_not_in_a_process_of_its_own(self):
+        with self.assertRaisesRegex(cg.Error, "process of its own"):
+            cg.Simulation(self.compile(), isolation="process")
+
+    def test_snapshot_keeps_the_inner_state(self):
+        scene = self.compile()
+        sim = cg.Simulation(scene)
+        sim.run_until(0.2)
+        data = sim.save_bytes()
+        other = cg.resume(data, scene)
+        controller = self.loaded().handles[3]
+        self.assertEqual(controller.updates, 20)
+        other.run_until(0.25)
+        self.assertEqual(controller.updates, 25)
+
+    def test_results_are_those_of_commands(self):
+        sim = cg.Simulation(self.compile())
+        frame = sim.run_until(0.2)
+        plain = cg.Simulation(cg.compile_string(YARD))
+        plain.set_motor("arm.turn", np.pi / 2)
+        self.assertAlmostEqual(plain.run_until(0.2)["arm.elbow"].position, frame["arm.elbow"].position)
+
+    def test_supervisor(self):
+        text = YARD.replace("</scene>", '<supervisor plugin="py:PLACE.Boss"><set limit="60 cm"/></supervisor></scene>')
+        sim = cg.Simulation(self.compile(text))
+        frame = sim.run_until(1.0)
+        self.assertEqual(sim.status, "stopped")
+        self.assertAlmostEqual(frame["ball"].z, 0.6, delta=0.01)
+        frames = self.loaded().Boss.frames
+        del sim, frame
+        gc.collect()
+        self.assertGreater(frames[0]["ball"].z, frames[-1]["ball"].z)
+        self.assertGreater(len(frames[-1].contacts), 0)
+
+    def test_sensor(self):
+        text = YARD.replace('<encoder name="ticks"', '<sensor plugin="py:PLACE.Height" name="eye" on="link">'
+                            '<set offset="10 cm"/></sensor><encoder name="ticks"')
+        frame = cg.Simulation(self.compile(text)).run_until(0.01)
+        eye = frame.sensors["arm.eye"]
+        self.assertEqual((eye.channels, eye.units), (["height", "below"], ["m", "m"]))
+        self.assertAlmostEqual(eye["height"], 1.1, places=3)
+        self.assertAlmostEqual(eye["below"], 1.0, places=3)
+        sim = cg.Simulation(self.compile(text.replace("Height", "Bad")))
+        with self.assertWarnsRegex(cg.RunWarning, r"expected the shape \(2,\), given \(3,\)"):
+            frame = sim.run_until(0.01)
+        self.assertFalse(frame.sensors["arm.eye"].valid)
+
+    def test_many_classes(self):
+        self.compile()
+        module = self.loaded()
+        scenes = []
+        text = ROBOT.replace("Turner", "Kind")
+        with self.assertRaisesRegex(cg.CompileError, "classes are in use"):
+            for i in range(200):
+                setattr(module, "Kind", type("Kind", (module.Turner,), {}))
+                scenes.append(self.compile(text))
+        self.assertGreater(len(scenes), 100)
+        scenes.clear()
+        gc.collect()
+        self.compile(text)
+
+    def test_declarations(self):
+        with self.assertRaisesRegex(TypeError, "expected a default"):
+            cg.parameter("x", object())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,136 @@
+"""Recordings, comparisons, and robots in other formats."""
+
+import os
+import unittest
+
+import numpy as np
+
+import cogrsim as cg
+
+from support import CART, YARD, Case, main
+
+URDF = """<robot name="stick">
+  <link name="base"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/>
+  </inertial><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+  <link name="tip"><inertial><mass value="0.5"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/>
+  </inertial></link>
+  <joint name="elbow" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 1 0"/>
+  <limit lower="-1" upper="1" effort="5" velocity="2"/></joint>
+</robot>
+"""
+
+
+class Recordings(Case):
+    def record(self):
+        path = self.folder / "run.mcap"
+        sim = cg.Simulation(cg.compile(self.write("yard.scene.xml", YARD)))
+        frames = []
+        with sim.record(path):
+            sim.observe(lambda frame: frames.append(frame), contacts=True)
+            sim.run_until(0.5)
+        return path, frames
+
+    def test_frames_are_those_of_the_run(self):
+        path, frames = self.record()
+        recording = cg.Recording(path)
+        self.assertEqual(len(recording), len(frames))
+        for i in (0, 100, -1):
+            self.assertEqual(recording[i].state_hash, frames[i].state_hash)
+        self.assertAlmostEqual(recording.at(0.2).time, 0.2)
+        with self.assertRaisesRegex(IndexError, "501"):
+            recording[501]
+        self.assertEqual(len(list(recording)), 501)
+        info = recording.info
+        self.assertEqual((info["scene"], info["backend"], info["status"]), ("yard", "cogrsim", "completed"))
+        self.assertEqual(info["attachments"]["yard.scene.xml"].decode(), YARD)
+
+    def test_tables(self):
+        path, frames = self.record()
+        recording = cg.Recording(path)
+        bodies = recording.table("bodies")
+        ball = bodies[bodies["body"] == "ball"]
+        self.assertEqual(len(ball), 501)
+        np.testing.assert_array_equal(ball["z"], [frame["ball"].z for frame in frames])
+        self.assertEqual(bodies.dtype.names[:4], ("time", "body", "x", "y"))
+        joints = recording.table("joints")
+        self.assertEqual(set(joints["joint"]), {"arm.elbow"})
+        contacts = recording.table("contacts")
+        self.assertEqual(len(contacts), sum(len(frame.contacts) for frame in frames))
+        ticks = recording.table("arm.ticks")
+        self.assertEqual(ticks.dtype.names, ("time", "sequence", "valid", "position", "velocity"))
+        self.assertTrue(ticks["valid"].all())
+        self.assertEqual(len(recording.table("frames")), 501)
+        self.assertEqual(len(recording.table("events")), 0)
+        with self.assertRaisesRegex(KeyError, "did you mean 'bodies'"):
+            recording.table("bodie")
+        self.assertIn("arm.ticks", recording.tables)
+
+    def test_signal(self):
+        path, frames = self.record()
+        times, values = cg.Recording(path).signal("ball.z")
+        np.testing.assert_array_equal(values, [frame["ball"].z for frame in frames])
+        np.testing.assert_array_equal(times, [frame.time for frame in frames])
+
+    def test_no_recording(self):
+        with self.assertRaises(cg.Error):
+            cg.Recording(self.folder / "none.mcap")
+        with self.assertRaises(cg.Error):
+            cg.Recording(self.write("text.mcap", "no recording"))
+        with self.assertRaises(cg.Error):
+            cg.Simulation(cg.compile_string(YARD)).record(self.folder / "no" / "such.mcap")
+
+
+class Comparisons(Case):
+    def test_compare(self):
+        result = cg.compare(CART, backends=["bullet", "cogrsim"], duration=0.2)
+        self.assertEqual(result.backends, ["bullet", "cogrsim"])
+        sim = cg.Simulation(cg.compile(CART), backend="cogrsim")
+        self.assertEqual(result.runs[1]["state_hash"], sim.run_until(0.2).state_hash)
+        table = result.table("bodies")
+        self.assertEqual(set(table["name"]), {"cart.base", "cart.pole"})
+        self.assertTrue((table["position_max"] >= table["position_rms"]).all())
+        curve = result.divergence.position["cart.pole", "cogrsim"]
+        self.assertEqual(len(curve), len(result.divergence.times))
+        with self.assertRaises(KeyError):
+            result.table("body")
+
+    def test_seeds(self):
+        result = cg.compare(cg.compile(CART, set={"length": "0.5 m"}), backends=["bullet", "cogrsim"],
+                            seeds=range(1, 4), duration=0.1)
+        self.assertEqual(result.study["seeds"], [1, 2, 3])
+        self.assertEqual(result.data["set"], {"length": "0.5 m"})
+
+    def test_errors(self):
+        with self.assertRaisesRegex(cg.Error, "bulet"):
+            cg.compare(CART, backends=["bulet", "cogrsim"], duration=0.1)
+        with self.assertRaisesRegex(ValueError, "scene file"):
+            cg.compare(cg.compile_string(YARD))
+        with self.assertRaises(TypeError):
+            cg.compare(CART, backends="bullet")
+
+
+class Imports(Case):
+    def test_urdf(self):
+        model = cg.import_model(self.write("stick.urdf", URDF), drives="velocity", fixed_base=True)
+        self.assertEqual(model.format, "URDF")
+        self.assertGreater(model.count("exact"), 0)
+        self.assertEqual(len(model.report), sum(map(model.count, ("exact", "approximate", "left out"))))
+        self.assertIn("joint", " ".join(entry.element for entry in model.report))
+        path = self.folder / "stick.scene.xml"
+        model.write(path)
+        scene = cg.compile(path)
+        self.assertTrue(any(name.endswith("elbow") for name in scene.joints))
+        cg.Simulation(scene).run_until(0.01)
+
+    def test_errors(self):
+        with self.assertRaises(cg.CompileError) as caught:
+            cg.import_model(self.write("bad.urdf", "<robot><link/></robot>"))
+        self.assertTrue(caught.exception.diagnostics)
+        with self.assertRaisesRegex(ValueError, "drives"):
+            cg.import_model(self.folder / "x.urdf", drives="steam")
+        with self.assertRaises(KeyError):
+            cg.import_model(self.write("stick.urdf", URDF)).count("good")
+
+
+if __name__ == "__main__":
+    main()
