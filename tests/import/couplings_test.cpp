@@ -87,3 +87,26 @@ TEST_CASE("a link of SDF without gravity is weightless", "[sdf]") {
   REQUIRE(in.model);
   CHECK(in.body("a").gravity_scale == 0.0);
 }
+
+// Each start was found by following the chain to its end, and each name by reading all: the cube of
+// the length.
+TEST_CASE("a long chain of couplings is read in bounded time", "[urdf][hostile]") {
+  constexpr int kLength = 2000;
+  std::string robot = "<robot name=\"r\">" + link("base");
+  for (int i = 0; i < kLength; ++i) {
+    const std::string number = std::to_string(i);
+    const std::string mimic =
+        i + 1 < kLength ? "<mimic joint=\"j" + std::to_string(i + 1) + "\"/>" : std::string();
+    robot += link("l" + number) + joint("j" + number, "l" + number, mimic);
+  }
+  Imported in;
+  in.options.scene_folder = in.folder.path.string();
+  in.result = dsl::import_model(in.folder.write("robot.urdf", robot + "</robot>"), in.options);
+  std::size_t couplings = 0;
+  for (std::size_t at = 0; (at = in.result.scene.find("<couple ", at)) != std::string::npos; ++at)
+    ++couplings;
+  CHECK(couplings == kLength - 1);
+  // The last of the chain, which no other precedes, stands first.
+  CHECK(in.result.scene.find("<couple joint=\"j1998\" to=\"j1999\"/>") <
+        in.result.scene.find("<couple joint=\"j1997\" to=\"j1998\"/>"));
+}

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <unordered_map>
+#include <unordered_set>
 
 #include "import/robot.h"
 #include "syntax/text.h"
@@ -57,6 +59,7 @@ class SceneWriter {
   SceneWriter(Context& context, const RobotModel& robot) : context_(context), robot_(robot) {}
 
   void write() {
+    find_couplings();
     poses_ = find_poses(false);
     zero_poses_ = find_poses(true);
     std::string body;
@@ -145,9 +148,7 @@ class SceneWriter {
         if (known[child] || (j.parent >= 0 && !known[static_cast<std::size_t>(j.parent)])) continue;
         const Pose parent = j.parent < 0 ? Pose() : out[static_cast<std::size_t>(j.parent)];
         out[child] = parent * j.X_PC *
-                     travel(j, at_zero      ? 0.0
-                               : coupled(j) ? start_of_coupled(j, 0)
-                                            : start_of(j));
+                     travel(j, at_zero ? 0.0 : start_in_scene(j));
         known[child] = true;
         moved = true;
       }
@@ -475,7 +476,7 @@ class SceneWriter {
       if (std::isfinite(j.max_speed))
         out += fmt::format(" max-speed=\"{} {}/s\"", j.max_speed, unit);
       const double start = start_of(j);
-      if (start != 0.0 && !coupled(j)) {
+      if (start != 0.0 && coupled_starts_.count(&j) == 0) {
         out += fmt::format(" position=\"{} {}\"", start, unit);
         if (j.position == 0.0)
           context_.approximate(j.at, fmt::format("joint '{}'", j.name),
@@ -497,60 +498,67 @@ class SceneWriter {
     return j.type == Type::hinge || j.type == Type::slider || j.type == Type::screw;
   }
 
-  /// Whether the scene can have the coupling of this joint: else the reason why not.
-  std::string cannot_couple(const RobotJoint& j) const {
-    const RobotJoint& other =
-        robot_.joints[static_cast<std::size_t>(robot_.joint(j.coupling->joint))];
-    if (!has_one_axis(j) || !has_one_axis(other)) return "only joints with one axis are coupled";
-    if (&other == &j) return "it is coupled to itself";
-    const double start = start_of_coupled(j, 0);
-    constexpr double kOff = 1e-6;
-    if (!std::isfinite(start)) return "the couplings form a circle";
-    if (start < j.lower - kOff || start > j.upper + kOff)
-      return fmt::format("it would start at {}, beyond its limits", start);
-    return {};
-  }
-  bool coupled(const RobotJoint& j) const { return j.coupling && cannot_couple(j).empty(); }
-
-  /// Where the couplings put a joint at the start; infinite: they form a circle.
-  double start_of_coupled(const RobotJoint& j, std::size_t depth) const {
-    if (depth > robot_.joints.size()) return std::numeric_limits<double>::infinity();
-    if (!j.coupling) return start_of(j);
-    const int other = robot_.joint(j.coupling->joint);
-    return j.coupling->offset +
-           j.coupling->ratio *
-               start_of_coupled(robot_.joints[static_cast<std::size_t>(other)], depth + 1);
-  }
-
-  /// A joint that others follow before those: the start of each follows from what stands above it.
-  void couplings() {
-    std::vector<const RobotJoint*> waiting;
+  /// Finds which couplings the scene can have, and where they put their joints at the start: a joint
+  /// that others follow before those.
+  void find_couplings() {
+    std::unordered_map<std::string, const RobotJoint*> named;
+    for (const RobotJoint& j : robot_.joints) named.emplace(j.name, &j);
+    std::unordered_set<const RobotJoint*> seen, circle;
     for (const RobotJoint& j : robot_.joints) {
-      if (!j.coupling) continue;
-      const std::string why = cannot_couple(j);
-      if (why.empty())
-        waiting.push_back(&j);
-      else
-        context_.left_out(j.at,
-                          fmt::format("coupling of joint '{}' to '{}'", j.name, j.coupling->joint),
-                          why + ": the joint moves freely");
+      std::vector<const RobotJoint*> chain;
+      const RobotJoint* top = &j;
+      for (; top->coupling && seen.insert(top).second; top = named.at(top->coupling->joint)) {
+        chain.push_back(top);
+      }
+      if (std::find(chain.begin(), chain.end(), top) != chain.end()) circle.insert(top);
+      for (auto follower = chain.rbegin(); follower != chain.rend(); ++follower) {
+        const RobotJoint& other = *named.at((*follower)->coupling->joint);
+        if (circle.count(&other) > 0) circle.insert(*follower);
+        couple(**follower, other, circle.count(*follower) > 0);
+      }
     }
-    while (!waiting.empty()) {
-      const auto free = [&](const RobotJoint* j) {
-        return std::none_of(waiting.begin(), waiting.end(), [&](const RobotJoint* other) {
-          return other->name == j->coupling->joint;
-        });
-      };
-      const auto next = std::find_if(waiting.begin(), waiting.end(), free);
-      if (next == waiting.end()) return;  // no circle got here
-      const RobotJoint& j = **next;
-      *body_ += fmt::format("    <couple joint=\"{}\" to=\"{}\"", j.name, j.coupling->joint);
-      if (j.coupling->ratio != 1.0) *body_ += fmt::format(" ratio=\"{}\"", j.coupling->ratio);
-      if (j.coupling->offset != 0.0)
-        *body_ += fmt::format(" offset=\"{} {}\"", j.coupling->offset,
-                              j.type == RobotJoint::Type::slider ? "m" : "rad");
+  }
+
+  void couple(const RobotJoint& j, const RobotJoint& other, bool in_circle) {
+    constexpr double kOff = 1e-6;
+    const double start = j.coupling->offset + j.coupling->ratio * start_in_scene(other);
+    std::string& why = uncoupled_[&j];
+    if (!has_one_axis(j) || !has_one_axis(other)) {
+      why = "only joints with one axis are coupled";
+    } else if (&other == &j) {
+      why = "it is coupled to itself";
+    } else if (in_circle || !std::isfinite(start)) {
+      why = "the couplings form a circle";
+    } else if (start < j.lower - kOff || start > j.upper + kOff) {
+      why = fmt::format("it would start at {}, beyond its limits", start);
+    } else {
+      uncoupled_.erase(&j);
+      coupled_starts_.emplace(&j, start);
+      coupled_.push_back(&j);
+    }
+  }
+
+  double start_in_scene(const RobotJoint& j) const {
+    const auto found = coupled_starts_.find(&j);
+    return found == coupled_starts_.end() ? start_of(j) : found->second;
+  }
+
+  void couplings() {
+    for (const RobotJoint& j : robot_.joints) {
+      const auto why = uncoupled_.find(&j);
+      if (why == uncoupled_.end()) continue;
+      context_.left_out(j.at,
+                        fmt::format("coupling of joint '{}' to '{}'", j.name, j.coupling->joint),
+                        why->second + ": the joint moves freely");
+    }
+    for (const RobotJoint* j : coupled_) {
+      const RobotCoupling& coupling = *j->coupling;
+      *body_ += fmt::format("    <couple joint=\"{}\" to=\"{}\"", j->name, coupling.joint);
+      if (coupling.ratio != 1.0) *body_ += fmt::format(" ratio=\"{}\"", coupling.ratio);
+      if (coupling.offset != 0.0)
+        *body_ += fmt::format(" offset=\"{} {}\"", coupling.offset,
+                              j->type == RobotJoint::Type::slider ? "m" : "rad");
       *body_ += "/>\n";
-      waiting.erase(next);
     }
   }
 
@@ -647,6 +655,9 @@ class SceneWriter {
   Context& context_;
   const RobotModel& robot_;
   std::string* body_ = nullptr;
+  std::map<const RobotJoint*, double> coupled_starts_;    // of joints that follow others
+  std::map<const RobotJoint*, std::string> uncoupled_;    // whose coupling is left out, and why
+  std::vector<const RobotJoint*> coupled_;  // a joint before those that follow it
   std::vector<Pose> poses_, zero_poses_;
   Bounds extent_;
   std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out
