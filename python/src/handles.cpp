@@ -9,27 +9,19 @@ namespace cogrsim::python {
 
 namespace {
 
-struct PyMotor {
+template <class Handle>
+struct PyDevice {
   Assembly assembly;  // keeps what the handle refers to
-  MotorHandle handle;
+  Handle handle;
   GatePtr gate;
   std::string name;
-  const MotorHandle& get() const {
-    gate->check("motor '" + name + "'");
+  const Handle& get() const {
+    gate->check((std::is_same_v<Handle, MotorHandle> ? "motor '" : "sensor '") + name + "'");
     return handle;
   }
 };
-
-struct PySensor {
-  Assembly assembly;
-  SensorHandle handle;
-  GatePtr gate;
-  std::string name;
-  const SensorHandle& get() const {
-    gate->check("sensor '" + name + "'");
-    return handle;
-  }
-};
+using PyMotor = PyDevice<MotorHandle>;
+using PySensor = PyDevice<SensorHandle>;
 
 Assembly& robot(PyAssembly& self) {
   self.gate->check("'" + self.assembly.name() + "'");

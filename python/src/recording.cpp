@@ -2,8 +2,6 @@
 #include "cogrsim/recording/recording.h"
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "simulation.h"
 #include "tables.h"
@@ -11,8 +9,6 @@
 namespace cogrsim::python {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 struct PyRecorder {
   SessionPtr session;  // outlives the recorder
@@ -31,16 +27,9 @@ std::shared_ptr<PyRecorder> record(const SessionPtr& session, const py::object& 
   options.images = images;
   options.jpeg = jpeg;
   options.parameters = session->scene->set;
-  const fs::path folder = fs::path(session->scene->path).parent_path();
-  for (const std::string& file : session->scene->model->files) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in) continue;
-    Attachment attachment;
-    attachment.name = fs::path(file).lexically_proximate(folder.empty() ? "." : folder).string();
-    attachment.media_type = "application/xml";
-    attachment.data.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-    options.attachments.push_back(std::move(attachment));
-  }
+  options.attachments =
+      scene_files(*session->scene->model,
+                  std::filesystem::path(session->scene->path).parent_path().string());
   auto out = std::make_shared<PyRecorder>();
   out->session = session;
   out->recorder = value_of(Recorder::start(*session->simulation, std::move(options)));

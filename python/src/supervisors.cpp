@@ -39,15 +39,20 @@ struct FrameCopy {
   }
 };
 
-struct PyContext {
-  SupervisorContext* context = nullptr;
+/// What a supervisor or a sensor gets in a call; it is valid during the call.
+template <class Context>
+struct PyCallContext {
+  Context* context = nullptr;
   GatePtr gate;
   FrameCopy copy;
-  SupervisorContext& get() const {
-    gate->check("the context of a supervisor");
+  Context& get() const {
+    gate->check(std::is_same_v<Context, SupervisorContext> ? "the context of a supervisor"
+                                                           : "the context of a sensor");
     return *context;
   }
 };
+using PyContext = PyCallContext<SupervisorContext>;
+using PySensing = PyCallContext<SensorContext>;
 
 class PySupervisor final : public Supervisor {
  public:
@@ -101,16 +106,6 @@ struct MakeSupervisor {
             [](Supervisor& s, const std::string& memory) {
               return detail::guarded([&] { s.restore(memory); });
             }};
-  }
-};
-
-struct PySensing {
-  SensorContext* context = nullptr;
-  GatePtr gate;
-  FrameCopy copy;
-  SensorContext& get() const {
-    gate->check("the context of a sensor");
-    return *context;
   }
 };
 

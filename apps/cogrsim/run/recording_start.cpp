@@ -1,8 +1,6 @@
 #include "run/recording_start.h"
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "common/output_file.h"
 
@@ -50,15 +48,7 @@ Result<RecorderOptions> recorder_options(const SceneModel& model, const RunOptio
   out.images = choices.images;
   out.jpeg = choices.jpeg;
   out.parameters = options.scene.set;
-  for (const std::string& file : model.files) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in) continue;
-    Attachment attachment;
-    attachment.name = fs::path(file).lexically_proximate(folder.empty() ? "." : folder).string();
-    attachment.media_type = "application/xml";
-    attachment.data.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-    out.attachments.push_back(std::move(attachment));
-  }
+  out.attachments = scene_files(model, folder.string());
   return out;
 }
 

@@ -61,9 +61,10 @@ Capabilities make_capabilities() {
   }
   out.set("joint.limit.ball", Support::unsupported,
           "Bullet limits swing and twist apart, not the whole angle of turning");
-  for (const char* feature : {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add", "runtime.remove",
-                              "runtime.save", "runtime.set_state", "report.contact_force",
-                              "report.joint_reaction", "report.joint_effort"}) {
+  for (const char* feature :
+       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
+        "runtime.remove", "runtime.save", "runtime.set_state", "report.contact_force",
+        "report.joint_reaction", "report.joint_effort"}) {
     out.set(feature, Support::exact);
   }
   out.set("contact.stiffness", Support::approximate,

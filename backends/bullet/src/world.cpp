@@ -220,13 +220,6 @@ Result<> BulletWorld::reset() {
   return {};
 }
 
-void* BulletWorld::extension(std::string_view id) {
-  if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
-  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
-  if (id == ExternalForces::kId) return static_cast<ExternalForces*>(this);
-  return nullptr;
-}
-
 Result<> BulletWorld::set_kinematic_twist(int body, const Twist& twist) {
   if (auto fine = check_kinematic_twist(*model(), body, twist); !fine) return fine;
   twists_[at(body)] = twist;

@@ -12,7 +12,10 @@
 
 namespace cogrsim::bullet {
 
-class BulletWorld final : public World, public JointReactions, public KinematicDrive, public ExternalForces {
+class BulletWorld final : public World,
+                          public JointReactions,
+                          public KinematicDrive,
+                          public ExternalForces {
  public:
   /// Errors: a motor without an axis, a shape or joint that Bullet cannot take, with its place.
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
@@ -29,7 +32,9 @@ class BulletWorld final : public World, public JointReactions, public KinematicD
   SnapshotPtr save() const override;
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
-  void* extension(std::string_view id) override;
+  void* extension(std::string_view id) override {
+    return find_extension<JointReactions, KinematicDrive, ExternalForces>(this, id);
+  }
   void get_joint_reactions(std::vector<Wrench>& out) const override;
   Result<> set_kinematic_twist(int body, const Twist& twist) override;
 

@@ -169,13 +169,6 @@ Result<> DynamicsWorld::reset() {
   return {};
 }
 
-void* DynamicsWorld::extension(std::string_view id) {
-  if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
-  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
-  if (id == ExternalForces::kId) return static_cast<ExternalForces*>(this);
-  return nullptr;
-}
-
 void DynamicsWorld::get_joint_reactions(std::vector<Wrench>& out) const {
   if (progress_.reactions_kept) {
     out = progress_.reactions;

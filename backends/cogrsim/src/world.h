@@ -58,7 +58,9 @@ class DynamicsWorld final : public World, public JointReactions, public Kinemati
   SnapshotPtr save() const override;
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
-  void* extension(std::string_view id) override;
+  void* extension(std::string_view id) override {
+    return find_extension<JointReactions, KinematicDrive, ExternalForces>(this, id);
+  }
   double evaluation_time() const override { return 0.5; }
 
   void get_joint_reactions(std::vector<Wrench>& out) const override;

@@ -63,8 +63,9 @@ Capabilities make_capabilities() {
   out.set("contact.stiffness", Support::unsupported,
           "MuJoCo's contacts yield by acceleration, not by force: see solref and solimp");
   for (const char* feature :
-       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add", "runtime.remove", "runtime.save",
-        "runtime.set_state", "runtime.joint_axes", "report.contact_force", "report.joint_effort"}) {
+       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
+        "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",
+        "report.contact_force", "report.joint_effort"}) {
     out.set(feature, Support::exact);
   }
   out.set(

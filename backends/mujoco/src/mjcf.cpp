@@ -456,7 +456,9 @@ Result<std::string> Writer::write() {
   find_exclusions();
   for (std::size_t b = 0; b < size(); ++b) {
     const Body& it = scene_.bodies[b];
-    if (it.removed || above_[b] != kWorld) continue;
+    if (it.removed) continue;
+    out_.other_weights = out_.other_weights || it.gravity_scale != 1.0;
+    if (above_[b] != kWorld) continue;
     if (auto written = write_body(static_cast<int>(b)); !written) {
       return tl::unexpected(written.error());
     }

@@ -47,6 +47,7 @@ struct Program {
   std::vector<TreeJoint> joints;
   std::vector<int> followed;   ///< joints whose coordinates are found from the bodies' poses
   std::vector<int> kinematic;  ///< bodies
+  bool other_weights = false;  ///< a body has a gravity_scale
   std::vector<std::pair<int, int>> geoms;  ///< body and shape
   std::vector<int> actuators;              ///< by motor; -1: none
   std::vector<double> shares;              ///< by actuator, of the gain that it could have alone

@@ -201,7 +201,10 @@ void MujocoWorld::find_responses() {
   }
 }
 
-void MujocoWorld::hold_kinematic() {
+void MujocoWorld::apply_forces() {
+  const bool none = external_.empty() && !program_->other_weights;
+  if (none && !pushed_) return;
+  pushed_ = !none;
   const Vec3 gravity = vec_at(model_->opt.gravity);
   for (std::size_t b = 0; b < model()->bodies.size(); ++b) {
     const Body& it = model()->bodies[b];
@@ -211,13 +214,16 @@ void MujocoWorld::hold_kinematic() {
     put(applied, Vec3((it.gravity_scale - 1.0) * it.mass * gravity + external.force));
     put(applied + 3, external.torque);
   }
+}
+
+void MujocoWorld::hold_kinematic() {
   for (const int body : program_->kinematic) {
     const auto b = static_cast<std::size_t>(body);
     const double* const qpos = data_->qpos + program_->free_qpos[b];
     put_free(b, {vec_at(qpos), quat_at(qpos + 3)}, kinematic_[b]);
     // Nothing pulls at it.
     const int i = program_->bodies[b];
-    put(data_->xfrc_applied + 6 * i, Vec3(-model_->body_mass[i] * gravity));
+    put(data_->xfrc_applied + 6 * i, Vec3(-model_->body_mass[i] * vec_at(model_->opt.gravity)));
   }
 }
 
@@ -230,6 +236,7 @@ StepResult MujocoWorld::step(double dt, const std::vector<Drive>& drives) {
   model_->opt.timestep = dt;
   for (;;) {
     set_drives(dt, drives);
+    apply_forces();
     hold_kinematic();
     const auto done = guarded([&] { mj_step(model_.get(), data_.get()); });
     const mjWarningStat* const found = data_->warning;
@@ -285,13 +292,6 @@ int MujocoWorld::find_bad() const {
     }
   }
   return -1;
-}
-
-void* MujocoWorld::extension(std::string_view id) {
-  if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
-  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
-  if (id == ExternalForces::kId) return static_cast<ExternalForces*>(this);
-  return nullptr;
 }
 
 Result<> MujocoWorld::set_kinematic_twist(int body, const Twist& twist) {

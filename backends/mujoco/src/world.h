@@ -12,7 +12,10 @@
 
 namespace cogrsim::mujoco {
 
-class MujocoWorld final : public World, public JointReactions, public KinematicDrive, public ExternalForces {
+class MujocoWorld final : public World,
+                          public JointReactions,
+                          public KinematicDrive,
+                          public ExternalForces {
  public:
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
 
@@ -28,7 +31,9 @@ class MujocoWorld final : public World, public JointReactions, public KinematicD
   SnapshotPtr save() const override;
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
-  void* extension(std::string_view id) override;
+  void* extension(std::string_view id) override {
+    return find_extension<JointReactions, KinematicDrive, ExternalForces>(this, id);
+  }
   void get_joint_reactions(std::vector<Wrench>& out) const override;
   Result<> set_kinematic_twist(int body, const Twist& twist) override;
 
@@ -50,6 +55,7 @@ class MujocoWorld final : public World, public JointReactions, public KinematicD
   Result<> become(const SceneModelPtr& next, const std::vector<int>& attached);
 
   void set_drives(double dt, const std::vector<Drive>& drives);
+  void apply_forces();
   void hold_kinematic();
   double response_of(int dof) const;
   void find_responses();
@@ -77,6 +83,7 @@ class MujocoWorld final : public World, public JointReactions, public KinematicD
   double time_ = 0.0;
   Coordinates before_;             ///< the last step
   std::vector<double> responses_;  ///< by actuator, what a unit of effort gives its axis
+  bool pushed_ = false;            ///< xfrc_applied has forces on bodies
   bool stepped_ = false;           ///< mjData holds what the last step found
   bool unchecked_ = true;          ///< its coordinates did not come from a step
   mutable Kinematics kinematics_ = Kinematics::none;

@@ -75,9 +75,10 @@ Capabilities make_capabilities() {
     set(to_string(type), {"joint.limit."}, differs,
         "ODE's stops act once they are passed and give back erp (0.2) of the speed");
   }
-  for (const char* feature : {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add", "runtime.remove",
-                              "runtime.save", "runtime.set_state", "runtime.joint_axes",
-                              "report.joint_reaction", "report.joint_effort"}) {
+  for (const char* feature :
+       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
+        "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",
+        "report.joint_reaction", "report.joint_effort"}) {
     out.set(feature, Support::exact);
   }
   out.set("contact.stiffness", differs, "a spring and damper for each point of contact");

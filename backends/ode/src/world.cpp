@@ -167,13 +167,6 @@ void OdeWorld::forget_report() const {
   reported_ = true;
 }
 
-void* OdeWorld::extension(std::string_view id) {
-  if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
-  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
-  if (id == ExternalForces::kId) return static_cast<ExternalForces*>(this);
-  return nullptr;
-}
-
 Result<> OdeWorld::set_kinematic_twist(int body, const Twist& twist) {
   if (auto fine = check_kinematic_twist(*now_.model, body, twist); !fine) return fine;
   if (!engine_) return fail("the world has diverged", "", "reset or restore it");

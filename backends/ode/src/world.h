@@ -11,7 +11,10 @@
 
 namespace cogrsim::ode {
 
-class OdeWorld final : public World, public JointReactions, public KinematicDrive, public ExternalForces {
+class OdeWorld final : public World,
+                       public JointReactions,
+                       public KinematicDrive,
+                       public ExternalForces {
  public:
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
 
@@ -27,7 +30,9 @@ class OdeWorld final : public World, public JointReactions, public KinematicDriv
   SnapshotPtr save() const override;
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
-  void* extension(std::string_view id) override;
+  void* extension(std::string_view id) override {
+    return find_extension<JointReactions, KinematicDrive, ExternalForces>(this, id);
+  }
   void get_joint_reactions(std::vector<Wrench>& out) const override { out = report().reactions; }
   Result<> set_kinematic_twist(int body, const Twist& twist) override;
 

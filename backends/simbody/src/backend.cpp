@@ -43,8 +43,9 @@ Capabilities make_capabilities() {
   }
   out.set("motor.torque", Support::exact);
   for (const char* feature :
-       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "contact.stiffness", "runtime.add", "runtime.remove",
-        "runtime.set_state", "runtime.attach", "runtime.body_kind", "runtime.joint_axes"})
+       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "contact.stiffness",
+        "runtime.add", "runtime.remove", "runtime.set_state", "runtime.attach", "runtime.body_kind",
+        "runtime.joint_axes"})
     out.set(feature, Support::exact);
   out.set(
       "runtime.save", Support::approximate,

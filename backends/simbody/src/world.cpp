@@ -258,13 +258,6 @@ std::vector<Wrench> SimbodyWorld::find_reactions() const {
   return out;
 }
 
-void* SimbodyWorld::extension(std::string_view id) {
-  if (id == JointReactions::kId) return static_cast<JointReactions*>(this);
-  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
-  if (id == ExternalForces::kId) return static_cast<ExternalForces*>(this);
-  return nullptr;
-}
-
 Result<> SimbodyWorld::set_kinematic_twist(int body, const Twist& twist) {
   if (auto fine = check_kinematic_twist(*model_, body, twist); !fine) return fine;
   stop_integrator();

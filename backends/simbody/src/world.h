@@ -20,7 +20,10 @@ namespace cogrsim::simbody {
 /// Errors: what Simbody cannot have, by the scene alone, with its place.
 Result<> check_scene(const SceneModel& model);
 
-class SimbodyWorld final : public World, public JointReactions, public KinematicDrive, public ExternalForces {
+class SimbodyWorld final : public World,
+                           public JointReactions,
+                           public KinematicDrive,
+                           public ExternalForces {
  public:
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
 
@@ -38,7 +41,9 @@ class SimbodyWorld final : public World, public JointReactions, public Kinematic
   SnapshotPtr save() const override;
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
-  void* extension(std::string_view id) override;
+  void* extension(std::string_view id) override {
+    return find_extension<JointReactions, KinematicDrive, ExternalForces>(this, id);
+  }
   double evaluation_time() const override { return 0.5; }
   void get_joint_reactions(std::vector<Wrench>& out) const override {
     out = stepped_ ? find_reactions() : held_.reactions;

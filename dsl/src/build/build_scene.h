@@ -182,6 +182,9 @@ class Builder {
   void force(const Element& element);
   void spring_lengths();
   bool spring_ends(const Element& element, ForceModel& force);
+  /// The largest effort on an axis that `subject` names: max-torque or max-force, whichever fits.
+  void effort_limit(std::string_view code, const Element& element, const std::string& subject,
+                    bool turns, double& effort);
   void coupling(const Element& element);
   void couple_start(const Element& element, const Coupling& coupling);
   void motor(const Element& element);

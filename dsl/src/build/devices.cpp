@@ -9,6 +9,19 @@ constexpr std::string_view kDcNames[] = {"kt",   "ke",          "resistance",
 
 }  // namespace
 
+void Builder::effort_limit(std::string_view code, const Element& element,
+                           const std::string& subject, bool turns, double& effort) {
+  const std::string_view right = turns ? "max-torque" : "max-force";
+  const std::string_view wrong = turns ? "max-force" : "max-torque";
+  Reader r = reader(element);
+  if (r.has(wrong))
+    fault(code, element, wrong,
+          subject + (turns ? " turns" : " slides") + ", so it has no " + std::string(wrong))
+        .help("use " + std::string(right));
+  const auto given = r.number(right);
+  if (given.given()) effort = *given;
+}
+
 void Builder::motor(const Element& element) {
   Motor motor;
   motor.name = element.path;
@@ -42,14 +55,7 @@ void Builder::motor(const Element& element) {
   }
   motor.axis = static_cast<int>(*axis) - 1;
   const bool turns = axis_turns(joint.type, motor.axis);
-  const std::string_view wrong = turns ? "max-force" : "max-torque";
-  if (r.has(wrong))
-    fault("CG0704", element, wrong,
-          std::string("this axis of '") + joint.name + (turns ? "' turns" : "' slides") +
-              ", so it has no " + std::string(wrong))
-        .help(turns ? "use max-torque" : "use max-force");
-  const auto effort = r.number(turns ? "max-torque" : "max-force");
-  if (effort.given()) motor.max_effort = *effort;
+  effort_limit("CG0704", element, "this axis of '" + joint.name + "'", turns, motor.max_effort);
   const auto speed = r.number("max-speed", turns ? dim::kAngularSpeed : dim::kSpeed);
   if (speed.given()) motor.max_speed = *speed;
   if (!motor_laws(element, motor, turns)) return;

@@ -14,19 +14,11 @@ bool Builder::spring_ends(const Element& element, ForceModel& force) {
   std::array<Vec3, 2> points;
   for (std::size_t k = 0; k < 2; ++k) {
     const Word& word = (*words)[k];
-    bodies[k] = kWorld;
-    points[k].setZero();
-    if (word.text == "world") continue;
-    const Element* end = names_.find(element, word, Wanted::posed);
-    if (end == nullptr) return false;
-    if (end->tag() == "frame") {
-      bodies[k] = carrier(*end);
-    } else if (const auto body = body_at(element, word, false)) {
-      bodies[k] = *body;
-    } else {
-      return false;
-    }
-    points[k] = note(*end).X_W.p;
+    const auto body = body_at(element, word, true);
+    if (!body) return false;
+    bodies[k] = *body;
+    points[k] = word.text == "world" ? Vec3(Vec3::Zero())
+                                     : note(*names_.find(element, word, Wanted::posed)).X_W.p;
   }
   if (bodies[0] == bodies[1]) {
     fault("CG0604", element, "between",
@@ -87,15 +79,9 @@ void Builder::force(const Element& element) {
     return;
   }
   const auto word = r.word("on");
-  const Element* on = word.given() ? names_.find(element, *word, Wanted::posed) : nullptr;
-  if (on == nullptr) return;
-  if (on->tag() == "frame") {
-    force.body = carrier(*on);
-  } else if (const auto body = body_at(element, *word, false)) {
-    force.body = *body;
-  } else {
-    return;
-  }
+  const auto body = word.given() ? body_at(element, *word, true) : std::nullopt;
+  if (!body) return;
+  force.body = *body;
   if (force.body == kWorld ||
       model_.bodies[static_cast<std::size_t>(force.body)].kind != BodyKind::dynamic) {
     fault("CG0707", element, "on",

@@ -327,16 +327,9 @@ void Builder::coupling(const Element& element) {
   }
   const Joint& joint = model_.joints[static_cast<std::size_t>(coupling.joint)];
   const bool turns = axis_turns(joint.type, 0);
-  const std::string_view wrong = turns ? "max-force" : "max-torque";
-  if (r.has(wrong))
-    fault("CG0714", element, wrong,
-          "'" + joint.name + (turns ? "' turns" : "' slides") + ", so it has no " +
-              std::string(wrong))
-        .help(turns ? "use max-torque" : "use max-force");
   const auto offset = r.number("offset", turns ? dim::kAngle : dim::kLength);
   if (offset.given()) coupling.offset = *offset;
-  const auto effort = r.number(turns ? "max-torque" : "max-force");
-  if (effort.given()) coupling.max_effort = *effort;
+  effort_limit("CG0714", element, "'" + joint.name + "'", turns, coupling.max_effort);
   couple_start(element, coupling);
   model_.couplings.push_back(std::move(coupling));
 }

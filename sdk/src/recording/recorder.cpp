@@ -1,6 +1,9 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <mutex>
 #include <thread>
 
@@ -31,6 +34,21 @@ std::size_t bytes_of(const Picture& picture) {
 }
 
 }  // namespace
+
+std::vector<Attachment> scene_files(const SceneModel& model, const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::vector<Attachment> out;
+  for (const std::string& file : model.files) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) continue;
+    Attachment attachment;
+    attachment.name = fs::path(file).lexically_proximate(folder.empty() ? "." : folder).string();
+    attachment.media_type = "application/xml";
+    attachment.data.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+    out.push_back(std::move(attachment));
+  }
+  return out;
+}
 
 struct Recorder::Impl {
   /// Data from the run; shared with the observer, which may outlive the recorder.

@@ -94,6 +94,15 @@ class World {
   }
 };
 
+/// For World::extension(): the first of the `Interfaces` of a world whose kId is `id`; nullptr: none.
+template <class... Interfaces, class Derived>
+void* find_extension(Derived* world, std::string_view id) {
+  void* found = nullptr;
+  static_cast<void>(
+      ((id == Interfaces::kId && (found = static_cast<Interfaces*>(world)) != nullptr) || ...));
+  return found;
+}
+
 /// Extension "cogrsim.joint_reactions/1": the wrench that each joint transmits.
 class JointReactions {
  public:

@@ -23,6 +23,10 @@ struct Attachment {
   std::string data;
 };
 
+/// The files of a compiled scene as attachments; `folder` is that of the scene. Files that cannot be
+/// read are left out.
+COGRSIM_API std::vector<Attachment> scene_files(const SceneModel& model, const std::string& folder);
+
 /// Options of a recording.
 struct RecorderOptions {
   std::string path;    ///< of the file; replaces an older recording that no recorder is writing
