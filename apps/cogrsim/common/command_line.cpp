@@ -13,6 +13,7 @@
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/dsl/study.h"
 #include "cogrsim/physics/backend_choice.h"
+#include "import/export_command.h"
 #include "import/import_command.h"
 #include "new/new_command.h"
 #include "common/options.h"
@@ -608,6 +609,7 @@ int run_command_line(int argc, char** argv, const std::vector<AddCommands>& more
   for (const AddCommands add : more) add(app, status);
   add_new(app, status);
   add_import(app, status);
+  add_export(app, status);
   add_small_ones(app, arguments, status);
   refuse_empty_values(app);
   for (CLI::App* command : app.get_subcommands({})) {

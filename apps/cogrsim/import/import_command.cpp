@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "common/arguments.h"
@@ -14,7 +11,7 @@
 #include "common/refuse.h"
 #include "common/scene_loading.h"
 #include "common/terminal.h"
-#include "compare/zoom_chart.h"
+#include "import/fidelity_report.h"
 
 namespace cogrsim::cli {
 
@@ -28,38 +25,10 @@ struct ImportCommandOptions {
   dsl::ImportOptions import;
 };
 
-std::string position_of(const dsl::ImportEntry& e) {
-  return e.file.empty() ? "" : fmt::format("{}:{}:{}", e.file, e.line, e.column);
-}
-
-/// What is not exact, the first 20 of each kind.
-void print_report(const dsl::ImportResult& result, const Style& style) {
-  using dsl::Fidelity;
-  for (const Fidelity fidelity : {Fidelity::approximate, Fidelity::left_out}) {
-    const std::size_t count = result.count(fidelity);
-    if (count == 0) continue;
-    std::string text = fmt::format("{}{}{}, {}:\n", style.cyan, dsl::fidelity_name(fidelity),
-                                   style.off, count_text(count, "element", "elements"));
-    constexpr std::size_t kMost = 20;
-    std::size_t shown = 0;
-    for (const dsl::ImportEntry& e : result.entries) {
-      if (e.fidelity != fidelity) continue;
-      if (++shown > kMost) break;
-      text += fmt::format("  {}{}{}: {}\n", position_of(e), e.file.empty() ? "" : ": ", e.element,
-                          e.message);
-    }
-    if (count > kMost)
-      text += fmt::format("  and {} more; --report FILE.html lists all\n", count - kMost);
-    std::fputs(printable(text).c_str(), stderr);
-  }
-}
-
 int import_command(const ImportCommandOptions& options) {
   add_input(options.file);
-  for (const auto& [path, kind] :
-       {std::pair{options.output, OutputKind::xml},
-        std::pair{options.report,
-                  options.report.ends_with(".html") ? OutputKind::html : OutputKind::json}})
+  for (const auto& [path, kind] : {std::pair{options.output, OutputKind::xml},
+                                   std::pair{options.report, report_kind(options.report)}})
     if (!path.empty())
       if (const auto writable = check_writable(path, kind); !writable)
         return refuse(writable.error());
@@ -77,39 +46,24 @@ int import_command(const ImportCommandOptions& options) {
           .string();
   const dsl::ImportResult result = dsl::import_model(options.file, import);
   print_diagnostics(result.diagnostics);
-  if (!options.report.empty()) {
-    const bool html = options.report.ends_with(".html");
-    if (const auto written = html ? write_output(options.report, OutputKind::html,
-                                                 fidelity_html(result, options.file))
-                                  : write_output(options.report, OutputKind::json,
-                                                 json_text(fidelity_json(result, options.file)));
-        !written)
-      return refuse(written.error());
-  }
+  const ConversionTitle title{"Import of " + options.file, options.file, result.format,
+                              !result.scene.empty()};
+  if (const auto written = write_fidelity(options.report, title, result, result.diagnostics);
+      !written)
+    return refuse(written.error());
   if (result.scene.empty()) {
     print_error(fmt::format("'{}' could not be imported", options.file));
     return kFailed;
   }
-  print_report(result, style_of(STDERR_FILENO));
+  print_fidelity(result);
   const std::size_t lost = result.count(dsl::Fidelity::left_out);
   if (options.strict && lost > 0) {
     print_error(fmt::format("{} left out, and --strict allows none; nothing was written",
                             count_text(lost, "element was", "elements were")));
     return kFailed;
   }
-  for (const dsl::ImportedFile& file : result.files) {
-    const fs::path path = fs::path(import.scene_folder) / file.name;
-    fs::create_directories(path.parent_path(), fault);
-    // A mesh that is there already with these bytes is the one that is meant.
-    if (std::ifstream there(path, std::ios::binary);
-        there &&
-        std::equal(std::istreambuf_iterator<char>(there), {}, file.bytes.begin(), file.bytes.end()))
-      continue;
-    if (const auto written =
-            write_output_file(path.string(), OutputKind::other, file.bytes, output_rules());
-        !written)
-      return refuse(written.error());
-  }
+  if (const auto written = write_beside(import.scene_folder, result.files); !written)
+    return refuse(written.error());
   if (options.output.empty() || options.output == "-") {
     if (const auto printed = print_output(result.scene); !printed) return refuse(printed.error());
   } else if (const auto written = write_output(options.output, OutputKind::xml, result.scene);
@@ -142,54 +96,6 @@ int import_command(const ImportCommandOptions& options) {
 }
 
 }  // namespace
-
-Json fidelity_json(const dsl::ImportResult& result, const std::string& source) {
-  Json entries = Json::array();
-  for (const dsl::ImportEntry& e : result.entries)
-    entries.push_back({{"fidelity", dsl::fidelity_name(e.fidelity)},
-                       {"element", e.element},
-                       {"message", e.message},
-                       {"file", e.file},
-                       {"line", e.line},
-                       {"column", e.column}});
-  return {{"source", source},
-          {"format", result.format},
-          {"imported", !result.scene.empty()},
-          {"exact", result.count(dsl::Fidelity::exact)},
-          {"approximate", result.count(dsl::Fidelity::approximate)},
-          {"left_out", result.count(dsl::Fidelity::left_out)},
-          {"entries", std::move(entries)},
-          {"diagnostics", Json::parse(dsl::to_json(result.diagnostics))}};
-}
-
-std::string fidelity_html(const dsl::ImportResult& result, const std::string& source) {
-  std::string out = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Import of "
-      "{0}</title>\n"
-      "<style>body{{font:15px/1.5 system-ui,sans-serif;max-width:70em;margin:2em auto;padding:0 "
-      "1em}}"
-      "table{{border-collapse:collapse;width:100%}}td,th{{text-align:left;padding:.25em .6em;"
-      "border-bottom:1px solid #ddd;vertical-align:top}}.exact{{color:#2a7a2a}}"
-      ".approximate{{color:#9a6a00}}.left{{color:#b02a2a}}</style></head><body>\n"
-      "<h1>Import of {0}</h1>\n<p>{1}: <b class=\"exact\">{2} exact</b>, "
-      "<b class=\"approximate\">{3} approximate</b>, <b class=\"left\">{4} left out</b></p>\n",
-      html_escaped(source), html_escaped(result.format.empty() ? "not imported" : result.format),
-      result.count(dsl::Fidelity::exact), result.count(dsl::Fidelity::approximate),
-      result.count(dsl::Fidelity::left_out));
-  for (const Diagnostic& d : result.diagnostics)
-    out += fmt::format("<p class=\"left\"><b>{}:{}:{}: {}</b> {}</p>\n", html_escaped(d.file),
-                       d.line, d.column, html_escaped(d.message), html_escaped(d.help));
-  out += "<table><tr><th>fidelity</th><th>element</th><th>note</th><th>source</th></tr>\n";
-  using dsl::Fidelity;
-  for (const Fidelity fidelity : {Fidelity::left_out, Fidelity::approximate, Fidelity::exact})
-    for (const dsl::ImportEntry& e : result.entries)
-      if (e.fidelity == fidelity)
-        out += fmt::format("<tr><td class=\"{}\">{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                           fidelity == Fidelity::left_out ? "left" : dsl::fidelity_name(fidelity),
-                           dsl::fidelity_name(fidelity), html_escaped(e.element),
-                           html_escaped(e.message), html_escaped(position_of(e)));
-  return out + "</table></body></html>\n";
-}
 
 void add_import(CLI::App& app, int& status) {
   struct Arguments {
@@ -255,10 +161,7 @@ void add_import(CLI::App& app, int& status) {
     const std::string& folder = options.import.copy_meshes;
     if (!folder.empty() && (folder.front() == '/' || folder.find("..") != std::string::npos))
       throw UsageError("--copy-meshes", Error("'" + folder + "' is not a folder beside the scene"));
-    if (!options.report.empty() && !options.report.ends_with(".json") &&
-        !options.report.ends_with(".html"))
-      throw UsageError("--report",
-                       Error("'" + options.report + "' ends neither in .json nor in .html"));
+    check_report_name(options.report);
     options.import.drives = arguments->drives == "position"   ? dsl::ImportDrives::position
                             : arguments->drives == "torque"   ? dsl::ImportDrives::torque
                             : arguments->drives == "velocity" ? dsl::ImportDrives::velocity

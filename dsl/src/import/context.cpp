@@ -19,7 +19,7 @@ const char* fidelity_name(Fidelity fidelity) {
                                              : "left out";
 }
 
-std::size_t ImportResult::count(Fidelity fidelity) const {
+std::size_t FidelityReport::count(Fidelity fidelity) const {
   return static_cast<std::size_t>(
       std::count_if(entries.begin(), entries.end(),
                     [&](const ImportEntry& e) { return e.fidelity == fidelity; }));

@@ -30,6 +30,12 @@ struct ImportEntry {
   int line = 0, column = 0;
 };
 
+/// What became of every element of a conversion.
+struct FidelityReport {
+  std::vector<ImportEntry> entries;  ///< in the order of the source
+  COGRSIM_API std::size_t count(Fidelity fidelity) const;
+};
+
 /// Motors that an imported joint gets where the source names none.
 enum class ImportDrives { none, position, torque, velocity };
 
@@ -65,14 +71,12 @@ struct ImportedFile {
   std::string bytes;
 };
 
-struct ImportResult {
+struct ImportResult : FidelityReport {
   std::string format;                   ///< "URDF", "MJCF" or "SDF"
   std::string scene;                    ///< XML; empty: nothing could be made, see diagnostics
   std::vector<ImportedFile> files;      ///< to be written beside the scene
-  std::vector<ImportEntry> entries;     ///< in the order of the source
   std::vector<Diagnostic> diagnostics;  ///< errors of the source, with their position
   std::vector<std::string> files_read;  ///< canonical paths, without meshes
-  COGRSIM_API std::size_t count(Fidelity fidelity) const;
 };
 
 /// Whether a text is of a format that import_model() reads, by its root element.

@@ -1,0 +1,160 @@
+#include "import/fidelity_report.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "common/arguments.h"
+#include "common/output_file.h"
+#include "common/terminal.h"
+#include "compare/zoom_chart.h"
+
+namespace cogrsim::cli {
+
+namespace fs = std::filesystem;
+using dsl::Fidelity;
+
+namespace {
+
+std::string position_of(const dsl::ImportEntry& e) {
+  return e.file.empty() ? "" : fmt::format("{}:{}:{}", e.file, e.line, e.column);
+}
+
+/// Light and dark; the bar shows the shares, the buttons choose the rows.
+constexpr const char* kStyle =
+    ":root{color-scheme:light dark;--exact:#2a7a2a;--approximate:#9a6a00;--left:#b02a2a;"
+    "--line:#8884}@media(prefers-color-scheme:dark){:root{--exact:#6ecb6e;--approximate:#e0b040;"
+    "--left:#ff8a80}}body{font:15px/1.5 system-ui,sans-serif;max-width:72em;margin:2em auto;"
+    "padding:0 1em}h1{font-size:1.4em;overflow-wrap:anywhere}table{border-collapse:collapse;"
+    "width:100%}td,th{text-align:left;padding:.3em .6em;border-bottom:1px solid var(--line);"
+    "vertical-align:top;overflow-wrap:anywhere}.exact{color:var(--exact)}"
+    ".approximate{color:var(--approximate)}.left{color:var(--left)}.bar{display:flex;height:.8em;"
+    "border-radius:.4em;overflow:hidden;margin:.6em 0}.bar span{background:currentColor}"
+    "label{margin-right:1.2em;white-space:nowrap}td:first-child{white-space:nowrap}"
+    "td:last-child{font-family:ui-monospace,monospace;font-size:.85em}"
+    "body:has(#s-exact:not(:checked)) tr.r-exact,"
+    "body:has(#s-approximate:not(:checked)) tr.r-approximate,"
+    "body:has(#s-left:not(:checked)) tr.r-left{display:none}";
+
+const char* css_class(Fidelity fidelity) {
+  return fidelity == Fidelity::left_out ? "left" : dsl::fidelity_name(fidelity);
+}
+
+}  // namespace
+
+void check_report_name(const std::string& file) {
+  if (!file.empty() && !file.ends_with(".json") && !file.ends_with(".html"))
+    throw UsageError("--report", Error("'" + file + "' ends neither in .json nor in .html"));
+}
+
+OutputKind report_kind(const std::string& file) {
+  return file.ends_with(".html") ? OutputKind::html : OutputKind::json;
+}
+
+void print_fidelity(const dsl::FidelityReport& report) {
+  const Style style = style_of(STDERR_FILENO);
+  for (const Fidelity fidelity : {Fidelity::approximate, Fidelity::left_out}) {
+    const std::size_t count = report.count(fidelity);
+    if (count == 0) continue;
+    std::string text = fmt::format("{}{}{}, {}:\n", style.cyan, dsl::fidelity_name(fidelity),
+                                   style.off, count_text(count, "element", "elements"));
+    constexpr std::size_t kMost = 20;
+    std::size_t shown = 0;
+    for (const dsl::ImportEntry& e : report.entries) {
+      if (e.fidelity != fidelity) continue;
+      if (++shown > kMost) break;
+      text += fmt::format("  {}{}{}: {}\n", position_of(e), e.file.empty() ? "" : ": ", e.element,
+                          e.message);
+    }
+    if (count > kMost)
+      text += fmt::format("  and {} more; --report FILE.html lists all\n", count - kMost);
+    std::fputs(printable(text).c_str(), stderr);
+  }
+}
+
+Json fidelity_json(const ConversionTitle& title, const dsl::FidelityReport& report,
+                   const std::vector<Diagnostic>& diagnostics) {
+  Json entries = Json::array();
+  for (const dsl::ImportEntry& e : report.entries)
+    entries.push_back({{"fidelity", dsl::fidelity_name(e.fidelity)},
+                       {"element", e.element},
+                       {"message", e.message},
+                       {"file", e.file},
+                       {"line", e.line},
+                       {"column", e.column}});
+  return {{"source", title.source},
+          {"format", title.format},
+          {"imported", title.done},
+          {"exact", report.count(Fidelity::exact)},
+          {"approximate", report.count(Fidelity::approximate)},
+          {"left_out", report.count(Fidelity::left_out)},
+          {"entries", std::move(entries)},
+          {"diagnostics", Json::parse(dsl::to_json(diagnostics))}};
+}
+
+std::string fidelity_html(const ConversionTitle& title, const dsl::FidelityReport& report,
+                          const std::vector<Diagnostic>& diagnostics) {
+  std::string out = fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
+      "<style>{1}</style></head><body>\n<h1>{0}</h1>\n<p>{2}</p>\n",
+      html_escaped(title.text), kStyle,
+      html_escaped(!title.format.empty() ? title.format : "not converted"));
+  constexpr Fidelity kAll[] = {Fidelity::left_out, Fidelity::approximate, Fidelity::exact};
+  std::string bar, boxes;
+  for (const Fidelity f : kAll) {
+    const std::size_t count = report.count(f);
+    if (count > 0)
+      bar += fmt::format("<span class=\"{}\" style=\"flex:{}\"></span>", css_class(f), count);
+    boxes += fmt::format(
+        "<label class=\"{0}\"><input type=\"checkbox\" id=\"s-{0}\" checked> <b>{1} {2}</b>"
+        "</label>",
+        css_class(f), count, dsl::fidelity_name(f));
+  }
+  out += "<div class=\"bar\">" + bar + "</div>\n<p>" + boxes + "</p>\n";
+  for (const Diagnostic& d : diagnostics)
+    out += fmt::format("<p class=\"left\"><b>{}:{}:{}: {}</b> {}</p>\n", html_escaped(d.file),
+                       d.line, d.column, html_escaped(d.message), html_escaped(d.help));
+  out += "<table><tr><th>fidelity</th><th>element</th><th>note</th><th>source</th></tr>\n";
+  for (const Fidelity fidelity : kAll)
+    for (const dsl::ImportEntry& e : report.entries)
+      if (e.fidelity == fidelity)
+        out += fmt::format(
+            "<tr class=\"r-{0}\"><td class=\"{0}\">{1}</td><td>{2}</td><td>{3}</td><td>{4}</td>"
+            "</tr>\n",
+            css_class(fidelity), dsl::fidelity_name(fidelity), html_escaped(e.element),
+            html_escaped(e.message), html_escaped(position_of(e)));
+  return out + "</table></body></html>\n";
+}
+
+Result<> write_fidelity(const std::string& file, const ConversionTitle& title,
+                        const dsl::FidelityReport& report,
+                        const std::vector<Diagnostic>& diagnostics) {
+  if (file.empty()) return {};
+  return write_output(file, report_kind(file),
+                      file.ends_with(".html")
+                          ? fidelity_html(title, report, diagnostics)
+                          : json_text(fidelity_json(title, report, diagnostics)));
+}
+
+Result<> write_beside(const std::string& folder, const std::vector<dsl::ImportedFile>& files) {
+  for (const dsl::ImportedFile& file : files) {
+    const fs::path path = fs::path(folder) / file.name;
+    std::error_code fault;
+    fs::create_directories(path.parent_path(), fault);
+    if (std::ifstream there(path, std::ios::binary);
+        there &&
+        std::equal(std::istreambuf_iterator<char>(there), {}, file.bytes.begin(), file.bytes.end()))
+      continue;
+    if (auto written =
+            write_output_file(path.string(), OutputKind::other, file.bytes, output_rules());
+        !written)
+      return written;
+  }
+  return {};
+}
+
+}  // namespace cogrsim::cli
