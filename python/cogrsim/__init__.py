@@ -37,6 +37,17 @@ def _record(self, path, *, every=0.0, contacts=True, images=True, jpeg=False, ov
                       overwrite=overwrite)
 
 
+def _frame_png(self):
+    """PNG of the frame, for notebooks; None without a renderer."""
+    from ._png import encoded
+    try:
+        return encoded(_c._render(self, "iso", width=640, height=400)["color"])
+    except Error:
+        return None
+
+
+Frame._repr_png_ = _frame_png
+Simulation._repr_png_ = lambda self: _frame_png(self.frame)
 Simulation.signal = _signal
 Simulation.record = _record
 
@@ -55,8 +66,10 @@ def render(frame, view="iso", *, width=640, height=480, fov=0.0, shadows=True, d
     return out if depth or labels else out["color"]
 
 
-_LATE = {"VectorEnv": "env", "Env": "env", "compare": "comparison",
-         "Comparison": "comparison", "Divergence": "comparison"}
+_LATE = {"SceneBuilder": "builder", "SceneElement": "builder", "VectorEnv": "env", "Env": "env",
+         "compare": "comparison", "Comparison": "comparison", "Divergence": "comparison",
+         "Picture": "tools", "Page": "tools", "test": "tools", "sweep": "tools", "plot": "tools",
+         "map": "tools", "bundle": "tools"}
 
 
 def __getattr__(name):

@@ -1,43 +1,7 @@
 """Comparing engines: the results of `cogrsim compare`, as arrays."""
 
-import json
-import os
-import shutil
-import subprocess
-import tempfile
-
-from . import _cogrsim
 from ._errors import Error
-
-
-def program():
-    """Path of the program `cogrsim`: COGRSIM_PROGRAM, that of this installation or build tree, or the first in
-    PATH. Raises Error if there is none."""
-    named = os.environ.get("COGRSIM_PROGRAM")
-    if named:
-        return named
-    folder = os.path.dirname(os.path.abspath(__file__))
-    for _ in range(6):
-        folder = os.path.dirname(folder)
-        found = os.path.join(folder, "bin", "cogrsim")
-        if os.access(found, os.X_OK):
-            return found
-    found = shutil.which("cogrsim")
-    if found:
-        return found
-    raise Error("the program 'cogrsim', which compares engines, is not found\n"
-                "help: install it, or name it in COGRSIM_PROGRAM")
-
-
-def _run_program(arguments):
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "result.json")
-        done = subprocess.run([program(), *arguments, "--json", path], capture_output=True, text=True,
-                              check=False)
-        if not os.path.exists(path):
-            raise Error(done.stderr.strip() or f"cogrsim {arguments[0]} failed ({done.returncode})")
-        with open(path, encoding="utf-8") as file:
-            return json.load(file), done
+from ._program import list_argument, run_json, scene_arguments, seeds_argument, time_argument
 
 
 class Divergence:
@@ -146,37 +110,16 @@ def compare(scene, backends=(), *, seeds=(), duration=None, step=None, shake=Non
     Runs the program `cogrsim compare`, so controllers in Python are not available in it.
     Raises Error with what the program printed; ValueError: a scene that is no file.
     """
-    if isinstance(scene, _cogrsim.Scene):
-        settings = dict(scene.set)
-        if not scene.path:
-            raise ValueError("scene: expected a scene file, given a Scene that was compiled from a text")
-        scene = scene.path
-    else:
-        settings = {}
-        scene = os.fspath(scene)
-    settings.update(set or {})
-    arguments = ["compare", scene]
-    for name, value in settings.items():
-        arguments += ["--set", f"{name}={value}"]
-    if backends:
-        if isinstance(backends, str):
-            raise TypeError(f"backends: expected a list of names, given a str; write [{backends!r}]")
-        arguments += ["--backends", ",".join(backends)]
-    if len(seeds) > 0:
-        arguments += ["--seeds", ",".join(str(int(one)) for one in seeds)]
-    if duration is not None:
-        arguments += ["--duration", f"{float(duration)!r} s"]
-    if step is not None:
-        arguments += ["--step", f"{float(step)!r} s"]
+    arguments = ["compare", *scene_arguments(scene, set, plugin_path), *list_argument("backends", backends),
+                 *seeds_argument(seeds)]
+    arguments += [*time_argument("duration", duration), *time_argument("step", step)]
     if shake is not None:
         arguments += ["--shake", f"{float(shake)!r} m"]
     if seed is not None:
         arguments += ["--seed", str(int(seed))]
     if threshold is not None:
         arguments += ["--threshold", threshold]
-    for folder in plugin_path:
-        arguments += ["--plugin-path", os.fspath(folder)]
-    data, done = _run_program(arguments)
+    data, done = run_json(arguments)
     if not data["runs"]:
         raise Error(done.stderr.strip() or "cogrsim compare failed")
     return Comparison(data)

@@ -11,7 +11,13 @@ class Recording:
     """
 
     def __init__(self, path):
+        import os
+        self.path = os.fspath(path)
         self._file = _cogrsim._Recording(path)
+
+    def _repr_html_(self):
+        from .tools import bundle
+        return bundle(self)._repr_html_()
 
     @property
     def info(self):

@@ -6,6 +6,7 @@
 #include "cogrsim/core/units.h"
 #include "cogrsim/dsl/compiler.h"
 #include "cogrsim/dsl/loader_catalog.h"
+#include "cogrsim/dsl/schema.h"
 
 namespace cogrsim::python {
 
@@ -256,6 +257,8 @@ void bind_scene(py::module_& m) {
       "Compile a scene held in a text. `name` stands in diagnostics, and files are imported from "
       "its\n"
       "folder (the current one for a bare name). Otherwise as compile().");
+  m.def(
+      "_schema", [] { return dsl::write_schema_json(); }, "The scene language, as JSON.");
   m.def(
       "check",
       [](const py::object& path, const py::object& set, const std::optional<std::uint64_t>& seed,

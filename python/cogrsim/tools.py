@@ -1,0 +1,189 @@
+"""Scene tests, sweeps, figures, maps and pages: the program's commands as functions."""
+
+import csv
+import json
+import os
+import tempfile
+
+from . import _cogrsim
+from ._errors import Error
+from ._program import list_argument, run, scene_arguments, seeds_argument, time_argument
+from .recording import Recording
+
+
+class Picture:
+    """A drawing: `data` as bytes, of the format `kind` ("svg" or "png"). A notebook shows it."""
+
+    def __init__(self, kind, data):
+        self.kind, self.data = kind, data
+
+    def save(self, path):
+        """Write it to a file. Raises FileExistsError, OSError."""
+        with open(path, "xb") as file:
+            file.write(self.data)
+
+    def _repr_mimebundle_(self, include=None, exclude=None):
+        return {"image/svg+xml": self.data.decode()} if self.kind == "svg" else {"image/png": self.data}
+
+    def __repr__(self):
+        return f"<Picture, {self.kind}, {len(self.data)} bytes>"
+
+
+class Page:
+    """A page in HTML that needs no other file: `html`. A notebook shows it in a frame of `height` pixels."""
+
+    def __init__(self, html, height=520):
+        self.html, self.height = html, height
+
+    def save(self, path):
+        """Write it to a file. Raises FileExistsError, OSError."""
+        with open(path, "x", encoding="utf-8") as file:
+            file.write(self.html)
+
+    def _repr_html_(self):
+        from html import escape
+        return (f'<iframe srcdoc="{escape(self.html)}" sandbox="allow-scripts allow-downloads" '
+                f'style="width:100%;height:{int(self.height)}px;border:1px solid #8884"></iframe>')
+
+    def __repr__(self):
+        return f"<Page, {len(self.html)} characters>"
+
+
+def _files(source, set, plugin_path):
+    """Arguments for a recording, or for a scene."""
+    if isinstance(source, Recording):
+        return [source.path]
+    if isinstance(source, (str, os.PathLike)) and os.fspath(source).endswith(".mcap"):
+        return [os.fspath(source)]
+    return scene_arguments(source, set, plugin_path)
+
+
+def _made(arguments, name, read):
+    """What the program wrote into the file `name`."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, name)
+        done = run([*arguments, "-o", path])
+        if not os.path.exists(path):
+            raise Error(done.stderr.strip() or f"cogrsim {arguments[0]} failed ({done.returncode})")
+        return read(path)
+
+
+def _bytes(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def _text(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, plugin_path=()):
+    """Run the tests of a scene, of several, or of a folder: list of dict, one per case.
+
+    Keys as `cogrsim test --format json` has them: scene, test, backends, seed, status ("passed", "failed",
+    "error": the scene does not compile, …),
+    message, verdicts, … Raises Error: no tests could be run, or none has `filter` in its name.
+    """
+    if isinstance(scenes, (str, os.PathLike, _cogrsim.Scene)):
+        scenes = [scenes]
+    arguments = ["test", "--format", "json", *list_argument("backends", backends), *seeds_argument(seeds),
+                 *time_argument("timeout", timeout)]
+    if filter is not None:
+        arguments += ["--filter", filter]
+    for scene in scenes:
+        arguments += scene_arguments(scene, set if scene is scenes[-1] else None,
+                                     plugin_path if scene is scenes[-1] else ())
+    done = run(arguments)
+    try:
+        return json.loads(done.stdout)["cases"]
+    except (ValueError, KeyError):
+        raise Error(done.stderr.strip() or f"cogrsim test failed ({done.returncode})") from None
+
+
+def sweep(scene, vary=None, *, backends=(), seeds=(), measure=None, until=None, step=None, jobs=None,
+          output=None, set=None, plugin_path=()):
+    """Run a scene many times: a structured array with one row per run, the columns of results.csv.
+
+    vary: values by <param>, as a list or a text such as "3cm..5cm:5"; several make a grid. measure: numbers by
+    name, "SIGNAL@TAKE". output: folder of the study, which is continued if it is there; None: not kept.
+    Raises Error with what the program printed.
+    """
+    import numpy
+
+    arguments = ["sweep", *scene_arguments(scene, set, plugin_path), *list_argument("backends", backends),
+                 *seeds_argument(seeds), *time_argument("until", until), *time_argument("step", step)]
+    for name, values in (vary or {}).items():
+        text = values if isinstance(values, str) else ",".join(str(v) for v in values)
+        arguments += ["--vary", f"{name}={text}"]
+    for name, signal in (measure or {}).items():
+        arguments += ["--measure", f"{name}={signal}"]
+    if jobs is not None:
+        arguments += ["--jobs", str(int(jobs))]
+    with tempfile.TemporaryDirectory() as folder:
+        folder = os.fspath(output) if output is not None else os.path.join(folder, "study")
+        done = run([*arguments, "-o", folder])
+        path = os.path.join(folder, "results.csv")
+        if not os.path.exists(path):
+            raise Error(done.stderr.strip() or f"cogrsim sweep failed ({done.returncode})")
+        with open(path, encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(line for line in file if not line.startswith("#")))
+    names, rows = rows[0], rows[1:]
+
+    def column(values):
+        try:
+            return numpy.array([float(v) if v else numpy.nan for v in values])
+        except ValueError:
+            return numpy.array(values, dtype=str)
+
+    columns = [column([row[i] for row in rows]) for i in range(len(names))]
+    out = numpy.empty(len(rows), dtype=[(n, c.dtype if len(rows) else float) for n, c in zip(names, columns)])
+    for n, c in zip(names, columns):
+        out[n] = c
+    return out
+
+
+def plot(source, y=(), *, x=None, z=None, kind=None, title=None, plot=None, every=None, format="svg"):
+    """A figure of a recording (a path, a Recording, or a list of these): a Picture.
+
+    y: signals, each a series; x, z, kind, title: as <plot> has them. plot: instead, the name of a plot of the
+    scene. Raises Error: an unknown signal, with the nearest; no gnuplot.
+    """
+    sources = source if isinstance(source, (list, tuple)) else [source]
+    arguments = ["plot"] + [part for one in sources for part in _files(one, None, ())]
+    for signal in [y] if isinstance(y, str) else y:
+        arguments += ["--y", signal]
+    for name, value in (("x", x), ("z", z), ("kind", kind), ("title", title), ("plot", plot)):
+        if value is not None:
+            arguments += [f"--{name}", value]
+    arguments += time_argument("every", every)
+    return Picture(format, _made(arguments, "figure." + format, _bytes))
+
+
+def map(source, *, at=None, area=None, width=900, trail=(), backend=None, set=None, plugin_path=(), format="svg"):
+    """The plan view of a scene or recording with the robots' paths, at the time `at` [s]: a Picture.
+
+    area: (x, y, x, y) [m]; None: everything. trail: bodies or assemblies to follow; empty: the robots.
+    Raises Error with what the program printed.
+    """
+    arguments = ["map", *_files(source, set, plugin_path), *time_argument("at", at), "--width", str(int(width)),
+                 *list_argument("trail", trail)]
+    if area is not None:
+        arguments += ["--area", ",".join(repr(float(v)) for v in area)]
+    if backend is not None:
+        arguments += ["--backend", backend]
+    return Picture(format, _made(arguments, "map." + format, _bytes))
+
+
+def bundle(source, *, backend=None, duration=None, every=None, set=None, plugin_path=(), height=520):
+    """A run on one page, in 3D, with its timeline and curves: a Page. `source`: a recording, or a scene, which
+    is run. Raises Error with what the program printed."""
+    arguments = ["bundle", *_files(source, set, plugin_path), *time_argument("duration", duration),
+                 *time_argument("every", every)]
+    if backend is not None:
+        arguments += ["--backend", backend]
+    return Page(_made(arguments, "run.html", _text), height)
+
+
+for _thing in (Picture, Page, test, sweep, plot, map, bundle):
+    _thing.__module__ = "cogrsim"
