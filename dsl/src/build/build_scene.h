@@ -237,7 +237,7 @@ class Builder {
   // controllers.cpp
   void controller(const Element& element);
   std::optional<Parameters> plugin_parameters(const Element& element, PluginKind kind,
-                                              const std::string& plugin);
+                                              const std::string& plugin, Parameters given = {});
   void engine_blocks(const Element& element, std::map<std::string, Parameters>& options);
   bool take_parameters(const Element& element, const ParameterTable* table, Parameters& given);
 

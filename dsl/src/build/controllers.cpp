@@ -53,7 +53,8 @@ bool Builder::take_parameters(const Element& element, const ParameterTable* tabl
 }
 
 std::optional<Parameters> Builder::plugin_parameters(const Element& element, PluginKind kind,
-                                                     const std::string& plugin) {
+                                                     const std::string& plugin,
+                                                     Parameters given) {
   const ParameterTable* table = nullptr;
   Result<ParameterTable> found = ParameterTable{};
   if (context_.options.plugins != nullptr) {
@@ -67,7 +68,6 @@ std::optional<Parameters> Builder::plugin_parameters(const Element& element, Plu
     }
     table = &*found;
   }
-  Parameters given;
   bool good = true;
   for (const Element* child : element.children)
     if (child->tag() == "set") good = take_parameters(*child, table, given) && good;
@@ -92,10 +92,30 @@ void Builder::controller(const Element& element) {
   rates_.push_back({&element, controller.rate});
   controller.on_fault =
       *r.text("on-fault") == "end-run" ? FaultPolicy::end_run : FaultPolicy::stop_controller;
-  const auto plugin = r.text("plugin");
-  if (!plugin.given()) return;
-  controller.plugin = *plugin;
   const bool is_supervisor = element.tag() == "supervisor";
+  const bool connects = !is_supervisor && r.has("connect");
+  Parameters given;
+  if (connects) {
+    const auto address = r.text("connect");
+    if (!address.given()) return;
+    given["connect"] = *address;
+    controller.plugin = "socket";
+  }
+  if (!connects || r.has("plugin")) {
+    if (!r.has("plugin")) {
+      fault("CG0204", element, "<controller> needs the attribute \"plugin\" or \"connect\"")
+          .help("add plugin=\"…\"");
+      return;
+    }
+    const auto plugin = r.text("plugin");
+    if (!plugin.given()) return;
+    if (connects && *plugin != "socket") {
+      fault("CG0904", element, "connect", "only the plugin 'socket' connects to another program")
+          .help("remove plugin=\"" + *plugin + "\"");
+      return;
+    }
+    controller.plugin = *plugin;
+  }
   if (!is_supervisor) {
     if (const std::string isolation = *r.text("isolation"); !isolation.empty())
       controller.isolation = isolation == "process" ? Isolation::process : Isolation::none;
@@ -113,7 +133,8 @@ void Builder::controller(const Element& element) {
               "whole scene");
   }
   auto parameters = plugin_parameters(
-      element, is_supervisor ? PluginKind::supervisor : PluginKind::controller, controller.plugin);
+      element, is_supervisor ? PluginKind::supervisor : PluginKind::controller, controller.plugin,
+      std::move(given));
   if (!parameters) return;
   controller.parameters = std::move(*parameters);
   if (context_.options.plugins != nullptr)

@@ -25,6 +25,7 @@ bool takes_name(const Element& element) {
 }
 
 std::string base_name(const Element& element) {
+  if (element.tag() == "controller" && element.find("connect") != nullptr) return "socket";
   if (element.tag() == "controller" || element.tag() == "supervisor")
     if (const Attribute* plugin = element.find("plugin"); plugin != nullptr) {
       const bool plain = std::all_of(plugin->value.begin(), plugin->value.end(), [](char c) {

@@ -93,9 +93,9 @@ Attributes drive() {
              above_zero(either("max-speed", {kAngularSpeed, kSpeed}, "Largest speed."))};
 }
 
-Attributes controller() {
+Attributes controller(AttributeSpec plugin) {
   return Attributes{
-      must(attr("plugin", Kind::text, "Name of the plugin; never a path.")),
+      std::move(plugin),
       attr("name", Kind::name, "Name; the plugin's if left out."),
       at_least(number("rate", kFrequency, "Updates per second; 0: one every step.", "0"), 0.0),
       choice("on-fault", {"stop-controller", "end-run"},
@@ -108,6 +108,9 @@ constexpr double kLeastMemory = 1e6;
 
 Attributes contained() {
   return Attributes{
+      attr("connect", Kind::text,
+           "Address of a controller in another program, unix:run.sock or tcp:127.0.0.1:5555; "
+           "instead of `plugin`, the plugin \"socket\"."),
       choice(
           "isolation", {"none", "process"},
           "Whether it runs in the simulation's process or in a separate one, whose crash does not "
@@ -510,11 +513,17 @@ void add_motion(std::vector<ElementSpec>& out) {
 void add_controllers(std::vector<ElementSpec>& out) {
   const auto group = "Controllers";
   out.push_back(element(group, "controller", "A plugin that controls the assembly it is in.",
-                        controller() + contained(), {"set"},
+                        controller(attr("plugin", Kind::text,
+                                        "Name of the plugin, never a path; required without "
+                                        "`connect`.")) +
+                            contained(),
+                        {"set"},
                         "<controller plugin=\"diff_drive\" rate=\"50 Hz\"> <set speed=\"0.3 "
                         "m/s\"/> </controller>"));
   out.push_back(element(group, "supervisor", "A plugin that observes and changes the whole scene.",
-                        controller(), {"set"}, "<supervisor plugin=\"referee\" rate=\"10 Hz\"/>"));
+                        controller(must(attr("plugin", Kind::text,
+                                             "Name of the plugin; never a path."))),
+                        {"set"}, "<supervisor plugin=\"referee\" rate=\"10 Hz\"/>"));
   ElementSpec set = element(group, "set", "Parameters of the plugin, by name.", {}, {},
                             "<set side=\"left\" gain=\"1.5\"/>");
   set.open_attributes = true;
