@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cogrsim/core/constants.h"
+#include "cogrsim/core/expression.h"
 #include "syntax/text.h"
 
 namespace cogrsim::dsl::import {
@@ -140,8 +142,8 @@ PyValue rounded(const Call& call) {
   return integer_or(function(call.number(0)), true);
 }
 
-double radians(double v) { return v * 3.14159265358979323846 / 180.0; }
-double degrees(double v) { return v * 180.0 / 3.14159265358979323846; }
+double radians(double v) { return v * kPi / 180.0; }
+double degrees(double v) { return v * 180.0 / kPi; }
 
 using Function = PyValue (*)(const Call&);
 const std::map<std::string, Function>& functions() {
@@ -198,26 +200,90 @@ const std::map<std::string, Function>& functions() {
   return kFunctions;
 }
 
-class Parser {
+bool contains(const PyValue& in, const PyValue& what) {
+  if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&in.is))
+    return std::any_of((*l)->begin(), (*l)->end(),
+                       [&](const PyValue& v) { return equal(v, what); });
+  if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&in.is))
+    return (*d)->count(what.text()) != 0;
+  if (const auto* s = std::get_if<std::string>(&in.is))
+    return s->find(what.text()) != std::string::npos;
+  throw PyError{std::string(kind_of(in)) + " contains nothing"};
+}
+
+bool compared(std::string_view op, const PyValue& a, const PyValue& b) {
+  if (op == "<") return less(a, b);
+  if (op == ">") return less(b, a);
+  if (op == "<=") return !less(b, a);
+  if (op == ">=") return !less(a, b);
+  if (op == "in" || op == "not") return contains(b, a) == (op == "in");
+  return equal(a, b) == (op != "!=");
+}
+
+PyValue added(const PyValue& a, const PyValue& b) {
+  const auto *s = std::get_if<std::string>(&a.is), *t = std::get_if<std::string>(&b.is);
+  const auto* l = std::get_if<std::shared_ptr<const PyList>>(&a.is);
+  const auto* m = std::get_if<std::shared_ptr<const PyList>>(&b.is);
+  if (s != nullptr && t != nullptr) {
+    if (s->size() + t->size() > kLongestText) throw PyError{"a text grows too long"};
+    return {*s + *t};
+  }
+  if (l != nullptr && m != nullptr) {
+    if ((*l)->size() + (*m)->size() > kLongestList) throw PyError{"a list grows too long"};
+    auto both = std::make_shared<PyList>(**l);
+    both->insert(both->end(), (*m)->begin(), (*m)->end());
+    return {std::shared_ptr<const PyList>(std::move(both))};
+  }
+  return integer_or(a.number() + b.number(), is_integer(a) && is_integer(b));
+}
+
+PyValue computed(std::string_view op, const PyValue& a, const PyValue& b) {
+  if (op == "+") return added(a, b);
+  if (op == "%" && std::holds_alternative<std::string>(a.is))
+    throw PyError{"texts are not formatted here"};
+  const bool divides = op == "/" || op == "//" || op == "%";
+  if (divides && b.number() == 0.0) throw PyError{"a division by zero"};
+  const bool integers = is_integer(a) && is_integer(b);
+  const double x = a.number(), y = b.number();
+  if (op == "-") return integer_or(x - y, integers);
+  if (op == "*") return integer_or(x * y, integers);
+  if (op == "/") return {x / y};
+  if (op == "//") return integer_or(std::floor(x / y), integers);
+  if (op == "%") return integer_or(x - y * std::floor(x / y), integers);
+  return integer_or(std::pow(x, y), integers && y >= 0.0);
+}
+
+using expression::in_word;
+using expression::Operator;
+
+constexpr int kDeepest = 100;
+
+class Parser : expression::Parser<Parser, PyValue, kDeepest> {
+  friend expression::Parser<Parser, PyValue, kDeepest>;
+  enum Level { kOr, kAnd, kNot, kCompare, kSum, kProduct, kSign, kPower };
+  static constexpr Operator kPrefix[] = {
+      {"not", kNot, kNot}, {"-", kSign, kSign}, {"+", kSign, kSign}};
+  static constexpr Operator kInfix[] = {
+      {"or", kOr, kAnd},       {"and", kAnd, kNot},    {"==", kCompare, kSum},
+      {"!=", kCompare, kSum},  {"<=", kCompare, kSum}, {">=", kCompare, kSum},
+      {"<", kCompare, kSum},   {">", kCompare, kSum},  {"in", kCompare, kSum},
+      {"not", kCompare, kSum}, {"is", kCompare, kSum}, {"+", kSum, kProduct},
+      {"-", kSum, kProduct},   {"**", kPower, kSign},  {"*", kProduct, kSign},
+      {"//", kProduct, kSign}, {"/", kProduct, kSign}, {"%", kProduct, kSign}};
+
  public:
-  Parser(std::string_view text, const PyScope& scope) : text_(text), scope_(scope) {}
+  Parser(std::string_view text, const PyScope& scope)
+      : expression::Parser<Parser, PyValue, kDeepest>(text), scope_(scope) {}
 
   PyValue whole() {
     PyValue out = ternary();
-    blanks();
-    if (at_ < text_.size())
+    if (here() < text_.size())
       throw PyError{"'" + std::string(text_.substr(at_, 40)) + "' cannot stand here"};
     return out;
   }
 
  private:
-  struct Deeper {
-    explicit Deeper(int& depth) : depth_(depth) {
-      if (++depth_ > 100) throw PyError{"the expression is nested too deep"};
-    }
-    ~Deeper() { --depth_; }
-    int& depth_;
-  };
+  PyValue too_deep(const Operator*) const { throw PyError{"the expression is nested too deep"}; }
 
   void spend() const {
     if (scope_.budget == nullptr) return;
@@ -225,48 +291,31 @@ class Parser {
     --*scope_.budget;
   }
 
-  void blanks() {
-    while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
-  }
-
-  bool sign(std::string_view s) {
-    blanks();
-    if (text_.substr(at_, s.size()) != s) return false;
-    at_ += s.size();
-    return true;
-  }
-
-  bool word(std::string_view w) {
-    blanks();
-    if (text_.substr(at_, w.size()) != w) return false;
-    const char next = at_ + w.size() < text_.size() ? text_[at_ + w.size()] : ' ';
-    if (is_letter(next) || is_digit(next)) return false;
-    at_ += w.size();
-    return true;
-  }
-
   void need(std::string_view s) {
-    if (!sign(s)) throw PyError{"'" + std::string(s) + "' is missing"};
+    if (!take(s)) throw PyError{"'" + std::string(s) + "' is missing"};
   }
 
   PyValue ternary() {
-    const Deeper deeper(depth_);
+    return deeper(nullptr, [&] { return branches(); });
+  }
+
+  PyValue branches() {
     spend();
     // Both branches are computed; what is refused in the one that is not taken is forgotten.
     const std::size_t begin = at_;
     PyValue yes;
     std::string trouble;
     try {
-      yes = any();
+      yes = expression(kOr);
     } catch (const PyError& error) {
       // Perhaps the branch of an "if" whose condition does not hold: find that "if".
       trouble = error.message;
       at_ = begin;
       if (!skip_to_if()) throw;
     }
-    if (!word("if")) return yes;
-    const bool condition = any().truth();
-    if (!word("else")) throw PyError{"'else' is missing"};
+    if (!take("if")) return yes;
+    const bool condition = expression(kOr).truth();
+    if (!take("else")) throw PyError{"'else' is missing"};
     if (condition) {
       if (!trouble.empty()) throw PyError{trouble};
       try {
@@ -310,164 +359,46 @@ class Parser {
     }
   }
 
-  PyValue any() {
-    PyValue out = all();
-    while (word("or")) {
-      const PyValue other = all();
-      if (!out.truth()) out = other;
-    }
-    return out;
-  }
-
-  PyValue all() {
-    PyValue out = negation();
-    while (word("and")) {
-      const PyValue other = negation();
-      if (out.truth()) out = other;
-    }
-    return out;
-  }
-
-  PyValue negation() {
-    const Deeper deeper(depth_);
-    if (word("not")) return {!negation().truth()};
-    return compare();
-  }
-
-  static bool contains(const PyValue& in, const PyValue& what) {
-    if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&in.is))
-      return std::any_of((*l)->begin(), (*l)->end(),
-                         [&](const PyValue& v) { return equal(v, what); });
-    if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&in.is))
-      return (*d)->count(what.text()) != 0;
-    if (const auto* s = std::get_if<std::string>(&in.is))
-      return s->find(what.text()) != std::string::npos;
-    throw PyError{std::string(kind_of(in)) + " contains nothing"};
-  }
-
-  PyValue compare() {
-    PyValue out = sum();
-    PyValue left = out;
-    bool compared = false, holds = true;
-    while (true) {
-      blanks();
-      const auto against = [&](auto test) {
-        PyValue right = sum();
-        holds = holds && test(left, right);
-        left = std::move(right);
-        compared = true;
-      };
-      if (sign("==")) {
-        against([](const PyValue& a, const PyValue& b) { return equal(a, b); });
-      } else if (sign("!=")) {
-        against([](const PyValue& a, const PyValue& b) { return !equal(a, b); });
-      } else if (sign("<=")) {
-        against([](const PyValue& a, const PyValue& b) { return !less(b, a); });
-      } else if (sign(">=")) {
-        against([](const PyValue& a, const PyValue& b) { return !less(a, b); });
-      } else if (sign("<")) {
-        against([](const PyValue& a, const PyValue& b) { return less(a, b); });
-      } else if (sign(">")) {
-        against([](const PyValue& a, const PyValue& b) { return less(b, a); });
-      } else if (word("in")) {
-        against([](const PyValue& a, const PyValue& b) { return contains(b, a); });
-      } else if (text_.substr(at_, 3) == "not" && word("not")) {
-        if (!word("in")) throw PyError{"'in' is missing after 'not'"};
-        against([](const PyValue& a, const PyValue& b) { return !contains(b, a); });
-      } else if (word("is")) {
-        const bool no = word("not");
-        against([no](const PyValue& a, const PyValue& b) { return equal(a, b) != no; });
-      } else {
-        break;
-      }
-    }
-    if (compared) return {holds};
-    return out;
-  }
-
-  PyValue sum() {
-    PyValue out = term();
-    while (true) {
-      if (sign("+")) {
-        const PyValue b = term();
-        const auto *s = std::get_if<std::string>(&out.is), *t = std::get_if<std::string>(&b.is);
-        const auto* l = std::get_if<std::shared_ptr<const PyList>>(&out.is);
-        const auto* m = std::get_if<std::shared_ptr<const PyList>>(&b.is);
-        if (s != nullptr && t != nullptr) {
-          if (s->size() + t->size() > kLongestText) throw PyError{"a text grows too long"};
-          out = PyValue{*s + *t};
-        } else if (l != nullptr && m != nullptr) {
-          if ((*l)->size() + (*m)->size() > kLongestList) throw PyError{"a list grows too long"};
-          auto both = std::make_shared<PyList>(**l);
-          both->insert(both->end(), (*m)->begin(), (*m)->end());
-          out = PyValue{std::shared_ptr<const PyList>(std::move(both))};
-        } else {
-          out = integer_or(out.number() + b.number(), is_integer(out) && is_integer(b));
-        }
-      } else if (sign("-")) {
-        const PyValue b = term();
-        out = integer_or(out.number() - b.number(), is_integer(out) && is_integer(b));
-      } else {
-        return out;
-      }
-    }
-  }
-
-  PyValue term() {
-    PyValue out = unary();
-    while (true) {
-      blanks();
-      if (text_.substr(at_, 2) == "**") return out;
-      if (sign("*")) {
-        const PyValue b = unary();
-        out = integer_or(out.number() * b.number(), is_integer(out) && is_integer(b));
-      } else if (sign("//")) {
-        const PyValue b = unary();
-        if (b.number() == 0.0) throw PyError{"a division by zero"};
-        out = integer_or(std::floor(out.number() / b.number()), is_integer(out) && is_integer(b));
-      } else if (sign("/")) {
-        const PyValue b = unary();
-        if (b.number() == 0.0) throw PyError{"a division by zero"};
-        out = PyValue{out.number() / b.number()};
-      } else if (sign("%")) {
-        const PyValue b = unary();
-        if (std::holds_alternative<std::string>(out.is))
-          throw PyError{"texts are not formatted here"};
-        if (b.number() == 0.0) throw PyError{"a division by zero"};
-        const double m = out.number() - b.number() * std::floor(out.number() / b.number());
-        out = integer_or(m, is_integer(out) && is_integer(b));
-      } else {
-        return out;
-      }
-    }
-  }
-
-  PyValue unary() {
-    const Deeper deeper(depth_);
+  template <class Operand>
+  PyValue prefix(std::size_t, const Operator& op, const Operand& operand) {
     spend();
-    if (sign("-")) {
-      const PyValue v = unary();
-      return is_integer(v) ? integer_or(-v.number(), true) : PyValue{-v.number()};
-    }
-    if (sign("+")) return unary();
-    PyValue out = postfix();
-    if (sign("**")) {
-      const PyValue e = unary();
-      out = integer_or(std::pow(out.number(), e.number()),
-                       is_integer(out) && is_integer(e) && e.number() >= 0.0);
-    }
-    return out;
+    const PyValue of = operand();
+    if (op.level == kNot) return {!of.truth()};
+    if (op.text == "+") return of;
+    return is_integer(of) ? integer_or(-of.number(), true) : PyValue{-of.number()};
   }
 
-  PyValue postfix() {
-    blanks();
+  template <class Operand>
+  PyValue infix(std::size_t, const Operator& op, PyValue left, const Operand& right) {
+    if (op.level == kCompare) return chain(op, std::move(left));
+    const PyValue other = right();
+    if (op.level > kCompare) return computed(op.text, left, other);
+    return left.truth() == (op.level == kOr) ? left : other;
+  }
+
+  /// a < b <= c …, from behind the first sign.
+  PyValue chain(const Operator& first, PyValue left) {
+    bool holds = true;
+    for (const Operator* op = &first; op; op = take_operator(kInfix, kCompare, kCompare)) {
+      std::string_view test = op->text;
+      if (test == "not" && !take("in")) throw PyError{"'in' is missing after 'not'"};
+      if (test == "is" && take("not")) test = "!=";
+      PyValue right = expression(op->right);
+      holds = holds && compared(test, left, right);
+      left = std::move(right);
+    }
+    return {holds};
+  }
+
+  PyValue primary() {
+    spend();
     std::string name;  // of what is not a value yet: a function, a module
     PyValue out;
     if (at_ < text_.size() && is_letter(text_[at_])) {
       name = identifier();
       if (!resolve(name, out)) {
         // math.pi, xacro.load_yaml(…), python.max(…), ns.property
-        while (sign(".")) {
+        while (take(".")) {
           name += "." + identifier();
           if (resolve(name, out)) {
             name.clear();
@@ -484,14 +415,14 @@ class Parser {
         if (resolve(name, out)) name.clear();
       }
       if (!name.empty()) {
-        if (!sign("(")) throw PyError{"'" + name + "' is not defined"};
+        if (!take("(")) throw PyError{"'" + name + "' is not defined"};
         out = call(name);
       }
     } else {
       out = atom();
     }
     while (true) {
-      blanks();
+      skip_blanks();
       if (at_ < text_.size() && text_[at_] == '[') {
         ++at_;
         const PyValue key = ternary();
@@ -530,9 +461,9 @@ class Parser {
   }
 
   std::string identifier() {
-    blanks();
+    skip_blanks();
     const std::size_t begin = at_;
-    while (at_ < text_.size() && (is_letter(text_[at_]) || is_digit(text_[at_]))) ++at_;
+    while (in_word(next())) ++at_;
     if (begin == at_) throw PyError{"a name is missing"};
     return std::string(text_.substr(begin, at_ - begin));
   }
@@ -542,10 +473,10 @@ class Parser {
     if (name == "False") return out = PyValue{false}, true;
     if (name == "None") return out = PyValue{}, true;
     if (scope_.look_up && scope_.look_up(name, out)) return true;
-    if (name == "pi") return out = PyValue{3.14159265358979323846}, true;
+    if (name == "pi") return out = PyValue{kPi}, true;
     if (name == "e") return out = PyValue{2.71828182845904523536}, true;
-    if (name == "tau") return out = PyValue{6.28318530717958647692}, true;
-    if (name == "inf") return out = PyValue{std::numeric_limits<double>::infinity()}, true;
+    if (name == "tau") return out = PyValue{2.0 * kPi}, true;
+    if (name == "inf") return out = PyValue{kInfinity}, true;
     return false;
   }
 
@@ -556,10 +487,10 @@ class Parser {
       ++at_;
       PyList list;
       bool comma = false;
-      while (!sign(")")) {
+      while (!take(")")) {
         list.push_back(ternary());
         if (list.size() > kLongestList) throw PyError{"a list grows too long"};
-        if (!sign(",")) {
+        if (!take(",")) {
           need(")");
           break;
         }
@@ -571,10 +502,10 @@ class Parser {
     if (c == '[') {
       ++at_;
       PyList list;
-      while (!sign("]")) {
+      while (!take("]")) {
         list.push_back(ternary());
         if (list.size() > kLongestList) throw PyError{"a list grows too long"};
-        if (!sign(",")) {
+        if (!take(",")) {
           need("]");
           break;
         }
@@ -584,12 +515,12 @@ class Parser {
     if (c == '{') {
       ++at_;
       PyDict dict;
-      while (!sign("}")) {
+      while (!take("}")) {
         const PyValue key = ternary();
         need(":");
         dict[key.text()] = ternary();
         if (dict.size() > kLongestList) throw PyError{"a dictionary grows too long"};
-        if (!sign(",")) {
+        if (!take(",")) {
           need("}");
           break;
         }
@@ -618,10 +549,10 @@ class Parser {
 
   PyValue call(const std::string& name) {
     Call call{name, {}, scope_};
-    while (!sign(")")) {
+    while (!take(")")) {
       call.arguments.push_back(ternary());
       if (call.arguments.size() > 1000) throw PyError{"a call has too many arguments"};
-      if (!sign(",")) {
+      if (!take(",")) {
         need(")");
         break;
       }
@@ -631,10 +562,7 @@ class Parser {
     return function->second(call);
   }
 
-  std::string_view text_;
   const PyScope& scope_;
-  std::size_t at_ = 0;
-  int depth_ = 0;
 };
 
 PyValue from_yaml(const YAML::Node& node, const PyScope& scope, int depth, std::size_t& left) {
@@ -656,7 +584,7 @@ PyValue from_yaml(const YAML::Node& node, const PyScope& scope, int depth, std::
   const std::string& text = node.Scalar();
   const std::string& tag = node.Tag();
   const auto of = [&](double factor) { return PyValue{evaluate(text, scope).number() * factor}; };
-  if (tag == "!degrees") return of(3.14159265358979323846 / 180.0);
+  if (tag == "!degrees") return of(kPi / 180.0);
   if (tag == "!radians" || tag == "!meters" || tag == "!meter") return of(1.0);
   if (tag == "!millimeters" || tag == "!mm") return of(1e-3);
   if (tag == "!inches") return of(0.0254);

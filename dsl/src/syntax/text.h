@@ -4,16 +4,13 @@
 #include <string>
 #include <string_view>
 
+#include "cogrsim/core/expression.h"
+
 namespace cogrsim::dsl {
 
-/// White space as XML has it.
-inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-
-/// The first character of a name of the language.
-inline bool is_letter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-}
-inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
+using expression::is_blank;
+using expression::is_digit;
+using expression::is_letter;
 
 /// With small letters for the capitals of ASCII.
 inline std::string small_letters(std::string_view text) {

@@ -1,10 +1,6 @@
-// The expressions inside ${…}: a recursive-descent parser that computes as it goes.
+// The expressions inside ${…}, computed while they are read. The operators are in the tables below;
 //
-//   or     = and { "or" and }            and    = not { "and" not }
-//   not    = "not" not | compare         compare = sum [ (lt|le|gt|ge|eq|ne) sum ]
-//   sum    = product { (+|-) product }   product = unary { (*|/|%) unary }
-//   unary  = (+|-) unary | power         power  = primary [ "^" unary ]
-//   primary = number [unit] | 'text' | name | name "(" list ")" | "(" or ")" | "[" list "]"
+//   primary = number [unit] | 'text' | name | name "(" list ")" | "(" all ")" | "[" list "]"
 //
 // A unit follows its number and is read as far as it goes without a blank: "2 m/s" is a speed,
 // "2 m / s" divides by something called s.
@@ -12,61 +8,56 @@
 #include <cmath>
 #include <functional>
 
+#include "cogrsim/core/constants.h"
+#include "cogrsim/core/expression.h"
 #include "syntax/element.h"
+#include "syntax/text.h"
 #include "values/functions.h"
 #include "values/number_list.h"
-#include "syntax/text.h"
 
 namespace cogrsim::dsl {
 namespace {
 
+using expression::in_word;
+using expression::Operator;
+
 constexpr int kDeepest = 100;  // nested brackets and signs
 
-class Parser {
+class Parser : expression::Parser<Parser, Value, kDeepest> {
+  friend expression::Parser<Parser, Value, kDeepest>;
+  enum Level { kOr = 1, kAnd, kNot, kCompare, kSum, kProduct, kSign, kPower };
+  static constexpr Operator kPrefix[] = {
+      {"not", kNot, kNot}, {"-", kSign, kSign}, {"+", kSign, kSign}};
+  static constexpr Operator kInfix[] = {{"or", kOr, kAnd},
+                                        {"and", kAnd, kNot},
+                                        {"lt", kCompare, kSum, false},
+                                        {"le", kCompare, kSum, false},
+                                        {"gt", kCompare, kSum, false},
+                                        {"ge", kCompare, kSum, false},
+                                        {"eq", kCompare, kSum, false},
+                                        {"ne", kCompare, kSum, false},
+                                        {"+", kSum, kProduct},
+                                        {"-", kSum, kProduct},
+                                        {"*", kProduct, kSign},
+                                        {"/", kProduct, kSign},
+                                        {"%", kProduct, kSign},
+                                        {"^", kPower, kSign}};
+
  public:
   Parser(std::string_view text, const Environment& environment,
          std::optional<ExpressionFault>& fault)
-      : text_(text), environment_(environment), fault_(fault) {}
+      : expression::Parser<Parser, Value, kDeepest>(text),
+        environment_(environment),
+        fault_(fault) {}
 
   Value run() {
-    Value v = parse_or();
+    Value v = nested(kOr);
     skip_blanks();
     if (!fault_ && at_ < text_.size()) unexpected();
     return fault_ ? Value::poison() : v;
   }
 
  private:
-  struct Depth {
-    explicit Depth(int& n) : n_(n) { ++n_; }
-    ~Depth() { --n_; }
-    int& n_;
-  };
-
-  // ---- text
-
-  void skip_blanks() {
-    while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
-  }
-  bool take(char c) {
-    skip_blanks();
-    if (at_ >= text_.size() || text_[at_] != c) return false;
-    ++at_;
-    return true;
-  }
-  std::string_view peek_word() {
-    skip_blanks();
-    std::size_t end = at_;
-    if (end < text_.size() && is_letter(text_[end])) {
-      while (end < text_.size() && (is_letter(text_[end]) || is_digit(text_[end]))) ++end;
-    }
-    return text_.substr(at_, end - at_);
-  }
-  bool take_word(std::string_view word) {
-    if (peek_word() != word) return false;
-    at_ += word.size();
-    return true;
-  }
-
   Value fail(const char* code, std::size_t begin, std::size_t length, std::string message,
              std::string help = {}) {
     if (!fault_) {
@@ -92,7 +83,7 @@ class Parser {
       help = "numbers have a decimal point: 1.5";
     } else if (c == '$' || c == '{') {
       std::size_t begin = std::min(text_.find_first_not_of("${", at_), text_.size()), end = begin;
-      while (end < text_.size() && (is_letter(text_[end]) || is_digit(text_[end]))) ++end;
+      while (end < text_.size() && in_word(text_[end])) ++end;
       help = "inside an expression a parameter is written as its name alone";
       if (end > begin) help += ": " + std::string(text_.substr(begin, end - begin));
     }
@@ -135,135 +126,72 @@ class Parser {
     *environment_.budget -= kWorkOfValue * size;
     return value;
   }
-  std::size_t here() {
-    skip_blanks();
-    return at_;
-  }
 
   // ---- grammar
 
-  Value parse_or() {
-    const Depth depth(depth_);
-    if (depth_ > kDeepest) return fail("CG0511", at_, 1, "brackets are nested too deep");
-    const std::size_t begin = here();
-    Value left = parse_and();
-    while (take_word("or")) left = logic_from(begin, left, false);
-    return left;
+  Value too_deep(const Operator* op) {
+    return fail("CG0511", at_, 1,
+                op == nullptr        ? "brackets are nested too deep"
+                : op->level == kNot  ? "too many \"not\""
+                : op->level == kSign ? "too many signs"
+                                     : "too many powers");
   }
 
-  /// The right side of "and" or "or"; it does not count where the left side decides.
-  Value logic_from(std::size_t begin, const Value& left, bool both) {
+  template <class Operand>
+  Value prefix(std::size_t begin, const Operator& op, const Operand& operand) {
+    return finish(begin, op.level == kNot ? negation(operand())
+                                          : arithmetic(op.text[0], Value::number(0.0), operand()));
+  }
+
+  template <class Operand>
+  Value infix(std::size_t begin, const Operator& op, Value left, const Operand& right) {
+    if (op.level == kCompare) return finish(begin, comparison(op.text, left, right()));
+    if (op.level > kCompare) return finish(begin, arithmetic(op.text[0], left, right()));
+    // The right side does not count where the left side decides.
+    const bool both = op.level == kAnd;
     const bool decided = left.as_boolean() && *left.as_boolean() != both;
     skipping_ += decided;
-    const Value right = both ? parse_not() : parse_and();
+    const Value other = right();
     skipping_ -= decided;
     if (fault_) return Value::poison();
-    return decided ? left : finish(begin, logic(left, right, both));
+    return decided ? left : finish(begin, logic(left, other, both));
   }
 
-  Value parse_and() {
-    const std::size_t begin = here();
-    Value left = parse_not();
-    while (take_word("and")) left = logic_from(begin, left, true);
-    return left;
-  }
-
-  Value parse_not() {
-    const std::size_t begin = here();
-    if (!take_word("not")) return parse_compare();
-    const Depth depth(depth_);
-    if (depth_ > kDeepest) return fail("CG0511", at_, 1, "too many \"not\"");
-    return finish(begin, negation(parse_not()));
-  }
-
-  Value parse_compare() {
-    const std::size_t begin = here();
-    Value left = parse_sum();
-    for (const char* op : {"lt", "le", "gt", "ge", "eq", "ne"}) {
-      if (take_word(op)) {
-        const Value right = parse_sum();
-        return finish(begin, comparison(op, left, right));
-      }
-    }
-    return left;
-  }
-
-  Value parse_sum() {
-    const std::size_t begin = here();
-    Value left = parse_product();
-    while (true) {
-      const char op = take('+') ? '+' : take('-') ? '-' : '\0';
-      if (!op) return left;
-      const Value right = parse_product();
-      left = finish(begin, arithmetic(op, left, right));
-    }
-  }
-
-  Value parse_product() {
-    const std::size_t begin = here();
-    Value left = parse_unary();
-    while (true) {
-      const char op = take('*') ? '*' : take('/') ? '/' : take('%') ? '%' : '\0';
-      if (!op) return left;
-      const Value right = parse_unary();
-      left = finish(begin, arithmetic(op, left, right));
-    }
-  }
-
-  Value parse_unary() {
-    const std::size_t begin = here();
-    const char op = take('-') ? '-' : take('+') ? '+' : '\0';
-    if (!op) return parse_power();
-    const Depth depth(depth_);
-    if (depth_ > kDeepest) return fail("CG0511", at_, 1, "too many signs");
-    return finish(begin, arithmetic(op, Value::number(0.0), parse_unary()));
-  }
-
-  Value parse_power() {
-    const std::size_t begin = here();
-    const Value base = parse_primary();
-    if (!take('^')) return base;
-    const Depth depth(depth_);
-    if (depth_ > kDeepest) return fail("CG0511", at_, 1, "too many powers");
-    return finish(begin, arithmetic('^', base, parse_unary()));
-  }
-
-  Value parse_primary() {
-    skip_blanks();
-    if (at_ >= text_.size()) return unexpected();
+  Value primary() {
+    if (here() >= text_.size()) return unexpected();
     const char c = text_[at_];
     if (is_digit(c) || (c == '.' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1]))) {
       return parse_number_with_unit();
     }
     if (c == '\'' || c == '"') return parse_quoted(c);
-    if (take('(')) {
-      Value v = parse_or();
-      if (!fault_ && !take(')')) return missing(')');
+    if (take("(")) {
+      Value v = nested(kOr);
+      if (!fault_ && !take(")")) return missing(")");
       return v;
     }
-    if (take('[')) {
+    if (take("[")) {
       ValueList entries;
       const std::size_t begin = at_ - 1;
-      return parse_list(']', entries) ? bounded(begin, Value::list(std::move(entries)))
+      return parse_list("]", entries) ? bounded(begin, Value::list(std::move(entries)))
                                       : Value::poison();
     }
     if (is_letter(c)) return parse_name();
     return unexpected();
   }
 
-  Value missing(char bracket) {
+  Value missing(std::string_view bracket) {
     skip_blanks();
     if (at_ < text_.size()) return unexpected();
     return fail("CG0511", text_.size() - 1, 1,
-                std::string("a '") + bracket + "' is missing at the end");
+                "a '" + std::string(bracket) + "' is missing at the end");
   }
 
-  bool parse_list(char close, ValueList& out) {
+  bool parse_list(std::string_view close, ValueList& out) {
     if (take(close)) return true;
     do {
-      out.push_back(parse_or());
+      out.push_back(nested(kOr));
       if (fault_) return false;
-    } while (take(','));
+    } while (take(","));
     if (take(close)) return true;
     missing(close);
     return false;
@@ -295,7 +223,7 @@ class Parser {
     const std::optional<double> number = parse_number(text_.substr(begin, end - begin));
     at_ = end;
     if (!number || (end < text_.size() && is_letter(text_[end]))) {
-      while (at_ < text_.size() && (is_letter(text_[at_]) || is_digit(text_[at_]))) ++at_;
+      while (at_ < text_.size() && in_word(text_[at_])) ++at_;
       const std::string word(text_.substr(begin, at_ - begin));
       const std::string unit(text_.substr(end, at_ - end));
       std::string help;
@@ -308,31 +236,24 @@ class Parser {
     // The longest stretch of unit characters that makes a unit.
     std::size_t unit_begin = at_;
     while (unit_begin < text_.size() && text_[unit_begin] == ' ') ++unit_begin;
-    std::size_t unit_end = unit_begin;
-    while (unit_end < text_.size() &&
-           (is_letter(text_[unit_end]) || is_digit(text_[unit_end]) ||
-            std::string_view("*/^-").find(text_[unit_end]) != std::string_view::npos)) {
-      ++unit_end;
-    }
-    for (; unit_end > unit_begin; --unit_end) {
-      // Not in the middle of a word or before a call: "3 min(…)" is no minute.
-      if (unit_end < text_.size() && (is_letter(text_[unit_end]) || is_digit(text_[unit_end])) &&
-          is_letter(text_[unit_end - 1])) {
-        continue;
-      }
-      if (!is_letter(text_[unit_begin])) break;
-      if (unit_end < text_.size() && text_[unit_end] == '(') continue;
-      if (const auto unit = parse_unit(text_.substr(unit_begin, unit_end - unit_begin))) {
-        at_ = unit_end;
-        return Value::number(unit->to_si(*number), unit->dimension);
-      }
+    std::optional<Unit> unit;
+    const std::size_t unit_end = expression::longest_known(
+        text_, unit_begin,
+        [](char c) { return in_word(c) || c == '*' || c == '/' || c == '^' || c == '-'; },
+        // Not in the middle of a word or before a call: "3 min(…)" is no minute.
+        [](char last, char next) { return next == '(' || (is_letter(last) && in_word(next)); },
+        [&](std::string_view name) {
+          unit = is_letter(name[0]) ? parse_unit(name) : std::nullopt;
+          return unit.has_value();
+        });
+    if (unit) {
+      at_ = unit_end;
+      return Value::number(unit->to_si(*number), unit->dimension);
     }
     // A word behind a number that is no operator was meant as a unit.
     const std::string_view word = peek_word();
-    static constexpr std::string_view kOperators[] = {"lt", "le", "gt", "ge",
-                                                      "eq", "ne", "or", "and"};
-    if (!word.empty() &&
-        std::find(std::begin(kOperators), std::end(kOperators), word) == std::end(kOperators)) {
+    if (!word.empty() && std::none_of(std::begin(kInfix), std::end(kInfix),
+                                      [&](const Operator& op) { return op.text == word; })) {
       const std::string near = nearest_unit(word);
       return fail("CG0504", at_, word.size(), "\"" + std::string(word) + "\" is not a unit",
                   near.empty() ? "to multiply, write *" : "did you mean \"" + near + "\"?");
@@ -344,16 +265,16 @@ class Parser {
   /// division by zero.
   Value parse_if(std::size_t begin) {
     ValueList parts;
-    if (take(')')) return finish(begin, call("if", parts, nullptr));
+    if (take(")")) return finish(begin, call("if", parts, nullptr));
     do {
       const bool* condition = parts.empty() ? nullptr : parts[0].as_boolean();
       const bool skip = condition && parts.size() == (*condition ? 2u : 1u);
       skipping_ += skip;
-      parts.push_back(parse_or());
+      parts.push_back(nested(kOr));
       skipping_ -= skip;
       if (fault_) return Value::poison();
-    } while (take(','));
-    if (!take(')')) return missing(')');
+    } while (take(","));
+    if (!take(")")) return missing(")");
     return finish(begin, call("if", parts, nullptr));
   }
 
@@ -361,10 +282,10 @@ class Parser {
     const std::size_t begin = at_;
     const std::string name(peek_word());
     at_ += name.size();
-    if (take('(')) {
+    if (take("(")) {
       if (name == "if") return parse_if(begin);
       ValueList arguments;
-      if (!parse_list(')', arguments)) return Value::poison();
+      if (!parse_list(")", arguments)) return Value::poison();
       if (!is_function(name)) {
         const std::string near = nearest_name(name, function_names());
         return fail("CG0512", begin, name.size(), "there is no function \"" + name + "\"",
@@ -377,7 +298,7 @@ class Parser {
     if (environment_.scope) {
       if (const Value* v = environment_.scope->find(name)) return *v;
     }
-    if (name == "pi") return Value::number(3.14159265358979323846);
+    if (name == "pi") return Value::number(kPi);
     std::string help;
     if (is_function(name)) {
       help = name + " is a function: " + name + "(…)";
@@ -404,11 +325,8 @@ class Parser {
     return fail("CG0512", begin, name.size(), "unknown name \"" + name + "\"", help);
   }
 
-  std::string_view text_;
   const Environment& environment_;
   std::optional<ExpressionFault>& fault_;
-  std::size_t at_ = 0;
-  int depth_ = 0;
   int skipping_ = 0;  // inside a branch that does not count
 };
 
