@@ -370,20 +370,21 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
 
   template <class Operand>
   PyValue infix(std::size_t, const Operator& op, PyValue left, const Operand& right) {
-    if (op.level == kCompare) return chain(op, std::move(left));
+    if (op.level == kCompare) return chain(op, std::move(left), right);
     const PyValue other = right();
     if (op.level > kCompare) return computed(op.text, left, other);
     return left.truth() == (op.level == kOr) ? left : other;
   }
 
   /// a < b <= c …, from behind the first sign.
-  PyValue chain(const Operator& first, PyValue left) {
+  template <class Operand>
+  PyValue chain(const Operator& first, PyValue left, const Operand& right_of) {
     bool holds = true;
     for (const Operator* op = &first; op; op = take_operator(kInfix, kCompare, kCompare)) {
       std::string_view test = op->text;
       if (test == "not" && !take("in")) throw PyError{"'in' is missing after 'not'"};
       if (test == "is" && take("not")) test = "!=";
-      PyValue right = expression(op->right);
+      PyValue right = right_of();
       holds = holds && compared(test, left, right);
       left = std::move(right);
     }

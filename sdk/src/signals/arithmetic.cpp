@@ -1,20 +1,25 @@
 #include "signals/arithmetic.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 
 #include <fmt/format.h>
 
 #include "cogrsim/core/constants.h"
+#include "cogrsim/core/expression.h"
 #include "signals/node.h"
 
 namespace cogrsim {
 namespace {
 
 constexpr int kDeepest = 50;
+
+using expression::in_word;
+using expression::is_blank;
+using expression::is_digit;
+using expression::is_letter;
+using expression::Operator;
 
 struct Number final : Signal::Node {
   /// An empty `unit_text` means a number without a unit.
@@ -143,30 +148,34 @@ Operation operation_of(const SignalNode& node) {
 
 bool is_pure(const std::string& unit) { return unit == "1"; }
 
-class Arithmetic {
+class Arithmetic : expression::Parser<Arithmetic, Result<SignalNode>, kDeepest> {
+  using Parser = expression::Parser<Arithmetic, Result<SignalNode>, kDeepest>;
+  friend Parser;
+  enum Level { kSum, kProduct, kSign };
+  static constexpr Operator kPrefix[] = {{"-", kSign, kSign}};
+  static constexpr Operator kInfix[] = {
+      {"+", kSum, kProduct}, {"-", kSum, kProduct}, {"*", kProduct, kSign}, {"/", kProduct, kSign}};
+
  public:
   using Leaf = std::function<Result<SignalNode>(const std::string&)>;
-  Arithmetic(const std::string& text, const Leaf& leaf) : text_(text), leaf_(leaf) {}
+  Arithmetic(const std::string& text, const Leaf& leaf) : Parser(text), leaf_(leaf) {}
 
   Result<SignalNode> parse() {
-    auto all = sum();
+    auto all = nested(kSum);
     if (!all) return all;
-    skip();
-    if (at_ < text_.size()) return misplaced();
+    if (here() < text_.size()) return misplaced();
     return all;
   }
 
  private:
-  void skip() {
-    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
-  }
-  char next() const { return at_ < text_.size() ? text_[at_] : '\0'; }
-  bool blank(std::size_t i) const {
-    return i < text_.size() && std::isspace(static_cast<unsigned char>(text_[i]));
-  }
+  bool blank(std::size_t i) const { return i < text_.size() && is_blank(text_[i]); }
   // A plus or minus between terms has blanks on both sides.
   bool sign_between() const {
     return (next() == '+' || next() == '-') && at_ > 0 && blank(at_ - 1) && blank(at_ + 1);
+  }
+  static bool usable(const Result<SignalNode>& node) { return node.has_value(); }
+  bool applies(const Operator& op) const {
+    return &op == kPrefix || op.level != kSum || sign_between();
   }
 
   tl::unexpected<Error> misplaced() const {
@@ -175,17 +184,25 @@ class Arithmetic {
                 "", "one attribute holds one signal; put blanks around + and -: a.x - b.x");
   }
 
-  Result<SignalNode> sum() {
-    auto left = product();
-    while (left) {
-      skip();
-      if (!sign_between()) break;
-      const char sign = text_[at_++];
-      auto right = product();
-      if (!right) return right;
-      left = added(*left, sign, *right);
-    }
-    return left;
+  tl::unexpected<Error> too_deep(const Operator*) const {
+    return fail("the signal has too many brackets inside each other", "",
+                fmt::format("{} are the limit", kDeepest));
+  }
+
+  template <class Operand>
+  Result<SignalNode> prefix(std::size_t, const Operator&, const Operand& operand) {
+    auto of = operand();
+    if (!of) return of;
+    return SignalNode(std::make_shared<Unary>(*of, nullptr));
+  }
+
+  template <class Operand>
+  Result<SignalNode> infix(std::size_t, const Operator& op, Result<SignalNode> left,
+                           const Operand& right_of) {
+    const auto right = right_of();
+    if (!right) return right;
+    return op.level == kSum ? added(*left, op.text[0], *right)
+                            : multiplied(*left, op.text[0], *right);
   }
 
   Result<SignalNode> added(const SignalNode& a, char sign, const SignalNode& b) const {
@@ -203,55 +220,26 @@ class Arithmetic {
     return std::make_shared<Binary>(a, sign, b, number_a || a->unit.empty() ? b->unit : a->unit);
   }
 
-  Result<SignalNode> product() {
-    auto left = factor();
-    while (left) {
-      skip();
-      if (next() != '*' && next() != '/') break;
-      const char sign = text_[at_++];
-      auto right = factor();
-      if (!right) return right;
-      const std::string &ua = (*left)->unit, &ub = (*right)->unit;
-      std::string unit;
-      if (is_pure(ub)) {
-        unit = ua;
-      } else if (sign == '*') {
-        unit = is_pure(ua) ? ub : fmt::format("{}*{}", ua, ub);
-      } else {
-        unit = ua == ub ? "1" : fmt::format("{}/({})", ua, ub);
-      }
-      left = SignalNode(std::make_shared<Binary>(*left, sign, *right, std::move(unit)));
+  static SignalNode multiplied(const SignalNode& a, char sign, const SignalNode& b) {
+    const std::string &ua = a->unit, &ub = b->unit;
+    std::string unit;
+    if (is_pure(ub)) {
+      unit = ua;
+    } else if (sign == '*') {
+      unit = is_pure(ua) ? ub : fmt::format("{}*{}", ua, ub);
+    } else {
+      unit = ua == ub ? "1" : fmt::format("{}/({})", ua, ub);
     }
-    return left;
+    return std::make_shared<Binary>(a, sign, b, std::move(unit));
   }
 
-  Result<SignalNode> factor() {
-    skip();
-    if (++depth_ > kDeepest) {
-      return fail("the signal has too many brackets inside each other", "",
-                  fmt::format("{} are the limit", kDeepest));
-    }
-    auto made = inner_factor();
-    --depth_;
-    return made;
-  }
-
-  Result<SignalNode> inner_factor() {
-    if (next() == '-') {
-      ++at_;
-      auto of = factor();
-      if (!of) return of;
-      return SignalNode(std::make_shared<Unary>(*of, nullptr));
-    }
-    if (next() == '(') {
-      ++at_;
-      return closed(sum());
-    }
+  Result<SignalNode> primary() {
+    if (take("(")) return closed(nested(kSum));
     for (const FunctionSpec& function : kFunctions) {
       const std::string name = std::string(function.name) + "(";
-      if (text_.compare(at_, name.size(), name) != 0) continue;
+      if (text_.substr(at_, name.size()) != name) continue;
       at_ += name.size();
-      auto of = closed(sum());
+      auto of = closed(nested(kSum));
       if (!of) return of;
       const auto dimension = (*of)->dimension();
       const bool fits = function.keeps_unit || !dimension || dimension->none() ||
@@ -264,17 +252,13 @@ class Arithmetic {
                       ? "it takes an angle, for example sin(2 rad/s * time)"
                       : "it takes a number without unit, for example exp(-1 * time / 2 s)");
     }
-    if (std::isdigit(static_cast<unsigned char>(next()))) return number();
+    if (is_digit(next())) return number();
     return signal();
   }
 
   Result<SignalNode> closed(Result<SignalNode> inside) {
-    if (!inside) return inside;
-    skip();
-    if (next() != ')') {
+    if (inside && !take(")"))
       return fail(fmt::format("a bracket of '{}' is not closed", text_), "", "every ( needs its )");
-    }
-    ++at_;
     return inside;
   }
 
@@ -286,37 +270,29 @@ class Arithmetic {
     at_ += static_cast<std::size_t>(rest - begin);
     const std::string written(begin, rest);
     const std::size_t behind = at_;
-    skip();
-    const std::string name = unit_name();
-    if (name.empty()) {
-      const bool letter = std::isalpha(static_cast<unsigned char>(next())) != 0;
-      if (letter) return unknown_unit(written);
+    const std::size_t end = expression::longest_known(
+        text_, here(),
+        [&](char c) { return in_name(c) || std::string_view("^*/()-").find(c) != npos; },
+        // At the end of a token: "m" in "m/robot.x".
+        [&](char last, char next) { return in_name(last) && in_name(next); },
+        [](std::string_view name) { return letter(name[0]) && units::parse_unit(name); });
+    if (end == at_) {
+      if (letter(next())) return unknown_unit(written);
       at_ = behind;
       return SignalNode(std::make_shared<Number>(value, written, units::Unit(), ""));
     }
-    at_ += name.size();
+    const std::string name(text_.substr(at_, end - at_));
+    at_ = end;
     return SignalNode(std::make_shared<Number>(value, written, *units::parse_unit(name), name));
   }
-
-  // The longest text from here that is a unit and ends at the end of a token: "m" in "m/robot.x".
-  std::string unit_name() const {
-    const auto in_word = [](char c) {
-      return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.';
-    };
-    std::size_t end = at_;
-    while (end < text_.size() && (in_word(text_[end]) || std::strchr("^*/()-", text_[end]))) ++end;
-    for (; end > at_; --end) {
-      if (end < text_.size() && in_word(text_[end]) && in_word(text_[end - 1])) continue;
-      std::string name = text_.substr(at_, end - at_);
-      if (std::isalpha(static_cast<unsigned char>(name[0])) && units::parse_unit(name)) return name;
-    }
-    return {};
-  }
+  static constexpr auto npos = std::string_view::npos;
+  static bool letter(char c) { return is_letter(c) && c != '_'; }
+  static bool in_name(char c) { return in_word(c) || c == '.'; }
 
   tl::unexpected<Error> unknown_unit(const std::string& number) const {
     std::size_t end = at_;
-    while (end < text_.size() && std::isalnum(static_cast<unsigned char>(text_[end]))) ++end;
-    const std::string token = text_.substr(at_, end - at_), near = units::nearest_unit(token);
+    while (end < text_.size() && in_word(text_[end]) && text_[end] != '_') ++end;
+    const std::string token(text_.substr(at_, end - at_)), near = units::nearest_unit(token);
     return fail(fmt::format("there is no unit '{}'", token), "",
                 near.empty() ? "write one such as m, cm, deg, s, m/s or N*m"
                              : fmt::format("did you mean {} {}?", number, near));
@@ -343,13 +319,10 @@ class Arithmetic {
     if (end == start && start > 0) {
       return fail(fmt::format("something is missing at the end of '{}'", text_));
     }
-    return leaf_(text_.substr(start, end - start));
+    return leaf_(std::string(text_.substr(start, end - start)));
   }
 
-  const std::string& text_;
   const Leaf& leaf_;
-  std::size_t at_ = 0;
-  int depth_ = 0;
 };
 
 }  // namespace

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/expression.h"
 #include "core/trimmed.h"
 #include "signals/node.h"
 #include "signals/parse.h"
@@ -135,10 +137,10 @@ struct Several final : Condition::Node {
   bool all;
 };
 
-bool is_blank(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
+using expression::Operator;
+
 bool in_name(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '-' ||
-         static_cast<unsigned char>(c) >= 0x80;
+  return expression::in_word(c) || c == '.' || c == '-' || static_cast<unsigned char>(c) >= 0x80;
 }
 
 /// A keyword or comparison operator outside of all brackets.
@@ -170,57 +172,87 @@ std::vector<Token> tokens(std::string_view text) {
   return found;
 }
 
-class ConditionParser {
- public:
-  explicit ConditionParser(const SignalScope& scope) : scope_(scope) {}
+class ConditionParser : expression::Parser<ConditionParser, ParsedCondition, kDeepestCondition> {
+  using Parser = expression::Parser<ConditionParser, ParsedCondition, kDeepestCondition>;
+  friend Parser;
+  enum Level { kOr, kAnd, kNot, kComparison };
+  static constexpr Operator kPrefix[] = {{"not", kNot, kComparison}};
+  static constexpr Operator kInfix[] = {{"or", kOr, kAnd}, {"and", kAnd, kNot}};
 
+ public:
+  explicit ConditionParser(const SignalScope& scope) : Parser(""), scope_(scope) {}
+
+  /// A condition, or the inside of its brackets.
   ParsedCondition parse(const std::string& text) {
-    if (++depth_ > kDeepestCondition)
-      return fail("the condition has too many brackets inside each other", "",
-                  fmt::format("{} are the limit", kDeepestCondition));
-    ParsedCondition made = several(trimmed(text), "or");
-    --depth_;
+    const std::string all = trimmed(text);
+    const auto outer = std::tuple(text_, at_, std::exchange(tokens_, tokens(all)));
+    text_ = all;
+    at_ = 0;
+    before_ = {};
+    ParsedCondition made = nested(kOr);
+    std::tie(text_, at_, tokens_) = outer;
     return made;
   }
 
  private:
-  ParsedCondition several(const std::string& text, std::string_view keyword) {
-    std::vector<ConditionNode> parts;
-    std::size_t start = 0;
-    const auto add = [&](std::size_t end) -> Result<> {
-      const std::string part = trimmed(text.substr(start, end - start));
-      if (part.empty())
-        return fail(fmt::format("something is missing beside '{}' in '{}'", keyword, text), "",
-                    kUsage);
-      ParsedCondition made = keyword == "or" ? several(part, "and") : negated(part);
-      if (!made) return tl::unexpected(made.error());
-      parts.push_back(std::move(*made));
-      return {};
-    };
-    if (text.empty()) return fail("the condition is empty", "", kUsage);
-    for (const Token& token : tokens(text)) {
-      if (token.text != keyword) continue;
-      if (auto added = add(token.at); !added) return tl::unexpected(added.error());
-      start = token.at + token.length;
-    }
-    if (auto added = add(text.size()); !added) return tl::unexpected(added.error());
-    if (parts.size() == 1) return parts.front();
-    return ConditionNode(std::make_shared<Several>(std::move(parts), keyword == "and"));
+  static bool usable(const ParsedCondition& made) { return made.has_value(); }
+  bool applies(const Operator& op) const {
+    const std::size_t end = at_ + op.text.size();
+    return end == text_.size() || !in_name(text_[end]);
+  }
+  static tl::unexpected<Error> too_deep(const Operator*) {
+    return fail("the condition has too many brackets inside each other", "",
+                fmt::format("{} are the limit", kDeepestCondition));
   }
 
-  ParsedCondition negated(const std::string& text) {
-    std::size_t nots = 0, at = 0;
-    while (text.compare(at, 3, "not") == 0 && (at + 3 == text.size() || !in_name(text[at + 3]))) {
-      ++nots;
-      at += 3;
-      while (at < text.size() && is_blank(text[at])) ++at;
+  template <class Operand>
+  ParsedCondition prefix(std::size_t, const Operator& op, const Operand& operand) {
+    std::size_t nots = 1;
+    while (take_operator(kPrefix, kNot, kNot)) ++nots;
+    before_ = op.text;
+    ParsedCondition made = operand();
+    for (; made && nots > 0; --nots) made = ConditionNode(std::make_shared<Not>(*made));
+    return made;
+  }
+
+  template <class Operand>
+  ParsedCondition infix(std::size_t, const Operator& op, ParsedCondition left,
+                        const Operand& right_of) {
+    std::vector<ConditionNode> parts = {*left};
+    do {
+      before_ = op.text;
+      ParsedCondition right = right_of();
+      if (!right) return right;
+      parts.push_back(std::move(*right));
+    } while (take_operator(kInfix, op.level, op.level));
+    return ConditionNode(std::make_shared<Several>(std::move(parts), op.level == kAnd));
+  }
+
+  ParsedCondition primary() {
+    if (text_.empty()) return fail("the condition is empty", "", kUsage);
+    const std::size_t begin = at_;
+    const auto end = std::find_if(tokens_.begin(), tokens_.end(), [&](const Token& token) {
+      return token.at >= begin && (token.text == "and" || token.text == "or");
+    });
+    at_ = end == tokens_.end() ? text_.size() : end->at;
+    const std::string part = trimmed(std::string(text_.substr(begin, at_ - begin)));
+    if (!part.empty()) return comparison(part);
+    const bool by_next = before_.empty() || (before_ == "or" && end != tokens_.end());
+    return missing(begin, by_next ? end->text : before_);
+  }
+
+  /// An operand of `op` at `at`. The text of the error is that of all its operands.
+  tl::unexpected<Error> missing(std::size_t at, std::string_view op) const {
+    std::size_t begin = 0, end = text_.size();
+    for (const Token& token : tokens_) {
+      const bool ends = (token.text == "or" && op != "or") || (token.text == "and" && op == "not");
+      if (ends && token.at < at) begin = token.at + token.length;
+      if (ends && token.at >= at) end = std::min(end, token.at);
     }
-    if (nots == 0) return comparison(text);
-    if (at == text.size())
-      return fail(fmt::format("something is missing after 'not' in '{}'", text), "", kUsage);
-    ParsedCondition of = comparison(text.substr(at));
-    for (; of && nots > 0; --nots) of = ConditionNode(std::make_shared<Not>(*of));
-    return of;
+    return fail(
+        fmt::format("something is missing {} '{}' in '{}'", op == "not" ? "after" : "beside", op,
+                    trimmed(std::string(text_.substr(begin, end - begin)))),
+        "", kUsage);
   }
 
   ParsedCondition comparison(const std::string& text) {
@@ -303,7 +335,8 @@ class ConditionParser {
   }
 
   const SignalScope& scope_;
-  int depth_ = 0;
+  std::vector<Token> tokens_;  // of text_
+  std::string_view before_;    // the operator before the operand
 };
 
 }  // namespace
@@ -323,9 +356,8 @@ Result<Condition> Condition::parse(const SignalScope& scope, const std::string& 
   for (std::size_t i = 0; i < text.size() && open >= 0; ++i)
     open += text[i] == '(' ? 1 : text[i] == ')' ? -1 : 0;
   if (open != 0)
-    return fail(
-        fmt::format("a bracket of '{}' is not {}", text, open > 0 ? "closed" : "opened"),
-        "", "every ( needs its )");
+    return fail(fmt::format("a bracket of '{}' is not {}", text, open > 0 ? "closed" : "opened"),
+                "", "every ( needs its )");
   auto node = ConditionParser(scope).parse(text);
   if (!node) return tl::unexpected(node.error());
   return Condition(std::move(*node));

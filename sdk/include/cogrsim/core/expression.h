@@ -48,9 +48,9 @@ struct Operator {
 ///     Value infix(std::size_t begin, const Operator&, Value left, const Operand& right);
 ///     Value too_deep(const Operator*);    // nullptr: brackets
 ///
-/// `begin` is the first character of the whole operation. `operand()` and `right()` parse an operand;
-/// they must be called, once. The end of an operation is at_. An operator binds to the left if its
-/// `right` is above its level, otherwise to the right.
+/// `begin` is the first character of the whole operation, at_ its end. `operand()` and `right()` parse
+/// the operand behind the operator; each operator that is taken needs one call. An operator whose
+/// `right` is not above its level may follow itself in its right operand: a ^ b ^ c is a ^ (b ^ c).
 template <class Language, class Value, int kDeepest>
 class Parser {
  protected:
@@ -77,19 +77,20 @@ class Parser {
   Value expression(int lowest) {
     const std::size_t begin = here();
     const Operator* before = take_operator(Language::kPrefix, lowest, INT_MAX);
-    Value left = before
-                     ? self().prefix(begin, *before, [&] { return nested(before->right, before); })
-                     : self().primary();
+    Value left = before ? self().prefix(begin, *before, [&] { return operand_of(*before); })
+                        : self().primary();
     // What binds tighter was read by an operand.
     int highest = before ? before->level : INT_MAX;
-    while (const Operator* op = take_operator(Language::kInfix, lowest, highest)) {
-      left = self().infix(begin, *op, std::move(left), [&] { return right_of(*op); });
+    while (self().usable(left)) {
+      const Operator* const op = take_operator(Language::kInfix, lowest, highest);
+      if (op == nullptr) break;
+      left = self().infix(begin, *op, std::move(left), [&] { return operand_of(*op); });
       highest = op->repeated ? op->level : op->level - 1;
     }
     return left;
   }
 
-  Value right_of(const Operator& op) {
+  Value operand_of(const Operator& op) {
     return op.right > op.level ? expression(op.right) : nested(op.right, &op);
   }
 
@@ -107,6 +108,9 @@ class Parser {
   }
   /// Whether what looks like an operator is one, with at_ before it.
   bool applies(const Operator&) const { return true; }
+
+  /// False ends all operations, for languages whose values may be errors.
+  bool usable(const Value&) const { return true; }
 
   // ---- tokens
 
