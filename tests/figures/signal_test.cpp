@@ -274,6 +274,7 @@ TEST_CASE("mistakes are answered with the nearest that there is", "[signal]") {
   says("bob.x - robto.x", "did you mean 'robot'");
   says("1e999", "does not belong");
   says(std::string(60, '(') + "bob.x" + std::string(60, ')'), "50 are the limit");
+  says(std::string(4000, '-') + "bob.x", "50 are the limit");
   says("bob.x robot.x", "one signal");
   says(std::string(5000, 'a'), "too long");
 }

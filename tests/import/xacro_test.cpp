@@ -78,6 +78,12 @@ TEST_CASE("what is wrong in a xacro file is reported at its line", "[xacro]") {
   fails("<xacro:include filename=\"../outside.xacro\"/>", "lies outside", 3);
   fails("<link name=\"$(env HOME)\"/>", "are not read", 3);
   fails("<link name=\"" + nested + "\"/>", "nested too deep", 3);
+  fails("<link name=\"${abs()}\"/>", "abs() has too few arguments", 3);
+  for (const char* piece : {"(", "[", "-", "not ", "abs(", "2**", "1 if 0 else "}) {
+    std::string deep;
+    for (int i = 0; i < 1000; ++i) deep += piece;
+    fails("<link name=\"${" + deep + "1}\"/>", "nested too deep", 3);
+  }
   fails("<xacro:property name=\"a\" value=\"${a}\"/><link name=\"${a}\"/>", "is defined by itself",
         3);
 }

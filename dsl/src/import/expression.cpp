@@ -165,7 +165,8 @@ const std::map<std::string, Function>& functions() {
       {"pow", binary<std::pow>},
       {"abs",
        [](const Call& call) {
-         return integer_or(std::abs(call.number(0)), is_integer(call.arguments[0]));
+         const double x = call.number(0);  // throws without an argument
+         return integer_or(std::abs(x), is_integer(call.arguments[0]));
        }},
       {"floor", rounded<std::floor>},
       {"ceil", rounded<std::ceil>},
