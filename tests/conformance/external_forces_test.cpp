@@ -7,7 +7,7 @@ namespace {
 
 ExternalForces& external(Sim& sim) {
   need("body.force");
-  auto* const found = static_cast<ExternalForces*>(sim.world().extension(ExternalForces::kId));
+  auto* const found = sim.world().extension<ExternalForces>();
   REQUIRE(found != nullptr);
   return *found;
 }

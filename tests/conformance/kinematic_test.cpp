@@ -94,7 +94,7 @@ TEST_CASE("kinematic body is given another twist while running", "[kinematic]") 
       kinematic_box(builder, Vec3(0.2, 0.2, 0.2), Vec3::Zero(), {Vec3(1, 0, 0), Vec3::Zero()});
   const int ball = builder.sphere("ball", 0.1, 1.0, at(0, 0, 5));
   Sim sim(builder);
-  auto* drive = static_cast<KinematicDrive*>(sim.world().extension(KinematicDrive::kId));
+  auto* drive = sim.world().extension<KinematicDrive>();
   if (!drive) leave_unsupported("extension cogrsim.kinematic_drive/1");
   sim.run(0.5);
   REQUIRE(drive->set_kinematic_twist(body, {Vec3(0, 2, 0), Vec3(0, 0, 1)}));

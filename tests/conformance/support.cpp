@@ -127,7 +127,7 @@ Vec3 Sim::contact_force(int body) {
 
 Wrench Sim::reaction(int joint) {
   need("report.joint_reaction");
-  auto* report = static_cast<JointReactions*>(world_->extension(JointReactions::kId));
+  auto* report = world_->extension<JointReactions>();
   REQUIRE(report);
   std::vector<Wrench> wrenches;
   report->get_joint_reactions(wrenches);

@@ -59,7 +59,7 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
                         FrameSource& frames) {
   const SceneModelPtr& model = host.model();
   if (model->forces.empty() && !given_) return;
-  auto* const engine = static_cast<ExternalForces*>(host.world().extension(ExternalForces::kId));
+  auto* const engine = host.world().extension<ExternalForces>();
   if (!engine) return;  // refused before the run
   resolve(model, channels);
   constexpr double kEarly = 1e-6;  // of a step: times that are multiples of it count as reached

@@ -330,7 +330,7 @@ Result<> SceneActions::apply(const EnableSensor& action) {
 Result<> SceneActions::apply(const SetKinematicTwist& action) {
   const auto found = find_named(model().bodies, "body", action.body);
   if (!found) return tl::unexpected(found.error());
-  auto* drive = static_cast<KinematicDrive*>(host_.world().extension(KinematicDrive::kId));
+  auto* drive = host_.world().extension<KinematicDrive>();
   if (!drive) {
     return fail("backend '" + std::string(host_.backend().name()) +
                 "' cannot move kinematic bodies while running");

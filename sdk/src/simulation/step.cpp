@@ -52,8 +52,7 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   if (wanted.contacts) host.world().get_contacts(frame->contacts);
   frame->joint_reactions.clear();
   if (wanted.joint_reactions) {
-    if (auto* reactions =
-            static_cast<JointReactions*>(host.world().extension(JointReactions::kId))) {
+    if (auto* reactions = host.world().extension<JointReactions>()) {
       reactions->get_joint_reactions(frame->joint_reactions);
     }
   }

@@ -27,7 +27,8 @@ class COGRSIM_API SupervisorContext {
   virtual void publish(const std::string& output, double value) = 0;
 };
 
-/// A supervisor. All calls of one object are made by one thread at a time, between two steps.
+/// A supervisor. All calls of one object are made by one thread at a time, between two steps;
+/// objects of different simulations run in parallel, so static data must be thread-safe.
 class Supervisor {
  public:
   virtual ~Supervisor() = default;

@@ -7,6 +7,13 @@
 #include <string>
 #include <utility>
 
+// A result that is ignored is an error that is lost. The attribute must come before the definition.
+#ifndef TL_EXPECTED_HPP
+namespace tl {
+template <class T, class E>
+class [[nodiscard]] expected;
+}
+#endif
 #include <tl/expected.hpp>
 
 namespace cogrsim {

@@ -86,8 +86,13 @@ class World {
   /// Returns to the initial scene at time 0. The world is then bit-identical to a new one.
   virtual Result<> reset() = 0;
 
-  /// An optional interface by its id, or nullptr if the engine does not have it: see JointReactions,
-  /// ExternalForces and KinematicDrive.
+  /// An optional interface, or nullptr if the engine does not have it: JointReactions,
+  /// ExternalForces, KinematicDrive.
+  template <class Interface>
+  Interface* extension() {
+    return static_cast<Interface*>(extension(Interface::kId));
+  }
+  /// The same by its id, for engines to implement.
   virtual void* extension(std::string_view id) {
     (void)id;
     return nullptr;

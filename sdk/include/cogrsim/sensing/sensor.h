@@ -47,7 +47,8 @@ COGRSIM_API bool apply_noise(const std::vector<NoiseTerm>& noise,
 
 /// A sensor model: the ideal measurement without noise. The simulation handles the noise, the rate
 /// and the switching on and off. There is one object per sensor in the scene; its calls are made by
-/// one thread at a time.
+/// one thread at a time. Objects of different simulations run in parallel, so static data must be
+/// thread-safe.
 class Sensor {
  public:
   virtual ~Sensor() = default;
