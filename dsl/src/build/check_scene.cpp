@@ -7,6 +7,7 @@
 
 #include "build/build_scene.h"
 #include "build/check_overlap.h"
+#include "cogrsim/core/constants.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -29,7 +30,7 @@ std::string rounded(double value, const char* unit) {
 std::string distance_and_angle(double metres, double radians) {
   std::string out;
   if (metres > 1e-6) out = rounded(metres * 1e3, "mm");
-  if (radians > 1e-6) out += (out.empty() ? "" : " and ") + rounded(radians * 180.0 / M_PI, "deg");
+  if (radians > 1e-6) out += (out.empty() ? "" : " and ") + rounded(radians * 180.0 / kPi, "deg");
   return out;
 }
 

@@ -26,7 +26,7 @@ JointType type_of(std::string_view tag) {
 }
 
 std::string shown(double value, bool turns) {
-  return turns ? number_text(std::round(value * 180.0 / M_PI * 1e9) / 1e9) + " deg"
+  return turns ? number_text(std::round(value * 180.0 / kPi * 1e9) / 1e9) + " deg"
                : number_text(value) + " m";
 }
 

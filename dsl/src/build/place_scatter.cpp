@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/geometry/convex.h"
 #include "cogrsim/geometry/convex_hull.h"
 #include "cogrsim/geometry/triangles.h"
@@ -88,9 +89,9 @@ void add_solids(const SceneModel& model, const Shape& shape, const Pose& X_GS,
           shape.radius, out);
     case ShapeType::cylinder: {
       // The polygon circumscribes the circle; its height is exact.
-      const double around = shape.radius / std::cos(M_PI / kCirclePoints);
+      const double around = shape.radius / std::cos(kPi / kCirclePoints);
       for (int i = 0; i < kCirclePoints; ++i) {
-        const double angle = 2 * M_PI * i / kCirclePoints;
+        const double angle = 2 * kPi * i / kCirclePoints;
         for (const double z : {-0.5, 0.5})
           points.push_back(
               X_GS * Vec3(around * std::cos(angle), around * std::sin(angle), z * shape.length));

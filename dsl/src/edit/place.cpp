@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "cogrsim/core/constants.h"
 #include "edit/edit_scene.h"
 #include "values/value.h"
 
@@ -100,13 +101,13 @@ std::array<Angles, 2> angles_of(const Quat& q) {
   Angles a;
   if (std::abs(R(2, 0)) > 1.0 - 1e-12) {
     // Roll and yaw turn about one axis: all of it is written as yaw.
-    a = {0.0, std::copysign(M_PI / 2, -R(2, 0)), std::atan2(-R(0, 1), R(1, 1))};
+    a = {0.0, std::copysign(kPi / 2, -R(2, 0)), std::atan2(-R(0, 1), R(1, 1))};
     return {a, a};
   }
   a = {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))),
        std::atan2(R(1, 0), R(0, 0))};
-  const auto turned = [](double angle) { return angle > 0 ? angle - M_PI : angle + M_PI; };
-  const Angles b = {turned(a[0]), (a[1] > 0 ? M_PI : -M_PI) - a[1], turned(a[2])};
+  const auto turned = [](double angle) { return angle > 0 ? angle - kPi : angle + kPi; };
+  const Angles b = {turned(a[0]), (a[1] > 0 ? kPi : -kPi) - a[1], turned(a[2])};
   return {a, b};
 }
 

@@ -7,12 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/core/types.h"
 #include "import/context.h"
 
 namespace cogrsim::dsl::import {
-
-inline constexpr double kPi = 3.14159265358979323846;
 
 struct Geometry {
   enum class Type { box, sphere, cylinder, capsule, plane, mesh, points } type = Type::box;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/geometry/triangles.h"
 
 namespace cogrsim::geometry {
@@ -22,7 +23,7 @@ double winding_number(const TriangleMesh& mesh, const Vec3& p) {
     sum += 2.0 * std::atan2(a.dot(b.cross(c)),
                             la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la);
   }
-  return sum / (4.0 * M_PI);
+  return sum / (4.0 * kPi);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "cogrsim/model/scene_model.h"
+#include "core/index.h"
 
 #include <algorithm>
 #include <cassert>
@@ -198,8 +199,8 @@ CollisionFilter::CollisionFilter(const SceneModel& model) {
 bool CollisionFilter::collide(int body_a, int body_b) const {
   if (body_a == body_b || body_a < 0 || body_b < 0) return false;
   assert(static_cast<std::size_t>(std::max(body_a, body_b)) < bodies_.size());
-  const Part a = bodies_[static_cast<std::size_t>(body_a)];
-  const Part b = bodies_[static_cast<std::size_t>(body_b)];
+  const Part a = bodies_[at(body_a)];
+  const Part b = bodies_[at(body_b)];
   if (a == Part::absent || b == Part::absent) return false;
   if (a == Part::immobile && b == Part::immobile) return false;
   if (excluded_.empty()) return true;
@@ -213,8 +214,8 @@ bool CollisionFilter::collide(int body_a, int body_b) const {
 }
 
 SurfacePair surface_pair(const SceneModel& model, int material_a, int material_b) {
-  const Material& a = model.materials[static_cast<std::size_t>(material_a)];
-  const Material& b = model.materials[static_cast<std::size_t>(material_b)];
+  const Material& a = model.materials[at(material_a)];
+  const Material& b = model.materials[at(material_b)];
   SurfacePair out;
   out.friction = std::sqrt(a.friction * b.friction);
   out.restitution = std::max(a.restitution, b.restitution);
@@ -238,7 +239,7 @@ SurfacePair surface_pair(const SceneModel& model, int material_a, int material_b
 std::vector<int> bodies_of(const SceneModel& model, int assembly) {
   const auto inside = [&](int candidate) {
     while (candidate != -1 && candidate != assembly) {
-      candidate = model.assemblies[static_cast<std::size_t>(candidate)].parent;
+      candidate = model.assemblies[at(candidate)].parent;
     }
     return candidate == assembly;
   };
@@ -250,14 +251,14 @@ std::vector<int> bodies_of(const SceneModel& model, int assembly) {
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Body& body = model.bodies[i];
     if (body.removed || body.assembly < 0) continue;
-    if (wanted[static_cast<std::size_t>(body.assembly)]) out.push_back(static_cast<int>(i));
+    if (wanted[at(body.assembly)]) out.push_back(static_cast<int>(i));
   }
   return out;
 }
 
 int top_level_assembly(const SceneModel& model, int assembly) {
-  while (assembly >= 0 && model.assemblies[static_cast<std::size_t>(assembly)].parent >= 0) {
-    assembly = model.assemblies[static_cast<std::size_t>(assembly)].parent;
+  while (assembly >= 0 && model.assemblies[at(assembly)].parent >= 0) {
+    assembly = model.assemblies[at(assembly)].parent;
   }
   return assembly;
 }
@@ -273,8 +274,8 @@ int find_assembly(const SceneModel& model, const std::string& name) {
 }
 
 std::string place_of(const SceneModel& model, const SourceSpan& span) {
-  if (span.file < 0 || static_cast<std::size_t>(span.file) >= model.files.size()) return {};
-  return model.files[static_cast<std::size_t>(span.file)] + ":" + std::to_string(span.line) + ":" +
+  if (span.file < 0 || at(span.file) >= model.files.size()) return {};
+  return model.files[at(span.file)] + ":" + std::to_string(span.line) + ":" +
          std::to_string(span.column);
 }
 

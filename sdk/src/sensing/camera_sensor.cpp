@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/core/random.h"
 #include "cogrsim/rendering/renderer.h"
 #include "cogrsim/sensing/sensor_models.h"
@@ -199,7 +200,7 @@ PluginDescriptor camera() {
   return describe<CameraInstrument>(
       "camera", "pictures: colour, depth, segmentation",
       {parameter("resolution", std::vector<double>{320, 240}, "", "columns and rows [pixel]"),
-       parameter("fov", M_PI / 3.0, "rad", "horizontal opening angle"),
+       parameter("fov", kPi / 3.0, "rad", "horizontal opening angle"),
        parameter("near", 0.01, "m", "nearer surfaces are invisible"),
        parameter("far", 100.0, "m", "farther surfaces are invisible"),
        parameter("color", true, "takes a colour picture"),

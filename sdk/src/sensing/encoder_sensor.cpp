@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/model/joint_kinematics.h"
 #include "sensing/sensor_model.h"
 
@@ -33,7 +34,7 @@ class Encoder final : public Sensor {
                     "give the resolution as a length");
       }
       if (resolution_ > 0.0) return fail("'counts' and 'resolution' exclude each other");
-      resolution_ = 2.0 * M_PI / static_cast<double>(counts);
+      resolution_ = 2.0 * kPi / static_cast<double>(counts);
     }
     const std::string unit = linear ? "m" : "rad";
     channels_ = {{"position", unit, true}, {"velocity", unit + "/s", false}};

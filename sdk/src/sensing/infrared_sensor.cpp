@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/rays/ray_caster.h"
 #include "sensing/sensor_model.h"
 
@@ -115,7 +116,7 @@ Result<std::vector<Vec3>> infrared_directions(const Parameters& parameters) {
   const double half = 0.5 * number(parameters, "beam");
   const auto count = static_cast<std::size_t>(half > 0.0 ? integer(parameters, "rays") : 1);
   std::vector<Vec3> directions;
-  const double golden = M_PI * (3.0 - std::sqrt(5.0));
+  const double golden = kPi * (3.0 - std::sqrt(5.0));
   for (std::size_t i = 0; i < count; ++i) {
     const double at = static_cast<double>(i);
     const double off = i == 0 ? 0.0 : half * std::sqrt(at / static_cast<double>(count - 1));
@@ -131,7 +132,7 @@ PluginDescriptor infrared() {
       {parameter("range", std::vector<double>{0.0, 10.0}, "m", "least and largest distance")
            .range(0.0, kInfinity),
        parameter("beam", 0.0, "rad", "opening angle of its field of view; 0: one ray")
-           .range(0.0, M_PI),
+           .range(0.0, kPi),
        parameter("rays", 9, "rays in the cone, one of them along its axis").range(1, 10000),
        parameter("reading", "nearest", "of several rays").one_of({"nearest", "mean"}),
        parameter("response", "none", "device whose output voltage is measured too")

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/rays/ray_caster.h"
 #include "sensing/sensor_model.h"
 
@@ -106,7 +107,7 @@ Result<std::vector<Vec3>> lidar_directions(const Parameters& parameters) {
                 std::to_string(kMaxRays));
   }
   const double fov = number(parameters, "fov"), height = number(parameters, "vertical-fov");
-  const bool full = fov > 2.0 * M_PI - 1e-9;
+  const bool full = fov > 2.0 * kPi - 1e-9;
   const auto spread = [](std::int64_t i, std::int64_t count, double angle, bool open) {
     if (count == 1) return open ? -0.5 * angle : 0.0;
     return angle * (static_cast<double>(i) / static_cast<double>(open ? count : count - 1) - 0.5);
@@ -116,7 +117,7 @@ Result<std::vector<Vec3>> lidar_directions(const Parameters& parameters) {
   for (std::int64_t ring = 0; ring < rings; ++ring) {
     const double up = spread(ring, rings, height, false);
     for (std::int64_t i = 0; i < rays; ++i) {
-      const double left = rays == 1 ? 0.0 : spread(i, rays, full ? 2.0 * M_PI : fov, full);
+      const double left = rays == 1 ? 0.0 : spread(i, rays, full ? 2.0 * kPi : fov, full);
       directions.emplace_back(std::cos(up) * std::cos(left), std::cos(up) * std::sin(left),
                               std::sin(up));
     }
@@ -128,12 +129,12 @@ PluginDescriptor lidar() {
   return describe<Lidar>(
       "lidar", "distances in many directions, in one or several rings",
       {parameter("rays", 360, "directions in a ring").range(1, 1e6),
-       parameter("fov", 2.0 * M_PI, "rad", "angle a ring spans, centred on +x")
-           .range(0.0, 2.0 * M_PI + 1e-9),
+       parameter("fov", 2.0 * kPi, "rad", "angle a ring spans, centred on +x")
+           .range(0.0, 2.0 * kPi + 1e-9),
        parameter("rings", 1, "levels one above the other").range(1, 1e4),
-       parameter("vertical-fov", 30.0 * M_PI / 180.0, "rad",
+       parameter("vertical-fov", 30.0 * kPi / 180.0, "rad",
                  "angle from the lowest ring to the highest, centred on the x-y plane")
-           .range(0.0, M_PI),
+           .range(0.0, kPi),
        parameter("range", std::vector<double>{0.0, 30.0}, "m", "least and largest distance")
            .range(0.0, kInfinity),
        parameter("bodies", false, "measures also which body every ray hits"),

@@ -10,6 +10,7 @@
 
 #include "arithmetic.h"
 #include "cogrsim/signals/signal.h"
+#include "core/index.h"
 #include "core/trimmed.h"
 #include "geometry/surface_distance.h"
 #include "node.h"
@@ -145,7 +146,7 @@ class Parser {
   std::optional<SignalPose> pose(const std::string& full) const {
     if (const int body = find_body(model_, full); body >= 0) return SignalPose{body, {}};
     if (const int frame = find_named(model_.frames, full); frame >= 0) {
-      const NamedFrame& named = model_.frames[static_cast<std::size_t>(frame)];
+      const NamedFrame& named = model_.frames[at(frame)];
       return SignalPose{named.body, named.X_BF};
     }
     if (const int assembly = find_assembly(model_, full); assembly >= 0) {
@@ -250,7 +251,7 @@ class Parser {
   }
 
   Parsed of_joint(int index, const std::string& quantity, const std::string& text) const {
-    const Joint& joint = model_.joints[static_cast<std::size_t>(index)];
+    const Joint& joint = model_.joints[at(index)];
     const std::string what =
         fmt::format("joint '{}' ({})", joint.name, cogrsim::to_string(joint.type));
     const auto parts = split_index(quantity);
@@ -271,7 +272,7 @@ class Parser {
   }
 
   Parsed of_sensor(int index, const std::string& quantity, const std::string& text) const {
-    const std::string& name = model_.sensors[static_cast<std::size_t>(index)].name;
+    const std::string& name = model_.sensors[at(index)].name;
     const std::vector<Channel>* channels = scope_.channels ? scope_.channels(index) : nullptr;
     if (channels == nullptr) return sensor_term(text, index, -1, quantity, "");
     std::vector<std::string> known;
@@ -289,7 +290,7 @@ class Parser {
   Parsed of_controller(bool supervisor, int index, const std::string& quantity,
                  const std::string& text) const {
     const ControllerModel& controller =
-        (supervisor ? model_.supervisors : model_.controllers)[static_cast<std::size_t>(index)];
+        (supervisor ? model_.supervisors : model_.controllers)[at(index)];
     // Outputs are known when the plugin is loaded; until then every name is accepted.
     std::string unit;
     std::vector<std::string> known;
@@ -332,10 +333,10 @@ class Parser {
     const std::string text = fmt::format("{}[{}]", full, channel);
     const std::vector<Channel>* channels = scope_.channels ? scope_.channels(sensor) : nullptr;
     if (channels == nullptr) return sensor_term(text, sensor, channel, text, "");
-    if (static_cast<std::size_t>(channel) >= channels->size())
+    if (at(channel) >= channels->size())
       return fail(fmt::format("sensor '{}' has no value number {}", full, channel), "",
                   fmt::format("it has {}, counted from 0", channels->size()));
-    const Channel& found = (*channels)[static_cast<std::size_t>(channel)];
+    const Channel& found = (*channels)[at(channel)];
     return sensor_term(text, sensor, channel, found.name, found.unit);
   }
 
@@ -351,7 +352,7 @@ class Parser {
     for (const auto* controllers : {&model_.controllers, &model_.supervisors})
       if (const int controller = find_named(*controllers, full); controller >= 0) {
         std::vector<std::string> outputs;
-        const ControllerModel& model = (*controllers)[static_cast<std::size_t>(controller)];
+        const ControllerModel& model = (*controllers)[at(controller)];
         for (const OutputModel& output : model.outputs)
           outputs.push_back(output.name);
         return outputs.empty() ? text_ + ".OUTPUT" : with(outputs);
@@ -448,12 +449,10 @@ class Parser {
     std::vector<int> all = full.empty() ? std::vector<int>{} : bodies(full);
     if (all.empty()) return wrong_argument(name, full, "body or assembly");
     // A static body need not have a mass.
-    all.erase(std::remove_if(all.begin(), all.end(),
-                             [&](int body) {
-                               return model_.bodies[static_cast<std::size_t>(body)].kind ==
-                                      BodyKind::fixed;
-                             }),
-              all.end());
+    all.erase(
+        std::remove_if(all.begin(), all.end(),
+                       [&](int body) { return model_.bodies[at(body)].kind == BodyKind::fixed; }),
+        all.end());
     if (all.empty()) return fail(fmt::format("'{}' is static and has no mass", name));
     return mass_term(fmt::format("mass({})", full), std::move(all));
   }
@@ -524,7 +523,7 @@ class Parser {
     std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
     if (both.empty()) return {};
     return fail(fmt::format("'{}' and '{}' have body '{}' in common", names[0], names[1],
-                            model_.bodies[static_cast<std::size_t>(both.front())].name));
+                            model_.bodies[at(both.front())].name));
   }
 
   Parsed contact(const std::string& function, const std::vector<std::string>& arguments) const {

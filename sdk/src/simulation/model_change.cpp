@@ -1,4 +1,5 @@
 #include "simulation/model_change.h"
+#include "core/index.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +16,7 @@ int shifted(int index, std::size_t offset) {
 }
 
 int mapped(int index, const std::vector<int>& indices) {
-  return index < 0 ? index : indices[static_cast<std::size_t>(index)];
+  return index < 0 ? index : indices[at(index)];
 }
 
 /// Appends the entries of `from` that `to` does not have; returns the index in `to` of each entry.
@@ -265,9 +266,7 @@ void strip_removed(SceneModel& model) {
 
 /// Marks the elements that depend on removed ones: joints of bodies, motors of joints, and so on.
 void remove_dependents(SceneModel& model) {
-  const auto body_gone = [&model](int body) {
-    return body >= 0 && model.bodies[static_cast<std::size_t>(body)].removed;
-  };
+  const auto body_gone = [&model](int body) { return body >= 0 && model.bodies[at(body)].removed; };
   for (Joint& joint : model.joints) {
     joint.removed = joint.removed || body_gone(joint.parent) || body_gone(joint.child);
   }
@@ -276,7 +275,7 @@ void remove_dependents(SceneModel& model) {
     region.removed = region.removed || body_gone(region.body);
   }
   const auto joint_gone = [&model](int joint) {
-    return joint >= 0 && model.joints[static_cast<std::size_t>(joint)].removed;
+    return joint >= 0 && model.joints[at(joint)].removed;
   };
   for (Motor& motor : model.motors) motor.removed = motor.removed || joint_gone(motor.joint);
   for (Coupling& coupling : model.couplings) {
@@ -291,8 +290,7 @@ void remove_dependents(SceneModel& model) {
     sensor.removed = sensor.removed || body_gone(sensor.body) || joint_gone(sensor.joint);
   }
   for (DoorModel& door : model.doors) {
-    door.removed = door.removed ||
-                   (door.motor >= 0 && model.motors[static_cast<std::size_t>(door.motor)].removed);
+    door.removed = door.removed || (door.motor >= 0 && model.motors[at(door.motor)].removed);
   }
   strip_removed(model);
   mark_loops(model);
@@ -385,9 +383,9 @@ Result<SceneModelPtr> with_removed(const SceneModel& model, const std::string& n
   }
   auto next = std::make_shared<SceneModel>(model);
   if (free_body >= 0) {
-    Body& body = next->bodies[static_cast<std::size_t>(free_body)];
+    Body& body = next->bodies[at(free_body)];
     if (body.assembly >= 0) {
-      const std::string& whole = model.assemblies[static_cast<std::size_t>(body.assembly)].name;
+      const std::string& whole = model.assemblies[at(body.assembly)].name;
       return fail("cannot remove body '" + name + "': it is a part of assembly '" + whole + "'", "",
                   "remove '" + whole + "'");
     }
@@ -399,14 +397,12 @@ Result<SceneModelPtr> with_removed(const SceneModel& model, const std::string& n
   // Parents precede their children, so one pass finds all nested assemblies.
   for (std::size_t i = 0; i < gone.size(); ++i) {
     const int parent = model.assemblies[i].parent;
-    gone[i] =
-        static_cast<int>(i) == target || (parent >= 0 && gone[static_cast<std::size_t>(parent)]);
+    gone[i] = static_cast<int>(i) == target || (parent >= 0 && gone[at(parent)]);
     if (gone[i]) next->assemblies[i].removed = true;
   }
   const auto mark = [&gone](auto& elements) {
     for (auto& element : elements) {
-      element.removed = element.removed ||
-                        (element.assembly >= 0 && gone[static_cast<std::size_t>(element.assembly)]);
+      element.removed = element.removed || (element.assembly >= 0 && gone[at(element.assembly)]);
     }
   };
   mark(next->bodies);
@@ -434,7 +430,7 @@ Result<SceneModelPtr> with_joint(const SceneModel& model, Joint joint) {
   }
   for (const int end : {joint.parent, joint.child}) {
     const bool there = end == kWorld || (end >= 0 && end < static_cast<int>(model.bodies.size()) &&
-                                         !model.bodies[static_cast<std::size_t>(end)].removed);
+                                         !model.bodies[at(end)].removed);
     if (!there) return fail(what + "one of its bodies does not exist");
   }
   if (joint.parent == joint.child) return fail(what + "both its ends are the same body");
@@ -463,7 +459,7 @@ Result<SceneModelPtr> with_joint_removed(const SceneModel& model, const std::str
   const auto index = required_joint(model, name, "remove");
   if (!index) return tl::unexpected(index.error());
   auto next = std::make_shared<SceneModel>(model);
-  next->joints[static_cast<std::size_t>(*index)].removed = true;
+  next->joints[at(*index)].removed = true;
   remove_dependents(*next);
   return SceneModelPtr(std::move(next));
 }
@@ -472,18 +468,18 @@ Result<SceneModelPtr> with_limits(const SceneModel& model, const std::string& na
                                   std::optional<double> lower, std::optional<double> upper) {
   const auto index = required_joint(model, name, "limit");
   if (!index) return tl::unexpected(index.error());
-  const Joint& old = model.joints[static_cast<std::size_t>(*index)];
+  const Joint& old = model.joints[at(*index)];
   if (axis < 0 || axis >= static_cast<int>(old.axes.size())) {
     return fail("cannot limit axis " + std::to_string(axis) + " of joint '" + name + "': a " +
                 to_string(old.type) + " joint has " + std::to_string(old.axes.size()) +
                 " axes, counted from 0");
   }
-  JointAxis changed = old.axes[static_cast<std::size_t>(axis)];
+  JointAxis changed = old.axes[at(axis)];
   if (lower) changed.lower = *lower;
   if (upper) changed.upper = *upper;
   if (auto fine = check_limits(name, old.type, changed); !fine) return tl::unexpected(fine.error());
   auto next = std::make_shared<SceneModel>(model);
-  next->joints[static_cast<std::size_t>(*index)].axes[static_cast<std::size_t>(axis)] = changed;
+  next->joints[at(*index)].axes[at(axis)] = changed;
   return SceneModelPtr(std::move(next));
 }
 
@@ -503,7 +499,7 @@ Result<SceneModelPtr> with_static(const SceneModel& model, const std::string& na
   }
   auto next = std::make_shared<SceneModel>(model);
   for (const int b : bodies) {
-    Body& body = next->bodies[static_cast<std::size_t>(b)];
+    Body& body = next->bodies[at(b)];
     const BodyKind kind = on ? BodyKind::fixed : BodyKind::dynamic;
     if (body.kind == kind) continue;
     if (auto fine = check_kind_change(body, on); !fine) return tl::unexpected(fine.error());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/geometry/triangles.h"
 #include "cogrsim/sensing/sensor_models.h"
 #include "recording/mcap/protobuf.h"
@@ -197,8 +198,8 @@ void put_scan(std::string& bytes, const SensorModel& sensor, const Reading& read
   out.add_string(2, sensor.name);
   put_pose(out, 3, Pose());
   const double first = bearing(rays[0]);
-  double step = std::remainder(bearing(rays[1]) - first, 2.0 * M_PI);
-  if (rays.size() == 2 && step == 0.0) step = 2.0 * M_PI;
+  double step = std::remainder(bearing(rays[1]) - first, 2.0 * kPi);
+  if (rays.size() == 2 && step == 0.0) step = 2.0 * kPi;
   out.add_double(4, first);
   out.add_double(5, first + step * static_cast<double>(rays.size() - 1));
   out.add_packed_double(6, reading.values.begin(),

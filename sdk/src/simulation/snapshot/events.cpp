@@ -1,4 +1,5 @@
 #include "simulation/snapshot/events.h"
+#include "core/index.h"
 
 #include <map>
 
@@ -38,7 +39,7 @@ Visitor visitor_from(const SceneModel& model, const std::string& kind, const std
 
 Json causes_json(const SceneModel& model, const Causes& causes) {
   Json out = Json::array();
-  for (const int rule : causes) out.push_back(model.rules[static_cast<std::size_t>(rule)].name);
+  for (const int rule : causes) out.push_back(model.rules[at(rule)].name);
   return out;
 }
 
@@ -68,13 +69,12 @@ Json event_state_json(const SceneModel& model, const EventState& memory) {
   Json pending = Json::array(), lifetimes = Json::array(), numbers = Json::object();
   for (const PendingActions& actions : memory.pending) {
     pending.push_back({{"due", number(actions.due)},
-                       {"rule", model.rules[static_cast<std::size_t>(actions.rule)].name},
+                       {"rule", model.rules[at(actions.rule)].name},
                        {"causes", causes_json(model, actions.causes)}});
   }
   for (const Lifetime& lifetime : memory.lifetimes) {
-    lifetimes.push_back(
-        {{"due", number(lifetime.due)},
-         {"assembly", model.assemblies[static_cast<std::size_t>(lifetime.assembly)].name}});
+    lifetimes.push_back({{"due", number(lifetime.due)},
+                         {"assembly", model.assemblies[at(lifetime.assembly)].name}});
   }
   for (const auto& [name, last] : memory.numbers) numbers[name] = last;
   return {{"started", memory.started}, {"rules", rules},         {"doors", doors},
@@ -86,8 +86,8 @@ void event_state_from(const Json& json, const SceneModel& model, EventState& mem
   memory.started = json.at("started").get<bool>();
   for (const auto& [name, value] : json.at("rules").items()) {
     const int index = index_of(model.rules, name);
-    if (index < 0 || static_cast<std::size_t>(index) >= memory.rules.size()) continue;
-    RuleMemory& rule = memory.rules[static_cast<std::size_t>(index)];
+    if (index < 0 || at(index) >= memory.rules.size()) continue;
+    RuleMemory& rule = memory.rules[at(index)];
     rule.fired = whole_from<int>(value.at("fired"));
     rule.rounds = whole_from<std::uint64_t>(value.at("rounds"));
     rule.held = value.at("held").get<bool>();
@@ -96,14 +96,13 @@ void event_state_from(const Json& json, const SceneModel& model, EventState& mem
   }
   for (const auto& [name, value] : json.at("doors").items()) {
     const int index = index_of(model.doors, name);
-    if (index < 0 || static_cast<std::size_t>(index) >= memory.doors.size()) continue;
-    memory.doors[static_cast<std::size_t>(index)] = {value.at("open").get<bool>(),
-                                                     value.at("arrived").get<bool>()};
+    if (index < 0 || at(index) >= memory.doors.size()) continue;
+    memory.doors[at(index)] = {value.at("open").get<bool>(), value.at("arrived").get<bool>()};
   }
   for (const auto& [name, value] : json.at("inside").items()) {
     const int index = index_of(model.regions, name);
-    if (index < 0 || static_cast<std::size_t>(index) >= memory.inside.size()) continue;
-    auto& inside = memory.inside[static_cast<std::size_t>(index)];
+    if (index < 0 || at(index) >= memory.inside.size()) continue;
+    auto& inside = memory.inside[at(index)];
     inside.clear();
     for (const Json& who : value) {
       const Visitor visitor =
