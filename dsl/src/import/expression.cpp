@@ -312,7 +312,7 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
       // Perhaps the branch of an "if" whose condition does not hold: find that "if".
       trouble = error.message;
       at_ = begin;
-      if (!skip_to_if()) throw;
+      if (!skip_to("if ")) throw;
     }
     if (!take("if")) return yes;
     const bool condition = expression(kOr).truth();
@@ -322,42 +322,30 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
       try {
         ternary();
       } catch (const PyError&) {
-        skip_rest();
+        skip_to(",");
       }
       return yes;
     }
     return ternary();
   }
 
-  /// To the word "if" on this level of brackets.
-  bool skip_to_if() {
+  /// To the word "if", or to a comma, on this level of brackets. False: to its end.
+  bool skip_to(std::string_view wanted) {
     int open = 0;
     for (; at_ < text_.size(); ++at_) {
-      const char c = text_[at_];
+      const char c = next();
       if (c == '\'' || c == '"') {
-        const std::size_t end = text_.find(c, at_ + 1);
-        if (end == std::string_view::npos) return false;
-        at_ = end;
+        at_ = std::min(text_.find(c, at_ + 1), text_.size() - 1);
       } else if (c == '(' || c == '[' || c == '{') {
         ++open;
       } else if (c == ')' || c == ']' || c == '}') {
         if (--open < 0) return false;
-      } else if (open == 0 && at_ > 0 && is_blank(text_[at_ - 1]) &&
-                 text_.substr(at_, 3) == "if ") {
+      } else if (open == 0 && text_.substr(at_, wanted.size()) == wanted &&
+                 (c == ',' || (at_ > 0 && is_blank(text_[at_ - 1])))) {
         return true;
       }
     }
     return false;
-  }
-
-  void skip_rest() {
-    int open = 0;
-    for (; at_ < text_.size(); ++at_) {
-      const char c = text_[at_];
-      if (c == '(' || c == '[' || c == '{') ++open;
-      if ((c == ')' || c == ']' || c == '}') && --open < 0) return;
-      if (c == ',' && open == 0) return;
-    }
   }
 
   template <class Operand>
@@ -482,51 +470,42 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
     return false;
   }
 
+  /// Reads entries up to `close`. Returns whether there was a comma.
+  template <class Entry>
+  bool entries(std::string_view close, std::size_t most, const char* too_many, const Entry& entry) {
+    bool comma = false;
+    for (std::size_t count = 0; !take(close); ++count) {
+      if (count == most) throw PyError{too_many};
+      entry();
+      if (take(",")) {
+        comma = true;
+      } else {
+        need(close);
+        break;
+      }
+    }
+    return comma;
+  }
+
   PyValue atom() {
     if (at_ >= text_.size()) throw PyError{"the expression ends too early"};
     const char c = text_[at_];
-    if (c == '(') {
+    if (c == '(' || c == '[') {
       ++at_;
       PyList list;
-      bool comma = false;
-      while (!take(")")) {
-        list.push_back(ternary());
-        if (list.size() > kLongestList) throw PyError{"a list grows too long"};
-        if (!take(",")) {
-          need(")");
-          break;
-        }
-        comma = true;
-      }
-      if (!comma && list.size() == 1) return list.front();
-      return {std::make_shared<const PyList>(std::move(list))};
-    }
-    if (c == '[') {
-      ++at_;
-      PyList list;
-      while (!take("]")) {
-        list.push_back(ternary());
-        if (list.size() > kLongestList) throw PyError{"a list grows too long"};
-        if (!take(",")) {
-          need("]");
-          break;
-        }
-      }
+      const bool comma = entries(c == '(' ? ")" : "]", kLongestList, "a list grows too long",
+                                 [&] { list.push_back(ternary()); });
+      if (c == '(' && !comma && list.size() == 1) return list.front();
       return {std::make_shared<const PyList>(std::move(list))};
     }
     if (c == '{') {
       ++at_;
       PyDict dict;
-      while (!take("}")) {
+      entries("}", kLongestList, "a dictionary grows too long", [&] {
         const PyValue key = ternary();
         need(":");
         dict[key.text()] = ternary();
-        if (dict.size() > kLongestList) throw PyError{"a dictionary grows too long"};
-        if (!take(",")) {
-          need("}");
-          break;
-        }
-      }
+      });
       return {std::make_shared<const PyDict>(std::move(dict))};
     }
     if (c == '\'' || c == '"') {
@@ -551,14 +530,8 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
 
   PyValue call(const std::string& name) {
     Call call{name, {}, scope_};
-    while (!take(")")) {
-      call.arguments.push_back(ternary());
-      if (call.arguments.size() > 1000) throw PyError{"a call has too many arguments"};
-      if (!take(",")) {
-        need(")");
-        break;
-      }
-    }
+    entries(")", 1000, "a call has too many arguments",
+            [&] { call.arguments.push_back(ternary()); });
     const auto function = functions().find(name);
     if (function == functions().end()) throw PyError{"there is no function '" + name + "' here"};
     return function->second(call);
