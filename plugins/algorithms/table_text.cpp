@@ -107,8 +107,8 @@ cogrsim::Result<ReadTable> read_table(const std::string& learner, const std::str
                                       const std::string& where) {
   Reader reader(text);
   const auto wrong = [&](const std::string& what, const std::string& hint = {}) {
-    const std::size_t line = std::max<std::size_t>(1, reader.number_of_line());
-    return cogrsim::fail(what, fmt::format("{}:{}", where, line),
+    const int line = static_cast<int>(std::max<std::size_t>(1, reader.number_of_line()));
+    return cogrsim::fail(what, cogrsim::SourcePosition{where, line},
                          hint.empty() ? "repair it, or move it away to start again" : hint);
   };
   std::uint64_t version = 0;

@@ -5,7 +5,7 @@ class Error(Exception):
     """An error of a scene, a run or a file: what, where, and the remedy.
 
     diagnostics: list of Diagnostic with severity, code, file, line, column, message and remedy; may be
-    empty.
+    empty. An error without a position in a file has file '' and line 0.
     """
 
     def __init__(self, text="", diagnostics=()):

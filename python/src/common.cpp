@@ -14,7 +14,7 @@ void raise(const char* type, const std::string& text, const std::vector<Diagnost
 void raise(const Error& error) {
   std::string text = error.text();
   if (!error.code.empty()) text = "[" + error.code + "] " + text;
-  raise("Error", text);
+  raise("Error", text, {to_diagnostic(error)});
 }
 
 void raise(const char* type, const std::vector<Diagnostic>& diagnostics) {

@@ -100,7 +100,7 @@ py::dict body_info(const Scene& scene, const std::string& name) {
   out["inertia"] = owned(std::move(inertia), {3, 3});
   out["position"] = to_python(body.X_WB.p);
   out["orientation"] = to_python(body.X_WB.q);
-  out["place"] = place_of(*scene.model, body.origin);
+  out["place"] = source_position(*scene.model, body.origin).position_text();
   return out;
 }
 
@@ -185,7 +185,7 @@ void bind_scene(py::module_& m) {
       .def("__str__", [](const Diagnostic& d) { return dsl::to_text(d); })
       .def("__repr__", [](const Diagnostic& d) {
         return "<Diagnostic " + std::string(severity_name(d.severity)) + " " + d.code + " " +
-               d.file + ":" + std::to_string(d.line) + ":" + std::to_string(d.column) + ": " +
+               d.position_text() + ": " +
                d.message + ">";
       });
 

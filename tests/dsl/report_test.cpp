@@ -17,7 +17,8 @@ TEST_CASE("the text points at the source position, with trail and help", "[repor
   d.column = 39;
   d.length = 5;
   d.source_line = "    <camera name=\"eye\" on=\"mast\" fov=\"60 cm\"/>";
-  d.notes.push_back({"in instance 'bot' of prototype 'DiffBot'", "maze.scene.xml", 52, 5});
+  d.notes.emplace_back("in instance 'bot' of prototype 'DiffBot'",
+                       SourcePosition{"maze.scene.xml", 52, 5});
   d.help = "did you mean \"60 deg\"?";
   CHECK(to_text(d) ==
         "error[CG0502]: expected an angle, found a length\n"

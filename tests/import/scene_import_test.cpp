@@ -77,7 +77,11 @@ TEST_CASE("what is wrong with an imported robot is reported at the import", "[sc
   REQUIRE_FALSE(bad.diagnostics.empty());
   CHECK(bad.diagnostics[0].code == "CG1404");
   CHECK(bad.diagnostics[0].line == 2);
-  CHECK(bad.diagnostics[0].message.find("arm.urdf:2:2: ") != std::string::npos);
+  REQUIRE(bad.diagnostics[0].notes.size() == 1);
+  const SourcePosition& there = bad.diagnostics[0].notes[0];
+  CHECK(there.file == "arm.urdf");
+  CHECK(there.line == 2);
+  CHECK(there.column == 2);
   // What is left out is a warning, and a mesh outside of the scene's folder is left out.
   const dsl::CompileResult lost = compiled(
       "<robot name=\"arm\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "

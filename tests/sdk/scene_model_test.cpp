@@ -177,6 +177,8 @@ TEST_CASE("names are looked up among existing elements", "[model]") {
 TEST_CASE("positions read file:line:column", "[model]") {
   SceneModel model;
   model.files = {"maze.scene.xml"};
-  CHECK(place_of(model, {0, 27, 48, 3}) == "maze.scene.xml:27:48");
-  CHECK(place_of(model, SourceSpan{}).empty());
+  const SourcePosition position = source_position(model, {0, 27, 48, 3});
+  CHECK(position.position_text() == "maze.scene.xml:27:48");
+  CHECK(position.length == 3);
+  CHECK(source_position(model, SourceSpan{}).file.empty());
 }

@@ -40,12 +40,8 @@ void check_backend(const std::string& asked, LoadedScene& scene) {
   const auto backend = scene.loader->backend(name);
   if (!backend) {
     Diagnostic diagnostic = to_diagnostic(backend.error());
-    const SourceSpan& origin = scene.model->physics.backend_origin;
-    if (asked.empty() && origin.file >= 0) {
-      diagnostic.file = scene.model->files[static_cast<std::size_t>(origin.file)];
-      diagnostic.line = origin.line;
-      diagnostic.column = origin.column;
-      diagnostic.length = origin.length;
+    if (asked.empty()) {
+      diagnostic.locate(source_position(*scene.model, scene.model->physics.backend_origin));
     }
     scene.diagnostics.push_back(std::move(diagnostic));
     return;

@@ -68,19 +68,6 @@ std::string step_problem(double step, double duration) {
       time_text(duration), step_text(step));
 }
 
-Diagnostic to_diagnostic(const Error& error) {
-  Diagnostic diagnostic;
-  diagnostic.code = error.code;
-  diagnostic.message = error.message;
-  diagnostic.help = error.hint;
-  if (!error.where.empty()) {
-    DiagnosticNote note;
-    note.message = "in " + error.where;
-    diagnostic.notes.push_back(note);
-  }
-  return diagnostic;
-}
-
 Json to_json(const Diagnostic& diagnostic) {
   Json out = empty_finding();
   out["severity"] = severity_name(diagnostic.severity);
@@ -136,7 +123,7 @@ void print_problems(const std::vector<Diagnostic>& problems) {
   std::vector<Diagnostic> coded;
   for (const Diagnostic& d : problems) {
     if (d.code.empty())
-      print_error(Error(d.message, "", d.help).text());
+      print_error(to_error(d).text());
     else
       coded.push_back(d);
   }

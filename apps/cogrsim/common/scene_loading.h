@@ -30,9 +30,6 @@ double duration_of(const SceneModel& model, const SceneOptions& options);
 /// Empty, or why `step` and `duration` [s] do not fit together, with the remedy.
 std::string step_problem(double step, double duration);
 
-/// An error without a source location as a finding; `where` becomes a note.
-Diagnostic to_diagnostic(const Error& error);
-
 Json to_json(const Diagnostic& diagnostic);
 /// The same keys as a finding's, with `time` and `source` filled in.
 Json to_json(const RunMessage& message);

@@ -20,10 +20,6 @@ using dsl::Fidelity;
 
 namespace {
 
-std::string position_of(const dsl::ImportEntry& e) {
-  return e.file.empty() ? "" : fmt::format("{}:{}:{}", e.file, e.line, e.column);
-}
-
 /// Light and dark; the bar shows the shares, the buttons choose the rows.
 constexpr const char* kStyle =
     ":root{color-scheme:light dark;--exact:#2a7a2a;--approximate:#9a6a00;--left:#b02a2a;"
@@ -67,7 +63,7 @@ void print_fidelity(const dsl::FidelityReport& report) {
     for (const dsl::ImportEntry& e : report.entries) {
       if (e.fidelity != fidelity) continue;
       if (++shown > kMost) break;
-      text += fmt::format("  {}{}{}: {}\n", position_of(e), e.file.empty() ? "" : ": ", e.element,
+      text += fmt::format("  {}{}{}: {}\n", e.position_text(), e.file.empty() ? "" : ": ", e.element,
                           e.message);
     }
     if (count > kMost)
@@ -116,8 +112,8 @@ std::string fidelity_html(const ConversionTitle& title, const dsl::FidelityRepor
   }
   out += "<div class=\"bar\">" + bar + "</div>\n<p>" + boxes + "</p>\n";
   for (const Diagnostic& d : diagnostics)
-    out += fmt::format("<p class=\"left\"><b>{}:{}:{}: {}</b> {}</p>\n", html_escaped(d.file),
-                       d.line, d.column, html_escaped(d.message), html_escaped(d.help));
+    out += fmt::format("<p class=\"left\"><b>{}: {}</b> {}</p>\n", html_escaped(d.position_text()),
+                       html_escaped(d.message), html_escaped(d.help));
   out += "<table><tr><th>fidelity</th><th>element</th><th>note</th><th>source</th></tr>\n";
   for (const Fidelity fidelity : kAll)
     for (const dsl::ImportEntry& e : report.entries)
@@ -126,7 +122,7 @@ std::string fidelity_html(const ConversionTitle& title, const dsl::FidelityRepor
             "<tr class=\"r-{0}\"><td class=\"{0}\">{1}</td><td>{2}</td><td>{3}</td><td>{4}</td>"
             "</tr>\n",
             css_class(fidelity), dsl::fidelity_name(fidelity), html_escaped(e.element),
-            html_escaped(e.message), html_escaped(position_of(e)));
+            html_escaped(e.message), html_escaped(e.position_text()));
   return out + "</table></body></html>\n";
 }
 

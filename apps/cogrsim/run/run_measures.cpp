@@ -57,9 +57,9 @@ Result<Parsed> parse(const SceneModel& model, const ChannelLookup& channels,
   scope.may_come = [&model, own](const std::string& name) {
     return !in_scene(model, name) && (own || is_brought(model, name));
   };
-  const auto named = [&](const Error& error) {
-    return fail("measure '" + measure.name + "': " + error.message, error.where, error.hint,
-                error.code);
+  const auto named = [&](Error error) {
+    error.message = "measure '" + measure.name + "': " + error.message;
+    return tl::unexpected(std::move(error));
   };
   Parsed parsed;
   if (measure.take == MeasureModel::Take::first_time) {

@@ -18,14 +18,11 @@
 namespace cogrsim::cli {
 namespace {
 
-std::string first_error(const std::vector<Diagnostic>& diagnostics) {
-  for (const Diagnostic& d : diagnostics) {
-    if (d.severity != Severity::error) continue;
-    std::string text = d.code.empty() ? d.message : d.code + ": " + d.message;
-    if (!d.file.empty()) text = fmt::format("{}:{}: {}", d.file, d.line, text);
-    return text;
-  }
-  return "the scene cannot be run";
+std::string refusal_text(const std::vector<Diagnostic>& diagnostics) {
+  const Diagnostic* d = first_error(diagnostics);
+  if (d == nullptr) return "the scene cannot be run";
+  const std::string text = d->code.empty() ? d->message : d->code + ": " + d->message;
+  return d->file.empty() ? text : d->position_text() + ": " + text;
 }
 
 // Why a run ended otherwise than by reaching its end: the last that was reported as an error.
@@ -55,14 +52,14 @@ Json run(const Json& input) {
   options.plugin_paths = input["plugin_paths"].get<std::vector<std::string>>();
   if (!input["until"].is_null()) options.duration = input["until"].get<double>();
   const LoadedScene scene = load_scene(options);
-  if (!scene.model) return failed_result("failed", first_error(scene.diagnostics));
+  if (!scene.model) return failed_result("failed", refusal_text(scene.diagnostics));
 
   SimulationOptions settings;
   settings.backend = input["backend"].get<std::string>();
   settings.seed = options.seed;
   settings.step = input["step"].get<double>();
   auto created = Simulation::create(scene.model, settings, scene.loader);
-  if (!created) return failed_result("failed", first_error(created.error()));
+  if (!created) return failed_result("failed", refusal_text(created.error()));
   Simulation& simulation = **created;
   const double duration = duration_of(*scene.model, options);
   if (const std::string problem = step_problem(simulation.dt(), duration); !problem.empty()) {

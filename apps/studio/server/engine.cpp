@@ -24,21 +24,14 @@ constexpr double kMostAtEnd = 3.0;  // [s]
 }  // namespace
 
 Error to_error(const Refusal& found) {
-  const Diagnostic* first = nullptr;
-  std::size_t errors = 0;
-  for (const Diagnostic& d : found) {
-    if (d.severity != Severity::error) continue;
-    if (!first) first = &d;
-    ++errors;
-  }
-  if (!first) return Error("the scene was refused");
-  std::string where;
-  if (!first->file.empty()) {
-    where = first->file + ":" + std::to_string(first->line) + ":" + std::to_string(first->column);
-  }
-  std::string message = first->message;
-  if (errors > 1) message += " (and " + std::to_string(errors - 1) + " more)";
-  return Error(message, where, first->help, first->code);
+  const Diagnostic* first = first_error(found);
+  if (first == nullptr) return Error("the scene was refused");
+  Error error = to_error(*first);
+  const auto errors = std::count_if(found.begin(), found.end(), [](const Diagnostic& d) {
+    return d.severity == Severity::error;
+  });
+  if (errors > 1) error.message += " (and " + std::to_string(errors - 1) + " more)";
+  return error;
 }
 
 Engine::Engine(RunOptions options, std::vector<std::string> plugin_folders, History& history,

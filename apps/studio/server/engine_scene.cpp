@@ -16,14 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Refusal refusal(const Error& error) {
-  Diagnostic d;
-  d.message = error.message;
-  d.code = error.code;
-  d.help = error.hint;
-  return {d};
-}
-
 /// A folder that only this user can read, removed with this object.
 class PrivateFolder {
  public:
@@ -122,9 +114,9 @@ tl::expected<void, Refusal> Engine::begin_again(const Scene& scene, const std::s
     auto second = make(scene.model, other);
     if (!second) return tl::unexpected(second.error());
     if (!steps_meet((*made)->dt(), (*second)->dt())) {
-      return tl::unexpected(
-          refusal(Error("the two steps have no time in common within 1000 of them", "",
-                        "choose one that goes into the other, such as half of it")));
+      return tl::unexpected(Refusal{
+          to_diagnostic(Error("the two steps have no time in common within 1000 of them", "",
+                              "choose one that goes into the other, such as half of it"))});
     }
     ghost = std::make_unique<SecondRun>();
     ghost->wish = *wish;
@@ -154,7 +146,7 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
                                                                    const std::string& backend,
                                                                    bool new_plugins) {
   auto snapshot = snapshot_of(*simulation_);
-  if (!snapshot) return tl::unexpected(refusal(snapshot.error()));
+  if (!snapshot) return tl::unexpected(Refusal{to_diagnostic(snapshot.error())});
   const SceneModelPtr model = renamed(scene.model, snapshot->info().scene);
   SimulationOptions options = simulation_options();
   options.backend = backend;

@@ -58,6 +58,12 @@ Json refused(const Error& error) {
   Json out = {{"message", error.message}};
   if (!error.hint.empty()) out["help"] = error.hint;
   if (!error.where.empty()) out["where"] = error.where;
+  if (!error.file.empty()) {
+    out["file"] = error.file;
+    out["line"] = error.line;
+    out["column"] = error.column;
+    out["length"] = error.length;
+  }
   if (!error.code.empty()) out["code"] = error.code;
   return out;
 }

@@ -43,7 +43,7 @@ Result<OptionsPtr> read_options(const SceneModel& model) {
   auto complete = complete_parameters(world_option_table(), given ? found->second : none);
   if (!complete) {
     Error error = complete.error();
-    error.where = place_of(model, model.physics.origin);
+    error.locate(source_position(model, model.physics.origin));
     return tl::unexpected<Error>(error);
   }
   return std::make_shared<const Parameters>(std::move(*complete));

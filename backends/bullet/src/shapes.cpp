@@ -64,7 +64,7 @@ class Maker {
     }
     if (!made) {
       return fail("shape '" + shape.name + "': its mesh has no triangles, or spans no volume",
-                  place_of(model_, shape.origin));
+                  source_position(model_, shape.origin));
     }
     if (margin_ > 0.0 && (shape.type == ShapeType::box || shape.type == ShapeType::cylinder)) {
       made->setMargin(margin_);
@@ -183,7 +183,7 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
     if (is_surface(shape.type) && body.kind == BodyKind::dynamic) {
       return fail("body '" + body.name + "': a " + std::string(to_string(shape.type)) +
                       " cannot be moved by forces",
-                  place_of(model, shape.origin),
+                  source_position(model, shape.origin),
                   "make the body static or kinematic, or use a convex-mesh");
     }
     if (shape.mesh >= 0) {

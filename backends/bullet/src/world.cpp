@@ -31,7 +31,7 @@ Result<> check_scene(const SceneModel& model) {
       if (farthest <= kWidestLimits) continue;
       return fail("joint '" + joint.name + "': its limits are " + std::to_string(farthest) +
                       " rad apart or away from where it begins; Bullet does not count turns",
-                  place_of(model, joint.origin), "set limits within 6.2 rad, or none");
+                  source_position(model, joint.origin), "set limits within 6.2 rad, or none");
     }
   }
   return check_masses(model);

@@ -84,7 +84,7 @@ Result<StepperOptions> read_options(const SceneModel& model, const ParameterTabl
   auto complete = complete_parameters(table, given);
   if (!complete) {
     Error error = complete.error();
-    error.where = place_of(model, model.physics.origin);
+    error.locate(source_position(model, model.physics.origin));
     return tl::unexpected<Error>(error);
   }
   StepperOptions out;
@@ -144,9 +144,9 @@ class DynamicsBackend final : public Backend {
       return std::make_unique<DynamicsWorld>(model, *options);
     } catch (const std::system_error& e) {
       return fail(std::to_string(options->threads) + " threads cannot be started: " + e.what(),
-                  place_of(*model, model->physics.origin), "set the option 'threads' lower");
+                  source_position(*model, model->physics.origin), "set the option 'threads' lower");
     } catch (const std::exception& e) {
-      return fail(message_of(e), place_of(*model, model->physics.origin));
+      return fail(message_of(e), source_position(*model, model->physics.origin));
     }
   }
 

@@ -76,7 +76,7 @@ Result<> Writer::check() const {
   if (auto fine = check_motors(scene_); !fine) return fine;
   for (const Body& b : scene_.bodies) {
     if (b.removed) continue;
-    const std::string place = place_of(scene_, b.origin);
+    const SourcePosition place = source_position(scene_, b.origin);
     for (const Shape& shape : b.shapes) {
       if (shape.collides && is_surface(shape.type) && b.kind != BodyKind::fixed) {
         return fail("body '" + b.name + "': MuJoCo has a " + to_string(shape.type) +
@@ -89,7 +89,8 @@ Result<> Writer::check() const {
 }
 
 Result<> Writer::check_loop(const Joint& joint) const {
-  const std::string name = "joint '" + joint.name + "': ", place = place_of(scene_, joint.origin);
+  const std::string name = "joint '" + joint.name + "': ";
+  const SourcePosition place = source_position(scene_, joint.origin);
   const char* const way_out =
       "let another joint of the loop be the last one in the file, or attach by a plain hinge, ball "
       "or fixed joint";
@@ -255,7 +256,7 @@ Result<std::string> Writer::geom_form(const Shape& shape, Pose& X) {
   return fail("shape '" + shape.name +
                   "': MuJoCo has meshes as their convex hulls only, and this " + "one " +
                   (shape.type == ShapeType::mesh ? "is not convex" : "has no volume"),
-              place_of(scene_, shape.origin), "make it of convex meshes");
+              source_position(scene_, shape.origin), "make it of convex meshes");
 }
 
 Result<> Writer::write_geoms(int b, const Pose& X_WB) {

@@ -82,9 +82,9 @@ Result<Options> read_options(const SceneModel& model) {
   auto options = complete_parameters(
       world_option_table(),
       given == model.physics.engine_options.end() ? Parameters{} : given->second);
-  const std::string place = place_of(model, model.physics.origin);
+  const SourcePosition place = source_position(model, model.physics.origin);
   if (!options) {
-    options.error().where = place;
+    options.error().locate(place);
     return tl::unexpected(options.error());
   }
   const auto text = [&](const std::string& name) { return text_of(options->at(name)); };

@@ -160,7 +160,7 @@ Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Pose> po
   if (!mjcf) return tl::unexpected(mjcf.error());
   auto model = compile(*mjcf);
   if (!model) {
-    model.error().where = place_of(*scene, scene->physics.origin);
+    model.error().locate(source_position(*scene, scene->physics.origin));
     return tl::unexpected(model.error());
   }
   out->model = std::move(*model);

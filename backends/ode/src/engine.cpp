@@ -92,7 +92,7 @@ Result<> Engine::add_body(std::size_t b) {
   try {
     bodies_[b].create(world_, body);
   } catch (const EngineError& error) {
-    return fail("body '" + body.name + "': " + error.what(), place_of(*model_, body.origin),
+    return fail("body '" + body.name + "': " + error.what(), source_position(*model_, body.origin),
                 "look at its mass and inertia");
   }
   if (body.kind == BodyKind::dynamic && body.gravity_scale != 1.0) {
@@ -121,7 +121,7 @@ Result<> Engine::add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes) {
       return fail(
           "shape '" + shape.name + "': a " + std::string(to_string(shape.type)) +
               (plane ? " cannot be moved" : " cannot be moved by forces"),
-          place_of(*model_, shape.origin),
+          source_position(*model_, shape.origin),
           plane ? "make its body static, or use a box" : "make its body static or kinematic");
     }
     if (auto made = make_geom(space_, *model_, shape, shapes, geom); !made) return made;

@@ -91,7 +91,7 @@ Result<std::shared_ptr<Hull>> ShapeData::hull(const SceneModel& model, const Sha
       hull_faces(model.meshes[static_cast<std::size_t>(shape.mesh)], kMostCorners);
   if (faces.normals.empty()) {
     return fail("shape '" + shape.name + "': its mesh has no volume",
-                place_of(model, shape.origin));
+                source_position(model, shape.origin));
   }
   made = hull_of(faces);
   return made;
@@ -134,7 +134,7 @@ Result<> make_geom(dSpaceID space, const SceneModel& model, const Shape& shape, 
       geom.id = dCreateTriMesh(space, geom.triangles->data, nullptr, nullptr, nullptr);
       return {};
   }
-  return fail("shape '" + shape.name + "': of an unknown type", place_of(model, shape.origin));
+  return fail("shape '" + shape.name + "': of an unknown type", source_position(model, shape.origin));
 }
 
 void place_geom(const Geom& geom, ShapeType type, const Pose& X_WB) {

@@ -36,7 +36,7 @@ Result<Options> read_options(const SceneModel& model) {
       found == model.physics.engine_options.end() ? Parameters{} : found->second);
   if (!all) {
     Error error = all.error();
-    error.where = place_of(model, model.physics.origin);
+    error.locate(source_position(model, model.physics.origin));
     return tl::unexpected<Error>(error);
   }
   const auto text = [&](const char* name) { return std::get<std::string>(all->at(name)); };

@@ -51,7 +51,7 @@ Result<> OdeWorld::rebuild(Progress progress) {
     engine_ = std::move(*made);
   } catch (const EngineError& error) {
     return fail(std::string(error.what()),
-                place_of(*progress.model, progress.model->physics.origin));
+                source_position(*progress.model, progress.model->physics.origin));
   }
   const std::size_t known = progress.motions.size(), n = progress.model->bodies.size();
   now_ = std::move(progress);

@@ -111,7 +111,7 @@ Result<Options> read_options(const SceneModel& model) {
   const auto complete = complete_parameters(world_option_table(), given);
   if (complete) return options_from(*complete);
   Error error = complete.error();
-  error.where = place_of(model, model.physics.origin);
+  error.locate(source_position(model, model.physics.origin));
   return tl::unexpected<Error>(error);
 }
 

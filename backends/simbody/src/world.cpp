@@ -64,7 +64,7 @@ Result<std::unique_ptr<World>> SimbodyWorld::create(const SceneModelPtr& model) 
   try {
     return std::unique_ptr<World>(new SimbodyWorld(model, *options));
   } catch (const std::exception& e) {
-    return fail("Simbody: " + message_of(e), place_of(*model, model->physics.origin));
+    return fail("Simbody: " + message_of(e), source_position(*model, model->physics.origin));
   }
 }
 

@@ -164,11 +164,7 @@ Result<> SceneEditor::run(const AssembleElements& op) {
       other.push_back(use);
   if (auto good = follow(other); !good) return good;
   refresh();
-  if (auto good = must_compile("assemble"); !good) {
-    Error error = good.error();
-    error.message = "as one body: " + error.message.substr(error.message.find(": ") + 2);
-    return tl::unexpected(error);
-  }
+  if (auto good = must_compile("assemble", "as one body: "); !good) return good;
   return check_meaning(other);
 }
 
@@ -308,15 +304,7 @@ Result<> SceneEditor::run(const DisassembleElement& op) {
   for (const auto& [node, X_W] : kept)
     if (auto good = write_pose(*node, X_W, kKeepTolerance); !good) return good;
   refresh();
-  const auto explained = [&](Result<> good) -> Result<> {
-    if (good) return good;
-    Error error = good.error();
-    const std::size_t colon = error.message.find(": ");
-    error.message =
-        "apart: " + (colon == std::string::npos ? error.message : error.message.substr(colon + 2));
-    return tl::unexpected(error);
-  };
-  if (auto good = must_compile("disassemble"); !good) return explained(good);
+  if (auto good = must_compile("disassemble", "apart: "); !good) return good;
   if (auto good = check_meaning(old_uses, successors); !good) return good;
   return mass.empty() ? Result<>{} : share_mass(called(whole), mass, parts);
 }

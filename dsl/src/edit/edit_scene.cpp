@@ -6,17 +6,14 @@
 namespace cogrsim::dsl {
 namespace {
 
-const char* const kCorrectFirst = "correct the text first";
-
-Error first_error(const std::vector<Diagnostic>& diagnostics, const std::string& what) {
-  for (const Diagnostic& d : diagnostics) {
-    if (d.severity != Severity::error) continue;
-    const std::string where =
-        d.line > 0 ? d.file + ":" + std::to_string(d.line) + ":" + std::to_string(d.column)
-                   : d.file;
-    return Error(what + d.message, where, d.help, d.code);
-  }
-  return Error(what + "it does not compile");
+// The first error of a text that does not compile, with its line in the message.
+Error refusal(const std::vector<Diagnostic>& diagnostics, const std::string& lead) {
+  const Diagnostic* first = first_error(diagnostics);
+  if (first == nullptr) return Error(lead + "it does not compile");
+  Error error = to_error(*first);
+  if (first->line > 0) error.message = "line " + std::to_string(first->line) + ": " + error.message;
+  error.message = lead + error.message;
+  return error;
 }
 
 bool is_name(std::string_view text) {
@@ -43,14 +40,7 @@ Result<SceneEditor> SceneEditor::open(const std::string& text, const std::string
                                       const CompileOptions& options) {
   std::vector<Diagnostic> faults;
   auto tree = EditTree::read(text, name, options.limits, faults);
-  if (!tree) {
-    const Diagnostic* first = faults.empty() ? nullptr : &faults.front();
-    return fail(
-        std::string(kCorrectFirst) +
-            (first == nullptr ? ""
-                              : ": line " + std::to_string(first->line) + ": " + first->message),
-        "", first == nullptr ? "" : first->help, first == nullptr ? "" : first->code);
-  }
+  if (!tree) return tl::unexpected(refusal(faults, kCorrectFirst));
   SceneEditor editor(std::move(*tree), name, options);
   editor.refresh();
   editor.by_id_ = editor.nodes_;
@@ -107,16 +97,12 @@ std::string SceneEditor::called(const EditElement& element) const {
   return name.empty() ? "<" + element.tag + ">" : element.tag + " '" + name + "'";
 }
 
-Result<> SceneEditor::must_compile(const char* what) const {
+Result<> SceneEditor::must_compile(const char* what, const std::string& lead) const {
   if (analysis_.result.ok()) return {};
-  Error error = first_error(analysis_.result.diagnostics, "");
-  std::string line = error.where.substr(0, error.where.rfind(':'));
-  line = line.substr(line.rfind(':') + 1);
-  return fail(
-      std::string(kCorrectFirst) + ": line " + line + ": " + error.message, error.where,
-      error.hint.empty() ? "the scene must compile before one can " + std::string(what)
-                         : error.hint,
-      error.code);
+  Error error = refusal(analysis_.result.diagnostics, lead);
+  if (error.hint.empty())
+    error.hint = "the scene must compile before one can " + std::string(what);
+  return tl::unexpected(error);
 }
 
 Result<EditElement*> SceneEditor::one_thing(int id, const char* what) const {
@@ -153,10 +139,10 @@ Result<EditResult> SceneEditor::finish() {
   EditResult out;
   out.text = tree_.text();
   out.scene = compile_outlined(out.text, name_, *options_);
-  if (compiled_at_first_ && !out.scene.result.ok())
-    return tl::unexpected(first_error(out.scene.result.diagnostics, ""));
-  if (out.scene.elements.empty())
-    return tl::unexpected(first_error(out.scene.result.diagnostics, ""));
+  if ((compiled_at_first_ && !out.scene.result.ok()) || out.scene.elements.empty()) {
+    const Diagnostic* first = first_error(out.scene.result.diagnostics);
+    return tl::unexpected(first != nullptr ? to_error(*first) : Error("it does not compile"));
+  }
   const std::vector<EditElement*> nodes = tree_.all();
   for (const EditElement* made : created_)
     for (std::size_t i = 0; i < nodes.size(); ++i)
@@ -246,10 +232,7 @@ Result<> SceneEditor::run(const RenameElement& op) {
   }
   if (auto good = follow(before); !good) return good;
   refresh();
-  if (auto good = must_compile("rename"); !good)
-    return fail("with the name '" + op.name +
-                    "': " + good.error().message.substr(good.error().message.find(": ") + 2),
-                good.error().where, good.error().hint, good.error().code);
+  if (auto good = must_compile("rename", "with the name '" + op.name + "': "); !good) return good;
   return check_meaning(before);
 }
 
@@ -291,11 +274,7 @@ Result<> SceneEditor::run(const MoveElement& op) {
     if (auto good = write_pose(there, X_W, kKeepTolerance); !good) return good;
   if (auto good = follow(old_uses); !good) return good;
   refresh();
-  if (auto good = must_compile("move"); !good) {
-    Error error = good.error();
-    error.message = "there " + error.message.substr(error.message.find(": ") + 2);
-    return tl::unexpected(error);
-  }
+  if (auto good = must_compile("move", "there "); !good) return good;
   return check_meaning(old_uses);
 }
 

@@ -19,6 +19,9 @@ namespace cogrsim::dsl {
 inline constexpr double kHandTolerance = 5e-7;
 inline constexpr double kKeepTolerance = 2e-11;
 
+/// Begins what an operation on a text that does not compile gives.
+inline constexpr const char* kCorrectFirst = "correct the text first: ";
+
 class SceneEditor {
  public:
   static Result<SceneEditor> open(const std::string& text, const std::string& name,
@@ -48,7 +51,8 @@ class SceneEditor {
   int line_of(const EditElement& element) const;
   std::string called(const EditElement& element) const;  ///< "box 'leg'", for messages
   void refresh();
-  Result<> must_compile(const char* what) const;
+  /// An error with its line, behind `lead`.
+  Result<> must_compile(const char* what, const std::string& lead = kCorrectFirst) const;
   Result<EditElement*> one_thing(int id, const char* what) const;
 
   Result<> run(const SetAttribute& op);

@@ -244,9 +244,7 @@ std::string ExportTree::mesh_file(int mesh) {
 
 void ExportTree::add(Fidelity fidelity, const SourceSpan& at, const std::string& element,
                      const std::string& message) {
-  const bool known = at.file >= 0 && index(at.file) < model.files.size();
-  result.entries.push_back(
-      {fidelity, element, message, known ? model.files[index(at.file)] : "", at.line, at.column});
+  result.entries.push_back({source_position(model, at), fidelity, element, message});
 }
 void ExportTree::exact(const SourceSpan& at, const std::string& element,
                        const std::string& message) {

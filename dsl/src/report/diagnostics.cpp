@@ -48,15 +48,13 @@ Report& Report::help(std::string text) {
 }
 
 Report& Report::note(std::string text, const SourceSpan& at) {
+  return note(std::move(text), sink_->position(at));
+}
+
+Report& Report::note(std::string text, SourcePosition at) {
   if (index_ < 0) return *this;
-  DiagnosticNote note;
-  note.message = std::move(text);
-  if (at.file >= 0 && sink_->files_) {
-    note.file = sink_->files_->file(at.file).name;
-    note.line = at.line;
-    note.column = at.column;
-  }
-  sink_->entries_[static_cast<std::size_t>(index_)].diagnostic.notes.push_back(std::move(note));
+  sink_->entries_[static_cast<std::size_t>(index_)].diagnostic.notes.emplace_back(std::move(text),
+                                                                                  std::move(at));
   return *this;
 }
 
@@ -94,14 +92,9 @@ Report DiagnosticSink::report(std::string_view code, const SourceSpan& at, const
   e.diagnostic.message = std::move(message);
   e.at = at;
   e.trail = trail;
-  if (at.file >= 0 && files_) {
-    const SourceFile& file = files_->file(at.file);
-    e.diagnostic.file = file.name;
-    e.diagnostic.line = at.line;
-    e.diagnostic.column = at.column;
-    e.diagnostic.length = at.length;
-    if (at.line > 0) e.diagnostic.source_line = presentable(file.line(at.line));
-  }
+  e.diagnostic.locate(position(at));
+  if (e.diagnostic.line > 0)
+    e.diagnostic.source_line = presentable(files_->file(at.file).line(at.line));
   here.push_back(static_cast<int>(entries_.size()));
   entries_.push_back(std::move(e));
   return Report(this, static_cast<int>(entries_.size()) - 1);
@@ -117,10 +110,9 @@ Report DiagnosticSink::report(std::string_view code, const Element& element,
   return report(code, a ? a->value_span : element.span(), element.trail, std::move(message));
 }
 
-std::string DiagnosticSink::position_text(const SourceSpan& at) const {
+SourcePosition DiagnosticSink::position(const SourceSpan& at) const {
   if (at.file < 0 || !files_) return {};
-  return files_->file(at.file).name + ':' + std::to_string(at.line) + ':' +
-         std::to_string(at.column);
+  return {files_->file(at.file).name, at.line, at.column, at.length};
 }
 
 std::vector<Diagnostic> DiagnosticSink::take() {
@@ -138,23 +130,15 @@ std::vector<Diagnostic> DiagnosticSink::take() {
     Entry& e = entries_[i];
     int shown = 0;
     for (const Trail* t = e.trail; t && shown < kLongestTrail; t = t->up, ++shown) {
-      DiagnosticNote note;
-      note.message = t->text;
-      if (t->at.file >= 0 && files_) {
-        note.file = files_->file(t->at.file).name;
-        note.line = t->at.line;
-        note.column = t->at.column;
-      }
-      e.diagnostic.notes.push_back(std::move(note));
+      e.diagnostic.notes.emplace_back(t->text, position(t->at));
     }
     if (e.repeats > 0) {
-      e.diagnostic.notes.push_back({"and " + std::to_string(e.repeats) + " more", "", 0, 0});
+      e.diagnostic.notes.emplace_back("and " + std::to_string(e.repeats) + " more");
     }
     out.push_back(std::move(e.diagnostic));
   }
   if (dropped_ > 0 && !out.empty()) {
-    out.back().notes.push_back(
-        {std::to_string(dropped_) + " further findings are not shown", "", 0, 0});
+    out.back().notes.emplace_back(std::to_string(dropped_) + " further findings are not shown");
   }
   entries_.clear();
   by_position_.clear();

@@ -36,6 +36,7 @@ class Report {
   Report& help(std::string text);
   /// A line with another source position: "first defined here".
   Report& note(std::string text, const SourceSpan& at = {});
+  Report& note(std::string text, SourcePosition at);
 
  private:
   DiagnosticSink* sink_;
@@ -61,14 +62,12 @@ class DiagnosticSink {
   int error_count() const { return errors_; }
   bool has_errors() const { return errors_ > 0; }
 
-  /// "maze.scene.xml:52:5"; "" without a position.
-  std::string position_text(const SourceSpan& at) const;
-
   /// All findings sorted by file and position, with excerpts, trails and counts.
   std::vector<Diagnostic> take();
 
  private:
   friend class Report;
+  SourcePosition position(const SourceSpan& at) const;
   struct Entry {
     Diagnostic diagnostic;
     SourceSpan at;

@@ -12,12 +12,6 @@ struct Style {
 constexpr Style kPlain = {"", "", "", "", "", ""};
 constexpr Style kAnsi = {"\x1b[1;31m", "\x1b[1;33m", "\x1b[1m", "\x1b[34m", "\x1b[32m", "\x1b[0m"};
 
-std::string position_text(const std::string& file, int line, int column) {
-  std::string out = file;
-  if (line > 0) out += ':' + std::to_string(line) + ':' + std::to_string(column);
-  return out;
-}
-
 /// Blanks before the caret: as wide as what stands above them; tabs stay tabs.
 std::string indent_of(const std::string& line, int column) {
   std::string out;
@@ -68,7 +62,7 @@ std::string to_text(const Diagnostic& d, bool color) {
   const std::string number = d.line > 0 ? std::to_string(d.line) : "";
   const std::string gutter(number.empty() ? 2 : number.size(), ' ');
   if (!d.file.empty()) {
-    out += gutter + s.frame + "--> " + s.off + position_text(d.file, d.line, d.column) + "\n";
+    out += gutter + s.frame + "--> " + s.off + d.position_text() + "\n";
   }
   // Of very long lines only the start is kept; a caret would point beyond it.
   if (!d.source_line.empty() && d.line > 0 && d.column <= code_points(d.source_line) + 1) {
@@ -84,7 +78,7 @@ std::string to_text(const Diagnostic& d, bool color) {
   }
   for (const DiagnosticNote& n : d.notes) {
     out += gutter + s.frame + " = " + s.off + n.message;
-    if (!n.file.empty()) out += ", " + position_text(n.file, n.line, n.column);
+    if (!n.file.empty()) out += ", " + n.position_text();
     out += "\n";
   }
   if (!d.help.empty()) {

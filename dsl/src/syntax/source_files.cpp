@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <system_error>
 
 #include "cogrsim/dsl/import_model.h"
@@ -244,12 +245,13 @@ bool SourceFiles::convert_model(const std::string& path, std::string_view href,
   how.limits = options_.limits;
   ImportResult made = import_model(path, how);
   read_.insert(made.files_read.begin(), made.files_read.end());
-  for (const Diagnostic& d : made.diagnostics)
-    sink_
-        .report(d.code.c_str(), at, nullptr,
-                d.file + ":" + std::to_string(d.line) + ":" + std::to_string(d.column) + ": " +
-                    d.message)
-        .help(d.help);
+  std::map<std::string, Report> reports;  // the same of several lines is one with several notes
+  for (const Diagnostic& d : made.diagnostics) {
+    auto [same, first] =
+        reports.try_emplace(d.code + d.message, sink_.report(d.code, at, nullptr, d.message));
+    if (first) same->second.help(d.help);
+    same->second.note("in the imported model", d);
+  }
   if (made.scene.empty()) return false;
   const std::size_t lost = made.count(Fidelity::left_out);
   if (lost > 0) {
@@ -259,8 +261,9 @@ bool SourceFiles::convert_model(const std::string& path, std::string_view href,
     sink_
         .report("CG2004", at, nullptr,
                 std::to_string(lost) + (lost == 1 ? " element" : " elements") + " of \"" +
-                    std::string(href) + "\" could not be imported, the first at line " +
-                    std::to_string(first->line) + ": " + first->element + ": " + first->message)
+                    std::string(href) + "\" could not be imported, the first: " + first->element + ": " +
+                    first->message)
+        .note("the first is in the imported model", *first)
         .help("cogrsim import " + std::string(href) + " lists all");
   }
   text = std::move(made.scene);

@@ -57,7 +57,7 @@ Result<PlotSampler> PlotSampler::create(const PlotModel& plot, const SceneModel&
   PlotSampler sampler;
   sampler.plot_ = plot;
   const std::string name = fmt::format("plot '{}'", plot.name);
-  const std::string where = place_of(model, plot.origin);
+  const SourcePosition where = source_position(model, plot.origin);
   const auto kind = kind_from(plot.kind);
   if (!kind) return fail(name + ": " + kind.error().message, where, kind.error().hint);
   sampler.kind_ = *kind;
@@ -68,7 +68,7 @@ Result<PlotSampler> PlotSampler::create(const PlotModel& plot, const SceneModel&
   const SignalScope scope{model, channels, {}};
   for (const PlotSeries& series : plot.series) {
     Line line;
-    const std::string location = place_of(model, series.origin);
+    const SourcePosition location = source_position(model, series.origin);
     const auto take = [&](const std::string& text, bool wanted, const char* optional,
                           const char* axis, std::optional<Signal>& signal) -> Result<> {
       const std::string given = text.empty() && wanted ? optional : text;

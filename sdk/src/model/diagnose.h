@@ -11,11 +11,8 @@ namespace cogrsim {
 
 /// Fills in the source location if it is known.
 inline void locate(Diagnostic& d, const SceneModel& model, const SourceSpan& origin) {
-  if (origin.file < 0 || static_cast<std::size_t>(origin.file) >= model.files.size()) return;
-  d.file = model.files[static_cast<std::size_t>(origin.file)];
-  d.line = origin.line;
-  d.column = origin.column;
-  d.length = origin.length;
+  const SourcePosition position = source_position(model, origin);
+  if (!position.file.empty()) d.locate(position);
 }
 
 inline Diagnostic diagnose(const SceneModel& model, const SourceSpan& origin,

@@ -273,10 +273,9 @@ int find_assembly(const SceneModel& model, const std::string& name) {
   return find_by_name(model.assemblies, name);
 }
 
-std::string place_of(const SceneModel& model, const SourceSpan& span) {
+SourcePosition source_position(const SceneModel& model, const SourceSpan& span) {
   if (span.file < 0 || at(span.file) >= model.files.size()) return {};
-  return model.files[at(span.file)] + ":" + std::to_string(span.line) + ":" +
-         std::to_string(span.column);
+  return {model.files[at(span.file)], span.line, span.column, span.length};
 }
 
 }  // namespace cogrsim

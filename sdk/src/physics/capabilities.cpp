@@ -74,13 +74,8 @@ Diagnostic* Check::need(const std::string& feature, const std::string& what,
   d.code = lacking ? "CG0801" : "CG2008";
   d.message = fmt::format("backend '{}' {} {} ({})", backend_,
                           lacking ? "does not support" : "only approximates", what, element);
-  if (!found.note.empty()) d.notes.push_back({found.note, "", 0, 0});
-  if (origin.file >= 0 && static_cast<std::size_t>(origin.file) < model_.files.size()) {
-    d.file = model_.files[static_cast<std::size_t>(origin.file)];
-    d.line = origin.line;
-    d.column = origin.column;
-    d.length = origin.length;
-  }
+  if (!found.note.empty()) d.notes.emplace_back(found.note);
+  d.locate(source_position(model_, origin));
   if (lacking) d.help = help;
   out_.push_back(std::move(d));
   return &out_.back();
@@ -155,14 +150,10 @@ void Check::check_pairs() {
                "use another shape for one of them, keep them from colliding, or run the scene on "
                "another backend");
       if (d == nullptr) continue;
-      DiagnosticNote other;
-      other.message = fmt::format("the other shape, '{}'", pair.second->name);
-      const SourceSpan& span = pair.second->origin;
-      if (span.file >= 0 && static_cast<std::size_t>(span.file) < model_.files.size()) {
-        other.file = model_.files[static_cast<std::size_t>(span.file)];
-        other.line = span.line;
-        other.column = span.column;
-        d->notes.push_back(std::move(other));
+      SourcePosition other = source_position(model_, pair.second->origin);
+      if (!other.file.empty()) {
+        d->notes.emplace_back(fmt::format("the other shape, '{}'", pair.second->name),
+                              std::move(other));
       }
     }
   }

@@ -114,7 +114,7 @@ Result<> Simulation::Impl::restart(std::optional<std::uint64_t> seed) {
   events.publish("restarted", "");
   if (!found.empty()) {
     status = RunStatus::fault;
-    return fail("restart: " + joined(found));
+    return fail("restart: " + joined(found), found.front());
   }
   return {};
 }

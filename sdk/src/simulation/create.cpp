@@ -32,14 +32,6 @@ namespace {
 
 constexpr const char* kDefaultBackend = "cogrsim";
 
-Diagnostic from_error(const Error& error, const std::string& default_code) {
-  Diagnostic d;
-  d.code = error.code.empty() ? default_code : error.code;
-  d.message = error.where.empty() ? error.message : error.where + ": " + error.message;
-  d.help = error.hint;
-  return d;
-}
-
 // Applies the options that the run overrides, and completes the engine-specific options.
 tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneModel& scene,
                                                                    const SimulationOptions& options,
@@ -61,7 +53,7 @@ tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneMo
       blocks[backend.name()] = std::move(*completed);
       return;
     }
-    Diagnostic d = from_error(completed.error(), "CG0904");
+    Diagnostic d = to_diagnostic(completed.error(), "CG0904");
     d.message =
         "options of backend '" + std::string(backend.name()) + "'" + where + ": " + d.message;
     locate(d, scene, origin);
@@ -71,7 +63,7 @@ tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneMo
     Parameters& world = model->physics.engine_options[backend.name()];
     for (const auto& [name, value] : *overruled) world[name] = value;
   } else {
-    return tl::unexpected(std::vector<Diagnostic>{from_error(overruled.error(), "CG0904")});
+    return tl::unexpected(std::vector<Diagnostic>{to_diagnostic(overruled.error(), "CG0904")});
   }
   complete(model->physics.engine_options, backend.world_options(), "", model->physics.origin);
   for (AssemblyInfo& info : model->assemblies) {
@@ -108,7 +100,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
     SceneModelPtr scene, const SimulationOptions& options, std::shared_ptr<PluginLoader> loader) {
   using Failure = tl::unexpected<std::vector<Diagnostic>>;
   const auto refuse = [](const Error& error, const char* code) {
-    return Failure(std::vector<Diagnostic>{from_error(error, code)});
+    return Failure(std::vector<Diagnostic>{to_diagnostic(error, code)});
   };
   if (!std::isfinite(options.step) || options.step < 0.0) {
     return refuse(Error("the step must be a positive number of seconds"), "CG0905");
@@ -120,7 +112,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   if (name.empty()) name = kDefaultBackend;
   auto backend = loader->backend(name);
   if (!backend) {
-    Diagnostic d = from_error(backend.error(), "CG0901");
+    Diagnostic d = to_diagnostic(backend.error(), "CG0901");
     if (options.backend.empty()) locate(d, *scene, scene->physics.backend_origin);
     return Failure(std::vector<Diagnostic>{std::move(d)});
   }
@@ -133,7 +125,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
     Error error = provenance.error();
     error.message = fmt::format("backend '{}' does not declare what computes its results:\n{}",
                                 name, error.message);
-    return Failure(std::vector<Diagnostic>{from_error(error, "CG0901")});
+    return Failure(std::vector<Diagnostic>{to_diagnostic(error, "CG0901")});
   }
   auto impl = std::make_unique<Impl>(std::move(loader), *backend, std::move(*provenance), *settled,
                                      options);
@@ -143,7 +135,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   const auto is_error = [](const Diagnostic& d) { return d.severity == Severity::error; };
   if (std::none_of(found.begin(), found.end(), is_error)) {
     if (auto created = impl->host.create(); !created) {
-      found.push_back(from_error(created.error(), "CG0801"));
+      found.push_back(to_diagnostic(created.error(), "CG0801"));
     }
   }
   for (const BuriedCamera& buried : buried_cameras(impl->model())) {

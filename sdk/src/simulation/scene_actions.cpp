@@ -84,7 +84,7 @@ Result<> SceneActions::check_capacity(const std::string& what, std::size_t bodie
 Result<> SceneActions::check_supported(const SceneModel& next) const {
   const Backend& backend = host_.backend();
   for (const Diagnostic& d : check_capabilities(next, backend.name(), backend.capabilities())) {
-    if (d.severity == Severity::error) return fail(d.message, "", d.help, d.code);
+    if (d.severity == Severity::error) return tl::unexpected(to_error(d));
   }
   return {};
 }
@@ -121,7 +121,7 @@ Result<> SceneActions::add(const AddAssembly& action, const std::string& subject
       devices_.retire_sensors(devices_before.sensors);
       why += "; its bodies stay, without sensors and controllers: " + removed.error().message;
     }
-    return fail("cannot add assembly '" + action.name + "': " + why);
+    return fail("cannot add assembly '" + action.name + "': " + why, found.front());
   }
   ++events_.memory.added_in_step;
   events_.publish("added", action.name, "", subject);

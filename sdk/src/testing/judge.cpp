@@ -243,7 +243,7 @@ Result<TestJudge> TestJudge::create(const SignalScope& scope, const TestModel& t
     watch.verdict.expectation = expectation_text(e);
     watch.verdict.origin = e.origin;
     const auto wrong = [&](const Error& error) {
-      return fail(error.message, place_of(scope.model, e.origin), error.hint);
+      return fail(error.message, source_position(scope.model, e.origin), error.hint);
     };
     if (agree) {
       auto signals = parse_agreement(scope, e.that);
@@ -345,7 +345,7 @@ std::vector<Verdict> TestJudge::finish(const std::string& early) {
 }
 
 std::string to_text(const Verdict& verdict, const SceneModel& model) {
-  const std::string where = place_of(model, verdict.origin);
+  const std::string where = source_position(model, verdict.origin).position_text();
   std::string out = fmt::format("{}{}{}\n", where, where.empty() ? "" : ": ", verdict.expectation);
   if (verdict.passed) return out;
   out += "  " + verdict.message + "\n";

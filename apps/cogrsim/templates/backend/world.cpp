@@ -62,14 +62,14 @@ Result<> check_scene(const SceneModel& model) {
   for (const cogrsim::Joint& joint : model.joints) {
     if (!joint.removed) {
       return fail("joint '" + joint.name + "': bodies fly freely here, there are no joints",
-                  place_of(model, joint.origin));
+                  source_position(model, joint.origin));
     }
   }
   for (const cogrsim::Body& body : model.bodies) {
     if (body.removed || body.kind != cogrsim::BodyKind::dynamic) continue;
     if (const auto right = cogrsim::check_mass_properties(body.mass, body.inertia); !right) {
       return fail("body '" + body.name + "': " + right.error().message,
-                  place_of(model, body.origin), right.error().hint);
+                  source_position(model, body.origin), right.error().hint);
     }
   }
   return {};

@@ -22,12 +22,11 @@ enum class Fidelity {
 /// "exact", "approximate" or "left out".
 COGRSIM_API const char* fidelity_name(Fidelity fidelity);
 
-struct ImportEntry {
+/// Its file is as the user named it, or relative to the model's folder.
+struct ImportEntry : SourcePosition {
   Fidelity fidelity = Fidelity::exact;
   std::string element;  ///< "joint 'elbow'"
   std::string message;  ///< empty where there is nothing to add
-  std::string file;     ///< as the user named it, or relative to the model's folder
-  int line = 0, column = 0;
 };
 
 /// What became of every element of a conversion.

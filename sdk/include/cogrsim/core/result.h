@@ -16,6 +16,8 @@ class [[nodiscard]] expected;
 #endif
 #include <tl/expected.hpp>
 
+#include "cogrsim/core/source_position.h"
+
 namespace cogrsim {
 
 /// Indents every line of `text` but the first by two blanks, so that no line of foreign text can be
@@ -31,10 +33,10 @@ inline std::string indented(const std::string& text) {
 }
 
 /// An error: what went wrong, where, and the remedy. Texts start in lower case and have no final
-/// stop.
-struct Error {
+/// stop. One that a file causes has its position in it; others may name a place in `where`.
+struct Error : SourcePosition {
   std::string message;  ///< the faulty value or element and what was expected
-  std::string where;    ///< file:line:column, robot, folder …; may be empty
+  std::string where;    ///< robot, folder, file as a whole …; may be empty
   std::string hint;     ///< how to correct the error; may be empty
   std::string code;     ///< stable code such as "CG0901"; may be empty
 
@@ -45,10 +47,19 @@ struct Error {
         where(std::move(location)),
         hint(std::move(remedy)),
         code(std::move(stable_code)) {}
+  Error(std::string what, SourcePosition position, std::string remedy = {},
+        std::string stable_code = {})
+      : SourcePosition(std::move(position)),
+        message(std::move(what)),
+        hint(std::move(remedy)),
+        code(std::move(stable_code)) {}
 
   /// The whole error as text: "where: message", followed by a line "help: hint" if there is a hint.
   std::string text() const {
-    std::string out = indented(where.empty() ? message : where + ": " + message);
+    std::string out = position_text();
+    if (!out.empty()) out += ": ";
+    if (!where.empty()) out += where + ": ";
+    out = indented(out + message);
     if (!hint.empty()) out += "\nhelp: " + indented(hint);
     return out;
   }

@@ -557,8 +557,7 @@ COGRSIM_API int find_body(const SceneModel& model, const std::string& name);
 COGRSIM_API int find_joint(const SceneModel& model, const std::string& name);
 COGRSIM_API int find_assembly(const SceneModel& model, const std::string& name);
 
-/// The source location as text, "maze.scene.xml:27:48", or "" for an element that a program
-/// created.
-COGRSIM_API std::string place_of(const SceneModel& model, const SourceSpan& span);
+/// The source location with the file's name; without one for an element that a program created.
+COGRSIM_API SourcePosition source_position(const SceneModel& model, const SourceSpan& span);
 
 }  // namespace cogrsim

@@ -82,7 +82,7 @@ inline Result<> check_motors(const SceneModel& model) {
     }
     return fail("motor '" + motor.name + "': a " + std::string(to_string(type)) +
                     " joint has no axis to drive",
-                place_of(model, motor.origin),
+                source_position(model, motor.origin),
                 "use a hinge, slider, universal or another joint with axes");
   }
   return {};
@@ -95,7 +95,7 @@ inline Result<> check_masses(const SceneModel& model) {
     if (body.removed || body.kind != BodyKind::dynamic) continue;
     if (auto massive = check_mass_properties(body.mass, body.inertia); !massive) {
       return fail("body '" + body.name + "': " + massive.error().message,
-                  place_of(model, body.origin), massive.error().hint);
+                  source_position(model, body.origin), massive.error().hint);
     }
   }
   return {};
@@ -141,7 +141,7 @@ inline Result<> check_kinematic_twist(const SceneModel& model, int body, const T
   }
   const Body& moved = model.bodies[static_cast<std::size_t>(body)];
   if (moved.kind != BodyKind::kinematic || moved.removed) {
-    return fail("body '" + moved.name + "' is not kinematic", place_of(model, moved.origin));
+    return fail("body '" + moved.name + "' is not kinematic", source_position(model, moved.origin));
   }
   if (!twist.linear.allFinite() || !twist.angular.allFinite()) {
     return fail("body '" + moved.name + "': its twist is not finite");

@@ -260,12 +260,12 @@ inline Result<Trajectory> read_csv(const std::string& path) {
       number_in.imbue(std::locale::classic());
       double value = std::numeric_limits<double>::quiet_NaN();
       if (!entry.empty() && (!(number_in >> value) || number_in.peek() != EOF))
-        return fail("'" + entry + "' is not a number", path + ":" + std::to_string(number));
+        return fail("'" + entry + "' is not a number", SourcePosition{path, number});
       row.push_back(value);
     }
     if (row.size() != out.signals.size() + 1 || std::isnan(row[0]))
       return fail("this line has another number of values than the first",
-                  path + ":" + std::to_string(number));
+                  SourcePosition{path, number});
     out.times.push_back(row[0]);
     out.values.emplace_back(row.begin() + 1, row.end());
   }

@@ -123,7 +123,7 @@ tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> Batch::create(
     if (!made[i]) {
       for (Diagnostic& d : made[i].error()) {
         if (d.severity == Severity::error) {
-          d.notes.push_back({"in world " + std::to_string(i) + " of a batch", "", 0, 0});
+          d.notes.emplace_back("in world " + std::to_string(i) + " of a batch");
         }
       }
       return tl::unexpected(std::move(made[i].error()));

@@ -9,18 +9,6 @@
 
 namespace cogrsim {
 
-namespace {
-
-Diagnostic unknown_name(const Error& error) {
-  Diagnostic d;
-  d.code = error.code;
-  d.message = error.where.empty() ? error.message : error.where + ": " + error.message;
-  d.help = error.hint;
-  return d;
-}
-
-}  // namespace
-
 tl::expected<BatchWorld, std::vector<Diagnostic>> BatchWorld::create(
     SceneModelPtr scene, std::uint64_t seed, const BatchOptions& options,
     std::shared_ptr<PluginLoader> loader) {
@@ -59,7 +47,7 @@ tl::expected<BatchWorld::Names, std::vector<Diagnostic>> BatchWorld::look_up(
     if (motor) {
       names.motors.push_back(*motor);
     } else {
-      found.push_back(unknown_name(motor.error()));
+      found.push_back(to_diagnostic(motor.error()));
     }
   }
   const SignalScope scope{model, [&](int sensor) { return &simulation.channels(sensor); }, {}, {}};
@@ -69,7 +57,7 @@ tl::expected<BatchWorld::Names, std::vector<Diagnostic>> BatchWorld::look_up(
       names.needs = names.needs | signal->needs();
       names.signals.push_back(std::move(*signal));
     } else {
-      found.push_back(unknown_name(signal.error()));
+      found.push_back(to_diagnostic(signal.error()));
     }
   }
   if (!options.reward.empty()) {
@@ -78,7 +66,7 @@ tl::expected<BatchWorld::Names, std::vector<Diagnostic>> BatchWorld::look_up(
       names.needs = names.needs | reward->needs();
       names.reward = std::move(*reward);
     } else {
-      found.push_back(unknown_name(reward.error()));
+      found.push_back(to_diagnostic(reward.error()));
     }
   }
   if (!options.done.empty()) {
@@ -87,7 +75,7 @@ tl::expected<BatchWorld::Names, std::vector<Diagnostic>> BatchWorld::look_up(
       names.needs = names.needs | done->needs();
       names.done = std::move(*done);
     } else {
-      found.push_back(unknown_name(done.error()));
+      found.push_back(to_diagnostic(done.error()));
     }
   }
   if (!found.empty()) return Trouble(std::move(found));

@@ -118,7 +118,7 @@ void EventSystem::fire(const SceneModel& model, std::size_t rule, const Causes& 
   RuleMemory& state = memory.rules[rule];
   const int index = static_cast<int>(rule);
   const std::string who = "rule '" + description.name + "'";
-  const std::string where = place_of(model, description.origin);
+  const std::string where = source_position(model, description.origin).position_text();
   if (std::count(led_to.begin(), led_to.end(), index) >= kMaxRounds) {
     state.off = true;
     log_.report(Severity::error, who,

@@ -14,16 +14,6 @@ using namespace snapshots;
 
 namespace {
 
-Diagnostic plain(const Error& error) {
-  Diagnostic d;
-  d.message = error.text();
-  const auto help = d.message.find("\nhelp: ");
-  if (help != std::string::npos) d.message.resize(help);
-  d.help = error.hint;
-  d.code = error.code;
-  return d;
-}
-
 /// Transfers the parts of a snapshot to a simulation that was created for it.
 class Resumption {
  public:
@@ -38,7 +28,7 @@ class Resumption {
     to_.world_changed();
     // Controllers are configured again, so that they see the current world and not the initial one.
     if (const auto found = to_.build_controllers(); !found.empty()) {
-      return fail("the controllers cannot be configured: " + joined(found));
+      return fail("the controllers cannot be configured: " + joined(found), found.front());
     }
     sensors();
     const SceneModel& model = to_.model();
@@ -304,7 +294,7 @@ tl::expected<Resumed, std::vector<Diagnostic>> resume(const SnapshotFile& snapsh
                                                       std::shared_ptr<PluginLoader> loader) {
   using Failure = tl::unexpected<std::vector<Diagnostic>>;
   const auto refuse = [](const Error& error) {
-    return Failure(std::vector<Diagnostic>{plain(error)});
+    return Failure(std::vector<Diagnostic>{to_diagnostic(error)});
   };
   const SnapshotInfo& info = snapshot.info();
   const Json& content = snapshot.impl().content;

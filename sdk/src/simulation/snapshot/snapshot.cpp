@@ -44,7 +44,7 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
   to.ending = false;
   to.events.clear();
   to.commands.restore(snapshot->sent);
-  if (!problems.empty()) return fail("restore: " + joined(problems));
+  if (!problems.empty()) return fail("restore: " + joined(problems), problems.front());
   return {};
 }
 
