@@ -504,6 +504,11 @@ TEST_CASE("broken text must be corrected first", "[edit]") {
   const int motor = id_of(wrong, "motor", "drive");
   CHECK(refused(wrong, {RenameElement{motor, "x"}}).find("correct the text first: line 14") !=
         std::string::npos);
+  const auto renamed = edit_text(wrong, "t.scene.xml", {RenameElement{motor, "x"}});
+  REQUIRE_FALSE(renamed);
+  CHECK(renamed.error().file == "t.scene.xml");
+  CHECK(renamed.error().line == 14);
+  CHECK(renamed.error().length == 5);  // elbwo
   CHECK(edited(wrong, {SetAttribute{motor, "joint", "elbow"}}) == kScene);
 }
 

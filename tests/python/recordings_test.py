@@ -72,8 +72,9 @@ class Recordings(Case):
         np.testing.assert_array_equal(times, [frame.time for frame in frames])
 
     def test_no_recording(self):
-        with self.assertRaises(cg.Error):
+        with self.assertRaises(cg.Error) as caught:
             cg.Recording(self.folder / "none.mcap")
+        self.assertEqual([one.line for one in caught.exception.diagnostics], [0])
         with self.assertRaises(cg.Error):
             cg.Recording(self.write("text.mcap", "no recording"))
         with self.assertRaises(cg.Error):

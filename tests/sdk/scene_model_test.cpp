@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "cogrsim/core/diagnostic.h"
 #include "cogrsim/model/builder.h"
 #include "cogrsim/model/joint_kinematics.h"
 
@@ -181,4 +182,26 @@ TEST_CASE("positions read file:line:column", "[model]") {
   CHECK(position.position_text() == "maze.scene.xml:27:48");
   CHECK(position.length == 3);
   CHECK(source_position(model, SourceSpan{}).file.empty());
+  CHECK(SourcePosition{"table.csv", 7}.position_text() == "table.csv:7");
+  CHECK(SourcePosition{"table.csv"}.position_text() == "table.csv");
+}
+
+TEST_CASE("an error becomes a diagnostic and an error again without loss", "[model]") {
+  const Error error("wrong", SourcePosition{"maze.scene.xml", 27, 48, 3}, "correct it", "CG0904");
+  CHECK(error.text() == "maze.scene.xml:27:48: wrong\nhelp: correct it");
+  const Diagnostic d = to_diagnostic(error, "CG0801");
+  CHECK(d.file == "maze.scene.xml");
+  CHECK(d.line == 27);
+  CHECK(d.column == 48);
+  CHECK(d.length == 3);
+  CHECK(d.code == "CG0904");
+  const Error back = to_error(d);
+  CHECK(back.text() == error.text());
+  CHECK(back.length == 3);
+  CHECK(back.code == "CG0904");
+  // What is no position in a file stays text.
+  const Diagnostic of_robot = to_diagnostic(Error("wrong", "robot 'a'"), "CG0801");
+  CHECK(of_robot.message == "robot 'a': wrong");
+  CHECK(of_robot.file.empty());
+  CHECK(of_robot.code == "CG0801");
 }

@@ -173,6 +173,7 @@ TEST_CASE("a broken text keeps the last good scene and reports the error's line"
                                         {"ops", {{{"op", "remove"}, {"elements", {2}}}}},
                                         {"label", "x"}});
   CHECK(message(edit).find("correct the text first: line 1") != std::string::npos);
+  CHECK(edit.error().line > 0);
 
   requests.get("set-text", {{"version", requests.version}, {"text", kScene}});
   problems = requests.page.wait("problems", requests.version);

@@ -13,107 +13,48 @@ namespace {
 
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
-bool ends_name(char c) { return is_blank(c) || c == '=' || c == '>' || c == '/'; }
-
-/// Reads what scan_xml() found to be well-formed.
-class TreeReader {
+/// Copies what scan_xml() has found, with all that is written between.
+class TreeCopy {
  public:
-  explicit TreeReader(std::string_view text) : text_(text) {}
+  explicit TreeCopy(std::string_view text) : text_(text) {}
 
-  std::unique_ptr<EditElement> run(std::string& after) {
-    std::string lead;
-    skip_to_tag(lead);
-    auto root = element(std::move(lead));
-    after = std::string(text_.substr(at_));
-    return root;
-  }
-
- private:
-  bool looking_at(std::string_view word) const { return text_.substr(at_, word.size()) == word; }
-
-  void take_past(std::string& into, std::string_view word, std::size_t skip) {
-    const std::size_t found = text_.find(word, at_ + skip);
-    const std::size_t end = found == std::string_view::npos
-                                ? text_.size()
-                                : std::min(text_.size(), found + word.size());
-    into += text_.substr(at_, end - at_);
-    at_ = end;
-  }
-
-  void skip_to_tag(std::string& lead) {
-    while (at_ < text_.size()) {
-      if (looking_at("<!--"))
-        take_past(lead, "-->", 4);
-      else if (looking_at("<![CDATA["))
-        take_past(lead, "]]>", 9);
-      else if (looking_at("<?"))
-        take_past(lead, "?>", 2);
-      else if (text_[at_] == '<')
-        return;
-      else
-        lead += text_[at_++];
-    }
-  }
-
-  std::string blanks() {
-    const std::size_t begin = at_;
-    while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
-    return std::string(text_.substr(begin, at_ - begin));
-  }
-
-  std::string name() {
-    const std::size_t begin = at_;
-    while (at_ < text_.size() && !ends_name(text_[at_])) ++at_;
-    return std::string(text_.substr(begin, at_ - begin));
-  }
-
-  // As deep as scan_xml() lets elements be nested.
-  std::unique_ptr<EditElement> element(std::string lead) {
+  std::unique_ptr<EditElement> element(const Node& node) {
     auto out = std::make_unique<EditElement>();
     out->id = next_++;
-    out->lead = std::move(lead);
-    ++at_;  // <
-    out->tag = name();
-    while (at_ < text_.size()) {
-      std::string before = blanks();
-      if (looking_at("/>")) {
-        out->close = std::move(before);
-        at_ += 2;
-        return out;
-      }
-      if (looking_at(">")) {
-        out->close = std::move(before);
-        ++at_;
-        break;
-      }
-      EditAttribute a;
-      a.lead = std::move(before);
-      a.name = name();
-      a.equals = blanks();
-      if (at_ < text_.size()) a.equals += text_[at_++];
-      a.equals += blanks();
-      a.quote = at_ < text_.size() ? text_[at_++] : '"';
-      const std::size_t end = std::min(text_.find(a.quote, at_), text_.size());
-      a.raw = std::string(text_.substr(at_, end - at_));
-      at_ = std::min(text_.size(), end + 1);
-      out->attributes.push_back(std::move(a));
+    out->lead = up_to(node.begin);
+    up_to(node.begin + 1);  // <
+    out->tag = up_to(node.begin + 1 + node.name.size());
+    for (const Attribute& from : node.attributes) {
+      EditAttribute& a = out->attributes.emplace_back();
+      const auto name = static_cast<std::size_t>(from.name.data() - text_.data());
+      a.lead = up_to(name);
+      a.name = up_to(name + from.name.size());
+      a.equals = up_to(from.raw_begin - 1);
+      a.quote = text_[at_];
+      up_to(from.raw_begin);
+      a.raw = up_to(from.raw_begin + from.raw_length);
+      up_to(at_ + 1);
     }
-    out->empty = false;
-    while (true) {
-      std::string between;
-      skip_to_tag(between);
-      if (at_ >= text_.size() || looking_at("</")) {
-        out->tail = std::move(between);
-        break;
-      }
-      auto child = element(std::move(between));
-      child->parent = out.get();
-      out->children.push_back(std::move(child));
+    out->empty = node.content_begin == node.end;
+    out->close = up_to(node.content_begin - (out->empty ? 2U : 1U));
+    up_to(node.content_begin);
+    if (out->empty) return out;
+    for (const Node* child : node.children) {
+      out->children.push_back(element(*child));
+      out->children.back()->parent = out.get();
     }
-    at_ = std::min(text_.size(), at_ + 2);
-    name();
-    out->end = blanks();
-    if (at_ < text_.size()) ++at_;
+    out->tail = up_to(node.content_end);
+    up_to(node.content_end + 2 + node.name.size());  // </name
+    out->end = up_to(node.end - 1);
+    up_to(node.end);
+    return out;
+  }
+  std::string rest() { return up_to(text_.size()); }
+
+ private:
+  std::string up_to(std::size_t end) {
+    std::string out(text_.substr(at_, end - at_));
+    at_ = end;
     return out;
   }
 
@@ -319,12 +260,17 @@ std::optional<EditTree> EditTree::read(const std::string& text, const std::strin
   options.limits = limits;
   DiagnosticSink sink(options.limits);
   SourceFiles files(options, sink);
-  if (files.open_plain_text(text, name) == nullptr) {
+  const Document* document = files.open_plain_text(text, name);
+  if (document == nullptr) {
     diagnostics = sink.take();
     return std::nullopt;
   }
   EditTree tree;
-  tree.root_ = TreeReader(text).run(tree.after_);
+  const std::string& scanned = files.file(document->file).text;  // without a byte order mark
+  TreeCopy copy(scanned);
+  tree.root_ = copy.element(*document->root);
+  tree.root_->lead.insert(0, text, 0, text.size() - scanned.size());
+  tree.after_ = copy.rest();
   tree.newline_ = first_line_end(text);
   // The unit of indentation is what the first child has more than its parent.
   for (EditElement* e : tree.all()) {

@@ -40,6 +40,9 @@ struct Node {
   const Node* parent = nullptr;
   std::vector<Attribute> attributes;
   std::vector<const Node*> children;
+  /// Byte offsets in the file's text: of "<", behind the start tag, of "</", and behind the end tag.
+  /// The last three are the same for an element that ends with "/>".
+  std::uint32_t begin = 0, content_begin = 0, content_end = 0, end = 0;
   std::string_view text;  ///< character data, of elements that take text
   SourceSpan text_span;
 

@@ -408,6 +408,7 @@ class Scanner {
     node.name = tag;
     node.span = span_at(name_begin, code_points(tag));
     node.parent = open_.empty() ? nullptr : open_.back();
+    node.begin = static_cast<std::uint32_t>(begin);
     if (!open_.empty()) open_.back()->children.push_back(&node);
     root_seen_ = true;
     while (!stopped_) {
@@ -418,12 +419,13 @@ class Scanner {
         return;
       }
       if (text_[at_] == '>') {
-        ++at_;
+        node.content_begin = static_cast<std::uint32_t>(++at_);
         open_.push_back(&node);
         return;
       }
       if (looking_at("/>")) {
         at_ += 2;
+        node.content_begin = node.content_end = node.end = static_cast<std::uint32_t>(at_);
         return;
       }
       if (!attribute(node, blank)) {
@@ -547,6 +549,8 @@ class Scanner {
       return;
     }
     if (open_.back()->name == tag) {
+      open_.back()->content_end = static_cast<std::uint32_t>(begin);
+      open_.back()->end = static_cast<std::uint32_t>(at_);
       open_.pop_back();
       return;
     }
