@@ -185,8 +185,7 @@ void bind_scene(py::module_& m) {
       .def("__str__", [](const Diagnostic& d) { return dsl::to_text(d); })
       .def("__repr__", [](const Diagnostic& d) {
         return "<Diagnostic " + std::string(severity_name(d.severity)) + " " + d.code + " " +
-               d.position_text() + ": " +
-               d.message + ">";
+               d.position_text() + ": " + d.message + ">";
       });
 
   py::class_<Scene, std::shared_ptr<Scene>>(

@@ -28,6 +28,9 @@ class FakePart final : public Part {
   void handle(Request request, Reply reply) override {
     if (request.what == "view") throw std::runtime_error("no such thing");
     if (request.what == "figure") return;
+    if (request.fields.contains("wrong")) {
+      return reply(fail("not there", SourcePosition{"a.scene.xml", 3, 5, 2}));
+    }
     if (request.what == "series") return held.push_back(std::move(reply));
     if (request.what == "play") {
       for (Reply& waiting : held) waiting(Json{{"late", true}});
@@ -148,6 +151,13 @@ TEST_CASE("malformed requests are answered with their error", "[studio][requests
   const Json unknown = bench.ask(R"({"id": 9, "do": "plya"})");
   CHECK(unknown["error"]["message"] == "there is no request 'plya'");
   CHECK(unknown["error"]["help"] == "did you mean 'play'?");
+  // What a file causes has its position as data.
+  const Json placed = bench.ask(R"({"id": 1, "do": "seek", "wrong": true})")["error"];
+  CHECK(placed == Json{{"message", "not there"},
+                       {"file", "a.scene.xml"},
+                       {"line", 3},
+                       {"column", 5},
+                       {"length", 2}});
   // Parts that throw or forget.
   CHECK_THAT(message(R"({"id": 1, "do": "view"})"), Contains("'view' failed: no such thing"));
   CHECK_THAT(message(R"({"id": 1, "do": "seek"})"), Contains("'seek' failed"));

@@ -134,7 +134,8 @@ Result<> make_geom(dSpaceID space, const SceneModel& model, const Shape& shape, 
       geom.id = dCreateTriMesh(space, geom.triangles->data, nullptr, nullptr, nullptr);
       return {};
   }
-  return fail("shape '" + shape.name + "': of an unknown type", source_position(model, shape.origin));
+  return fail("shape '" + shape.name + "': of an unknown type",
+              source_position(model, shape.origin));
 }
 
 void place_geom(const Geom& geom, ShapeType type, const Pose& X_WB) {

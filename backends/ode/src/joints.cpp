@@ -60,7 +60,8 @@ Result<> check_joints(const SceneModel& model) {
       if (is_within(axis.lower) && is_within(axis.upper)) continue;
       return fail(
           "joint '" + joint.name + "': ODE measures the angles of stops from -180 to 180 degrees",
-          source_position(model, joint.origin), "keep the limits within that, or use another backend");
+          source_position(model, joint.origin),
+          "keep the limits within that, or use another backend");
     }
   }
   return {};

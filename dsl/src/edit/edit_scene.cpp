@@ -100,8 +100,7 @@ std::string SceneEditor::called(const EditElement& element) const {
 Result<> SceneEditor::must_compile(const char* what, const std::string& lead) const {
   if (analysis_.result.ok()) return {};
   Error error = refusal(analysis_.result.diagnostics, lead);
-  if (error.hint.empty())
-    error.hint = "the scene must compile before one can " + std::string(what);
+  if (error.hint.empty()) error.hint = "the scene must compile before one can " + std::string(what);
   return tl::unexpected(error);
 }
 

@@ -261,8 +261,8 @@ bool SourceFiles::convert_model(const std::string& path, std::string_view href,
     sink_
         .report("CG2004", at, nullptr,
                 std::to_string(lost) + (lost == 1 ? " element" : " elements") + " of \"" +
-                    std::string(href) + "\" could not be imported, the first: " + first->element + ": " +
-                    first->message)
+                    std::string(href) + "\" could not be imported, the first: " + first->element +
+                    ": " + first->message)
         .note("the first is in the imported model", *first)
         .help("cogrsim import " + std::string(href) + " lists all");
   }
