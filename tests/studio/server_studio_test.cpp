@@ -29,7 +29,7 @@ class FakePart final : public Part {
     if (request.what == "view") throw std::runtime_error("no such thing");
     if (request.what == "figure") return;
     if (request.fields.contains("wrong")) {
-      return reply(fail("not there", SourcePosition{"a.scene.xml", 3, 5, 2}));
+      return reply(cogrsim::fail("not there", cogrsim::SourcePosition{"a.scene.xml", 3, 5, 2}));
     }
     if (request.what == "series") return held.push_back(std::move(reply));
     if (request.what == "play") {
