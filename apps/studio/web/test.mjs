@@ -1,28 +1,31 @@
-// Runs the unit tests beside the sources (src/**/*.test.ts) with Node's own test runner:
+// Runs the unit tests beside the sources (src/**/*.test.ts) with Node's own test runner, and checks first that no files import
+// each other in a circle, not even for types:
 //   node test.mjs [--modules DIR/node_modules] [TEXT]      only files whose path contains TEXT
 import { spawnSync } from "node:child_process";
-import { mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
+import { mkdtempSync, readdirSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join, relative, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
+import { importCircles } from "./circles.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const at = process.argv.indexOf("--modules");
 const modules = at < 0 ? join(here, "node_modules") : resolve(process.argv[at + 1]);
 // The packages need not lie above this file.
-const { build } = createRequire(join(modules, "esbuild/package.json"))("esbuild");
+const require = createRequire(join(modules, "esbuild/package.json"));
+const { build } = require("esbuild");
 const filters = process.argv.slice(2).filter((w, i, all) => w !== "--modules" && all[i - 1] !== "--modules");
 
-const found = [];
-const look = (folder) => {
-  for (const entry of readdirSync(folder)) {
-    const path = join(folder, entry);
-    if (statSync(path).isDirectory()) look(path);
-    else if (/\.test\.tsx?$/.test(entry) && filters.every((w) => path.includes(w))) found.push(path);
-  }
-};
-look(join(here, "src"));
+const sources = readdirSync(join(here, "src"), { recursive: true, encoding: "utf8" })
+  .filter((path) => /\.tsx?$/.test(path))
+  .sort()
+  .map((path) => join(here, "src", path));
+const circles = importCircles(require("typescript"), here, sources);
+for (const circle of circles) console.error(`a circle of imports: ${circle.join(" -> ")}`);
+if (circles.length > 0) process.exit(1);
+
+const found = sources.filter((path) => /\.test\.tsx?$/.test(path) && filters.every((word) => path.includes(word)));
 if (found.length === 0) {
   console.error("no test files match");
   process.exit(1);

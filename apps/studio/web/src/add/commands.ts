@@ -2,7 +2,7 @@
 import type { Studio } from "../core/studio";
 import { kJoints } from "../forms/schema";
 import { group_elements } from "../tree/commands";
-import { tree_state } from "../tree/tree_state";
+import { TreeState } from "../tree/tree_state";
 import { insert_dialog } from "./dialog";
 import { insert_op, insert_plan, unassembled_robot } from "./plan";
 
@@ -22,7 +22,7 @@ const kOffered: [string, string][] = [
 
 /** Every element that may stand where the selection is, or around it, in the order of the menu. */
 export function insertable(studio: Studio): string[] {
-  const schema = tree_state(studio).schema.value;
+  const schema = studio.services.get(TreeState).schema.value;
   if (!schema) return [];
   const { elements } = studio.state.tree.value;
   const main = studio.state.selection.value[studio.state.selection.value.length - 1] ?? 0;
@@ -37,7 +37,7 @@ export function insertable(studio: Studio): string[] {
 
 /** Inserts one with its first attributes; with a dialog if required ones are missing, or if `ask`. */
 export async function insert(studio: Studio, tag: string, ask: boolean): Promise<void> {
-  const schema = tree_state(studio).schema.peek();
+  const schema = studio.services.get(TreeState).schema.peek();
   if (!schema) {
     studio.notify("the vocabulary is still loading: try again shortly");
     return;
@@ -67,14 +67,14 @@ export function register_insert_commands(studio: Studio): void {
     commands.addCommand(id, {
       // From a menu attributes are set first; a tool bar passes {ask: false}.
       label: (args) => (args.ask === false ? label : `${label}…`),
-      caption: () => tree_state(studio).schema.peek()?.element(tag, tag === "contact" ? { on: "" } : {})?.doc ?? "",
-      isEnabled: () => state.may_edit.value && tree_state(studio).schema.value !== null,
+      caption: () => studio.services.get(TreeState).schema.peek()?.element(tag, tag === "contact" ? { on: "" } : {})?.doc ?? "",
+      isEnabled: () => state.may_edit.value && studio.services.get(TreeState).schema.value !== null,
       execute: (args) => insert(studio, tag, args.ask !== false),
     });
   };
   for (const [tag, label] of kOffered) add(tag, label);
   // What else the schema has is offered as well, after these.
-  tree_state(studio).schema.subscribe((schema) => {
+  studio.services.get(TreeState).schema.subscribe((schema) => {
     const inside = new Set(schema?.elements.flatMap((e) => e.children) ?? []);
     for (const tag of inside) if (tag !== "set") add(tag, `<${tag}>`);
   });

@@ -1,6 +1,6 @@
 // The data of a bundle, as the program wrote it (bundle/payload.h): JSON, and blocks of numbers behind it.
 import { kProtocol, type Frame, type FrameTail, type Picture, type Problem, type Provenance, type RunEvent, type RunMessage, type Scene, type TreeElement } from "../core/protocol";
-import type { MemoryRun, MemorySignal } from "../core/memory_link";
+import type { MemoryRun, MemorySignal } from "../core/memory_run";
 
 /** Bytes from the first block on. */
 interface Block {

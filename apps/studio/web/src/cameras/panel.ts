@@ -2,7 +2,7 @@ import { Widget } from "@lumino/widgets";
 import { h, render } from "preact";
 import type { PanelType, Studio } from "../core/studio";
 import "./cameras.css";
-import { cameras_of, type CameraStore } from "./store";
+import { CameraStore } from "./store";
 import { CameraList, CameraWindows } from "./view";
 
 /** The list of cameras; while it is open their windows float over the page. */
@@ -46,13 +46,13 @@ export const panel: PanelType = {
   name: "cameras",
   title: "Cameras",
   create(studio: Studio): Widget {
-    return new CamerasWidget(cameras_of(studio));
+    return new CamerasWidget(studio.services.get(CameraStore));
   },
 };
 
 /** Adds the panel's commands; called once, before any panel is made. */
 export function register(studio: Studio): void {
-  const store = cameras_of(studio);
+  const store = studio.services.get(CameraStore);
   const names = (): string[] => store.cameras.value.map((c) => c.name);
   studio.commands.addCommand("cameras:show-all", {
     label: "Show all cameras",

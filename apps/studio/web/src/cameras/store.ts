@@ -57,27 +57,33 @@ export class CameraStore {
   private key = "";
   private asked = "[]";
   private waiting = false;
+  private readonly stops: (() => void)[];
 
   constructor(readonly studio: Studio) {
-    effect(() => {
-      const file = this.studio.state.hello.value?.file;
-      if (file !== undefined) this.load(`cogrsim.cameras.${file}`);
-    });
-    effect(() => {
-      // a new connection has no requests yet
-      if (!this.studio.state.open.value) this.asked = "[]";
-    });
-    effect(() => {
-      void this.studio.state.open.value;
-      const wanted = this.seen.value ? this.wanted() : [];
-      // moving a panel in the dock closes and opens it within one turn
-      if (this.waiting || JSON.stringify(wanted) === this.asked) return;
-      this.waiting = true;
-      setTimeout(() => {
-        this.waiting = false;
-        this.ask();
-      }, 50);
-    });
+    this.stops = [
+      effect(() => {
+        const file = this.studio.state.hello.value?.file;
+        if (file !== undefined) this.load(`cogrsim.cameras.${file}`);
+      }),
+      effect(() => {
+        // a new connection has no requests yet
+        if (!this.studio.state.open.value) this.asked = "[]";
+      }),
+      effect(() => {
+        void this.studio.state.open.value;
+        const wanted = this.seen.value ? this.wanted() : [];
+        // moving a panel in the dock closes and opens it within one turn
+        if (this.waiting || JSON.stringify(wanted) === this.asked) return;
+        this.waiting = true;
+        setTimeout(() => {
+          this.waiting = false;
+          this.ask();
+        }, 50);
+      }),
+    ];
+  }
+  dispose(): void {
+    for (const stop of this.stops) stop();
   }
 
   state_of(name: string): CameraState {
@@ -198,11 +204,4 @@ function work_area(): Rect {
   const box = dock?.getBoundingClientRect();
   if (!box || box.width < 100 || box.height < 100) return { x: 0, y: 0, ...page_size() };
   return { x: box.x, y: box.y + 28, width: box.width, height: box.height - 28 };
-}
-
-const stores = new WeakMap<Studio, CameraStore>();
-export function cameras_of(studio: Studio): CameraStore {
-  let store = stores.get(studio);
-  if (!store) stores.set(studio, (store = new CameraStore(studio)));
-  return store;
 }

@@ -2,8 +2,8 @@
 import { effect } from "@preact/signals-core";
 import type { Problem } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { forget_schema, load_schema } from "../forms/schema";
-import { tree_state } from "../tree/tree_state";
+import { SchemaLoader } from "../forms/schema";
+import { TreeState } from "../tree/tree_state";
 import { same_file } from "./places";
 import { SceneEditor } from "./scene_editor";
 import { SourceEditor, type SourceFile } from "./source_editor";
@@ -111,8 +111,9 @@ export class CodeView {
       const failed = answer.built === false || this.build_problems.some((p) => p.severity === "error");
       this.studio.notify(failed ? "the build failed: see the log below the code" : "built and reloaded", failed ? "error" : "note");
       // The parameters of rebuilt plugins may have changed.
-      forget_schema(this.studio);
-      tree_state(this.studio).schema.value = await load_schema(this.studio);
+      const schemas = this.studio.services.get(SchemaLoader);
+      schemas.forget();
+      this.studio.services.get(TreeState).schema.value = await schemas.load();
     } catch (error) {
       this.log.textContent = error instanceof Error ? error.message : String(error);
     } finally {

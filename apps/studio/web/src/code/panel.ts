@@ -9,9 +9,23 @@ interface Location {
   column: number;
 }
 
-// Where to go as soon as there is an editor.
-const wanted = new WeakMap<Studio, Location>();
-const views = new WeakMap<Studio, CodeView>();
+/** The editor, once it is loaded, and where to go as soon as it is. */
+class Editors {
+  view: CodeView | null = null;
+  private wanted: Location | null = null;
+
+  open(view: CodeView): void {
+    this.view = view;
+    if (this.wanted) this.go_to(this.wanted);
+  }
+  close(view: CodeView): void {
+    if (this.view === view) this.view = null;
+  }
+  go_to(location: Location): void {
+    this.wanted = this.view ? null : location;
+    void this.view?.go_to(location.file, location.line, location.column);
+  }
+}
 
 /** Editors are loaded when first shown. */
 class CodePanel extends Widget {
@@ -30,9 +44,7 @@ class CodePanel extends Widget {
       if (this.isDisposed) return;
       this.node.textContent = "";
       this.view = new CodeView(this.studio, this.node);
-      views.set(this.studio, this.view);
-      const location = wanted.get(this.studio);
-      if (location) go_to(this.studio, location);
+      this.studio.services.get(Editors).open(this.view);
     } catch (error) {
       this.node.textContent = `The editor cannot be loaded: ${error instanceof Error ? error.message : String(error)}`;
     }
@@ -44,20 +56,10 @@ class CodePanel extends Widget {
 
   override dispose(): void {
     if (this.isDisposed) return;
-    if (this.view && views.get(this.studio) === this.view) views.delete(this.studio);
+    if (this.view) this.studio.services.get(Editors).close(this.view);
     this.view?.dispose();
     super.dispose();
   }
-}
-
-function go_to(studio: Studio, location: Location): void {
-  const view = views.get(studio);
-  if (!view) {
-    wanted.set(studio, location);
-    return;
-  }
-  wanted.delete(studio);
-  void view.go_to(location.file, location.line, location.column);
 }
 
 export const panel: PanelType = {
@@ -68,11 +70,13 @@ export const panel: PanelType = {
 
 /** Adds the panel's commands; called once, before any panel is made. */
 export function register(studio: Studio): void {
-  const { commands, state } = studio;
+  const { commands, state, services } = studio;
   commands.addCommand("code:go-to", {
     isVisible: () => false,
-    execute: (args) =>
-      go_to(studio, { file: String(args.file ?? ""), line: Number(args.line ?? 1), column: Number(args.column ?? 1) }),
+    execute: ({ file, line, column }) =>
+      services
+        .get(Editors)
+        .go_to({ file: String(file ?? ""), line: Number(line ?? 1), column: Number(column ?? 1) }),
   });
   commands.addCommand("code:build", {
     label: "Build the controllers",
@@ -81,7 +85,7 @@ export function register(studio: Studio): void {
     isEnabled: () => state.may_edit.value && (state.hello.value?.allow_build ?? false),
     execute: async () => {
       studio.open_panel("code");
-      await views.get(studio)?.build();
+      await services.get(Editors).view?.build();
     },
   });
 }

@@ -1,5 +1,4 @@
 // Text typed in the code panel that the server does not have yet, for edits that begin with the server's text.
-import type { Studio } from "../core/studio";
 
 export interface Typing {
   /** Sends typed text at once. */
@@ -10,24 +9,19 @@ export interface Typing {
   text(): string;
 }
 
-const typings = new WeakMap<Studio, Typing>();
+export class PendingTyping {
+  /** null: nothing can be typed */
+  source: Typing | null = null;
 
-/** null: nothing can be typed any more. */
-export function set_typing(studio: Studio, typing: Typing | null): void {
-  if (typing) typings.set(studio, typing);
-  else typings.delete(studio);
-}
-
-export function unsent_typing(studio: Studio): boolean {
-  return typings.get(studio)?.unsent() ?? false;
-}
-
-/** What stands in the code panel; undefined: there is none. */
-export function text_here(studio: Studio): string | undefined {
-  return typings.get(studio)?.text();
-}
-
-/** Done when the server knows all that was typed. */
-export async function settle_typing(studio: Studio): Promise<void> {
-  await typings.get(studio)?.flush();
+  get unsent(): boolean {
+    return this.source?.unsent() ?? false;
+  }
+  /** What stands in the code panel; undefined: there is none. */
+  get text(): string | undefined {
+    return this.source?.text();
+  }
+  /** Done when the server knows all that was typed. */
+  async settle(): Promise<void> {
+    await this.source?.flush();
+  }
 }

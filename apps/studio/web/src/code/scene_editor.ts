@@ -14,11 +14,11 @@ import { effect, signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
 import { help_text } from "../forms/help";
-import { tree_state } from "../tree/tree_state";
+import { TreeState } from "../tree/tree_state";
 import { code_points, utf16_offset } from "./columns";
 import type { Change } from "./diff";
 import { TypingGroups } from "./groups";
-import { set_typing } from "./pending";
+import { PendingTyping } from "./pending";
 import { element_at, problem_range, same_file, tag_around, written_selection } from "./places";
 import { TextSync, type SyncAnswer, type SyncSetText } from "./sync";
 import { editor_look } from "./theme";
@@ -86,19 +86,19 @@ export class SceneEditor {
     this.view = new EditorView({ state: this.first_state() });
     this.view.contentDOM.setAttribute("aria-label", "Text of the scene");
     this.follow();
-    set_typing(studio, {
+    studio.services.get(PendingTyping).source = {
       flush: () => {
         this.groups.end();
         return this.sync.flush();
       },
       unsent: () => this.sync.unsent,
       text: () => this.file_text(this.view.state),
-    });
+    };
   }
 
   dispose(): void {
     void this.sync.flush();
-    set_typing(this.studio, null);
+    this.studio.services.get(PendingTyping).source = null;
     for (const stop of this.stops) stop();
     this.view.destroy();
   }
@@ -320,7 +320,7 @@ export class SceneEditor {
   }
 
   private hover(view: EditorView, position: number): Tooltip | null {
-    const schema = tree_state(this.studio).schema.peek();
+    const schema = this.studio.services.get(TreeState).schema.peek();
     const text = view.state.doc.toString();
     const tag = tag_around(text, position);
     if (!schema || !tag) return null;

@@ -5,21 +5,21 @@ import { SeenWidget } from "../core/seen_widget";
 import type { PanelType, Studio } from "../core/studio";
 import "../figures/figures.css";
 import "./compare.css";
-import { compare_of } from "./store";
+import { CompareStore } from "./store";
 import { CompareView } from "./view";
 
 export const panel: PanelType = {
   name: "compare",
   title: "Compare",
   create(studio: Studio): Widget {
-    const store = compare_of(studio);
+    const store = studio.services.get(CompareStore);
     return new SeenWidget("cg-compare", h(CompareView, { store }), store.seen);
   },
 };
 
 /** Adds the panel's commands; called once, before any panel is made. */
 export function register(studio: Studio): void {
-  const store = compare_of(studio);
+  const store = studio.services.get(CompareStore);
   const { commands, state } = studio;
   commands.addCommand("compare:backends", {
     label: "Compare with another backend…",

@@ -24,19 +24,25 @@ export class CompareStore {
   });
   readonly step = computed(() => this.studio.state.status.value?.dt ?? null);
 
-  private timer: ReturnType<typeof setInterval> | undefined;
   private asking = false;
   private next_look = 0;
   private key = "";
+  private readonly stops: (() => void)[];
 
   constructor(readonly studio: Studio) {
-    effect(() => {
-      clearInterval(this.timer);
-      this.timer = this.seen.value ? setInterval(() => void this.tick(), 100) : undefined;
-    });
-    effect(() => {
-      if (this.labels.value === null) this.data.value = null;
-    });
+    this.stops = [
+      effect(() => {
+        if (!this.seen.value) return;
+        const timer = setInterval(() => void this.tick(), 100);
+        return () => clearInterval(timer);
+      }),
+      effect(() => {
+        if (this.labels.value === null) this.data.value = null;
+      }),
+    ];
+  }
+  dispose(): void {
+    for (const stop of this.stops) stop();
   }
 
   /** Runs the scene on `backend` beside the present one, both from time 0; null: with another `step` [s]. */
@@ -87,11 +93,4 @@ export class CompareStore {
       this.next_look = performance.now() + Math.max(kPause, 4 * took);
     }
   }
-}
-
-const stores = new WeakMap<Studio, CompareStore>();
-export function compare_of(studio: Studio): CompareStore {
-  let store = stores.get(studio);
-  if (!store) stores.set(studio, (store = new CompareStore(studio)));
-  return store;
 }

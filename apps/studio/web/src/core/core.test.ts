@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decode_frame, decode_picture } from "./decode";
-import { MemoryLink, type MemoryRun } from "./memory_link";
+import { MemoryLink } from "./memory_link";
+import type { MemoryRun } from "./memory_run";
 import { kProtocol, type Frame, type Hello, type RunEvent, type Scene } from "./protocol";
 import { index_at, low_high } from "./series";
 import { State } from "./state";

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { MemoryLink, type MemoryRun } from "./memory_link";
+import { MemoryLink } from "./memory_link";
+import type { MemoryRun } from "./memory_run";
 import { divergence_of, roll_pitch_yaw } from "./pose_signals";
 import type { Frame, Scene } from "./protocol";
 

@@ -1,6 +1,6 @@
 // What can be drawn of a run in memory without its simulator: where bodies are and how they are turned, and how far two runs
 // diverge.
-import type { MemoryRun, MemorySignal } from "./memory_link";
+import type { MemoryRun, MemorySignal } from "./memory_run";
 
 /** Radians about the world's x, then y, then z axis, of the rotation w x y z. */
 export function roll_pitch_yaw(w: number, x: number, y: number, z: number): [number, number, number] {

@@ -3,6 +3,7 @@ import type { CommandRegistry } from "@lumino/commands";
 import type { Widget } from "@lumino/widgets";
 import type { Link } from "./link";
 import type { Op } from "./protocol";
+import type { Services } from "./services";
 import type { State } from "./state";
 
 export interface Studio {
@@ -13,6 +14,8 @@ export interface Studio {
    *  bound by the shell (shell/keys.ts) to view:front, back, left, right, top, bottom, iso (1 to 7), view:focus (F), edit:delete,
    *  copy, paste, duplicate, rename (F2), select-all; those with `isVisible` false are in no menu. */
   commands: CommandRegistry;
+  /** What panels share, each with the others or with itself when it is opened again. */
+  services: Services<Studio>;
 
   /** One step of the history. Answers with the ids of what was made, in the version that `tree` then has. Failures are shown to
    *  the user and make it null; a stale version is tried again once. */

@@ -1,5 +1,6 @@
 // Stands for a server while working on the page: plays a made-up run and keeps a text with a history.
-import { MemoryLink, refused, type MemoryRun } from "../core/memory_link";
+import { MemoryLink, refused } from "../core/memory_link";
+import type { MemoryRun } from "../core/memory_run";
 import { kProtocol, type Op, type Paths, type RunState, type Status } from "../core/protocol";
 import { demo_scene, frame_at, kText } from "./motion";
 import { position_of, tokens } from "./tokens";

@@ -5,7 +5,8 @@ import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
 import { Feed, from_plot, over_time, with_ghost } from "./feed";
 import { found } from "./signal_list";
-import { FiguresStore, with_signal, type FigureSpec } from "./store";
+import type { FigureSpec } from "./figure";
+import { FiguresStore, with_signal } from "./store";
 
 interface Asked {
   signals: string[];

@@ -4,8 +4,7 @@ import { RequestError } from "../core/link";
 import type { Status } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { Curves, is_thinned, type SeriesAnswer, type SeriesPart } from "./curves";
-import { axis_label, color_of, share_axes, type Axis, type FigureData, type FigureKind, type FigureSeries } from "./figure";
-import type { FigureSpec } from "./store";
+import { axis_label, color_of, share_axes, type Axis, type FigureData, type FigureKind, type FigureSeries, type FigureSpec } from "./figure";
 import type { Sample } from "./statistics";
 
 /** Points of a curve: more than there are pixels side by side. */

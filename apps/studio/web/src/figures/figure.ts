@@ -11,6 +11,17 @@ export const kKindNames: Record<FigureKind, string> = {
   surface: "Surface",
 };
 
+/** What a figure shows. */
+export interface FigureSpec {
+  id: number;
+  kind: FigureKind;
+  title: string;
+  /** what is drawn; of surfaces and paths x, y and z, "" where none is chosen yet */
+  signals: string[];
+  /** name of the scene's own plot; "": signals are drawn */
+  plot: string;
+}
+
 export interface Axis {
   label: string;
   unit: string;

@@ -6,14 +6,14 @@ import type { PanelType, Studio } from "../core/studio";
 import type { FigureKind } from "./figure";
 import "./figures.css";
 import type { FileKind } from "./save";
-import { figures_of, type FiguresStore } from "./store";
+import { FiguresStore } from "./store";
 import { export_figure, FiguresView } from "./view";
 
 export const panel: PanelType = {
   name: "figures",
   title: "Figures",
   create(studio: Studio): Widget {
-    const store = figures_of(studio);
+    const store = studio.services.get(FiguresStore);
     return new SeenWidget("cg-figures", h(FiguresView, { store }), store.seen);
   },
 };
@@ -27,7 +27,7 @@ function draw_signal(store: FiguresStore, signal: string, figure: string): void 
 
 /** Adds the panel's commands; called once, before any panel is made. */
 export function register(studio: Studio): void {
-  const store = figures_of(studio);
+  const store = studio.services.get(FiguresStore);
   const { commands } = studio;
   const make = (id: string, label: string, kind: FigureKind): void =>
     void commands.addCommand(`figures:${id}`, {

@@ -1,18 +1,8 @@
 // The figures that are open, what can be drawn, and which figure commands are about.
 import { effect, signal } from "@preact/signals-core";
 import type { Studio } from "../core/studio";
-import { kKindNames, type FigureKind } from "./figure";
+import { kKindNames, type FigureKind, type FigureSpec } from "./figure";
 import { Feed } from "./feed";
-
-export interface FigureSpec {
-  id: number;
-  kind: FigureKind;
-  title: string;
-  /** what is drawn; of surfaces and paths x, y and z, "" where none is chosen yet */
-  signals: string[];
-  /** name of the scene's own plot; "": signals are drawn */
-  plot: string;
-}
 
 export interface SignalInfo {
   name: string;
@@ -51,25 +41,31 @@ export class FiguresStore {
   private next_id = 1;
   private key = "";
   private listed = "";
-  private timer: ReturnType<typeof setInterval> | undefined;
+  private readonly stops: (() => void)[];
 
   constructor(readonly studio: Studio) {
-    effect(() => {
-      const file = studio.state.hello.value?.file;
-      if (file !== undefined) this.load(`cogrsim.figures.${file}`);
-    });
-    effect(() => {
-      clearInterval(this.timer);
-      this.timer = this.seen.value ? setInterval(() => this.tick(), kTick) : undefined;
-    });
-    effect(() => {
-      const open = studio.state.open.value;
-      const scene = studio.state.scene.value?.scene;
-      if (!this.seen.value || !open || scene === undefined) return;
-      // during typing there is a new scene with every character
-      const soon = setTimeout(() => void this.list(`${scene}`), this.listed === "" ? 0 : 500);
-      return () => clearTimeout(soon);
-    });
+    this.stops = [
+      effect(() => {
+        const file = studio.state.hello.value?.file;
+        if (file !== undefined) this.load(`cogrsim.figures.${file}`);
+      }),
+      effect(() => {
+        if (!this.seen.value) return;
+        const timer = setInterval(() => this.tick(), kTick);
+        return () => clearInterval(timer);
+      }),
+      effect(() => {
+        const open = studio.state.open.value;
+        const scene = studio.state.scene.value?.scene;
+        if (!this.seen.value || !open || scene === undefined) return;
+        // during typing there is a new scene with every character
+        const soon = setTimeout(() => void this.list(`${scene}`), this.listed === "" ? 0 : 500);
+        return () => clearTimeout(soon);
+      }),
+    ];
+  }
+  dispose(): void {
+    for (const stop of this.stops) stop();
   }
 
   feed_of(id: number): Feed {
@@ -216,11 +212,4 @@ function read_specs(key: string): FigureSpec[] {
   } catch {
     return [];
   }
-}
-
-const stores = new WeakMap<Studio, FiguresStore>();
-export function figures_of(studio: Studio): FiguresStore {
-  let store = stores.get(studio);
-  if (!store) stores.set(studio, (store = new FiguresStore(studio)));
-  return store;
 }

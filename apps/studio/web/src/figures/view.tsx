@@ -5,11 +5,11 @@ import type { JSX } from "preact";
 import type { CurveChart } from "./curve_chart";
 import { nearest } from "./curves";
 import { over_time, type Feed } from "./feed";
-import { boxes_of, cells_of, histogram_of, kKindNames, theme_color, type FigureData, type FigureKind } from "./figure";
+import { boxes_of, cells_of, histogram_of, kKindNames, theme_color, type FigureData, type FigureKind, type FigureSpec } from "./figure";
 import type { PlotlyChart } from "./plotly_chart";
 import { save_figure, type FileKind } from "./save";
 import { SignalList } from "./signal_list";
-import { kSlots, type FiguresStore, type FigureSpec } from "./store";
+import { kSlots, type FiguresStore } from "./store";
 import type { Sample } from "./statistics";
 import { short_number, with_unit } from "./ticks";
 

@@ -7,7 +7,7 @@ import { name_choices } from "../add/plan";
 import { Icon } from "../tree/icons";
 import { ask_mass, mass_lines } from "../tree/mass_view";
 import { label_of } from "../tree/model";
-import { kSignalType, signal_label, tree_state } from "../tree/tree_state";
+import { kSignalType, signal_label, TreeState } from "../tree/tree_state";
 import { apply_ops } from "./apply";
 import { Field } from "./field";
 import { form_groups, parameter_ops, plugin_form, problems_of, set_entries, set_ops } from "./form_model";
@@ -44,7 +44,7 @@ function Mass({ studio, ids }: { studio: Studio; ids: number[] }): JSX.Element |
 }
 
 function Signals({ studio, path }: { studio: Studio; path: string }): JSX.Element | null {
-  const signals = path === "" ? undefined : tree_state(studio).signals.value.get(path);
+  const signals = path === "" ? undefined : studio.services.get(TreeState).signals.value.get(path);
   if (!signals || signals.length === 0) return null;
   return (
     <section aria-label="Signals">
@@ -158,7 +158,7 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
 
 export function Properties({ studio }: { studio: Studio }): JSX.Element {
   const { state } = studio;
-  const schema = tree_state(studio).schema.value;
+  const schema = studio.services.get(TreeState).schema.value;
   const chosen = state.selection.value.flatMap((id) => state.element(id) ?? []);
   const first = chosen[0];
   if (!first) return <p class="cg-muted cg-properties-empty">Select something in the tree or the picture to see its attributes.</p>;

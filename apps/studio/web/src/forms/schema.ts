@@ -155,23 +155,30 @@ export class Schema {
   }
 }
 
-const loading = new WeakMap<object, { key: string; schema: Promise<Schema> }>();
+/** Requests the schema once per connection: plugins may differ after a server's restart. */
+export class SchemaLoader {
+  private key = "";
+  private schema: Promise<Schema> | null = null;
 
-/** Requested once per connection: plugins may differ after a server's restart. */
-export function load_schema(studio: Studio): Promise<Schema> {
-  const hello = studio.state.hello.peek();
-  const key = `${hello?.client}/${hello?.version}`;
-  const known = loading.get(studio.link);
-  if (known && known.key === key) return known.schema;
-  const schema = studio.link.request<Loose>("schema").then((answer) => new Schema(answer));
-  loading.set(studio.link, { key, schema });
-  schema.catch(() => loading.delete(studio.link));
-  return schema;
-}
+  constructor(private readonly studio: Studio) {}
 
-/** Asks again next time: plugins were built. */
-export function forget_schema(studio: Studio): void {
-  loading.delete(studio.link);
+  load(): Promise<Schema> {
+    const hello = this.studio.state.hello.peek();
+    const key = `${hello?.client}/${hello?.version}`;
+    if (this.schema && this.key === key) return this.schema;
+    const schema = this.studio.link.request<Loose>("schema").then((answer) => new Schema(answer));
+    this.key = key;
+    this.schema = schema;
+    schema.catch(() => {
+      if (this.schema === schema) this.forget();
+    });
+    return schema;
+  }
+
+  /** Asks again next time: plugins were built. */
+  forget(): void {
+    this.schema = null;
+  }
 }
 
 export const kShapes = ["box", "sphere", "cylinder", "capsule", "plane", "mesh", "heightmap"];

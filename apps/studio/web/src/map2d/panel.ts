@@ -6,9 +6,9 @@ import type { PanelType, Studio } from "../core/studio";
 import { visible_bounds } from "../view3d/bounds";
 import { bodies_of, click_body, element_of } from "../view3d/selecting";
 import { MAP_LAYERS, map_layers, marked, view_request } from "../view3d/settings";
-import { subscribe } from "../view3d/subscription";
+import { Subscription } from "../view3d/subscription";
 import { fill_tools, menu_button, open_context_menu } from "../view3d/tools";
-import { trails_of } from "../view3d/trails";
+import { RunTrails } from "../view3d/trails";
 import { draw_map, enter, type Colors } from "./draw_map";
 import { FarColors } from "./far_color";
 import { Items, type Item } from "./items";
@@ -107,7 +107,7 @@ class MapWidget extends Widget {
       () => look(false),
     );
     this.resize();
-    const trails = trails_of(this.studio);
+    const trails = this.studio.services.get(RunTrails);
     on(() => {
       this.scene = state.scene.value;
       this.items = this.scene ? new Items(this.scene) : null;
@@ -131,7 +131,7 @@ class MapWidget extends Widget {
       this.colors = null;
       this.draw_soon();
     });
-    on(() => subscribe(this.studio, "map", { readings: open_maps.value > 0 && map_layers.rays.value, contacts: false }));
+    on(() => this.studio.services.get(Subscription).set("map", { readings: open_maps.value > 0 && map_layers.rays.value, contacts: false }));
     let seen = view_request.peek();
     on(() => {
       const request = view_request.value;
@@ -238,7 +238,7 @@ class MapWidget extends Widget {
       poses,
       items: this.placed,
       ghosts,
-      trails: trails_of(this.studio),
+      trails: this.studio.services.get(RunTrails),
       colors: this.colors,
       layers: {
         rays: map_layers.rays.peek(),

@@ -6,10 +6,11 @@ import { effect, signal } from "@preact/signals-core";
 import { show_bar } from "../control/bar";
 import { Control } from "../control/commands";
 import { notify_faults, waiting_bar } from "../control/waiting";
-import { unsent_typing } from "../code/pending";
+import { PendingTyping } from "../code/pending";
 import { count_wrong } from "../console/lines";
 import { RequestError, type Link } from "../core/link";
 import type { Op } from "../core/protocol";
+import { Services } from "../core/services";
 import { State } from "../core/state";
 import type { DialogContent, Studio } from "../core/studio";
 import { browser_clock, Playback } from "../timeline/playback";
@@ -22,13 +23,15 @@ import { bind_keys, listen } from "./keys";
 import { make_menus } from "./menus";
 import { Notices } from "./notices";
 import { panel_named, panels } from "./panels";
+import type { Shell } from "./shell";
 import { page_title, show_status_line } from "./status_line";
 import { UnsavedBar } from "./unsaved";
 import { Windows } from "./windows";
 
-export class App implements Studio {
+export class App implements Shell {
   readonly state = new State();
   readonly commands = new CommandRegistry();
+  readonly services: Services<Studio> = new Services<Studio>(this);
   readonly playback: Playback;
   readonly docking: Docking;
   private readonly notices = new Notices();
@@ -116,14 +119,13 @@ export class App implements Studio {
   notify(text: string, kind: "note" | "error" = "note"): void {
     this.notices.show(text, kind);
   }
-  /** Shows an error to the user; a broken connection has its own bar. */
   fail(error: unknown): void {
     if (error instanceof RequestError && error.failure.code === "closed") return;
     this.notify(error instanceof Error ? error.message : String(error), "error");
   }
   /** The server's protocol is another one than this page's. */
   renew(): void {
-    if (!unsent_typing(this)) return location.reload();
+    if (!this.services.get(PendingTyping).unsent) return location.reload();
     this.notify("the studio was restarted in another version, and does not have what you typed last: copy that, then reload this page", "error");
   }
   go_to(file: string, line: number, column: number): void {

@@ -1,23 +1,23 @@
 // Commands of the window itself.
 import { effect } from "@preact/signals-core";
-import { settle_typing } from "../code/pending";
-import type { App } from "./app";
+import { PendingTyping } from "../code/pending";
 import { presets } from "./layouts";
 import { remember } from "./memory";
 import { open_palette, open_shortcuts } from "./palette";
 import { panels } from "./panels";
+import type { Shell } from "./shell";
 
-export function register_commands(app: App): void {
-  const { commands, state } = app;
+export function register_commands(shell: Shell): void {
+  const { commands, state } = shell;
   const may = () => state.may_edit.value;
 
   const save = async (file?: string) => {
-    await settle_typing(app);
+    await shell.services.get(PendingTyping).settle();
     try {
-      const answer = await app.link.request<{ file: string }>("save", file === undefined ? {} : { file });
-      app.notify(`saved ${answer.file}`);
+      const answer = await shell.link.request<{ file: string }>("save", file === undefined ? {} : { file });
+      shell.notify(`saved ${answer.file}`);
     } catch (error) {
-      app.fail(error);
+      shell.fail(error);
     }
   };
   if (!commands.hasCommand("edit:save")) {
@@ -28,7 +28,7 @@ export function register_commands(app: App): void {
     isEnabled: may,
     execute: async () => {
       const name = state.document.value?.file.replace(/^.*[/\\]/, "") ?? "";
-      const answer = await app.dialog({
+      const answer = await shell.dialog({
         title: "Save a copy",
         text: "The copy is saved beside the scene, and editing continues with it.",
         fields: [{ name: "file", label: "File name", value: name }],
@@ -41,13 +41,13 @@ export function register_commands(app: App): void {
     label: "Revert to the saved text…",
     isEnabled: () => may() && state.document.value?.dirty === true,
     execute: async () => {
-      const answer = await app.dialog({
+      const answer = await shell.dialog({
         title: "Revert",
         text: "Goes back to the text as it was last saved. It can be undone.",
         fields: [],
         accept: "Revert",
       });
-      if (answer) await app.link.request("revert").catch((error: unknown) => app.fail(error));
+      if (answer) await shell.link.request("revert").catch((error: unknown) => shell.fail(error));
     },
   });
 
@@ -55,28 +55,28 @@ export function register_commands(app: App): void {
     commands.addCommand(`panel:${panel.name}`, {
       label: `${panel.title} panel`,
       isToggleable: true,
-      isToggled: () => app.docking.is_open(panel.name),
-      execute: () => (app.docking.is_open(panel.name) ? app.docking.close(panel.name) : app.open_panel(panel.name)),
+      isToggled: () => shell.docking.is_open(panel.name),
+      execute: () => (shell.docking.is_open(panel.name) ? shell.docking.close(panel.name) : shell.open_panel(panel.name)),
     });
   }
-  const focused = () => app.docking.focused();
+  const focused = () => shell.docking.focused();
   commands.addCommand("panel:pop-out", {
     label: "Pop the panel out into its own window",
     isEnabled: () => focused() !== undefined,
-    execute: ({ panel }) => app.pop_out(typeof panel === "string" ? panel : (focused() ?? "view3d")),
+    execute: ({ panel }) => shell.pop_out(typeof panel === "string" ? panel : (focused() ?? "view3d")),
   });
   commands.addCommand("panel:close", {
     label: "Close the panel",
     isEnabled: () => focused() !== undefined,
     execute: ({ panel }) => {
       const name = typeof panel === "string" ? panel : focused();
-      if (name) app.docking.close(name);
+      if (name) shell.docking.close(name);
     },
   });
   for (const [name, area] of Object.entries(presets)) {
     commands.addCommand(`layout:${name.toLowerCase()}`, {
       label: `Layout: ${name}`,
-      execute: () => app.docking.arrange(area),
+      execute: () => shell.docking.arrange(area),
     });
   }
   commands.addCommand("view:theme", {
@@ -99,7 +99,7 @@ export function register_commands(app: App): void {
         status ? `${status.backend} ${status.engine_version}` : "",
         `client ${hello?.client ?? "–"}, ${hello?.role ?? "not connected"}`,
       ];
-      void app.dialog({ title: "CogRSim Studio", text: lines.filter(Boolean).join(" · "), fields: [], accept: "Close" });
+      void shell.dialog({ title: "CogRSim Studio", text: lines.filter(Boolean).join(" · "), fields: [], accept: "Close" });
     },
   });
   effect(() => {

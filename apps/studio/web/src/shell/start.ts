@@ -20,4 +20,7 @@ export function start(link: Link): void {
     () => app.renew(),
   );
   app.show();
+  addEventListener("pagehide", ({ persisted }) => {
+    if (!persisted) app.services.dispose();
+  });
 }

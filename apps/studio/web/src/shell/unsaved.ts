@@ -1,9 +1,9 @@
 // Unsaved changes: offered when the studio kept earlier ones, and as a download while there is no studio.
 import { effect, signal } from "@preact/signals-core";
-import { text_here, unsent_typing } from "../code/pending";
+import { PendingTyping } from "../code/pending";
 import type { DocumentState, UnsavedOffer } from "../core/protocol";
-import type { App } from "./app";
 import { download } from "./download";
+import type { Shell } from "./shell";
 
 export interface Lost {
   text: string;
@@ -26,22 +26,22 @@ export class UnsavedBar {
   private readonly lost = signal<Lost | null>(null);
   private readonly less = signal(false);
 
-  constructor(private readonly app: App) {
+  constructor(private readonly shell: Shell) {
     this.node.className = "cg-unsaved";
     this.node.dataset.testid = "unsaved";
     this.node.setAttribute("role", "region");
     this.node.setAttribute("aria-label", "Unsaved changes");
-    const { state } = app;
-    app.link.on_open((open) => {
+    const { state } = shell;
+    shell.link.on_open((open) => {
       if (open || this.lost.peek()) return;
       const text = state.document.peek();
-      const typed = unsent_typing(app);
+      const typed = shell.services.get(PendingTyping).unsent;
       if (text && state.hello.peek()?.kind === "scene" && (text.dirty || typed)) {
-        this.lost.value = { text: text_here(app) ?? text.text, file: text.file };
+        this.lost.value = { text: shell.services.get(PendingTyping).text ?? text.text, file: text.file };
       }
     });
     // It comes right behind the text, of every studio that the page meets.
-    app.link.on("unsaved", ({ offer }) => {
+    shell.link.on("unsaved", ({ offer }) => {
       const text = state.document.peek();
       this.less.value = text !== null && has_less(this.lost.peek(), text, offer);
       if (!this.less.value) this.lost.value = null;
@@ -56,7 +56,7 @@ export class UnsavedBar {
   }
 
   private show(): void {
-    const { state } = this.app;
+    const { state } = this.shell;
     const unsaved = state.unsaved.value;
     const file = state.document.value?.file ?? "";
     const rows: HTMLElement[] = [];
@@ -109,16 +109,16 @@ export class UnsavedBar {
 
   private async ask(what: "unsaved" | "restore" | "discard", number: number): Promise<void> {
     try {
-      const { text } = await this.app.link.request<{ text?: string }>(what, { number });
+      const { text } = await this.shell.link.request<{ text?: string }>(what, { number });
       if (what === "unsaved") {
-        download(new Blob([text ?? ""], { type: "text/xml" }), this.app.state.document.peek()?.file ?? "scene.xml");
+        download(new Blob([text ?? ""], { type: "text/xml" }), this.shell.state.document.peek()?.file ?? "scene.xml");
       }
     } catch (error) {
-      this.app.fail(error);
+      this.shell.fail(error);
     }
   }
   private async discard(number: number): Promise<void> {
-    const answer = await this.app.dialog({
+    const answer = await this.shell.dialog({
       title: "Discard",
       text: "The unsaved changes will be lost.",
       fields: [],
@@ -128,10 +128,10 @@ export class UnsavedBar {
   }
   private async take_over(text: string): Promise<void> {
     try {
-      await this.app.link.request("set-text", { version: this.app.state.document.peek()?.version, text });
+      await this.shell.link.request("set-text", { version: this.shell.state.document.peek()?.version, text });
       this.forget();
     } catch (error) {
-      this.app.fail(error);
+      this.shell.fail(error);
     }
   }
   private forget(): void {

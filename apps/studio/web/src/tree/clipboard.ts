@@ -5,7 +5,7 @@ import { offset_at } from "../code/columns";
 import { factor_of, parse_numbers, print_numbers, short_number } from "../forms/values";
 import { dedent, element_end, split_elements, start_tag } from "../forms/xml_text";
 import { element_keys, top_most } from "./model";
-import { tree_state } from "./tree_state";
+import { TreeState } from "./tree_state";
 
 /** The element as it is written, without the indentation of where it stands; null if it is not there. */
 export function element_xml(text: string, element: TreeElement): string | null {
@@ -43,10 +43,10 @@ export function copy_elements(studio: Studio, ids: readonly number[]): boolean {
   }
   const copied = top_most(elements, ids).flatMap((id) => element_xml(text, elements[id]!) ?? []);
   if (copied.length === 0) return false;
-  tree_state(studio).copied.value = copied;
+  studio.services.get(TreeState).copied.value = copied;
   const keys = element_keys(elements);
-  tree_state(studio).copies = new Set(top_most(elements, ids).map((id) => keys[id]!));
-  tree_state(studio).copied_from.value = elements[elements[ids[0] ?? 0]?.parent ?? 0]?.path ?? null;
+  studio.services.get(TreeState).copies = new Set(top_most(elements, ids).map((id) => keys[id]!));
+  studio.services.get(TreeState).copied_from.value = elements[elements[ids[0] ?? 0]?.parent ?? 0]?.path ?? null;
   left_window = false;
   // Not allowed everywhere; inside this page copying works without.
   void navigator.clipboard?.writeText(copied.join("\n")).catch(() => undefined);
@@ -55,7 +55,7 @@ export function copy_elements(studio: Studio, ids: readonly number[]): boolean {
 
 /** What was copied last, here or elsewhere; null: no elements. */
 export async function copied_elements(studio: Studio): Promise<string[] | null> {
-  const own = tree_state(studio).copied.peek();
+  const own = studio.services.get(TreeState).copied.peek();
   if (own.length > 0 && !left_window) return own;
   try {
     const text = await navigator.clipboard.readText();

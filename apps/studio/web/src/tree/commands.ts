@@ -1,7 +1,7 @@
 // What can be done to elements: the commands "edit:…" and those of the tree's menu.
 import type { Op } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { settle_typing } from "../code/pending";
+import { PendingTyping } from "../code/pending";
 import { kBodies, kMovable } from "../forms/schema";
 import { duplicate_offset } from "../add/place";
 import { start_tag } from "../forms/xml_text";
@@ -9,7 +9,7 @@ import { copied_elements, copy_elements, shifted_xml } from "./clipboard";
 import { mass_element } from "./mass_view";
 import { element_keys, label_of, top_most } from "./model";
 import { paste_place } from "./rules";
-import { start_renaming, tree_state } from "./tree_state";
+import { start_renaming, TreeState } from "./tree_state";
 
 /** What can be glued into one body. */
 const kParts = [...kBodies, "assembly", "instance"];
@@ -52,10 +52,10 @@ async function paste(studio: Studio): Promise<void> {
     return;
   }
   const { elements } = studio.state.tree.value;
-  const schema = tree_state(studio).schema.value;
+  const schema = studio.services.get(TreeState).schema.value;
   const main = studio.state.selection.value[studio.state.selection.value.length - 1] ?? 0;
   const ops: Op[] = [];
-  const { copied_from, copies } = tree_state(studio);
+  const { copied_from, copies } = studio.services.get(TreeState);
   const keys = element_keys(elements);
   const of_them = new Set(elements.flatMap(({ id }) => (copies.has(keys[id]!) ? [id] : [])));
   const shift = duplicate_offset(studio.state, chosen(studio))[0];
@@ -135,7 +135,7 @@ async function disassemble(studio: Studio): Promise<void> {
 
 /** Asks something of the document that has no further fields. */
 async function ask(studio: Studio, what: string, done?: (answer: Record<string, unknown>) => void): Promise<void> {
-  await settle_typing(studio);
+  await studio.services.get(PendingTyping).settle();
   try {
     const answer = await studio.link.request(what);
     done?.(answer);

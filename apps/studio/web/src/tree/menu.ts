@@ -3,7 +3,7 @@ import { Menu } from "@lumino/widgets";
 import { insertable } from "../add/commands";
 import type { Studio } from "../core/studio";
 import type { Row } from "./model";
-import { signal_label, tree_state } from "./tree_state";
+import { signal_label, TreeState } from "./tree_state";
 
 function insert_menu(studio: Studio): Menu {
   const menu = new Menu({ commands: studio.commands });
@@ -50,7 +50,7 @@ export function open_menu(studio: Studio, row: Row, x: number, y: number): void 
     if (commands.hasCommand("view:focus")) menu.addItem({ command: "view:focus" });
     menu.addItem({ command: "tree:show-line", args: { element: row.id } });
   }
-  const signals = row.signal ? [row.signal] : (tree_state(studio).signals.value.get(element?.path || "-") ?? []);
+  const signals = row.signal ? [row.signal] : (studio.services.get(TreeState).signals.value.get(element?.path || "-") ?? []);
   if (signals.length > 0) {
     if (menu.items.length > 0) menu.addItem({ type: "separator" });
     const draw = signals.length > 4 ? new Menu({ commands }) : menu;

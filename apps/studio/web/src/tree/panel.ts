@@ -5,7 +5,7 @@ import type { PanelType, Studio } from "../core/studio";
 import { PreactWidget } from "../forms/preact_widget";
 import { register_edit_commands } from "./commands";
 import { TreePanel } from "./tree_panel";
-import { tree_model } from "./view";
+import { TreeModel } from "./view";
 import "./tree.css";
 
 export const panel: PanelType = {
@@ -24,7 +24,7 @@ export function register(studio: Studio): void {
   register_insert_commands(studio);
   studio.commands.addCommand("tree:show-signals", {
     label: "Signals in the tree",
-    execute: (args) => tree_model(studio).toggle_signals(args.element as number),
+    execute: (args) => studio.services.get(TreeModel).toggle_signals(args.element as number),
     isVisible: (args) => args.element !== undefined,
   });
 }

@@ -4,11 +4,11 @@ import { insert, kTools } from "../add/commands";
 import type { Studio } from "../core/studio";
 import { Icon } from "./icons";
 import { open_insert_menu } from "./menu";
-import { tree_state } from "./tree_state";
-import { tree_model, TreeView } from "./view";
+import { TreeState } from "./tree_state";
+import { TreeModel, TreeView } from "./view";
 
 function Tools({ studio }: { studio: Studio }): JSX.Element | null {
-  const ready = studio.state.may_edit.value && tree_state(studio).schema.value !== null;
+  const ready = studio.state.may_edit.value && studio.services.get(TreeState).schema.value !== null;
   if (studio.state.hello.value?.kind !== "scene") return null;
   return (
     <div class="cg-tools cg-tree-tools" role="toolbar" aria-label="Insert">
@@ -46,7 +46,7 @@ function Tools({ studio }: { studio: Studio }): JSX.Element | null {
 }
 
 export function TreePanel({ studio }: { studio: Studio }): JSX.Element {
-  const model = tree_model(studio);
+  const model = studio.services.get(TreeModel);
   const count = studio.state.tree.value.elements.length;
   const found = model.search.value === "" ? 0 : model.rows.value.filter((r) => r.found).length;
   return (

@@ -1,44 +1,50 @@
 // What the tree panel, its commands and the other editing panels share.
-import { signal, type Signal } from "@preact/signals-core";
+import { signal } from "@preact/signals-core";
 import type { Studio } from "../core/studio";
-import { load_schema, type Schema } from "../forms/schema";
+import { SchemaLoader, type Schema } from "../forms/schema";
 import type { SignalInfo } from "./model";
 
-export interface TreeState {
-  /** id of the element whose name is being typed; -1: none */
-  renaming: Signal<number>;
-  schema: Signal<Schema | null>;
-  /** of the present scene, by the dotted name of the owner */
-  signals: Signal<Map<string, SignalInfo[]>>;
-  /** Elements copied in this page, as XML. */
-  copied: Signal<string[]>;
-  /** dotted name of what held them: pasted there they would be inside each other */
-  copied_from: Signal<string | null>;
-  /** keys of what was copied and of what has been pasted of it: one more goes beside them */
-  copies: Set<string>;
-}
-
-const states = new WeakMap<Studio, TreeState>();
-
 /** Keys and signals of a studio; asks for schema and signals when there is something to ask. */
-export function tree_state(studio: Studio): TreeState {
-  let state = states.get(studio);
-  if (state) return state;
-  state = { renaming: signal(-1), schema: signal(null), signals: signal(new Map()), copied: signal([]), copied_from: signal(null), copies: new Set() };
-  states.set(studio, state);
-  const { schema, signals } = state;
-  studio.state.hello.subscribe((hello) => {
-    if (!hello || hello.kind !== "scene") return;
-    load_schema(studio).then(
-      (loaded) => (schema.value = loaded),
-      (error: Error) => studio.notify(`the vocabulary cannot be read: ${error.message}`, "error"),
+export class TreeState {
+  /** id of the element whose name is being typed; -1: none */
+  readonly renaming = signal(-1);
+  readonly schema = signal<Schema | null>(null);
+  /** of the present scene, by the dotted name of the owner */
+  readonly signals = signal<ReadonlyMap<string, SignalInfo[]>>(new Map());
+  /** Elements copied in this page, as XML. */
+  readonly copied = signal<string[]>([]);
+  /** dotted name of what held them: pasted there they would be inside each other */
+  readonly copied_from = signal<string | null>(null);
+  /** keys of what was copied and of what has been pasted of it: one more goes beside them */
+  copies = new Set<string>();
+  private asked = -1;
+  private readonly stops: (() => void)[];
+
+  constructor(private readonly studio: Studio) {
+    this.stops = [
+      studio.state.hello.subscribe((hello) => {
+        if (hello?.kind === "scene") this.load_schema();
+      }),
+      studio.state.scene.subscribe((scene) => {
+        if (!scene || scene.scene === this.asked) return;
+        this.asked = scene.scene;
+        this.list_signals();
+      }),
+    ];
+  }
+  dispose(): void {
+    for (const stop of this.stops) stop();
+  }
+
+  private load_schema(): void {
+    this.studio.services.get(SchemaLoader).load().then(
+      (loaded) => (this.schema.value = loaded),
+      (error: Error) => this.studio.notify(`the vocabulary cannot be read: ${error.message}`, "error"),
     );
-  });
-  let asked = -1;
-  studio.state.scene.subscribe((scene) => {
-    if (!scene || scene.scene === asked) return;
-    asked = scene.scene;
-    studio.link.request<{ signals: SignalInfo[] }>("signals").then(
+  }
+
+  private list_signals(): void {
+    this.studio.link.request<{ signals: SignalInfo[] }>("signals").then(
       (answer) => {
         const by_owner = new Map<string, SignalInfo[]>();
         for (const info of answer.signals ?? []) {
@@ -46,19 +52,18 @@ export function tree_state(studio: Studio): TreeState {
           if (list) list.push(info);
           else by_owner.set(info.owner, [info]);
         }
-        signals.value = by_owner;
+        this.signals.value = by_owner;
       },
       // A bundle without signals: nothing can be drawn.
-      () => (signals.value = new Map()),
+      () => (this.signals.value = new Map()),
     );
-  });
-  return state;
+  }
 }
 
 /** Starts typing a name in the tree, which is shown if it is not. */
 export function start_renaming(studio: Studio, element: number): void {
   studio.open_panel("tree");
-  tree_state(studio).renaming.value = element;
+  studio.services.get(TreeState).renaming.value = element;
 }
 
 export const kSignalType = "application/x-cogrsim-signal";

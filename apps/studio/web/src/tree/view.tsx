@@ -8,7 +8,7 @@ import { Icon } from "./icons";
 import { open_menu } from "./menu";
 import { element_keys, label_of, tree_rows, type_ahead, visible_rows, type Row, type SignalInfo } from "./model";
 import { drop_ops, drop_target, drop_zone, refuse_drop, type DropZone } from "./rules";
-import { kSignalType, signal_label, tree_state } from "./tree_state";
+import { kSignalType, signal_label, TreeState } from "./tree_state";
 
 export const kRowHeight = 24;
 const kTypeAheadRest = 800;
@@ -17,6 +17,7 @@ const kElementType = "application/x-cogrsim-elements";
 /** Same element or same signal of it. */
 const row_key = (row: Row): string => (row.signal ? `${row.id}~${row.signal.name}` : String(row.id));
 
+/** What is open and searched; outlives the panel. */
 export class TreeModel {
   readonly search = signal("");
   readonly closed = signal<ReadonlySet<string>>(new Set());
@@ -25,7 +26,7 @@ export class TreeModel {
   readonly keys = computed(() => element_keys(this.studio.state.tree.value.elements));
   readonly rows = computed(() => {
     const { elements } = this.studio.state.tree.value;
-    const by_owner = tree_state(this.studio).signals.value;
+    const by_owner = this.studio.services.get(TreeState).signals.value;
     const signals = new Map<number, readonly SignalInfo[]>();
     const open = this.open_signals.value;
     if (open.size > 0) {
@@ -58,15 +59,6 @@ export class TreeModel {
   }
 }
 
-const models = new WeakMap<Studio, TreeModel>();
-
-/** What is open and searched outlives the panel. */
-export function tree_model(studio: Studio): TreeModel {
-  let model = models.get(studio);
-  if (!model) models.set(studio, (model = new TreeModel(studio)));
-  return model;
-}
-
 function changed(set: ReadonlySet<string>, key: string, member?: boolean): ReadonlySet<string> {
   const next = new Set(set);
   if (member ?? !next.has(key)) next.add(key);
@@ -76,7 +68,7 @@ function changed(set: ReadonlySet<string>, key: string, member?: boolean): Reado
 
 function NameField({ studio, id, name }: { studio: Studio; id: number; name: string }): JSX.Element {
   const field = useRef<HTMLInputElement>(null);
-  const state = tree_state(studio);
+  const state = studio.services.get(TreeState);
   useLayoutEffect(() => {
     field.current?.focus();
     field.current?.select();
@@ -110,7 +102,7 @@ function NameField({ studio, id, name }: { studio: Studio; id: number; name: str
 export function TreeView({ model }: { model: TreeModel }): JSX.Element {
   const { studio } = model;
   const { state } = studio;
-  const shared = tree_state(studio);
+  const shared = studio.services.get(TreeState);
   const box = useRef<HTMLDivElement>(null);
   const [scrolled, set_scrolled] = useState(0);
   const [height, set_height] = useState(400);

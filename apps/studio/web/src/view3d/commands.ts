@@ -14,7 +14,7 @@ import {
   view_request,
   type HandleMode,
 } from "./settings";
-import { subscribe } from "./subscription";
+import { Subscription } from "./subscription";
 import { VIEWS } from "./views";
 
 const VIEW_LABELS: Record<string, [label: string, caption: string]> = {
@@ -122,7 +122,7 @@ export function register_commands(studio: Studio): void {
   });
   effect(() => {
     const any = open_views.value > 0;
-    subscribe(studio, "view3d", {
+    studio.services.get(Subscription).set("view3d", {
       readings: any && overlays.rays.value,
       contacts: any && overlays.contacts.value,
     });

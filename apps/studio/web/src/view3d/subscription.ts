@@ -7,19 +7,26 @@ export interface Needs {
   contacts: boolean;
 }
 
-class Subscription {
+export class Subscription {
   private readonly needs = new Map<string, Needs>();
   private sent = "";
+  private readonly stops: (() => void)[];
 
   constructor(private readonly studio: Studio) {
-    // a new server knows nothing of earlier subscriptions
-    effect(() => {
-      studio.state.hello.value;
-      this.sent = JSON.stringify({ contacts: false, readings: false });
-      this.update();
-    });
+    this.stops = [
+      // a new server knows nothing of earlier subscriptions
+      effect(() => {
+        studio.state.hello.value;
+        this.sent = JSON.stringify({ contacts: false, readings: false });
+        this.update();
+      }),
+    ];
+  }
+  dispose(): void {
+    for (const stop of this.stops) stop();
   }
 
+  /** From now on `who` needs this; it replaces earlier needs of that name. */
   set(who: string, needs: Needs): void {
     this.needs.set(who, needs);
     this.update();
@@ -37,13 +44,4 @@ class Subscription {
       this.sent = "";
     });
   }
-}
-
-const known = new WeakMap<Studio, Subscription>();
-
-/** From now on `who` needs this; it replaces earlier needs of that name. */
-export function subscribe(studio: Studio, who: string, needs: Needs): void {
-  let made = known.get(studio);
-  if (!made) known.set(studio, (made = new Subscription(studio)));
-  made.set(who, needs);
 }

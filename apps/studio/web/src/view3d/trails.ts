@@ -129,49 +129,56 @@ export function dashes(points: ArrayLike<number>, count: number, dash: number): 
   return out;
 }
 
-const known = new WeakMap<Studio, Trails>();
-
 /** A recording is read through in its own time: asked again after so long [ms]. */
 const kLater = 200;
 
-/** Those of a page; kept up to date from the first call on, while they are drawn anywhere. */
-export function trails_of(studio: Studio): Trails {
-  const made = known.get(studio);
-  if (made) return made;
-  const trails = new Trails();
-  known.set(studio, trails);
-  const { state, link } = studio;
-  let asking = false;
-  let scene = -1;
-  const behind = (): boolean => {
+/** Those of a page, up to date from the first use on, while they are drawn anywhere. */
+export class RunTrails extends Trails {
+  private asking = false;
+  private scene = -1;
+  private readonly stops: (() => void)[];
+
+  constructor(private readonly studio: Studio) {
+    super();
+    const { state } = studio;
+    this.stops = [
+      effect(() => {
+        if (state.scene.value) this.adopt(state.scene.value);
+      }),
+      effect(() => {
+        for (const why of [state.open, state.frame, overlays.trails, map_layers.trails]) why.value;
+        void this.ask();
+      }),
+    ];
+  }
+  dispose(): void {
+    for (const stop of this.stops) stop();
+  }
+
+  private behind(): boolean {
+    const { state } = this.studio;
     const frame = state.frame.peek();
     const status = state.status.peek();
     if (!state.open.peek() || !frame || !(overlays.trails.peek() || map_layers.trails.peek())) return false;
     const end = status?.state === "recording" ? status.last : frame.time;
-    return frame.live || frame.scene !== scene || trails.until < end;
-  };
-  const ask = async () => {
-    if (asking || !behind()) return;
-    asking = true;
+    return frame.live || frame.scene !== this.scene || this.until < end;
+  }
+
+  private async ask(): Promise<void> {
+    if (this.asking || !this.behind()) return;
+    this.asking = true;
+    const { state, link } = this.studio;
     const of = state.frame.peek();
     try {
-      trails.take(await link.request<Paths>("paths", trails.known));
-      scene = of?.scene ?? -1;
+      this.take(await link.request<Paths>("paths", this.known));
+      this.scene = of?.scene ?? -1;
     } catch {
       // the connection was lost: requested again with the next frame
     } finally {
-      asking = false;
+      this.asking = false;
     }
     // Frames that have come meanwhile requested in vain.
-    if (state.frame.peek() !== of) void ask();
-    else if (state.status.peek()?.state === "recording" && behind()) setTimeout(() => void ask(), kLater);
-  };
-  effect(() => {
-    if (state.scene.value) trails.adopt(state.scene.value);
-  });
-  effect(() => {
-    for (const why of [state.open, state.frame, overlays.trails, map_layers.trails]) why.value;
-    void ask();
-  });
-  return trails;
+    if (state.frame.peek() !== of) void this.ask();
+    else if (state.status.peek()?.state === "recording" && this.behind()) setTimeout(() => void this.ask(), kLater);
+  }
 }

@@ -16,7 +16,7 @@ import { gl_painter, server_painter, type Painter } from "./painters";
 import { is_finite, pose_at } from "./pose";
 import { bodies_of, click_body, element_of, why_not } from "./selecting";
 import { handle_mode, handles_local, handles_snap, marked, overlays, view_request } from "./settings";
-import { trails_of } from "./trails";
+import { RunTrails } from "./trails";
 import type { ViewName } from "./views";
 
 /** The options that the panel gives the view. */
@@ -145,7 +145,7 @@ export class View3d {
     });
     on(() => {
       for (const shown of Object.values(overlays)) shown.value;
-      trails_of(this.studio).changes.value;
+      this.studio.services.get(RunTrails).changes.value;
       this.backdrop.show_grid(overlays.grid.value);
       this.moved = true;
       this.draw_soon();
@@ -288,7 +288,7 @@ export class View3d {
           tail: {},
         };
         const size = this.bounds ? 2 * radius_of(this.bounds) : 2;
-        if (this.moved) this.overlay.update(this.scene, frame ?? empty, this.poses, size, trails_of(this.studio));
+        if (this.moved) this.overlay.update(this.scene, frame ?? empty, this.poses, size, this.studio.services.get(RunTrails));
       }
       this.eye.adjust(this.bounds);
       this.backdrop.follow(this.eye.camera, this.eye.controls.target);
