@@ -108,7 +108,7 @@ function write_notices(metafiles) {
   }
   const notices = [...packages].map(([text, names]) => `${names.join("\n")}\n\n${text}`);
   const rule = `\n\n${"-".repeat(80)}\n\n`;
-  const text = ["The studio's page and bundles contain these packages.", ...notices].join(rule) + "\n";
+  const text = `${["The studio's page and bundles contain these packages.", ...notices].join(rule)  }\n`;
   // It stands in a bundle as it is.
   if (/<\/script|<!--/i.test(text)) throw new Error("a licence holds what would end or hide its element");
   writeFileSync(join(out, "notices.txt"), text);

@@ -1,9 +1,9 @@
-import { follow_key, take_key } from "./core/key";
+import { followKey, takeKey } from "./core/key";
 import { SocketLink } from "./core/socket_link";
 import { start } from "./shell/start";
 
-const key = take_key();
-follow_key(() => location.reload());
+const key = takeKey();
+followKey(() => location.reload());
 if (key !== "") {
   start(new SocketLink({ key }));
 } else {

@@ -1,10 +1,10 @@
 // The commands "insert:…": one for every element that may be added.
 import type { Studio } from "../core/studio";
 import { kJoints } from "../forms/schema";
-import { group_elements } from "../tree/commands";
+import { groupElements } from "../tree/commands";
 import { TreeState } from "../tree/tree_state";
-import { insert_dialog } from "./dialog";
-import { insert_op, insert_plan, unassembled_robot } from "./plan";
+import { insertDialog } from "./dialog";
+import { insertOp, insertPlan, unassembledRobot } from "./plan";
 
 /** In the order of the menu; the elements for beginners come first. */
 const kOffered: [string, string][] = [
@@ -28,7 +28,7 @@ export function insertable(studio: Studio): string[] {
   const main = studio.state.selection.value[studio.state.selection.value.length - 1] ?? 0;
   const allowed = new Set<string>();
   for (let at = elements[main] ? main : 0; at >= 0; at = elements[at]?.parent ?? -1) {
-    for (const tag of schema.children_of(elements, at)) allowed.add(tag);
+    for (const tag of schema.childrenOf(elements, at)) allowed.add(tag);
     if (at === 0) break;
   }
   const order = kOffered.map(([tag]) => tag);
@@ -42,24 +42,24 @@ export async function insert(studio: Studio, tag: string, ask: boolean): Promise
     studio.notify("the vocabulary is still loading: try again shortly");
     return;
   }
-  let plan = insert_plan(studio.state, schema, tag);
+  let plan = insertPlan(studio.state, schema, tag);
   if (tag === "controller" && plan.parent === 0) {
-    const robot = unassembled_robot(studio.state.tree.peek().elements);
+    const robot = unassembledRobot(studio.state.tree.peek().elements);
     if (robot.length > 0) {
       const names = robot.map((id) => studio.state.element(id)?.name || studio.state.element(id)?.tag).join(", ");
       const text = `A controller commands the assembly in which it stands. ${names} become one; nothing moves.`;
-      if ((await group_elements(studio, robot, "Make a robot of it", text, "robot")) === null) return;
-      plan = insert_plan(studio.state, schema, tag);
+      if ((await groupElements(studio, robot, "Make a robot of it", text, "robot")) === null) return;
+      plan = insertPlan(studio.state, schema, tag);
     }
   }
   const made =
     ask || plan.missing.length > 0
-      ? await insert_dialog(studio, schema, plan)
-      : await studio.edit(`insert ${tag}`, [insert_op(plan)]);
+      ? await insertDialog(studio, schema, plan)
+      : await studio.edit(`insert ${tag}`, [insertOp(plan)]);
   if (made && made.length > 0) studio.select(made.slice(0, 1));
 }
 
-export function register_insert_commands(studio: Studio): void {
+export function registerInsertCommands(studio: Studio): void {
   const { commands, state } = studio;
   const add = (tag: string, label: string) => {
     const id = `insert:${tag}`;
@@ -68,7 +68,7 @@ export function register_insert_commands(studio: Studio): void {
       // From a menu attributes are set first; a tool bar passes {ask: false}.
       label: (args) => (args.ask === false ? label : `${label}…`),
       caption: () => studio.services.get(TreeState).schema.peek()?.element(tag, tag === "contact" ? { on: "" } : {})?.doc ?? "",
-      isEnabled: () => state.may_edit.value && studio.services.get(TreeState).schema.value !== null,
+      isEnabled: () => state.mayEdit.value && studio.services.get(TreeState).schema.value !== null,
       execute: (args) => insert(studio, tag, args.ask !== false),
     });
   };

@@ -38,7 +38,7 @@ const kColors = ["#d9863b", "#4a8fc7", "#6aa84f", "#c25b56", "#8d6fb8", "#c4ad45
 const kColored = ["box", "sphere", "cylinder", "capsule"];
 
 /** The color of a new thing, another one than that of the last. */
-export function color_for(tag: string, elements: readonly TreeElement[]): Record<string, string> {
+export function colorFor(tag: string, elements: readonly TreeElement[]): Record<string, string> {
   if (!kColored.includes(tag)) return {};
   const last = elements.filter((e) => kColored.includes(e.tag)).pop()?.attributes.color ?? "";
   return { color: kColors[(kColors.indexOf(last) + 1) % kColors.length]! };
@@ -55,7 +55,7 @@ const kFirst: Record<string, string[]> = {
   controller: ["plugin", "rate", "on-fault"],
 };
 
-export function first_attributes(schema: Schema, tag: string): string[] {
+export function firstAttributes(schema: Schema, tag: string): string[] {
   const known = schema.element(tag, tag === "contact" ? { on: "" } : {})?.attributes ?? [];
   const must = known.filter((a) => a.required).map((a) => a.name);
   const usual =
@@ -68,7 +68,7 @@ export function first_attributes(schema: Schema, tag: string): string[] {
 export const kHeight = 0.5;
 
 /** Attributes of a new element, without names of others. `position`: in the frame of its parent. */
-export function default_attributes(tag: string, position: Vec3 | null): Record<string, string> {
+export function defaultAttributes(tag: string, position: Vec3 | null): Record<string, string> {
   const out: Record<string, string> = { name: tag.replace(/[^A-Za-z0-9_]/g, "_"), ...kDefaults[tag] };
   if (tag === "plane" || tag === "heightmap") return out;
   // Controllers and supervisors are named after their plugin.
@@ -79,13 +79,13 @@ export function default_attributes(tag: string, position: Vec3 | null): Record<s
 }
 
 /** Freedoms that turn take a torque, those that slide a force. The smallest that moves something of a kilogram. */
-export function effort_for(joint_tag: string | undefined): Record<string, string> {
-  const slides = joint_tag === "slider" || joint_tag === "planar";
+export function effortFor(jointTag: string | undefined): Record<string, string> {
+  const slides = jointTag === "slider" || jointTag === "planar";
   return slides ? { "max-force": "10 N" } : { "max-torque": "1 N*m" };
 }
 
 /** Two bodies for a joint: the first selected carries the second; one alone is joined to the world. */
-export function joint_ends(elements: readonly TreeElement[], selection: readonly number[]): { parent: number; child: number } {
+export function jointEnds(elements: readonly TreeElement[], selection: readonly number[]): { parent: number; child: number } {
   const bodies = selection.filter((id) => [...kBodies, "assembly", "instance"].includes(elements[id]?.tag ?? ""));
   if (bodies.length >= 2) return { parent: bodies[0]!, child: bodies[1]! };
   return { parent: -1, child: bodies[0] ?? -1 };

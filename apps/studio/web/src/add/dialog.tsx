@@ -3,12 +3,12 @@ import { render } from "preact";
 import { useState } from "preact/hooks";
 import type { JSX } from "preact";
 import type { Studio } from "../core/studio";
-import { apply_ops } from "../forms/apply";
+import { applyOps } from "../forms/apply";
 import { Field } from "../forms/field";
 import type { Schema } from "../forms/schema";
-import { label_of } from "../tree/model";
-import { first_attributes } from "./defaults";
-import { insert_op, name_choices, possible_parents, type InsertPlan } from "./plan";
+import { labelOf } from "../tree/model";
+import { firstAttributes } from "./defaults";
+import { insertOp, nameChoices, possibleParents, type InsertPlan } from "./plan";
 
 interface FormProps {
   studio: Studio;
@@ -21,19 +21,19 @@ interface FormProps {
 
 function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.Element {
   const { elements } = studio.state.tree.value;
-  const [values, set_values] = useState(plan.attributes);
-  const [parent, set_parent] = useState(plan.parent);
-  const [parameters, set_parameters] = useState<Record<string, string>>({});
-  const [wrong, set_wrong] = useState("");
+  const [values, setValues] = useState(plan.attributes);
+  const [parent, setParent] = useState(plan.parent);
+  const [parameters, setParameters] = useState<Record<string, string>>({});
+  const [wrong, setWrong] = useState("");
   const element = schema.element(plan.tag, values);
   const known = element?.attributes ?? [];
-  const first = first_attributes(schema, plan.tag);
+  const first = firstAttributes(schema, plan.tag);
   const plugin = schema.plugin(plan.tag, values.plugin ?? "");
-  const parents = possible_parents(schema, elements, plan.tag);
+  const parents = possibleParents(schema, elements, plan.tag);
   const field = (name: string) => {
     const spec = known.find((a) => a.name === name);
     if (!spec) return null;
-    const choices = name_choices(schema, elements, parent, plan.tag, spec);
+    const choices = nameChoices(schema, elements, parent, plan.tag, spec);
     // References are chosen from the existing names.
     const chooses = choices && (spec.required || name === "parent") && spec.kind !== "references";
     return (
@@ -42,17 +42,17 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
         spec={chooses ? { ...spec, kind: "choice", choices, default: name === "parent" ? "the world" : "" } : spec}
         text={values[name] ?? ""}
         choices={chooses ? undefined : choices}
-        commit={(text) => set_values((old) => ({ ...old, [name]: text ?? "" }))}
+        commit={(text) => setValues((old) => ({ ...old, [name]: text ?? "" }))}
       />
     );
   };
   const accept = () => {
     const missing = known.find((a) => a.required && (values[a.name] ?? "") === "");
     if (missing) {
-      set_wrong(`${missing.name} is needed: ${missing.doc}`);
+      setWrong(`${missing.name} is needed: ${missing.doc}`);
       return;
     }
-    void insert({ ...plan, parent, attributes: values }, parameters).then(set_wrong);
+    void insert({ ...plan, parent, attributes: values }, parameters).then(setWrong);
   };
   return (
     <form
@@ -71,10 +71,10 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
           <div class="cg-prop">
             <label for="cg-insert-parent">in</label>
             <span class="cg-prop-body">
-              <select id="cg-insert-parent" value={parent} onChange={(event) => set_parent(Number(event.currentTarget.value))}>
+              <select id="cg-insert-parent" value={parent} onChange={(event) => setParent(Number(event.currentTarget.value))}>
                 {parents.map((id) => (
                   <option key={id} value={id}>
-                    {id === 0 ? "the scene" : elements[id]!.path || `${elements[id]!.tag} ${label_of(elements[id]!)}`}
+                    {id === 0 ? "the scene" : elements[id]!.path || `${elements[id]!.tag} ${labelOf(elements[id]!)}`}
                   </option>
                 ))}
               </select>
@@ -92,7 +92,7 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
                 key={`${plugin.name}.${spec.name}`}
                 spec={spec}
                 text={parameters[spec.name] ?? ""}
-                commit={(text) => set_parameters((old) => ({ ...old, [spec.name]: text ?? "" }))}
+                commit={(text) => setParameters((old) => ({ ...old, [spec.name]: text ?? "" }))}
               />
             ))}
           </fieldset>
@@ -122,7 +122,7 @@ function Latest({ accept }: { accept(): void }): null {
 }
 
 /** Asks for the attributes, then inserts. Escape cancels; the focus goes back to where it was. */
-export function insert_dialog(studio: Studio, schema: Schema, plan: InsertPlan): Promise<number[] | null> {
+export function insertDialog(studio: Studio, schema: Schema, plan: InsertPlan): Promise<number[] | null> {
   return new Promise((resolve) => {
     const dialog = document.createElement("dialog");
     dialog.className = "cg-insert-dialog";
@@ -138,7 +138,7 @@ export function insert_dialog(studio: Studio, schema: Schema, plan: InsertPlan):
     };
     const insert = async (made: InsertPlan, parameters: Record<string, string>): Promise<string> => {
       const wanted = Object.fromEntries(Object.entries(parameters).filter(([, v]) => v !== ""));
-      const outcome = await apply_ops(studio, `insert ${made.tag}`, [insert_op(made, wanted)]);
+      const outcome = await applyOps(studio, `insert ${made.tag}`, [insertOp(made, wanted)]);
       if ("error" in outcome) return outcome.error;
       close(outcome.created);
       return "";

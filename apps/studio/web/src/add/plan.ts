@@ -2,11 +2,11 @@
 import type { Op, TreeElement, Vec3 } from "../core/protocol";
 import type { State } from "../core/state";
 import {
-  kBodies, kJoints, reference_choices, relative_name, scope_of, type AttributeSchema, type Schema,
+  kBodies, kJoints, referenceChoices, relativeName, scopeOf, type AttributeSchema, type Schema,
 } from "../forms/schema";
-import { print_element } from "../forms/xml_text";
-import { color_for, default_attributes, effort_for, joint_ends, kHeight, kRadius } from "./defaults";
-import { front_position, into_frame, new_position } from "./place";
+import { printElement } from "../forms/xml_text";
+import { colorFor, defaultAttributes, effortFor, jointEnds, kHeight, kRadius } from "./defaults";
+import { frontPosition, intoFrame, newPosition } from "./positions";
 
 export interface InsertPlan {
   tag: string;
@@ -20,21 +20,21 @@ export interface InsertPlan {
 const kGroups = ["scene", "assembly", "prototype", "template", "repeat", "for", "if", "body"];
 
 /** The element that will hold the new one: the selected group, else what holds the selected thing. */
-export function parent_for(schema: Schema, elements: readonly TreeElement[], selected: number, tag: string): number {
+export function parentFor(schema: Schema, elements: readonly TreeElement[], selected: number, tag: string): number {
   let at = elements[selected] ? selected : 0;
-  if (!kGroups.includes(elements[at]?.tag ?? "") && !own_child(tag, elements[at]?.tag ?? "")) at = elements[at]?.parent ?? 0;
-  while (at > 0 && !schema.may_hold(elements, at, tag)) at = elements[at]!.parent;
+  if (!kGroups.includes(elements[at]?.tag ?? "") && !ownChild(tag, elements[at]?.tag ?? "")) at = elements[at]?.parent ?? 0;
+  while (at > 0 && !schema.mayHold(elements, at, tag)) at = elements[at]!.parent;
   return Math.max(0, at);
 }
 
 /** What belongs into one kind of element only. */
-function own_child(tag: string, holder: string): boolean {
+function ownChild(tag: string, holder: string): boolean {
   if (tag === "set") return ["controller", "supervisor", "sensor"].includes(holder);
   return holder === "on" || holder === "test" || holder === "record" || holder === "maze" || holder === "scatter";
 }
 
 /** The innermost element around both. */
-export function common_parent(elements: readonly TreeElement[], a: number, b: number): number {
+export function commonParent(elements: readonly TreeElement[], a: number, b: number): number {
   const around = new Set<number>();
   for (let at = elements[a]?.parent ?? -1; at >= 0; at = elements[at]?.parent ?? -1) around.add(at);
   for (let at = elements[b]?.parent ?? -1; at >= 0; at = elements[at]?.parent ?? -1) if (around.has(at)) return at;
@@ -42,7 +42,7 @@ export function common_parent(elements: readonly TreeElement[], a: number, b: nu
 }
 
 /** The body that the selection means: itself, or the last one in a selected group. */
-function body_of(elements: readonly TreeElement[], selected: number): TreeElement | undefined {
+function bodyOf(elements: readonly TreeElement[], selected: number): TreeElement | undefined {
   const element = elements[selected];
   if (!element) return undefined;
   if ([...kBodies, "instance", "frame"].includes(element.tag)) return element;
@@ -51,9 +51,9 @@ function body_of(elements: readonly TreeElement[], selected: number): TreeElemen
 }
 
 /** A position for it, in the frame of its parent. */
-function position_in(state: State, parent: number, tag: string): Vec3 {
+function positionIn(state: State, parent: number, tag: string): Vec3 {
   const radius = kRadius[tag] ?? 0.2;
-  const world = new_position(state, radius, Math.max(kHeight, radius));
+  const world = newPosition(state, radius, Math.max(kHeight, radius));
   const { elements } = state.tree.peek();
   for (let at = parent; at > 0; at = elements[at]?.parent ?? -1) {
     const assembly = state.scene.peek()?.assemblies.find((a) => a.element === at);
@@ -61,7 +61,7 @@ function position_in(state: State, parent: number, tag: string): Vec3 {
     const pose = assembly?.pose ?? body?.pose;
     // Parts of one body may touch: it is put where the others are, one step up.
     if (body && elements[at]?.tag === "body") return [0, 0, 0];
-    if (pose) return into_frame(pose, world).map((v) => Math.round(v * 1000) / 1000) as Vec3;
+    if (pose) return intoFrame(pose, world).map((v) => Math.round(v * 1000) / 1000) as Vec3;
   }
   return world;
 }
@@ -70,7 +70,7 @@ const kDrives = ["motor", "servo"];
 
 /** Elements of one robot that stand directly in the scene: motors, their joints, the bodies these connect, and the sensors on
  *  all of them. Empty: no motor stands in the scene itself. */
-export function unassembled_robot(elements: readonly TreeElement[]): number[] {
+export function unassembledRobot(elements: readonly TreeElement[]): number[] {
   const unattached = elements.filter((e) => e.parent === 0);
   const robot = new Set(unattached.filter((e) => kDrives.includes(e.tag)));
   if (robot.size === 0) return [];
@@ -93,39 +93,39 @@ export function unassembled_robot(elements: readonly TreeElement[]): number[] {
 const kLooking = ["camera", "infrared", "lidar"];
 
 /** A position at the front of the body that one element makes; null: none is known. */
-function position_on(state: State, on: TreeElement, tag: string, name: string): Vec3 | null {
+function positionOn(state: State, on: TreeElement, tag: string, name: string): Vec3 | null {
   const body = state.scene.peek()?.bodies.find((b) => b.element === on.id && b.own);
   const others = state.tree.peek().elements.filter((e) => e.tag === tag && e.attributes.on === name).length;
-  return body ? front_position(body, others, tag !== "infrared") : null;
+  return body ? frontPosition(body, others, tag !== "infrared") : null;
 }
 
-export function insert_plan(state: State, schema: Schema, tag: string): InsertPlan {
+export function insertPlan(state: State, schema: Schema, tag: string): InsertPlan {
   const { elements } = state.tree.peek();
   const selection = state.selection.peek().filter((id) => elements[id]);
   const main = selection[selection.length - 1] ?? 0;
-  let parent = parent_for(schema, elements, main, tag);
+  let parent = parentFor(schema, elements, main, tag);
   const attributes: Record<string, string> = {};
-  const name_of = (element: TreeElement | undefined): string =>
-    element && element.name !== "" ? relative_name(scope_of(elements, parent), element.path || element.name) : "";
+  const nameOf = (element: TreeElement | undefined): string =>
+    element && element.name !== "" ? relativeName(scopeOf(elements, parent), element.path || element.name) : "";
 
   if (kJoints.includes(tag)) {
-    const ends = joint_ends(elements, selection);
-    if (ends.parent >= 0) parent = common_parent(elements, ends.parent, ends.child);
-    while (parent > 0 && !schema.may_hold(elements, parent, tag)) parent = elements[parent]!.parent;
-    attributes.parent = name_of(elements[ends.parent]);
-    attributes.child = name_of(elements[ends.child]);
+    const ends = jointEnds(elements, selection);
+    if (ends.parent >= 0) parent = commonParent(elements, ends.parent, ends.child);
+    while (parent > 0 && !schema.mayHold(elements, parent, tag)) parent = elements[parent]!.parent;
+    attributes.parent = nameOf(elements[ends.parent]);
+    attributes.child = nameOf(elements[ends.child]);
   } else if (schema.attribute(tag, "joint") && tag !== "sensor") {
     const joints = elements.filter((e) => kJoints.includes(e.tag) && e.name !== "");
     const chosen = joints.find((e) => selection.includes(e.id)) ?? (joints.length === 1 ? joints[0] : undefined);
-    if (chosen && schema.may_hold(elements, chosen.parent, tag)) parent = chosen.parent;
-    attributes.joint = name_of(chosen);
-    if (tag === "motor" || tag === "servo") Object.assign(attributes, effort_for(chosen?.tag));
+    if (chosen && schema.mayHold(elements, chosen.parent, tag)) parent = chosen.parent;
+    attributes.joint = nameOf(chosen);
+    if (tag === "motor" || tag === "servo") Object.assign(attributes, effortFor(chosen?.tag));
   } else if (schema.attribute(tag, "on", { on: "" })) {
-    const body = body_of(elements, main);
-    if (body && elements[main]?.tag !== "assembly" && schema.may_hold(elements, body.parent, tag)) parent = body.parent;
+    const body = bodyOf(elements, main);
+    if (body && elements[main]?.tag !== "assembly" && schema.mayHold(elements, body.parent, tag)) parent = body.parent;
     // Beside a sensor: on what that one sits.
-    attributes.on = name_of(body) || (elements[main]?.attributes.on ?? "");
-    const position = body && kLooking.includes(tag) ? position_on(state, body, tag, attributes.on) : null;
+    attributes.on = nameOf(body) || (elements[main]?.attributes.on ?? "");
+    const position = body && kLooking.includes(tag) ? positionOn(state, body, tag, attributes.on) : null;
     if (position) attributes.xyz = position.join(" ");
   } else if (schema.attribute(tag, "plugin")) {
     const plugins = schema.plugins(tag as "controller");
@@ -137,9 +137,9 @@ export function insert_plan(state: State, schema: Schema, tag: string): InsertPl
     const drives = elements.some((e) => kDrives.includes(e.tag) && e.parent === 0);
     if (tag === "controller" && parent === 0 && only.length === 1 && !(drives && driven.length === 0)) parent = only[0]!.id;
   }
-  const needs_position = !("on" in attributes) && schema.attribute(tag, "xyz") && !kJoints.includes(tag);
-  const position = needs_position ? position_in(state, parent, tag) : null;
-  const all = { ...default_attributes(tag, position), ...color_for(tag, elements), ...attributes };
+  const needsPosition = !("on" in attributes) && schema.attribute(tag, "xyz") && !kJoints.includes(tag);
+  const position = needsPosition ? positionIn(state, parent, tag) : null;
+  const all = { ...defaultAttributes(tag, position), ...colorFor(tag, elements), ...attributes };
   const known = schema.element(tag, all)?.attributes ?? [];
   for (const name of Object.keys(all)) if (!known.some((a) => a.name === name)) delete all[name];
   const missing = known.filter((a) => a.required && (all[a.name] ?? "") === "").map((a) => a.name);
@@ -149,21 +149,21 @@ export function insert_plan(state: State, schema: Schema, tag: string): InsertPl
 }
 
 /** Where the new element may stand, outermost first. */
-export function possible_parents(schema: Schema, elements: readonly TreeElement[], tag: string): number[] {
-  return elements.filter((e) => kGroups.includes(e.tag) && schema.may_hold(elements, e.id, tag)).map((e) => e.id);
+export function possibleParents(schema: Schema, elements: readonly TreeElement[], tag: string): number[] {
+  return elements.filter((e) => kGroups.includes(e.tag) && schema.mayHold(elements, e.id, tag)).map((e) => e.id);
 }
 
 /** Names for a reference of an element that will stand in `parent`; undefined: it is no reference. */
-export function name_choices(
+export function nameChoices(
   schema: Schema, elements: readonly TreeElement[], parent: number, tag: string, spec: AttributeSchema,
 ): string[] | undefined {
   if (spec.name === "plugin") return schema.plugins(tag as "controller").map((p) => p.name);
   if (spec.kind !== "reference" && spec.kind !== "references") return undefined;
-  return reference_choices(elements, parent, spec.wants);
+  return referenceChoices(elements, parent, spec.wants);
 }
 
-export function insert_op(plan: InsertPlan, parameters: Record<string, string> = {}): Op {
-  const set = Object.values(parameters).some((v) => v !== "") ? print_element("set", parameters) : "";
+export function insertOp(plan: InsertPlan, parameters: Record<string, string> = {}): Op {
+  const set = Object.values(parameters).some((v) => v !== "") ? printElement("set", parameters) : "";
   // An empty group is there to be filled.
-  return { op: "insert", parent: plan.parent, xml: print_element(plan.tag, plan.attributes, set), before: null };
+  return { op: "insert", parent: plan.parent, xml: printElement(plan.tag, plan.attributes, set), before: null };
 }

@@ -2,7 +2,7 @@
 // a sentence that says so; it is built for them.
 import { kWaitId } from "./names";
 
-function say(text: string): void {
+function show(text: string): void {
   const note = document.getElementById(kWaitId);
   if (note) {
     note.setAttribute("role", "alert");
@@ -13,7 +13,7 @@ function say(text: string): void {
 /** The content of an element, in base64 of gzip. The element is removed: its text takes more memory than the data. */
 function unpacked(id: string): Promise<ArrayBuffer> {
   const element = document.getElementById(id)!;
-  const letters = atob(element.textContent!);
+  const letters = atob(element.textContent);
   element.remove();
   const bytes = new Uint8Array(letters.length);
   for (let i = 0; i < letters.length; ++i) bytes[i] = letters.charCodeAt(i);
@@ -21,7 +21,7 @@ function unpacked(id: string): Promise<ArrayBuffer> {
 }
 
 if (typeof DecompressionStream === "undefined") {
-  say("This browser is too old to unpack the run: it needs Chrome 80, Firefox 113 or Safari 16.4, or a later one.");
+  show("This browser is too old to unpack the run: it needs Chrome 80, Firefox 113 or Safari 16.4, or a later one.");
 } else {
   Promise.all([unpacked("cg-data"), unpacked("cg-viewer")]).then(
     ([data, viewer]) => {
@@ -30,6 +30,6 @@ if (typeof DecompressionStream === "undefined") {
       script.textContent = new TextDecoder().decode(viewer);
       document.head.append(script);
     },
-    (error: unknown) => say(`The run cannot be unpacked: the file is damaged, or was cut off (${String(error)}).`),
+    (error: unknown) => show(`The run cannot be unpacked: the file is damaged, or was cut off (${String(error)}).`),
   );
 }

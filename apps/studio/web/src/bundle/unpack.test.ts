@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { MemoryLink } from "../core/memory_link";
 import type { Paths, Picture } from "../core/protocol";
-import { by_rows, packed_matrix, unpack } from "./unpack";
+import { byRows, packedMatrix, unpack } from "./unpack";
 
 /** As the program packs: see packed_columns(). */
 function pack(rows: number[][]): Uint8Array {
@@ -31,11 +31,11 @@ test("numbers that were packed come back", () => {
     [0, -Infinity, 7],
   ];
   const single = rows.map((row) => row.map(Math.fround));
-  const columns = packed_matrix(pack(rows), 4);
+  const columns = packedMatrix(pack(rows), 4);
   assert.deepEqual(Array.from(columns), [0, 1, 2].flatMap((c) => single.map((row) => row[c]!)));
-  assert.deepEqual(Array.from(by_rows(columns, 4)), single.flat());
-  assert.equal(packed_matrix(new Uint8Array(0), 0).length, 0);
-  assert.equal(by_rows(new Float32Array(0), 0).length, 0);
+  assert.deepEqual(Array.from(byRows(columns, 4)), single.flat());
+  assert.equal(packedMatrix(new Uint8Array(0), 0).length, 0);
+  assert.equal(byRows(new Float32Array(0), 0).length, 0);
 });
 
 /** Two scenes: one body for two frames, then two bodies for one. */
@@ -155,7 +155,7 @@ test("the page is answered as by a server", async () => {
 test("pictures come as far as the run has got", async () => {
   const link = new MemoryLink(unpack(data(), () => ""));
   const seen: Picture[] = [];
-  link.on_picture((picture) => seen.push(picture));
+  link.onPicture((picture) => seen.push(picture));
   await assert.rejects(link.request("cameras", { show: [{ name: "eye", kind: "depth" }] }), /no pictures of 'eye' \(depth\)/);
   await link.request("cameras", { show: [{ name: "eye", kind: "color" }, { name: "ear", kind: "color" }] });
   const shown = () => new Promise((resolve) => setTimeout(resolve, 50));

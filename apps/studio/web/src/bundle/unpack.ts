@@ -59,7 +59,7 @@ const kVersion = 1;
 
 /** Decodes numbers that change little from row to row (`packed_columns`): differences of their bits down
  *  each column, split into planes of bytes. The result is column by column, `rows` each. */
-export function packed_matrix(bytes: Uint8Array, rows: number): Float32Array {
+export function packedMatrix(bytes: Uint8Array, rows: number): Float32Array {
   const count = bytes.length / 4;
   const bits = new Uint32Array(count);
   for (let i = 0; i < count; ++i) {
@@ -71,7 +71,7 @@ export function packed_matrix(bytes: Uint8Array, rows: number): Float32Array {
 }
 
 /** Rows one after the other, of a matrix that lies column by column. */
-export function by_rows(columns: Float32Array, rows: number): Float32Array {
+export function byRows(columns: Float32Array, rows: number): Float32Array {
   const width = rows > 0 ? columns.length / rows : 0;
   const out = new Float32Array(columns.length);
   for (let c = 0, from = 0; c < width; ++c) for (let r = 0; r < rows; ++r, ++from) out[r * width + c] = columns[from]!;
@@ -82,9 +82,9 @@ interface OpenPart extends Part {
   /** index of its first frame */
   first: number;
   /** by rows */
-  all_poses: Float32Array;
+  allPoses: Float32Array;
   /** by columns */
-  all_values: Float32Array;
+  allValues: Float32Array;
 }
 
 class Contacts {
@@ -136,14 +136,14 @@ class BundleFrame implements Frame {
     const width = 7 * part.bodies;
     const row = index - part.first;
     this.scene = part.scene;
-    this.poses = part.all_poses.subarray(row * width, (row + 1) * width);
+    this.poses = part.allPoses.subarray(row * width, (row + 1) * width);
   }
 
   get tail(): FrameTail {
     const { part } = this;
     const row = this.index - part.first;
     const readings = part.readings.flatMap((columns, sensor) => {
-      const values = columns.map((c) => (c < 0 ? NaN : part.all_values[c * part.count + row]!));
+      const values = columns.map((c) => (c < 0 ? NaN : part.allValues[c * part.count + row]!));
       // of a sensor that has not read anything yet there is no number
       if (!values.some((v) => !Number.isNaN(v))) return [];
       return [{ sensor, values: values.map((v) => (Number.isFinite(v) ? v : null)) }];
@@ -170,7 +170,7 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
   const contacts = new Contacts(
     whole(head.contacts.counts),
     whole(head.contacts.bodies),
-    by_rows(packed_matrix(bytes(head.contacts.numbers), rows), rows),
+    byRows(packedMatrix(bytes(head.contacts.numbers), rows), rows),
   );
   const parts: OpenPart[] = [];
   let at = 0;
@@ -178,12 +178,12 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
     parts.push({
       ...part,
       first: at,
-      all_poses: by_rows(packed_matrix(bytes(part.poses), part.count), part.count),
-      all_values: packed_matrix(bytes(part.values), part.count),
+      allPoses: byRows(packedMatrix(bytes(part.poses), part.count), part.count),
+      allValues: packedMatrix(bytes(part.values), part.count),
     });
     at += part.count;
   }
-  const part_of = (frame: number) => parts.find((p) => frame < p.first + p.count)!;
+  const partOf = (frame: number) => parts.find((p) => frame < p.first + p.count)!;
 
   return {
     hello: {
@@ -198,13 +198,13 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
     },
     scenes: head.scenes,
     count: time.length,
-    time_of: (frame) => time[frame]!,
-    frame: (frame) => new BundleFrame(part_of(frame), frame, time[frame]!, step[frame]!, contacts),
+    timeOf: (frame) => time[frame]!,
+    frame: (frame) => new BundleFrame(partOf(frame), frame, time[frame]!, step[frame]!, contacts),
     backend: head.backend,
-    engine_version: head.engine_version,
+    engineVersion: head.engine_version,
     provenance: head.provenance,
     ending: head.ending,
-    state_hash: head.state_hash,
+    stateHash: head.state_hash,
     dt: head.dt,
     document: head.document && {
       version: 1,
@@ -225,12 +225,12 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
       ),
     ],
     events: head.events,
-    signals: signals_of(parts, time),
+    signals: signalsOf(parts, time),
     paths: head.paths.map(({ label, body, times, points }) => ({
       label,
       body,
       times: doubles(times),
-      points: by_rows(packed_matrix(bytes(points), times.bytes / 8), times.bytes / 8),
+      points: byRows(packedMatrix(bytes(points), times.bytes / 8), times.bytes / 8),
     })),
     plots: head.plots,
     figures: Object.fromEntries(
@@ -241,8 +241,8 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
           series: figure.series.map(({ label, x, y, z }) => ({
             label,
             x: listed(doubles(x)),
-            y: listed(packed_matrix(bytes(y), y.bytes / 4)),
-            z: listed(packed_matrix(bytes(z), z.bytes / 4)),
+            y: listed(packedMatrix(bytes(y), y.bytes / 4)),
+            z: listed(packedMatrix(bytes(z), z.bytes / 4)),
           })),
         },
       ]),
@@ -272,7 +272,7 @@ function listed(values: ArrayLike<number>): (number | null)[] {
 }
 
 /** Those of the last scene, over all parts that have them. */
-function signals_of(parts: OpenPart[], time: Float64Array): MemorySignal[] {
+function signalsOf(parts: OpenPart[], time: Float64Array): MemorySignal[] {
   const clock: MemorySignal = { name: "time", unit: "s", owner: "", values: time };
   const last = parts[parts.length - 1];
   if (!last) return [clock];
@@ -280,20 +280,20 @@ function signals_of(parts: OpenPart[], time: Float64Array): MemorySignal[] {
   return [
     clock,
     ...last.signals.map(({ name, unit, owner }): MemorySignal => {
-      let kept: Float64Array | null = null;
+      let cached: Float64Array | null = null;
       return {
         name,
         unit,
         owner,
         get values() {
-          if (kept) return kept;
-          kept = new Float64Array(time.length).fill(NaN);
+          if (cached) return cached;
+          cached = new Float64Array(time.length).fill(NaN);
           parts.forEach((part, i) => {
             const column = columns[i]!.get(name);
             if (column === undefined) return;
-            kept!.set(part.all_values.subarray(column * part.count, (column + 1) * part.count), part.first);
+            cached!.set(part.allValues.subarray(column * part.count, (column + 1) * part.count), part.first);
           });
-          return kept;
+          return cached;
         },
       };
     }),

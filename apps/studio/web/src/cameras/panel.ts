@@ -58,7 +58,7 @@ export function register(studio: Studio): void {
     label: "Show all cameras",
     isEnabled: () => names().length > 0,
     execute: () => {
-      studio.open_panel("cameras");
+      studio.openPanel("cameras");
       store.show(names(), true);
     },
   });

@@ -3,7 +3,7 @@ import { computed, effect, signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Picture } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { first_rect, kept_in, picture_width, raised, type Rect } from "./windows";
+import { firstRect, clampedTo, pictureWidth, raised, type Rect } from "./windows";
 
 export type PictureKind = Picture["kind"];
 export const kPictureKinds: { kind: PictureKind; label: string }[] = [
@@ -19,7 +19,7 @@ export interface Camera {
   element: number;
 }
 
-interface Kept extends Rect {
+interface Stored extends Rect {
   shown: boolean;
   kind: PictureKind;
 }
@@ -52,7 +52,7 @@ export class CameraStore {
   /** why there are no pictures; empty: there are */
   readonly refusal = signal("");
   /** what is open: shown, and there in the present scene */
-  readonly open = computed(() => this.cameras.value.filter((c) => this.state_of(c.name).shown));
+  readonly open = computed(() => this.cameras.value.filter((c) => this.stateOf(c.name).shown));
 
   private key = "";
   private asked = "[]";
@@ -86,7 +86,7 @@ export class CameraStore {
     for (const stop of this.stops) stop();
   }
 
-  state_of(name: string): CameraState {
+  stateOf(name: string): CameraState {
     return this.states.value[name] ?? kNew;
   }
 
@@ -94,34 +94,34 @@ export class CameraStore {
     const all = { ...this.states.value };
     for (const name of names) {
       const state = all[name] ?? kNew;
-      const rect = state.rect ?? first_rect(this.free_slot(all), work_area());
-      all[name] = { ...state, shown, rect: shown ? kept_in(rect, page_size()) : state.rect };
+      const rect = state.rect ?? firstRect(this.freeSlot(all), workArea());
+      all[name] = { ...state, shown, rect: shown ? clampedTo(rect, pageSize()) : state.rect };
     }
     this.states.value = all;
     if (shown) this.order.value = names.reduce<string[]>(raised, this.order.value);
-    this.keep();
+    this.save();
   }
   choose(name: string, kind: PictureKind): void {
-    this.states.value = { ...this.states.value, [name]: { ...this.state_of(name), kind } };
-    this.keep();
+    this.states.value = { ...this.states.value, [name]: { ...this.stateOf(name), kind } };
+    this.save();
   }
   put(name: string, rect: Rect): void {
-    const state = this.state_of(name);
-    this.states.value = { ...this.states.value, [name]: { ...state, rect: kept_in(rect, page_size()) } };
-    this.keep();
+    const state = this.stateOf(name);
+    this.states.value = { ...this.states.value, [name]: { ...state, rect: clampedTo(rect, pageSize()) } };
+    this.save();
   }
   raise(name: string): void {
     const { value } = this.order;
     if (value[value.length - 1] === name) return;
     this.order.value = raised(value, name);
-    this.keep();
+    this.save();
   }
 
   private wanted(): { name: string; kind: PictureKind; width: number }[] {
     const ratio = typeof devicePixelRatio === "number" ? devicePixelRatio : 1;
     return this.open.value.map(({ name }) => {
-      const { kind, rect } = this.state_of(name);
-      return { name, kind, width: picture_width(rect?.width ?? 280, ratio) };
+      const { kind, rect } = this.stateOf(name);
+      return { name, kind, width: pictureWidth(rect?.width ?? 280, ratio) };
     });
   }
 
@@ -142,11 +142,11 @@ export class CameraStore {
     );
   }
 
-  private free_slot(all: Record<string, CameraState>): number {
-    const area = work_area();
+  private freeSlot(all: Record<string, CameraState>): number {
+    const area = workArea();
     const taken = Object.values(all).flatMap((s) => (s.rect && s.shown ? [`${s.rect.x},${s.rect.y}`] : []));
     for (let slot = 0; ; ++slot) {
-      const rect = kept_in(first_rect(slot, area), page_size());
+      const rect = clampedTo(firstRect(slot, area), pageSize());
       if (slot > taken.length || !taken.includes(`${rect.x},${rect.y}`)) return slot;
     }
   }
@@ -154,17 +154,17 @@ export class CameraStore {
   private load(key: string): void {
     if (key === this.key) return;
     this.key = key;
-    const kept = read_kept(key);
+    const stored = readStored(key);
     const states: Record<string, CameraState> = {};
-    for (const [name, k] of Object.entries(kept.cameras))
-      states[name] = { shown: k.shown, kind: k.kind, rect: kept_in(k, page_size()) };
+    for (const [name, k] of Object.entries(stored.cameras))
+      states[name] = { shown: k.shown, kind: k.kind, rect: clampedTo(k, pageSize()) };
     this.states.value = states;
-    this.order.value = kept.order;
+    this.order.value = stored.order;
   }
 
-  private keep(): void {
+  private save(): void {
     if (this.key === "") return;
-    const cameras: Record<string, Kept> = {};
+    const cameras: Record<string, Stored> = {};
     for (const [name, { shown, kind, rect }] of Object.entries(this.states.peek()))
       if (rect) cameras[name] = { shown, kind, ...rect };
     try {
@@ -176,32 +176,32 @@ export class CameraStore {
 }
 
 /** What was kept; whatever is not of the right form is left out. */
-export function read_kept(key: string): { cameras: Record<string, Kept>; order: string[] } {
-  const out: { cameras: Record<string, Kept>; order: string[] } = { cameras: {}, order: [] };
+export function readStored(key: string): { cameras: Record<string, Stored>; order: string[] } {
+  const out: { cameras: Record<string, Stored>; order: string[] } = { cameras: {}, order: [] };
   try {
-    const kept = JSON.parse(localStorage.getItem(key) ?? "{}") as { cameras?: Record<string, Kept>; order?: unknown };
-    for (const [name, k] of Object.entries(kept.cameras ?? {})) {
+    const stored = JSON.parse(localStorage.getItem(key) ?? "{}") as { cameras?: Record<string, Stored>; order?: unknown };
+    for (const [name, k] of Object.entries(stored.cameras ?? {})) {
       const numbers = [k.x, k.y, k.width, k.height];
       if (!numbers.every(Number.isFinite) || !kPictureKinds.some(({ kind }) => kind === k.kind)) continue;
       out.cameras[name] = { x: k.x, y: k.y, width: k.width, height: k.height, shown: k.shown === true, kind: k.kind };
     }
-    if (Array.isArray(kept.order)) out.order = kept.order.filter((n): n is string => typeof n === "string");
+    if (Array.isArray(stored.order)) out.order = stored.order.filter((n): n is string => typeof n === "string");
   } catch {
     // as if nothing had been kept
   }
   return out;
 }
 
-function page_size(): { width: number; height: number } {
+function pageSize(): { width: number; height: number } {
   return typeof window === "undefined"
     ? { width: 1280, height: 800 }
     : { width: window.innerWidth, height: window.innerHeight };
 }
 
 /** Where the docked panels are, without bars above and below. */
-function work_area(): Rect {
+function workArea(): Rect {
   const dock = typeof document === "undefined" ? null : document.querySelector(".cg-dock, .lm-DockPanel");
   const box = dock?.getBoundingClientRect();
-  if (!box || box.width < 100 || box.height < 100) return { x: 0, y: 0, ...page_size() };
+  if (!box || box.width < 100 || box.height < 100) return { x: 0, y: 0, ...pageSize() };
   return { x: box.x, y: box.y + 28, width: box.width, height: box.height - 28 };
 }

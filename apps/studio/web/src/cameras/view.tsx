@@ -9,7 +9,7 @@ function KindChoice({ store, name }: { store: CameraStore; name: string }): JSX.
   return (
     <select
       aria-label={`What camera ${name} shows`}
-      value={store.state_of(name).kind}
+      value={store.stateOf(name).kind}
       onChange={(event) => store.choose(name, event.currentTarget.value as PictureKind)}
     >
       {kPictureKinds.map(({ kind, label }) => (
@@ -42,7 +42,7 @@ export function CameraList({ store }: { store: CameraStore }): JSX.Element {
                 <input
                   type="checkbox"
                   role="switch"
-                  checked={store.state_of(name).shown}
+                  checked={store.stateOf(name).shown}
                   onChange={(event) => {
                     store.show([name], event.currentTarget.checked);
                     if (element >= 0) store.studio.select([element]);
@@ -108,8 +108,8 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
   const canvas = useRef<HTMLCanvasElement>(null);
   const time = useSignal<number | null>(null);
   const size = useSignal("");
-  const { kind, rect } = store.state_of(name);
-  const kind_label = kPictureKinds.find((k) => k.kind === kind)!.label;
+  const { kind, rect } = store.stateOf(name);
+  const kindLabel = kPictureKinds.find((k) => k.kind === kind)!.label;
 
   // at once: of a run that stands still there comes one picture only
   useLayoutEffect(() => {
@@ -117,8 +117,8 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
     // pictures may be decoded out of turn: an older one must not follow a newer one
     let newest = 0;
     let drawn = 0;
-    const stop = store.studio.link.on_picture((picture) => {
-      if (picture.name !== name || picture.kind !== store.state_of(name).kind) return;
+    const stop = store.studio.link.onPicture((picture) => {
+      if (picture.name !== name || picture.kind !== store.stateOf(name).kind) return;
       const number = ++newest;
       createImageBitmap(picture.file).then(
         (image) => {
@@ -148,7 +148,7 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
   const drag = (event: PointerEvent, change: (from: Rect, dx: number, dy: number) => Rect): void => {
     if (event.button !== 0 || (event.target as Element).closest("button, select")) return;
     const handle = event.currentTarget as HTMLElement;
-    const from = store.state_of(name).rect ?? rect;
+    const from = store.stateOf(name).rect ?? rect;
     const [x0, y0] = [event.clientX, event.clientY];
     const move = (e: PointerEvent): void => store.put(name, change(from, e.clientX - x0, e.clientY - y0));
     const end = (): void => {
@@ -184,7 +184,7 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
   const raise = (): void => store.raise(name);
   const when = time.value === null ? "" : `${time.value.toFixed(3)} s`;
   const bundle = store.studio.state.hello.value?.kind === "bundle";
-  const none_yet = bundle ? "no such picture came with this run up to here" : "waiting for a picture";
+  const noneYet = bundle ? "no such picture came with this run up to here" : "waiting for a picture";
   return (
     <section
       class="cg-camera"
@@ -220,10 +220,10 @@ function CameraWindow({ store, name }: { store: CameraStore; name: string }): JS
         <canvas
           ref={canvas}
           role="img"
-          aria-label={`${kind_label} picture of camera ${name}${when ? ` at ${when}` : ", none yet"}`}
+          aria-label={`${kindLabel} picture of camera ${name}${when ? ` at ${when}` : ", none yet"}`}
           hidden={time.value === null}
         />
-        {time.value === null && <span class="cg-muted">{store.refusal.value || none_yet}</span>}
+        {time.value === null && <span class="cg-muted">{store.refusal.value || noneYet}</span>}
       </div>
       <div class="cg-camera-foot">
         <span>{when}</span>

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { signal } from "@preact/signals-core";
 import type { Studio } from "../core/studio";
 import { CameraStore } from "./store";
-import { first_rect, kept_in, picture_width, raised } from "./windows";
+import { firstRect, clampedTo, pictureWidth, raised } from "./windows";
 
 test("a window that is raised is above all, the others keep their order", () => {
   assert.deepEqual(raised(["a", "b", "c"], "a"), ["b", "c", "a"]);
@@ -13,14 +13,14 @@ test("a window that is raised is above all, the others keep their order", () => 
 
 test("a window can always be grasped", () => {
   const page = { width: 1000, height: 700 };
-  assert.deepEqual(kept_in({ x: 10, y: 20, width: 300, height: 200 }, page), { x: 10, y: 20, width: 300, height: 200 });
-  assert.deepEqual(kept_in({ x: -900, y: -5, width: 300, height: 200 }, page), { x: -252, y: 0, width: 300, height: 200 });
-  assert.deepEqual(kept_in({ x: 5000, y: 5000, width: 1, height: 1 }, page), { x: 952, y: 672, width: 140, height: 110 });
+  assert.deepEqual(clampedTo({ x: 10, y: 20, width: 300, height: 200 }, page), { x: 10, y: 20, width: 300, height: 200 });
+  assert.deepEqual(clampedTo({ x: -900, y: -5, width: 300, height: 200 }, page), { x: -252, y: 0, width: 300, height: 200 });
+  assert.deepEqual(clampedTo({ x: 5000, y: 5000, width: 1, height: 1 }, page), { x: 952, y: 672, width: 140, height: 110 });
 });
 
 test("new windows lie beside each other", () => {
   const area = { x: 0, y: 0, width: 1000, height: 600 };
-  const rects = [0, 1, 2, 3].map((i) => first_rect(i, area));
+  const rects = [0, 1, 2, 3].map((i) => firstRect(i, area));
   for (const a of rects)
     for (const b of rects)
       assert.ok(a === b || Math.abs(a.x - b.x) >= a.width || Math.abs(a.y - b.y) >= a.height);
@@ -28,10 +28,10 @@ test("new windows lie beside each other", () => {
 });
 
 test("pictures are asked for in steps of width", () => {
-  assert.equal(picture_width(281, 1), 320);
-  assert.equal(picture_width(319, 1), 320);
-  assert.equal(picture_width(300, 2), 640);
-  assert.equal(picture_width(5000, 2), 1280);
+  assert.equal(pictureWidth(281, 1), 320);
+  assert.equal(pictureWidth(319, 1), 320);
+  assert.equal(pictureWidth(300, 2), 640);
+  assert.equal(pictureWidth(5000, 2), 1280);
 });
 
 test("only what is shown and seen is asked for; the same is not asked for twice", async () => {

@@ -17,7 +17,7 @@ export function raised(order: readonly string[], name: string): string[] {
 }
 
 /** Keeps the bar at the top of the window within the page, and sizes that can be used. */
-export function kept_in(rect: Rect, page: { width: number; height: number }): Rect {
+export function clampedTo(rect: Rect, page: { width: number; height: number }): Rect {
   const width = clamp(rect.width, kSmallest.width, Math.max(page.width, kSmallest.width));
   const height = clamp(rect.height, kSmallest.height, Math.max(page.height, kSmallest.height));
   return {
@@ -29,7 +29,7 @@ export function kept_in(rect: Rect, page: { width: number; height: number }): Re
 }
 
 /** The rectangle of the window number `index` within `area`: in columns from its upper right corner, a step aside when it is full. */
-export function first_rect(index: number, area: Rect): Rect {
+export function firstRect(index: number, area: Rect): Rect {
   const [width, height, gap] = [280, 240, 8];
   const rows = Math.max(1, Math.floor((area.height - gap) / (height + gap)));
   const columns = Math.max(1, Math.floor((area.width - gap) / (width + gap)));
@@ -45,8 +45,8 @@ export function first_rect(index: number, area: Rect): Rect {
 }
 
 /** Pixels a picture is asked for with: in steps, so that a window that grows asks a few times only. */
-export function picture_width(css_width: number, pixel_ratio: number): number {
-  return clamp(Math.ceil((css_width * pixel_ratio) / 80) * 80, 80, 1280);
+export function pictureWidth(cssWidth: number, pixelRatio: number): number {
+  return clamp(Math.ceil((cssWidth * pixelRatio) / 80) * 80, 80, 1280);
 }
 
 function clamp(value: number, low: number, high: number): number {

@@ -4,13 +4,13 @@ import type { Problem } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { SchemaLoader } from "../forms/schema";
 import { TreeState } from "../tree/tree_state";
-import { same_file } from "./places";
+import { sameFile } from "./spans";
 import { SceneEditor } from "./scene_editor";
 import { SourceEditor, type SourceFile } from "./source_editor";
 
-function element<K extends keyof HTMLElementTagNameMap>(tag: K, class_name: string, text = ""): HTMLElementTagNameMap[K] {
+function element<K extends keyof HTMLElementTagNameMap>(tag: K, className: string, text = ""): HTMLElementTagNameMap[K] {
   const node = document.createElement(tag);
-  node.className = class_name;
+  node.className = className;
   if (text !== "") node.textContent = text;
   return node;
 }
@@ -23,12 +23,12 @@ export class CodeView {
   private readonly sources = new Map<string, SourceEditor>();
   private files: SourceFile[] = [];
   private shown = kScene;
-  private build_problems: Problem[] = [];
+  private buildProblems: Problem[] = [];
   private readonly id = `cg-code-${++count}`;
   private readonly tabs = element("div", "cg-code-tabs");
-  private readonly tab_list = element("div", "cg-code-tab-list");
-  private readonly save_button = element("button", "", "Save");
-  private readonly build_button = element("button", "", "Build");
+  private readonly tabList = element("div", "cg-code-tab-list");
+  private readonly saveButton = element("button", "", "Save");
+  private readonly buildButton = element("button", "", "Build");
   private readonly banner = element("div", "cg-code-banner");
   private readonly editors = element("div", "cg-code-editors");
   private readonly list = element("ul", "cg-code-problems");
@@ -36,9 +36,9 @@ export class CodeView {
   private readonly stops: (() => void)[] = [];
 
   constructor(private readonly studio: Studio, node: HTMLElement) {
-    this.tabs.append(this.tab_list, this.save_button, this.build_button);
-    this.tab_list.setAttribute("role", "tablist");
-    this.tab_list.setAttribute("aria-label", "Files");
+    this.tabs.append(this.tabList, this.saveButton, this.buildButton);
+    this.tabList.setAttribute("role", "tablist");
+    this.tabList.setAttribute("aria-label", "Files");
     this.banner.setAttribute("role", "status");
     this.banner.dataset.testid = "code-banner";
     this.list.setAttribute("aria-label", "Problems of the text");
@@ -47,24 +47,24 @@ export class CodeView {
     this.log.hidden = true;
     this.editors.id = `${this.id}-editors`;
     this.editors.setAttribute("role", "tabpanel");
-    this.save_button.type = this.build_button.type = "button";
-    this.save_button.addEventListener("click", () => void this.save());
-    this.build_button.addEventListener("click", () => void this.build());
+    this.saveButton.type = this.buildButton.type = "button";
+    this.saveButton.addEventListener("click", () => void this.save());
+    this.buildButton.addEventListener("click", () => void this.build());
     // below the text, which must not move during typing
     node.append(this.tabs, this.editors, this.banner, this.list, this.log);
 
     this.scene = new SceneEditor(studio);
     this.scene.view.dom.classList.add("cg-code-editor");
     this.editors.append(this.scene.view.dom);
-    this.tab_list.addEventListener("keydown", (event) => this.tab_key(event));
-    this.tab_list.addEventListener("click", (event) => {
+    this.tabList.addEventListener("keydown", (event) => this.tabKey(event));
+    this.tabList.addEventListener("click", (event) => {
       const tab = (event.target as Element).closest<HTMLElement>("[role='tab']");
       if (tab) void this.show(tab.dataset.file ?? kScene);
     });
     // Before the shell, for which Ctrl+S is the scene.
     const key = (event: KeyboardEvent) => {
       const inside = event.target instanceof Element && event.target.closest("[data-own-history]") !== null;
-      if (!inside || !node.contains(event.target as Node)) return;
+      if (!inside || !node.contains(event.target)) return;
       if ((event.ctrlKey || event.metaKey) && !event.altKey && event.key.toLowerCase() === "s") {
         event.preventDefault();
         event.stopPropagation();
@@ -86,11 +86,11 @@ export class CodeView {
     this.editor()?.focus();
   }
 
-  async go_to(file: string, line: number, column: number): Promise<void> {
-    const source = this.files.find((f) => same_file(f.name, file));
+  async goTo(file: string, line: number, column: number): Promise<void> {
+    const source = this.files.find((f) => sameFile(f.name, file));
     await this.show(source ? source.name : kScene);
-    if (source) this.sources.get(source.name)?.go_to(line, column);
-    else this.scene.go_to(line, column);
+    if (source) this.sources.get(source.name)?.goTo(line, column);
+    else this.scene.goTo(line, column);
   }
 
   /** Saves every changed source, then builds. */
@@ -99,16 +99,16 @@ export class CodeView {
       this.studio.notify("building is not allowed: start the studio with --allow-build", "error");
       return;
     }
-    for (const [name, source] of this.sources) if (source.dirty) await this.save_source(name);
-    this.build_button.disabled = true;
-    this.build_button.textContent = "Building…";
+    for (const [name, source] of this.sources) if (source.dirty) await this.saveSource(name);
+    this.buildButton.disabled = true;
+    this.buildButton.textContent = "Building…";
     this.log.hidden = false;
     this.log.textContent = "";
     try {
       const answer = await this.studio.link.request<{ built?: boolean; log?: string; problems?: Problem[] }>("build");
       this.log.textContent = answer.log ?? "";
-      this.build_problems = answer.problems ?? [];
-      const failed = answer.built === false || this.build_problems.some((p) => p.severity === "error");
+      this.buildProblems = answer.problems ?? [];
+      const failed = answer.built === false || this.buildProblems.some((p) => p.severity === "error");
       this.studio.notify(failed ? "the build failed: see the log below the code" : "built and reloaded", failed ? "error" : "note");
       // The parameters of rebuilt plugins may have changed.
       const schemas = this.studio.services.get(SchemaLoader);
@@ -117,16 +117,16 @@ export class CodeView {
     } catch (error) {
       this.log.textContent = error instanceof Error ? error.message : String(error);
     } finally {
-      this.build_button.disabled = false;
-      this.build_button.textContent = "Build";
+      this.buildButton.disabled = false;
+      this.buildButton.textContent = "Build";
       this.log.scrollTop = this.log.scrollHeight;
     }
-    for (const source of this.sources.values()) source.show(this.build_problems);
-    this.show_problems();
+    for (const source of this.sources.values()) source.show(this.buildProblems);
+    this.showProblems();
   }
 
   async save(): Promise<void> {
-    if (this.shown !== kScene) await this.save_source(this.shown);
+    if (this.shown !== kScene) await this.saveSource(this.shown);
     else await this.studio.commands.execute("edit:save");
   }
 
@@ -134,14 +134,14 @@ export class CodeView {
     return this.shown === kScene ? this.scene.view : this.sources.get(this.shown)?.view;
   }
 
-  private async save_source(name: string): Promise<void> {
+  private async saveSource(name: string): Promise<void> {
     const source = this.sources.get(name);
     if (!source) return;
     const text = source.text();
     try {
       const fields = { name, text, version: source.version };
       const answer = await this.studio.link.request<{ version?: string }>("save-source", fields);
-      source.mark_saved(text, answer.version);
+      source.markSaved(text, answer.version);
       this.studio.notify(`saved ${name}`);
     } catch (error) {
       this.studio.notify(`${name} was not saved: ${error instanceof Error ? error.message : String(error)}`, "error");
@@ -154,12 +154,12 @@ export class CodeView {
       if (!file) return;
       try {
         const answer = await this.studio.link.request<{ text: string; version?: string }>("open-source", { name });
-        const source = new SourceEditor(file, answer, this.studio.state.may_edit.peek(), () => this.show_tabs());
+        const source = new SourceEditor(file, answer, this.studio.state.mayEdit.peek(), () => this.showTabs());
         source.view.dom.classList.add("cg-code-editor");
         source.view.dom.dataset.ownHistory = "";
         this.sources.set(name, source);
         this.editors.append(source.view.dom);
-        source.show(this.build_problems);
+        source.show(this.buildProblems);
       } catch (error) {
         this.studio.notify(`${name} cannot be opened: ${error instanceof Error ? error.message : String(error)}`, "error");
         return;
@@ -168,8 +168,8 @@ export class CodeView {
     this.shown = name;
     this.scene.view.dom.hidden = name !== kScene;
     for (const [key, source] of this.sources) source.view.dom.hidden = key !== name;
-    this.show_tabs();
-    this.show_problems();
+    this.showTabs();
+    this.showProblems();
     this.editor()?.requestMeasure();
   }
 
@@ -178,25 +178,25 @@ export class CodeView {
     const on = (what: () => void) => this.stops.push(effect(what));
     on(() => {
       const hello = state.hello.value;
-      this.build_button.hidden = !(hello?.allow_build && state.may_edit.value);
-      this.save_button.hidden = !state.may_edit.value;
-      if (hello?.kind === "scene") void this.list_sources();
+      this.buildButton.hidden = !(hello?.allow_build && state.mayEdit.value);
+      this.saveButton.hidden = !state.mayEdit.value;
+      if (hello?.kind === "scene") void this.listSources();
     });
     on(() => {
-      const document_ = state.document.value;
-      const broken = document_ !== null && !document_.good;
+      const documentState = state.document.value;
+      const broken = documentState !== null && !documentState.good;
       const rest = state.scene.value ? "the last good scene keeps running" : "there is nothing to run yet";
       this.banner.textContent = broken ? `The text has errors: ${rest}.` : "";
       this.banner.hidden = !broken;
-      this.show_tabs();
+      this.showTabs();
     });
     on(() => {
       void state.problems.value;
-      this.show_problems();
+      this.showProblems();
     });
   }
 
-  private async list_sources(): Promise<void> {
+  private async listSources(): Promise<void> {
     try {
       const answer = await this.studio.link.request<{ files?: SourceFile[] }>("sources");
       this.files = answer.files ?? [];
@@ -204,19 +204,19 @@ export class CodeView {
       // A scene without sources, or a server that shows none.
       this.files = [];
     }
-    this.show_tabs();
+    this.showTabs();
   }
 
-  private show_tabs(): void {
-    const document_ = this.studio.state.document.peek();
+  private showTabs(): void {
+    const documentState = this.studio.state.document.peek();
     const names = [kScene, ...this.files.map((f) => f.name)];
-    const focused = this.tab_list.contains(document.activeElement);
-    this.tab_list.replaceChildren(
+    const focused = this.tabList.contains(document.activeElement);
+    this.tabList.replaceChildren(
       ...names.map((name) => {
         const tab = element("button", "cg-code-tab");
-        const dirty = name === kScene ? document_?.dirty : this.sources.get(name)?.dirty;
+        const dirty = name === kScene ? documentState?.dirty : this.sources.get(name)?.dirty;
         tab.type = "button";
-        tab.textContent = (name === kScene ? (document_?.file.replace(/^.*[\\/]/, "") ?? "scene") : name) + (dirty ? " •" : "");
+        tab.textContent = (name === kScene ? (documentState?.file.replace(/^.*[\\/]/, "") ?? "scene") : name) + (dirty ? " •" : "");
         if (dirty) tab.title = "not saved";
         tab.dataset.file = name;
         tab.setAttribute("role", "tab");
@@ -226,11 +226,11 @@ export class CodeView {
         return tab;
       }),
     );
-    if (focused) this.tab_list.querySelector<HTMLElement>("[aria-selected='true']")?.focus();
+    if (focused) this.tabList.querySelector<HTMLElement>("[aria-selected='true']")?.focus();
     this.editors.setAttribute("aria-label", this.shown === kScene ? "Scene" : this.shown);
   }
 
-  private tab_key(event: KeyboardEvent): void {
+  private tabKey(event: KeyboardEvent): void {
     const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
     if (step === 0) return;
     const names = [kScene, ...this.files.map((f) => f.name)];
@@ -239,15 +239,15 @@ export class CodeView {
     void this.show(to);
   }
 
-  private show_problems(): void {
-    const problems = this.shown === kScene ? this.studio.state.problems.peek() : this.build_problems;
+  private showProblems(): void {
+    const problems = this.shown === kScene ? this.studio.state.problems.peek() : this.buildProblems;
     this.list.replaceChildren(
       ...problems.slice(0, 100).map((problem) => {
         const item = document.createElement("li");
         const button = element("button", problem.severity === "error" ? "is-error" : "is-warning");
         button.type = "button";
         button.textContent = `${problem.line}:${problem.column} ${problem.message}${problem.help ? ` (${problem.help})` : ""}`;
-        button.addEventListener("click", () => void this.go_to(problem.file, problem.line, problem.column));
+        button.addEventListener("click", () => void this.goTo(problem.file, problem.line, problem.column));
         item.append(button);
         return item;
       }),

@@ -6,7 +6,7 @@ export interface Change {
   insert: string;
 }
 
-const low_surrogate = (c: number): boolean => c >= 0xdc00 && c <= 0xdfff;
+const lowSurrogate = (c: number): boolean => c >= 0xdc00 && c <= 0xdfff;
 
 /** One piece: the rest without the common beginning and end. Never cuts a code point in two. */
 function narrow(a: string, b: string, offset: number): Change | null {
@@ -14,14 +14,14 @@ function narrow(a: string, b: string, offset: number): Change | null {
   const most = Math.min(a.length, b.length);
   let head = 0;
   while (head < most && a.charCodeAt(head) === b.charCodeAt(head)) ++head;
-  if (head > 0 && (low_surrogate(a.charCodeAt(head)) || low_surrogate(b.charCodeAt(head)))) --head;
+  if (head > 0 && (lowSurrogate(a.charCodeAt(head)) || lowSurrogate(b.charCodeAt(head)))) --head;
   let tail = 0;
   while (tail < most - head && a.charCodeAt(a.length - 1 - tail) === b.charCodeAt(b.length - 1 - tail)) ++tail;
-  if (tail > 0 && low_surrogate(a.charCodeAt(a.length - tail))) --tail;
+  if (tail > 0 && lowSurrogate(a.charCodeAt(a.length - tail))) --tail;
   return { from: offset + head, to: offset + a.length - tail, insert: b.slice(head, b.length - tail) };
 }
 
-function lines_of(text: string): string[] {
+function linesOf(text: string): string[] {
   const out: string[] = [];
   for (let at = 0; at < text.length; ) {
     const end = text.indexOf("\n", at);
@@ -36,7 +36,7 @@ function lines_of(text: string): string[] {
 const kMostCells = 4_000_000;
 
 /** Matching lines of two lists by the longest common subsequence: pairs of indices, going up. */
-function common_lines(a: string[], b: string[]): [number, number][] {
+function commonLines(a: string[], b: string[]): [number, number][] {
   const width = b.length + 1;
   const best = new Uint32Array((a.length + 1) * width);
   for (let i = a.length - 1; i >= 0; --i) {
@@ -62,37 +62,37 @@ export function diff(a: string, b: string): Change[] {
   if (!whole) return [];
   // whole lines around the piece, so that equal lines inside it are found
   const begin = whole.from === 0 ? 0 : a.lastIndexOf("\n", whole.from - 1) + 1;
-  const from_end = a.length - whole.to;
-  const line_end = a.indexOf("\n", whole.to);
-  const end = line_end < 0 ? a.length : line_end + 1;
-  const end_b = b.length - (from_end - (end - whole.to));
-  const lines_a = lines_of(a.slice(begin, end));
-  const lines_b = lines_of(b.slice(begin, end_b));
-  if (lines_a.length < 2 || lines_b.length < 2 || lines_a.length * lines_b.length > kMostCells) return [whole];
+  const fromEnd = a.length - whole.to;
+  const lineEnd = a.indexOf("\n", whole.to);
+  const end = lineEnd < 0 ? a.length : lineEnd + 1;
+  const endB = b.length - (fromEnd - (end - whole.to));
+  const linesA = linesOf(a.slice(begin, end));
+  const linesB = linesOf(b.slice(begin, endB));
+  if (linesA.length < 2 || linesB.length < 2 || linesA.length * linesB.length > kMostCells) return [whole];
 
   const out: Change[] = [];
   let at = begin;
   let i = 0;
   let j = 0;
-  for (const [next_i, next_j] of [...common_lines(lines_a, lines_b), [lines_a.length, lines_b.length] as const]) {
-    const old_lines = lines_a.slice(i, next_i);
-    const new_lines = lines_b.slice(j, next_j);
-    if (old_lines.length === new_lines.length) {
+  for (const [nextI, nextJ] of [...commonLines(linesA, linesB), [linesA.length, linesB.length] as const]) {
+    const oldLines = linesA.slice(i, nextI);
+    const newLines = linesB.slice(j, nextJ);
+    if (oldLines.length === newLines.length) {
       // line by line: several edits in neighbouring lines stay several
-      for (let k = 0; k < old_lines.length; ++k) {
-        const change = narrow(old_lines[k]!, new_lines[k]!, at);
+      for (let k = 0; k < oldLines.length; ++k) {
+        const change = narrow(oldLines[k]!, newLines[k]!, at);
         if (change) out.push(change);
-        at += old_lines[k]!.length;
+        at += oldLines[k]!.length;
       }
     } else {
-      const old_text = old_lines.join("");
-      const change = narrow(old_text, new_lines.join(""), at);
+      const oldText = oldLines.join("");
+      const change = narrow(oldText, newLines.join(""), at);
       if (change) out.push(change);
-      at += old_text.length;
+      at += oldText.length;
     }
-    if (next_i < lines_a.length) at += lines_a[next_i]!.length;
-    i = next_i + 1;
-    j = next_j + 1;
+    if (nextI < linesA.length) at += linesA[nextI]!.length;
+    i = nextI + 1;
+    j = nextJ + 1;
   }
   return out;
 }
@@ -108,7 +108,7 @@ export function apply(text: string, changes: readonly Change[]): string {
 }
 
 /** Maps a position; positions inside of a replaced piece go to its end. */
-export function map_position(position: number, changes: readonly Change[]): number {
+export function mapPosition(position: number, changes: readonly Change[]): number {
   let shift = 0;
   for (const change of changes) {
     if (change.from > position) break;

@@ -16,14 +16,14 @@ class Editors {
 
   open(view: CodeView): void {
     this.view = view;
-    if (this.wanted) this.go_to(this.wanted);
+    if (this.wanted) this.goTo(this.wanted);
   }
   close(view: CodeView): void {
     if (this.view === view) this.view = null;
   }
-  go_to(location: Location): void {
+  goTo(location: Location): void {
     this.wanted = this.view ? null : location;
-    void this.view?.go_to(location.file, location.line, location.column);
+    void this.view?.goTo(location.file, location.line, location.column);
   }
 }
 
@@ -76,15 +76,15 @@ export function register(studio: Studio): void {
     execute: ({ file, line, column }) =>
       services
         .get(Editors)
-        .go_to({ file: String(file ?? ""), line: Number(line ?? 1), column: Number(column ?? 1) }),
+        .goTo({ file: String(file ?? ""), line: Number(line ?? 1), column: Number(column ?? 1) }),
   });
   commands.addCommand("code:build", {
     label: "Build the controllers",
     caption: "Compiles the sources beside the scene and loads them again",
     isVisible: () => state.hello.value?.allow_build ?? false,
-    isEnabled: () => state.may_edit.value && (state.hello.value?.allow_build ?? false),
+    isEnabled: () => state.mayEdit.value && (state.hello.value?.allow_build ?? false),
     execute: async () => {
-      studio.open_panel("code");
+      studio.openPanel("code");
       await services.get(Editors).view?.build();
     },
   });

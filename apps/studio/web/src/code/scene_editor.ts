@@ -13,20 +13,20 @@ import {
 import { effect, signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
-import { help_text } from "../forms/help";
+import { helpText } from "../forms/help";
 import { TreeState } from "../tree/tree_state";
-import { code_points, utf16_offset } from "./columns";
+import { codePoints, utf16Offset } from "./columns";
 import type { Change } from "./diff";
 import { TypingGroups } from "./groups";
 import { PendingTyping } from "./pending";
-import { element_at, problem_range, same_file, tag_around, written_selection } from "./places";
+import { elementAt, problemRange, sameFile, tagAround, writtenSelection } from "./spans";
 import { TextSync, type SyncAnswer, type SyncSetText } from "./sync";
-import { editor_look } from "./theme";
+import { editorLook } from "./theme";
 
-const from_server = Annotation.define<boolean>();
-const from_page = Annotation.define<boolean>();
-const mark_lines = StateEffect.define<{ from: number; to: number }[]>();
-const marked_line = Decoration.line({ class: "cg-code-selected" });
+const fromServer = Annotation.define<boolean>();
+const fromPage = Annotation.define<boolean>();
+const markLines = StateEffect.define<{ from: number; to: number }[]>();
+const markedLine = Decoration.line({ class: "cg-code-selected" });
 
 /** Lines of the selection; they move with the text until the next tree has their positions. */
 const marked = StateField.define<DecorationSet>({
@@ -34,8 +34,8 @@ const marked = StateField.define<DecorationSet>({
   update(lines, transaction) {
     lines = lines.map(transaction.changes);
     for (const change of transaction.effects) {
-      if (change.is(mark_lines)) {
-        lines = Decoration.set(change.value.flatMap(({ from, to }) => line_marks(transaction.state, from, to)), true);
+      if (change.is(markLines)) {
+        lines = Decoration.set(change.value.flatMap(({ from, to }) => lineMarks(transaction.state, from, to)), true);
       }
     }
     return lines;
@@ -43,16 +43,16 @@ const marked = StateField.define<DecorationSet>({
   provide: (field) => EditorView.decorations.from(field),
 });
 
-function line_marks(state: EditorState, from: number, to: number) {
+function lineMarks(state: EditorState, from: number, to: number) {
   const out = [];
-  for (let n = Math.max(1, from); n <= Math.min(to, state.doc.lines); ++n) out.push(marked_line.range(state.doc.line(n).from));
+  for (let n = Math.max(1, from); n <= Math.min(to, state.doc.lines); ++n) out.push(markedLine.range(state.doc.line(n).from));
   return out;
 }
 
-function paragraph(text: string, class_name = ""): HTMLElement {
+function paragraph(text: string, className = ""): HTMLElement {
   const node = document.createElement("p");
   node.textContent = text;
-  if (class_name !== "") node.className = class_name;
+  if (className !== "") node.className = className;
   return node;
 }
 
@@ -62,7 +62,7 @@ export class SceneEditor {
   private readonly groups: TypingGroups;
   private readonly editable = new Compartment();
   /** line end of the file; the editor itself knows "\n" only */
-  private line_end = "\n";
+  private lineEnd = "\n";
   private readonly stops: (() => void)[] = [];
   /** goes up whenever the server has all typed text: earlier marks may be set */
   private readonly calm = signal(0);
@@ -74,7 +74,7 @@ export class SceneEditor {
     this.groups = new TypingGroups(`typing ${client} ${Date.now().toString(36)} `);
     this.sync = new TextSync({
       send: (fields) => this.send(fields),
-      text: () => this.file_text(this.view.state),
+      text: () => this.fileText(this.view.state),
       change: (changes) => this.change(changes),
       later: (ms, what) => {
         const timer = setTimeout(what, ms);
@@ -83,7 +83,7 @@ export class SceneEditor {
       settled: () => (this.calm.value += 1),
       refused: (message) => studio.notify(`the text was not taken: ${message}`, "error"),
     });
-    this.view = new EditorView({ state: this.first_state() });
+    this.view = new EditorView({ state: this.firstState() });
     this.view.contentDOM.setAttribute("aria-label", "Text of the scene");
     this.follow();
     studio.services.get(PendingTyping).source = {
@@ -92,7 +92,7 @@ export class SceneEditor {
         return this.sync.flush();
       },
       unsent: () => this.sync.unsent,
-      text: () => this.file_text(this.view.state),
+      text: () => this.fileText(this.view.state),
     };
   }
 
@@ -104,20 +104,20 @@ export class SceneEditor {
   }
 
   /** Puts the cursor there; line and column (code points) from 1. */
-  go_to(line: number, column: number): void {
+  goTo(line: number, column: number): void {
     const { doc } = this.view.state;
     const at = doc.line(Math.max(1, Math.min(line, doc.lines)));
-    const anchor = at.from + utf16_offset(at.text, column - 1);
+    const anchor = at.from + utf16Offset(at.text, column - 1);
     this.view.dispatch({
       selection: { anchor },
       effects: EditorView.scrollIntoView(anchor, { y: "center" }),
-      annotations: from_page.of(true),
+      annotations: fromPage.of(true),
     });
     this.view.focus();
   }
 
-  private file_text(state: EditorState): string {
-    return state.doc.sliceString(0, state.doc.length, this.line_end);
+  private fileText(state: EditorState): string {
+    return state.doc.sliceString(0, state.doc.length, this.lineEnd);
   }
 
   private async send(fields: SyncSetText): Promise<SyncAnswer> {
@@ -134,9 +134,9 @@ export class SceneEditor {
   private change(changes: Change[]): void {
     let taken = 0;
     let at = 0;
-    const text = this.line_end === "\n" ? "" : this.file_text(this.view.state);
+    const text = this.lineEnd === "\n" ? "" : this.fileText(this.view.state);
     const mapped = (position: number): number => {
-      if (this.line_end === "\n") return position;
+      if (this.lineEnd === "\n") return position;
       for (let next = text.indexOf("\r\n", at); next >= 0 && next < position; next = text.indexOf("\r\n", at)) {
         ++taken;
         at = next + 2;
@@ -149,11 +149,11 @@ export class SceneEditor {
         const from = mapped(c.from);
         return { from, to: Math.min(length, mapped(c.to)), insert: c.insert.replace(/\r\n?/g, "\n") };
       }),
-      annotations: from_server.of(true),
+      annotations: fromServer.of(true),
     });
   }
 
-  private first_state(): EditorState {
+  private firstState(): EditorState {
     return EditorState.create({
       doc: "",
       extensions: [
@@ -168,7 +168,7 @@ export class SceneEditor {
         highlightSelectionMatches(),
         xml(),
         EditorState.tabSize.of(2),
-        editor_look,
+        editorLook,
         marked,
         lintGutter(),
         hoverTooltip((view, position) => this.hover(view, position)),
@@ -204,14 +204,14 @@ export class SceneEditor {
       if (!state.open.value) this.sync.reset();
     });
     on(() => {
-      const document_ = state.document.value;
-      if (!document_) return;
-      if (this.sync.version < 0) this.line_end = document_.text.includes("\r\n") ? "\r\n" : "\n";
+      const documentState = state.document.value;
+      if (!documentState) return;
+      if (this.sync.version < 0) this.lineEnd = documentState.text.includes("\r\n") ? "\r\n" : "\n";
       // Mixed line ends become one kind here; the file keeps them until something is typed.
-      this.sync.arrived(document_.text.replace(/\r\n?|\n/g, this.line_end), document_.version);
+      this.sync.arrived(documentState.text.replace(/\r\n?|\n/g, this.lineEnd), documentState.version);
     });
     on(() => {
-      const readonly = !state.may_edit.value;
+      const readonly = !state.mayEdit.value;
       this.view.dispatch({
         effects: this.editable.reconfigure([EditorState.readOnly.of(readonly), EditorView.contentAttributes.of({ "aria-readonly": String(readonly), tabindex: "0" })]),
       });
@@ -219,14 +219,14 @@ export class SceneEditor {
     on(() => {
       void this.calm.value;
       const problems = state.problems.value;
-      const document_ = state.document.value;
+      const documentState = state.document.value;
       // Text typed since will be compiled as well; until then marks move with the text.
-      if (!document_ || !this.sync.settled) return;
+      if (!documentState || !this.sync.settled) return;
       const text = this.view.state.doc.toString();
       const diagnostics = problems
-        .filter((p) => same_file(p.file, document_.file))
+        .filter((p) => sameFile(p.file, documentState.file))
         .map((p): Diagnostic => ({
-          ...problem_range(text, p),
+          ...problemRange(text, p),
           severity: p.severity === "note" ? "info" : p.severity,
           message: p.help === "" ? p.message : `${p.message}\n${p.help}`,
           source: p.code,
@@ -243,7 +243,7 @@ export class SceneEditor {
         return element ? [{ from: element.line, to: element.end_line }] : [];
       });
       const last = lines[lines.length - 1];
-      const effects: StateEffect<unknown>[] = [mark_lines.of(lines)];
+      const effects: StateEffect<unknown>[] = [markLines.of(lines)];
       // A selection made elsewhere is scrolled into view, unless the user types here.
       if (last && !this.reporting && !this.view.hasFocus && last.from <= this.view.state.doc.lines) {
         effects.push(EditorView.scrollIntoView(this.view.state.doc.line(last.from).from, { y: "nearest", yMargin: 40 }));
@@ -253,10 +253,10 @@ export class SceneEditor {
   }
 
   private updated(update: ViewUpdate): void {
-    const own = update.transactions.filter((t) => t.docChanged && !t.annotation(from_server));
+    const own = update.transactions.filter((t) => t.docChanged && !t.annotation(fromServer));
     if (own.length > 0) this.typed(update, own);
-    const moved = update.transactions.some((t) => t.selection && t.isUserEvent("select") && !t.annotation(from_page));
-    if (moved) this.report_cursor();
+    const moved = update.transactions.some((t) => t.selection && t.isUserEvent("select") && !t.annotation(fromPage));
+    if (moved) this.reportCursor();
   }
 
   private typed(update: ViewUpdate, transactions: readonly Transaction[]): void {
@@ -266,17 +266,17 @@ export class SceneEditor {
         edits.push({ time: performance.now(), from, to, insert: text.toString() });
       });
     }
-    this.sync.typed(() => this.file_text(update.startState), this.groups.next(edits));
+    this.sync.typed(() => this.fileText(update.startState), this.groups.next(edits));
   }
 
-  private report_cursor(): void {
+  private reportCursor(): void {
     const { state } = this.studio;
     const tree = state.tree.peek();
     if (!this.sync.settled || tree.version !== this.sync.version) return;
     const { doc, selection } = this.view.state;
     const line = doc.lineAt(selection.main.head);
-    const column = code_points(line.text, selection.main.head - line.from) + 1;
-    const id = element_at(tree.elements, line.number, column);
+    const column = codePoints(line.text, selection.main.head - line.from) + 1;
+    const id = elementAt(tree.elements, line.number, column);
     const now = state.selection.peek();
     this.groups.end();
     if (id <= 0 || (now.length > 0 && now[now.length - 1] === id)) return;
@@ -290,15 +290,15 @@ export class SceneEditor {
     const text = context.state.doc.toString();
     const before = text.slice(Math.max(0, context.pos - 1), context.pos);
     // After a blank outside of tags, and after the end of a tag, completions are not shown unasked.
-    if (!context.explicit && !/[\w<"'$.{-]/.test(before) && !(/\s/.test(before) && tag_around(`${text.slice(0, context.pos)}>`, context.pos))) return null;
+    if (!context.explicit && !/[\w<"'$.{-]/.test(before) && !(/\s/.test(before) && tagAround(`${text.slice(0, context.pos)}>`, context.pos))) return null;
     try {
       const answer = await this.studio.link.request<{
         from: number;
         items: { label: string; detail?: string; insert?: string }[];
-      }>("complete", { text, offset: code_points(text, context.pos) });
+      }>("complete", { text, offset: codePoints(text, context.pos) });
       if (context.aborted || answer.items.length === 0) return null;
       return {
-        from: utf16_offset(text, answer.from),
+        from: utf16Offset(text, answer.from),
         options: answer.items.map((item) => ({
           label: item.label,
           detail: item.detail ?? "",
@@ -307,7 +307,7 @@ export class SceneEditor {
             view.dispatch({
               ...insertCompletionText(view.state, insert, from, to),
               // Several cursors stay where each has written.
-              ...(view.state.selection.ranges.length === 1 && { selection: written_selection(insert, from) }),
+              ...(view.state.selection.ranges.length === 1 && { selection: writtenSelection(insert, from) }),
               annotations: pickedCompletion.of(completion),
             });
           },
@@ -322,14 +322,14 @@ export class SceneEditor {
   private hover(view: EditorView, position: number): Tooltip | null {
     const schema = this.studio.services.get(TreeState).schema.peek();
     const text = view.state.doc.toString();
-    const tag = tag_around(text, position);
+    const tag = tagAround(text, position);
     if (!schema || !tag) return null;
-    const attributes = Object.fromEntries(tag.attributes.map((a) => [a.name, text.slice(a.value_from, a.value_to)]));
+    const attributes = Object.fromEntries(tag.attributes.map((a) => [a.name, text.slice(a.valueFrom, a.valueTo)]));
     const element = schema.element(tag.tag, attributes);
     const span = tag.attributes.find((a) => position >= a.from && position <= a.to);
-    const on_tag = position <= tag.from + tag.tag.length + 1;
+    const onTag = position <= tag.from + tag.tag.length + 1;
     const spec = span ? element?.attributes.find((a) => a.name === span.name) : undefined;
-    if (!(on_tag && element) && !spec) return null;
+    if (!(onTag && element) && !spec) return null;
     return {
       pos: span ? span.from : tag.from,
       end: span ? span.to : tag.from + 1 + tag.tag.length,
@@ -338,9 +338,9 @@ export class SceneEditor {
         const dom = document.createElement("div");
         dom.className = "cg-code-hover";
         if (spec) {
-          const unit = spec.units.filter((u) => u !== "").join(spec.per_entry ? ", " : " or ");
+          const unit = spec.units.filter((u) => u !== "").join(spec.perEntry ? ", " : " or ");
           dom.append(paragraph(`${spec.name}: ${spec.kind}${unit === "" ? "" : ` [${unit}]`}${spec.required ? ", required" : ""}`, "cg-code-hover-title"));
-          dom.append(paragraph(help_text(spec)));
+          dom.append(paragraph(helpText(spec)));
           if (spec.choices.length > 0) dom.append(paragraph(`One of: ${spec.choices.join(", ")}.`));
         } else if (element) {
           dom.append(paragraph(`<${element.name}>`, "cg-code-hover-title"), paragraph(element.doc));

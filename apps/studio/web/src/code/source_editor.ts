@@ -8,9 +8,9 @@ import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
 import { EditorState } from "@codemirror/state";
 import { drawSelection, EditorView, highlightActiveLineGutter, keymap, lineNumbers } from "@codemirror/view";
 import type { Problem } from "../core/protocol";
-import { utf16_offset } from "./columns";
-import { problem_range, same_file } from "./places";
-import { editor_look } from "./theme";
+import { utf16Offset } from "./columns";
+import { problemRange, sameFile } from "./spans";
+import { editorLook } from "./theme";
 
 export interface SourceFile {
   name: string;
@@ -20,18 +20,18 @@ export interface SourceFile {
 export class SourceEditor {
   readonly view: EditorView;
   private saved: string;
-  private readonly line_end: string;
+  private readonly lineEnd: string;
 
   /** of the file as it was opened or saved last: changes of other programs are not overwritten */
   version: string | undefined;
 
   /** `changed`: called with whether the text differs from the saved one. */
   constructor(
-    readonly file: SourceFile, opened: { text: string; version?: string }, may_edit: boolean, private readonly changed: (dirty: boolean) => void,
+    readonly file: SourceFile, opened: { text: string; version?: string }, mayEdit: boolean, private readonly changed: (dirty: boolean) => void,
   ) {
     const { text } = opened;
     this.version = opened.version;
-    this.line_end = text.includes("\r\n") ? "\r\n" : "\n";
+    this.lineEnd = text.includes("\r\n") ? "\r\n" : "\n";
     this.view = new EditorView({
       state: EditorState.create({
         doc: text,
@@ -48,8 +48,8 @@ export class SourceEditor {
           highlightSelectionMatches(),
           cpp(),
           lintGutter(),
-          editor_look,
-          EditorState.readOnly.of(!may_edit || !file.writable),
+          editorLook,
+          EditorState.readOnly.of(!mayEdit || !file.writable),
           EditorView.contentAttributes.of({ "aria-label": file.name, tabindex: "0" }),
           keymap.of([
             ...closeBracketsKeymap, ...searchKeymap, ...historyKeymap, ...foldKeymap, ...lintKeymap, ...defaultKeymap,
@@ -65,13 +65,13 @@ export class SourceEditor {
   }
 
   text(): string {
-    return this.view.state.doc.sliceString(0, this.view.state.doc.length, this.line_end);
+    return this.view.state.doc.sliceString(0, this.view.state.doc.length, this.lineEnd);
   }
   get dirty(): boolean {
     return this.text() !== this.saved;
   }
   /** `text` is what the file holds now. */
-  mark_saved(text: string, version: string | undefined): void {
+  markSaved(text: string, version: string | undefined): void {
     this.version = version;
     this.saved = text;
     this.changed(this.dirty);
@@ -80,19 +80,19 @@ export class SourceEditor {
   show(problems: readonly Problem[]): void {
     const text = this.view.state.doc.toString();
     const diagnostics = problems
-      .filter((p) => same_file(p.file, this.file.name))
+      .filter((p) => sameFile(p.file, this.file.name))
       .map((p): Diagnostic => ({
-        ...problem_range(text, p),
+        ...problemRange(text, p),
         severity: p.severity === "note" ? "info" : p.severity,
         message: p.help ? `${p.message}\n${p.help}` : p.message,
       }));
     this.view.dispatch(setDiagnostics(this.view.state, diagnostics));
   }
 
-  go_to(line: number, column: number): void {
+  goTo(line: number, column: number): void {
     const { doc } = this.view.state;
     const at = doc.line(Math.max(1, Math.min(line, doc.lines)));
-    const anchor = at.from + utf16_offset(at.text, column - 1);
+    const anchor = at.from + utf16Offset(at.text, column - 1);
     this.view.dispatch({ selection: { anchor }, effects: EditorView.scrollIntoView(anchor, { y: "center" }) });
     this.view.focus();
   }

@@ -32,148 +32,148 @@ export const kTypingMost = 800;
 const kMostRetries = 5;
 
 export class TextSync {
-  private base_ = "";
-  private version_ = -1;
-  private known_ = false;
+  private base = "";
+  private latestVersion = -1;
+  private known = false;
   /** typed text did not reach the server: it is sent with the next text */
-  private owed_ = false;
+  private resend = false;
   /** ends of bursts that were not sent yet; the last one's text is the editor's when the timer fires */
-  private waiting_: { text: string; group: string }[] = [];
-  private group_ = "";
-  private dirty_ = false;
-  private cancel_: (() => void) | null = null;
-  private cancel_most_: (() => void) | null = null;
-  private sending_ = false;
-  private behind_: { text: string; version: number } | null = null;
-  private retries_ = 0;
-  private idle_: (() => void)[] = [];
+  private waiting: { text: string; group: string }[] = [];
+  private latestGroup = "";
+  private dirty = false;
+  private cancelTimer: (() => void) | null = null;
+  private cancelDeadline: (() => void) | null = null;
+  private sending = false;
+  private behind: { text: string; version: number } | null = null;
+  private retries = 0;
+  private idle: (() => void)[] = [];
 
-  constructor(private readonly ends_: SyncEnds) {}
+  constructor(private readonly ends: SyncEnds) {}
 
   /** The version of the editor's text before unsent typing. */
   get version(): number {
-    return this.version_;
+    return this.latestVersion;
   }
   /** Whether the server knows all that was typed. */
   get settled(): boolean {
-    return !this.dirty_ && this.waiting_.length === 0 && !this.sending_;
+    return !this.dirty && this.waiting.length === 0 && !this.sending;
   }
 
   /** Whether the editor has something that the server's text, as it was known last, has not. */
   get unsent(): boolean {
-    return this.known_ && this.ends_.text() !== this.base_;
+    return this.known && this.ends.text() !== this.base;
   }
 
   /** The user changed the editor's text; `before` returns the old one. */
   typed(before: () => string, group: string): void {
-    if (this.dirty_ && group !== this.group_) this.waiting_.push({ text: before(), group: this.group_ });
-    this.dirty_ = true;
-    this.group_ = group;
-    this.cancel_?.();
-    this.cancel_ = this.ends_.later(kTypingRest, () => this.take_());
-    this.cancel_most_ ??= this.ends_.later(kTypingMost, () => this.take_());
-    if (this.waiting_.length > 0) this.send_next_();
+    if (this.dirty && group !== this.latestGroup) this.waiting.push({ text: before(), group: this.latestGroup });
+    this.dirty = true;
+    this.latestGroup = group;
+    this.cancelTimer?.();
+    this.cancelTimer = this.ends.later(kTypingRest, () => this.take());
+    this.cancelDeadline ??= this.ends.later(kTypingMost, () => this.take());
+    if (this.waiting.length > 0) this.sendNext();
   }
 
   /** Sends typed text at once; done when the server has it (or refused it). */
   flush(): Promise<void> {
-    this.take_();
+    this.take();
     if (this.settled) return Promise.resolve();
-    return new Promise((resolve) => this.idle_.push(resolve));
+    return new Promise((resolve) => this.idle.push(resolve));
   }
 
   /** The server's text. */
   arrived(text: string, version: number): void {
-    if (version <= this.version_) return;
+    if (version <= this.latestVersion) return;
     // Whether it holds the text just sent is known only with the answer.
-    if (this.sending_) {
-      if (!this.behind_ || version > this.behind_.version) this.behind_ = { text, version };
+    if (this.sending) {
+      if (!this.behind || version > this.behind.version) this.behind = { text, version };
       return;
     }
-    this.take_over_(text, version);
-    if (this.owed_ && this.waiting_.length === 0) this.waiting_.push({ text: this.ends_.text(), group: this.group_ });
-    this.owed_ = false;
-    if (this.waiting_.length > 0) this.send_next_();
+    this.takeOver(text, version);
+    if (this.resend && this.waiting.length === 0) this.waiting.push({ text: this.ends.text(), group: this.latestGroup });
+    this.resend = false;
+    if (this.waiting.length > 0) this.sendNext();
   }
 
   /** Restarts: another connection has other versions. */
   reset(): void {
-    this.version_ = -1;
-    this.behind_ = null;
+    this.latestVersion = -1;
+    this.behind = null;
   }
 
-  private take_(): void {
-    this.cancel_?.();
-    this.cancel_most_?.();
-    this.cancel_ = this.cancel_most_ = null;
-    if (this.dirty_) {
-      this.waiting_.push({ text: this.ends_.text(), group: this.group_ });
-      this.dirty_ = false;
+  private take(): void {
+    this.cancelTimer?.();
+    this.cancelDeadline?.();
+    this.cancelTimer = this.cancelDeadline = null;
+    if (this.dirty) {
+      this.waiting.push({ text: this.ends.text(), group: this.latestGroup });
+      this.dirty = false;
     }
-    this.send_next_();
+    this.sendNext();
   }
 
-  private send_next_(): void {
-    if (this.sending_) return;
-    while (this.waiting_.length > 0 && this.waiting_[0]!.text === this.base_) this.waiting_.shift();
-    const next = this.waiting_.shift();
+  private sendNext(): void {
+    if (this.sending) return;
+    while (this.waiting.length > 0 && this.waiting[0]!.text === this.base) this.waiting.shift();
+    const next = this.waiting.shift();
     if (!next) {
-      this.resolve_idle_();
-      if (this.settled) this.ends_.settled();
+      this.resolveIdle();
+      if (this.settled) this.ends.settled();
       return;
     }
-    this.sending_ = true;
-    void this.ends_.send({ version: this.version_, ...next }).then((answer) => this.answered_(next, answer));
+    this.sending = true;
+    void this.ends.send({ version: this.latestVersion, ...next }).then((answer) => this.answered(next, answer));
   }
 
-  private answered_(sent: { text: string; group: string }, answer: SyncAnswer): void {
-    this.sending_ = false;
-    const behind = this.behind_;
-    this.behind_ = null;
+  private answered(sent: { text: string; group: string }, answer: SyncAnswer): void {
+    this.sending = false;
+    const behind = this.behind;
+    this.behind = null;
     if (answer.ok) {
-      this.retries_ = 0;
-      if (answer.version > this.version_) {
-        this.base_ = sent.text;
-        this.version_ = answer.version;
+      this.retries = 0;
+      if (answer.version > this.latestVersion) {
+        this.base = sent.text;
+        this.latestVersion = answer.version;
       }
-      if (behind && behind.version >= this.version_) this.take_over_(behind.text, behind.version);
-    } else if (answer.stale && this.retries_ < kMostRetries) {
-      ++this.retries_;
+      if (behind && behind.version >= this.latestVersion) this.takeOver(behind.text, behind.version);
+    } else if (answer.stale && this.retries < kMostRetries) {
+      ++this.retries;
       // All that is not sent goes as one, merged with what came in between. Without the newer text yet: when it comes.
-      this.waiting_ = [];
+      this.waiting = [];
       const group = sent.group;
-      if (behind) this.take_over_(behind.text, behind.version);
-      this.waiting_ = [{ text: this.ends_.text(), group }];
+      if (behind) this.takeOver(behind.text, behind.version);
+      this.waiting = [{ text: this.ends.text(), group }];
       if (!behind) return;
     } else {
-      this.retries_ = 0;
-      if (behind) this.take_over_(behind.text, behind.version);
-      this.owed_ = true;
-      this.waiting_ = [];
-      this.ends_.refused(answer.message);
-      this.resolve_idle_();
+      this.retries = 0;
+      if (behind) this.takeOver(behind.text, behind.version);
+      this.resend = true;
+      this.waiting = [];
+      this.ends.refused(answer.message);
+      this.resolveIdle();
       return;
     }
-    this.send_next_();
+    this.sendNext();
   }
 
   /** Makes the server's text the base and brings what changed there into the editor's text. */
-  private take_over_(text: string, version: number): void {
-    const local = this.ends_.text();
-    const unsent = this.known_ && local !== this.base_;
-    const changes = unsent ? rebase(diff(this.base_, text), diff(this.base_, local)) : diff(local, text);
+  private takeOver(text: string, version: number): void {
+    const local = this.ends.text();
+    const unsent = this.known && local !== this.base;
+    const changes = unsent ? rebase(diff(this.base, text), diff(this.base, local)) : diff(local, text);
     // Ends of bursts that still wait are earlier texts: one step is made of them.
-    const earlier = this.waiting_.length > 0 ? this.waiting_[this.waiting_.length - 1]!.group : this.group_;
-    this.base_ = text;
-    this.known_ = true;
-    this.version_ = version;
-    if (changes.length > 0) this.ends_.change(changes);
-    if (this.waiting_.length > 0) this.waiting_ = [{ text: apply(local, changes), group: earlier }];
+    const earlier = this.waiting.length > 0 ? this.waiting[this.waiting.length - 1]!.group : this.latestGroup;
+    this.base = text;
+    this.known = true;
+    this.latestVersion = version;
+    if (changes.length > 0) this.ends.change(changes);
+    if (this.waiting.length > 0) this.waiting = [{ text: apply(local, changes), group: earlier }];
   }
 
-  private resolve_idle_(): void {
-    const idle = this.idle_;
-    this.idle_ = [];
+  private resolveIdle(): void {
+    const idle = this.idle;
+    this.idle = [];
     for (const resolve of idle) resolve();
   }
 }

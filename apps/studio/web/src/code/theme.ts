@@ -52,4 +52,4 @@ const highlighting = HighlightStyle.define([
   { tag: [t.angleBracket, t.operator], color: "var(--cg-muted)" },
 ]);
 
-export const editor_look: Extension = [look, syntaxHighlighting(highlighting)];
+export const editorLook: Extension = [look, syntaxHighlighting(highlighting)];

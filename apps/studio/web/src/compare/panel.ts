@@ -23,7 +23,7 @@ export function register(studio: Studio): void {
   const { commands, state } = studio;
   commands.addCommand("compare:backends", {
     label: "Compare with another backend…",
-    isEnabled: () => state.may_edit.value && store.others.value.length > 0,
+    isEnabled: () => state.mayEdit.value && store.others.value.length > 0,
     execute: async () => {
       const others = store.others.value;
       if (others.length === 1) return store.compare({ backend: others[0]! });
@@ -38,7 +38,7 @@ export function register(studio: Studio): void {
   });
   commands.addCommand("compare:step", {
     label: "Compare two time steps…",
-    isEnabled: () => state.may_edit.value,
+    isEnabled: () => state.mayEdit.value,
     execute: async () => {
       const dt = store.step.value;
       const answer = await studio.dialog({
@@ -62,7 +62,7 @@ export function register(studio: Studio): void {
   });
   commands.addCommand("compare:off", {
     label: "End the comparison",
-    isEnabled: () => state.may_edit.value && store.labels.value !== null,
+    isEnabled: () => state.mayEdit.value && store.labels.value !== null,
     execute: () => store.off(),
   });
 }

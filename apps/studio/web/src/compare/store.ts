@@ -2,7 +2,7 @@
 import { computed, effect, signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
-import type { Divergence } from "./words";
+import type { Divergence } from "./divergence";
 
 /** [ms] between two looks; more when answers take their time. */
 const kPause = 400;
@@ -25,7 +25,7 @@ export class CompareStore {
   readonly step = computed(() => this.studio.state.status.value?.dt ?? null);
 
   private asking = false;
-  private next_look = 0;
+  private nextLook = 0;
   private key = "";
   private readonly stops: (() => void)[];
 
@@ -50,7 +50,7 @@ export class CompareStore {
     this.busy.value = true;
     try {
       await this.studio.link.request("compare", { backend: null, step: null, ...what });
-      this.studio.open_panel("compare");
+      this.studio.openPanel("compare");
     } catch (error) {
       this.studio.notify(error instanceof Error ? error.message : String(error), "error");
     } finally {
@@ -76,7 +76,7 @@ export class CompareStore {
     this.looked.value = this.studio.state.frame.peek()?.time ?? null;
     const status = this.studio.state.status.peek();
     const now = performance.now();
-    if (!status?.compare || this.asking || now < this.next_look) return;
+    if (!status?.compare || this.asking || now < this.nextLook) return;
     const key = JSON.stringify([status.compare, status.scene, status.last, status.frames]);
     if (key === this.key) return;
     this.asking = true;
@@ -90,7 +90,7 @@ export class CompareStore {
     } finally {
       this.asking = false;
       const took = performance.now() - now;
-      this.next_look = performance.now() + Math.max(kPause, 4 * took);
+      this.nextLook = performance.now() + Math.max(kPause, 4 * took);
     }
   }
 }

@@ -4,11 +4,11 @@ import { useEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
 import type { CurveChart } from "../figures/curve_chart";
 import { nearest } from "../figures/curves";
-import { theme_color, type FigureData } from "../figures/figure";
-import { save_figure, type FileKind } from "../figures/save";
-import { short_number } from "../figures/ticks";
+import { themeColor, type FigureData } from "../figures/figure";
+import { saveFigure, type FileKind } from "../figures/save";
+import { shortNumber } from "../figures/ticks";
 import type { CompareStore } from "./store";
-import { around, difference_of, divergence_figure, explanation, length_text, rows_of, type Divergence } from "./words";
+import { around, differenceOf, divergenceFigure, explanation, lengthText, rowsOf, type Divergence } from "./divergence";
 
 export function CompareView({ store }: { store: CompareStore }): JSX.Element {
   return store.labels.value === null ? <Choice store={store} /> : <Result store={store} />;
@@ -20,19 +20,19 @@ function Choice({ store }: { store: CompareStore }): JSX.Element {
   const what = picked.value ?? (others.length > 0 ? "backend" : "step");
   const backend = useSignal("");
   const step = useSignal("");
-  const { hello, status, may_edit } = store.studio.state;
+  const { hello, status, mayEdit } = store.studio.state;
   const dt = status.value?.dt;
-  const allowed = may_edit.value;
+  const allowed = mayEdit.value;
   const chosen = others.includes(backend.value) ? backend.value : (others[0] ?? "");
-  const step_ms = step.value === "" ? (dt === undefined ? NaN : (dt * 1000) / 2) : Number(step.value);
+  const stepMs = step.value === "" ? (dt === undefined ? NaN : (dt * 1000) / 2) : Number(step.value);
   const wrong =
     what === "backend"
       ? chosen === ""
         ? "there is no other backend here"
         : ""
-      : !(step_ms > 0) || step_ms > 1000
+      : !(stepMs > 0) || stepMs > 1000
         ? "the step must lie above 0 and not above 1000 ms"
-        : dt !== undefined && Math.abs(step_ms / 1000 - dt) < 1e-12
+        : dt !== undefined && Math.abs(stepMs / 1000 - dt) < 1e-12
           ? "this is the step that runs already"
           : "";
   return (
@@ -42,7 +42,7 @@ function Choice({ store }: { store: CompareStore }): JSX.Element {
       onSubmit={(event) => {
         event.preventDefault();
         if (wrong || !allowed) return;
-        void store.compare(what === "backend" ? { backend: chosen } : { step: step_ms / 1000 });
+        void store.compare(what === "backend" ? { backend: chosen } : { step: stepMs / 1000 });
       }}
     >
       <p>
@@ -77,7 +77,7 @@ function Choice({ store }: { store: CompareStore }): JSX.Element {
             disabled={what !== "step"}
             min="0"
             step="any"
-            value={step.value === "" ? (Number.isFinite(step_ms) ? String(Number(step_ms.toPrecision(6))) : "") : step.value}
+            value={step.value === "" ? (Number.isFinite(stepMs) ? String(Number(stepMs.toPrecision(6))) : "") : step.value}
             onInput={(event) => (step.value = event.currentTarget.value)}
           />{" "}
           ms
@@ -85,7 +85,7 @@ function Choice({ store }: { store: CompareStore }): JSX.Element {
       </fieldset>
       <p class={wrong ? "cg-error" : "cg-muted"} role="status">
         {allowed
-          ? wrong || `Now: ${status.value?.backend ?? ""}, ${dt === undefined ? "" : short_number(dt * 1000)} ms`
+          ? wrong || `Now: ${status.value?.backend ?? ""}, ${dt === undefined ? "" : shortNumber(dt * 1000)} ms`
           : hello.value?.kind === "scene"
             ? "Only an operator can start a comparison."
             : "A recording has one run only. Open the scene to compare."}
@@ -102,13 +102,13 @@ function Result({ store }: { store: CompareStore }): JSX.Element {
   const labels = store.labels.value!;
   const { hello, events } = store.studio.state;
   const log = useSignal(true);
-  const difference = difference_of(labels, hello.value?.backends ?? []);
-  const figure = data ? divergence_figure(data, log.value) : null;
+  const difference = differenceOf(labels, hello.value?.backends ?? []);
+  const figure = data ? divergenceFigure(data, log.value) : null;
   const save = async (kind: FileKind): Promise<void> => {
     if (!figure) return;
     const scene = store.studio.state.scene.peek()?.name || "scene";
     try {
-      store.studio.notify(`saved ${await save_figure(figure, scene, `${labels[0]}-${labels[1]}`, kind)}`);
+      store.studio.notify(`saved ${await saveFigure(figure, scene, `${labels[0]}-${labels[1]}`, kind)}`);
     } catch (error) {
       store.studio.notify(error instanceof Error ? error.message : String(error), "error");
     }
@@ -124,7 +124,7 @@ function Result({ store }: { store: CompareStore }): JSX.Element {
             <span class="cg-ghost" aria-hidden="true" /> {labels[1]} (ghost)
           </li>
         </ul>
-        <button type="button" disabled={!store.studio.state.may_edit.value} onClick={() => void store.off()}>
+        <button type="button" disabled={!store.studio.state.mayEdit.value} onClick={() => void store.off()}>
           End comparison
         </button>
       </div>
@@ -154,7 +154,7 @@ function Result({ store }: { store: CompareStore }): JSX.Element {
           <ul class="cg-legend" aria-label="Curves">
             {figure.series.map((s) => (
               <li key={s.label}>
-                <span class={`cg-swatch ${s.dashed ? "cg-dashed" : ""}`} style={{ borderColor: theme_color(s.color) }} aria-hidden="true" />
+                <span class={`cg-swatch ${s.dashed ? "cg-dashed" : ""}`} style={{ borderColor: themeColor(s.color) }} aria-hidden="true" />
                 {s.label}
               </li>
             ))}
@@ -169,7 +169,7 @@ function Result({ store }: { store: CompareStore }): JSX.Element {
         {data?.first &&
           around(events.value, data.first.time).map((e) => (
             <p key={e.index}>
-              Just before they part, at {short_number(e.time)} s: {e.message || `${e.kind} ${e.subject}`}
+              Just before they part, at {shortNumber(e.time)} s: {e.message || `${e.kind} ${e.subject}`}
             </p>
           ))}
       </section>
@@ -183,13 +183,13 @@ function First({ store, data }: { store: CompareStore; data: Divergence | null }
   if (!first)
     return (
       <p role="status">
-        Up to {short_number(data.time[data.time.length - 1])} s no body is more than 1 cm or 1° away from its twin.
+        Up to {shortNumber(data.time[data.time.length - 1])} s no body is more than 1 cm or 1° away from its twin.
       </p>
     );
   return (
     <p role="status" class="cg-compare-first">
       <span>
-        <strong>{first.name}</strong> is the first to diverge by more than 1 cm or 1°, at {short_number(first.time)} s.
+        <strong>{first.name}</strong> is the first to diverge by more than 1 cm or 1°, at {shortNumber(first.time)} s.
       </span>
       <button type="button" onClick={() => store.studio.seek(first.time)}>
         Go to the first divergence
@@ -212,15 +212,15 @@ function DivergenceChart({ store, figure }: { store: CompareStore; figure: Figur
   useEffect(() => {
     let gone = false;
     void import("../figures/curve_chart").then(
-      ({ CurveChart: Chart }) => {
+      ({ CurveChart }) => {
         if (gone || !host.current) return;
-        chart.current ??= new Chart(host.current, {
+        chart.current ??= new CurveChart(host.current, {
           hover: () => {},
           pick: (time) => store.studio.seek(time),
           zoom: (to) => (range.value = to),
         });
         chart.current.update(figure, part);
-        chart.current.set_time(store.looked.peek());
+        chart.current.setTime(store.looked.peek());
       },
       (error: Error) => (failure.value = error.message),
     );
@@ -228,7 +228,7 @@ function DivergenceChart({ store, figure }: { store: CompareStore; figure: Figur
       gone = true;
     };
   }, [figure.series[0]?.x, figure.y.log, theme, part]);
-  useEffect(() => chart.current?.set_time(looked), [looked]);
+  useEffect(() => chart.current?.setTime(looked), [looked]);
   useEffect(() => () => chart.current?.destroy(), []);
   return (
     <div
@@ -240,10 +240,10 @@ function DivergenceChart({ store, figure }: { store: CompareStore; figure: Figur
       aria-label="Divergence over time: click goes to that time"
       onKeyDown={(event) => {
         const by = { ArrowLeft: -1, ArrowRight: 1, PageUp: -50, PageDown: 50 }[event.key];
-        if (by !== undefined) chart.current?.step_cursor(by);
+        if (by !== undefined) chart.current?.stepCursor(by);
         else if (event.key === "Home") range.value = null;
         else if (event.key === "Enter") {
-          const time = chart.current?.step_cursor(0) ?? null;
+          const time = chart.current?.stepCursor(0) ?? null;
           if (time !== null) store.studio.seek(time);
         } else return;
         event.preventDefault();
@@ -264,22 +264,22 @@ function Worst({ store, data }: { store: CompareStore; data: Divergence }): JSX.
       <thead>
         <tr>
           <th scope="col">Body</th>
-          <th scope="col">At {short_number(data.time[at])} s</th>
+          <th scope="col">At {shortNumber(data.time[at])} s</th>
           <th scope="col">Most so far</th>
           <th scope="col">Over 1 cm since</th>
         </tr>
       </thead>
       <tbody>
-        {rows_of(data, at).map((row) => (
+        {rowsOf(data, at).map((row) => (
           <tr key={row.name} onClick={() => store.select(row.name)}>
             <th scope="row">
               <button type="button" class="cg-plain" aria-label={`Select ${row.name}`}>
                 {row.name}
               </button>
             </th>
-            <td>{length_text(row.now)}</td>
-            <td>{length_text(row.most)}</td>
-            <td>{row.since === null ? "–" : `${short_number(row.since)} s`}</td>
+            <td>{lengthText(row.now)}</td>
+            <td>{lengthText(row.most)}</td>
+            <td>{row.since === null ? "–" : `${shortNumber(row.since)} s`}</td>
           </tr>
         ))}
       </tbody>

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Problem } from "../core/protocol";
-import { count_wrong, lines_of, passing } from "./lines";
+import { countWrong, linesOf, passing } from "./lines";
 
 const problem: Problem = {
   severity: "error",
@@ -22,7 +22,7 @@ const events = [{ index: 0, time: 1, kind: "enter", source: "region", subject: "
 const every = { problem: true, message: true, event: true };
 
 test("problems come first with their notes, then the run in the order of time", () => {
-  const lines = lines_of([problem], messages, events);
+  const lines = linesOf([problem], messages, events);
   assert.deepEqual(
     lines.map((l) => l.text),
     ["no attribute 'siez'", "declared here", "slow", "enter bot", "saturated"],
@@ -33,11 +33,11 @@ test("problems come first with their notes, then the run in the order of time", 
 });
 
 test("a problem without a source location has none", () => {
-  assert.equal(lines_of([{ ...problem, file: "", line: 0, notes: [] }], [], [])[0]!.location, null);
+  assert.equal(linesOf([{ ...problem, file: "", line: 0, notes: [] }], [], [])[0]!.location, null);
 });
 
 test("filters leave out kinds, and lines without all search words", () => {
-  const lines = lines_of([problem], messages, events);
+  const lines = linesOf([problem], messages, events);
   assert.equal(passing(lines, { kinds: { ...every, problem: false }, search: "" }).length, 3);
   assert.deepEqual(
     passing(lines, { kinds: every, search: "PID slow" }).map((l) => l.text),
@@ -50,5 +50,5 @@ test("filters leave out kinds, and lines without all search words", () => {
 });
 
 test("a warning is not counted as wrong", () => {
-  assert.equal(count_wrong([problem, { ...problem, severity: "warning" }], messages), 2);
+  assert.equal(countWrong([problem, { ...problem, severity: "warning" }], messages), 2);
 });

@@ -25,8 +25,8 @@ export interface Filters {
 export const kDrawn = 1000;
 
 /** Problems first, then messages and events in the order of time; of the same time in the order they came. */
-export function lines_of(problems: Problem[], messages: RunMessage[], events: RunEvent[]): Line[] {
-  const said: Line[] = messages.map((m) => ({
+export function linesOf(problems: Problem[], messages: RunMessage[], events: RunEvent[]): Line[] {
+  const logged: Line[] = messages.map((m) => ({
     kind: "message",
     severity: m.severity,
     time: m.time,
@@ -44,11 +44,11 @@ export function lines_of(problems: Problem[], messages: RunMessage[], events: Ru
     help: e.message ? e.kind : "",
     location: null,
   }));
-  const run = [...said, ...occurred].sort((a, b) => a.time! - b.time!);
-  return [...problems.flatMap(problem_lines), ...run];
+  const run = [...logged, ...occurred].sort((a, b) => a.time! - b.time!);
+  return [...problems.flatMap(problemLines), ...run];
 }
 
-function problem_lines(problem: Problem): Line[] {
+function problemLines(problem: Problem): Line[] {
   const line = (of: { message: string; file: string; line: number; column: number }, note: boolean): Line => ({
     kind: "problem",
     severity: note ? "note" : problem.severity,
@@ -71,6 +71,6 @@ export function passing(lines: Line[], filters: Filters): Line[] {
 }
 
 /** The title of the tab: with the number of problems. */
-export function count_wrong(problems: Problem[], messages: RunMessage[]): number {
+export function countWrong(problems: Problem[], messages: RunMessage[]): number {
   return problems.filter((p) => p.severity === "error").length + messages.filter((m) => m.severity === "error").length;
 }

@@ -1,8 +1,8 @@
 import { effect } from "@preact/signals-core";
 import { Widget } from "@lumino/widgets";
 import type { PanelType, Studio } from "../core/studio";
-import { count_wrong } from "./lines";
-import { show_console } from "./view";
+import { countWrong } from "./lines";
+import { showConsole } from "./view";
 
 export const panel: PanelType = {
   name: "console",
@@ -10,10 +10,10 @@ export const panel: PanelType = {
   create(studio: Studio): Widget {
     const widget = new Widget();
     widget.addClass("cg-console");
-    show_console(studio, widget.node);
+    showConsole(studio, widget.node);
     const { problems, messages } = studio.state;
     effect(() => {
-      const wrong = count_wrong(problems.value, messages.value);
+      const wrong = countWrong(problems.value, messages.value);
       // the shell sets the title once the widget is made
       queueMicrotask(() => (widget.title.label = wrong > 0 ? `Console (${wrong})` : "Console"));
     });

@@ -4,7 +4,7 @@ import { render } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import type { Studio } from "../core/studio";
 import "./console.css";
-import { kDrawn, lines_of, passing, type Filters, type Kind, type Line } from "./lines";
+import { kDrawn, linesOf, passing, type Filters, type Kind, type Line } from "./lines";
 
 const kKinds: [Kind, string][] = [
   ["problem", "Problems"],
@@ -13,13 +13,13 @@ const kKinds: [Kind, string][] = [
 ];
 const kSigns = { error: "✖", warning: "▲", note: "●" };
 
-export function show_console(studio: Studio, node: HTMLElement): void {
+export function showConsole(studio: Studio, node: HTMLElement): void {
   const { state } = studio;
   const filters = signal<Filters>({ kinds: { problem: true, message: true, event: true }, search: "" });
-  const lines = computed(() => lines_of(state.problems.value, state.messages.value, state.events.value));
+  const lines = computed(() => linesOf(state.problems.value, state.messages.value, state.events.value));
   const shown = computed(() => passing(lines.value, filters.value));
   const go = (line: Line) => {
-    if (line.location) studio.go_to(line.location.file, line.location.line, line.location.column);
+    if (line.location) studio.goTo(line.location.file, line.location.line, line.location.column);
     else if (line.time !== null) studio.seek(line.time);
   };
 
@@ -53,12 +53,12 @@ export function show_console(studio: Studio, node: HTMLElement): void {
 
   function List() {
     const list = useRef<HTMLUListElement>(null);
-    const at_end = useRef(true);
+    const atEnd = useRef(true);
     const all = shown.value;
     const drawn = all.slice(-kDrawn);
     // follows what comes as long as its end is in sight
     useLayoutEffect(() => {
-      if (at_end.current && list.current) list.current.scrollTop = list.current.scrollHeight;
+      if (atEnd.current && list.current) list.current.scrollTop = list.current.scrollHeight;
     }, [all]);
     return (
       <ul
@@ -69,7 +69,7 @@ export function show_console(studio: Studio, node: HTMLElement): void {
         tabIndex={drawn.length === 0 ? 0 : undefined}
         onScroll={(event) => {
           const { scrollTop, scrollHeight, clientHeight } = event.currentTarget;
-          at_end.current = scrollTop + clientHeight > scrollHeight - 8;
+          atEnd.current = scrollTop + clientHeight > scrollHeight - 8;
         }}
       >
         {drawn.length < all.length && <li class="cg-muted">{all.length - drawn.length} older lines are not shown</li>}

@@ -2,10 +2,10 @@
 import "@preact/signals";
 import { render, type ComponentChildren } from "preact";
 import { useRef, useState } from "preact/hooks";
-import { kSpeeds, speed_text, type Control } from "./commands";
+import { kSpeeds, speedText, type Control } from "./commands";
 import "./control.css";
 import { icons, type IconName } from "./icons";
-import { read_step, recorded, step_hint, step_text } from "./rules";
+import { readStep, recorded, stepHint, stepText } from "./rules";
 
 interface ToolProps {
   label: string;
@@ -15,11 +15,11 @@ interface ToolProps {
   reason: string | null;
   pressed?: boolean;
   testid: string;
-  on_click(): void;
+  onClick(): void;
   children?: ComponentChildren;
 }
 
-function Tool({ label, icon, keys, reason, pressed, testid, on_click, children }: ToolProps) {
+function Tool({ label, icon, keys, reason, pressed, testid, onClick, children }: ToolProps) {
   // Disabled controls can still be focused, and show the reason.
   return (
     <button
@@ -31,7 +31,7 @@ function Tool({ label, icon, keys, reason, pressed, testid, on_click, children }
       data-testid={testid}
       // the keyboard's focus stays where it is: Space still means play and pause
       onMouseDown={(event) => event.preventDefault()}
-      onClick={() => reason === null && on_click()}
+      onClick={() => reason === null && onClick()}
     >
       <svg viewBox="0 0 16 16" width="16" height="16" aria-hidden="true">
         <path d={icons[icon]} fill="currentColor" />
@@ -43,7 +43,7 @@ function Tool({ label, icon, keys, reason, pressed, testid, on_click, children }
 
 function SpeedChoice({ control }: { control: Control }) {
   const speed = control.speed();
-  const reason = control.why_not("speed");
+  const reason = control.whyNot("speed");
   const ladder = recorded(control.situation()) ? kSpeeds.filter((s) => s !== null) : kSpeeds;
   const all = ladder.includes(speed) ? ladder : [...ladder, speed];
   return (
@@ -53,11 +53,11 @@ function SpeedChoice({ control }: { control: Control }) {
       disabled={reason !== null}
       data-testid="speed"
       value={String(speed)}
-      onChange={({ currentTarget: { value } }) => control.set_speed(value === "null" ? null : Number(value))}
+      onChange={({ currentTarget: { value } }) => control.setSpeed(value === "null" ? null : Number(value))}
     >
       {all.map((s) => (
         <option key={String(s)} value={String(s)}>
-          {speed_text(s)}
+          {speedText(s)}
         </option>
       ))}
     </select>
@@ -66,24 +66,24 @@ function SpeedChoice({ control }: { control: Control }) {
 
 function StepField({ control }: { control: Control }) {
   const status = control.studio.state.status.value;
-  const [wrong, set_wrong] = useState("");
+  const [wrong, setWrong] = useState("");
   const field = useRef<HTMLInputElement>(null);
   const dt = status?.dt ?? 0;
   const own = status?.scene_dt ?? dt;
-  const reason = control.why_not("dt");
+  const reason = control.whyNot("dt");
   const take = async () => {
     const input = field.current;
     // a field that was rebuilt loses the focus without any typing
     if (!input) return;
-    const step = read_step(input.value);
+    const step = readStep(input.value);
     if (typeof step === "string") {
-      set_wrong(step);
+      setWrong(step);
       return;
     }
-    set_wrong("");
+    setWrong("");
     if (Math.abs(step - dt) > 1e-12) {
       const done = await control.ask("dt", { value: Math.abs(step - own) < 1e-12 ? null : step });
-      if (!done) input.value = step_text(dt);
+      if (!done) input.value = stepText(dt);
     }
   };
   return (
@@ -97,7 +97,7 @@ function StepField({ control }: { control: Control }) {
         size={6}
         // typed text is not overwritten by updates of the run
         key={dt}
-        defaultValue={step_text(dt)}
+        defaultValue={stepText(dt)}
         disabled={reason !== null}
         title={reason ?? undefined}
         aria-describedby="time-step-hint"
@@ -107,8 +107,8 @@ function StepField({ control }: { control: Control }) {
         onKeyDown={(event) => {
           if (event.key === "Enter") void take();
           if (event.key === "Escape") {
-            event.currentTarget.value = step_text(dt);
-            set_wrong("");
+            event.currentTarget.value = stepText(dt);
+            setWrong("");
           }
         }}
       />
@@ -116,7 +116,7 @@ function StepField({ control }: { control: Control }) {
       {Math.abs(dt - own) > 1e-12 && reason === null && (
         <button
           class="cg-tool"
-          title={`Back to the scene's own ${step_text(own)} ms`}
+          title={`Back to the scene's own ${stepText(own)} ms`}
           aria-label="Use the scene's own time step"
           data-testid="time-step-reset"
           onClick={() => void control.ask("dt", { value: null })}
@@ -125,7 +125,7 @@ function StepField({ control }: { control: Control }) {
         </button>
       )}
       <span id="time-step-hint" class="cg-hint" role="note">
-        {wrong ? <strong class="cg-error">{wrong}</strong> : status ? step_hint(dt, own) : ""}
+        {wrong ? <strong class="cg-error">{wrong}</strong> : status ? stepHint(dt, own) : ""}
       </span>
     </span>
   );
@@ -133,7 +133,7 @@ function StepField({ control }: { control: Control }) {
 
 function Backend({ control }: { control: Control }) {
   const { hello, status } = control.studio.state;
-  const reason = control.why_not("backend");
+  const reason = control.whyNot("backend");
   const present = status.value?.backend ?? "";
   const names = hello.value?.backends ?? [];
   const all = names.includes(present) || !present ? names : [present, ...names];
@@ -150,7 +150,7 @@ function Backend({ control }: { control: Control }) {
           const name = select.value;
           // shows the present backend until the run reports another
           select.value = present;
-          void control.set_backend(name);
+          void control.setBackend(name);
         }}
       >
         {all.map((name) => (
@@ -165,8 +165,8 @@ function Backend({ control }: { control: Control }) {
 
 function Record({ control }: { control: Control }) {
   const recording = control.studio.state.status.value?.recording ?? null;
-  const [file, set_file] = useState("");
-  const reason = control.why_not("record");
+  const [file, setFile] = useState("");
+  const reason = control.whyNot("record");
   return (
     <span class="cg-record">
       <Tool
@@ -175,7 +175,7 @@ function Record({ control }: { control: Control }) {
         pressed={recording !== null}
         reason={reason}
         testid="record"
-        on_click={() => void control.record(file)}
+        onClick={() => void control.record(file)}
       />
       {recording ? (
         <span class="cg-recording" data-testid="recording-file">
@@ -190,7 +190,7 @@ function Record({ control }: { control: Control }) {
           title={reason ?? "Name of the file beside the scene; empty: a name is chosen"}
           disabled={reason !== null}
           value={file}
-          onInput={(event) => set_file(event.currentTarget.value.trim())}
+          onInput={(event) => setFile(event.currentTarget.value.trim())}
         />
       )}
     </span>
@@ -217,26 +217,26 @@ function Bar({ control }: { control: Control }) {
           label="Play"
           icon="play"
           keys="Space"
-          reason={control.why_not("play")}
+          reason={control.whyNot("play")}
           pressed={control.moving()}
           testid="play"
-          on_click={() => control.play()}
+          onClick={() => control.play()}
         />
         <Tool
           label="Pause"
           icon="pause"
           keys="Space"
-          reason={control.why_not("pause")}
+          reason={control.whyNot("pause")}
           testid="pause"
-          on_click={() => control.pause()}
+          onClick={() => control.pause()}
         />
-        <Tool label="Stop" icon="stop" reason={control.why_not("stop")} testid="stop" on_click={() => control.stop()} />
+        <Tool label="Stop" icon="stop" reason={control.whyNot("stop")} testid="stop" onClick={() => control.stop()} />
         <Tool
           label="Restart"
           icon="restart"
-          reason={control.why_not("restart")}
+          reason={control.whyNot("restart")}
           testid="restart"
-          on_click={() => control.restart()}
+          onClick={() => control.restart()}
         />
       </span>
       <span class="cg-group">
@@ -244,17 +244,17 @@ function Bar({ control }: { control: Control }) {
           label="Step back"
           icon="back"
           keys="←"
-          reason={control.why_not("step-back")}
+          reason={control.whyNot("step-back")}
           testid="step-back"
-          on_click={() => void playback.step_back()}
+          onClick={() => void playback.stepBack()}
         />
         <Tool
           label="Step forward"
           icon="step"
           keys="→"
-          reason={control.why_not("step")}
+          reason={control.whyNot("step")}
           testid="step"
-          on_click={() => control.step()}
+          onClick={() => control.step()}
         />
       </span>
       <span class="cg-group">
@@ -262,18 +262,18 @@ function Bar({ control }: { control: Control }) {
           label="Slower"
           icon="slower"
           keys="−"
-          reason={control.why_not("speed")}
+          reason={control.whyNot("speed")}
           testid="slower"
-          on_click={() => control.change_speed(-1)}
+          onClick={() => control.changeSpeed(-1)}
         />
         <SpeedChoice control={control} />
         <Tool
           label="Faster"
           icon="faster"
           keys="="
-          reason={control.why_not("speed")}
+          reason={control.whyNot("speed")}
           testid="faster"
-          on_click={() => control.change_speed(1)}
+          onClick={() => control.changeSpeed(1)}
         />
       </span>
       {!past && <Figures control={control} />}
@@ -290,7 +290,7 @@ function Bar({ control }: { control: Control }) {
   );
 }
 
-export function show_bar(control: Control, node: HTMLElement): void {
+export function showBar(control: Control, node: HTMLElement): void {
   node.classList.add("cg-control");
   node.setAttribute("role", "toolbar");
   node.setAttribute("aria-label", "Run");

@@ -4,7 +4,7 @@ import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
 import type { Playback } from "../timeline/playback";
 import { neighbour } from "../timeline/scale";
-import { kSpeeds, next_speed, play_means, recorded, reload_text, speed_text, why_not, type Action, type Situation } from "./rules";
+import { kSpeeds, nextSpeed, playMeans, recorded, reloadText, speedText, whyNot, type Action, type Situation } from "./rules";
 
 export class Control {
   constructor(
@@ -23,8 +23,8 @@ export class Control {
       replaying: this.playback.running.value,
     };
   }
-  why_not(action: Action): string | null {
-    return why_not(action, this.situation());
+  whyNot(action: Action): string | null {
+    return whyNot(action, this.situation());
   }
 
   /** Whether something moves on this page. */
@@ -48,14 +48,14 @@ export class Control {
   }
 
   play(): void {
-    if (play_means(this.situation()) === "run") {
+    if (playMeans(this.situation()) === "run") {
       void this.ask("play");
       return;
     }
     this.playback.run(() => {
       if (this.playback.recorded()) return;
       this.playback.live();
-      if (this.why_not("play") === null) void this.ask("play");
+      if (this.whyNot("play") === null) void this.ask("play");
     });
   }
   pause(): void {
@@ -81,17 +81,17 @@ export class Control {
   }
   step(): void {
     const now = this.situation();
-    if (recorded(now) || !now.live) void this.playback.step_forward();
+    if (recorded(now) || !now.live) void this.playback.stepForward();
     else void this.ask("step", { count: 1 });
   }
-  change_speed(direction: 1 | -1): void {
-    this.set_speed(next_speed(this.speed(), direction, !recorded(this.situation())));
+  changeSpeed(direction: 1 | -1): void {
+    this.setSpeed(nextSpeed(this.speed(), direction, !recorded(this.situation())));
   }
-  set_speed(factor: number | null): void {
+  setSpeed(factor: number | null): void {
     if (recorded(this.situation())) this.playback.speed.value = factor ?? 10;
     else void this.ask("speed", { factor });
   }
-  async set_backend(name: string): Promise<void> {
+  async setBackend(name: string): Promise<void> {
     const answer = await this.ask("backend", { name });
     const notes = Array.isArray(answer?.notes) ? (answer.notes as unknown[]) : [];
     if (answer) this.studio.notify([`the run continues with ${name}`, ...notes.map(String)].join("; "));
@@ -99,7 +99,7 @@ export class Control {
   /** The libraries of all controllers as they are on disk now. */
   async reload(): Promise<void> {
     const answer = await this.ask("reload");
-    if (answer) this.studio.notify(reload_text(answer));
+    if (answer) this.studio.notify(reloadText(answer));
   }
   async record(file: string): Promise<void> {
     const on = !this.studio.state.status.value?.recording;
@@ -117,7 +117,7 @@ export class Control {
     if (typeof divergence === "number") times.push(divergence);
     return times.sort((a, b) => a - b);
   }
-  to_bookmark(direction: 1 | -1): void {
+  toBookmark(direction: 1 | -1): void {
     const time = neighbour(this.bookmarks(), this.playback.time, direction);
     if (time === undefined) this.studio.notify(direction > 0 ? "no event after this time" : "no event before this time");
     else this.playback.seek(time);
@@ -128,25 +128,25 @@ export class Control {
     const add = (id: string, label: string, action: Action | null, execute: () => void) =>
       commands.addCommand(id, {
         label,
-        caption: () => (action && this.why_not(action)) ?? "",
-        isEnabled: () => action === null || this.why_not(action) === null,
+        caption: () => (action && this.whyNot(action)) ?? "",
+        isEnabled: () => action === null || this.whyNot(action) === null,
         execute: () => execute(),
       });
     commands.addCommand("run:toggle", {
       label: () => (this.moving() ? "Pause" : "Play"),
-      isEnabled: () => this.why_not(this.moving() ? "pause" : "play") === null,
+      isEnabled: () => this.whyNot(this.moving() ? "pause" : "play") === null,
       execute: () => (this.moving() ? this.pause() : this.play()),
     });
     add("run:stop", "Stop, back to the start", "stop", () => this.stop());
     add("run:restart", "Restart", "restart", () => this.restart());
-    add("run:step-back", "Step back", "step-back", () => void this.playback.step_back());
+    add("run:step-back", "Step back", "step-back", () => void this.playback.stepBack());
     add("run:step", "Step forward", "step", () => this.step());
-    add("run:slower", "Slower", "speed", () => this.change_speed(-1));
-    add("run:faster", "Faster", "speed", () => this.change_speed(1));
-    add("run:as-fast-as-possible", "As fast as possible", "speed", () => this.set_speed(recorded(this.situation()) ? 10 : null));
+    add("run:slower", "Slower", "speed", () => this.changeSpeed(-1));
+    add("run:faster", "Faster", "speed", () => this.changeSpeed(1));
+    add("run:as-fast-as-possible", "As fast as possible", "speed", () => this.setSpeed(recorded(this.situation()) ? 10 : null));
     add("run:live", "Follow the run (live)", "live", () => this.playback.live());
-    add("run:previous-event", "Previous event", null, () => this.to_bookmark(-1));
-    add("run:next-event", "Next event", null, () => this.to_bookmark(1));
+    add("run:previous-event", "Previous event", null, () => this.toBookmark(-1));
+    add("run:next-event", "Next event", null, () => this.toBookmark(1));
     add("run:reload", "Reload controllers", "reload", () => void this.reload());
     add("run:record", "Record, or end the recording", "record", () => void this.record(""));
     // menus and palette read what is enabled when they open; a palette that is open is notified
@@ -157,4 +157,4 @@ export class Control {
   }
 }
 
-export { kSpeeds, speed_text };
+export { kSpeeds, speedText };

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { kProtocol, type Hello, type Status } from "../core/protocol";
-import { next_speed, play_means, read_step, reload_text, step_hint, step_text, why_not, type Action, type Situation } from "./rules";
+import { nextSpeed, playMeans, readStep, reloadText, stepHint, stepText, whyNot, type Action, type Situation } from "./rules";
 
 const hello: Hello = {
   role: "operator",
@@ -22,30 +22,30 @@ const now = (more: Partial<Situation> = {}): Situation => ({
   replaying: false,
   ...more,
 });
-const can = (action: Action, more: Partial<Situation>) => why_not(action, now(more)) === null;
+const can = (action: Action, more: Partial<Situation>) => whyNot(action, now(more)) === null;
 
 test("the ladder of speeds ends at as fast as possible, and for recordings at ten", () => {
   let speed: number | null = 0.01;
   const climbed: (number | null)[] = [];
-  for (let i = 0; i < 9; ++i) climbed.push((speed = next_speed(speed, 1, true)));
+  for (let i = 0; i < 9; ++i) climbed.push((speed = nextSpeed(speed, 1, true)));
   assert.deepEqual(climbed, [0.1, 0.25, 0.5, 1, 2, 4, 10, null, null]);
-  assert.equal(next_speed(null, -1, true), 10);
-  assert.equal(next_speed(0.1, -1, true), 0.1);
-  assert.equal(next_speed(3, -1, true), 2);
-  assert.equal(next_speed(3, 1, true), 4);
-  assert.equal(next_speed(10, 1, false), 10);
+  assert.equal(nextSpeed(null, -1, true), 10);
+  assert.equal(nextSpeed(0.1, -1, true), 0.1);
+  assert.equal(nextSpeed(3, -1, true), 2);
+  assert.equal(nextSpeed(3, 1, true), 4);
+  assert.equal(nextSpeed(10, 1, false), 10);
 });
 
 test("play in the past plays recorded frames, at the end it runs", () => {
-  assert.equal(play_means(now()), "run");
-  assert.equal(play_means(now({ live: false })), "replay");
-  assert.equal(play_means(now({ hello: { ...hello, kind: "recording" } })), "replay");
+  assert.equal(playMeans(now()), "run");
+  assert.equal(playMeans(now({ live: false })), "replay");
+  assert.equal(playMeans(now({ hello: { ...hello, kind: "recording" } })), "replay");
 });
 
 test("a viewer may look, not steer", () => {
   const viewer = { hello: { ...hello, role: "viewer" as const } };
   for (const action of ["play", "stop", "restart", "step", "speed", "dt", "backend", "record", "reload"] as Action[]) {
-    assert.match(why_not(action, now(viewer)) ?? "", /operator/, action);
+    assert.match(whyNot(action, now(viewer)) ?? "", /operator/, action);
   }
   assert.ok(can("step-back", viewer));
   assert.ok(can("play", { ...viewer, live: false }));
@@ -55,12 +55,12 @@ test("a viewer may look, not steer", () => {
 
 test("controllers are reloaded while the run is paused", () => {
   assert.ok(can("reload", {}));
-  assert.equal(why_not("reload", now({ status: { ...status, state: "playing" } })), "pause the run first");
+  assert.equal(whyNot("reload", now({ status: { ...status, state: "playing" } })), "pause the run first");
   const answer = {
     reloaded: [{ controller: "bot.driver", version: "2.0.0", memory_kept: false, note: "it restarted" }],
     kept: [{ controller: "other.driver", message: "controller 'other.driver' was not reloaded" }],
   };
-  assert.equal(reload_text(answer), "bot.driver reloaded (2.0.0): it restarted; controller 'other.driver' was not reloaded");
+  assert.equal(reloadText(answer), "bot.driver reloaded (2.0.0): it restarted; controller 'other.driver' was not reloaded");
 });
 
 test("a recording is played, not changed", () => {
@@ -72,24 +72,24 @@ test("a recording is played, not changed", () => {
 
 test("an ended run shows how it ended", () => {
   const ended = { status: { ...status, state: "ended" as const, ending: "its duration is over" } };
-  assert.match(why_not("play", now(ended)) ?? "", /duration is over/);
+  assert.match(whyNot("play", now(ended)) ?? "", /duration is over/);
   assert.ok(can("restart", ended));
   assert.ok(can("play", { ...ended, live: false }));
 });
 
 test("without a connection nothing can be done", () => {
   for (const action of ["play", "stop", "live", "step-back"] as Action[]) {
-    assert.equal(why_not(action, now({ open: false })), "no connection");
+    assert.equal(whyNot(action, now({ open: false })), "no connection");
   }
 });
 
 test("time steps are read in milliseconds and written without noise", () => {
-  assert.equal(read_step(" 0,5 "), 0.0005);
-  assert.equal(read_step("2"), 0.002);
-  for (const bad of ["", "x", "0", "-1", "1001", "Infinity"]) assert.equal(typeof read_step(bad), "string", bad);
-  assert.equal(step_text(0.001), "1");
-  assert.equal(step_text(1 / 240), "4.16667");
-  assert.match(step_hint(0.001, 0.001), /as the scene says/);
-  assert.match(step_hint(0.0005, 0.001), /about 2 times as accurate/);
-  assert.match(step_hint(0.004, 0.001), /about 4 times the error of the scene's 1 ms/);
+  assert.equal(readStep(" 0,5 "), 0.0005);
+  assert.equal(readStep("2"), 0.002);
+  for (const bad of ["", "x", "0", "-1", "1001", "Infinity"]) assert.equal(typeof readStep(bad), "string", bad);
+  assert.equal(stepText(0.001), "1");
+  assert.equal(stepText(1 / 240), "4.16667");
+  assert.match(stepHint(0.001, 0.001), /as the scene says/);
+  assert.match(stepHint(0.0005, 0.001), /about 2 times as accurate/);
+  assert.match(stepHint(0.004, 0.001), /about 4 times the error of the scene's 1 ms/);
 });

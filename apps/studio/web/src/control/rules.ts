@@ -6,7 +6,7 @@ export const kSpeeds: (number | null)[] = [0.1, 0.25, 0.5, 1, 2, 4, 10, null];
 
 /** The next rung above (`direction` 1) or below (-1) `speed`, which need not be on the ladder. `endless`: whether there is a rung
  *  "as fast as possible". */
-export function next_speed(speed: number | null, direction: 1 | -1, endless: boolean): number | null {
+export function nextSpeed(speed: number | null, direction: 1 | -1, endless: boolean): number | null {
   const ladder = endless ? kSpeeds : kSpeeds.filter((s) => s !== null);
   const worth = (s: number | null) => s ?? Infinity;
   const at = worth(speed);
@@ -15,7 +15,7 @@ export function next_speed(speed: number | null, direction: 1 | -1, endless: boo
   return next === undefined ? speed : next;
 }
 
-export function speed_text(speed: number | null): string {
+export function speedText(speed: number | null): string {
   return speed === null ? "as fast as possible" : `${Number(speed.toPrecision(3))}×`;
 }
 
@@ -32,7 +32,7 @@ export interface Situation {
 export type Action = "play" | "pause" | "stop" | "restart" | "step" | "step-back" | "speed" | "dt" | "backend" | "record" | "live" | "reload";
 
 /** The action of play: run the page's cursor through the past, or the simulation. */
-export function play_means(now: Situation): "replay" | "run" {
+export function playMeans(now: Situation): "replay" | "run" {
   return recorded(now) || !now.live ? "replay" : "run";
 }
 
@@ -41,7 +41,7 @@ export function recorded(now: Situation): boolean {
 }
 
 /** Why `action` cannot be done now; null: it can. */
-export function why_not(action: Action, now: Situation): string | null {
+export function whyNot(action: Action, now: Situation): string | null {
   const { hello, status } = now;
   if (!hello || !status || !now.open) return "no connection";
   const viewer = hello.role !== "operator" ? "only the operator may do this: this page is a viewer" : null;
@@ -49,7 +49,7 @@ export function why_not(action: Action, now: Situation): string | null {
   switch (action) {
     case "play":
       if (now.replaying) return "it plays already";
-      if (play_means(now) === "replay") return status.frames > 1 ? null : "there is nothing to play";
+      if (playMeans(now) === "replay") return status.frames > 1 ? null : "there is nothing to play";
       if (viewer) return viewer;
       if (status.state === "playing") return "it plays already";
       return status.state === "ended" ? `the run has ended: ${status.ending || "restart it"}` : null;
@@ -84,7 +84,7 @@ export function why_not(action: Action, now: Situation): string | null {
 }
 
 /** An answer to `reload` as text, a sentence for each controller. */
-export function reload_text(answer: Record<string, unknown>): string {
+export function reloadText(answer: Record<string, unknown>): string {
   const entries = (key: string) => (Array.isArray(answer[key]) ? (answer[key] as Record<string, unknown>[]) : []);
   const done = entries("reloaded").map(
     (one) => `${String(one.controller)} reloaded (${String(one.version)})${one.note ? `: ${String(one.note)}` : ""}`,
@@ -93,7 +93,7 @@ export function reload_text(answer: Record<string, unknown>): string {
 }
 
 /** [s] from a text in ms; an error as text. */
-export function read_step(text: string): number | string {
+export function readStep(text: string): number | string {
   const value = Number(text.trim().replace(",", "."));
   if (text.trim() === "" || !Number.isFinite(value)) return "a number of milliseconds, please";
   if (value <= 0) return "the time step must be above 0";
@@ -102,19 +102,19 @@ export function read_step(text: string): number | string {
 }
 
 /** Milliseconds with no more digits than needed. */
-export function step_text(seconds: number): string {
+export function stepText(seconds: number): string {
   return String(Number((seconds * 1000).toPrecision(6)));
 }
 
 /** The effect of the time step on accuracy. */
-export function step_hint(dt: number, scene_dt: number): string {
-  const ratio = dt / scene_dt;
+export function stepHint(dt: number, sceneDt: number): string {
+  const ratio = dt / sceneDt;
   const now =
     Math.abs(ratio - 1) < 1e-9
       ? "as the scene says"
       : ratio < 1
-        ? `about ${short(1 / ratio)} times as accurate and as costly as with the scene's ${step_text(scene_dt)} ms`
-        : `about ${short(ratio)} times the error of the scene's ${step_text(scene_dt)} ms`;
+        ? `about ${short(1 / ratio)} times as accurate and as costly as with the scene's ${stepText(sceneDt)} ms`
+        : `about ${short(ratio)} times the error of the scene's ${stepText(sceneDt)} ms`;
   return (
     `Now ${now}. Halving the step about halves the error of positions and contacts and doubles the work; ` +
     `too long a step lets fast bodies pass through thin ones. It changes the result, not the speed.`

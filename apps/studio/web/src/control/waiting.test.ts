@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { RunEvent, Scene, Waiting } from "../core/protocol";
-import { fault_text, waiting_help, waiting_text } from "./waiting";
+import { faultText, waitingHelp, waitingText } from "./waiting";
 
 const waiting: Waiting = {
   kind: "controller",
@@ -16,14 +16,14 @@ const waiting: Waiting = {
 };
 
 test("the call that the run waits for is named, with its owner and its duration", () => {
-  assert.equal(waiting_text(waiting), "Waiting for controller 'bot.driver' of robot 'bot': 3 s");
-  assert.equal(waiting_text({ ...waiting, kind: "renderer", name: "", of: "" }), "Waiting for renderer: 3 s");
+  assert.equal(waitingText(waiting), "Waiting for controller 'bot.driver' of robot 'bot': 3 s");
+  assert.equal(waitingText({ ...waiting, kind: "renderer", name: "", of: "" }), "Waiting for renderer: 3 s");
 });
 
 test("the remedy depends on where it runs", () => {
-  assert.match(waiting_help(waiting), /^Plugin 'rascal' has not returned, in update at 0\.1 s of the run\. Its process is ended after 10 s;/);
-  assert.match(waiting_help({ ...waiting, limit: null }), /no deadline; Stop, Restart and End controller end it now/);
-  const here = waiting_help({ ...waiting, isolated: false, limit: null, time: null });
+  assert.match(waitingHelp(waiting), /^Plugin 'rascal' has not returned, in update at 0\.1 s of the run\. Its process is ended after 10 s;/);
+  assert.match(waitingHelp({ ...waiting, limit: null }), /no deadline; Stop, Restart and End controller end it now/);
+  const here = waitingHelp({ ...waiting, isolated: false, limit: null, time: null });
   assert.match(here, /has not returned, in update\. It runs in the studio's own process and cannot be stopped without ending the studio/);
   assert.doesNotMatch(here, /End controller/);
 });
@@ -35,8 +35,8 @@ test("a fault names its owner, time, reason and remedy", () => {
     controllers: [{ name: "bot.driver", plugin: "rascal", assembly: 0 }],
   } as unknown as Scene;
   assert.match(
-    fault_text(event, scene),
+    faultText(event, scene),
     /^Controller 'bot\.driver' of robot 'bot' \(plugin 'rascal'\) at 0\.1 s: crashed \(SIGSEGV\) in update\. Restart runs from the start\..*Reload controllers/,
   );
-  assert.equal(fault_text({ ...event, source: "boss" }, scene), "'boss' at 0.1 s: crashed (SIGSEGV) in update. Restart runs from the start.");
+  assert.equal(faultText({ ...event, source: "boss" }, scene), "'boss' at 0.1 s: crashed (SIGSEGV) in update. Restart runs from the start.");
 });

@@ -10,12 +10,12 @@ function who(kind: string, name: string, robot: string): string {
 }
 
 /** Shown instead of the run's state. */
-export function waiting_text(waiting: Waiting): string {
+export function waitingText(waiting: Waiting): string {
   return `Waiting for ${who(waiting.kind, waiting.name, waiting.of)}: ${Math.floor(waiting.seconds)} s`;
 }
 
 /** Where the call is, when it is ended, what the user can do. */
-export function waiting_help(waiting: Waiting): string {
+export function waitingHelp(waiting: Waiting): string {
   const { plugin, doing, time, isolated, limit } = waiting;
   const text = `${plugin ? `Plugin '${plugin}' ` : "It "}has not returned, ${doing}${time === null ? "" : ` at ${short(time)} s of the run`}.`;
   if (!isolated) {
@@ -26,7 +26,7 @@ export function waiting_help(waiting: Waiting): string {
 }
 
 /** The text of a fault for the user; `scene` has the owner. */
-export function fault_text(event: RunEvent, scene: Scene | null): string {
+export function faultText(event: RunEvent, scene: Scene | null): string {
   const controller = scene?.controllers.find((one) => one.name === event.source);
   const robot = controller && scene?.assemblies[controller.assembly];
   const name = controller
@@ -43,7 +43,7 @@ function short(value: number): string {
 }
 
 /** Notifies of faults as they occur, and of those before the page joined. */
-export function notify_faults(studio: Studio): void {
+export function notifyFaults(studio: Studio): void {
   const { state } = studio;
   let seen = -1;
   effect(() => {
@@ -53,13 +53,13 @@ export function notify_faults(studio: Studio): void {
     for (const event of state.events.value) {
       if (event.index <= seen) continue;
       seen = event.index;
-      if (event.kind === "fault" && state.hello.peek()?.kind === "scene") studio.notify(fault_text(event, state.scene.peek()), "error");
+      if (event.kind === "fault" && state.hello.peek()?.kind === "scene") studio.notify(faultText(event, state.scene.peek()), "error");
     }
   });
 }
 
 /** Shows the call that the run waits for. */
-export function waiting_bar(control: Control): HTMLElement {
+export function waitingBar(control: Control): HTMLElement {
   const { state } = control.studio;
   const node = document.createElement("div");
   node.className = "cg-waiting";
@@ -76,8 +76,8 @@ export function waiting_bar(control: Control): HTMLElement {
   effect(() => {
     const waiting = state.open.value ? state.status.value?.waiting : null;
     node.hidden = !waiting;
-    seconds.textContent = waiting ? waiting_text(waiting) : "";
-    const help = waiting ? waiting_help(waiting) : "";
+    seconds.textContent = waiting ? waitingText(waiting) : "";
+    const help = waiting ? waitingHelp(waiting) : "";
     if (message.textContent !== help) message.textContent = help;
     end.hidden = !waiting?.isolated || state.hello.value?.role !== "operator";
   });

@@ -1,12 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { decode_frame, decode_picture } from "./decode";
+import { decodeFrame, decodePicture } from "./decode";
 import { MemoryLink } from "./memory_link";
 import type { MemoryRun } from "./memory_run";
-import { kProtocol, type Frame, type Hello, type RunEvent, type Scene } from "./protocol";
-import { index_at, low_high } from "./series";
+import { kProtocol, type RunEvent, type Scene } from "./protocol";
+import { indexAt, lowHigh } from "./series";
 import { State } from "./state";
-import { append, append_events, same_protocol, wire } from "./wire";
+import { append, appendEvents, sameProtocol, wire } from "./wire";
 
 test("a frame is read as it is laid down", () => {
   const tail = new TextEncoder().encode('{"readings":[{"sensor":2,"values":[1,null]}]}');
@@ -22,7 +22,7 @@ test("a frame is read as it is laid down", () => {
   view.setUint32(32, tail.length, true);
   for (let i = 0; i < 21; ++i) view.setFloat32(40 + 4 * i, i + 0.5, true);
   new Uint8Array(data, 40 + 84).set(tail);
-  const frame = decode_frame(data);
+  const frame = decodeFrame(data);
   assert.deepEqual(
     { ...frame, poses: Array.from(frame.poses), ghost: Array.from(frame.ghost) },
     {
@@ -36,8 +36,8 @@ test("a frame is read as it is laid down", () => {
     },
   );
   assert.equal(frame.poses.buffer, data, "not copied");
-  assert.throws(() => decode_frame(data.slice(0, -1)));
-  assert.throws(() => decode_frame(new ArrayBuffer(3)));
+  assert.throws(() => decodeFrame(data.slice(0, -1)));
+  assert.throws(() => decodeFrame(new ArrayBuffer(3)));
 });
 
 test("a picture is read as it is laid down", async () => {
@@ -52,50 +52,50 @@ test("a picture is read as it is laid down", async () => {
   view.setFloat64(12, 0.5, true);
   data.set(name, 20);
   data.set([9, 8, 7], 24);
-  const { file, ...rest } = decode_picture(data.buffer);
+  const { file, ...rest } = decodePicture(data.buffer);
   assert.deepEqual(rest, { kind: "depth", name: "Auge", width: 320, height: 240, time: 0.5 });
   assert.equal(file.type, "image/png");
   assert.deepEqual([...new Uint8Array(await file.arrayBuffer())], [9, 8, 7]);
-  assert.throws(() => decode_picture(data.buffer.slice(0, 22)));
+  assert.throws(() => decodePicture(data.buffer.slice(0, 22)));
   view.setUint8(1, 3);
-  assert.throws(() => decode_picture(data.buffer));
+  assert.throws(() => decodePicture(data.buffer));
 });
 
 test("the last frame at or before a time", () => {
   const times = [0, 1, 1, 2];
-  const at = (t: number) => index_at(4, (i) => times[i]!, t);
+  const at = (t: number) => indexAt(4, (i) => times[i]!, t);
   assert.deepEqual([-1, 0, 0.5, 1, 1.5, 2, 9].map(at), [0, 0, 0, 2, 2, 3, 3]);
   assert.equal(at(2 - 1e-13), 3, "a time that went through text");
 });
 
 test("intervals keep the lowest and the highest, and have null where there is no number", () => {
   const values = [1, 5, NaN, 2, NaN, NaN, 7];
-  assert.deepEqual(low_high(values, 0, 7, 100), {
+  assert.deepEqual(lowHigh(values, 0, 7, 100), {
     picks: [0, 1, 2, 3, 4, 5, 6],
     low: [1, 5, null, 2, null, null, 7],
     high: [1, 5, null, 2, null, null, 7],
   });
-  const few = low_high(values, 0, 6, 3);
+  const few = lowHigh(values, 0, 6, 3);
   assert.deepEqual(few, { picks: [0, 2, 4], low: [1, 2, null], high: [5, 2, null] });
-  assert.deepEqual(low_high(values, 3, 3, 10), { picks: [], low: [], high: [] });
+  assert.deepEqual(lowHigh(values, 3, 3, 10), { picks: [], low: [], high: [] });
 });
 
 const event = (index: number): RunEvent => ({ index, time: index, kind: "k", source: "s", subject: "", message: "" });
 
 test("lists are bounded, and events of a new run replace the old ones", () => {
   assert.deepEqual(append([1, 2, 3], [4, 5], 3), [3, 4, 5]);
-  const all = append_events([], [event(0), event(1), event(2)]);
-  assert.deepEqual(append_events(all, [event(3)]).map((e) => e.index), [0, 1, 2, 3]);
-  assert.deepEqual(append_events(all, [event(0)]).map((e) => e.index), [0]);
-  assert.deepEqual(append_events(all, []).map((e) => e.index), [0, 1, 2]);
+  const all = appendEvents([], [event(0), event(1), event(2)]);
+  assert.deepEqual(appendEvents(all, [event(3)]).map((e) => e.index), [0, 1, 2, 3]);
+  assert.deepEqual(appendEvents(all, [event(0)]).map((e) => e.index), [0]);
+  assert.deepEqual(appendEvents(all, []).map((e) => e.index), [0, 1, 2]);
 });
 
-function run_of(count: number): MemoryRun {
+function runOf(count: number): MemoryRun {
   return {
-    hello: { protocol: kProtocol, role: "viewer", client: 1, version: "1", kind: "bundle", file: "a", allow_build: false, backends: [] } as Hello,
+    hello: { protocol: kProtocol, role: "viewer", client: 1, version: "1", kind: "bundle", file: "a", allow_build: false, backends: [] },
     scenes: [{ scene: 1, name: "one", step: 0.1, bodies: [] as Scene["bodies"] } as Scene, { scene: 2, name: "two", step: 0.1, bodies: [] as Scene["bodies"] } as Scene],
     count,
-    time_of: (i) => i / 10,
+    timeOf: (i) => i / 10,
     frame: (i) =>
       ({
         live: true,
@@ -105,9 +105,9 @@ function run_of(count: number): MemoryRun {
         poses: new Float32Array([i]),
         ghost: new Float32Array(0),
         tail: { contacts: [], readings: [{ sensor: 0, values: [i] }] },
-      }) as Frame,
+      }),
     backend: "bullet",
-    engine_version: "1",
+    engineVersion: "1",
     ending: "",
     dt: 0.1,
     signals: [{ name: "x", unit: "m", owner: "b", values: Array.from({ length: count }, (_, i) => i) }],
@@ -118,7 +118,7 @@ function run_of(count: number): MemoryRun {
 const soon = () => new Promise((r) => setTimeout(r, 40));
 
 test("a run in memory answers as a server does", async () => {
-  const link = new MemoryLink(run_of(11));
+  const link = new MemoryLink(runOf(11));
   const state = new State();
   wire(link, state, (message) => assert.fail(message));
   await soon();
@@ -128,7 +128,7 @@ test("a run in memory answers as a server does", async () => {
   assert.equal(state.frame.value?.time, 0);
   assert.equal(state.frame.value?.live, false);
   assert.equal(state.messages.value.length, 1);
-  assert.equal(state.may_edit.value, false);
+  assert.equal(state.mayEdit.value, false);
 
   assert.deepEqual(await link.request("seek", { time: 0.77 }), { time: 0.7 });
   await soon();
@@ -153,17 +153,17 @@ test("a run in memory answers as a server does", async () => {
 });
 
 test("a page that meets a server of another protocol is reloaded once", (t) => {
-  const kept = new Map<string, string>();
+  const stored = new Map<string, string>();
   const storage = {
-    getItem: (key: string) => kept.get(key) ?? null,
-    setItem: (key: string, value: string) => void kept.set(key, value),
-    removeItem: (key: string) => void kept.delete(key),
+    getItem: (key: string) => stored.get(key) ?? null,
+    setItem: (key: string, value: string) => void stored.set(key, value),
+    removeItem: (key: string) => void stored.delete(key),
   };
   const page = globalThis as { sessionStorage?: unknown };
   const before = page.sessionStorage;
   t.after(() => (page.sessionStorage = before));
   const done: string[] = [];
-  const meet = (protocol: number) => same_protocol(protocol, () => done.push("reload"), (message) => done.push(message));
+  const meet = (protocol: number) => sameProtocol(protocol, () => done.push("reload"), (message) => done.push(message));
 
   // Where nothing is kept, it could not be distinguished from the first time.
   page.sessionStorage = undefined;

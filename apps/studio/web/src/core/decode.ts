@@ -6,7 +6,7 @@ const kPictureHead = 20;
 const kKinds: Picture["kind"][] = ["color", "depth", "segmentation"];
 
 /** Poses lie in `data`, not in a copy. Throws when it is no frame. */
-export function decode_frame(data: ArrayBuffer): Frame {
+export function decodeFrame(data: ArrayBuffer): Frame {
   const view = new DataView(data);
   if (data.byteLength < kHead || view.getUint8(0) !== 1) throw new Error("not a frame");
   const flags = view.getUint8(1);
@@ -28,16 +28,16 @@ export function decode_frame(data: ArrayBuffer): Frame {
   };
 }
 
-const little_endian = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;
+const littleEndian = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;
 
 function floats(data: ArrayBuffer, offset: number, count: number): Float32Array {
-  if (little_endian) return new Float32Array(data, offset, count);
+  if (littleEndian) return new Float32Array(data, offset, count);
   const view = new DataView(data, offset, 4 * count);
   return Float32Array.from({ length: count }, (_, i) => view.getFloat32(4 * i, true));
 }
 
 /** Throws when it is no picture. */
-export function decode_picture(data: ArrayBuffer): Picture {
+export function decodePicture(data: ArrayBuffer): Picture {
   const view = new DataView(data);
   const kind = data.byteLength < kPictureHead || view.getUint8(0) !== 2 ? undefined : kKinds[view.getUint8(1)];
   if (!kind) throw new Error("not a picture");

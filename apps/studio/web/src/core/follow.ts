@@ -2,7 +2,7 @@
 import type { TreeElement } from "./protocol";
 
 /** What names an element across versions: the names around it, or its index among its kind. */
-export function element_keys(elements: readonly TreeElement[]): string[] {
+export function elementKeys(elements: readonly TreeElement[]): string[] {
   const seen = new Map<string, number>();
   const keys: string[] = [];
   for (const element of elements) {
@@ -17,16 +17,16 @@ export function element_keys(elements: readonly TreeElement[]): string[] {
 
 /** The ids in the new text of elements of the old one; those that are gone are left out. One that has another name and is
  *  otherwise where it was has been renamed; one that stands elsewhere under a name that there is once has been moved. */
-export function follow_elements(
+export function followElements(
   ids: readonly number[], before: readonly TreeElement[], after: readonly TreeElement[],
 ): number[] {
   if (ids.length === 0) return [];
-  const old_keys = element_keys(before);
-  const new_ids = new Map(element_keys(after).map((key, id) => [key, id]));
+  const oldKeys = elementKeys(before);
+  const newIds = new Map(elementKeys(after).map((key, id) => [key, id]));
   const out = ids.flatMap((id) => {
     const element = before[id];
     if (!element) return [];
-    const same = new_ids.get(old_keys[id]!);
+    const same = newIds.get(oldKeys[id]!);
     if (same !== undefined) return [same];
     const there = after[id];
     if (before.length !== after.length) return [];

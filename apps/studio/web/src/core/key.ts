@@ -3,23 +3,23 @@
 const kKey = "cogrsim:key";
 
 /** The key from the address, which shows it no longer afterwards, else the one that this tab has had; "": none. */
-export function take_key(): string {
+export function takeKey(): string {
   const given = /^#token=([0-9a-f]+)$/.exec(location.hash)?.[1];
-  if (given === undefined) return recall_here(kKey) ?? "";
-  remember_here(kKey, given);
+  if (given === undefined) return recallHere(kKey) ?? "";
+  rememberHere(kKey, given);
   history.replaceState(null, "", location.pathname + location.search);
   return given;
 }
 
 /** Calls `renew` when the user opens another printed address in this tab: browsers only move within the page then. */
-export function follow_key(renew: () => void): void {
+export function followKey(renew: () => void): void {
   addEventListener("hashchange", () => {
     if (location.hash.startsWith("#token=")) renew();
   });
 }
 
 /** The tab's storage over a reload; empty where the browser stores nothing. */
-export function recall_here(key: string): string | null {
+export function recallHere(key: string): string | null {
   try {
     return sessionStorage.getItem(key);
   } catch {
@@ -28,7 +28,7 @@ export function recall_here(key: string): string | null {
 }
 
 /** null: forgets it. */
-export function remember_here(key: string, value: string | null): void {
+export function rememberHere(key: string, value: string | null): void {
   try {
     if (value === null) sessionStorage.removeItem(key);
     else sessionStorage.setItem(key, value);

@@ -14,10 +14,10 @@ export interface Link {
   request<Answer = Record<string, unknown>>(what: string, fields?: Record<string, unknown>): Promise<Answer>;
   on<Name extends keyof Topics>(name: Name, listener: (message: Topics[Name]) => void): Unsubscribe;
   /** The newest frame; called at most once per animation frame. */
-  on_frame(listener: (frame: Frame) => void): Unsubscribe;
-  on_picture(listener: (picture: Picture) => void): Unsubscribe;
+  onFrame(listener: (frame: Frame) => void): Unsubscribe;
+  onPicture(listener: (picture: Picture) => void): Unsubscribe;
   /** Calls the listener when the connection opens or closes. A broken connection is tried again and again. */
-  on_open(listener: (open: boolean) => void): Unsubscribe;
+  onOpen(listener: (open: boolean) => void): Unsubscribe;
   /** Address of a texture, from the path a shape names. */
   asset(path: string): string;
 }

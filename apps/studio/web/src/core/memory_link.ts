@@ -2,8 +2,8 @@
 import { RequestError, type Link, type Unsubscribe } from "./link";
 import type { Frame, Paths, Picture, Scene, Status, Topics } from "./protocol";
 import type { MemoryRun, MemorySignal } from "./memory_run";
-import { divergence_of, pose_signals } from "./pose_signals";
-import { index_at, low_high } from "./series";
+import { divergenceOf, poseSignals } from "./pose_signals";
+import { indexAt, lowHigh } from "./series";
 
 /** The paths of a run that came whole do not change. */
 const kPathsRevision = 1;
@@ -37,7 +37,7 @@ export class MemoryLink implements Link {
   private subscribed = { contacts: false, readings: false };
   /** cameras whose pictures are requested, with the last one sent */
   private cameras = new Map<string, Picture | null>();
-  private published_scene = -1;
+  private publishedScene = -1;
   private poses: { scene: Scene | undefined; signals: MemorySignal[] } = { scene: undefined, signals: [] };
   private waiting = false;
   private readonly frames = new Listeners<Frame>();
@@ -59,13 +59,13 @@ export class MemoryLink implements Link {
     if (!listeners) this.topics.set(name, (listeners = new Listeners()));
     return listeners.add(listener as Listener<unknown>);
   }
-  on_frame(listener: (frame: Frame) => void): Unsubscribe {
+  onFrame(listener: (frame: Frame) => void): Unsubscribe {
     return this.frames.add(listener);
   }
-  on_picture(listener: (picture: Picture) => void): Unsubscribe {
+  onPicture(listener: (picture: Picture) => void): Unsubscribe {
     return this.pictures.add(listener);
   }
-  on_open(listener: (open: boolean) => void): Unsubscribe {
+  onOpen(listener: (open: boolean) => void): Unsubscribe {
     queueMicrotask(() => listener(true));
     return () => {};
   }
@@ -80,11 +80,11 @@ export class MemoryLink implements Link {
   protected status(): Status {
     const { run } = this;
     const scene = run.scenes[run.scenes.length - 1]!;
-    const last = run.time_of(run.count - 1);
+    const last = run.timeOf(run.count - 1);
     return {
       state: "recording",
       ending: run.ending,
-      state_hash: run.state_hash ?? "",
+      state_hash: run.stateHash ?? "",
       time: last,
       step_count: run.frame(run.count - 1).step,
       dt: run.dt,
@@ -92,10 +92,10 @@ export class MemoryLink implements Link {
       speed: 1,
       factor: 0,
       backend: run.backend,
-      engine_version: run.engine_version,
+      engine_version: run.engineVersion,
       provenance: run.provenance ?? null,
       recording: null,
-      first: run.time_of(0),
+      first: run.timeOf(0),
       last,
       frames: run.count,
       scene: scene.scene,
@@ -113,10 +113,10 @@ export class MemoryLink implements Link {
     const { run } = this;
     switch (what) {
       case "hello":
-        queueMicrotask(() => this.publish_all());
+        queueMicrotask(() => this.publishAll());
         return run.hello;
       case "seek":
-        return this.look(index_at(run.count, (i) => run.time_of(i), Number(fields.time)));
+        return this.look(indexAt(run.count, (i) => run.timeOf(i), Number(fields.time)));
       case "step-back":
         return this.look(this.at - 1);
       case "live":
@@ -130,7 +130,7 @@ export class MemoryLink implements Link {
       case "series":
         return this.series(fields);
       case "divergence": {
-        const divergence = run.divergence ?? (run.compare ? divergence_of(run, run.compare.labels) : null);
+        const divergence = run.divergence ?? (run.compare ? divergenceOf(run, run.compare.labels) : null);
         if (!divergence) throw refused("nothing is compared in this run");
         return divergence;
       }
@@ -146,7 +146,7 @@ export class MemoryLink implements Link {
       case "events":
         return { events: (run.events ?? []).filter((e) => e.index >= Number(fields.from ?? 0)) };
       case "cameras":
-        return this.show_cameras(fields.show as { name: string; kind: string }[]);
+        return this.showCameras(fields.show as { name: string; kind: string }[]);
       case "sources":
         return { files: [] };
       default:
@@ -158,7 +158,7 @@ export class MemoryLink implements Link {
     const { run } = this;
     return {
       revision: kPathsRevision,
-      until: run.time_of(run.count - 1),
+      until: run.timeOf(run.count - 1),
       paths: (run.paths ?? []).map(({ label, body, times, points }) => ({
         label,
         body,
@@ -170,11 +170,11 @@ export class MemoryLink implements Link {
     };
   }
 
-  protected publish_all(): void {
+  protected publishAll(): void {
     const { run } = this;
     this.publish("status", this.status());
-    this.published_scene = -1;
-    this.publish_scene(run.frame(this.at).scene);
+    this.publishedScene = -1;
+    this.publishScene(run.frame(this.at).scene);
     if (run.document) this.publish("document", run.document);
     if (run.elements) this.publish("tree", { version: run.document?.version ?? 0, elements: run.elements });
     if (run.problems) this.publish("problems", { version: run.document?.version ?? 0, problems: run.problems });
@@ -184,16 +184,16 @@ export class MemoryLink implements Link {
   }
 
   /** Forgets which scene was published, after a change of its contents. */
-  protected publish_scene(number: number): void {
-    if (number === this.published_scene) return;
+  protected publishScene(number: number): void {
+    if (number === this.publishedScene) return;
     const scene = this.run.scenes.find((s) => s.scene === number);
     if (!scene) return;
-    this.published_scene = number;
+    this.publishedScene = number;
     this.publish("scene", scene);
   }
 
   /** Pictures that came with the run are all there is. */
-  private show_cameras(show: { name: string; kind: string }[]): unknown {
+  private showCameras(show: { name: string; kind: string }[]): unknown {
     const { pictures = [] } = this.run;
     const there = show.filter(({ name, kind }) => pictures.some((p) => p.name === name && p.kind === kind));
     if (show.length > 0 && there.length === 0) {
@@ -206,11 +206,11 @@ export class MemoryLink implements Link {
   }
 
   /** The newest of each camera that is no later than `time` [s]. */
-  private hand_out_pictures(time: number): void {
+  private publishPictures(time: number): void {
     const { pictures = [] } = this.run;
     for (const [name, last] of this.cameras) {
       const mine = pictures.filter((p) => p.name === name);
-      const picture = mine[index_at(mine.length, (i) => mine[i]!.time, time)];
+      const picture = mine[indexAt(mine.length, (i) => mine[i]!.time, time)];
       if (!picture || picture === last || picture.time > time + 5e-10) continue;
       this.cameras.set(name, picture);
       this.pictures.publish(picture);
@@ -220,30 +220,30 @@ export class MemoryLink implements Link {
   private look(index: number): { time: number } {
     this.at = Math.min(Math.max(index, 0), this.run.count - 1);
     this.show();
-    return { time: this.run.time_of(this.at) };
+    return { time: this.run.timeOf(this.at) };
   }
 
   /** Hands the present frame out, once per animation frame. */
   protected show(): void {
     if (this.waiting) return;
     this.waiting = true;
-    next_picture(() => {
+    nextPicture(() => {
       this.waiting = false;
       const frame = this.run.frame(this.at);
-      this.publish_scene(frame.scene);
+      this.publishScene(frame.scene);
       const tail: Frame["tail"] = {};
       if (this.subscribed.contacts && frame.tail.contacts) tail.contacts = frame.tail.contacts;
       if (this.subscribed.readings && frame.tail.readings) tail.readings = frame.tail.readings;
       const { scene, time, step, poses, ghost } = frame;
       this.frames.publish({ live: this.live(), scene, time, step, poses, ghost, tail });
-      this.hand_out_pictures(time);
+      this.publishPictures(time);
     });
   }
 
   /** Those that came with the run, and where its bodies are. */
   private signals(): MemorySignal[] {
     const newest = this.run.scenes[this.run.scenes.length - 1];
-    if (this.poses.scene !== newest) this.poses = { scene: newest, signals: pose_signals(this.run) };
+    if (this.poses.scene !== newest) this.poses = { scene: newest, signals: poseSignals(this.run) };
     const own = this.run.signals ?? [];
     const names = new Set(own.map((s) => s.name));
     return [...own, ...this.poses.signals.filter((s) => !names.has(s.name))];
@@ -255,17 +255,17 @@ export class MemoryLink implements Link {
     const from = typeof fields.from === "number" ? fields.from : -Infinity;
     const to = typeof fields.to === "number" ? fields.to : Infinity;
     const points = typeof fields.points === "number" ? fields.points : 2000;
-    let begin = index_at(run.count, (i) => run.time_of(i), from);
-    if (run.time_of(begin) < from) begin += 1;
-    const end = to < run.time_of(0) ? 0 : index_at(run.count, (i) => run.time_of(i), to) + 1;
+    let begin = indexAt(run.count, (i) => run.timeOf(i), from);
+    if (run.timeOf(begin) < from) begin += 1;
+    const end = to < run.timeOf(0) ? 0 : indexAt(run.count, (i) => run.timeOf(i), to) + 1;
     let time: number[] = [];
     const all = this.signals();
     const series = names.map((name) => {
       const signal = all.find((s) => s.name === name);
       if (!signal) throw refused(`no signal '${name}'`);
       const values = fields.run === "ghost" ? (signal.ghost ?? new Float64Array(run.count).fill(NaN)) : signal.values;
-      const { picks, low, high } = low_high(values, begin, end, points);
-      time = picks.map((i) => run.time_of(i));
+      const { picks, low, high } = lowHigh(values, begin, end, points);
+      time = picks.map((i) => run.timeOf(i));
       return { signal: name, unit: signal.unit, low, high };
     });
     return { time, series };
@@ -277,7 +277,7 @@ export function refused(message: string, help?: string, code?: string): RequestE
 }
 
 /** Calls `then` before the browser draws next; without a browser, soon. */
-export function next_picture(then: () => void): void {
+export function nextPicture(then: () => void): void {
   if (typeof requestAnimationFrame === "function" && !document.hidden) requestAnimationFrame(then);
   else setTimeout(then, 16);
 }

@@ -30,14 +30,14 @@ export interface MemoryRun {
   scenes: Scene[];
   count: number;
   /** [s]; never falls */
-  time_of(frame: number): number;
+  timeOf(frame: number): number;
   frame(index: number): Frame;
   backend: string;
-  engine_version: string;
+  engineVersion: string;
   provenance?: Provenance | null;
   ending: string;
   /** of the last frame, as the command line prints it; "" is not known */
-  state_hash?: string;
+  stateHash?: string;
   /** [s] */
   dt: number;
   document?: DocumentState;

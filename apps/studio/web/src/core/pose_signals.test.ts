@@ -2,14 +2,14 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { MemoryLink } from "./memory_link";
 import type { MemoryRun } from "./memory_run";
-import { divergence_of, roll_pitch_yaw } from "./pose_signals";
+import { divergenceOf, rollPitchYaw } from "./pose_signals";
 import type { Frame, Scene } from "./protocol";
 
 const body = (name: string) => ({ name, kind: "dynamic", removed: false });
 const turned = (angle: number): number[] => [Math.cos(angle / 2), 0, 0, Math.sin(angle / 2)];
 
 /** Two bodies: a moves along x and turns about z; the ghost of b falls behind by 1 mm per frame. */
-function run_of(count: number, ghost: boolean): MemoryRun {
+function runOf(count: number, ghost: boolean): MemoryRun {
   const frame = (i: number): Frame => ({
     live: false,
     scene: 1,
@@ -23,10 +23,10 @@ function run_of(count: number, ghost: boolean): MemoryRun {
     hello: {} as MemoryRun["hello"],
     scenes: [{ scene: 1, bodies: [body("a"), body("b"), { ...body("floor"), kind: "fixed" }] } as unknown as Scene],
     count,
-    time_of: (i) => i * 0.1,
+    timeOf: (i) => i * 0.1,
     frame,
     backend: "",
-    engine_version: "",
+    engineVersion: "",
     ending: "",
     dt: 0.1,
   };
@@ -34,12 +34,12 @@ function run_of(count: number, ghost: boolean): MemoryRun {
 
 test("angles of a rotation, about x, then y, then z of the world", () => {
   // 0.3 about x, then -0.4 about y, then 1.2 about z: q = qz qy qx
-  const [cx, sx, cy, sy, cz, sz] = [0.15, -0.2, 0.6].flatMap((a) => [Math.cos(a), Math.sin(a)]) as number[];
+  const [cx, sx, cy, sy, cz, sz] = [0.15, -0.2, 0.6].flatMap((a) => [Math.cos(a), Math.sin(a)]);
   const w = cx! * cy! * cz! + sx! * sy! * sz!;
   const x = sx! * cy! * cz! - cx! * sy! * sz!;
   const y = cx! * sy! * cz! + sx! * cy! * sz!;
   const z = cx! * cy! * sz! - sx! * sy! * cz!;
-  const angles = roll_pitch_yaw(w, x, y, z);
+  const angles = rollPitchYaw(w, x, y, z);
   [0.3, -0.4, 1.2].forEach((angle, k) => assert.ok(Math.abs(angles[k]! - angle) < 1e-12));
 });
 
@@ -49,7 +49,7 @@ interface Answer {
 }
 
 test("a run in memory has signals of its bodies, and both runs of a comparison", async () => {
-  const link = new MemoryLink(run_of(6, true));
+  const link = new MemoryLink(runOf(6, true));
   const { signals } = await link.request<{ signals: { name: string; owner: string }[] }>("signals");
   assert.equal(signals.length, 12);
   assert.ok(!signals.some((s) => s.owner === "floor"));
@@ -74,8 +74,8 @@ test("a run in memory has signals of its bodies, and both runs of a comparison",
 });
 
 test("how far two runs diverge, and which body is first", () => {
-  assert.equal(divergence_of(run_of(20, false), ["p", "q"]), null);
-  const answer = divergence_of(run_of(20, true), ["p", "q"]) as {
+  assert.equal(divergenceOf(runOf(20, false), ["p", "q"]), null);
+  const answer = divergenceOf(runOf(20, true), ["p", "q"]) as {
     worst: number[];
     worst_angle: number[];
     bodies: { name: string }[];

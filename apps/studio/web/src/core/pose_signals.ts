@@ -3,7 +3,7 @@
 import type { MemoryRun, MemorySignal } from "./memory_run";
 
 /** Radians about the world's x, then y, then z axis, of the rotation w x y z. */
-export function roll_pitch_yaw(w: number, x: number, y: number, z: number): [number, number, number] {
+export function rollPitchYaw(w: number, x: number, y: number, z: number): [number, number, number] {
   const sine = Math.min(Math.max(2 * (w * y - z * x), -1), 1);
   return [
     Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
@@ -22,13 +22,13 @@ const kParts: { name: string; unit: string; of(poses: Float32Array, at: number):
     name,
     unit: "rad",
     of: (p: Float32Array, at: number) =>
-      at + 6 < p.length ? roll_pitch_yaw(p[at + 3]!, p[at + 4]!, p[at + 5]!, p[at + 6]!)[k]! : NaN,
+      at + 6 < p.length ? rollPitchYaw(p[at + 3]!, p[at + 4]!, p[at + 5]!, p[at + 6]!)[k]! : NaN,
   })),
 ];
 
 /** x, y, z, roll, pitch and yaw of every body of the newest scene, under the names that a server has for them. Values are
  *  read from the frames when they are asked for; of frames that belong to a scene without that body there are none. */
-export function pose_signals(run: MemoryRun): MemorySignal[] {
+export function poseSignals(run: MemoryRun): MemorySignal[] {
   const newest = run.scenes[run.scenes.length - 1];
   if (!newest) return [];
   const indices = new Map<number, Map<string, number>>();
@@ -47,13 +47,13 @@ export function pose_signals(run: MemoryRun): MemorySignal[] {
     .flatMap((body) =>
       kParts.map(({ name, unit, of }): MemorySignal => {
         // a run that grows is read again
-        let kept: { values: Float64Array; ghost: Float64Array | undefined } | null = null;
+        let cached: { values: Float64Array; ghost: Float64Array | undefined } | null = null;
         const all = () => {
-          if (kept?.values.length !== run.count) {
+          if (cached?.values.length !== run.count) {
             const ghost = run.count > 0 && run.frame(run.count - 1).ghost.length > 0;
-            kept = { values: read(body.name, of, false), ghost: ghost ? read(body.name, of, true) : undefined };
+            cached = { values: read(body.name, of, false), ghost: ghost ? read(body.name, of, true) : undefined };
           }
-          return kept!;
+          return cached;
         };
         return {
           name: `${body.name}.${name}`,
@@ -71,12 +71,12 @@ export function pose_signals(run: MemoryRun): MemorySignal[] {
 }
 
 /** The answer to `divergence`, of frames with ghosts; null without. Bodies count as diverged from 1 cm or 1° on, as elsewhere. */
-export function divergence_of(run: MemoryRun, labels: [string, string]): Record<string, unknown> | null {
+export function divergenceOf(run: MemoryRun, labels: [string, string]): Record<string, unknown> | null {
   const scene = run.scenes[run.scenes.length - 1];
   if (!scene || run.count === 0 || run.frame(run.count - 1).ghost.length === 0) return null;
   const time: number[] = [];
   const worst: number[] = [];
-  const worst_angle: number[] = [];
+  const worstAngle: number[] = [];
   const distances = scene.bodies.map(() => [] as (number | null)[]);
   const most = scene.bodies.map(() => 0);
   let first: { time: number; name: string } | null = null;
@@ -90,7 +90,7 @@ export function divergence_of(run: MemoryRun, labels: [string, string]): Record<
       const distance = Math.hypot(a[p]! - b[p]!, a[p + 1]! - b[p + 1]!, a[p + 2]! - b[p + 2]!);
       // poses are of single precision: near 1 the cosine cannot resolve angles below 1e-3 rad, so the sine of half of it is
       // taken, from the product with the inverse
-      const angle = 2 * Math.asin(Math.min(half_sine(a, b, p + 3), 1));
+      const angle = 2 * Math.asin(Math.min(halfSine(a, b, p + 3), 1));
       distances[k]!.push(distance);
       most[k] = Math.max(most[k]!, distance);
       far = Math.max(far, distance);
@@ -99,18 +99,18 @@ export function divergence_of(run: MemoryRun, labels: [string, string]): Record<
     });
     time.push(at);
     worst.push(far);
-    worst_angle.push(turned);
+    worstAngle.push(turned);
   }
   const bodies = scene.bodies
     .map((body, k) => ({ name: body.name, distance: distances[k]!, most: most[k]! }))
     .sort((x, y) => y.most - x.most)
     .slice(0, 10)
     .map(({ name, distance }) => ({ name, distance }));
-  return { time, worst, worst_angle, bodies, first, labels };
+  return { time, worst, worst_angle: worstAngle, bodies, first, labels };
 }
 
 /** Sine of half the angle between two rotations: length of the vector part of a* b. */
-function half_sine(a: Float32Array, b: Float32Array, at: number): number {
+function halfSine(a: Float32Array, b: Float32Array, at: number): number {
   const [aw, ax, ay, az] = [a[at]!, a[at + 1]!, a[at + 2]!, a[at + 3]!];
   const [bw, bx, by, bz] = [b[at]!, b[at + 1]!, b[at + 2]!, b[at + 3]!];
   return Math.hypot(

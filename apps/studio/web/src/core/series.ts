@@ -1,13 +1,13 @@
 // Arithmetic on values over time.
 
 /** Index of the last of `count` times that never fall which is at or before `time`; 0 when all are later. */
-export function index_at(count: number, time_of: (index: number) => number, time: number): number {
+export function indexAt(count: number, timeOf: (index: number) => number, time: number): number {
   let low = 0;
   let high = count;
   while (low < high) {
     const middle = (low + high) >> 1;
     // half a nanosecond: a time that went through text finds its frame again
-    if (time_of(middle) <= time + 5e-10) low = middle + 1;
+    if (timeOf(middle) <= time + 5e-10) low = middle + 1;
     else high = middle;
   }
   return Math.max(low - 1, 0);
@@ -15,7 +15,7 @@ export function index_at(count: number, time_of: (index: number) => number, time
 
 /** values[begin, end) in at most `points` intervals of the same count, each with its lowest and highest; null where there is
  *  no number. `picks`: the first index of each interval. */
-export function low_high(
+export function lowHigh(
   values: ArrayLike<number>,
   begin: number,
   end: number,

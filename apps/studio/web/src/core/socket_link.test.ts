@@ -58,7 +58,7 @@ function stage() {
       links.push(socket);
       return socket;
     },
-    next_picture: (then) => pictures.push(then),
+    nextPicture: (then) => pictures.push(then),
   });
   const draw = () => pictures.splice(0).forEach((then) => then());
   return { link, sockets, draw };
@@ -76,7 +76,7 @@ test("answers find their questions in any order; refusals say why", async () => 
   const [a, b] = sockets[0]!.asked();
   assert.deepEqual(a, { time: 1, id: a!.id, do: "seek" });
   sockets[0]!.say({ id: b!.id, ok: false, error: { message: "no", help: "ask", code: "viewer" } });
-  sockets[0]!.say({ id: a!.id, ok: true, time: 0.9 });
+  sockets[0]!.say({ id: a.id, ok: true, time: 0.9 });
   assert.equal((await first).time, 0.9);
   await assert.rejects(second, (e: Error & { failure?: { code: string } }) => e.failure?.code === "viewer" && /no \(ask\)/.test(e.message));
 });
@@ -92,7 +92,7 @@ test("a field cannot replace the request or its number", () => {
 test("of frames that come before a picture is drawn only the newest is shown, and each shown one is answered once", () => {
   const { link, sockets, draw } = stage();
   const seen: number[] = [];
-  link.on_frame((f: Frame) => {
+  link.onFrame((f: Frame) => {
     seen.push(f.time);
     // the answer comes after it was taken in
     assert.equal(sockets[0]!.sent.filter((s) => s === "a").length, seen.length - 1);
@@ -120,7 +120,7 @@ test("a frame that cannot be read is answered all the same, else no other would 
 test("a listener that fails does not keep the frame from being answered", (t) => {
   t.mock.method(console, "error", () => {});
   const { link, sockets, draw } = stage();
-  link.on_frame(() => {
+  link.onFrame(() => {
     throw new Error("panel");
   });
   sockets[0]!.open();
@@ -132,7 +132,7 @@ test("a listener that fails does not keep the frame from being answered", (t) =>
 test("a broken connection is restored, open requests fail, and subscriptions are sent again", async () => {
   const { link, sockets, draw } = stage();
   const open: boolean[] = [];
-  link.on_open((o) => open.push(o));
+  link.onOpen((o) => open.push(o));
   sockets[0]!.open();
   void link.request("subscribe", { contacts: false, readings: false }).catch(() => {});
   void link.request("subscribe", { contacts: true, readings: false }).catch(() => {});
@@ -144,11 +144,11 @@ test("a broken connection is restored, open requests fail, and subscriptions are
   await assert.rejects(link.request("pause"), /no connection/);
   await until(() => sockets.length === 2);
   const seen: number[] = [];
-  link.on_frame((f) => seen.push(f.time));
+  link.onFrame((f) => seen.push(f.time));
   sockets[1]!.open();
   assert.deepEqual(open, [true, false, true]);
   assert.deepEqual(
-    sockets[1]!.asked().map(({ id: _, ...rest }) => rest),
+    sockets[1]!.asked().map(({ id, ...rest }) => rest),
     [{ contacts: true, readings: false, do: "subscribe" }],
   );
   sockets[1]!.say(frame(5));

@@ -1,7 +1,7 @@
 // The connection to a server: one WebSocket, opened again whenever it breaks.
-import { decode_frame, decode_picture } from "./decode";
+import { decodeFrame, decodePicture } from "./decode";
 import { RequestError, type Link, type Unsubscribe } from "./link";
-import { Listeners, next_picture } from "./memory_link";
+import { Listeners, nextPicture } from "./memory_link";
 import type { Failure, Frame, Picture, Topics } from "./protocol";
 
 /** As much of a WebSocket as is needed; tests bring their own. */
@@ -20,7 +20,7 @@ export interface SocketLinkOptions {
   key?: string;
   connect?: () => Socket;
   /** Calls back before the next picture is drawn. */
-  next_picture?: (then: () => void) => void;
+  nextPicture?: (then: () => void) => void;
 }
 
 interface Waiting {
@@ -42,10 +42,10 @@ const kStanding = ["subscribe", "cameras"];
 
 export class SocketLink implements Link {
   private socket: Socket | null = null;
-  private is_open = false;
+  private isOpen = false;
   private delay = kFirstDelay;
   private retry: ReturnType<typeof setTimeout> | undefined;
-  private next_id = 1;
+  private nextId = 1;
   private readonly waiting = new Map<number, Waiting>();
   private readonly standing = new Map<string, Record<string, unknown>>();
   /** the newest that has not been handed out */
@@ -55,19 +55,19 @@ export class SocketLink implements Link {
   private readonly opens = new Listeners<boolean>();
   private readonly topics = new Map<string, Listeners<unknown>>();
   private readonly connect: () => Socket;
-  private readonly next_picture: (then: () => void) => void;
+  private readonly nextPicture: (then: () => void) => void;
   /** what addresses of textures begin with */
   private assets = "";
 
   constructor(options: SocketLinkOptions = {}) {
     const { key = "" } = options;
-    this.connect = options.connect ?? (() => connect_here(key));
-    this.next_picture = options.next_picture ?? next_picture;
+    this.connect = options.connect ?? (() => connectHere(key));
+    this.nextPicture = options.nextPicture ?? nextPicture;
     this.open();
     if (typeof window !== "undefined") {
-      window.addEventListener("online", () => this.try_now());
+      window.addEventListener("online", () => this.tryNow());
       document.addEventListener("visibilitychange", () => {
-        if (!document.hidden) this.try_now();
+        if (!document.hidden) this.tryNow();
       });
     }
   }
@@ -75,16 +75,16 @@ export class SocketLink implements Link {
   request<Answer = Record<string, unknown>>(what: string, fields: Record<string, unknown> = {}): Promise<Answer> {
     if (kStanding.includes(what)) this.standing.set(what, fields);
     const socket = this.socket;
-    if (!socket || !this.is_open) {
+    if (!socket || !this.isOpen) {
       return Promise.reject(new RequestError({ message: "there is no connection to the studio", code: "closed" }));
     }
     return new Promise((resolve, reject) => {
-      const id = this.next_id++;
+      const id = this.nextId++;
       const timer = setTimeout(() => {
         this.waiting.delete(id);
         reject(new RequestError({ message: `'${what}' was not answered in time`, code: "timeout" }));
       }, kPatienceOf[what] ?? kPatience);
-      this.waiting.set(id, { resolve: resolve as (answer: unknown) => void, reject, timer });
+      this.waiting.set(id, { resolve, reject, timer });
       socket.send(JSON.stringify({ ...fields, id, do: what }));
     });
   }
@@ -93,14 +93,14 @@ export class SocketLink implements Link {
     if (!listeners) this.topics.set(name, (listeners = new Listeners()));
     return listeners.add(listener as (message: unknown) => void);
   }
-  on_frame(listener: (frame: Frame) => void): Unsubscribe {
+  onFrame(listener: (frame: Frame) => void): Unsubscribe {
     return this.frames.add(listener);
   }
-  on_picture(listener: (picture: Picture) => void): Unsubscribe {
+  onPicture(listener: (picture: Picture) => void): Unsubscribe {
     return this.pictures.add(listener);
   }
-  on_open(listener: (open: boolean) => void): Unsubscribe {
-    if (this.is_open) queueMicrotask(() => listener(true));
+  onOpen(listener: (open: boolean) => void): Unsubscribe {
+    if (this.isOpen) queueMicrotask(() => listener(true));
     return this.opens.add(listener);
   }
   asset(path: string): string {
@@ -114,15 +114,15 @@ export class SocketLink implements Link {
     this.socket = socket;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
-      this.is_open = true;
+      this.isOpen = true;
       this.delay = kFirstDelay;
       this.opens.publish(true);
       for (const [what, fields] of this.standing) this.request(what, fields).catch(() => {});
     };
     socket.onmessage = ({ data }) => {
       try {
-        if (typeof data === "string") this.take_text(data);
-        else this.take_bytes(data as ArrayBuffer, socket);
+        if (typeof data === "string") this.takeText(data);
+        else this.takeBytes(data as ArrayBuffer, socket);
       } catch (error) {
         console.error("a message that cannot be read:", error);
       }
@@ -131,7 +131,7 @@ export class SocketLink implements Link {
       if (this.socket !== socket) return;
       this.socket = null;
       this.newest = null;
-      this.is_open = false;
+      this.isOpen = false;
       for (const { reject, timer } of this.waiting.values()) {
         clearTimeout(timer);
         reject(new RequestError({ message: "the connection to the studio was lost", code: "closed" }));
@@ -144,11 +144,11 @@ export class SocketLink implements Link {
   }
 
   /** Does not wait for the next try when there is reason to hope. */
-  private try_now(): void {
+  private tryNow(): void {
     if (this.retry !== undefined) this.open();
   }
 
-  private take_text(text: string): void {
+  private takeText(text: string): void {
     const message = JSON.parse(text) as { id?: number; ok?: boolean; error?: Failure; topic?: string; assets?: string };
     if (typeof message.topic === "string") {
       this.topics.get(message.topic)?.publish(message);
@@ -163,13 +163,13 @@ export class SocketLink implements Link {
     else waiting.reject(new RequestError(message.error ?? { message: "refused without a reason" }));
   }
 
-  private take_bytes(data: ArrayBuffer, socket: Socket): void {
+  private takeBytes(data: ArrayBuffer, socket: Socket): void {
     const say = (text: string) => {
       if (socket.readyState === kOpen) socket.send(text);
     };
     if (new Uint8Array(data, 0, 1)[0] === 2) {
       try {
-        this.pictures.publish(decode_picture(data));
+        this.pictures.publish(decodePicture(data));
       } finally {
         say("p");
       }
@@ -177,7 +177,7 @@ export class SocketLink implements Link {
     }
     let frame: Frame;
     try {
-      frame = decode_frame(data);
+      frame = decodeFrame(data);
     } catch (error) {
       say("a");
       throw error;
@@ -186,7 +186,7 @@ export class SocketLink implements Link {
     this.newest = frame;
     if (due) return;
     // The answer comes after drawing: a page that is slow gets fewer frames, not a queue of them.
-    this.next_picture(() => {
+    this.nextPicture(() => {
       if (this.socket !== socket) return;
       const now = this.newest;
       this.newest = null;
@@ -197,7 +197,7 @@ export class SocketLink implements Link {
   }
 }
 
-function connect_here(key: string): Socket {
+function connectHere(key: string): Socket {
   const address = new URL("socket", location.href);
   address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
   address.search = "";

@@ -41,7 +41,7 @@ export class State {
 
   readonly theme = signal<"light" | "dark">("light");
 
-  readonly may_edit = computed(
+  readonly mayEdit = computed(
     () => this.hello.value?.role === "operator" && this.hello.value.kind === "scene" && this.open.value,
   );
 
@@ -49,7 +49,7 @@ export class State {
     return this.tree.value.elements[id];
   }
   /** Indices of the bodies that an element and all inside it made. */
-  bodies_of(id: number): number[] {
+  bodiesOf(id: number): number[] {
     const scene = this.scene.value;
     if (!scene) return [];
     const elements = this.tree.value.elements;

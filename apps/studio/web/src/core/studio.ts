@@ -28,12 +28,12 @@ export interface Studio {
   notify(text: string, kind?: "note" | "error"): void;
   /** Shows the code panel with the cursor there; lines and columns from 1. The shell opens the panel and then executes the
    *  command "code:go-to" with {file, line, column}, which the code panel registers. */
-  go_to(file: string, line: number, column: number): void;
+  goTo(file: string, line: number, column: number): void;
   /** Opens (or raises) a panel: "view3d", "map", "tree", "properties", "code", "cameras", "figures", "compare", "console". */
-  open_panel(name: string): void;
+  openPanel(name: string): void;
   /** A new figure, or one more curve in `figure`. The shell opens the panel and then executes the command "figures:draw" with
    *  {signal, figure} (figure: "" for a new one), which the figures panel registers. */
-  draw_signal(signal: string, figure?: string): void;
+  drawSignal(signal: string, figure?: string): void;
   /** Asks with a modal dialog; null: cancelled. The dialog owns focus, Escape cancels. */
   dialog(content: DialogContent): Promise<Record<string, string> | null>;
 }

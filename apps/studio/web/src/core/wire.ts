@@ -1,21 +1,21 @@
 // Updates the state from the messages of the link.
-import { follow_elements } from "./follow";
+import { followElements } from "./follow";
 import { batch } from "@preact/signals-core";
-import { recall_here, remember_here } from "./key";
+import { recallHere, rememberHere } from "./key";
 import type { Link } from "./link";
 import { kProtocol, type Hello, type RunEvent, type RunMessage } from "./protocol";
 import type { State } from "./state";
 
 /** Messages and events that the page keeps at most: the newest. */
-export const kKept = 5000;
+export const kMost = 5000;
 
-/** `all` with `more` behind it, the newest kKept of them. */
-export function append<T>(all: readonly T[], more: readonly T[], kept = kKept): T[] {
-  return all.concat(more).slice(-kept);
+/** `all` with `more` behind it, the newest `most` of them. */
+export function append<T>(all: readonly T[], more: readonly T[], most = kMost): T[] {
+  return all.concat(more).slice(-most);
 }
 
 /** Events are numbered from 0 in each run: those of a new run replace the old ones with their number. */
-export function append_events(all: readonly RunEvent[], more: readonly RunEvent[]): RunEvent[] {
+export function appendEvents(all: readonly RunEvent[], more: readonly RunEvent[]): RunEvent[] {
   const first = more[0];
   if (!first) return all.slice();
   return append(
@@ -28,15 +28,15 @@ export function append_events(all: readonly RunEvent[], more: readonly RunEvent[
 const kRenewed = "cogrsim:renewed-for";
 
 /** Whether the page and a server of that protocol fit together. If not, the page is reloaded, `reload`, once. */
-export function same_protocol(protocol: number, reload: () => void, failed: (message: string) => void): boolean {
+export function sameProtocol(protocol: number, reload: () => void, failed: (message: string) => void): boolean {
   if (protocol === kProtocol) {
-    remember_here(kRenewed, null);
+    rememberHere(kRenewed, null);
     return true;
   }
-  if (recall_here(kRenewed) !== String(protocol)) {
-    remember_here(kRenewed, String(protocol));
+  if (recallHere(kRenewed) !== String(protocol)) {
+    rememberHere(kRenewed, String(protocol));
     // Where that cannot be noted it would not end.
-    if (recall_here(kRenewed) === String(protocol)) {
+    if (recallHere(kRenewed) === String(protocol)) {
       reload();
       return false;
     }
@@ -49,7 +49,7 @@ export function same_protocol(protocol: number, reload: () => void, failed: (mes
 export function wire(link: Link, state: State, failed: (message: string) => void, reload: () => void = () => {}): void {
   // What the link publishes between a new connection and its answer to hello replaces the whole run.
   let fresh = false;
-  link.on_open((open) => {
+  link.onOpen((open) => {
     if (!open) {
       state.open.value = false;
       return;
@@ -57,7 +57,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
     fresh = true;
     link.request<Hello>("hello").then(
       (hello) => {
-        if (!same_protocol(hello.protocol, reload, failed)) return;
+        if (!sameProtocol(hello.protocol, reload, failed)) return;
         batch(() => {
           state.hello.value = hello;
           state.open.value = true;
@@ -88,7 +88,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
     if (tree.elements.length === 0) return;
     batch(() => {
       const selection = state.selection.value;
-      const there = follow_elements(selection, state.tree.value.elements, tree.elements);
+      const there = followElements(selection, state.tree.value.elements, tree.elements);
       state.tree.value = tree;
       if (there.join() !== selection.join()) state.selection.value = there;
     });
@@ -100,7 +100,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
     state.messages.value = append(before, messages);
   });
   link.on("events", ({ events }) => {
-    state.events.value = append_events(state.events.value, events);
+    state.events.value = appendEvents(state.events.value, events);
   });
-  link.on_frame((frame) => (state.frame.value = frame));
+  link.onFrame((frame) => (state.frame.value = frame));
 }

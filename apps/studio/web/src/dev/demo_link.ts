@@ -2,8 +2,8 @@
 import { MemoryLink, refused } from "../core/memory_link";
 import type { MemoryRun } from "../core/memory_run";
 import { kProtocol, type Op, type Paths, type RunState, type Status } from "../core/protocol";
-import { demo_scene, frame_at, kText } from "./motion";
-import { position_of, tokens } from "./tokens";
+import { demoScene, frameAt, kText } from "./motion";
+import { positionOf, tokens } from "./tokens";
 
 type Fields = Record<string, unknown>;
 const kSceneStep = 0.001;
@@ -29,7 +29,7 @@ export class DemoLink extends MemoryLink {
   private version = 1;
   private past: { text: string; label: string }[] = [];
   private future: { text: string; label: string }[] = [];
-  private last_group = "";
+  private lastGroup = "";
 
   /** `whole`: all 10 s are there already, as in a recording. */
   constructor(private readonly whole = false) {
@@ -44,12 +44,12 @@ export class DemoLink extends MemoryLink {
         protocol: kProtocol,
         backends: ["bullet", "mujoco"],
       },
-      scenes: [demo_scene(1, kText)],
+      scenes: [demoScene(1, kText)],
       count: whole ? 1001 : 1,
-      time_of: (i) => i * kStride * kSceneStep,
-      frame: (i) => frame_at(run.scenes[0]!.scene, i * kStride, kSceneStep, this.compared !== null),
+      timeOf: (i) => i * kStride * kSceneStep,
+      frame: (i) => frameAt(run.scenes[0]!.scene, i * kStride, kSceneStep, this.compared !== null),
       backend: "bullet",
-      engine_version: "3.24",
+      engineVersion: "3.24",
       ending: "",
       dt: kSceneStep,
       messages: [{ time: 0, severity: "warning", source: "diff_drive", message: "no waypoints: drives a circle" }],
@@ -58,8 +58,8 @@ export class DemoLink extends MemoryLink {
     };
     super(run);
     this.state = whole ? "recording" : "stopped";
-    if (whole) run.events = this.events_until(10);
-    this.lay_text();
+    if (whole) run.events = this.eventsUntil(10);
+    this.replaceText();
     run.signals = kSignals.map(([name, unit, slot]) => ({
       name,
       unit,
@@ -90,7 +90,7 @@ export class DemoLink extends MemoryLink {
     };
   }
 
-  private events_until(time: number) {
+  private eventsUntil(time: number) {
     const all = [
       { time: 0.3, kind: "contact", source: "physics", subject: "ball", message: "ball touches ground" },
       { time: 2.6, kind: "enter", source: "region", subject: "robot", message: "robot enters the north" },
@@ -107,7 +107,7 @@ export class DemoLink extends MemoryLink {
       this.state = "ended";
       this.run.ending = "its duration of 10 s is over";
     }
-    this.run.events = this.events_until(this.run.time_of(this.run.count - 1));
+    this.run.events = this.eventsUntil(this.run.timeOf(this.run.count - 1));
     if (this.run.events.length > before) this.publish("events", { events: this.run.events.slice(before) });
     if (this.compared && this.run.count > 200) this.compared = { ...this.compared, first_over: 2 };
     this.changed();
@@ -135,7 +135,7 @@ export class DemoLink extends MemoryLink {
       case "divergence":
         return this.divergence();
       case "paths":
-        return this.deck_path();
+        return this.deckPath();
       case "complete":
         return { from: fields.offset, items: [{ label: "box", detail: "a box", insert: 'box name="" size="10 10 10 cm"/>' }] };
       case "mass":
@@ -152,7 +152,7 @@ export class DemoLink extends MemoryLink {
         return this.back(what);
       case "save":
         this.saved = this.text;
-        this.publish_text();
+        this.publishText();
         return { file: "demo.scene.xml", backup: "demo.scene.xml~" };
       default:
         return this.steer(what, fields);
@@ -211,7 +211,7 @@ export class DemoLink extends MemoryLink {
   }
 
   private figure(): unknown {
-    const x = Array.from({ length: this.run.count }, (_, i) => this.run.time_of(i));
+    const x = Array.from({ length: this.run.count }, (_, i) => this.run.timeOf(i));
     const y = Array.from(x, (_, i) => this.run.frame(i).poses[16]!);
     return {
       kind: "line",
@@ -224,7 +224,7 @@ export class DemoLink extends MemoryLink {
 
   private divergence(): unknown {
     if (!this.compared) throw refused("nothing is compared");
-    const time = Array.from({ length: this.run.count }, (_, i) => this.run.time_of(i));
+    const time = Array.from({ length: this.run.count }, (_, i) => this.run.timeOf(i));
     const distance = time.map((_, i) => {
       const frame = this.run.frame(i);
       return Math.hypot(frame.poses[21]! - frame.ghost[21]!, frame.poses[22]! - frame.ghost[22]!);
@@ -239,7 +239,7 @@ export class DemoLink extends MemoryLink {
     };
   }
 
-  private deck_path(): Paths {
+  private deckPath(): Paths {
     const frames = Array.from({ length: this.run.count }, (_, i) => this.run.frame(i));
     const points = frames.flatMap(({ poses }) => [...poses.subarray(21, 24)]);
     const path = { label: "robot", body: "robot.deck", from: 0, times: frames.map((f) => f.time), points, last: [] };
@@ -268,11 +268,11 @@ export class DemoLink extends MemoryLink {
   }
 
   private write(text: string, label: string, group: string): void {
-    if (!group || group !== this.last_group) this.past.push({ text: this.text, label });
-    this.last_group = group;
+    if (!group || group !== this.lastGroup) this.past.push({ text: this.text, label });
+    this.lastGroup = group;
     this.future = [];
     this.text = text;
-    this.publish_text();
+    this.publishText();
   }
 
   private back(what: "undo" | "redo"): unknown {
@@ -281,26 +281,26 @@ export class DemoLink extends MemoryLink {
     if (!step) throw refused(`nothing to ${what}`);
     to.push({ text: this.text, label: step.label });
     this.text = step.text;
-    this.last_group = "";
-    this.publish_text();
+    this.lastGroup = "";
+    this.publishText();
     return { version: this.version, label: step.label };
   }
 
-  private publish_text(): void {
+  private publishText(): void {
     this.version += 1;
-    this.lay_text();
+    this.replaceText();
     const { run } = this;
     this.publish("document", run.document!);
     if (run.document!.good) {
-      run.scenes = [demo_scene(run.scenes[0]!.scene + 1, this.text)];
+      run.scenes = [demoScene(run.scenes[0]!.scene + 1, this.text)];
       this.publish("tree", { version: this.version, elements: run.elements! });
-      this.publish_scene(run.scenes[0]!.scene);
+      this.publishScene(run.scenes[0]!.scene);
     }
     this.publish("problems", { version: this.version, problems: run.problems! });
     this.changed();
   }
 
-  private lay_text(): void {
+  private replaceText(): void {
     const read = tokens(this.text);
     const good = read.wrong < 0;
     this.run.document = {
@@ -323,7 +323,7 @@ export class DemoLink extends MemoryLink {
             message: read.why,
             help: "",
             file: "demo.scene.xml",
-            ...position_of(this.text, read.wrong),
+            ...positionOf(this.text, read.wrong),
             length: 1,
             notes: [],
           },

@@ -47,7 +47,7 @@ function shape(type: SceneShape["type"], size: number[], color: SceneShape["colo
 }
 
 /** Height of a ball let go at `top`, of radius 6 cm, that keeps 64 % of its energy at each bounce. */
-function ball_height(t: number): number {
+function ballHeight(t: number): number {
   const g = 9.81;
   let speed = Math.sqrt(2 * g * 0.44);
   let since = t - speed / g;
@@ -61,7 +61,7 @@ function ball_height(t: number): number {
   return 0.06;
 }
 
-export function poses_at(t: number, slip = 0): Float32Array {
+export function posesAt(t: number, slip = 0): Float32Array {
   const turn = 0.6 * t * (1 - slip);
   const radius = 0.6;
   const [c, s] = [Math.cos(turn), Math.sin(turn)];
@@ -82,15 +82,15 @@ export function poses_at(t: number, slip = 0): Float32Array {
   const rolled = (distance: number): number[] => times(times(yaw(heading), lying.slice(3)), yaw(-distance / 0.05));
   const lean = 0.6 * Math.sin(2 * t);
   const arm = times(yaw(heading), [Math.cos(lean / 2), 0, Math.sin(lean / 2), 0]);
-  const reach = at(0.08 * Math.sin(lean), 0);
+  const offset = at(0.08 * Math.sin(lean), 0);
   return Float32Array.from([
     ...none,
     ...[0, 0, 0.08, 1, 0, 0, 0],
-    ...[-0.5, 0.5, ball_height(t), 1, 0, 0, 0],
+    ...[-0.5, 0.5, ballHeight(t), 1, 0, 0, 0],
     ...[x, y, 0.06, ...yaw(heading)],
     ...[...at(0, 0.09), 0.05, ...rolled(turn * (radius - 0.09))],
     ...[...at(0, -0.09), 0.05, ...rolled(turn * (radius + 0.09))],
-    ...[...reach, 0.08 + 0.08 * Math.cos(lean), ...arm],
+    ...[...offset, 0.08 + 0.08 * Math.cos(lean), ...arm],
   ]);
 }
 
@@ -118,9 +118,9 @@ function directions(): Vec3[] {
   });
 }
 
-export function frame_at(scene: number, step: number, dt: number, ghost: boolean): Frame {
+export function frameAt(scene: number, step: number, dt: number, ghost: boolean): Frame {
   const time = step * dt;
-  const poses = poses_at(time);
+  const poses = posesAt(time);
   const tail: FrameTail = { readings: [{ sensor: 0, values: readings(poses) }] };
   if (poses[16]! < 0.0605) {
     tail.contacts = [{ a: 2, b: 0, point: [-0.5, 0.5, 0], normal: [0, 0, 1], depth: 0.001, force: 12 }];
@@ -128,14 +128,14 @@ export function frame_at(scene: number, step: number, dt: number, ghost: boolean
     tail.contacts = [];
   }
   tail.contacts.push({ a: 1, b: 0, point: [0, 0, 0], normal: [0, 0, 1], depth: 0, force: 4.9 });
-  return { live: true, scene, time, step, poses, ghost: ghost ? poses_at(time, 0.02) : new Float32Array(0), tail };
+  return { live: true, scene, time, step, poses, ghost: ghost ? posesAt(time, 0.02) : new Float32Array(0), tail };
 }
 
 /** The scene of kText, whatever the text has become since: ids are looked up by name. */
-export function demo_scene(number: number, text: string): Scene {
+export function demoScene(number: number, text: string): Scene {
   const elements = tokens(text).elements;
   const id = (name: string) => elements.findIndex((e) => e.name === name || e.tag === name);
-  const poses = poses_at(0);
+  const poses = posesAt(0);
   const pose = (i: number) => Array.from(poses.subarray(7 * i, 7 * i + 7)) as Pose;
   const body = (i: number, name: string, kind: SceneBody["kind"], mass: number, of: SceneShape): SceneBody => ({
     name,
@@ -149,13 +149,13 @@ export function demo_scene(number: number, text: string): Scene {
     removed: id(name.replace("robot.", "")) < 0,
     shapes: [of],
   });
-  const joint = (name: string, child: number, parent_pose: Pose, child_pose: Pose) => ({
+  const joint = (name: string, child: number, parentPose: Pose, childPose: Pose) => ({
     name: `robot.${name}`,
     type: "hinge",
     parent: 3,
     child,
-    parent_pose,
-    child_pose,
+    parent_pose: parentPose,
+    child_pose: childPose,
     element: id(name),
   });
   const wheel = (y: number): Pose => [0, y, -0.01, Math.SQRT1_2, Math.SQRT1_2, 0, 0];

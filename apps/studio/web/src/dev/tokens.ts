@@ -14,7 +14,7 @@ export interface Tokens {
   why: string;
 }
 
-export function position_of(text: string, offset: number): { line: number; column: number } {
+export function positionOf(text: string, offset: number): { line: number; column: number } {
   const before = text.slice(0, offset).split("\n");
   return { line: before.length, column: before[before.length - 1]!.length + 1 };
 }
@@ -30,14 +30,14 @@ export function tokens(text: string): Tokens {
       const last = open.pop();
       const element = last === undefined ? undefined : elements[last];
       if (element?.tag !== closed) return { elements, wrong: at, why: `'</${closed}>' closes nothing` };
-      element.end_line = position_of(text, at + all.length).line;
+      element.end_line = positionOf(text, at + all.length).line;
     } else if (tag !== undefined) {
       const attributes: Record<string, string> = {};
       for (const one of (list ?? "").matchAll(/([\w-]+)\s*=\s*"([^"]*)"/g)) attributes[one[1]!] = one[2]!;
       const parent = open[open.length - 1] ?? -1;
       const name = attributes.name ?? "";
       const above = elements[parent]?.parent === -1 ? "" : (elements[parent]?.path ?? "");
-      const { line, column } = position_of(text, at);
+      const { line, column } = positionOf(text, at);
       elements.push({
         id: elements.length,
         parent,
@@ -46,7 +46,7 @@ export function tokens(text: string): Tokens {
         path: name && above ? `${above}.${name}` : name,
         line,
         column,
-        end_line: position_of(text, at + all.length).line,
+        end_line: positionOf(text, at + all.length).line,
         attributes,
         from: at,
         to: at + all.length,

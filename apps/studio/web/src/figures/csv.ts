@@ -1,7 +1,7 @@
 // A figure's numbers as a table (RFC 4180): names with units in the first line, a point as decimal mark.
-import { boxes_of, cells_of, histogram_of, type FigureData } from "./figure";
+import { boxesOf, cellsOf, histogramOf, type FigureData } from "./figure";
 import type { Sample } from "./statistics";
-import { with_unit } from "./ticks";
+import { withUnit } from "./ticks";
 
 const cell = (text: string): string => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
 /** Text that a table program would take for a formula is kept text. */
@@ -21,11 +21,11 @@ function table(columns: { name: string; values: readonly (Sample | string | unde
         })
         .join(","),
     );
-  return lines.join("\r\n") + "\r\n";
+  return `${lines.join("\r\n")  }\r\n`;
 }
 
 /** Thinned curves have two columns, the lowest and the highest of each interval. Empty: no value. */
-export function to_csv(data: FigureData): string {
+export function toCsv(data: FigureData): string {
   switch (data.kind) {
     case "curve":
     case "map":
@@ -33,19 +33,19 @@ export function to_csv(data: FigureData): string {
     case "box":
       return boxes(data);
     case "histogram": {
-      const { edges, counts } = histogram_of(data);
+      const { edges, counts } = histogramOf(data);
       return table([
-        { name: with_unit(`${data.x.label} from`, data.x.unit), values: edges.slice(0, -1) },
-        { name: with_unit(`${data.x.label} to`, data.x.unit), values: edges.slice(1) },
+        { name: withUnit(`${data.x.label} from`, data.x.unit), values: edges.slice(0, -1) },
+        { name: withUnit(`${data.x.label} to`, data.x.unit), values: edges.slice(1) },
         ...data.series.map((s, k) => ({ name: `count of ${s.label}`, values: counts[k]! })),
       ]);
     }
     case "surface": {
-      const cells = cells_of(data);
+      const cells = cellsOf(data);
       return table([
-        { name: with_unit(data.x.label, data.x.unit), values: cells.y.flatMap(() => cells.x) },
-        { name: with_unit(data.y.label, data.y.unit), values: cells.y.flatMap((y) => cells.x.map(() => y)) },
-        { name: with_unit(data.z.label, data.z.unit), values: cells.z.flat() },
+        { name: withUnit(data.x.label, data.x.unit), values: cells.y.flatMap(() => cells.x) },
+        { name: withUnit(data.y.label, data.y.unit), values: cells.y.flatMap((y) => cells.x.map(() => y)) },
+        { name: withUnit(data.z.label, data.z.unit), values: cells.z.flat() },
         { name: "samples", values: cells.counts.flat() },
       ]);
     }
@@ -54,17 +54,17 @@ export function to_csv(data: FigureData): string {
 
 function curves(data: FigureData): string {
   const first = data.series[0];
-  const one_x = data.series.every((s) => s.x === first?.x);
-  const x_name = with_unit(data.x.label, data.x.unit);
+  const oneX = data.series.every((s) => s.x === first?.x);
+  const xName = withUnit(data.x.label, data.x.unit);
   const columns: { name: string; values: readonly Sample[] }[] = [];
-  if (one_x && first) columns.push({ name: x_name, values: first.x });
+  if (oneX && first) columns.push({ name: xName, values: first.x });
   for (const s of data.series) {
-    if (!one_x) columns.push({ name: with_unit(`${s.label}: ${data.x.label}`, data.x.unit), values: s.x });
+    if (!oneX) columns.push({ name: withUnit(`${s.label}: ${data.x.label}`, data.x.unit), values: s.x });
     if (s.high) {
-      columns.push({ name: with_unit(`${s.label} lowest`, s.unit), values: s.y });
-      columns.push({ name: with_unit(`${s.label} highest`, s.unit), values: s.high });
+      columns.push({ name: withUnit(`${s.label} lowest`, s.unit), values: s.y });
+      columns.push({ name: withUnit(`${s.label} highest`, s.unit), values: s.high });
     } else {
-      columns.push({ name: with_unit(s.label, s.unit), values: s.y });
+      columns.push({ name: withUnit(s.label, s.unit), values: s.y });
     }
   }
   return table(columns);
@@ -72,14 +72,14 @@ function curves(data: FigureData): string {
 
 /** The numbers of the boxes, then a blank line, then the samples they are made of. */
 function boxes(data: FigureData): string {
-  const all = boxes_of(data);
+  const all = boxesOf(data);
   const numbers = table([
     { name: "series", values: data.series.map((s) => s.label) },
     { name: "unit", values: data.series.map((s) => s.unit) },
-    ...(["count", "omitted", "whisker_low", "q1", "median", "q3", "whisker_high", "mean"] as const).map((key) => ({
-      name: key.replace("_", " "),
+    ...(["count", "omitted", "whiskerLow", "q1", "median", "q3", "whiskerHigh", "mean"] as const).map((key) => ({
+      name: key.replace(/[A-Z]/, (letter) => ` ${letter.toLowerCase()}`),
       values: all.map((b) => b[key]),
     })),
   ]);
-  return numbers + "\r\n" + table(data.series.map((s) => ({ name: with_unit(s.label, s.unit), values: s.y })));
+  return `${numbers  }\r\n${  table(data.series.map((s) => ({ name: withUnit(s.label, s.unit), values: s.y })))}`;
 }

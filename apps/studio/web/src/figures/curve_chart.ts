@@ -1,8 +1,8 @@
 // Curves over time on a canvas (uPlot), with the shown time as a line.
 import uPlot from "uplot";
-import { theme_color, type FigureData } from "./figure";
-import { range_of, type Sample } from "./statistics";
-import { drawable_range, short_number, with_unit } from "./ticks";
+import { themeColor, type FigureData } from "./figure";
+import { rangeOf, type Sample } from "./statistics";
+import { drawableRange, shortNumber, withUnit } from "./ticks";
 
 export interface CurveChartEvents {
   /** Index of the sample under the pointer; -1: none. */
@@ -24,7 +24,7 @@ export class CurveChart {
   private time: number | null = null;
   private readonly line = document.createElement("div");
   private readonly resized: ResizeObserver;
-  private pick_later: ReturnType<typeof setTimeout> | undefined;
+  private pickLater: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly host: HTMLElement,
@@ -39,7 +39,7 @@ export class CurveChart {
   }
 
   destroy(): void {
-    clearTimeout(this.pick_later);
+    clearTimeout(this.pickLater);
     this.resized.disconnect();
     this.plot?.destroy();
     this.plot = null;
@@ -67,17 +67,17 @@ export class CurveChart {
     } else {
       this.plot.setData(columns, true);
     }
-    this.place_line();
+    this.moveLine();
   }
 
   /** Marks the shown time [s]; null: none. */
-  set_time(time: number | null): void {
+  setTime(time: number | null): void {
     this.time = time;
-    this.place_line();
+    this.moveLine();
   }
 
   /** Moves the cursor by `by` samples and shows its time, for use without a mouse. */
-  step_cursor(by: number): number | null {
+  stepCursor(by: number): number | null {
     const { plot, data } = this;
     const times = data?.series[0]?.x ?? [];
     if (!plot || times.length === 0) return null;
@@ -92,7 +92,7 @@ export class CurveChart {
     return { width: Math.max(this.host.clientWidth, 120), height: Math.max(this.host.clientHeight, 80) };
   }
 
-  private place_line(): void {
+  private moveLine(): void {
     const { plot, time } = this;
     const scale = plot?.scales.x;
     const inside =
@@ -111,10 +111,10 @@ export class CurveChart {
       const left = event.clientX - plot.over.getBoundingClientRect().left;
       const times = this.data?.series[0]?.x ?? [];
       const time = times[plot.posToIdx(left)];
-      clearTimeout(this.pick_later);
+      clearTimeout(this.pickLater);
       if (typeof time !== "number") return;
       // a zoomed figure waits for a second click, which shows all again and goes nowhere
-      if (this.range) this.pick_later = setTimeout(() => this.events.pick(time), 300);
+      if (this.range) this.pickLater = setTimeout(() => this.events.pick(time), 300);
       else if (event.detail < 2) this.events.pick(time);
     });
   }
@@ -136,20 +136,20 @@ export class CurveChart {
       stroke: text,
       grid,
       ticks: { ...grid, size: 5 },
-      values: (_plot, marks) => marks.map((m) => short_number(m, 6)),
+      values: (_plot, marks) => marks.map((m) => shortNumber(m, 6)),
       ...more,
     });
-    const side_range =
+    const sideRange =
       (log: boolean): uPlot.Range.Function =>
       (_plot, low, high) => {
         if (log) return low === null || !(low > 0) ? [0.1, 1] : uPlot.rangeLog(low, Math.max(high, low * 1.1), 10, false);
         const levels = data.levels?.map((l) => l.value) ?? [];
-        return drawable_range(...range_of([low, high, ...levels]), 0.05);
+        return drawableRange(...rangeOf([low, high, ...levels]), 0.05);
       };
     const series: uPlot.Series[] = [{}];
     const bands: uPlot.Band[] = [];
     for (const s of data.series) {
-      const stroke = css(theme_color(s.color));
+      const stroke = css(themeColor(s.color));
       const line: uPlot.Series = {
         label: s.label,
         scale: s.axis === 1 && data.y2 ? "y2" : "y",
@@ -168,14 +168,14 @@ export class CurveChart {
       bands.push({ series: [series.length - 1, series.length - 2], fill: faded(stroke) });
     }
     const axes = [
-      axis(with_unit(data.x.label, data.x.unit), { size: 32 }),
-      axis(with_unit(data.y.label, data.y.unit), { scale: "y", size: 58 }),
+      axis(withUnit(data.x.label, data.x.unit), { size: 32 }),
+      axis(withUnit(data.y.label, data.y.unit), { scale: "y", size: 58 }),
     ];
     if (data.y2)
-      axes.push(axis(with_unit(data.y2.label, data.y2.unit), { scale: "y2", side: 1, size: 58, grid: { show: false } }));
-    const y_scale = (log: boolean | undefined): uPlot.Scale => ({
+      axes.push(axis(withUnit(data.y2.label, data.y2.unit), { scale: "y2", side: 1, size: 58, grid: { show: false } }));
+    const yScale = (log: boolean | undefined): uPlot.Scale => ({
       distr: log ? 3 : 1,
-      range: side_range(log === true),
+      range: sideRange(log === true),
     });
     return {
       ...this.size(),
@@ -186,10 +186,10 @@ export class CurveChart {
         x: {
           time: false,
           // the server's part of a zoomed range may begin or end a frame beside it
-          range: (_plot, low, high) => this.range ?? drawable_range(low, high),
+          range: (_plot, low, high) => this.range ?? drawableRange(low, high),
         },
-        y: y_scale(data.y.log),
-        ...(data.y2 ? { y2: y_scale(data.y2.log) } : {}),
+        y: yScale(data.y.log),
+        ...(data.y2 ? { y2: yScale(data.y2.log) } : {}),
       },
       legend: { show: false },
       cursor: {
@@ -198,7 +198,7 @@ export class CurveChart {
         y: false,
         bind: {
           dblclick: () => () => {
-            clearTimeout(this.pick_later);
+            clearTimeout(this.pickLater);
             this.events.zoom(null);
             return null;
           },
@@ -215,14 +215,14 @@ export class CurveChart {
             this.events.zoom(range);
           },
         ],
-        draw: [(plot) => this.draw_levels(plot, css("var(--cg-error)"))],
-        setScale: [() => this.place_line()],
-        setSize: [() => this.place_line()],
+        draw: [(plot) => this.drawLevels(plot, css("var(--cg-error)"))],
+        setScale: [() => this.moveLine()],
+        setSize: [() => this.moveLine()],
       },
     };
   }
 
-  private draw_levels(plot: uPlot, color: string): void {
+  private drawLevels(plot: uPlot, color: string): void {
     const { ctx, bbox } = plot;
     for (const level of this.data?.levels ?? []) {
       const at = plot.valToPos(level.value, "y", true);
@@ -250,7 +250,7 @@ function aligned(data: FigureData): uPlot.AlignedData {
   for (const s of data.series)
     for (const values of s.high ? [s.y, s.high] : [s.y])
       // no logarithm of what is not above zero
-      columns.push(log(s.axis) ? values.map((v: Sample) => (v !== null && v > 0 ? v : null)) : (values as (number | null)[]));
+      columns.push(log(s.axis) ? values.map((v: Sample) => (v !== null && v > 0 ? v : null)) : (values));
   return [times, ...columns];
 }
 

@@ -86,7 +86,7 @@ function pick(a: Sample | undefined, b: Sample | undefined, which: (a: number, b
 }
 
 /** Whether some point stands for several frames. */
-export function is_thinned(part: { low: readonly Sample[]; high: readonly Sample[] }): boolean {
+export function isThinned(part: { low: readonly Sample[]; high: readonly Sample[] }): boolean {
   return part.low.some((v, i) => v !== part.high[i]);
 }
 

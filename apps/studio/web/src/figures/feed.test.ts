@@ -3,10 +3,10 @@ import { test } from "node:test";
 import { signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
-import { Feed, from_plot, over_time, with_ghost } from "./feed";
+import { Feed, fromPlot, overTime, withGhost } from "./feed";
 import { found } from "./signal_list";
 import type { FigureSpec } from "./figure";
-import { FiguresStore, with_signal } from "./store";
+import { FiguresStore, withSignal } from "./store";
 
 interface Asked {
   signals: string[];
@@ -16,7 +16,7 @@ interface Asked {
 }
 
 /** A run of frames each 0.1 s in which every signal is its number of the frame; "bad" is unknown. */
-function run_of(frames: number) {
+function runOf(frames: number) {
   const asked: Asked[] = [];
   const run = { frames };
   const status = signal<unknown>(null);
@@ -53,7 +53,7 @@ const spec = (fields: Partial<FigureSpec>): FigureSpec => ({
 });
 
 test("only the new part is requested, nothing while nothing changes, all after going back", async () => {
-  const { asked, run, publish, studio } = run_of(3);
+  const { asked, run, publish, studio } = runOf(3);
   const feed = new Feed(studio, () => spec({}));
   await feed.tick(0);
   assert.deepEqual(asked.pop(), { signals: ["a.x"], from: null, to: null, points: 2000 });
@@ -77,7 +77,7 @@ test("only the new part is requested, nothing while nothing changes, all after g
 });
 
 test("a part of the time axis is requested in full, and not again while the run continues behind it", async () => {
-  const { asked, run, publish, studio } = run_of(50);
+  const { asked, run, publish, studio } = runOf(50);
   const feed = new Feed(studio, () => spec({}));
   await feed.tick(0);
   feed.zoom([1, 2]);
@@ -93,7 +93,7 @@ test("a part of the time axis is requested in full, and not again while the run 
 });
 
 test("a signal that is no longer there does not take the others with it", async () => {
-  const { asked, run, publish, studio } = run_of(3);
+  const { asked, run, publish, studio } = runOf(3);
   const feed = new Feed(studio, () => spec({ signals: ["a.x", "bad", "turn"] }));
   await feed.tick(0);
   assert.deepEqual(
@@ -115,7 +115,7 @@ test("a signal that is no longer there does not take the others with it", async 
 });
 
 test("box plots get all samples, and say units that differ", async () => {
-  const { asked, studio } = run_of(5000);
+  const { asked, studio } = runOf(5000);
   const feed = new Feed(studio, () => spec({ kind: "box", signals: ["a.x", "turn"] }));
   await feed.tick(0);
   assert.equal(asked[0]!.points, 5000);
@@ -129,7 +129,7 @@ test("box plots get all samples, and say units that differ", async () => {
 });
 
 test("a surface waits for its three signals", async () => {
-  const { studio } = run_of(5);
+  const { studio } = runOf(5);
   let signals = ["a.x", "b.x", ""];
   const feed = new Feed(studio, () => spec({ kind: "surface", signals }));
   await feed.tick(0);
@@ -141,14 +141,14 @@ test("a surface waits for its three signals", async () => {
 });
 
 test("signals fill the free slots", () => {
-  assert.deepEqual(with_signal(spec({}), "b.x"), ["a.x", "b.x"]);
-  assert.deepEqual(with_signal(spec({}), "a.x"), ["a.x"]);
-  assert.deepEqual(with_signal(spec({ kind: "surface", signals: ["a", "", "c"] }), "b"), ["a", "b", "c"]);
-  assert.deepEqual(with_signal(spec({ kind: "surface", signals: ["a", "b", "c"] }), "d"), ["a", "b", "d"]);
+  assert.deepEqual(withSignal(spec({}), "b.x"), ["a.x", "b.x"]);
+  assert.deepEqual(withSignal(spec({}), "a.x"), ["a.x"]);
+  assert.deepEqual(withSignal(spec({ kind: "surface", signals: ["a", "", "c"] }), "b"), ["a", "b", "c"]);
+  assert.deepEqual(withSignal(spec({ kind: "surface", signals: ["a", "b", "c"] }), "d"), ["a", "b", "d"]);
 });
 
 test("drops: signals are drawn, of an element its signals are offered", () => {
-  const { studio } = run_of(1);
+  const { studio } = runOf(1);
   const store = new FiguresStore(studio);
   store.signals.value = [{ name: "robot.x", unit: "m", owner: "robot" }];
   store.drop(-1, "robot.x");
@@ -158,7 +158,7 @@ test("drops: signals are drawn, of an element its signals are offered", () => {
   store.drop(1, "robot");
   assert.equal(store.choosing.value, 1);
   assert.equal(store.search.value, "robot.");
-  store.remove_signal(1, 0);
+  store.removeSignal(1, 0);
   assert.deepEqual(store.specs.value[0]!.signals, ["distance(a, b)"]);
   store.remove(1);
   assert.deepEqual([store.specs.value.length, store.active.value, store.choosing.value], [0, -1, -1]);
@@ -174,7 +174,7 @@ test("searching signals: all words, beginnings first", () => {
 });
 
 test("the second run is requested by itself, up to the same time, and drawn dashed", async () => {
-  const { asked, run, studio } = run_of(4);
+  const { asked, run, studio } = runOf(4);
   const status = studio.state.status as unknown as { value: object };
   status.value = { ...status.value, compare: { labels: ["bullet", "cogrsim"], first_over: null } };
   const feed = new Feed(studio, () => spec({}));
@@ -196,7 +196,7 @@ test("the second run is requested by itself, up to the same time, and drawn dash
     ],
   );
   const part = (time: number[]) => ({ time, series: [{ signal: "a", unit: "m", low: time, high: time }] });
-  const both = with_ghost(part([0, 1, 2, 4]), part([0, 1, 3]));
+  const both = withGhost(part([0, 1, 2, 4]), part([0, 1, 3]));
   assert.deepEqual(both.time, [0, 1]);
   assert.deepEqual(
     both.series.map((s) => s.low),
@@ -209,9 +209,9 @@ test("the second run is requested by itself, up to the same time, and drawn dash
 
 test("a scene's plots: over time or not", () => {
   const plot = (unit: string, x: number[]) =>
-    from_plot({ kind: "curve", title: "T", x: { label: "t", unit }, y: { unit: "m" }, series: [{ label: "a", x, y: x }] });
-  assert.equal(over_time(plot("s", [0, 1, 2])), true);
-  assert.equal(over_time(plot("m", [0, 1, 2])), false);
-  assert.equal(over_time(plot("s", [0, 2, 1])), false);
-  assert.equal(from_plot({ kind: "nonsense", series: [] }).kind, "curve");
+    fromPlot({ kind: "curve", title: "T", x: { label: "t", unit }, y: { unit: "m" }, series: [{ label: "a", x, y: x }] });
+  assert.equal(overTime(plot("s", [0, 1, 2])), true);
+  assert.equal(overTime(plot("m", [0, 1, 2])), false);
+  assert.equal(overTime(plot("s", [0, 2, 1])), false);
+  assert.equal(fromPlot({ kind: "nonsense", series: [] }).kind, "curve");
 });

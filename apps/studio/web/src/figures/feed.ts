@@ -3,8 +3,8 @@ import { signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
 import type { Status } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { Curves, is_thinned, type SeriesAnswer, type SeriesPart } from "./curves";
-import { axis_label, color_of, share_axes, type Axis, type FigureData, type FigureKind, type FigureSeries, type FigureSpec } from "./figure";
+import { Curves, isThinned, type SeriesAnswer, type SeriesPart } from "./curves";
+import { axisLabel, colorOf, shareAxes, type Axis, type FigureData, type FigureKind, type FigureSeries, type FigureSpec } from "./figure";
 import type { Sample } from "./statistics";
 
 /** Points of a curve: more than there are pixels side by side. */
@@ -38,7 +38,7 @@ export class Feed {
   private readonly curves = new Curves();
   private key = "";
   private seen: { last: number; frames: number } = { last: -Infinity, frames: 0 };
-  private next_look = 0;
+  private nextLook = 0;
   private busy = false;
   private bad = new Map<string, string>();
 
@@ -50,9 +50,9 @@ export class Feed {
   /** Checks for new data; called again and again while the figure is visible. */
   async tick(now: number): Promise<void> {
     const status = this.studio.state.status.peek();
-    if (this.busy || now < this.next_look || !status || !this.studio.state.open.peek()) return;
+    if (this.busy || now < this.nextLook || !status || !this.studio.state.open.peek()) return;
     const spec = this.spec();
-    const key = this.key_of(spec, status);
+    const key = this.keyOf(spec, status);
     const rewound = status.last < this.seen.last - 1e-9;
     const restarted = key !== this.key || rewound;
     if (!restarted && status.last === this.seen.last && status.frames === this.seen.frames) return;
@@ -65,16 +65,16 @@ export class Feed {
     this.seen = { last: status.last, frames: status.frames };
     try {
       const data = await this.read(spec, restarted, range, status);
-      this.next_look = now + (spec.kind === "curve" ? kCurvePause : kOtherPause);
+      this.nextLook = now + (spec.kind === "curve" ? kCurvePause : kOtherPause);
       // asked again meanwhile: for something else
-      if (key === this.key_of(this.spec(), this.studio.state.status.peek() ?? status)) {
+      if (key === this.keyOf(this.spec(), this.studio.state.status.peek() ?? status)) {
         this.data.value = data;
         this.error.value = [...this.bad.values()].join("; ");
       }
     } catch (error) {
       this.key = "";
-      this.next_look = now + kPatience;
-      if (!is_closed(error)) this.error.value = error instanceof Error ? error.message : String(error);
+      this.nextLook = now + kPatience;
+      if (!isClosed(error)) this.error.value = error instanceof Error ? error.message : String(error);
     } finally {
       this.busy = false;
     }
@@ -83,10 +83,10 @@ export class Feed {
   /** Shows only part of the time axis [s], in full detail; null: all. */
   zoom(range: [number, number] | null): void {
     this.range.value = range;
-    this.next_look = 0;
+    this.nextLook = 0;
   }
 
-  private key_of(spec: FigureSpec, status: Status): string {
+  private keyOf(spec: FigureSpec, status: Status): string {
     return JSON.stringify([spec.kind, spec.plot, spec.signals, status.scene, status.compare?.labels, this.range.peek()]);
   }
 
@@ -98,13 +98,13 @@ export class Feed {
   ): Promise<FigureData> {
     if (spec.plot) {
       this.note.value = "";
-      return from_plot(await this.studio.link.request<PlotAnswer>("figure", { plot: spec.plot }));
+      return fromPlot(await this.studio.link.request<PlotAnswer>("figure", { plot: spec.plot }));
     }
     const names = [...new Set(spec.signals.filter((s) => s !== ""))];
     if (names.length === 0) {
       this.curves.clear();
       this.note.value = "";
-      return empty_figure(spec);
+      return emptyFigure(spec);
     }
     if (spec.kind !== "curve") return this.samples(spec, names, status);
     const ghost = Boolean(status.compare);
@@ -115,27 +115,27 @@ export class Feed {
     const answer = await this.series(names, from, to, kPoints, ghost);
     if (!grows || !this.curves.append(answer))
       this.curves.replace(grows ? await this.series(names, null, to, kPoints, ghost) : answer);
-    this.note.value = this.curves.series.some(is_thinned)
+    this.note.value = this.curves.series.some(isThinned)
       ? "More steps than points: the band is from the lowest to the highest value of each interval. Drag over a part to see all of it."
       : "";
-    return curve_figure(spec, this.curves, status.compare?.labels ?? null);
+    return curveFigure(spec, this.curves, status.compare?.labels ?? null);
   }
 
   private async samples(spec: FigureSpec, names: string[], status: Status): Promise<FigureData> {
     const answer = await this.series(names, null, null, Math.min(Math.max(status.frames, kPoints), kSamples));
     const parts = answer.series;
-    this.note.value = parts.some(is_thinned) ? "Only some samples are used: the run is long." : "";
+    this.note.value = parts.some(isThinned) ? "Only some samples are used: the run is long." : "";
     const part = (name: string | undefined) => parts.find((p) => p.signal === name);
-    const data = empty_figure(spec);
+    const data = emptyFigure(spec);
     if (spec.kind === "box" || spec.kind === "histogram") {
       data.series = parts.map((p) => {
         const values = p.low;
         const box = spec.kind === "box";
-        const color = color_of(spec.signals.indexOf(p.signal));
-        return series_of({ label: p.signal, unit: p.unit, color, x: box ? [] : values, y: box ? values : [] });
+        const color = colorOf(spec.signals.indexOf(p.signal));
+        return seriesOf({ label: p.signal, unit: p.unit, color, x: box ? [] : values, y: box ? values : [] });
       });
       const units = new Set(parts.map((p) => p.unit));
-      const axis = { label: axis_label(parts.map((p) => p.signal)), unit: units.size === 1 ? [...units][0]! : "" };
+      const axis = { label: axisLabel(parts.map((p) => p.signal)), unit: units.size === 1 ? [...units][0]! : "" };
       // boxes of different units each say their own
       if (units.size > 1)
         data.series.forEach((s) => {
@@ -153,7 +153,7 @@ export class Feed {
     if (z) data.z = { label: z.signal, unit: z.unit };
     data.times = answer.time;
     data.series = [
-      series_of({ label: (z ?? y).signal, unit: (z ?? y).unit, color: color_of(0), x: x.low, y: y.low, z: z?.low ?? [] }),
+      seriesOf({ label: (z ?? y).signal, unit: (z ?? y).unit, color: colorOf(0), x: x.low, y: y.low, z: z?.low ?? [] }),
     ];
     return data;
   }
@@ -170,20 +170,20 @@ export class Feed {
       this.studio.link.request<SeriesAnswer>("series", { signals, from, to, points: p, ...(run ? { run } : {}) });
     const ask = async (signals: string[], p: number): Promise<SeriesAnswer> => {
       const solid = await one(signals, p);
-      return ghost ? with_ghost(solid, await one(signals, p, "ghost")) : solid;
+      return ghost ? withGhost(solid, await one(signals, p, "ghost")) : solid;
     };
     let good = names.filter((n) => !this.bad.has(n));
     if (good.length === 0) return { time: [], series: [] };
     try {
       return await ask(good, points);
     } catch (error) {
-      if (is_closed(error)) throw error;
-      if (good.length === 1) this.bad.set(good[0]!, message_of(error));
+      if (isClosed(error)) throw error;
+      if (good.length === 1) this.bad.set(good[0]!, messageOf(error));
       else
         for (const name of good)
           await ask([name], 1).catch((e: unknown) => {
-            if (is_closed(e)) throw e;
-            this.bad.set(name, message_of(e));
+            if (isClosed(e)) throw e;
+            this.bad.set(name, messageOf(e));
           });
       good = good.filter((n) => !this.bad.has(n));
       if (good.length === 0) return { time: [], series: [] };
@@ -192,11 +192,11 @@ export class Feed {
   }
 }
 
-const message_of = (error: unknown): string => (error instanceof Error ? error.message : String(error));
-const is_closed = (error: unknown): boolean => error instanceof RequestError && error.failure.code === "closed";
+const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+const isClosed = (error: unknown): boolean => error instanceof RequestError && error.failure.code === "closed";
 
 /** Both runs in one answer; times that only one of them has are left out. */
-export function with_ghost(solid: SeriesAnswer, ghost: SeriesAnswer): SeriesAnswer {
+export function withGhost(solid: SeriesAnswer, ghost: SeriesAnswer): SeriesAnswer {
   let count = 0;
   while (count < solid.time.length && solid.time[count] === ghost.time[count]) count += 1;
   const cut = (s: SeriesPart): SeriesPart => ({ ...s, low: s.low.slice(0, count), high: s.high.slice(0, count) });
@@ -206,37 +206,37 @@ export function with_ghost(solid: SeriesAnswer, ghost: SeriesAnswer): SeriesAnsw
   };
 }
 
-function series_of(fields: Partial<FigureSeries>): FigureSeries {
-  return { label: "", unit: "", color: color_of(0), dashed: false, axis: 0, x: [], y: [], z: [], ...fields };
+function seriesOf(fields: Partial<FigureSeries>): FigureSeries {
+  return { label: "", unit: "", color: colorOf(0), dashed: false, axis: 0, x: [], y: [], z: [], ...fields };
 }
 
-export function empty_figure(spec: FigureSpec): FigureData {
+export function emptyFigure(spec: FigureSpec): FigureData {
   const none = { label: "", unit: "" };
   const x = spec.kind === "curve" ? { label: "time", unit: "s" } : none;
   return { kind: spec.kind, title: spec.title, x, y: none, z: none, series: [] };
 }
 
 /** Curves with two axes where units differ. `labels`: of the solid and the dashed run of a comparison. */
-export function curve_figure(spec: FigureSpec, curves: Curves, labels: readonly string[] | null): FigureData {
+export function curveFigure(spec: FigureSpec, curves: Curves, labels: readonly string[] | null): FigureData {
   const time = curves.time.slice();
-  const shared = share_axes(curves.series.map((s) => s.unit));
-  const names = (axis: 0 | 1): string => axis_label(curves.series.filter((_, k) => shared.axes[k] === axis).map((s) => s.signal));
+  const shared = shareAxes(curves.series.map((s) => s.unit));
+  const names = (axis: 0 | 1): string => axisLabel(curves.series.filter((_, k) => shared.axes[k] === axis).map((s) => s.signal));
   return {
-    ...empty_figure(spec),
+    ...emptyFigure(spec),
     y: { label: names(0), unit: shared.left },
     y2: shared.right === null ? undefined : { label: names(1), unit: shared.right },
     series: curves.series.map((s, k) => {
       const ghost = s.run === "ghost";
       const run = labels?.[ghost ? 1 : 0];
-      return series_of({
+      return seriesOf({
         label: run ? `${s.signal} (${run})` : s.signal,
         unit: s.unit,
-        color: color_of(Math.max(spec.signals.indexOf(s.signal), 0)),
+        color: colorOf(Math.max(spec.signals.indexOf(s.signal), 0)),
         dashed: ghost,
         axis: shared.axes[k]!,
         x: time,
         y: s.low.slice(),
-        high: is_thinned(s) ? s.high.slice() : undefined,
+        high: isThinned(s) ? s.high.slice() : undefined,
       });
     }),
   };
@@ -245,7 +245,7 @@ export function curve_figure(spec: FigureSpec, curves: Curves, labels: readonly 
 const kKinds: readonly string[] = ["curve", "map", "box", "histogram", "surface"];
 
 /** A plot of the scene, as the server sampled it. */
-export function from_plot(answer: PlotAnswer): FigureData {
+export function fromPlot(answer: PlotAnswer): FigureData {
   const axis = (a: Partial<Axis> | undefined): Axis => ({ label: a?.label ?? "", unit: a?.unit ?? "", log: a?.log });
   return {
     kind: (kKinds.includes(answer.kind) ? answer.kind : "curve") as FigureKind,
@@ -254,10 +254,10 @@ export function from_plot(answer: PlotAnswer): FigureData {
     y: axis(answer.y),
     z: axis(answer.z),
     series: answer.series.map((s, k) =>
-      series_of({
+      seriesOf({
         label: s.label ?? "",
         unit: (answer.kind === "histogram" ? answer.x?.unit : answer.y?.unit) ?? "",
-        color: color_of(k),
+        color: colorOf(k),
         x: s.x ?? [],
         y: s.y ?? [],
         z: s.z ?? [],
@@ -267,7 +267,7 @@ export function from_plot(answer: PlotAnswer): FigureData {
 }
 
 /** Whether a figure's curves go over time, so that a click can go to it and the time can be shown. */
-export function over_time(data: FigureData): boolean {
+export function overTime(data: FigureData): boolean {
   const x = data.series[0]?.x ?? [];
   return (
     data.kind === "curve" &&

@@ -1,6 +1,6 @@
 // The data of a figure, for the page, an SVG or PNG file, and a table.
 import type { Sample } from "./statistics";
-import { bin_counts, bin_edges, box_numbers, cell_means, type BoxNumbers, type Cells } from "./statistics";
+import { binCounts, binEdges, boxNumbers, cellMeans, type BoxNumbers, type Cells } from "./statistics";
 
 export type FigureKind = "curve" | "map" | "box" | "histogram" | "surface";
 export const kKindNames: Record<FigureKind, string> = {
@@ -61,26 +61,26 @@ export interface FigureData {
 
 /** The theme's colours of series on white, which are those on paper, too. */
 export const kColors = ["#0b5cad", "#b3541e", "#1b7a3d", "#8a2fa8", "#a3241c", "#00707a", "#6d6100", "#4a5568"];
-export const color_of = (index: number): string => kColors[index % kColors.length]!;
+export const colorOf = (index: number): string => kColors[index % kColors.length]!;
 /** The same colour in the present theme, as CSS. */
-export const theme_color = (color: string): string => `var(--cg-series-${Math.max(kColors.indexOf(color), 0) + 1})`;
+export const themeColor = (color: string): string => `var(--cg-series-${Math.max(kColors.indexOf(color), 0) + 1})`;
 
 /** Counts and edges, in bins that all series share. */
-export function histogram_of(data: FigureData): { edges: number[]; counts: number[][] } {
-  const edges = bin_edges(data.series.flatMap((s) => s.x));
-  return { edges, counts: data.series.map((s) => bin_counts(s.x, edges)) };
+export function histogramOf(data: FigureData): { edges: number[]; counts: number[][] } {
+  const edges = binEdges(data.series.flatMap((s) => s.x));
+  return { edges, counts: data.series.map((s) => binCounts(s.x, edges)) };
 }
-export function boxes_of(data: FigureData): BoxNumbers[] {
-  return data.series.map((s) => box_numbers(s.y));
+export function boxesOf(data: FigureData): BoxNumbers[] {
+  return data.series.map((s) => boxNumbers(s.y));
 }
-export function cells_of(data: FigureData): Cells {
+export function cellsOf(data: FigureData): Cells {
   const s = data.series[0];
-  return s ? cell_means(s.x, s.y, s.z) : { x: [], y: [], z: [], counts: [] };
+  return s ? cellMeans(s.x, s.y, s.z) : { x: [], y: [], z: [], counts: [] };
 }
 
 /** The corners of cells, each as high as the cells around it are on average: a surface that is as wide as its cells, down to a
  *  single one. null: no cell there has samples. */
-export function corners_of(cells: Cells): Cells {
+export function cornersOf(cells: Cells): Cells {
   const edges = (centres: number[]): number[] => {
     if (centres.length === 0) return [];
     const pitch = centres.length > 1 ? centres[1]! - centres[0]! : 1;
@@ -106,7 +106,7 @@ export function corners_of(cells: Cells): Cells {
 
 /** Puts series on the two axes: the first unit is on the left, the second on the right; further ones join the right and say
  *  their unit in the legend. */
-export function share_axes(units: readonly string[]): { axes: (0 | 1)[]; left: string; right: string | null } {
+export function shareAxes(units: readonly string[]): { axes: (0 | 1)[]; left: string; right: string | null } {
   const kinds = [...new Set(units)];
   return {
     axes: units.map((u) => (u === kinds[0] ? 0 : 1)),
@@ -116,7 +116,7 @@ export function share_axes(units: readonly string[]): { axes: (0 | 1)[]; left: s
 }
 
 /** The label of an axis: the one name, or the names' common part behind their last dot, or "value". */
-export function axis_label(names: readonly string[]): string {
+export function axisLabel(names: readonly string[]): string {
   const all = [...new Set(names)];
   if (all.length === 1) return all[0]!;
   const tails = [...new Set(all.map((n) => n.slice(n.lastIndexOf(".") + 1)))];
@@ -124,7 +124,7 @@ export function axis_label(names: readonly string[]): string {
 }
 
 /** A name that any file system takes: "two wheels", "speed of a/b" give "two-wheels-speed-of-a-b". */
-export function file_name(scene: string, figure: string, ending: string): string {
+export function fileName(scene: string, figure: string, ending: string): string {
   const clean = (text: string): string =>
     text
       .replace(/[^\p{L}\p{N}._-]+/gu, "-")

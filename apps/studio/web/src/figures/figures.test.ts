@@ -1,11 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { to_csv } from "./csv";
+import { toCsv } from "./csv";
 import { Curves, nearest, type SeriesAnswer } from "./curves";
-import { axis_label, boxes_of, corners_of, file_name, share_axes, type FigureData, type FigureSeries } from "./figure";
-import { bin_counts, bin_edges, box_numbers, cell_means, quantile, range_of, rounded_step } from "./statistics";
-import { to_svg } from "./svg";
-import { drawable_range, log_ticks, short_number, tick_labels, ticks, with_unit } from "./ticks";
+import { axisLabel, boxesOf, cornersOf, fileName, shareAxes, type FigureData, type FigureSeries } from "./figure";
+import { binCounts, binEdges, boxNumbers, cellMeans, quantile, rangeOf, roundedStep } from "./statistics";
+import { toSvg } from "./svg";
+import { drawableRange, logTicks, shortNumber, tickLabels, ticks, withUnit } from "./ticks";
 
 const answer = (time: number[], values: (number | null)[], signal = "a.x", run?: string): SeriesAnswer => ({
   time,
@@ -61,8 +61,8 @@ test("curves: thinning keeps extremes, the ends and the order of times", () => {
   assert.equal(curves.time[0], 0);
   assert.equal(curves.last, 10);
   assert.ok(curves.time.every((t, i) => i === 0 || t > curves.time[i - 1]!));
-  assert.equal(range_of(curves.series[0]!.high)[1], 99);
-  assert.equal(range_of(curves.series[0]!.low)[0], -99);
+  assert.equal(rangeOf(curves.series[0]!.high)[1], 99);
+  assert.equal(rangeOf(curves.series[0]!.low)[0], -99);
 });
 
 test("curves: a gap of one point is filled by its neighbour, a gap of two stays", () => {
@@ -92,34 +92,34 @@ test("quantiles as the SDK's: the k-th of n is the (k - 0.5)/n quantile", () => 
 });
 
 test("boxes: whiskers end at samples, what is beyond is an outlier, no number is left out", () => {
-  const box = box_numbers([1, 2, 3, 4, 100, null, NaN]);
+  const box = boxNumbers([1, 2, 3, 4, 100, null, NaN]);
   assert.equal(box.count, 5);
   assert.equal(box.omitted, 2);
   assert.equal(box.median, 3);
   assert.equal(box.q1, 1.75);
   // at 0.75 * 5 - 0.5 = 3.25 from 0: between 4 and 100
   assert.equal(box.q3, 28);
-  assert.equal(box.whisker_high, 28);
-  assert.equal(box.whisker_low, 1);
+  assert.equal(box.whiskerHigh, 28);
+  assert.equal(box.whiskerLow, 1);
   assert.deepEqual(box.outliers, [100]);
   assert.equal(box.mean, 22);
 });
 
 test("bins: whole numbers get one each, constants one, others round widths; all samples are counted", () => {
-  assert.deepEqual(bin_edges([1, 2, 4]), [0.5, 1.5, 2.5, 3.5, 4.5]);
-  assert.deepEqual(bin_counts([1, 2, 4, 4], [0.5, 1.5, 2.5, 3.5, 4.5]), [1, 1, 0, 2]);
-  assert.equal(bin_edges([0.3, 0.3, 0.3]).length, 2);
-  assert.deepEqual(bin_edges([null]), []);
+  assert.deepEqual(binEdges([1, 2, 4]), [0.5, 1.5, 2.5, 3.5, 4.5]);
+  assert.deepEqual(binCounts([1, 2, 4, 4], [0.5, 1.5, 2.5, 3.5, 4.5]), [1, 1, 0, 2]);
+  assert.equal(binEdges([0.3, 0.3, 0.3]).length, 2);
+  assert.deepEqual(binEdges([null]), []);
   const samples = Array.from({ length: 500 }, (_, i) => Math.sin(i * 12.9898) * 3);
-  const edges = bin_edges(samples);
+  const edges = binEdges(samples);
   assert.equal(
-    bin_counts(samples, edges).reduce((a, b) => a + b, 0),
+    binCounts(samples, edges).reduce((a, b) => a + b, 0),
     500,
   );
   // s = 3/sqrt(2), width 3.5 s / 7.94 = 0.935: 1 by rounding
   assert.ok(Math.abs(edges[2]! - edges[1]! - 1) < 1e-12);
   // a bin owns its lower edge, the last one both
-  assert.deepEqual(bin_counts([0, 1, 2], [0, 1, 2]), [1, 2]);
+  assert.deepEqual(binCounts([0, 1, 2], [0, 1, 2]), [1, 2]);
 });
 
 test("cells: samples on lines get a line each; the mean of each cell", () => {
@@ -131,7 +131,7 @@ test("cells: samples on lines get a line each; the mean of each cell", () => {
         y!.push(k);
         z!.push(10 * i + k + (again % 2 === 0 ? 1 : -1));
       }
-  const cells = cell_means(x!, y!, z!);
+  const cells = cellMeans(x!, y!, z!);
   assert.deepEqual(cells.x, [0, 0.5, 1]);
   assert.deepEqual(cells.y, [0, 1]);
   assert.deepEqual(cells.z, [
@@ -142,14 +142,14 @@ test("cells: samples on lines get a line each; the mean of each cell", () => {
 
 test("corners: as high as the cells around them, and as wide as the cells are", () => {
   const cells = { x: [0, 2], y: [5], z: [[1, 3]], counts: [[1, 1]] };
-  const { x, y, z } = corners_of(cells);
+  const { x, y, z } = cornersOf(cells);
   assert.deepEqual(x, [-1, 1, 3]);
   assert.deepEqual(y, [4.5, 5.5]);
   assert.deepEqual(z, [
     [1, 2, 3],
     [1, 2, 3],
   ]);
-  assert.deepEqual(corners_of({ x: [0, 1], y: [0], z: [[null, 4]], counts: [[0, 1]] }).z[0], [null, 4, 4]);
+  assert.deepEqual(cornersOf({ x: [0, 1], y: [0], z: [[null, 4]], counts: [[0, 1]] }).z[0], [null, 4, 4]);
 });
 
 test("ticks are round, inside, and without an error that grows", () => {
@@ -157,31 +157,31 @@ test("ticks are round, inside, and without an error that grows", () => {
   assert.deepEqual(ticks(-0.31, 0.29, 6), [-0.3, -0.2, -0.1, 0, 0.1, 0.2]);
   assert.ok(!Object.is(ticks(-1, 1, 4)[2], -0));
   assert.deepEqual(ticks(1, 1, 5), []);
-  assert.deepEqual(log_ticks(0.005, 20, 10), [0.01, 0.1, 1, 10]);
-  assert.equal(rounded_step(0.03), 0.02);
+  assert.deepEqual(logTicks(0.005, 20, 10), [0.01, 0.1, 1, 10]);
+  assert.equal(roundedStep(0.03), 0.02);
 });
 
 test("labels of ticks have enough digits to differ", () => {
-  assert.deepEqual(tick_labels([0, 0.2, 0.4]), ["0.0", "0.2", "0.4"]);
-  assert.deepEqual(tick_labels([0, 50, 100]), ["0", "50", "100"]);
-  assert.deepEqual(tick_labels([1.0001, 1.0002]), ["1.0001", "1.0002"]);
-  assert.deepEqual(tick_labels([0, 1e6, 2e6]), ["0", "1e6", "2e6"]);
-  assert.deepEqual(tick_labels([0, 5e-7, 1e-6]), ["0", "5.0e-7", "1.0e-6"]);
-  assert.equal(new Set(tick_labels(ticks(1e5, 1.0001e5, 6))).size, ticks(1e5, 1.0001e5, 6).length);
-  assert.equal(short_number(null), "–");
-  assert.equal(short_number(0.1 + 0.2), "0.3");
-  assert.equal(with_unit("speed", "m/s"), "speed [m/s]");
-  assert.equal(with_unit("count", "1"), "count");
-  assert.deepEqual(drawable_range(2, 2), [1.8, 2.2]);
+  assert.deepEqual(tickLabels([0, 0.2, 0.4]), ["0.0", "0.2", "0.4"]);
+  assert.deepEqual(tickLabels([0, 50, 100]), ["0", "50", "100"]);
+  assert.deepEqual(tickLabels([1.0001, 1.0002]), ["1.0001", "1.0002"]);
+  assert.deepEqual(tickLabels([0, 1e6, 2e6]), ["0", "1e6", "2e6"]);
+  assert.deepEqual(tickLabels([0, 5e-7, 1e-6]), ["0", "5.0e-7", "1.0e-6"]);
+  assert.equal(new Set(tickLabels(ticks(1e5, 1.0001e5, 6))).size, ticks(1e5, 1.0001e5, 6).length);
+  assert.equal(shortNumber(null), "–");
+  assert.equal(shortNumber(0.1 + 0.2), "0.3");
+  assert.equal(withUnit("speed", "m/s"), "speed [m/s]");
+  assert.equal(withUnit("count", "1"), "count");
+  assert.deepEqual(drawableRange(2, 2), [1.8, 2.2]);
 });
 
 test("units share two axes", () => {
-  assert.deepEqual(share_axes(["m", "m"]), { axes: [0, 0], left: "m", right: null });
-  assert.deepEqual(share_axes(["m", "rad", "m"]), { axes: [0, 1, 0], left: "m", right: "rad" });
+  assert.deepEqual(shareAxes(["m", "m"]), { axes: [0, 0], left: "m", right: null });
+  assert.deepEqual(shareAxes(["m", "rad", "m"]), { axes: [0, 1, 0], left: "m", right: "rad" });
   // three units: the legend must say them
-  assert.deepEqual(share_axes(["m", "rad", "N"]), { axes: [0, 1, 1], left: "m", right: "" });
-  assert.equal(axis_label(["a.x", "b.x"]), "x");
-  assert.equal(axis_label(["a.x", "b.y"]), "value");
+  assert.deepEqual(shareAxes(["m", "rad", "N"]), { axes: [0, 1, 1], left: "m", right: "" });
+  assert.equal(axisLabel(["a.x", "b.x"]), "x");
+  assert.equal(axisLabel(["a.x", "b.y"]), "value");
 });
 
 test("tables name signals with units; gaps are empty; no text becomes a formula", () => {
@@ -193,18 +193,18 @@ test("tables name signals with units; gaps are empty; no text becomes a formula"
     ],
   });
   assert.equal(
-    to_csv(data),
+    toCsv(data),
     'time [s],robot.x [m],"\'=cmd(),""x"" lowest [rad]","\'=cmd(),""x"" highest [rad]"\r\n0,1,2,2\r\n0.5,,3,4\r\n',
   );
-  const counts = to_csv(figure({ kind: "histogram", x: { label: "a", unit: "m" }, series: [series({ x: [1, 2, 2] })] }));
+  const counts = toCsv(figure({ kind: "histogram", x: { label: "a", unit: "m" }, series: [series({ x: [1, 2, 2] })] }));
   assert.equal(counts, "a from [m],a to [m],count of a\r\n0.5,1.5,1\r\n1.5,2.5,2\r\n");
-  const boxes = to_csv(figure({ kind: "box", series: [series({ y: [1, 2, 3] })] }));
+  const boxes = toCsv(figure({ kind: "box", series: [series({ y: [1, 2, 3] })] }));
   assert.match(boxes, /^series,unit,count,omitted,whisker low,q1,median,.*\r\na,m,3,0,1,1.25,2,/);
 });
 
 test("pictures: text is text, curves have gaps, units and labels are there", () => {
   const x = [0, 1, 2, 3, 4];
-  const svg = to_svg(
+  const svg = toSvg(
     figure({
       title: "<script>&\"",
       y2: { label: "angle", unit: "rad" },
@@ -224,7 +224,7 @@ test("pictures: text is text, curves have gaps, units and labels are there", () 
 });
 
 test("pictures: the position of a value is that of its tick", () => {
-  const svg = to_svg(figure({ series: [series({ x: [0, 10], y: [0, 4] })] }));
+  const svg = toSvg(figure({ series: [series({ x: [0, 10], y: [0, 4] })] }));
   const points = /<polyline points="([\d.]+),([\d.]+) ([\d.]+),([\d.]+)"/.exec(svg)!.slice(1).map(Number);
   // the tick "10" stands below the last point, the tick "4" beside it
   assert.ok(svg.includes(`<text x="${points[2]}" y="462" text-anchor="middle">10</text>`));
@@ -234,16 +234,16 @@ test("pictures: the position of a value is that of its tick", () => {
 test("pictures: every kind, without data too", () => {
   for (const kind of ["curve", "map", "box", "histogram", "surface"] as const) {
     for (const list of [[], [series({})], [series({ x: [1, 2, 3], y: [1, 1, 2], z: [0, 5, 9] })]]) {
-      const svg = to_svg(figure({ kind, series: list }));
+      const svg = toSvg(figure({ kind, series: list }));
       assert.ok(svg.startsWith("<svg") && svg.endsWith("</svg>"));
       assert.ok(!/NaN|Infinity|undefined/.test(svg), `${kind}: ${svg}`);
     }
   }
-  assert.equal(boxes_of(figure({ kind: "box", series: [series({ y: [3] })] }))[0]!.median, 3);
+  assert.equal(boxesOf(figure({ kind: "box", series: [series({ y: [3] })] }))[0]!.median, 3);
 });
 
 test("names of files", () => {
-  assert.equal(file_name("two wheels", "speed of a/b", "svg"), "two-wheels-speed-of-a-b.svg");
-  assert.equal(file_name("../..", "", "csv"), "figure.csv");
-  assert.equal(file_name("", "Überholen", "png"), "Überholen.png");
+  assert.equal(fileName("two wheels", "speed of a/b", "svg"), "two-wheels-speed-of-a-b.svg");
+  assert.equal(fileName("../..", "", "csv"), "figure.csv");
+  assert.equal(fileName("", "Überholen", "png"), "Überholen.png");
 });

@@ -7,7 +7,7 @@ import type { FigureKind } from "./figure";
 import "./figures.css";
 import type { FileKind } from "./save";
 import { FiguresStore } from "./store";
-import { export_figure, FiguresView } from "./view";
+import { exportFigure, FiguresView } from "./view";
 
 export const panel: PanelType = {
   name: "figures",
@@ -19,9 +19,9 @@ export const panel: PanelType = {
 };
 
 /** Draws a signal: in the figure of that title, else in a new one. */
-function draw_signal(store: FiguresStore, signal: string, figure: string): void {
+function drawSignal(store: FiguresStore, signal: string, figure: string): void {
   const there = figure === "" ? undefined : store.specs.value.find((s) => s.title === figure && !s.plot);
-  if (there) store.add_signal(there.id, signal);
+  if (there) store.addSignal(there.id, signal);
   else store.add("curve", [signal], figure);
 }
 
@@ -33,7 +33,7 @@ export function register(studio: Studio): void {
     void commands.addCommand(`figures:${id}`, {
       label,
       execute: ({ signals }) => {
-        studio.open_panel("figures");
+        studio.openPanel("figures");
         store.add(kind, Array.isArray(signals) ? signals.map(String) : []);
       },
     });
@@ -46,12 +46,12 @@ export function register(studio: Studio): void {
     commands.addCommand(`figures:export-${kind}`, {
       label: `Save figure as ${kind.toUpperCase()}`,
       isEnabled: () => store.active.value >= 0,
-      execute: () => export_figure(store, store.active.value, kind),
+      execute: () => exportFigure(store, store.active.value, kind),
     });
   commands.addCommand("figures:draw", {
     label: "Draw a signal",
     isVisible: () => false,
     execute: ({ signal, figure }) =>
-      draw_signal(store, String(signal), typeof figure === "string" ? figure : ""),
+      drawSignal(store, String(signal), typeof figure === "string" ? figure : ""),
   });
 }

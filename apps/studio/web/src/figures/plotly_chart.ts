@@ -1,7 +1,7 @@
 // Box plots, histograms, surfaces and paths, drawn by Plotly from numbers that were computed here.
-import { boxes_of, cells_of, corners_of, histogram_of, type Axis, type FigureData } from "./figure";
+import { boxesOf, cellsOf, cornersOf, histogramOf, type Axis, type FigureData } from "./figure";
 import type { Sample } from "./statistics";
-import { with_unit } from "./ticks";
+import { withUnit } from "./ticks";
 
 /** Colours of text, lines and series. */
 export interface ChartColors {
@@ -15,13 +15,13 @@ export const kPrintColors: ChartColors = { text: "#000", grid: "#ddd", ground: "
 let cartesian: Promise<PlotlyBundle> | null = null;
 let solid: Promise<PlotlyBundle> | null = null;
 /** Loaded when the first such figure is drawn. */
-function load(three_d: boolean): Promise<PlotlyBundle> {
-  if (three_d) return (solid ??= import("plotly.js-gl3d-dist-min").then((m) => m.default));
+function load(threeD: boolean): Promise<PlotlyBundle> {
+  if (threeD) return (solid ??= import("plotly.js-gl3d-dist-min").then((m) => m.default));
   return (cartesian ??= import("plotly.js-cartesian-dist-min").then((m) => m.default));
 }
 
 let webgl: boolean | null = null;
-function has_webgl(): boolean {
+function hasWebgl(): boolean {
   if (webgl === null) {
     const context = document.createElement("canvas").getContext("webgl");
     webgl = context !== null;
@@ -63,8 +63,8 @@ export class PlotlyChart {
       while (this.next && !this.gone) {
         const { data: now, colors: present } = this.next;
         this.next = null;
-        const { traces, layout, three_d } = drawing(now, present, has_webgl());
-        const bundle = await load(three_d);
+        const { traces, layout, threeD } = drawing(now, present, hasWebgl());
+        const bundle = await load(threeD);
         if (this.gone) return;
         if (this.bundle && this.bundle !== bundle) this.bundle.purge(this.host);
         this.bundle = bundle;
@@ -88,9 +88,9 @@ export class PlotlyChart {
 }
 
 /** As a PNG file, in colours for print. */
-export async function surface_png(data: FigureData, width: number, height: number): Promise<Blob> {
-  const { traces, layout, three_d } = drawing(data, kPrintColors, has_webgl());
-  const bundle = await load(three_d);
+export async function surfacePng(data: FigureData, width: number, height: number): Promise<Blob> {
+  const { traces, layout, threeD } = drawing(data, kPrintColors, hasWebgl());
+  const bundle = await load(threeD);
   const address = await bundle.toImage({ data: traces, layout }, { format: "png", width, height, scale: 2 });
   const bytes = Uint8Array.from(atob(address.slice(address.indexOf(",") + 1)), (c) => c.charCodeAt(0));
   return new Blob([bytes], { type: "image/png" });
@@ -104,10 +104,10 @@ export function plain(text: string): string {
 export function drawing(
   data: FigureData,
   colors: ChartColors,
-  webgl_works: boolean,
-): { traces: object[]; layout: object; three_d: boolean } {
+  webglWorks: boolean,
+): { traces: object[]; layout: object; threeD: boolean } {
   const axis = (a: Axis): object => ({
-    title: { text: plain(with_unit(a.label, a.unit)) },
+    title: { text: plain(withUnit(a.label, a.unit)) },
     type: a.log ? "log" : "linear",
     gridcolor: colors.grid,
     zerolinecolor: colors.grid,
@@ -128,7 +128,7 @@ export function drawing(
   };
   switch (data.kind) {
     case "box": {
-      const boxes = boxes_of(data);
+      const boxes = boxesOf(data);
       const traces = data.series.map((s, k) => {
         const b = boxes[k]!;
         const one = (v: number): number[] => (b.count > 0 ? [v] : []);
@@ -139,8 +139,8 @@ export function drawing(
           q1: one(b.q1),
           median: one(b.median),
           q3: one(b.q3),
-          lowerfence: one(b.whisker_low),
-          upperfence: one(b.whisker_high),
+          lowerfence: one(b.whiskerLow),
+          upperfence: one(b.whiskerHigh),
           mean: one(b.mean),
           // Plotly draws no box that has an empty list of them
           ...(b.outliers.length > 0 ? { y: [b.outliers], boxpoints: "outliers" } : {}),
@@ -154,10 +154,10 @@ export function drawing(
         ticktext: data.series.map((s) => plain(s.label)),
         range: [-0.6, Math.max(data.series.length, 1) - 0.4],
       };
-      return { traces, layout: { ...layout, xaxis: ranks, yaxis: axis(data.y) }, three_d: false };
+      return { traces, layout: { ...layout, xaxis: ranks, yaxis: axis(data.y) }, threeD: false };
     }
     case "histogram": {
-      const { edges, counts } = histogram_of(data);
+      const { edges, counts } = histogramOf(data);
       const traces = data.series.map((s, k) => ({
         type: "bar",
         name: plain(s.label),
@@ -169,21 +169,21 @@ export function drawing(
         hovertemplate: "%{x}: %{y}<extra></extra>",
       }));
       const y = { label: data.y.label || "count", unit: data.y.unit };
-      return { traces, layout: { ...layout, barmode: "overlay", bargap: 0, xaxis: axis(data.x), yaxis: axis(y) }, three_d: false };
+      return { traces, layout: { ...layout, barmode: "overlay", bargap: 0, xaxis: axis(data.x), yaxis: axis(y) }, threeD: false };
     }
     case "surface": {
-      const cells = cells_of(data);
-      const scale = { colorscale: "Viridis", colorbar: { title: { text: plain(with_unit(data.z.label, data.z.unit)) }, len: 0.8 } };
-      if (!webgl_works)
+      const cells = cellsOf(data);
+      const scale = { colorscale: "Viridis", colorbar: { title: { text: plain(withUnit(data.z.label, data.z.unit)) }, len: 0.8 } };
+      if (!webglWorks)
         return {
           traces: [{ type: "heatmap", x: cells.x, y: cells.y, z: cells.z, ...scale }],
           layout: { ...layout, xaxis: axis(data.x), yaxis: axis(data.y) },
-          three_d: false,
+          threeD: false,
         };
-      const { x, y, z } = corners_of(cells);
+      const { x, y, z } = cornersOf(cells);
       const trace = { type: "surface", x, y, z, ...scale };
       const scene = { xaxis: axis(data.x), yaxis: axis(data.y), zaxis: axis(data.z), aspectmode: "cube", camera: { eye: { x: 1.6, y: 1.6, z: 1.1 } } };
-      return { traces: [trace], layout: { ...layout, margin: { l: 0, r: 0, t: colors === kPrintColors ? 40 : 0, b: 0 }, scene }, three_d: true };
+      return { traces: [trace], layout: { ...layout, margin: { l: 0, r: 0, t: colors === kPrintColors ? 40 : 0, b: 0 }, scene }, threeD: true };
     }
     case "map":
     case "curve": {
@@ -197,7 +197,7 @@ export function drawing(
           y: s.y,
           line: { color: colors.series(s.color), dash: path || s.dashed ? "dash" : "solid", width: 1.6 },
         };
-        const [first, last] = [s.x.findIndex(is_number), s.x.length - 1 - [...s.x].reverse().findIndex(is_number)];
+        const [first, last] = [s.x.findIndex(isNumber), s.x.length - 1 - [...s.x].reverse().findIndex(isNumber)];
         if (!path || first < 0) return [line];
         const ends = {
           type: "scatter",
@@ -210,9 +210,9 @@ export function drawing(
         return [line, ends];
       });
       const y = path ? { ...axis(data.y), scaleanchor: "x" } : axis(data.y);
-      return { traces, layout: { ...layout, xaxis: axis(data.x), yaxis: y, hovermode: "closest" }, three_d: false };
+      return { traces, layout: { ...layout, xaxis: axis(data.x), yaxis: y, hovermode: "closest" }, threeD: false };
     }
   }
 }
 
-const is_number = (value: Sample): boolean => value !== null && Number.isFinite(value);
+const isNumber = (value: Sample): boolean => value !== null && Number.isFinite(value);

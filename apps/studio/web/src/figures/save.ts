@@ -1,8 +1,8 @@
 // Figures as files.
 import { download } from "../shell/download";
-import { to_csv } from "./csv";
-import { file_name, type FigureData } from "./figure";
-import { to_svg } from "./svg";
+import { toCsv } from "./csv";
+import { fileName, type FigureData } from "./figure";
+import { toSvg } from "./svg";
 
 export type FileKind = "png" | "svg" | "csv";
 
@@ -11,21 +11,21 @@ const kWidth = 800;
 const kHeight = 500;
 
 /** Saves the figure into the browser's downloads, named after scene and figure. Returns the name. */
-export async function save_figure(data: FigureData, scene: string, figure: string, kind: FileKind): Promise<string> {
-  const name = file_name(scene, figure, kind);
-  download(await figure_file(data, kind), name);
+export async function saveFigure(data: FigureData, scene: string, figure: string, kind: FileKind): Promise<string> {
+  const name = fileName(scene, figure, kind);
+  download(await figureFile(data, kind), name);
   return name;
 }
 
-async function figure_file(data: FigureData, kind: FileKind): Promise<Blob> {
+async function figureFile(data: FigureData, kind: FileKind): Promise<Blob> {
   switch (kind) {
     case "csv":
-      return new Blob([to_csv(data)], { type: "text/csv" });
+      return new Blob([toCsv(data)], { type: "text/csv" });
     case "svg":
-      return new Blob([to_svg(data, kWidth, kHeight)], { type: "image/svg+xml" });
+      return new Blob([toSvg(data, kWidth, kHeight)], { type: "image/svg+xml" });
     case "png":
-      if (data.kind === "surface") return (await import("./plotly_chart")).surface_png(data, kWidth, kHeight);
-      return painted(to_svg(data, kWidth, kHeight));
+      if (data.kind === "surface") return (await import("./plotly_chart")).surfacePng(data, kWidth, kHeight);
+      return painted(toSvg(data, kWidth, kHeight));
   }
 }
 

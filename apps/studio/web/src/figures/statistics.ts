@@ -5,7 +5,7 @@ export type Sample = number | null;
 
 const finite = (samples: readonly Sample[]): number[] =>
   samples.filter((v): v is number => v !== null && Number.isFinite(v));
-const sorted_finite = (samples: readonly Sample[]): number[] => finite(samples).sort((a, b) => a - b);
+const sortedFinite = (samples: readonly Sample[]): number[] => finite(samples).sort((a, b) => a - b);
 
 /** The `p` quantile of ascending numbers, 0 <= p <= 1, as Matlab's quantile() (Hyndman and Fan 1996, definition 5): the k-th of n
  *  is the (k - 0.5)/n quantile, linear between, constant outside. NaN of none. */
@@ -26,8 +26,8 @@ export interface BoxNumbers {
   q1: number;
   median: number;
   q3: number;
-  whisker_low: number;
-  whisker_high: number;
+  whiskerLow: number;
+  whiskerHigh: number;
   mean: number;
   /** ascending */
   outliers: number[];
@@ -35,27 +35,27 @@ export interface BoxNumbers {
 
 /** What a box plot draws: whiskers reach to the most extreme samples within `whisker` interquartile ranges of the box, and
  *  never inside it. All NaN without samples. */
-export function box_numbers(samples: readonly Sample[], whisker = 1.5): BoxNumbers {
-  const sorted = sorted_finite(samples);
+export function boxNumbers(samples: readonly Sample[], whisker = 1.5): BoxNumbers {
+  const sorted = sortedFinite(samples);
   const [q1, median, q3] = [quantile(sorted, 0.25), quantile(sorted, 0.5), quantile(sorted, 0.75)];
-  const reach = whisker * (q3 - q1);
+  const whiskerLength = whisker * (q3 - q1);
   const box: BoxNumbers = {
     count: sorted.length,
     omitted: samples.length - sorted.length,
     q1,
     median,
     q3,
-    whisker_low: q1,
-    whisker_high: q3,
+    whiskerLow: q1,
+    whiskerHigh: q3,
     mean: moments(sorted).mean,
     outliers: [],
   };
   for (const value of sorted) {
-    if (value < q1 - reach || value > q3 + reach) {
+    if (value < q1 - whiskerLength || value > q3 + whiskerLength) {
       box.outliers.push(value);
     } else {
-      box.whisker_low = Math.min(box.whisker_low, value);
-      box.whisker_high = Math.max(box.whisker_high, value);
+      box.whiskerLow = Math.min(box.whiskerLow, value);
+      box.whiskerHigh = Math.max(box.whiskerHigh, value);
     }
   }
   return box;
@@ -70,7 +70,7 @@ function moments(samples: readonly number[]): { mean: number; deviation: number 
 }
 
 /** 1, 2 or 5 times a power of ten: the one nearest to `width` > 0, by ratio. */
-export function rounded_step(width: number): number {
+export function roundedStep(width: number): number {
   const power = 10 ** Math.floor(Math.log10(width));
   const digits = width / power;
   return power * (digits < Math.SQRT2 ? 1 : digits < Math.sqrt(10) ? 2 : digits < Math.sqrt(50) ? 5 : 10);
@@ -80,8 +80,8 @@ const kMostBins = 1000;
 
 /** Edges of bins for all finite samples, ascending, one more than bins: one per whole number where these are few, else by Scott's
  *  rule, width 3.5 s / n^(1/3) rounded to 1, 2 or 5 times a power of ten. Empty without samples. */
-export function bin_edges(samples: readonly Sample[]): number[] {
-  const sorted = sorted_finite(samples);
+export function binEdges(samples: readonly Sample[]): number[] {
+  const sorted = sortedFinite(samples);
   if (sorted.length === 0) return [];
   const low = sorted[0]!;
   const high = sorted[sorted.length - 1]!;
@@ -94,7 +94,7 @@ export function bin_edges(samples: readonly Sample[]): number[] {
     return [low - width / 2, low + width / 2];
   }
   let width = (3.5 * moments(sorted).deviation) / Math.cbrt(sorted.length);
-  if (width > digit) width = rounded_step(width);
+  if (width > digit) width = roundedStep(width);
   const count = Math.ceil(high / width) - Math.floor(low / width);
   if (!(width > digit) || !(count <= kMostBins)) {
     const even = Array.from({ length: kMostBins + 1 }, (_, i) => low + ((high - low) * i) / kMostBins);
@@ -110,7 +110,7 @@ export function bin_edges(samples: readonly Sample[]): number[] {
 }
 
 /** How many finite samples lie in each bin; a bin owns its lower edge, the last one both. */
-export function bin_counts(samples: readonly Sample[], edges: readonly number[]): number[] {
+export function binCounts(samples: readonly Sample[], edges: readonly number[]): number[] {
   if (edges.length < 2) return [];
   const counts = new Array<number>(edges.length - 1).fill(0);
   for (const value of finite(samples)) {
@@ -144,7 +144,7 @@ interface Lines {
 
 /** Scattered samples gathered in equal cells, about four samples each, 4 to 40 a side; samples that stand again and again on at
  *  most 40 equally spaced lines get a line of cells for each. */
-export function cell_means(x: readonly Sample[], y: readonly Sample[], z: readonly Sample[]): Cells {
+export function cellMeans(x: readonly Sample[], y: readonly Sample[], z: readonly Sample[]): Cells {
   const xs: number[] = [];
   const ys: number[] = [];
   const zs: number[] = [];
@@ -158,12 +158,12 @@ export function cell_means(x: readonly Sample[], y: readonly Sample[], z: readon
   }
   if (xs.length === 0) return { x: [], y: [], z: [], counts: [] };
   const usual = Math.min(Math.max(Math.floor(Math.sqrt(xs.length / 4)), 4), 40);
-  const across = standing_lines(xs) ?? even_lines(xs, usual);
-  const along = standing_lines(ys) ?? even_lines(ys, usual);
+  const across = standingLines(xs) ?? evenLines(xs, usual);
+  const along = standingLines(ys) ?? evenLines(ys, usual);
   const sums = Array.from({ length: along.count }, () => new Array<number>(across.count).fill(0));
   const counts = sums.map((row) => row.slice());
   for (let i = 0; i < xs.length; ++i) {
-    const [row, column] = [line_of(along, ys[i]!), line_of(across, xs[i]!)];
+    const [row, column] = [lineOf(along, ys[i]!), lineOf(across, xs[i]!)];
     sums[row]![column]! += zs[i]!;
     counts[row]![column]! += 1;
   }
@@ -171,20 +171,20 @@ export function cell_means(x: readonly Sample[], y: readonly Sample[], z: readon
   return { x: centres(across), y: centres(along), z: means, counts };
 }
 
-const line_of = (lines: Lines, value: number): number =>
+const lineOf = (lines: Lines, value: number): number =>
   Math.min(Math.max(Math.floor((value - lines.low) / lines.cell), 0), lines.count - 1);
 const centres = (lines: Lines): number[] =>
   Array.from({ length: lines.count }, (_, i) => lines.low + (i + 0.5) * lines.cell);
 
-function even_lines(values: readonly number[], count: number): Lines {
-  const [low, high] = range_of(values);
+function evenLines(values: readonly number[], count: number): Lines {
+  const [low, high] = rangeOf(values);
   const cell = (high - low) / count;
   if (cell > 1e-14 * Math.max(Math.abs(low), Math.abs(high))) return { low, cell, count };
   const wide = low === 0 ? 1 : 0.1 * Math.abs(low);
   return { low: low - wide / 2, cell: wide, count: 1 };
 }
 
-function standing_lines(values: readonly number[]): Lines | null {
+function standingLines(values: readonly number[]): Lines | null {
   const lines = [...new Set(values)].sort((a, b) => a - b);
   const count = lines.length;
   if (count < 2 || count > 40 || values.length < 4 * count) return null;
@@ -194,7 +194,7 @@ function standing_lines(values: readonly number[]): Lines | null {
 }
 
 /** Lowest and highest finite number; [NaN, NaN] of none. No spreading of arguments: lists may be long. */
-export function range_of(values: Iterable<Sample | undefined>): [number, number] {
+export function rangeOf(values: Iterable<Sample | undefined>): [number, number] {
   let low = Infinity;
   let high = -Infinity;
   for (const value of values) {

@@ -38,7 +38,7 @@ export class FiguresStore {
 
   private readonly feeds = new Map<number, Feed>();
   private readonly visible = new Set<number>();
-  private next_id = 1;
+  private nextId = 1;
   private key = "";
   private listed = "";
   private readonly stops: (() => void)[];
@@ -68,7 +68,7 @@ export class FiguresStore {
     for (const stop of this.stops) stop();
   }
 
-  feed_of(id: number): Feed {
+  feedOf(id: number): Feed {
     let feed = this.feeds.get(id);
     if (!feed) {
       feed = new Feed(this.studio, () => this.spec(id) ?? { id, kind: "curve", title: "", signals: [], plot: "" });
@@ -80,14 +80,14 @@ export class FiguresStore {
     return this.specs.peek().find((s) => s.id === id);
   }
   /** Whether the figure is visible: hidden ones request nothing. */
-  set_visible(id: number, visible: boolean): void {
+  setVisible(id: number, visible: boolean): void {
     if (visible) this.visible.add(id);
     else this.visible.delete(id);
   }
 
   /** Makes a figure and answers its number. Without signals its list of them opens. */
   add(kind: FigureKind, signals: string[] = [], title = "", plot = ""): number {
-    const id = this.next_id++;
+    const id = this.nextId++;
     const same = this.specs.value.filter((s) => s.kind === kind && !s.plot).length;
     const name = title || (kind === "curve" && signals.length === 1 ? signals[0]! : `${kKindNames[kind]} ${same + 1}`);
     const slots = kSlots[kind];
@@ -97,7 +97,7 @@ export class FiguresStore {
     if (!plot && filled.every((s) => s === "")) this.choose(id);
     return id;
   }
-  add_plot(name: string): number {
+  addPlot(name: string): number {
     const there = this.specs.value.find((s) => s.plot === name);
     if (there) {
       this.active.value = there.id;
@@ -117,14 +117,14 @@ export class FiguresStore {
     this.change(this.specs.value.map((s) => (s.id === id ? { ...s, title } : s)));
   }
   /** Adds a signal: behind the others, or where none is chosen yet. What is there already stays once. */
-  add_signal(id: number, name: string): void {
-    this.change(this.specs.value.map((s) => (s.id === id ? { ...s, signals: with_signal(s, name) } : s)));
+  addSignal(id: number, name: string): void {
+    this.change(this.specs.value.map((s) => (s.id === id ? { ...s, signals: withSignal(s, name) } : s)));
     const spec = this.spec(id);
     if (spec && Number.isFinite(kSlots[spec.kind]) && !spec.signals.includes("")) this.choosing.value = -1;
     this.active.value = id;
   }
   /** Takes the signal number `index` away. */
-  remove_signal(id: number, index: number): void {
+  removeSignal(id: number, index: number): void {
     this.change(
       this.specs.value.map((s) => {
         if (s.id !== id) return s;
@@ -148,14 +148,14 @@ export class FiguresStore {
       const owner = !known.some((s) => s.name === name) && known.some((s) => s.owner === name);
       const target = id >= 0 && this.spec(id) && !this.spec(id)!.plot ? id : this.add("curve", owner ? [] : [name]);
       if (owner) this.choose(target, `${name}.`);
-      else this.add_signal(target, name);
+      else this.addSignal(target, name);
     }
   }
 
   private tick(): void {
     this.looked.value = this.studio.state.frame.peek()?.time ?? null;
     const now = performance.now();
-    for (const { id } of this.specs.peek()) if (this.visible.has(id)) void this.feed_of(id).tick(now);
+    for (const { id } of this.specs.peek()) if (this.visible.has(id)) void this.feedOf(id).tick(now);
   }
 
   private async list(scene: string): Promise<void> {
@@ -185,15 +185,15 @@ export class FiguresStore {
     if (key === this.key) return;
     const first = this.key === "";
     this.key = key;
-    const kept = read_specs(key).map((s) => ({ ...s, id: this.next_id++ }));
+    const stored = readSpecs(key).map((s) => ({ ...s, id: this.nextId++ }));
     // figures from before the scene had a name stay
-    if (!first || this.specs.value.length === 0) this.specs.value = kept;
+    if (!first || this.specs.value.length === 0) this.specs.value = stored;
     this.active.value = this.specs.value[0]?.id ?? -1;
   }
 }
 
 /** A figure's signals and `name`. */
-export function with_signal(spec: FigureSpec, name: string): string[] {
+export function withSignal(spec: FigureSpec, name: string): string[] {
   if (Number.isFinite(kSlots[spec.kind])) {
     const free = spec.signals.indexOf("");
     const slot = free >= 0 ? free : spec.signals.length - 1;
@@ -202,11 +202,11 @@ export function with_signal(spec: FigureSpec, name: string): string[] {
   return spec.signals.includes(name) ? spec.signals : [...spec.signals, name];
 }
 
-function read_specs(key: string): FigureSpec[] {
+function readSpecs(key: string): FigureSpec[] {
   try {
-    const kept = JSON.parse(localStorage.getItem(key) ?? "[]") as FigureSpec[];
+    const stored = JSON.parse(localStorage.getItem(key) ?? "[]") as FigureSpec[];
     const text = (value: unknown): string => (typeof value === "string" ? value : "");
-    return kept
+    return stored
       .filter((s) => s.kind in kKindNames && Array.isArray(s.signals))
       .map((s) => ({ id: 0, kind: s.kind, title: text(s.title), signals: s.signals.map(text), plot: text(s.plot) }));
   } catch {

@@ -1,15 +1,15 @@
 // A figure as SVG for print: black on white, text as text, nothing but shapes and characters.
-import { boxes_of, cells_of, histogram_of, type Axis, type FigureData, type FigureSeries } from "./figure";
-import { range_of, type Sample } from "./statistics";
-import { drawable_range, log_ticks, short_number, tick_labels, ticks, with_unit } from "./ticks";
+import { boxesOf, cellsOf, histogramOf, type Axis, type FigureData, type FigureSeries } from "./figure";
+import { rangeOf, type Sample } from "./statistics";
+import { drawableRange, logTicks, shortNumber, tickLabels, ticks, withUnit } from "./ticks";
 
 const kFont = 13;
 /** Width of a text in the figure's font, about: 0.55 of its height per letter is on the wide side for Helvetica. */
-const text_width = (text: string): number => text.length * kFont * 0.55;
-export const escape_xml = (text: string): string =>
+const textWidth = (text: string): number => text.length * kFont * 0.55;
+export const escapeXml = (text: string): string =>
   text
     // control characters are no XML at all
-    .replace(/[\u0000-\u0008\u000b\u000c\u000e-\u001f]/g, "")
+    .replace(/[^\t\n\r -\uffff]/g, "")
     .replaceAll("&", "&amp;")
     .replaceAll("<", "&lt;")
     .replaceAll(">", "&gt;")
@@ -35,9 +35,9 @@ class Scale {
     readonly log = false,
     pad = 0.04,
   ) {
-    const [low, high] = range_of(log ? above_zero(values) : values);
+    const [low, high] = rangeOf(log ? aboveZero(values) : values);
     if (log) [this.low, this.high] = Number.isFinite(low) ? [low / 1.3, high * 1.3] : [0.1, 1];
-    else [this.low, this.high] = drawable_range(low, high, pad);
+    else [this.low, this.high] = drawableRange(low, high, pad);
   }
   at(value: number): number {
     const part = this.log
@@ -50,20 +50,20 @@ class Scale {
   }
   marks(gap: number): number[] {
     const count = Math.max(2, Math.floor(Math.abs(this.to - this.from) / gap));
-    return this.log ? log_ticks(this.low, this.high, count) : ticks(this.low, this.high, count);
+    return this.log ? logTicks(this.low, this.high, count) : ticks(this.low, this.high, count);
   }
 }
-function* above_zero(values: Iterable<Sample | undefined>): Iterable<Sample | undefined> {
+function* aboveZero(values: Iterable<Sample | undefined>): Iterable<Sample | undefined> {
   for (const v of values) if (typeof v === "number" && v > 0) yield v;
 }
-function* all_of(series: readonly FigureSeries[], keys: ("x" | "y" | "high")[]): Iterable<Sample | undefined> {
+function* allOf(series: readonly FigureSeries[], keys: ("x" | "y" | "high")[]): Iterable<Sample | undefined> {
   for (const s of series) for (const key of keys) yield* s[key] ?? [];
 }
 
 /** `width` and `height` in pixels of 1/96 inch. */
-export function to_svg(data: FigureData, width = 800, height = 500): string {
+export function toSvg(data: FigureData, width = 800, height = 500): string {
   const out: string[] = [];
-  const legend = legend_rows(data, width - 40);
+  const legend = legendRows(data, width - 40);
   const two = data.y2 !== undefined && data.series.some((s) => s.axis === 1);
   const area: Area = { left: 78, top: data.title ? 44 : 20, width: 0, height: 0 };
   area.width = width - area.left - (two || data.kind === "surface" ? 92 : 26);
@@ -73,7 +73,7 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
   out.push(
     `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" ` +
       `font-family="Helvetica, Arial, sans-serif" font-size="${kFont}" fill="#000">`,
-    `<title>${escape_xml(data.title)}</title>`,
+    `<title>${escapeXml(data.title)}</title>`,
     `<rect width="${width}" height="${height}" fill="#fff"/>`,
     `<clipPath id="area"><rect x="${px(area.left)}" y="${px(area.top)}" width="${px(area.width)}" ` +
       `height="${px(area.height)}"/></clipPath>`,
@@ -82,11 +82,11 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
 
   const right = area.left + area.width;
   if (data.kind === "surface") {
-    draw_surface(out, data, area);
+    drawSurface(out, data, area);
   } else if (data.kind === "box") {
-    const boxes = boxes_of(data);
-    const y = new Scale(boxes.flatMap((b) => [b.whisker_low, b.whisker_high, ...b.outliers]), bottom, area.top);
-    draw_side(out, y, data.y, area, "left");
+    const boxes = boxesOf(data);
+    const y = new Scale(boxes.flatMap((b) => [b.whiskerLow, b.whiskerHigh, ...b.outliers]), bottom, area.top);
+    drawSide(out, y, data.y, area, "left");
     const slot = area.width / Math.max(boxes.length, 1);
     const half = Math.min(slot * 0.3, 45);
     boxes.forEach((b, k) => {
@@ -98,10 +98,10 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
         void out.push(
           `<line x1="${px(x1)}" y1="${px(y.at(v1))}" x2="${px(x2)}" y2="${px(y.at(v2))}" stroke="#000" stroke-width="${w}"/>`,
         );
-      line(middle, b.whisker_low, middle, b.q1);
-      line(middle, b.q3, middle, b.whisker_high);
-      line(middle - half / 2, b.whisker_low, middle + half / 2, b.whisker_low);
-      line(middle - half / 2, b.whisker_high, middle + half / 2, b.whisker_high);
+      line(middle, b.whiskerLow, middle, b.q1);
+      line(middle, b.q3, middle, b.whiskerHigh);
+      line(middle - half / 2, b.whiskerLow, middle + half / 2, b.whiskerLow);
+      line(middle - half / 2, b.whiskerHigh, middle + half / 2, b.whiskerHigh);
       out.push(
         `<rect x="${px(middle - half)}" y="${px(y.at(b.q3))}" width="${px(2 * half)}" ` +
           `height="${px(y.at(b.q1) - y.at(b.q3))}" fill="${s.color}" fill-opacity="0.35" stroke="#000" stroke-width="1.2"/>`,
@@ -111,11 +111,11 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
         out.push(`<circle cx="${px(middle)}" cy="${px(y.at(v))}" r="2.5" fill="none" stroke="${s.color}"/>`);
     });
   } else if (data.kind === "histogram") {
-    const { edges, counts } = histogram_of(data);
+    const { edges, counts } = histogramOf(data);
     const x = new Scale(edges, area.left, right, false, 0.02);
-    const y = new Scale([0, 1.04 * (range_of(counts.flat())[1] || 1)], bottom, area.top, false, 0);
-    draw_bottom(out, x, data.x, area);
-    draw_side(out, y, { label: data.y.label || "count", unit: data.y.unit }, area, "left");
+    const y = new Scale([0, 1.04 * (rangeOf(counts.flat())[1] || 1)], bottom, area.top, false, 0);
+    drawBottom(out, x, data.x, area);
+    drawSide(out, y, { label: data.y.label || "count", unit: data.y.unit }, area, "left");
     counts.forEach((list, k) => {
       const s = data.series[k]!;
       list.forEach((count, i) => {
@@ -128,18 +128,18 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
       });
     });
   } else {
-    const left_series = data.series.filter((s) => s.axis === 0 || !two);
+    const leftSeries = data.series.filter((s) => s.axis === 0 || !two);
     const levels = data.levels?.map((l) => l.value) ?? [];
-    const pad_x = data.kind === "map" ? 0.04 : 0;
-    let x = new Scale(all_of(data.series, ["x"]), area.left, right, data.x.log, pad_x);
-    let left = new Scale([...all_of(left_series, ["y", "high"]), ...levels], bottom, area.top, data.y.log);
-    if (data.kind === "map") [x, left] = equal_scales(x, left, area);
-    const right_scale = two
-      ? new Scale(all_of(data.series.filter((s) => s.axis === 1), ["y", "high"]), bottom, area.top, data.y2?.log)
+    const padX = data.kind === "map" ? 0.04 : 0;
+    let x = new Scale(allOf(data.series, ["x"]), area.left, right, data.x.log, padX);
+    let left = new Scale([...allOf(leftSeries, ["y", "high"]), ...levels], bottom, area.top, data.y.log);
+    if (data.kind === "map") [x, left] = equalScales(x, left, area);
+    const rightScale = two
+      ? new Scale(allOf(data.series.filter((s) => s.axis === 1), ["y", "high"]), bottom, area.top, data.y2?.log)
       : left;
-    draw_bottom(out, x, data.x, area);
-    draw_side(out, left, data.y, area, "left");
-    if (two) draw_side(out, right_scale, data.y2!, area, "right");
+    drawBottom(out, x, data.x, area);
+    drawSide(out, left, data.y, area, "left");
+    if (two) drawSide(out, rightScale, data.y2!, area, "right");
     for (const level of data.levels ?? []) {
       if (!left.drawable(level.value)) continue;
       const at = px(left.at(level.value));
@@ -149,7 +149,7 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
       );
     }
     out.push('<g clip-path="url(#area)" fill="none" stroke-width="1.6" stroke-linejoin="round">');
-    for (const s of data.series) draw_curve(out, s, x, s.axis === 1 ? right_scale : left, data.kind === "map");
+    for (const s of data.series) drawCurve(out, s, x, s.axis === 1 ? rightScale : left, data.kind === "map");
     out.push("</g>");
   }
   if (data.kind !== "surface")
@@ -165,7 +165,7 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
       out.push(
         `<line x1="${px(x)}" y1="${px(at - 4)}" x2="${px(x + 24)}" y2="${px(at - 4)}" stroke="${series.color}" ` +
           `stroke-width="2.4"${series.dashed ? ' stroke-dasharray="6 4"' : ""}/>`,
-        text(x + 30, at, legend_text(data, series)),
+        text(x + 30, at, legendText(data, series)),
       );
     }
   });
@@ -174,22 +174,22 @@ export function to_svg(data: FigureData, width = 800, height = 500): string {
 }
 
 function text(x: number, y: number, content: string, attributes = ""): string {
-  return `<text x="${px(x)}" y="${px(y)}"${attributes ? " " + attributes : ""}>${escape_xml(content)}</text>`;
+  return `<text x="${px(x)}" y="${px(y)}"${attributes ? ` ${  attributes}` : ""}>${escapeXml(content)}</text>`;
 }
 
-function legend_text(data: FigureData, s: FigureSeries): string {
+function legendText(data: FigureData, s: FigureSeries): string {
   if (data.kind === "box" || data.kind === "histogram") return s.label;
-  const own_axis = s.axis === 1 && data.y2 ? data.y2 : data.y;
-  return own_axis.unit === s.unit ? s.label : with_unit(s.label, s.unit);
+  const ownAxis = s.axis === 1 && data.y2 ? data.y2 : data.y;
+  return ownAxis.unit === s.unit ? s.label : withUnit(s.label, s.unit);
 }
 
 /** Entries side by side in as many rows as they need. A box plot names its boxes below them, one curve is named by its axis. */
-function legend_rows(data: FigureData, width: number): { series: FigureSeries; x: number }[][] {
+function legendRows(data: FigureData, width: number): { series: FigureSeries; x: number }[][] {
   if (data.kind === "box" || data.kind === "surface" || data.series.length < 2) return [];
   const rows: { series: FigureSeries; x: number }[][] = [[]];
   let x = 30;
   for (const series of data.series) {
-    const wide = 30 + text_width(legend_text(data, series)) + 18;
+    const wide = 30 + textWidth(legendText(data, series)) + 18;
     if (x + wide > width && rows[rows.length - 1]!.length > 0) {
       rows.push([]);
       x = 30;
@@ -200,10 +200,10 @@ function legend_rows(data: FigureData, width: number): { series: FigureSeries; x
   return rows;
 }
 
-function draw_bottom(out: string[], scale: Scale, axis: Axis, area: Area): void {
+function drawBottom(out: string[], scale: Scale, axis: Axis, area: Area): void {
   const bottom = area.top + area.height;
   const marks = scale.marks(90);
-  const labels = scale.log ? marks.map((m) => short_number(m)) : tick_labels(marks);
+  const labels = scale.log ? marks.map((m) => shortNumber(m)) : tickLabels(marks);
   marks.forEach((mark, i) => {
     const at = px(scale.at(mark));
     out.push(
@@ -212,14 +212,14 @@ function draw_bottom(out: string[], scale: Scale, axis: Axis, area: Area): void 
       text(scale.at(mark), bottom + 20, labels[i]!, 'text-anchor="middle"'),
     );
   });
-  out.push(text(area.left + area.width / 2, bottom + 42, with_unit(axis.label, axis.unit), 'text-anchor="middle"'));
+  out.push(text(area.left + area.width / 2, bottom + 42, withUnit(axis.label, axis.unit), 'text-anchor="middle"'));
 }
 
-function draw_side(out: string[], scale: Scale, axis: Axis, area: Area, side: "left" | "right"): void {
+function drawSide(out: string[], scale: Scale, axis: Axis, area: Area, side: "left" | "right"): void {
   const edge = side === "left" ? area.left : area.left + area.width;
   const away = side === "left" ? -1 : 1;
   const marks = scale.marks(50);
-  const labels = scale.log ? marks.map((m) => short_number(m)) : tick_labels(marks);
+  const labels = scale.log ? marks.map((m) => shortNumber(m)) : tickLabels(marks);
   marks.forEach((mark, i) => {
     const at = px(scale.at(mark));
     if (side === "left")
@@ -234,11 +234,11 @@ function draw_side(out: string[], scale: Scale, axis: Axis, area: Area, side: "l
   const x = edge + (side === "left" ? -60 : 72);
   const y = area.top + area.height / 2;
   const turn = `text-anchor="middle" transform="rotate(-90 ${px(x)} ${px(y)})"`;
-  out.push(text(x, y, with_unit(axis.label, axis.unit), turn));
+  out.push(text(x, y, withUnit(axis.label, axis.unit), turn));
 }
 
 /** A line with gaps where there are no values, single points as dots; a band between lowest and highest. */
-function draw_curve(out: string[], s: FigureSeries, x: Scale, y: Scale, path: boolean): void {
+function drawCurve(out: string[], s: FigureSeries, x: Scale, y: Scale, path: boolean): void {
   const dash = s.dashed || path ? ' stroke-dasharray="6 4"' : "";
   const runs: number[][] = [];
   let run: number[] = [];
@@ -270,8 +270,8 @@ function draw_curve(out: string[], s: FigureSeries, x: Scale, y: Scale, path: bo
   }
   if (path && runs.length > 0) {
     const first = runs[0]![0]!;
-    const last_run = runs[runs.length - 1]!;
-    const last = last_run[last_run.length - 1]!;
+    const lastRun = runs[runs.length - 1]!;
+    const last = lastRun[lastRun.length - 1]!;
     const at = (i: number): [number, number] => [x.at(s.x[i]!), y.at(s.y[i]!)];
     const [[x1, y1], [x2, y2]] = [at(first), at(last)];
     out.push(
@@ -282,11 +282,11 @@ function draw_curve(out: string[], s: FigureSeries, x: Scale, y: Scale, path: bo
 }
 
 /** Widens the scale that has more pixels per unit, so that a metre is as long along both axes. */
-function equal_scales(x: Scale, y: Scale, area: Area): [Scale, Scale] {
-  const per_pixel = Math.max((x.high - x.low) / area.width, (y.high - y.low) / area.height);
+function equalScales(x: Scale, y: Scale, area: Area): [Scale, Scale] {
+  const perPixel = Math.max((x.high - x.low) / area.width, (y.high - y.low) / area.height);
   const widened = (s: Scale, from: number, to: number): Scale => {
     const middle = (s.low + s.high) / 2;
-    const half = (per_pixel * Math.abs(to - from)) / 2;
+    const half = (perPixel * Math.abs(to - from)) / 2;
     return new Scale([middle - half, middle + half], from, to, false, 0);
   };
   return [
@@ -311,17 +311,17 @@ export function shade(part: number): string {
 }
 
 /** On paper a surface is a map of its cells with a bar of colours. */
-function draw_surface(out: string[], data: FigureData, area: Area): void {
-  const cells = cells_of(data);
+function drawSurface(out: string[], data: FigureData, area: Area): void {
+  const cells = cellsOf(data);
   const [bottom, right] = [area.top + area.height, area.left + area.width];
   const half = (list: number[]): number => (list.length > 1 ? (list[1]! - list[0]!) / 2 : 0.5);
   const ends = (list: number[]): number[] =>
     list.length > 0 ? [list[0]! - half(list), list[list.length - 1]! + half(list)] : [];
   const x = new Scale(ends(cells.x), area.left, right, false, 0);
   const y = new Scale(ends(cells.y), bottom, area.top, false, 0);
-  draw_bottom(out, x, data.x, area);
-  draw_side(out, y, data.y, area, "left");
-  const [low, high] = drawable_range(...range_of(cells.z.flat()));
+  drawBottom(out, x, data.x, area);
+  drawSide(out, y, data.y, area, "left");
+  const [low, high] = drawableRange(...rangeOf(cells.z.flat()));
   const [hx, hy] = [half(cells.x), half(cells.y)];
   cells.z.forEach((row, r) =>
     row.forEach((value, c) => {
@@ -344,6 +344,6 @@ function draw_surface(out: string[], data: FigureData, area: Area): void {
   }
   const z = new Scale([low, high], bottom, area.top, false, 0);
   const marks = z.marks(60);
-  tick_labels(marks).forEach((label, i) => out.push(text(bar + 18, z.at(marks[i]!) + 4.5, label)));
-  out.push(text(bar + 26, area.top - 8, with_unit(data.z.label, data.z.unit), 'text-anchor="end"'));
+  tickLabels(marks).forEach((label, i) => out.push(text(bar + 18, z.at(marks[i]!) + 4.5, label)));
+  out.push(text(bar + 26, area.top - 8, withUnit(data.z.label, data.z.unit), 'text-anchor="end"'));
 }

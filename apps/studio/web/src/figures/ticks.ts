@@ -1,8 +1,8 @@
 // Where the marks of an axis stand, and how numbers are written.
-import { rounded_step } from "./statistics";
+import { roundedStep } from "./statistics";
 
 /** A range that can be drawn: constant values get a margin on both sides, none get 0 to 1. */
-export function drawable_range(low: number, high: number, pad = 0): [number, number] {
+export function drawableRange(low: number, high: number, pad = 0): [number, number] {
   if (!Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
   if (high - low <= 1e-12 * Math.max(Math.abs(low), Math.abs(high))) {
     const margin = low === 0 ? 1 : 0.1 * Math.abs(low);
@@ -15,7 +15,7 @@ export function drawable_range(low: number, high: number, pad = 0): [number, num
 /** Multiples of 1, 2 or 5 times a power of ten within [low, high], about `count` of them. */
 export function ticks(low: number, high: number, count: number): number[] {
   if (!(high > low) || !(count >= 1)) return [];
-  const step = rounded_step((high - low) / count);
+  const step = roundedStep((high - low) / count);
   const first = Math.ceil(low / step - 1e-9);
   const last = Math.floor(high / step + 1e-9);
   const all: number[] = [];
@@ -25,7 +25,7 @@ export function ticks(low: number, high: number, count: number): number[] {
 }
 
 /** Powers of ten within [low, high], 0 < low < high; every second, third, … where they are many. */
-export function log_ticks(low: number, high: number, count: number): number[] {
+export function logTicks(low: number, high: number, count: number): number[] {
   if (!(low > 0) || !(high > low)) return [];
   const first = Math.ceil(Math.log10(low) - 1e-9);
   const last = Math.floor(Math.log10(high) + 1e-9);
@@ -36,7 +36,7 @@ export function log_ticks(low: number, high: number, count: number): number[] {
 }
 
 /** The marks of one axis as text, all with enough digits to differ. */
-export function tick_labels(marks: readonly number[]): string[] {
+export function tickLabels(marks: readonly number[]): string[] {
   if (marks.length === 0) return [];
   const most = Math.max(...marks.map(Math.abs));
   if (most === 0) return marks.map(() => "0");
@@ -53,7 +53,7 @@ export function tick_labels(marks: readonly number[]): string[] {
 }
 
 /** A number for people, `digits` significant ones; "–" for none. */
-export function short_number(value: number | null | undefined, digits = 5): string {
+export function shortNumber(value: number | null | undefined, digits = 5): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
   if (size !== 0 && (size >= 1e6 || size < 1e-4)) {
@@ -63,6 +63,6 @@ export function short_number(value: number | null | undefined, digits = 5): stri
 }
 
 /** "speed [m/s]"; units "" and "1" are not written. */
-export function with_unit(label: string, unit: string): string {
+export function withUnit(label: string, unit: string): string {
   return unit === "" || unit === "1" ? label : `${label} [${unit}]`;
 }

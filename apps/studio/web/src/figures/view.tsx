@@ -4,14 +4,14 @@ import { useEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
 import type { CurveChart } from "./curve_chart";
 import { nearest } from "./curves";
-import { over_time, type Feed } from "./feed";
-import { boxes_of, cells_of, histogram_of, kKindNames, theme_color, type FigureData, type FigureKind, type FigureSpec } from "./figure";
+import { overTime, type Feed } from "./feed";
+import { boxesOf, cellsOf, histogramOf, kKindNames, themeColor, type FigureData, type FigureKind, type FigureSpec } from "./figure";
 import type { PlotlyChart } from "./plotly_chart";
-import { save_figure, type FileKind } from "./save";
+import { saveFigure, type FileKind } from "./save";
 import { SignalList } from "./signal_list";
 import { kSlots, type FiguresStore } from "./store";
 import type { Sample } from "./statistics";
-import { short_number, with_unit } from "./ticks";
+import { shortNumber, withUnit } from "./ticks";
 
 export const kSignalType = "application/x-cogrsim-signal";
 const kKinds: FigureKind[] = ["curve", "box", "histogram", "surface", "map"];
@@ -23,14 +23,14 @@ export function FiguresView({ store }: { store: FiguresStore }): JSX.Element {
     <div
       class={`cg-figures-all ${over.value ? "cg-drop" : ""}`}
       onDragOver={(event) => {
-        if (!can_drop(event)) return;
+        if (!canDrop(event)) return;
         event.preventDefault();
         over.value = true;
       }}
       onDragLeave={() => (over.value = false)}
       onDrop={(event) => {
         over.value = false;
-        take_drop(event, store, -1);
+        takeDrop(event, store, -1);
       }}
     >
       <div class="cg-tools" role="toolbar" aria-label="New figures">
@@ -46,7 +46,7 @@ export function FiguresView({ store }: { store: FiguresStore }): JSX.Element {
             onChange={(event) => {
               const name = event.currentTarget.value;
               event.currentTarget.value = "";
-              if (name) store.add_plot(name);
+              if (name) store.addPlot(name);
             }}
           >
             <option value="">From the scene…</option>
@@ -72,11 +72,11 @@ export function FiguresView({ store }: { store: FiguresStore }): JSX.Element {
   );
 }
 
-function can_drop(event: DragEvent): boolean {
+function canDrop(event: DragEvent): boolean {
   const types = event.dataTransfer?.types ?? [];
   return types.includes(kSignalType) || types.includes("text/plain");
 }
-function take_drop(event: DragEvent, store: FiguresStore, id: number): void {
+function takeDrop(event: DragEvent, store: FiguresStore, id: number): void {
   const data = event.dataTransfer;
   const text = data?.getData(kSignalType) || data?.getData("text/plain") || "";
   if (text === "") return;
@@ -86,20 +86,20 @@ function take_drop(event: DragEvent, store: FiguresStore, id: number): void {
 }
 
 function FigureCard({ store, spec, number }: { store: FiguresStore; spec: FigureSpec; number: number }): JSX.Element {
-  const feed = store.feed_of(spec.id);
+  const feed = store.feedOf(spec.id);
   const card = useRef<HTMLElement>(null);
   const hovered = useSignal(-1);
   const over = useSignal(false);
-  const list_id = `cg-figure-${spec.id}-signals`;
+  const listId = `cg-figure-${spec.id}-signals`;
   const name = spec.title || `figure ${number}`;
   useEffect(() => {
-    const watch = new IntersectionObserver((entries) => {
-      for (const entry of entries) store.set_visible(spec.id, entry.isIntersecting);
+    const observer = new IntersectionObserver((entries) => {
+      for (const entry of entries) store.setVisible(spec.id, entry.isIntersecting);
     });
-    watch.observe(card.current!);
+    observer.observe(card.current!);
     return () => {
-      watch.disconnect();
-      store.set_visible(spec.id, false);
+      observer.disconnect();
+      store.setVisible(spec.id, false);
     };
   }, [spec.id]);
   const data = feed.data.value;
@@ -113,7 +113,7 @@ function FigureCard({ store, spec, number }: { store: FiguresStore; spec: Figure
       onPointerDown={() => (store.active.value = spec.id)}
       onFocusIn={() => (store.active.value = spec.id)}
       onDragOver={(event) => {
-        if (!can_drop(event) || spec.plot) return;
+        if (!canDrop(event) || spec.plot) return;
         event.preventDefault();
         event.stopPropagation();
         over.value = true;
@@ -121,7 +121,7 @@ function FigureCard({ store, spec, number }: { store: FiguresStore; spec: Figure
       onDragLeave={() => (over.value = false)}
       onDrop={(event) => {
         over.value = false;
-        if (!spec.plot) take_drop(event, store, spec.id);
+        if (!spec.plot) takeDrop(event, store, spec.id);
       }}
     >
       <header>
@@ -153,7 +153,7 @@ function FigureCard({ store, spec, number }: { store: FiguresStore; spec: Figure
               key={kind}
               type="button"
               aria-label={`Save figure ${number} as ${kind.toUpperCase()}`}
-              onClick={() => void export_figure(store, spec.id, kind)}
+              onClick={() => void exportFigure(store, spec.id, kind)}
             >
               {kind.toUpperCase()}
             </button>
@@ -166,15 +166,15 @@ function FigureCard({ store, spec, number }: { store: FiguresStore; spec: Figure
       {store.choosing.value === spec.id && (
         <SignalList
           key={store.search.value}
-          id={list_id}
-          label={list_label(spec)}
+          id={listId}
+          label={listLabel(spec)}
           signals={store.signals.value}
           chosen={spec.signals}
           search={store.search.value}
           onChoose={(chosen) => {
             const at = spec.signals.indexOf(chosen);
-            if (at >= 0 && !Number.isFinite(kSlots[spec.kind])) store.remove_signal(spec.id, at);
-            else store.add_signal(spec.id, chosen);
+            if (at >= 0 && !Number.isFinite(kSlots[spec.kind])) store.removeSignal(spec.id, at);
+            else store.addSignal(spec.id, chosen);
           }}
           onClose={() => (store.choosing.value = -1)}
         />
@@ -191,16 +191,16 @@ function FigureCard({ store, spec, number }: { store: FiguresStore; spec: Figure
   );
 }
 
-function list_label(spec: FigureSpec): string {
+function listLabel(spec: FigureSpec): string {
   if (!Number.isFinite(kSlots[spec.kind])) return "Search signals";
   const free = spec.signals.indexOf("");
   return `Choose ${"xyz"[free < 0 ? spec.signals.length - 1 : free]}`;
 }
 
 /** Saves the data of a figure. */
-export async function export_figure(store: FiguresStore, id: number, kind: FileKind): Promise<void> {
+export async function exportFigure(store: FiguresStore, id: number, kind: FileKind): Promise<void> {
   const spec = store.spec(id);
-  const feed = store.feed_of(id);
+  const feed = store.feedOf(id);
   // one that was never scrolled into sight has not asked yet
   if (feed.data.peek() === null) await feed.tick(performance.now());
   const data = feed.data.peek();
@@ -211,7 +211,7 @@ export async function export_figure(store: FiguresStore, id: number, kind: FileK
   const scene = store.studio.state.scene.peek()?.name || "scene";
   const title = spec.title || spec.plot;
   try {
-    const file = await save_figure({ ...data, title }, scene, title || kKindNames[spec.kind], kind);
+    const file = await saveFigure({ ...data, title }, scene, title || kKindNames[spec.kind], kind);
     store.studio.notify(`saved ${file}`);
   } catch (error) {
     store.studio.notify(`the figure was not saved: ${error instanceof Error ? error.message : String(error)}`, "error");
@@ -228,13 +228,13 @@ function Chart(props: {
   const { store, feed, spec } = props;
   const host = useRef<HTMLDivElement>(null);
   const curves = useRef<CurveChart | null>(null);
-  const kept = useRef<CurveChart | PlotlyChart | null>(null);
+  const chart = useRef<CurveChart | PlotlyChart | null>(null);
   const failure = useSignal("");
   const data = feed.data.value;
   const range = feed.range.value;
   const theme = store.studio.state.theme.value;
   const looked = store.looked.value;
-  const timed = data === null || data.kind !== "curve" || over_time(data);
+  const timed = data === null || data.kind !== "curve" || overTime(data);
   // which library draws it
   const drawer = spec.kind === "curve" && timed ? "curve" : "plotly";
 
@@ -249,28 +249,28 @@ function Chart(props: {
       if (drawer === "curve") {
         const { CurveChart } = await import("./curve_chart");
         if (gone || !host.current) return;
-        if (!(kept.current instanceof CurveChart)) {
-          kept.current?.destroy();
-          kept.current = curves.current = new CurveChart(host.current, {
+        if (!(chart.current instanceof CurveChart)) {
+          chart.current?.destroy();
+          chart.current = curves.current = new CurveChart(host.current, {
             hover: props.hovered,
             pick: (time) => store.studio.seek(time),
             zoom: (part) => feed.zoom(part),
           });
         }
-        kept.current.update(data, range);
-        kept.current.set_time(store.looked.peek());
+        chart.current.update(data, range);
+        chart.current.setTime(store.looked.peek());
       } else {
         const { PlotlyChart } = await import("./plotly_chart");
         if (gone || !host.current) return;
-        if (!(kept.current instanceof PlotlyChart)) {
-          kept.current?.destroy();
+        if (!(chart.current instanceof PlotlyChart)) {
+          chart.current?.destroy();
           curves.current = null;
-          kept.current = new PlotlyChart(host.current, (index) => {
+          chart.current = new PlotlyChart(host.current, (index) => {
             const time = feed.data.peek()?.times?.[index];
             if (time !== undefined && spec.kind === "map") store.studio.seek(time);
           });
         }
-        await kept.current.update(data, theme_colors(host.current));
+        await chart.current.update(data, themeColors(host.current));
       }
     };
     draw().catch(fail);
@@ -278,17 +278,17 @@ function Chart(props: {
       gone = true;
     };
   }, [data, range, theme, drawer]);
-  useEffect(() => curves.current?.set_time(looked), [looked]);
-  useEffect(() => () => kept.current?.destroy(), []);
+  useEffect(() => curves.current?.setTime(looked), [looked]);
+  useEffect(() => () => chart.current?.destroy(), []);
 
   const keys = (event: KeyboardEvent): void => {
     const chart = curves.current;
     if (!chart || event.ctrlKey || event.altKey || event.metaKey) return;
     const steps: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, PageUp: -50, PageDown: 50 };
     const by = steps[event.key];
-    if (by !== undefined) chart.step_cursor(by);
+    if (by !== undefined) chart.stepCursor(by);
     else if (event.key === "Enter") {
-      const time = chart.step_cursor(0);
+      const time = chart.stepCursor(0);
       if (time !== null) store.studio.seek(time);
     } else if (event.key === "Home") feed.zoom(null);
     else return;
@@ -316,18 +316,18 @@ function Chart(props: {
   );
 }
 
-function theme_colors(host: HTMLElement): { text: string; grid: string; ground: string; series(color: string): string } {
+function themeColors(host: HTMLElement): { text: string; grid: string; ground: string; series(color: string): string } {
   const style = getComputedStyle(host);
   const css = (name: string): string => style.getPropertyValue(name).trim() || "#888";
   return {
     text: css("--cg-text"),
     grid: css("--cg-grid"),
     ground: css("--cg-panel"),
-    series: (color) => css(theme_color(color).slice(4, -1)),
+    series: (color) => css(themeColor(color).slice(4, -1)),
   };
 }
 
-const last_of = (values: readonly Sample[]): Sample => values[values.length - 1] ?? null;
+const lastOf = (values: readonly Sample[]): Sample => values[values.length - 1] ?? null;
 
 /** As text, for users who cannot see it. */
 export function summary(data: FigureData | null): string {
@@ -335,26 +335,26 @@ export function summary(data: FigureData | null): string {
   switch (data.kind) {
     case "curve":
       return data.series
-        .map((s) => `${s.label} ends at ${short_number(last_of(s.y))}${s.unit && s.unit !== "1" ? ` ${s.unit}` : ""}`)
+        .map((s) => `${s.label} ends at ${shortNumber(lastOf(s.y))}${s.unit && s.unit !== "1" ? ` ${s.unit}` : ""}`)
         .join(", ");
     case "map":
-      return data.series.map((s) => `${s.label} ends at ${short_number(last_of(s.x))}, ${short_number(last_of(s.y))}`).join("; ");
+      return data.series.map((s) => `${s.label} ends at ${shortNumber(lastOf(s.x))}, ${shortNumber(lastOf(s.y))}`).join("; ");
     case "box":
-      return boxes_of(data)
-        .map((b, k) => `${data.series[k]!.label}: median ${short_number(b.median)}, quartiles ${short_number(b.q1)} and ${short_number(b.q3)}`)
+      return boxesOf(data)
+        .map((b, k) => `${data.series[k]!.label}: median ${shortNumber(b.median)}, quartiles ${shortNumber(b.q1)} and ${shortNumber(b.q3)}`)
         .join("; ");
     case "histogram": {
-      const { edges, counts } = histogram_of(data);
+      const { edges, counts } = histogramOf(data);
       return counts
         .map((list, k) => {
           const most = list.indexOf(Math.max(...list));
-          return `${data.series[k]!.label}: most between ${short_number(edges[most])} and ${short_number(edges[most + 1])}`;
+          return `${data.series[k]!.label}: most between ${shortNumber(edges[most])} and ${shortNumber(edges[most + 1])}`;
         })
         .join("; ");
     }
     case "surface": {
-      const cells = cells_of(data);
-      return `${with_unit(data.z.label, data.z.unit)} over ${data.x.label} and ${data.y.label}, ${cells.x.length} × ${cells.y.length} cells`;
+      const cells = cellsOf(data);
+      return `${withUnit(data.z.label, data.z.unit)} over ${data.x.label} and ${data.y.label}, ${cells.x.length} × ${cells.y.length} cells`;
     }
   }
 }
@@ -366,7 +366,7 @@ function Legend(props: { store: FiguresStore; spec: FigureSpec; data: FigureData
   const looked = store.looked.value;
   const index = hovered >= 0 ? hovered : looked === null ? times.length - 1 : nearest(times, looked);
   const remove = (label: string, at: number): JSX.Element => (
-    <button type="button" class="cg-plain" aria-label={`Take ${label} out of the figure`} onClick={() => store.remove_signal(spec.id, at)}>
+    <button type="button" class="cg-plain" aria-label={`Take ${label} out of the figure`} onClick={() => store.removeSignal(spec.id, at)}>
       ✕
     </button>
   );
@@ -382,7 +382,7 @@ function Legend(props: { store: FiguresStore; spec: FigureSpec; data: FigureData
         ))}
       </ul>
     );
-  const boxes = data?.kind === "box" ? boxes_of(data) : [];
+  const boxes = data?.kind === "box" ? boxesOf(data) : [];
   return (
     <ul class="cg-legend">
       {(data?.series ?? []).map((s, k) => {
@@ -391,30 +391,30 @@ function Legend(props: { store: FiguresStore; spec: FigureSpec; data: FigureData
           <li key={`${s.label} ${k}`}>
             <span
               class={`cg-swatch ${s.dashed ? "cg-dashed" : ""}`}
-              style={{ borderColor: theme_color(s.color) }}
+              style={{ borderColor: themeColor(s.color) }}
               aria-hidden="true"
             />
             <span>{s.label}</span>
             {data?.kind === "curve" && times.length > 0 && (
               <span class="cg-value">
-                {value_text(s.y[index], s.high?.[index])} {s.unit === "1" ? "" : s.unit}
+                {valueText(s.y[index], s.high?.[index])} {s.unit === "1" ? "" : s.unit}
               </span>
             )}
             {boxes[k] && (
               <span class="cg-value">
-                median {short_number(boxes[k].median, 4)}, n = {boxes[k].count}
+                median {shortNumber(boxes[k].median, 4)}, n = {boxes[k].count}
               </span>
             )}
             {!spec.plot && !s.dashed && own >= 0 && remove(spec.signals[own]!, own)}
           </li>
         );
       })}
-      {times.length > 0 && <li class="cg-muted cg-value">t = {short_number(times[index], 6)} s</li>}
+      {times.length > 0 && <li class="cg-muted cg-value">t = {shortNumber(times[index], 6)} s</li>}
     </ul>
   );
 }
 
-function value_text(low: Sample | undefined, high: Sample | undefined): string {
-  if (high === undefined || low === high) return short_number(low);
-  return `${short_number(low, 4)} … ${short_number(high, 4)}`;
+function valueText(low: Sample | undefined, high: Sample | undefined): string {
+  if (high === undefined || low === high) return shortNumber(low);
+  return `${shortNumber(low, 4)} … ${shortNumber(high, 4)}`;
 }

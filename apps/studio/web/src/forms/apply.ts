@@ -6,7 +6,7 @@ import { edit } from "../shell/editing";
 export type Applied = { created: number[] } | { error: string };
 
 /** One step of the history, made of the text that the tree shows. Done when the tree shows the outcome. */
-export async function apply_ops(studio: Studio, label: string, ops: Op[]): Promise<Applied> {
+export async function applyOps(studio: Studio, label: string, ops: Op[]): Promise<Applied> {
   try {
     // Waits while the user types faster than scenes compile.
     return { created: await edit(studio.link, studio.state, label, ops) };

@@ -1,10 +1,10 @@
 // One attribute as a form field, of the kind in the schema.
 import { useId, useLayoutEffect, useState } from "preact/hooks";
 import type { JSX } from "preact";
-import { boxes_of, text_from, with_unit } from "./number_model";
+import { boxesOf, textFrom, withUnit } from "./number_model";
 import type { AttributeSchema } from "./schema";
-import { help_text } from "./help";
-import { hex_color } from "./values";
+import { helpText } from "./help";
+import { hexColor } from "./values";
 
 export interface FieldProps {
   spec: AttributeSchema;
@@ -20,7 +20,7 @@ export interface FieldProps {
   /** null: removes the attribute. The result comes back as `text`; a promise gives the reason of a refusal, or "". */
   commit(text: string | null): void | Promise<string>;
   /** Of several elements with different lists: the texts typed into the boxes, "" where none was. */
-  commit_entries?(boxes: string[], unit: string | null): Promise<string>;
+  commitEntries?(boxes: string[], unit: string | null): Promise<string>;
 }
 
 const kNumeric = ["number", "numbers", "integer", "range"];
@@ -44,9 +44,9 @@ function keys(commit: () => void, revert: () => void): (event: KeyboardEvent) =>
 
 function PlainField(props: PlainProps): JSX.Element {
   const { spec, text, mixed } = props;
-  const [draft, set_draft] = useState(text);
+  const [draft, setDraft] = useState(text);
   // At once, here and below: an effect that waits for the next frame would remove text typed until then.
-  useLayoutEffect(() => set_draft(text), [text]);
+  useLayoutEffect(() => setDraft(text), [text]);
   const commit = () => {
     if (draft.trim() === text || (mixed && draft === "")) return;
     void props.commit(draft.trim() === "" ? null : draft.trim());
@@ -64,14 +64,14 @@ function PlainField(props: PlainProps): JSX.Element {
       aria-describedby={props.describe}
       aria-invalid={props.problem ? true : undefined}
       aria-required={spec.required}
-      onInput={(event) => set_draft(event.currentTarget.value)}
+      onInput={(event) => setDraft(event.currentTarget.value)}
       onChange={(event) => {
         // a name taken from the list is a decision
-        if (props.choices?.includes(event.currentTarget.value)) props.commit(event.currentTarget.value);
+        if (props.choices?.includes(event.currentTarget.value)) void props.commit(event.currentTarget.value);
       }}
       onBlur={commit}
       onKeyDown={keys(commit, () => {
-        set_draft(text);
+        setDraft(text);
         props.report("");
       })}
     />
@@ -80,23 +80,23 @@ function PlainField(props: PlainProps): JSX.Element {
 
 function NumberField(props: PlainProps): JSX.Element {
   const { spec, text, mixed } = props;
-  const shown = boxes_of(spec, text);
-  const [drafts, set_drafts] = useState<string[] | null>(null);
-  const [unit, set_unit] = useState<string | null>(null);
-  useLayoutEffect(() => set_drafts(null), [text]);
+  const shown = boxesOf(spec, text);
+  const [drafts, setDrafts] = useState<string[] | null>(null);
+  const [unit, setUnit] = useState<string | null>(null);
+  useLayoutEffect(() => setDrafts(null), [text]);
   if (!shown) return <PlainField {...props} />;
-  const now_unit = shown.unit === null ? null : (unit ?? shown.unit);
+  const nowUnit = shown.unit === null ? null : (unit ?? shown.unit);
   const boxes = drafts ?? shown.boxes;
   const commit = () => {
     if (!drafts) return;
-    if (mixed && props.commit_entries) {
-      if (drafts.some((d) => d.trim() !== "")) void props.commit_entries(drafts, now_unit).then((e) => {
+    if (mixed && props.commitEntries) {
+      if (drafts.some((d) => d.trim() !== "")) void props.commitEntries(drafts, nowUnit).then((e) => {
         props.report(e);
-        if (e === "") set_drafts(null);
+        if (e === "") setDrafts(null);
       });
       return;
     }
-    const made = text_from(spec, drafts, now_unit);
+    const made = textFrom(spec, drafts, nowUnit);
     if ("error" in made) {
       props.report(shown.boxes.length > 1 ? `entry ${made.box + 1}: ${made.error}` : made.error);
       return;
@@ -104,7 +104,7 @@ function NumberField(props: PlainProps): JSX.Element {
     props.report("");
     // A refused text stays for correction; an accepted one comes back as the text.
     if ((made.text ?? "") !== text && !(mixed && made.text === null)) void props.commit(made.text);
-    else set_drafts(null);
+    else setDrafts(null);
   };
   const names = boxes.length === 3 && ["xyz", "rpy", "size"].includes(spec.name)
     ? (spec.name === "rpy" ? ["roll", "pitch", "yaw"] : ["x", "y", "z"])
@@ -129,7 +129,7 @@ function NumberField(props: PlainProps): JSX.Element {
           onInput={(event) => {
             const next = boxes.slice();
             next[i] = event.currentTarget.value;
-            set_drafts(next);
+            setDrafts(next);
           }}
           onBlur={(event) => {
             // Going from box to box of one list is still one edit.
@@ -137,7 +137,7 @@ function NumberField(props: PlainProps): JSX.Element {
             if (!to || !(event.currentTarget.parentElement?.contains(to) ?? false)) commit();
           }}
           onKeyDown={keys(commit, () => {
-            set_drafts(null);
+            setDrafts(null);
             props.report("");
           })}
         />
@@ -145,13 +145,13 @@ function NumberField(props: PlainProps): JSX.Element {
       {shown.units.length > 1 && (
         <select
           aria-label={`unit of ${spec.name}`}
-          value={now_unit ?? ""}
+          value={nowUnit ?? ""}
           disabled={props.disabled}
           onChange={(event) => {
             const next = event.currentTarget.value;
-            set_unit(next);
-            const converted = text === "" || drafts ? null : with_unit(spec, text, next);
-            if (converted !== null && converted !== text) props.commit(converted);
+            setUnit(next);
+            const converted = text === "" || drafts ? null : withUnit(spec, text, next);
+            if (converted !== null && converted !== text) void props.commit(converted);
           }}
           onBlur={(event) => {
             const to = event.relatedTarget as Node | null;
@@ -167,15 +167,15 @@ function NumberField(props: PlainProps): JSX.Element {
 }
 
 function ColorField(props: PlainProps): JSX.Element {
-  const hex = hex_color(props.text);
+  const hex = hexColor(props.text);
   return (
     <span class="cg-prop-color">
       <input
         type="color"
         aria-label={`${props.spec.name}: choose`}
-        value={hex ?? hex_color(props.spec.default) ?? "#808080"}
+        value={hex ?? hexColor(props.spec.default) ?? "#808080"}
         disabled={props.disabled}
-        onChange={(event) => props.commit(event.currentTarget.value)}
+        onChange={(event) => void props.commit(event.currentTarget.value)}
       />
       <PlainField {...props} />
     </span>
@@ -242,7 +242,7 @@ export function Field(props: FieldProps): JSX.Element {
   }
   return (
     <div class={`cg-prop${problem ? " is-wrong" : ""}${text !== "" ? " is-set" : ""}`} data-attribute={spec.name}>
-      <label for={id} title={help_text(spec)}>
+      <label for={id} title={helpText(spec)}>
         {spec.name}
         {spec.required && <span class="cg-prop-must" title="required"> *</span>}
       </label>
@@ -260,7 +260,7 @@ export function Field(props: FieldProps): JSX.Element {
       ) : (
         <span />
       )}
-      <span id={describe} class="cg-unseen">{help_text(spec)}</span>
+      <span id={describe} class="cg-unseen">{helpText(spec)}</span>
       {problem && <p class="cg-prop-problem" role="alert">{problem}</p>}
     </div>
   );

@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Problem, TreeElement } from "../core/protocol";
-import { form_groups, parameter_ops, plugin_form, problems_of, set_entries, set_ops } from "./form_model";
-import { reference_choices, relative_name, Schema } from "./schema";
-import { dedent, element_end, print_element, split_elements, start_tag } from "./xml_text";
+import { formGroups, parameterOps, pluginForm, problemsOf, setEntries, setOps } from "./form_model";
+import { referenceChoices, relativeName, Schema } from "./schema";
+import { dedent, elementEnd, printElement, splitElements, startTag } from "./xml_text";
 
 let next = 0;
 function element(parent: number, tag: string, attributes: Record<string, string> = {}, path = ""): TreeElement {
@@ -30,7 +30,7 @@ const schema = new Schema({
 test("required attributes come first, unknown ones are shown too", () => {
   next = 0;
   const box = element(-1, "box", { name: "b", size: "1 1 1", odd: "?" });
-  const groups = form_groups(schema, [box]);
+  const groups = formGroups(schema, [box]);
   assert.deepEqual(groups.map((g) => g.title), ["", "Pose", "Looks"]);
   assert.deepEqual(groups[0]!.fields.map((f) => f.spec.name), ["size", "odd"]);
 });
@@ -38,11 +38,11 @@ test("required attributes come first, unknown ones are shown too", () => {
 test("several elements: what differs is marked, one edit sets them all", () => {
   next = 0;
   const boxes = [element(-1, "box", { size: "1 1 1", color: "red" }), element(-1, "box", { size: "2 2 2", color: "red" })];
-  const fields = form_groups(schema, boxes).flatMap((g) => g.fields);
+  const fields = formGroups(schema, boxes).flatMap((g) => g.fields);
   assert.deepEqual(fields.filter((f) => f.mixed).map((f) => f.spec.name), ["size"]);
-  assert.equal(set_ops(boxes, "color", "blue").length, 2);
-  assert.deepEqual(set_ops(boxes, "size", "1 1 1").map((op) => op.op === "set" && op.element), [1]);
-  assert.deepEqual(form_groups(schema, [boxes[0]!, element(-1, "controller")]), []);
+  assert.equal(setOps(boxes, "color", "blue").length, 2);
+  assert.deepEqual(setOps(boxes, "size", "1 1 1").map((op) => op.op === "set" && op.element), [1]);
+  assert.deepEqual(formGroups(schema, [boxes[0]!, element(-1, "controller")]), []);
 });
 
 test("several elements with different lists: only typed entries change, in each one's own unit", () => {
@@ -50,9 +50,9 @@ test("several elements with different lists: only typed entries change, in each 
   const size = schema.attribute("box", "size")!;
   const spec = { ...size, units: ["m"] };
   const boxes = [element(-1, "box", { size: "10 20 30 cm" }), element(-1, "box", { size: "1 2 3" }), element(-1, "box", { size: "1 2 ${h}" })];
-  const ops = set_entries(boxes.slice(0, 2), spec, ["", "50", ""], "cm");
+  const ops = setEntries(boxes.slice(0, 2), spec, ["", "50", ""], "cm");
   assert.deepEqual(Array.isArray(ops) && ops.map((op) => op.op === "set" && op.value), ["10 50 30 cm", "1 0.5 3"]);
-  assert.ok("error" in set_entries(boxes, spec, ["1", "", ""], "m"));
+  assert.ok("error" in setEntries(boxes, spec, ["1", "", ""], "m"));
 });
 
 test("a tag with two meanings is resolved by its attributes", () => {
@@ -64,12 +64,12 @@ test("a tag with two meanings is resolved by its attributes", () => {
 test("parameters stand in the <set> that has them", () => {
   next = 0;
   const elements = [element(-1, "scene"), element(0, "controller", { plugin: "drive" }), element(1, "set", { speed: "3" })];
-  const form = plugin_form(schema, elements, 1)!;
+  const form = pluginForm(schema, elements, 1)!;
   assert.deepEqual(form.fields.map((f) => f.text), ["3", ""]);
-  assert.deepEqual(parameter_ops(elements, 1, "gain", "5"), [{ op: "set", element: 2, attribute: "gain", value: "5" }]);
-  assert.deepEqual(parameter_ops(elements, 1, "speed", null), [{ op: "remove", elements: [2] }]);
-  assert.deepEqual(parameter_ops(elements, 1, "gain", null), []);
-  assert.deepEqual(parameter_ops(elements.slice(0, 2), 1, "gain", '"5"'), [
+  assert.deepEqual(parameterOps(elements, 1, "gain", "5"), [{ op: "set", element: 2, attribute: "gain", value: "5" }]);
+  assert.deepEqual(parameterOps(elements, 1, "speed", null), [{ op: "remove", elements: [2] }]);
+  assert.deepEqual(parameterOps(elements, 1, "gain", null), []);
+  assert.deepEqual(parameterOps(elements.slice(0, 2), 1, "gain", '"5"'), [
     { op: "insert", parent: 1, xml: '<set gain="&quot;5&quot;"/>', before: null },
   ]);
 });
@@ -80,34 +80,34 @@ test("problems are shown at the attribute where they are, and only for the eleme
   const at = (line: number, column: number): Problem => ({
     severity: "error", code: "c", message: `${line}:${column}`, help: "", file: "f", line, column, length: 1, notes: [],
   });
-  const found = problems_of(text, body, "f", [at(2, 24), at(2, 3), at(3, 10), at(1, 1)]);
+  const found = problemsOf(text, body, "f", [at(2, 24), at(2, 3), at(3, 10), at(1, 1)]);
   assert.deepEqual([...found.fields.keys()], ["mass"]);
   assert.deepEqual(found.others.map((p) => p.message), ["2:3"]);
 });
 
 test("names are as short as they are understood", () => {
-  assert.equal(relative_name("robot", "robot.wheel.rim"), "wheel.rim");
-  assert.equal(relative_name("robot", "robotic.arm"), "robotic.arm");
+  assert.equal(relativeName("robot", "robot.wheel.rim"), "wheel.rim");
+  assert.equal(relativeName("robot", "robotic.arm"), "robotic.arm");
   next = 0;
   const elements = [
     element(-1, "scene", {}, ""), element(0, "assembly", { name: "robot" }, "robot"),
     element(1, "box", { name: "deck" }, "robot.deck"), element(0, "box", { name: "crate" }, "crate"),
   ];
-  assert.deepEqual(reference_choices(elements, 1, "place"), ["robot", "deck", "crate"]);
-  assert.deepEqual(reference_choices(elements, 0, "place"), ["robot", "robot.deck", "crate"]);
+  assert.deepEqual(referenceChoices(elements, 1, "place"), ["robot", "deck", "crate"]);
+  assert.deepEqual(referenceChoices(elements, 0, "place"), ["robot", "robot.deck", "crate"]);
 });
 
 test("elements are found in their text, past comments, CDATA and quoted brackets", () => {
   const text = '<a x="1 > 0"><!-- </a> --><b/><![CDATA[</a>]]><a></a></a> rest';
-  assert.equal(text.slice(element_end(text, 0)!), " rest");
-  assert.equal(element_end("<a><b></a", 0), null);
-  assert.deepEqual(start_tag(text, 0)!.attributes.map((a) => text.slice(a.value_from, a.value_to)), ["1 > 0"]);
-  assert.deepEqual(split_elements(" <a/>\n<!-- x --><b>\n</b> "), ["<a/>", "<b>\n</b>"]);
-  assert.equal(split_elements("hello"), null);
-  assert.equal(split_elements("<a/> hello"), null);
+  assert.equal(text.slice(elementEnd(text, 0)!), " rest");
+  assert.equal(elementEnd("<a><b></a", 0), null);
+  assert.deepEqual(startTag(text, 0)!.attributes.map((a) => text.slice(a.valueFrom, a.valueTo)), ["1 > 0"]);
+  assert.deepEqual(splitElements(" <a/>\n<!-- x --><b>\n</b> "), ["<a/>", "<b>\n</b>"]);
+  assert.equal(splitElements("hello"), null);
+  assert.equal(splitElements("<a/> hello"), null);
 });
 
 test("copied elements lose the indentation of where they stood", () => {
   assert.equal(dedent('<body>\n      <box/>\n    </body>'), "<body>\n  <box/>\n</body>");
-  assert.equal(print_element("box", { name: 'a"b<c', size: "" }), '<box name="a&quot;b&lt;c"/>');
+  assert.equal(printElement("box", { name: 'a"b<c', size: "" }), '<box name="a&quot;b&lt;c"/>');
 });

@@ -1,10 +1,10 @@
 // Which fields the form of some elements has, what stands in them, and the edits that come out of them.
 import type { Op, Problem, TreeElement } from "../core/protocol";
-import { line_span, offset_at, utf16_offset } from "../code/columns";
-import { same_file } from "../code/places";
-import { boxes_of, text_from } from "./number_model";
+import { lineSpan, offsetAt, utf16Offset } from "../code/columns";
+import { sameFile } from "../code/spans";
+import { boxesOf, textFrom } from "./number_model";
 import type { AttributeSchema, PluginSchema, PluginUse, Schema } from "./schema";
-import { escape_attribute, start_tag } from "./xml_text";
+import { escapeAttribute, startTag } from "./xml_text";
 
 export interface FormField {
   spec: AttributeSchema;
@@ -25,10 +25,10 @@ const kGroups: [string, string[]][] = [
 ];
 
 /** A field that the vocabulary does not know: text, so that nothing in the file is hidden. */
-function unknown_attribute(name: string): AttributeSchema {
+function unknownAttribute(name: string): AttributeSchema {
   return {
-    name, kind: "text", doc: "", default: "", required: false, units: [], per_entry: false, min: null, max: null,
-    above_min: false, none_allowed: false, choices: [], min_count: 1, max_count: 1, wants: "",
+    name, kind: "text", doc: "", default: "", required: false, units: [], perEntry: false, min: null, max: null,
+    aboveMin: false, noneAllowed: false, choices: [], minCount: 1, maxCount: 1, wants: "",
   };
 }
 
@@ -39,7 +39,7 @@ function field(spec: AttributeSchema, elements: readonly TreeElement[]): FormFie
 }
 
 /** Groups of fields for elements of one tag: their definition first, then the pose, and so on. */
-export function form_groups(schema: Schema, elements: readonly TreeElement[]): FormGroup[] {
+export function formGroups(schema: Schema, elements: readonly TreeElement[]): FormGroup[] {
   const first = elements[0];
   if (!first || elements.some((e) => e.tag !== first.tag)) return [];
   const known = schema.element(first.tag, first.attributes)?.attributes ?? [];
@@ -47,7 +47,7 @@ export function form_groups(schema: Schema, elements: readonly TreeElement[]): F
   const specs = known.filter((a) => a.name !== "name");
   for (const element of elements) {
     for (const name of Object.keys(element.attributes)) {
-      if (name !== "name" && !specs.some((s) => s.name === name)) specs.push(unknown_attribute(name));
+      if (name !== "name" && !specs.some((s) => s.name === name)) specs.push(unknownAttribute(name));
     }
   }
   const groups: FormGroup[] = [{ title: "", fields: [] }, ...kGroups.map(([title]) => ({ title, fields: [] }))];
@@ -60,20 +60,20 @@ export function form_groups(schema: Schema, elements: readonly TreeElement[]): F
 }
 
 /** One step: the attribute of all of them. */
-export function set_ops(elements: readonly TreeElement[], attribute: string, value: string | null): Op[] {
+export function setOps(elements: readonly TreeElement[], attribute: string, value: string | null): Op[] {
   return elements
     .filter((e) => (e.attributes[attribute] ?? null) !== value)
     .map((e) => ({ op: "set", element: e.id, attribute, value }));
 }
 
 /** One step for elements whose lists differ: only the boxes that were typed into change, in each of them. */
-export function set_entries(
+export function setEntries(
   elements: readonly TreeElement[], spec: AttributeSchema, typed: readonly string[], unit: string | null,
 ): Op[] | { error: string } {
   const ops: Op[] = [];
   for (const element of elements) {
     const old = element.attributes[spec.name] ?? "";
-    const shown = boxes_of(spec, old);
+    const shown = boxesOf(spec, old);
     if (!shown) return { error: `${element.name || element.tag} has an expression here: edit it alone` };
     const boxes = shown.boxes.map((box, i) => {
       const entry = (typed[i] ?? "").trim();
@@ -81,7 +81,7 @@ export function set_entries(
       // typed in the unit that the form shows, which may be another than this element's
       return unit && /^[-+.\d]/.test(entry) && !/[a-z]\S*$/i.test(entry.replace(/e[-+]?\d+$/i, "")) ? `${entry} ${unit}` : entry;
     });
-    const made = text_from(spec, boxes, shown.unit);
+    const made = textFrom(spec, boxes, shown.unit);
     if ("error" in made) return { error: made.error };
     if ((made.text ?? "") !== old) ops.push({ op: "set", element: element.id, attribute: spec.name, value: made.text });
   }
@@ -95,7 +95,7 @@ export interface PluginForm {
 }
 
 /** Parameters of the plugin that an element names; they stand in the <set> elements inside it. */
-export function plugin_form(schema: Schema, elements: readonly TreeElement[], id: number): PluginForm | null {
+export function pluginForm(schema: Schema, elements: readonly TreeElement[], id: number): PluginForm | null {
   const element = elements[id];
   if (!element || !["controller", "supervisor", "sensor"].includes(element.tag)) return null;
   const plugin = schema.plugin(element.tag, element.attributes.plugin ?? "");
@@ -110,7 +110,7 @@ export function plugin_form(schema: Schema, elements: readonly TreeElement[], id
 }
 
 /** The edit that gives a parameter a value: in the <set> that has it, else in the first there is, else in a new one. */
-export function parameter_ops(
+export function parameterOps(
   elements: readonly TreeElement[], id: number, parameter: string, value: string | null,
 ): Op[] {
   const sets = elements.filter((e) => e.parent === id && e.tag === "set");
@@ -123,7 +123,7 @@ export function parameter_ops(
   }
   const target = at ?? sets[0];
   if (target) return [{ op: "set", element: target.id, attribute: parameter, value }];
-  return [{ op: "insert", parent: id, xml: `<set ${parameter}="${escape_attribute(value)}"/>`, before: null }];
+  return [{ op: "insert", parent: id, xml: `<set ${parameter}="${escapeAttribute(value)}"/>`, before: null }];
 }
 
 export interface ElementProblems {
@@ -134,15 +134,15 @@ export interface ElementProblems {
 }
 
 /** Problems that the compiler has with an element's own tag, at the attributes where they are. */
-export function problems_of(text: string, element: TreeElement, file: string, problems: readonly Problem[]): ElementProblems {
+export function problemsOf(text: string, element: TreeElement, file: string, problems: readonly Problem[]): ElementProblems {
   const out: ElementProblems = { fields: new Map(), others: [] };
   if (problems.length === 0) return out;
-  const tag = start_tag(text, offset_at(text, element.line, element.column));
+  const tag = startTag(text, offsetAt(text, element.line, element.column));
   if (!tag) return out;
   for (const problem of problems) {
-    if (!same_file(problem.file, file) || problem.line < element.line) continue;
-    const line = line_span(text, problem.line);
-    const at = line.from + utf16_offset(text.slice(line.from, line.to), problem.column - 1);
+    if (!sameFile(problem.file, file) || problem.line < element.line) continue;
+    const line = lineSpan(text, problem.line);
+    const at = line.from + utf16Offset(text.slice(line.from, line.to), problem.column - 1);
     if (at < tag.from || at >= tag.to) continue;
     const attribute = tag.attributes.find((a) => at >= a.from && at < a.to);
     if (attribute) out.fields.set(attribute.name, problem);

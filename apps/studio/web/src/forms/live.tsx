@@ -6,7 +6,7 @@ import type { Frame } from "../core/protocol";
 import type { Studio } from "../core/studio";
 
 /** Speed [m/s] of a body between two frames; null: it cannot be computed from them. */
-export function speed_between(before: Frame | null, now: Frame, body: number): number | null {
+export function speedBetween(before: Frame | null, now: Frame, body: number): number | null {
   if (!before || before.scene !== now.scene || before.time === now.time) return null;
   let square = 0;
   for (let i = 0; i < 3; ++i) square += (now.poses[7 * body + i]! - before.poses[7 * body + i]!) ** 2;
@@ -14,7 +14,7 @@ export function speed_between(before: Frame | null, now: Frame, body: number): n
 }
 
 /** Roll, pitch and yaw [deg] about fixed axes of the quaternion w x y z. */
-export function roll_pitch_yaw(w: number, x: number, y: number, z: number): [number, number, number] {
+export function rollPitchYaw(w: number, x: number, y: number, z: number): [number, number, number] {
   const turn = 180 / Math.PI;
   const sine = Math.max(-1, Math.min(1, 2 * (w * y - z * x)));
   return [
@@ -44,8 +44,8 @@ export function LiveValues({ studio, body }: { studio: Studio; body: number }): 
       shown = performance.now();
       const pose = Array.from(frame.poses.subarray(7 * body, 7 * body + 7));
       position.current!.textContent = `${fixed(pose.slice(0, 3), 3)} m`;
-      turned.current!.textContent = `${fixed(roll_pitch_yaw(pose[3]!, pose[4]!, pose[5]!, pose[6]!), 1)} deg`;
-      const fast = speed_between(before, frame, body);
+      turned.current!.textContent = `${fixed(rollPitchYaw(pose[3]!, pose[4]!, pose[5]!, pose[6]!), 1)} deg`;
+      const fast = speedBetween(before, frame, body);
       speed.current!.textContent = fast === null ? "" : `${fast.toFixed(3)} m/s`;
       before = frame;
     });

@@ -3,32 +3,32 @@ import { useEffect, useState } from "preact/hooks";
 import type { JSX } from "preact";
 import type { Op, TreeElement } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { name_choices } from "../add/plan";
+import { nameChoices } from "../add/plan";
 import { Icon } from "../tree/icons";
-import { ask_mass, mass_lines } from "../tree/mass_view";
-import { label_of } from "../tree/model";
-import { kSignalType, signal_label, TreeState } from "../tree/tree_state";
-import { apply_ops } from "./apply";
+import { askMass, massLines } from "../tree/mass_view";
+import { labelOf } from "../tree/model";
+import { kSignalType, signalLabel, TreeState } from "../tree/tree_state";
+import { applyOps } from "./apply";
 import { Field } from "./field";
-import { form_groups, parameter_ops, plugin_form, problems_of, set_entries, set_ops } from "./form_model";
+import { formGroups, parameterOps, pluginForm, problemsOf, setEntries, setOps } from "./form_model";
 import { LiveValues } from "./live";
 import type { AttributeSchema, Schema } from "./schema";
 
 const kNameSpec: Omit<AttributeSchema, "doc" | "required"> = {
-  name: "name", kind: "name", default: "", units: [], per_entry: false, min: null, max: null, above_min: false,
-  none_allowed: false, choices: [], min_count: 1, max_count: 1, wants: "",
+  name: "name", kind: "name", default: "", units: [], perEntry: false, min: null, max: null, aboveMin: false,
+  noneAllowed: false, choices: [], minCount: 1, maxCount: 1, wants: "",
 };
 
 function Mass({ studio, ids }: { studio: Studio; ids: number[] }): JSX.Element | null {
-  const [lines, set_lines] = useState<[string, string][]>([]);
+  const [lines, setLines] = useState<[string, string][]>([]);
   const scene = studio.state.scene.value?.scene;
   const key = ids.join(",");
   useEffect(() => {
     let gone = false;
-    ask_mass(studio, ids).then(
-      (answer) => !gone && set_lines(answer.bodies.length > 0 ? mass_lines(answer) : []),
+    askMass(studio, ids).then(
+      (answer) => !gone && setLines(answer.bodies.length > 0 ? massLines(answer) : []),
       // Planes and the like have no mass to speak of.
-      () => !gone && set_lines([]),
+      () => !gone && setLines([]),
     );
     return () => void (gone = true);
   }, [studio, scene, key]);
@@ -60,9 +60,9 @@ function Signals({ studio, path }: { studio: Studio; path: string }): JSX.Elemen
               event.dataTransfer!.setData(kSignalType, info.name);
               event.dataTransfer!.setData("text/plain", info.name);
             }}
-            onClick={() => studio.draw_signal(info.name)}
+            onClick={() => studio.drawSignal(info.name)}
           >
-            {signal_label(info)}
+            {signalLabel(info)}
           </button>
         ))}
       </div>
@@ -76,26 +76,26 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
   const first = chosen[0]!;
   const one = chosen.length === 1 ? first : null;
   const meaning = schema.element(first.tag, first.attributes);
-  const name_spec = meaning?.attributes.find((a) => a.name === "name");
+  const nameSpec = meaning?.attributes.find((a) => a.name === "name");
   const text = state.document.value;
   // While a text compiles fields stay as they are: continued typing must not lose the focus.
-  const disabled = !state.may_edit.value || !text || (text.version !== version && !text.good);
-  const problems = one && text && text.version === version ? problems_of(text.text, one, text.file, state.problems.value) : null;
-  const plugin = one ? plugin_form(schema, elements, one.id) : null;
-  const what = one ? `${one.tag} ${label_of(one)}`.trim() : `${chosen.length} ${first.tag} elements`;
+  const disabled = !state.mayEdit.value || !text || (text.version !== version && !text.good);
+  const problems = one && text && text.version === version ? problemsOf(text.text, one, text.file, state.problems.value) : null;
+  const plugin = one ? pluginForm(schema, elements, one.id) : null;
+  const what = one ? `${one.tag} ${labelOf(one)}`.trim() : `${chosen.length} ${first.tag} elements`;
   const apply = async (label: string, ops: Op[]): Promise<string> => {
     if (ops.length === 0) return "";
-    const outcome = await apply_ops(studio, label, ops);
+    const outcome = await applyOps(studio, label, ops);
     return "error" in outcome ? outcome.error : "";
   };
   const set = (name: string, value: string | null) =>
-    apply(`${value === null ? "reset" : "set"} ${name} of ${what}`, set_ops(chosen, name, value));
+    apply(`${value === null ? "reset" : "set"} ${name} of ${what}`, setOps(chosen, name, value));
   return (
     <>
-      {one && name_spec && (
+      {one && nameSpec && (
         <Field
           key={`name ${one.id}`}
-          spec={{ ...kNameSpec, doc: name_spec.doc, required: name_spec.required }}
+          spec={{ ...kNameSpec, doc: nameSpec.doc, required: nameSpec.required }}
           text={one.name}
           disabled={disabled}
           problem={problems?.fields.get("name")?.message}
@@ -107,7 +107,7 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
       {problems?.others.map((p, i) => (
         <p key={i} class="cg-prop-problem" role="alert">{p.message}{p.help && ` (${p.help})`}</p>
       ))}
-      {form_groups(schema, chosen).map((group) => {
+      {formGroups(schema, chosen).map((group) => {
         const fields = group.fields.map((f) => {
           const problem = problems?.fields.get(f.spec.name);
           return (
@@ -118,10 +118,10 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
               mixed={f.mixed}
               disabled={disabled}
               problem={problem && (problem.help ? `${problem.message} (${problem.help})` : problem.message)}
-              choices={name_choices(schema, elements, first.parent, first.tag, f.spec)}
+              choices={nameChoices(schema, elements, first.parent, first.tag, f.spec)}
               commit={(value) => set(f.spec.name, value)}
-              commit_entries={async (boxes, unit) => {
-                const ops = set_entries(chosen, f.spec, boxes, unit);
+              commitEntries={async (boxes, unit) => {
+                const ops = setEntries(chosen, f.spec, boxes, unit);
                 return "error" in ops ? ops.error : apply(`set ${f.spec.name} of ${what}`, ops);
               }}
             />
@@ -146,7 +146,7 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
               text={f.text}
               disabled={disabled}
               commit={(value) =>
-                apply(`set ${f.spec.name} of ${what}`, parameter_ops(elements, one!.id, f.spec.name, value))
+                apply(`set ${f.spec.name} of ${what}`, parameterOps(elements, one!.id, f.spec.name, value))
               }
             />
           ))}
@@ -163,15 +163,15 @@ export function Properties({ studio }: { studio: Studio }): JSX.Element {
   const first = chosen[0];
   if (!first) return <p class="cg-muted cg-properties-empty">Select something in the tree or the picture to see its attributes.</p>;
   const same = chosen.every((e) => e.tag === first.tag);
-  const bodies = chosen.flatMap((e) => (e.id > 0 ? state.bodies_of(e.id) : []));
+  const bodies = chosen.flatMap((e) => (e.id > 0 ? state.bodiesOf(e.id) : []));
   const ids = chosen.filter((e) => e.id > 0).map((e) => e.id);
   const doc = schema?.element(first.tag, first.attributes)?.doc;
   return (
     <div class="cg-properties" role="form" aria-label="Properties">
       <h2>
         <Icon tag={same ? first.tag : "other"} />{" "}
-        {chosen.length === 1 ? label_of(first) || first.tag : same ? `${chosen.length} × ${first.tag}` : `${chosen.length} selected`}
-        {chosen.length === 1 && label_of(first) !== "" && <span class="cg-tree-tag"> {first.tag}</span>}
+        {chosen.length === 1 ? labelOf(first) || first.tag : same ? `${chosen.length} × ${first.tag}` : `${chosen.length} selected`}
+        {chosen.length === 1 && labelOf(first) !== "" && <span class="cg-tree-tag"> {first.tag}</span>}
       </h2>
       {same && doc && <p class="cg-muted">{doc}</p>}
       {!same && <p class="cg-muted">They are of different kinds: choose those of one kind to edit them together.</p>}

@@ -13,17 +13,17 @@ export interface AttributeSchema {
   /** in the language's notation; "": none */
   default: string;
   required: boolean;
-  /** SI units. One: of every entry. Several: entry by entry if `per_entry`, else alternatives. "": a plain number. */
+  /** SI units. One: of every entry. Several: entry by entry if `perEntry`, else alternatives. "": a plain number. */
   units: string[];
-  per_entry: boolean;
+  perEntry: boolean;
   /** SI; null: no bound */
   min: number | null;
   max: number | null;
-  above_min: boolean;
-  none_allowed: boolean;
+  aboveMin: boolean;
+  noneAllowed: boolean;
   choices: string[];
-  min_count: number;
-  max_count: number;
+  minCount: number;
+  maxCount: number;
   /** what a reference means: "place", "joint", "material", "prototype", "door", "template", "motor", "sensor", "any" */
   wants: string;
 }
@@ -52,69 +52,69 @@ export interface PluginSchema {
 export type PluginUse = "controller" | "supervisor" | "sensor";
 
 type Loose = Record<string, unknown>;
-const text_of = (value: unknown): string => (typeof value === "string" ? value : "");
-const list_of = <T>(value: unknown): T[] => (Array.isArray(value) ? (value as T[]) : []);
-const number_of = (value: unknown): number | null => (typeof value === "number" && isFinite(value) ? value : null);
+const textOf = (value: unknown): string => (typeof value === "string" ? value : "");
+const listOf = <T>(value: unknown): T[] => (Array.isArray(value) ? (value as T[]) : []);
+const numberOf = (value: unknown): number | null => (typeof value === "number" && isFinite(value) ? value : null);
 
-export function read_attribute(raw: Loose): AttributeSchema {
+export function readAttribute(raw: Loose): AttributeSchema {
   return {
-    name: text_of(raw.name),
-    kind: (text_of(raw.kind) || "text") as AttributeKind,
-    doc: text_of(raw.doc),
-    default: text_of(raw.default),
+    name: textOf(raw.name),
+    kind: (textOf(raw.kind) || "text") as AttributeKind,
+    doc: textOf(raw.doc),
+    default: textOf(raw.default),
     required: raw.required === true,
-    units: list_of<string>(raw.units),
-    per_entry: raw.per_entry === true,
-    min: number_of(raw.min),
-    max: number_of(raw.max),
-    above_min: raw.above_min === true,
-    none_allowed: raw.none_allowed === true,
-    choices: list_of<string>(raw.choices),
-    min_count: number_of(raw.min_count) ?? 1,
-    max_count: number_of(raw.max_count) ?? 1,
-    wants: text_of(raw.wants),
+    units: listOf<string>(raw.units),
+    perEntry: raw.per_entry === true,
+    min: numberOf(raw.min),
+    max: numberOf(raw.max),
+    aboveMin: raw.above_min === true,
+    noneAllowed: raw.none_allowed === true,
+    choices: listOf<string>(raw.choices),
+    minCount: numberOf(raw.min_count) ?? 1,
+    maxCount: numberOf(raw.max_count) ?? 1,
+    wants: textOf(raw.wants),
   };
 }
 
-function read_element(raw: Loose): ElementSchema {
+function readElement(raw: Loose): ElementSchema {
   return {
-    name: text_of(raw.name),
-    group: text_of(raw.group),
-    doc: text_of(raw.doc),
-    example: text_of(raw.example),
-    children: list_of<string>(raw.children),
-    attributes: list_of<Loose>(raw.attributes).map(read_attribute),
+    name: textOf(raw.name),
+    group: textOf(raw.group),
+    doc: textOf(raw.doc),
+    example: textOf(raw.example),
+    children: listOf<string>(raw.children),
+    attributes: listOf<Loose>(raw.attributes).map(readAttribute),
     flow: raw.flow === true,
     open: raw.open_attributes === true,
-    when: text_of(raw.when),
+    when: textOf(raw.when),
   };
 }
 
-function read_plugin(raw: Loose): PluginSchema {
-  return { name: text_of(raw.name), doc: text_of(raw.doc), parameters: list_of<Loose>(raw.parameters).map(read_attribute) };
+function readPlugin(raw: Loose): PluginSchema {
+  return { name: textOf(raw.name), doc: textOf(raw.doc), parameters: listOf<Loose>(raw.parameters).map(readAttribute) };
 }
 
 export class Schema {
   readonly elements: ElementSchema[];
-  private readonly by_name_ = new Map<string, ElementSchema[]>();
-  private readonly plugins_: Record<PluginUse, PluginSchema[]>;
+  private readonly elementsByName = new Map<string, ElementSchema[]>();
+  private readonly pluginsByUse: Record<PluginUse, PluginSchema[]>;
 
   constructor(answer: Loose) {
     const raw = (answer.schema ?? answer) as Loose;
-    this.elements = list_of<Loose>(raw.elements).map(read_element);
+    this.elements = listOf<Loose>(raw.elements).map(readElement);
     for (const element of this.elements) {
-      const same = this.by_name_.get(element.name);
+      const same = this.elementsByName.get(element.name);
       if (same) same.push(element);
-      else this.by_name_.set(element.name, [element]);
+      else this.elementsByName.set(element.name, [element]);
     }
     const plugins = (raw.plugins ?? {}) as Loose;
-    const of = (use: string) => list_of<Loose>(plugins[use]).map(read_plugin);
-    this.plugins_ = { controller: of("controllers"), supervisor: of("supervisors"), sensor: of("sensors") };
+    const of = (use: string) => listOf<Loose>(plugins[use]).map(readPlugin);
+    this.pluginsByUse = { controller: of("controllers"), supervisor: of("supervisors"), sensor: of("sensors") };
   }
 
   /** The element of a tag; attributes select one of two meanings. */
   element(tag: string, attributes: Record<string, string> = {}): ElementSchema | undefined {
-    const found = this.by_name_.get(tag);
+    const found = this.elementsByName.get(tag);
     if (!found) return undefined;
     return found.find((e) => e.when !== "" && e.when in attributes) ?? found.find((e) => e.when === "") ?? found[0];
   }
@@ -124,22 +124,22 @@ export class Schema {
   }
 
   plugins(use: PluginUse): PluginSchema[] {
-    return this.plugins_[use];
+    return this.pluginsByUse[use];
   }
   plugin(use: string, name: string): PluginSchema | undefined {
-    return this.plugins_[use as PluginUse]?.find((p) => p.name === name);
+    return this.pluginsByUse[use as PluginUse]?.find((p) => p.name === name);
   }
 
-  is_flow(tag: string): boolean {
+  isFlow(tag: string): boolean {
     return this.element(tag)?.flow ?? false;
   }
 
   /** Tags that an element may hold; flow elements hold those of the first element around them that is none. */
-  children_of(elements: readonly TreeElement[], id: number): string[] {
+  childrenOf(elements: readonly TreeElement[], id: number): string[] {
     for (let at = id; at >= 0; ) {
       const element = elements[at];
       if (!element) return [];
-      if (!this.is_flow(element.tag)) {
+      if (!this.isFlow(element.tag)) {
         const children = this.element(element.tag, element.attributes)?.children ?? [];
         if (children.length === 0) return [];
         const flow = this.elements.filter((e) => e.flow).map((e) => e.name);
@@ -150,8 +150,8 @@ export class Schema {
     return [];
   }
 
-  may_hold(elements: readonly TreeElement[], parent: number, tag: string): boolean {
-    return this.children_of(elements, parent).includes(tag);
+  mayHold(elements: readonly TreeElement[], parent: number, tag: string): boolean {
+    return this.childrenOf(elements, parent).includes(tag);
   }
 }
 
@@ -203,12 +203,12 @@ const kReferred: Record<string, string[]> = {
 };
 
 /** The dotted name by which what stands in `scope` (a dotted name, "": the scene) reaches `path`. */
-export function relative_name(scope: string, path: string): string {
+export function relativeName(scope: string, path: string): string {
   return scope !== "" && path.startsWith(`${scope}.`) ? path.slice(scope.length + 1) : path;
 }
 
 /** Dotted name of the nearest element around `id` that opens a scope of names. */
-export function scope_of(elements: readonly TreeElement[], parent: number): string {
+export function scopeOf(elements: readonly TreeElement[], parent: number): string {
   for (let at = parent; at > 0; at = elements[at]?.parent ?? -1) {
     const element = elements[at];
     if (element && element.path !== "" && element.tag !== "repeat" && element.tag !== "for") return element.path;
@@ -217,15 +217,15 @@ export function scope_of(elements: readonly TreeElement[], parent: number): stri
 }
 
 /** Names that may stand in an attribute of an element standing in `parent`. */
-export function reference_choices(
+export function referenceChoices(
   elements: readonly TreeElement[], parent: number, wants: string,
 ): string[] {
   const tags = kReferred[wants] ?? kReferred.any!;
-  const scope = scope_of(elements, parent);
+  const scope = scopeOf(elements, parent);
   const names = new Set<string>();
   for (const element of elements) {
     if (!tags.includes(element.tag) || element.name === "") continue;
-    names.add(element.path === "" ? element.name : relative_name(scope, element.path));
+    names.add(element.path === "" ? element.name : relativeName(scope, element.path));
   }
   return [...names];
 }

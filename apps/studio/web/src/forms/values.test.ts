@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { boxes_of, text_from, with_unit } from "./number_model";
+import { boxesOf, textFrom, withUnit } from "./number_model";
 import { Schema, type AttributeSchema } from "./schema";
-import { check_entry, convert, hex_color, parse_numbers, parse_range, print_numbers, print_range, short_number } from "./values";
+import { checkEntry, convert, hexColor, parseNumbers, parseRange, printNumbers, printRange, shortNumber } from "./values";
 
 function spec(raw: Record<string, unknown>): AttributeSchema {
   return new Schema({ elements: [{ name: "e", attributes: [{ name: "a", ...raw }] }] }).attribute("e", "a")!;
@@ -14,26 +14,26 @@ const range = spec({ kind: "range", units: ["m"], min: 0, default: "0 .. 10 m" }
 const limits = spec({ kind: "numbers", units: ["rad", "m"], per_entry: true, min_count: 2, max_count: 2, none_allowed: true });
 
 test("lists are read with one unit behind, or one each", () => {
-  assert.deepEqual(parse_numbers("24 14 4 cm")?.entries.map((e) => e.text + e.unit), ["24cm", "14cm", "4cm"]);
-  assert.equal(parse_numbers("24 14 4 cm")?.unit, "cm");
-  assert.deepEqual(parse_numbers("24 cm 14 cm 40 mm")?.unit, null);
-  assert.deepEqual(parse_numbers("-1e-3 .5 2.")?.entries.map((e) => e.text), ["-1e-3", ".5", "2."]);
-  assert.deepEqual(parse_numbers("3cm")?.entries, [{ text: "3", unit: "cm" }]);
-  assert.equal(parse_numbers("none -10 cm")?.entries[0]!.text, "none");
-  for (const bad of ["", "abc", "1 cm cm", "cm 1", "${a}", "1..2"]) assert.equal(parse_numbers(bad), null, bad);
+  assert.deepEqual(parseNumbers("24 14 4 cm")?.entries.map((e) => e.text + e.unit), ["24cm", "14cm", "4cm"]);
+  assert.equal(parseNumbers("24 14 4 cm")?.unit, "cm");
+  assert.deepEqual(parseNumbers("24 cm 14 cm 40 mm")?.unit, null);
+  assert.deepEqual(parseNumbers("-1e-3 .5 2.")?.entries.map((e) => e.text), ["-1e-3", ".5", "2."]);
+  assert.deepEqual(parseNumbers("3cm")?.entries, [{ text: "3", unit: "cm" }]);
+  assert.equal(parseNumbers("none -10 cm")?.entries[0]!.text, "none");
+  for (const bad of ["", "abc", "1 cm cm", "cm 1", "${a}", "1..2"]) assert.equal(parseNumbers(bad), null, bad);
 });
 
 test("lists come out as they came in", () => {
   for (const text of ["24 14 4 cm", "24 cm 14 cm 40 mm", "0 0 1", "none -10 cm", "5 N*m", "1 2 kg/m^3"]) {
-    assert.equal(print_numbers(parse_numbers(text)!.entries), text);
+    assert.equal(printNumbers(parseNumbers(text)!.entries), text);
   }
   // a unit behind "none" would be wrong
-  assert.equal(print_numbers(parse_numbers("-10 cm none")!.entries), "-10 cm none");
+  assert.equal(printNumbers(parseNumbers("-10 cm none")!.entries), "-10 cm none");
 });
 
 test("ranges", () => {
-  for (const text of ["2 .. 80 cm", "0.1 .. 10", "5 mm .. 2 m"]) assert.equal(print_range(parse_range(text)!.entries), text);
-  assert.equal(parse_range("2 80 cm"), null);
+  for (const text of ["2 .. 80 cm", "0.1 .. 10", "5 mm .. 2 m"]) assert.equal(printRange(parseRange(text)!.entries), text);
+  assert.equal(parseRange("2 80 cm"), null);
 });
 
 test("units are converted without changing the value", () => {
@@ -41,57 +41,57 @@ test("units are converted without changing the value", () => {
   assert.deepEqual(convert({ text: "0.1", unit: "" }, "m", "mm"), { text: "100", unit: "mm" });
   assert.deepEqual(convert({ text: "180", unit: "deg" }, "rad", "rad"), { text: "3.14159265", unit: "rad" });
   assert.equal(convert({ text: "1", unit: "inch" }, "m", "cm"), null);
-  assert.equal(with_unit(size, "40 40 40 cm", "m"), "0.4 0.4 0.4 m");
-  assert.equal(with_unit(range, "2 .. 80 cm", "m"), "0.02 .. 0.8 m");
-  assert.equal(short_number(0.1 + 0.2), "0.3");
+  assert.equal(withUnit(size, "40 40 40 cm", "m"), "0.4 0.4 0.4 m");
+  assert.equal(withUnit(range, "2 .. 80 cm", "m"), "0.02 .. 0.8 m");
+  assert.equal(shortNumber(0.1 + 0.2), "0.3");
 });
 
 test("entries are checked in SI, whatever their unit", () => {
-  const bounds = { min: 0, max: 1, above_min: true, none_allowed: false };
-  assert.equal(check_entry({ text: "100", unit: "cm" }, "m", bounds), "");
-  assert.match(check_entry({ text: "101", unit: "cm" }, "m", bounds), /at most 1 m/);
-  assert.match(check_entry({ text: "0", unit: "cm" }, "m", bounds), /above 0 m/);
-  assert.match(check_entry({ text: "none", unit: "" }, "m", bounds), /not allowed/);
-  assert.match(check_entry({ text: "1", unit: "" }, "rad", { ...bounds, max: null }), /unit/);
-  assert.equal(check_entry({ text: "0", unit: "" }, "rad", { ...bounds, above_min: false }), "");
-  assert.match(check_entry({ text: "1.5", unit: "" }, "", { ...bounds, max: null, integer: true }), /whole/);
+  const bounds = { min: 0, max: 1, aboveMin: true, noneAllowed: false };
+  assert.equal(checkEntry({ text: "100", unit: "cm" }, "m", bounds), "");
+  assert.match(checkEntry({ text: "101", unit: "cm" }, "m", bounds), /at most 1 m/);
+  assert.match(checkEntry({ text: "0", unit: "cm" }, "m", bounds), /above 0 m/);
+  assert.match(checkEntry({ text: "none", unit: "" }, "m", bounds), /not allowed/);
+  assert.match(checkEntry({ text: "1", unit: "" }, "rad", { ...bounds, max: null }), /unit/);
+  assert.equal(checkEntry({ text: "0", unit: "" }, "rad", { ...bounds, aboveMin: false }), "");
+  assert.match(checkEntry({ text: "1.5", unit: "" }, "", { ...bounds, max: null, integer: true }), /whole/);
 });
 
 test("boxes show the list in its unit", () => {
-  const shown = boxes_of(size, "24 14 4 cm")!;
+  const shown = boxesOf(size, "24 14 4 cm")!;
   assert.deepEqual(shown.boxes, ["24", "14", "4"]);
   assert.equal(shown.unit, "cm");
   assert.ok(shown.units.includes("m") && shown.units.includes("mm"));
-  assert.deepEqual(boxes_of(size, "24 cm 14 cm 40 mm")!.boxes, ["24 cm", "14 cm", "40 mm"]);
-  assert.deepEqual(boxes_of(xyz, "")!.placeholders, ["0", "0", "0"]);
-  assert.equal(boxes_of(rpy, "")!.unit, "deg");
-  assert.equal(boxes_of(xyz, "0 0 ${h}"), null);
-  assert.deepEqual(boxes_of(range, "")!.placeholders, ["0", "10"]);
+  assert.deepEqual(boxesOf(size, "24 cm 14 cm 40 mm")!.boxes, ["24 cm", "14 cm", "40 mm"]);
+  assert.deepEqual(boxesOf(xyz, "")!.placeholders, ["0", "0", "0"]);
+  assert.equal(boxesOf(rpy, "")!.unit, "deg");
+  assert.equal(boxesOf(xyz, "0 0 ${h}"), null);
+  assert.deepEqual(boxesOf(range, "")!.placeholders, ["0", "10"]);
 });
 
 test("what stands in boxes becomes the shortest text", () => {
-  assert.deepEqual(text_from(size, ["20", "20", "20"], "cm"), { text: "20 20 20 cm" });
-  assert.deepEqual(text_from(xyz, ["1", "", ""], "m"), { text: "1 0 0" });
-  assert.deepEqual(text_from(rpy, ["", "90", ""], "deg"), { text: "0 90 0 deg" });
-  assert.deepEqual(text_from(size, ["1 m", "20", "20"], "cm"), { text: "100 20 20 cm" });
-  assert.deepEqual(text_from(xyz, ["", " ", ""], "m"), { text: null });
-  assert.deepEqual(text_from(range, ["2", "80"], "cm"), { text: "2 .. 80 cm" });
-  assert.deepEqual(text_from(limits, ["-90 deg", "none"], null), { text: "-90 deg none" });
-  assert.deepEqual(text_from(xyz, ["${a}", "1", ""], "m"), { text: "${a} 1 0 m" });
+  assert.deepEqual(textFrom(size, ["20", "20", "20"], "cm"), { text: "20 20 20 cm" });
+  assert.deepEqual(textFrom(xyz, ["1", "", ""], "m"), { text: "1 0 0" });
+  assert.deepEqual(textFrom(rpy, ["", "90", ""], "deg"), { text: "0 90 0 deg" });
+  assert.deepEqual(textFrom(size, ["1 m", "20", "20"], "cm"), { text: "100 20 20 cm" });
+  assert.deepEqual(textFrom(xyz, ["", " ", ""], "m"), { text: null });
+  assert.deepEqual(textFrom(range, ["2", "80"], "cm"), { text: "2 .. 80 cm" });
+  assert.deepEqual(textFrom(limits, ["-90 deg", "none"], null), { text: "-90 deg none" });
+  assert.deepEqual(textFrom(xyz, ["${a}", "1", ""], "m"), { text: "${a} 1 0 m" });
 });
 
 test("the error of a box is reported with its number", () => {
-  assert.deepEqual(text_from(size, ["1", "x", "1"], "m"), { error: "'x' is no number", box: 1 });
-  const low = text_from(size, ["1", "1", "-3"], "cm");
+  assert.deepEqual(textFrom(size, ["1", "x", "1"], "m"), { error: "'x' is no number", box: 1 });
+  const low = textFrom(size, ["1", "1", "-3"], "cm");
   assert.ok("error" in low && low.box === 2 && /above 0 m/.test(low.error));
 });
 
 test("colours for the chooser", () => {
-  assert.equal(hex_color("#F80"), "#ff8800");
-  assert.equal(hex_color("#12345678"), "#123456");
-  assert.equal(hex_color("red"), null);
+  assert.equal(hexColor("#F80"), "#ff8800");
+  assert.equal(hexColor("#12345678"), "#123456");
+  assert.equal(hexColor("red"), null);
 });
 
 test("lists without a given length are text", () => {
-  assert.equal(boxes_of(spec({ kind: "numbers", min_count: 1, max_count: 1000 }), "1 2 3"), null);
+  assert.equal(boxesOf(spec({ kind: "numbers", min_count: 1, max_count: 1000 }), "1 2 3"), null);
 });

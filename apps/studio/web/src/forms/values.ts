@@ -35,33 +35,33 @@ const kUnits: Record<string, Record<string, number>> = {
 };
 
 /** Units offered for a dimension; the SI one is among them. An angle's are without "": it must be written. */
-export function units_of(dimension: string): string[] {
+export function unitsOf(dimension: string): string[] {
   if (dimension === "" || dimension === "1") return [];
   return Object.keys(kUnits[dimension] ?? { [dimension]: 1 });
 }
 
 /** SI value of one `unit`; undefined: not known here (the compiler knows more). "" is SI. */
-export function factor_of(dimension: string, unit: string): number | undefined {
+export function factorOf(dimension: string, unit: string): number | undefined {
   if (unit === "" || unit === dimension) return 1;
   return kUnits[dimension]?.[unit];
 }
 
 const kNumber = /^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?/;
 
-export function is_expression(text: string): boolean {
+export function isExpression(text: string): boolean {
   return text.includes("${");
 }
 
 /** "40 40 40 cm", "24 cm 14 cm 40 mm", "none -10 cm"; null if it is anything else. */
-export function parse_numbers(text: string): ValueParts | null {
+export function parseNumbers(text: string): ValueParts | null {
   const items = text.trim().split(/[\s,]+/).filter((w) => w !== "");
   const entries: Entry[] = [];
   let units = 0;
-  let last_has_unit = false;
+  let lastHasUnit = false;
   for (const item of items) {
     if (item === "none") {
       entries.push({ text: item, unit: "" });
-      last_has_unit = false;
+      lastHasUnit = false;
       continue;
     }
     const number = kNumber.exec(item);
@@ -69,15 +69,15 @@ export function parse_numbers(text: string): ValueParts | null {
       const unit = item.slice(number[0].length);
       if (unit !== "" && !/^[A-Za-zµ%°]/.test(unit)) return null;
       entries.push({ text: number[0], unit });
-      last_has_unit = unit !== "";
+      lastHasUnit = unit !== "";
       if (unit !== "") ++units;
       continue;
     }
     // a unit: of the number before it
     const entry = entries[entries.length - 1];
-    if (!entry || last_has_unit || entry.text === "none" || !/^[A-Za-zµ%°1][\w*/^()µ°.-]*$/.test(item)) return null;
+    if (!entry || lastHasUnit || entry.text === "none" || !/^[A-Za-zµ%°1][\w*/^()µ°.-]*$/.test(item)) return null;
     entry.unit = item;
-    last_has_unit = true;
+    lastHasUnit = true;
     ++units;
   }
   if (entries.length === 0) return null;
@@ -93,7 +93,7 @@ export function parse_numbers(text: string): ValueParts | null {
 }
 
 /** Its shortest notation: one unit behind the list if all have the same. */
-export function print_numbers(entries: readonly Entry[]): string {
+export function printNumbers(entries: readonly Entry[]): string {
   const numbers = entries.filter((e) => e.text !== "none");
   const unit = numbers[0]?.unit ?? "";
   // A unit goes for the list only from its end, and "none" takes none.
@@ -103,18 +103,18 @@ export function print_numbers(entries: readonly Entry[]): string {
 }
 
 /** "2 .. 80 cm" as two entries. */
-export function parse_range(text: string): ValueParts | null {
+export function parseRange(text: string): ValueParts | null {
   const halves = text.split("..");
   if (halves.length !== 2) return null;
-  const low = parse_numbers(halves[0]!);
-  const high = parse_numbers(halves[1]!);
+  const low = parseNumbers(halves[0]!);
+  const high = parseNumbers(halves[1]!);
   if (!low || !high || low.entries.length !== 1 || high.entries.length !== 1) return null;
   const [a, b] = [low.entries[0]!, high.entries[0]!];
   if (a.unit === "") a.unit = b.unit;
   return { entries: [a, b], unit: a.unit === b.unit ? a.unit : null };
 }
 
-export function print_range(entries: readonly Entry[]): string {
+export function printRange(entries: readonly Entry[]): string {
   const [low, high] = entries;
   if (!low || !high) return "";
   const own = low.unit === high.unit ? "" : low.unit;
@@ -122,7 +122,7 @@ export function print_range(entries: readonly Entry[]): string {
 }
 
 /** At most 9 significant digits, without trailing zeros. */
-export function short_number(value: number): string {
+export function shortNumber(value: number): string {
   if (!isFinite(value)) return String(value);
   const rounded = Number(value.toPrecision(9));
   return String(Object.is(rounded, -0) ? 0 : rounded);
@@ -131,40 +131,40 @@ export function short_number(value: number): string {
 /** The same value in another unit; null if either unit is not known here. */
 export function convert(entry: Entry, dimension: string, unit: string): Entry | null {
   if (entry.text === "none") return entry;
-  const from = factor_of(dimension, entry.unit);
-  const to = factor_of(dimension, unit);
+  const from = factorOf(dimension, entry.unit);
+  const to = factorOf(dimension, unit);
   const value = Number(entry.text);
   if (from === undefined || to === undefined || !isFinite(value)) return null;
-  return { text: short_number((value * from) / to), unit };
+  return { text: shortNumber((value * from) / to), unit };
 }
 
 export interface Bounds {
   min: number | null;
   max: number | null;
-  above_min: boolean;
-  none_allowed: boolean;
+  aboveMin: boolean;
+  noneAllowed: boolean;
   integer?: boolean;
 }
 
 /** The error of one entry; "" if none is known here. */
-export function check_entry(entry: Entry, dimension: string, bounds: Bounds): string {
-  if (entry.text === "none") return bounds.none_allowed ? "" : "none is not allowed here";
+export function checkEntry(entry: Entry, dimension: string, bounds: Bounds): string {
+  if (entry.text === "none") return bounds.noneAllowed ? "" : "none is not allowed here";
   if (!kNumber.test(entry.text) || !isFinite(Number(entry.text))) return `'${entry.text}' is no number`;
   if (dimension === "rad" && entry.unit === "" && Number(entry.text) !== 0) return "an angle needs its unit: deg or rad";
-  const factor = factor_of(dimension, entry.unit);
+  const factor = factorOf(dimension, entry.unit);
   if (factor === undefined) return "";
   const value = Number(entry.text) * factor;
   if (bounds.integer && !Number.isInteger(value)) return "needs a whole number";
   const unit = dimension === "" || dimension === "1" ? "" : ` ${dimension}`;
-  if (bounds.min !== null && (bounds.above_min ? value <= bounds.min : value < bounds.min)) {
-    return `must be ${bounds.above_min ? "above" : "at least"} ${short_number(bounds.min)}${unit}`;
+  if (bounds.min !== null && (bounds.aboveMin ? value <= bounds.min : value < bounds.min)) {
+    return `must be ${bounds.aboveMin ? "above" : "at least"} ${shortNumber(bounds.min)}${unit}`;
   }
-  if (bounds.max !== null && value > bounds.max * (1 + 1e-12)) return `must be at most ${short_number(bounds.max)}${unit}`;
+  if (bounds.max !== null && value > bounds.max * (1 + 1e-12)) return `must be at most ${shortNumber(bounds.max)}${unit}`;
   return "";
 }
 
 /** "#a0b0c0" for colour inputs; null for names and for texts that are no colour. */
-export function hex_color(text: string): string | null {
+export function hexColor(text: string): string | null {
   const short = /^#([0-9a-f])([0-9a-f])([0-9a-f])$/i.exec(text);
   if (short) return `#${short[1]}${short[1]}${short[2]}${short[2]}${short[3]}${short[3]}`.toLowerCase();
   const long = /^#([0-9a-f]{6})([0-9a-f]{2})?$/i.exec(text);

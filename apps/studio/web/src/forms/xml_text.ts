@@ -6,8 +6,8 @@ export interface AttributeSpan {
   from: number;
   to: number;
   /** between the quotes */
-  value_from: number;
-  value_to: number;
+  valueFrom: number;
+  valueTo: number;
 }
 
 export interface StartTag {
@@ -19,26 +19,26 @@ export interface StartTag {
   attributes: AttributeSpan[];
 }
 
-const is_name = (c: string | undefined): boolean => c !== undefined && /[^\s=<>"'/]/.test(c);
+const isName = (c: string | undefined): boolean => c !== undefined && /[^\s=<>"'/]/.test(c);
 
 /** The start tag at `from` (where its "<" is); null if there is none or it has no end. */
-export function start_tag(text: string, from: number): StartTag | null {
-  if (text[from] !== "<" || !is_name(text[from + 1]) || text[from + 1] === "!" || text[from + 1] === "?") return null;
+export function startTag(text: string, from: number): StartTag | null {
+  if (text[from] !== "<" || !isName(text[from + 1]) || text[from + 1] === "!" || text[from + 1] === "?") return null;
   let at = from + 1;
-  while (is_name(text[at])) ++at;
+  while (isName(text[at])) ++at;
   const tag = text.slice(from + 1, at);
   const attributes: AttributeSpan[] = [];
   while (at < text.length) {
     const c = text[at]!;
     if (c === ">") return { tag, from, to: at + 1, empty: text[at - 1] === "/", attributes };
     if (c === "<") return null;
-    if (!is_name(c)) {
+    if (!isName(c)) {
       ++at;
       continue;
     }
-    const name_from = at;
-    while (is_name(text[at])) ++at;
-    const name = text.slice(name_from, at);
+    const nameFrom = at;
+    while (isName(text[at])) ++at;
+    const name = text.slice(nameFrom, at);
     while (/\s/.test(text[at] ?? "")) ++at;
     if (text[at] !== "=") continue;
     ++at;
@@ -47,14 +47,14 @@ export function start_tag(text: string, from: number): StartTag | null {
     if (quote !== '"' && quote !== "'") continue;
     const end = text.indexOf(quote, at + 1);
     if (end < 0) return null;
-    attributes.push({ name, from: name_from, to: end + 1, value_from: at + 1, value_to: end });
+    attributes.push({ name, from: nameFrom, to: end + 1, valueFrom: at + 1, valueTo: end });
     at = end + 1;
   }
   return null;
 }
 
 /** Behind what begins at `at` with "<!" or "<?": a comment, CDATA, an instruction. */
-function skip_special(text: string, at: number): number {
+function skipSpecial(text: string, at: number): number {
   const ends: [string, string][] = [["<!--", "-->"], ["<![CDATA[", "]]>"], ["<?", "?>"]];
   for (const [begin, end] of ends) {
     if (!text.startsWith(begin, at)) continue;
@@ -66,8 +66,8 @@ function skip_special(text: string, at: number): number {
 }
 
 /** Behind the element that begins at `from`; null if it has no end. */
-export function element_end(text: string, from: number): number | null {
-  const start = start_tag(text, from);
+export function elementEnd(text: string, from: number): number | null {
+  const start = startTag(text, from);
   if (!start) return null;
   if (start.empty) return start.to;
   let depth = 1;
@@ -77,14 +77,14 @@ export function element_end(text: string, from: number): number | null {
     if (at < 0) return null;
     const next = text[at + 1];
     if (next === "!" || next === "?") {
-      at = skip_special(text, at);
+      at = skipSpecial(text, at);
     } else if (next === "/") {
       const close = text.indexOf(">", at);
       if (close < 0) return null;
       at = close + 1;
       if (--depth === 0) return at;
     } else {
-      const inner = start_tag(text, at);
+      const inner = startTag(text, at);
       if (!inner) return null;
       if (!inner.empty) ++depth;
       at = inner.to;
@@ -94,16 +94,16 @@ export function element_end(text: string, from: number): number | null {
 }
 
 /** The elements of a text that has only elements (and comments between them); null if it has anything else. */
-export function split_elements(text: string): string[] | null {
+export function splitElements(text: string): string[] | null {
   const out: string[] = [];
   let at = 0;
   while (at < text.length) {
     if (/\s/.test(text[at]!)) {
       ++at;
     } else if (text.startsWith("<!--", at)) {
-      at = skip_special(text, at);
+      at = skipSpecial(text, at);
     } else {
-      const end = element_end(text, at);
+      const end = elementEnd(text, at);
       if (end === null) return null;
       out.push(text.slice(at, end));
       at = end;
@@ -120,15 +120,15 @@ export function dedent(xml: string): string {
   return lines.map((l, i) => (i === 0 ? l : l.slice(Math.min(common, /^[ \t]*/.exec(l)![0].length)))).join("\n");
 }
 
-export function escape_attribute(value: string): string {
+export function escapeAttribute(value: string): string {
   return value.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/"/g, "&quot;").replace(/\n/g, "&#10;");
 }
 
 /** `<tag a="1" b="2"/>`; attributes with empty values are left out. */
-export function print_element(tag: string, attributes: Record<string, string>, content = ""): string {
+export function printElement(tag: string, attributes: Record<string, string>, content = ""): string {
   const written = Object.entries(attributes)
     .filter(([, value]) => value !== "")
-    .map(([name, value]) => ` ${name}="${escape_attribute(value)}"`)
+    .map(([name, value]) => ` ${name}="${escapeAttribute(value)}"`)
     .join("");
   return content === "" ? `<${tag}${written}/>` : `<${tag}${written}>\n  ${content}\n</${tag}>`;
 }

@@ -1,11 +1,11 @@
 // Draws the map: ground, shapes, names, trajectories, rays.
 import type { Frame, Scene } from "../core/protocol";
-import { compose, is_finite, pose_at, IDENTITY } from "../view3d/pose";
-import { ray_ends } from "../view3d/rays";
-import { top_assembly, type Trails } from "../view3d/trails";
-import { shape_bounds } from "../view3d/bounds";
+import { compose, isFinite, poseAt, kIdentity } from "../view3d/pose";
+import { rayEnds } from "../view3d/rays";
+import { topAssembly, type Trails } from "../view3d/trails";
+import { shapeBounds } from "../view3d/bounds";
 import type { Item } from "./items";
-import { length_text, round_length, type Sheet } from "./sheet";
+import { lengthText, roundLength, type Sheet } from "./sheet";
 
 export interface Colors {
   ground: string;
@@ -25,7 +25,7 @@ export function css(color: Rgb, darker = 1): string {
   return `rgb(${part(color[0])} ${part(color[1])} ${part(color[2])} / ${color[3]})`;
 }
 
-const OUTLINE = 0.45; // how much darker an outline is than what is inside
+const kOutline = 0.45; // how much darker an outline is than what is inside
 
 export interface Layers {
   rays: boolean;
@@ -50,7 +50,7 @@ export interface MapPicture {
   selected: Set<number>;
   hovered: number;
   /** colour of a shape from afar: with its texture's mean */
-  color_of: (item: Item) => Rgb;
+  colorOf: (item: Item) => Rgb;
 }
 
 /** Sets the transform to metres around the item's origin. */
@@ -62,51 +62,51 @@ export function enter(context: CanvasRenderingContext2D, sheet: Sheet, item: Ite
   context.setTransform(c, -n, -n, -c, sheet.column(item.x) * ratio, sheet.row(item.y) * ratio);
 }
 
-export function draw_map(picture: MapPicture): void {
+export function drawMap(picture: MapPicture): void {
   const { context, sheet, ratio, colors } = picture;
   const plain = () => context.setTransform(ratio, 0, 0, ratio, 0, 0);
   plain();
   context.globalAlpha = 1;
   context.fillStyle = colors.ground;
   context.fillRect(0, 0, sheet.width, sheet.height);
-  draw_shapes(picture);
+  drawShapes(picture);
   plain();
-  draw_grid(picture);
-  if (picture.layers.regions) draw_regions(picture);
-  draw_ghosts(picture);
-  draw_marks(picture);
+  drawGrid(picture);
+  if (picture.layers.regions) drawRegions(picture);
+  drawGhosts(picture);
+  drawMarks(picture);
   plain();
-  if (picture.layers.trails) draw_trails(picture);
-  if (picture.layers.rays) draw_rays(picture);
-  if (picture.layers.names) draw_names(picture);
-  draw_scale_bar(picture);
+  if (picture.layers.trails) drawTrails(picture);
+  if (picture.layers.rays) drawRays(picture);
+  if (picture.layers.names) drawNames(picture);
+  drawScaleBar(picture);
 }
 
-function draw_shapes(picture: MapPicture): void {
+function drawShapes(picture: MapPicture): void {
   const { context, sheet, ratio } = picture;
   for (const item of picture.items) {
-    const color = picture.color_of(item);
+    const color = picture.colorOf(item);
     if (item.shape.type === "plane") {
-      draw_plane(picture, item, css(color));
+      drawPlane(picture, item, css(color));
       continue;
     }
     enter(context, sheet, item, ratio);
     if (item.shape.type === "heightmap") {
-      draw_heightmap(picture, item, color);
+      drawHeightmap(picture, item, color);
       continue;
     }
     context.fillStyle = css(color);
     context.fill(item.path, "nonzero");
     // the edges of all its triangles would hide a mesh
     if (item.shape.type === "mesh") continue;
-    context.strokeStyle = css(color, OUTLINE);
+    context.strokeStyle = css(color, kOutline);
     context.lineWidth = 1 / sheet.scale;
     context.stroke(item.path);
   }
 }
 
 /** A level or sloping plane fills the map, one on edge the half behind it; a ceiling is looked through. */
-function draw_plane({ context, sheet, ratio }: MapPicture, item: Item, fill: string): void {
+function drawPlane({ context, sheet, ratio }: MapPicture, item: Item, fill: string): void {
   if (item.normal[2] < -0.5) return;
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.fillStyle = fill;
@@ -128,10 +128,10 @@ function draw_plane({ context, sheet, ratio }: MapPicture, item: Item, fill: str
 }
 
 /** Heights as brightness, in at most 64 x 64 patches. */
-function draw_heightmap({ context, scene, sheet }: MapPicture, item: Item, color: Rgb): void {
+function drawHeightmap({ context, scene, sheet }: MapPicture, item: Item, color: Rgb): void {
   const map = scene.heightmaps[item.shape.heightmap ?? -1];
   if (!map || map.rows < 2 || map.columns < 2) return;
-  const { low, high } = shape_bounds(scene, item.shape);
+  const { low, high } = shapeBounds(scene, item.shape);
   const span = Math.max(high[2] - low[2], 1e-12);
   const columns = Math.min(map.columns - 1, 64);
   const rows = Math.min(map.rows - 1, 64);
@@ -149,10 +149,10 @@ function draw_heightmap({ context, scene, sheet }: MapPicture, item: Item, color
   }
 }
 
-function draw_grid({ context, sheet, colors }: MapPicture): void {
+function drawGrid({ context, sheet, colors }: MapPicture): void {
   const [left, top] = sheet.position(0, 0);
   const [right, bottom] = sheet.position(sheet.width, sheet.height);
-  const step = round_length(Math.max(right - left, top - bottom) / 6);
+  const step = roundLength(Math.max(right - left, top - bottom) / 6);
   context.strokeStyle = colors.grid;
   context.globalAlpha = 0.25;
   context.lineWidth = 1;
@@ -171,14 +171,14 @@ function draw_grid({ context, sheet, colors }: MapPicture): void {
   context.globalAlpha = 1;
 }
 
-function draw_regions({ context, sheet, scene, poses }: MapPicture): void {
+function drawRegions({ context, sheet, scene, poses }: MapPicture): void {
   context.fillStyle = "rgb(42 165 201 / 0.2)";
   context.strokeStyle = "rgb(42 165 201 / 0.8)";
   context.lineWidth = 1;
   for (const region of scene.regions) {
-    const on = region.body < 0 ? IDENTITY : pose_at(poses, region.body);
+    const on = region.body < 0 ? kIdentity : poseAt(poses, region.body);
     const pose = compose(on, region.pose);
-    if (!is_finite(pose)) continue;
+    if (!isFinite(pose)) continue;
     const [x, y] = [sheet.column(pose[0]), sheet.row(pose[1])];
     context.save();
     context.translate(x, y);
@@ -197,7 +197,7 @@ function draw_regions({ context, sheet, scene, poses }: MapPicture): void {
   }
 }
 
-function draw_ghosts({ context, sheet, ratio, ghosts, colors }: MapPicture): void {
+function drawGhosts({ context, sheet, ratio, ghosts, colors }: MapPicture): void {
   context.strokeStyle = colors.ghost;
   for (const item of ghosts) {
     if (item.fixed || item.shape.type === "mesh" || item.shape.type === "plane") continue;
@@ -208,7 +208,7 @@ function draw_ghosts({ context, sheet, ratio, ghosts, colors }: MapPicture): voi
 }
 
 /** The selection, and the body under the pointer. */
-function draw_marks({ context, sheet, ratio, items, selected, hovered, colors }: MapPicture): void {
+function drawMarks({ context, sheet, ratio, items, selected, hovered, colors }: MapPicture): void {
   const mark = (item: Item, color: string, width: number) => {
     if (item.shape.type === "plane") return;
     enter(context, sheet, item, ratio);
@@ -235,7 +235,7 @@ function went(points: number[], count: number, least: number): boolean {
   return false;
 }
 
-function draw_trails({ context, sheet, frame, trails }: MapPicture): void {
+function drawTrails({ context, sheet, frame, trails }: MapPicture): void {
   context.lineWidth = 1.8;
   for (const trail of trails.all) {
     const line = trails.line(trail, frame);
@@ -259,12 +259,12 @@ function draw_trails({ context, sheet, frame, trails }: MapPicture): void {
   }
 }
 
-const FAN = "rgba(64, 128, 217, 0.22)";
-function draw_rays({ context, sheet, scene, frame, colors }: MapPicture): void {
+const kFan = "rgba(64, 128, 217, 0.22)";
+function drawRays({ context, sheet, scene, frame, colors }: MapPicture): void {
   if (!frame) return;
-  const rays = ray_ends(scene, frame);
+  const rays = rayEnds(scene, frame);
   // A lidar's are one pale fan, which hides nothing.
-  context.fillStyle = FAN;
+  context.fillStyle = kFan;
   for (const sensor of new Set(rays.filter((ray) => ray.fan).map((ray) => ray.sensor))) {
     const fan = rays.filter((ray) => ray.sensor === sensor);
     context.beginPath();
@@ -302,7 +302,7 @@ function write({ context, colors }: MapPicture, text: string, column: number, ro
 }
 
 /** Names of top-level assemblies and of bodies outside of any, where nothing else is written yet; what moves first. */
-function draw_names(picture: MapPicture): void {
+function drawNames(picture: MapPicture): void {
   const { context, sheet, scene, items } = picture;
   interface Name {
     text: string;
@@ -316,7 +316,7 @@ function draw_names(picture: MapPicture): void {
   for (const item of items) {
     if (item.shape.type === "plane") continue;
     const body = scene.bodies[item.body]!;
-    const top = top_assembly(scene, body.assembly);
+    const top = topAssembly(scene, body.assembly);
     const key = top >= 0 ? `a${top}` : `b${item.body}`;
     const [wide, deep] = item.half;
     const name = names.get(key) ?? {
@@ -357,9 +357,9 @@ function draw_names(picture: MapPicture): void {
   }
 }
 
-function draw_scale_bar(picture: MapPicture): void {
+function drawScaleBar(picture: MapPicture): void {
   const { context, sheet, colors } = picture;
-  const length = round_length(Math.min(sheet.width / 3, 160) / sheet.scale);
+  const length = roundLength(Math.min(sheet.width / 3, 160) / sheet.scale);
   const pixels = length * sheet.scale;
   const left = 14;
   const row = sheet.height - 12;
@@ -376,5 +376,5 @@ function draw_scale_bar(picture: MapPicture): void {
   context.lineTo(left + pixels, row - 5);
   context.stroke();
   context.font = "12px system-ui, sans-serif";
-  write(picture, length_text(length), left + 3, row - 8);
+  write(picture, lengthText(length), left + 3, row - 8);
 }

@@ -2,7 +2,7 @@
 import type { SceneShape } from "../core/protocol";
 
 type Rgba = readonly [number, number, number, number];
-const SIDE = 16;
+const kSide = 16;
 
 export class FarColors {
   private readonly means = new Map<string, Rgba | null>();
@@ -28,15 +28,15 @@ export class FarColors {
     const image = new Image();
     image.onload = () => {
       const canvas = document.createElement("canvas");
-      canvas.width = canvas.height = SIDE;
+      canvas.width = canvas.height = kSide;
       const context = canvas.getContext("2d", { willReadFrequently: true });
       if (!context) return;
       context.imageSmoothingQuality = "high";
-      context.drawImage(image, 0, 0, SIDE, SIDE);
-      const { data } = context.getImageData(0, 0, SIDE, SIDE);
+      context.drawImage(image, 0, 0, kSide, kSide);
+      const { data } = context.getImageData(0, 0, kSide, kSide);
       const sum = [0, 0, 0];
       for (let i = 0; i < data.length; i += 4) for (const c of [0, 1, 2]) sum[c]! += data[i + c]!;
-      const n = 255 * SIDE * SIDE;
+      const n = 255 * kSide * kSide;
       this.means.set(texture, [sum[0]! / n, sum[1]! / n, sum[2]! / n, 1]);
       this.changed();
     };

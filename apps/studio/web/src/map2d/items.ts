@@ -1,7 +1,7 @@
 // The shapes of a scene as the map draws them: in order of height, each with an outline that is kept while the shape's tilt stays.
 import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
-import { compose, is_finite, pose_at } from "../view3d/pose";
-import { level, plan_outline, reach_up, turn_of, up_in } from "./outline";
+import { compose, isFinite, poseAt } from "../view3d/pose";
+import { level, planOutline, upwardExtent, turnOf, upIn } from "./outline";
 import type { Rotation } from "../view3d/pose";
 
 export interface Item {
@@ -25,15 +25,15 @@ export interface Item {
 interface Kept extends Item {
   up: Vec3;
   tilt: Rotation;
-  reach: number;
+  extent: number;
   /** half of what the outline spans before the turn */
   span: [number, number];
 }
 
 /** So little tilt [rad] changes an outline by less than a pixel on any screen. */
-const SAME_TILT = 1e-4;
+const kSameTilt = 1e-4;
 
-export function path_of(polygons: [number, number][][]): Path2D {
+export function pathOf(polygons: [number, number][][]): Path2D {
   const path = new Path2D();
   for (const polygon of polygons) {
     polygon.forEach(([x, y], i) => (i === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));
@@ -42,7 +42,7 @@ export function path_of(polygons: [number, number][][]): Path2D {
   return path;
 }
 
-function span_of(outline: [number, number][][]): [number, number] {
+function spanOf(outline: [number, number][][]): [number, number] {
   const span: [number, number] = [0, 0];
   for (const polygon of outline) {
     for (const [x, y] of polygon) {
@@ -75,42 +75,42 @@ export class Items {
           span: [0, 0],
           up: [NaN, NaN, NaN],
           tilt: [1, 0, 0, 0, 1, 0, 0, 0, 1],
-          reach: 0,
+          extent: 0,
         });
       }
     });
   }
 
   /** Puts all at their poses; the lowest first. Those without a pose are left out. */
-  place(poses: ArrayLike<number>): Item[] {
+  moveTo(poses: ArrayLike<number>): Item[] {
     for (const item of this.all) {
-      const body: Pose = 7 * item.body + 6 < poses.length ? pose_at(poses, item.body) : this.scene.bodies[item.body]!.pose;
+      const body: Pose = 7 * item.body + 6 < poses.length ? poseAt(poses, item.body) : this.scene.bodies[item.body]!.pose;
       const pose = compose(body, item.shape.pose);
       item.x = NaN;
-      if (!is_finite(pose)) continue;
+      if (!isFinite(pose)) continue;
       [item.x, item.y] = pose;
-      const up = up_in(pose);
+      const up = upIn(pose);
       const change = Math.max(...up.map((v, i) => Math.abs(v - item.up[i]!)));
-      if (!(change <= SAME_TILT)) {
+      if (!(change <= kSameTilt)) {
         item.up = up;
         item.tilt = level(up);
-        const outline = plan_outline(this.scene, item.shape, item.tilt);
-        item.path = path_of(outline);
-        item.span = span_of(outline);
-        item.reach = reach_up(this.scene, item.shape, up);
+        const outline = planOutline(this.scene, item.shape, item.tilt);
+        item.path = pathOf(outline);
+        item.span = spanOf(outline);
+        item.extent = upwardExtent(this.scene, item.shape, up);
       }
-      item.turn = turn_of(pose, item.tilt);
-      item.top = pose[2] + item.reach;
+      item.turn = turnOf(pose, item.tilt);
+      item.top = pose[2] + item.extent;
       const [c, n] = [Math.abs(Math.cos(item.turn)), Math.abs(Math.sin(item.turn))];
       item.half = [c * item.span[0] + n * item.span[1], n * item.span[0] + c * item.span[1]];
-      if (item.shape.type === "plane") item.normal = plane_normal(item.up, item.turn, item.tilt);
+      if (item.shape.type === "plane") item.normal = planeNormal(item.up, item.turn, item.tilt);
     }
     return this.all.filter((item) => !Number.isNaN(item.x)).sort((a, b) => a.top - b.top);
   }
 }
 
 /** The shape's z axis in the world. */
-function plane_normal(up: Vec3, turn: number, tilt: Rotation): Vec3 {
+function planeNormal(up: Vec3, turn: number, tilt: Rotation): Vec3 {
   const x = tilt[2];
   const y = tilt[5];
   const c = Math.cos(turn);

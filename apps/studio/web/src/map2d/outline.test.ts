@@ -2,8 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
 import { rotate } from "../view3d/pose";
-import { convex_hull, level, plan_outline, reach_up, turn_of, up_in, type Polygon } from "./outline";
-import { length_text, round_length, Sheet } from "./sheet";
+import { convexHull, level, planOutline, upwardExtent, turnOf, upIn, type Polygon } from "./outline";
+import { lengthText, roundLength, Sheet } from "./sheet";
 
 const scene = {
   meshes: [{ positions: [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1], indices: [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3] }],
@@ -23,8 +23,8 @@ const area = (p: Polygon): number =>
 test("a pose is its tilt and then a turn about the vertical", () => {
   for (const [axis, angle] of [[[0, 0, 1], 2], [[1, 2, 3], 1.1], [[1, 0, 0], Math.PI], [[1, -1, 0.2], 3], [[0, 1, 0], 1e-9]] as [Vec3, number][]) {
     const pose = turned(axis, angle);
-    const tilt = level(up_in(pose));
-    const turn = turn_of(pose, tilt);
+    const tilt = level(upIn(pose));
+    const turn = turnOf(pose, tilt);
     for (const v of [[1, 0, 0], [0, 1, 0], [0.3, -0.2, 0.9]] as Vec3[]) {
       const x = tilt[0] * v[0] + tilt[1] * v[1] + tilt[2] * v[2];
       const y = tilt[3] * v[0] + tilt[4] * v[1] + tilt[5] * v[2];
@@ -36,7 +36,7 @@ test("a pose is its tilt and then a turn about the vertical", () => {
 });
 
 test("outlines have the area of the shadow", () => {
-  const outline = (s: SceneShape, pose: Pose) => plan_outline(scene, s, level(up_in(pose)));
+  const outline = (s: SceneShape, pose: Pose) => planOutline(scene, s, level(upIn(pose)));
   const flat = turned([0, 0, 1], 0.3);
   // polygons with 102 corners on a circle lack 2/3 (pi / 102)^2 of its area, 0.063 %
   const round = 7e-4;
@@ -45,7 +45,7 @@ test("outlines have the area of the shadow", () => {
   assert.ok(Math.abs(area(outline(shape("box", [1, 2, 3]), turned([1, 0, 0], Math.PI / 2))[0]!) - 3) < 1e-12);
   // of a box: the sum of its faces' shadows
   const tilted = turned([1, 2, 0], 0.8);
-  const up = up_in(tilted).map(Math.abs) as Vec3;
+  const up = upIn(tilted).map(Math.abs) as Vec3;
   const expected = up[0] * 6 + up[1] * 3 + up[2] * 2;
   assert.ok(Math.abs(area(outline(shape("box", [1, 2, 3]), tilted)[0]!) - expected) < 1e-9);
   assert.ok(Math.abs(area(outline(shape("sphere", [2]), tilted)[0]!) / (4 * Math.PI) - 1) < round);
@@ -63,18 +63,18 @@ test("outlines have the area of the shadow", () => {
 });
 
 test("a hull leaves out what is inside, twice there or on an edge", () => {
-  const hull = convex_hull([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0.5], [1, 1], [0.5, 0]]);
+  const hull = convexHull([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0.5], [1, 1], [0.5, 0]]);
   assert.equal(hull.length, 4);
   assert.equal(area(hull), 1);
 });
 
 test("things lie over each other by their highest point", () => {
   const up: Vec3 = [0, Math.sin(0.3), Math.cos(0.3)];
-  assert.ok(Math.abs(reach_up(scene, shape("box", [1, 2, 3]), up) - (Math.sin(0.3) + 1.5 * Math.cos(0.3))) < 1e-12);
-  assert.ok(Math.abs(reach_up(scene, shape("cylinder", [0.5, 2]), up) - (0.5 * Math.sin(0.3) + Math.cos(0.3))) < 1e-12);
-  assert.equal(reach_up(scene, shape("capsule", [0.5, 2]), [0, 0, -1]), 1.5);
-  assert.equal(reach_up(scene, shape("mesh", []), [0, 0, 1]), 1);
-  assert.equal(reach_up(scene, shape("plane", []), [0, 0, 1]), -Infinity);
+  assert.ok(Math.abs(upwardExtent(scene, shape("box", [1, 2, 3]), up) - (Math.sin(0.3) + 1.5 * Math.cos(0.3))) < 1e-12);
+  assert.ok(Math.abs(upwardExtent(scene, shape("cylinder", [0.5, 2]), up) - (0.5 * Math.sin(0.3) + Math.cos(0.3))) < 1e-12);
+  assert.equal(upwardExtent(scene, shape("capsule", [0.5, 2]), [0, 0, -1]), 1.5);
+  assert.equal(upwardExtent(scene, shape("mesh", []), [0, 0, 1]), 1);
+  assert.equal(upwardExtent(scene, shape("plane", []), [0, 0, 1]), -Infinity);
 });
 
 test("the sheet: a position and its pixel, zooming keeps what is under the pointer", () => {
@@ -95,6 +95,6 @@ test("the sheet: a position and its pixel, zooming keeps what is under the point
 });
 
 test("lengths of grids and bars are round", () => {
-  assert.deepEqual([0.9, 1, 1.99, 2, 4.9, 5, 12, 0.03].map(round_length), [0.5, 1, 1, 2, 2, 5, 10, 0.02]);
-  assert.deepEqual([10, 0.5, 0.02, 0.005].map(length_text), ["10 m", "50 cm", "2 cm", "5 mm"]);
+  assert.deepEqual([0.9, 1, 1.99, 2, 4.9, 5, 12, 0.03].map(roundLength), [0.5, 1, 1, 2, 2, 5, 10, 0.02]);
+  assert.deepEqual([10, 0.5, 0.02, 0.005].map(lengthText), ["10 m", "50 cm", "2 cm", "5 mm"]);
 });

@@ -1,18 +1,18 @@
 // Shapes seen from above. A shape that is turned about the vertical only keeps its outline, so outlines are made for a tilt and
 // turned when drawn.
 import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
-import { rotation_of, type Rotation } from "../view3d/pose";
-import { shape_bounds } from "../view3d/bounds";
+import { rotationOf, type Rotation } from "../view3d/pose";
+import { shapeBounds } from "../view3d/bounds";
 
 export type Point = [number, number];
 export type Polygon = Point[];
 
 /** A polygon of n corners around a circle leaves it by 1 - cos(pi / n) of the radius: 0.05 % here. */
-export const CORNERS = 102;
+export const kCorners = 102;
 
 /** Where "up" of the world points in the shape's frame. */
-export function up_in(pose: Pose): Vec3 {
-  const r = rotation_of(pose);
+export function upIn(pose: Pose): Vec3 {
+  const r = rotationOf(pose);
   return [r[6], r[7], r[8]];
 }
 
@@ -24,9 +24,9 @@ export function level(up: Vec3): Rotation {
   return [1 - k * x * x, -k * x * y, -x, -k * x * y, 1 - k * y * y, -y, x, y, z];
 }
 
-/** The angle about the vertical [rad] that is left of a pose once its tilt is taken away: pose = turn * level(up_in(pose)). */
-export function turn_of(pose: Pose, tilt: Rotation): number {
-  const r = rotation_of(pose);
+/** The angle about the vertical [rad] that is left of a pose once its tilt is taken away: pose = turn * level(upIn(pose)). */
+export function turnOf(pose: Pose, tilt: Rotation): number {
+  const r = rotationOf(pose);
   // first column of r * transpose(tilt)
   const c = r[0] * tilt[0] + r[1] * tilt[1] + r[2] * tilt[2];
   const s = r[3] * tilt[0] + r[4] * tilt[1] + r[5] * tilt[2];
@@ -36,7 +36,7 @@ export function turn_of(pose: Pose, tilt: Rotation): number {
 const cross = (o: Point, a: Point, b: Point): number => (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
 
 /** Counter-clockwise (Andrew's monotone chain). */
-export function convex_hull(points: Polygon): Polygon {
+export function convexHull(points: Polygon): Polygon {
   const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   const p = sorted.filter((q, i) => i === 0 || q[0] !== sorted[i - 1]![0] || q[1] !== sorted[i - 1]![1]);
   if (p.length < 3) return p;
@@ -60,16 +60,16 @@ function project(tilt: Rotation, p: ArrayLike<number>, at = 0): Point {
 }
 
 function ring(out: Polygon, tilt: Rotation, radius: number, z: number): void {
-  for (let i = 0; i < CORNERS; i++) {
-    const angle = (2 * Math.PI * i) / CORNERS;
+  for (let i = 0; i < kCorners; i++) {
+    const angle = (2 * Math.PI * i) / kCorners;
     out.push(project(tilt, [radius * Math.cos(angle), radius * Math.sin(angle), z]));
   }
 }
 
 /** A ball's shadow is a circle however it is turned. */
 function ball(out: Polygon, middle: Point, radius: number): void {
-  for (let i = 0; i < CORNERS; i++) {
-    const angle = (2 * Math.PI * i) / CORNERS;
+  for (let i = 0; i < kCorners; i++) {
+    const angle = (2 * Math.PI * i) / kCorners;
     out.push([middle[0] + radius * Math.cos(angle), middle[1] + radius * Math.sin(angle)]);
   }
 }
@@ -78,7 +78,7 @@ function ball(out: Polygon, middle: Point, radius: number): void {
  * Closed polygons [m] around the shape's origin, turned by `tilt` but not about the vertical, whose union is the shape's shadow
  * at noon. A plane has none.
  */
-export function plan_outline(scene: Scene, shape: SceneShape, tilt: Rotation): Polygon[] {
+export function planOutline(scene: Scene, shape: SceneShape, tilt: Rotation): Polygon[] {
   const points: Polygon = [];
   const [a = 0, b = 0] = shape.size;
   switch (shape.type) {
@@ -110,18 +110,18 @@ export function plan_outline(scene: Scene, shape: SceneShape, tilt: Rotation): P
     }
     case "box":
     case "heightmap": {
-      const { low, high } = shape_bounds(scene, shape);
+      const { low, high } = shapeBounds(scene, shape);
       for (let i = 0; i < 8; i++) {
         points.push(project(tilt, [i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]]));
       }
       break;
     }
   }
-  return [convex_hull(points)];
+  return [convexHull(points)];
 }
 
 /** How far above its origin a shape reaches [m]; things lie over each other by it. A plane is under everything. */
-export function reach_up(scene: Scene, shape: SceneShape, up: Vec3): number {
+export function upwardExtent(scene: Scene, shape: SceneShape, up: Vec3): number {
   const [a = 0, b = 0, c = 0] = shape.size;
   switch (shape.type) {
     case "plane":
@@ -144,6 +144,6 @@ export function reach_up(scene: Scene, shape: SceneShape, up: Vec3): number {
     }
     case "heightmap":
       // what stands on it is seen
-      return shape_bounds(scene, shape).low[2];
+      return shapeBounds(scene, shape).low[2];
   }
 }

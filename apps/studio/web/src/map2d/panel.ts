@@ -3,20 +3,20 @@ import { effect, untracked } from "@preact/signals-core";
 import { Widget } from "@lumino/widgets";
 import type { Frame, Scene } from "../core/protocol";
 import type { PanelType, Studio } from "../core/studio";
-import { visible_bounds } from "../view3d/bounds";
-import { bodies_of, click_body, element_of } from "../view3d/selecting";
-import { MAP_LAYERS, map_layers, marked, view_request } from "../view3d/settings";
+import { visibleBounds } from "../view3d/bounds";
+import { bodiesOf, clickBody, elementOf } from "../view3d/selecting";
+import { kMapLayers, mapLayers, marked, viewRequest } from "../view3d/settings";
 import { Subscription } from "../view3d/subscription";
-import { fill_tools, menu_button, open_context_menu } from "../view3d/tools";
+import { fillTools, menuButton, openContextMenu } from "../view3d/tools";
 import { RunTrails } from "../view3d/trails";
-import { draw_map, enter, type Colors } from "./draw_map";
+import { drawMap, enter, type Colors } from "./draw_map";
 import { FarColors } from "./far_color";
 import { Items, type Item } from "./items";
 import { Sheet } from "./sheet";
-import { map_request, open_maps, register_commands } from "./commands";
+import { mapRequest, openMaps, registerCommands } from "./commands";
 import "./map2d.css";
 
-const CLICK = 4;
+const kClick = 4;
 
 class MapWidget extends Widget {
   private readonly host: HTMLElement;
@@ -24,10 +24,10 @@ class MapWidget extends Widget {
   private readonly context: CanvasRenderingContext2D;
   private readonly where: HTMLElement;
   private readonly sheet = new Sheet();
-  private readonly far_colors: FarColors;
+  private readonly farColors: FarColors;
   private items: Items | null = null;
-  private ghost_items: Items | null = null;
-  private placed: Item[] = [];
+  private ghostItems: Items | null = null;
+  private shownItems: Item[] = [];
   private scene: Scene | null = null;
   private frame: Frame | null = null;
   private colors: Colors | null = null;
@@ -49,7 +49,7 @@ class MapWidget extends Widget {
     row.setAttribute("role", "toolbar");
     row.setAttribute("aria-label", "Map");
     this.stops.push(
-      fill_tools(studio, row, [
+      fillTools(studio, row, [
         [
           { command: "map:fit", text: "Fit" },
           { command: "map:focus", text: "Focus" },
@@ -58,12 +58,12 @@ class MapWidget extends Widget {
         ],
       ]),
     );
-    menu_button(
+    menuButton(
       studio,
       row,
       "Show",
       "Contents of the map",
-      MAP_LAYERS.map((name) => `map:${name}`),
+      kMapLayers.map((name) => `map:${name}`),
     );
     this.where = document.createElement("output");
     this.where.className = "cg-map-where";
@@ -79,9 +79,9 @@ class MapWidget extends Widget {
     this.context = this.canvas.getContext("2d", { alpha: false })!;
     this.host.append(this.canvas);
     this.node.append(row, this.host);
-    this.far_colors = new FarColors(
+    this.farColors = new FarColors(
       (path) => studio.link.asset(path),
-      () => this.draw_soon(),
+      () => this.drawSoon(),
     );
     this.listen();
   }
@@ -95,9 +95,9 @@ class MapWidget extends Widget {
     const look = (now: boolean) => {
       if (now === this.visible) return;
       this.visible = now;
-      open_maps.value += now ? 1 : -1;
+      openMaps.value += now ? 1 : -1;
       this.moved = true;
-      this.draw_soon();
+      this.drawSoon();
     };
     const sight = new IntersectionObserver((entries) => look(entries.at(-1)!.isIntersecting));
     sight.observe(this.host);
@@ -111,44 +111,44 @@ class MapWidget extends Widget {
     on(() => {
       this.scene = state.scene.value;
       this.items = this.scene ? new Items(this.scene) : null;
-      this.ghost_items = null;
+      this.ghostItems = null;
       this.moved = true;
-      this.draw_soon();
+      this.drawSoon();
     });
     on(() => {
       this.frame = state.frame.value;
       this.moved = true;
-      this.draw_soon();
+      this.drawSoon();
     });
     on(() => {
-      for (const depends of [state.selection, state.tree, state.hovered, marked, trails.changes, ...Object.values(map_layers)]) {
-        depends.value;
+      for (const depends of [state.selection, state.tree, state.hovered, marked, trails.changes, ...Object.values(mapLayers)]) {
+        void depends.value;
       }
-      this.draw_soon();
+      this.drawSoon();
     });
     on(() => {
-      state.theme.value;
+      void state.theme.value;
       this.colors = null;
-      this.draw_soon();
+      this.drawSoon();
     });
-    on(() => this.studio.services.get(Subscription).set("map", { readings: open_maps.value > 0 && map_layers.rays.value, contacts: false }));
-    let seen = view_request.peek();
+    on(() => this.studio.services.get(Subscription).set("map", { readings: openMaps.value > 0 && mapLayers.rays.value, contacts: false }));
+    let seen = viewRequest.peek();
     on(() => {
-      const request = view_request.value;
+      const request = viewRequest.value;
       if (!request || request === seen) return;
       seen = request;
-      if (request.what === "fit" || request.what === "focus") untracked(() => this.show_area(request.what === "focus"));
+      if (request.what === "fit" || request.what === "focus") untracked(() => this.showArea(request.what === "focus"));
     });
-    let obeyed = map_request.peek();
+    let obeyed = mapRequest.peek();
     on(() => {
-      const request = map_request.value;
+      const request = mapRequest.value;
       if (!request || request === obeyed) return;
       obeyed = request;
       untracked(() => {
         if (request.what === "nearer") this.sheet.zoom(1.25);
         else if (request.what === "farther") this.sheet.zoom(0.8);
-        else this.show_area(request.what === "focus");
-        this.draw_soon();
+        else this.showArea(request.what === "focus");
+        this.drawSoon();
       });
     });
   }
@@ -164,30 +164,30 @@ class MapWidget extends Widget {
     this.draw();
   }
 
-  private sound_frame(): Frame | null {
+  private soundFrame(): Frame | null {
     return this.frame && this.frame.scene === this.scene?.scene ? this.frame : null;
   }
 
   private poses(): Float32Array {
-    const frame = this.sound_frame();
+    const frame = this.soundFrame();
     if (frame) return frame.poses;
     const poses = new Float32Array(7 * (this.scene?.bodies.length ?? 0));
     this.scene?.bodies.forEach((body, i) => poses.set(body.pose, 7 * i));
     return poses;
   }
 
-  private show_area(selected: boolean): void {
+  private showArea(selected: boolean): void {
     if (!this.scene) return;
     const { state } = this.studio;
-    const bodies = selected ? bodies_of(state, state.selection.peek()) : null;
+    const bodies = selected ? bodiesOf(state, state.selection.peek()) : null;
     if (bodies && marked.peek() >= 0) bodies.add(marked.peek());
-    const around = bodies?.size ? visible_bounds(this.scene, this.poses(), bodies) : null;
-    const all = around ?? visible_bounds(this.scene, this.poses());
+    const around = bodies?.size ? visibleBounds(this.scene, this.poses(), bodies) : null;
+    const all = around ?? visibleBounds(this.scene, this.poses());
     this.sheet.fit(all?.low ?? [-1, -1], all?.high ?? [1, 1]);
-    this.draw_soon();
+    this.drawSoon();
   }
 
-  private read_colors(): Colors {
+  private readColors(): Colors {
     const { ownerDocument: document } = this.node;
     const style = document.defaultView!.getComputedStyle(document.documentElement);
     const color = (name: string, otherwise: string) => style.getPropertyValue(name).trim() || otherwise;
@@ -206,7 +206,7 @@ class MapWidget extends Widget {
   private draw(): void {
     this.asked = 0;
     if (!this.visible) return;
-    this.colors ??= this.read_colors();
+    this.colors ??= this.readColors();
     const { scene, items } = this;
     if (!scene || !items) {
       this.context.setTransform(1, 0, 0, 1, 0, 0);
@@ -214,41 +214,41 @@ class MapWidget extends Widget {
       this.context.fillRect(0, 0, this.canvas.width, this.canvas.height);
       return;
     }
-    if (!this.fitted && visible_bounds(scene, this.poses())) {
+    if (!this.fitted && visibleBounds(scene, this.poses())) {
       this.fitted = true;
-      this.show_area(false);
+      this.showArea(false);
     }
     const { state } = this.studio;
-    const frame = this.sound_frame();
+    const frame = this.soundFrame();
     const poses = this.poses();
-    if (this.moved) this.placed = items.place(poses);
+    if (this.moved) this.shownItems = items.moveTo(poses);
     let ghosts: Item[] = [];
     if (frame && frame.ghost.length > 0) {
-      this.ghost_items ??= new Items(scene);
-      ghosts = this.ghost_items.place(frame.ghost);
+      this.ghostItems ??= new Items(scene);
+      ghosts = this.ghostItems.moveTo(frame.ghost);
     }
-    const selected = bodies_of(state, state.selection.peek());
+    const selected = bodiesOf(state, state.selection.peek());
     if (marked.peek() >= 0) selected.add(marked.peek());
-    draw_map({
+    drawMap({
       context: this.context,
       sheet: this.sheet,
       ratio: this.ratio,
       scene,
       frame,
       poses,
-      items: this.placed,
+      items: this.shownItems,
       ghosts,
       trails: this.studio.services.get(RunTrails),
       colors: this.colors,
       layers: {
-        rays: map_layers.rays.peek(),
-        trails: map_layers.trails.peek(),
-        names: map_layers.names.peek(),
-        regions: map_layers.regions.peek(),
+        rays: mapLayers.rays.peek(),
+        trails: mapLayers.trails.peek(),
+        names: mapLayers.names.peek(),
+        regions: mapLayers.regions.peek(),
       },
       selected,
       hovered: state.hovered.peek(),
-      color_of: (item) => this.far_colors.of(item.shape),
+      colorOf: (item) => this.farColors.of(item.shape),
     });
     this.moved = false;
     this.frames++;
@@ -256,16 +256,16 @@ class MapWidget extends Widget {
     this.canvas.dataset.time = String(frame?.time ?? 0);
   }
 
-  private draw_soon(): void {
+  private drawSoon(): void {
     if (this.asked || !this.visible) return;
     const window = this.node.ownerDocument.defaultView ?? globalThis.window;
     this.asked = window.requestAnimationFrame(() => untracked(() => this.draw()));
   }
 
   /** The uppermost body at a position of the canvas; planes count when nothing else is there. */
-  private body_at(column: number, row: number): number {
+  private bodyAt(column: number, row: number): number {
     let plane = -1;
-    for (const item of [...this.placed].reverse()) {
+    for (const item of [...this.shownItems].reverse()) {
       if (item.shape.type === "plane") {
         if (plane < 0 && item.normal[2] > 0.5) plane = item.body;
         continue;
@@ -293,13 +293,13 @@ class MapWidget extends Widget {
       this.where.textContent = `x ${x.toFixed(digits)}  y ${y.toFixed(digits)} m`;
       if (this.drag) {
         const [dx, dy] = [event.clientX - this.drag.x, event.clientY - this.drag.y];
-        if (!this.drag.far && Math.hypot(dx, dy) <= CLICK) return;
+        if (!this.drag.far && Math.hypot(dx, dy) <= kClick) return;
         sheet.pan(dx, dy);
         this.drag = { x: event.clientX, y: event.clientY, far: true };
-        this.draw_soon();
+        this.drawSoon();
         return;
       }
-      this.hover(this.body_at(column, row));
+      this.hover(this.bodyAt(column, row));
     });
     canvas.addEventListener("pointerleave", () => {
       this.where.textContent = "";
@@ -309,23 +309,23 @@ class MapWidget extends Widget {
       const { drag } = this;
       this.drag = null;
       if (!drag || drag.far) return;
-      const body = this.body_at(...at(event));
-      if (event.button === 0) click_body(this.studio, body, event.ctrlKey || event.shiftKey || event.metaKey);
+      const body = this.bodyAt(...at(event));
+      if (event.button === 0) clickBody(this.studio, body, event.ctrlKey || event.shiftKey || event.metaKey);
       if (event.button !== 2) return;
-      const element = this.scene ? element_of(this.scene, body) : -1;
-      if (body >= 0 && !this.studio.state.selection.peek().includes(element)) click_body(this.studio, body, false);
-      open_context_menu(this.studio, event.clientX, event.clientY, ["view:focus", "view:follow", "map:fit"]);
+      const element = this.scene ? elementOf(this.scene, body) : -1;
+      if (body >= 0 && !this.studio.state.selection.peek().includes(element)) clickBody(this.studio, body, false);
+      openContextMenu(this.studio, event.clientX, event.clientY, ["view:focus", "view:follow", "map:fit"]);
     });
     canvas.addEventListener("pointercancel", () => (this.drag = null));
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-    canvas.addEventListener("dblclick", () => this.show_area(true));
+    canvas.addEventListener("dblclick", () => this.showArea(true));
     canvas.addEventListener(
       "wheel",
       (event) => {
         event.preventDefault();
         const step = event.deltaMode === 1 ? 33 * event.deltaY : event.deltaY;
         sheet.zoom(Math.exp(-0.0015 * Math.max(-300, Math.min(300, step))), ...at(event));
-        this.draw_soon();
+        this.drawSoon();
       },
       { passive: false },
     );
@@ -341,7 +341,7 @@ class MapWidget extends Widget {
       else return;
       event.preventDefault();
       event.stopPropagation();
-      this.draw_soon();
+      this.drawSoon();
     });
   }
 
@@ -370,5 +370,5 @@ export const panel: PanelType = {
 
 /** Adds the panel's commands; called once, before any panel is made. */
 export function register(studio: Studio): void {
-  register_commands(studio);
+  registerCommands(studio);
 }

@@ -3,28 +3,28 @@ import { CommandRegistry } from "@lumino/commands";
 import { MessageLoop } from "@lumino/messaging";
 import { ContextMenu, Widget } from "@lumino/widgets";
 import { effect, signal } from "@preact/signals-core";
-import { show_bar } from "../control/bar";
+import { showBar } from "../control/bar";
 import { Control } from "../control/commands";
-import { notify_faults, waiting_bar } from "../control/waiting";
+import { notifyFaults, waitingBar } from "../control/waiting";
 import { PendingTyping } from "../code/pending";
-import { count_wrong } from "../console/lines";
+import { countWrong } from "../console/lines";
 import { RequestError, type Link } from "../core/link";
 import type { Op } from "../core/protocol";
 import { Services } from "../core/services";
 import { State } from "../core/state";
 import type { DialogContent, Studio } from "../core/studio";
-import { browser_clock, Playback } from "../timeline/playback";
+import { browserClock, Playback } from "../timeline/playback";
 import { Timeline } from "../timeline/timeline";
-import { register_commands } from "./commands";
+import { registerCommands } from "./commands";
 import { ask } from "./dialog";
 import { Docking } from "./docking";
 import { edit } from "./editing";
-import { bind_keys, listen } from "./keys";
-import { make_menus } from "./menus";
+import { bindKeys, listen } from "./keys";
+import { makeMenus } from "./menus";
 import { Notices } from "./notices";
-import { panel_named, panels } from "./panels";
+import { panelNamed, panels } from "./panels";
 import type { Shell } from "./shell";
-import { page_title, show_status_line } from "./status_line";
+import { pageTitle, showStatusLine } from "./status_line";
 import { UnsavedBar } from "./unsaved";
 import { Windows } from "./windows";
 
@@ -42,17 +42,17 @@ export class App implements Shell {
     readonly link: Link,
     private readonly only: string,
   ) {
-    this.playback = new Playback(link, this.state, browser_clock, (message) => this.notify(message, "error"));
+    this.playback = new Playback(link, this.state, browserClock, (message) => this.notify(message, "error"));
     this.docking = new Docking(
       this,
-      () => panels.forEach(({ panel }) => this.notify_changed(`panel:${panel.name}`)),
-      (panel) => this.pop_out(panel),
+      () => panels.forEach(({ panel }) => this.notifyChanged(`panel:${panel.name}`)),
+      (panel) => this.popOut(panel),
     );
     const main = only ? (window.opener as Window | null) : null;
     this.windows = new Windows(this.state, main, {
       cursor: (live, time) => this.playback.follow(live, time),
       call: (name, values) => this.called(name, values),
-      returned: (panel) => this.open_panel(panel),
+      returned: (panel) => this.openPanel(panel),
     });
     this.playback.moved = (live, time) => this.windows.cursor(live, time);
   }
@@ -61,19 +61,19 @@ export class App implements Shell {
     const control = new Control(this, this.playback);
     for (const { register } of panels) register(this);
     control.register();
-    register_commands(this);
-    bind_keys(this.commands);
+    registerCommands(this);
+    bindKeys(this.commands);
     listen(this.commands, document);
     effect(() => void (document.documentElement.dataset.theme = this.state.theme.value));
-    effect(() => this.show_title());
+    effect(() => this.showTitle());
 
     const shell = document.createElement("div");
     shell.className = "cg-shell";
     const unsaved = new UnsavedBar(this);
-    shell.append(this.connection_bar(unsaved));
+    shell.append(this.connectionBar(unsaved));
     document.body.prepend(shell);
     if (this.only) {
-      this.show_only(shell);
+      this.showOnly(shell);
       return;
     }
 
@@ -82,11 +82,11 @@ export class App implements Shell {
     menus.className = "cg-head";
     const bar = document.createElement("div");
     header.append(menus, bar, new Timeline(control).node);
-    shell.append(header, unsaved.node, waiting_bar(control));
-    notify_faults(this);
-    Widget.attach(make_menus(this.commands), menus);
-    menus.append(this.layout_choice(), this.theme_button());
-    show_bar(control, bar);
+    shell.append(header, unsaved.node, waitingBar(control));
+    notifyFaults(this);
+    Widget.attach(makeMenus(this.commands), menus);
+    menus.append(this.layoutChoice(), this.themeButton());
+    showBar(control, bar);
     const main = document.createElement("main");
     main.className = "cg-main";
     shell.append(main);
@@ -94,11 +94,11 @@ export class App implements Shell {
     new ResizeObserver(() => this.docking.dock.fit()).observe(main);
     const foot = document.createElement("footer");
     shell.append(foot);
-    show_status_line(this, foot);
-    this.tab_menu();
+    showStatusLine(this, foot);
+    this.tabMenu();
     effect(() => {
       const hello = this.state.hello.value;
-      if (hello) this.docking.arrange_for(hello.file, hello.kind === "scene" ? "Edit" : "Run");
+      if (hello) this.docking.arrangeFor(hello.file, hello.kind === "scene" ? "Edit" : "Run");
     });
   }
 
@@ -128,25 +128,25 @@ export class App implements Shell {
     if (!this.services.get(PendingTyping).unsent) return location.reload();
     this.notify("the studio was restarted in another version, and does not have what you typed last: copy that, then reload this page", "error");
   }
-  go_to(file: string, line: number, column: number): void {
+  goTo(file: string, line: number, column: number): void {
     if (this.elsewhere("code")) {
-      this.windows.call("go_to", [file, line, column]);
+      this.windows.call("goTo", [file, line, column]);
       return;
     }
-    this.open_panel("code");
+    this.openPanel("code");
     if (this.commands.hasCommand("code:go-to")) void this.commands.execute("code:go-to", { file, line, column });
   }
-  open_panel(name: string): void {
+  openPanel(name: string): void {
     if (this.only) {
-      if (this.elsewhere(name)) this.windows.call("open_panel", [name]);
+      if (this.elsewhere(name)) this.windows.call("openPanel", [name]);
       return;
     }
-    if (panel_named(name)) this.docking.show(name);
+    if (panelNamed(name)) this.docking.show(name);
   }
-  draw_signal(signal: string, figure?: string): void {
-    if (this.elsewhere("figures")) this.windows.call("draw_signal", figure === undefined ? [signal] : [signal, figure]);
+  drawSignal(signal: string, figure?: string): void {
+    if (this.elsewhere("figures")) this.windows.call("drawSignal", figure === undefined ? [signal] : [signal, figure]);
     else {
-      this.open_panel("figures");
+      this.openPanel("figures");
       void this.commands.execute("figures:draw", { signal, figure: figure ?? "" });
     }
   }
@@ -154,8 +154,8 @@ export class App implements Shell {
     return ask(content);
   }
 
-  pop_out(panel: string): void {
-    if (this.windows.pop_out(panel)) this.docking.close(panel);
+  popOut(panel: string): void {
+    if (this.windows.popOut(panel)) this.docking.close(panel);
     else this.notify("the browser did not let a window open: allow pop-ups for this page", "error");
   }
 
@@ -165,17 +165,17 @@ export class App implements Shell {
   }
   /** Another window asks. */
   private called(name: string, values: (string | number)[]): void {
-    if (name === "open_panel") this.open_panel(String(values[0]));
-    if (name === "go_to") this.go_to(String(values[0]), Number(values[1]), Number(values[2]));
-    if (name === "draw_signal") this.draw_signal(String(values[0]), values[1] === undefined ? undefined : String(values[1]));
+    if (name === "openPanel") this.openPanel(String(values[0]));
+    if (name === "goTo") this.goTo(String(values[0]), Number(values[1]), Number(values[2]));
+    if (name === "drawSignal") this.drawSignal(String(values[0]), values[1] === undefined ? undefined : String(values[1]));
     if (name === "notify") this.notify(String(values[0]));
   }
-  private notify_changed(command: string): void {
+  private notifyChanged(command: string): void {
     if (this.commands.hasCommand(command)) this.commands.notifyCommandChanged(command);
   }
 
-  private show_only(shell: HTMLElement): void {
-    const type = panel_named(this.only);
+  private showOnly(shell: HTMLElement): void {
+    const type = panelNamed(this.only);
     const main = document.createElement("main");
     main.className = "cg-main cg-only";
     shell.append(main);
@@ -190,20 +190,20 @@ export class App implements Shell {
     new ResizeObserver(() => MessageLoop.sendMessage(widget, Widget.ResizeMessage.UnknownSize)).observe(main);
   }
 
-  private show_title(): void {
+  private showTitle(): void {
     const { scene, document: text, status, problems, messages, hello } = this.state;
     const name = scene.value?.name || hello.value?.file || "";
-    const panel = this.only ? (panel_named(this.only)?.title ?? "") : "";
-    const title = page_title(
+    const panel = this.only ? (panelNamed(this.only)?.title ?? "") : "";
+    const title = pageTitle(
       name,
       text.value?.dirty ?? false,
       status.value?.waiting ? "waiting" : (status.value?.state ?? ""),
-      count_wrong(problems.value, messages.value),
+      countWrong(problems.value, messages.value),
     );
     document.title = panel ? `${panel} – ${title}` : title;
   }
 
-  private connection_bar(unsaved: UnsavedBar): HTMLElement {
+  private connectionBar(unsaved: UnsavedBar): HTMLElement {
     const bar = document.createElement("div");
     bar.className = "cg-connection";
     bar.setAttribute("role", "alert");
@@ -216,17 +216,17 @@ export class App implements Shell {
     effect(() => {
       const lost = !this.state.open.value && (this.state.hello.value !== null || opened.value);
       if (this.state.open.value) ended = "";
-      const keep = unsaved.download_button();
+      const download = unsaved.downloadButton();
       bar.hidden = !lost;
       bar.textContent = lost
         ? `${this.state.hello.value ? "Connection lost" : "No connection to the studio"}${ended ? ` (${ended})` : ""}, trying again. If the studio was restarted, open the address it printed.`
         : "";
-      if (lost && keep) bar.append(" ", keep);
+      if (lost && download) bar.append(" ", download);
     });
     return bar;
   }
 
-  private layout_choice(): HTMLElement {
+  private layoutChoice(): HTMLElement {
     const group = document.createElement("div");
     group.className = "cg-layouts";
     group.setAttribute("role", "group");
@@ -241,7 +241,7 @@ export class App implements Shell {
     }
     return group;
   }
-  private theme_button(): HTMLElement {
+  private themeButton(): HTMLElement {
     const button = document.createElement("button");
     button.className = "cg-theme";
     button.dataset.testid = "theme";
@@ -255,7 +255,7 @@ export class App implements Shell {
     return button;
   }
 
-  private tab_menu(): void {
+  private tabMenu(): void {
     const menu = new ContextMenu({ commands: this.commands });
     this.docking.dock.node.addEventListener("contextmenu", (event) => {
       const tab = (event.target as Element).closest(".lm-TabBar-tab");

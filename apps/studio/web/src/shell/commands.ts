@@ -3,13 +3,13 @@ import { effect } from "@preact/signals-core";
 import { PendingTyping } from "../code/pending";
 import { presets } from "./layouts";
 import { remember } from "./memory";
-import { open_palette, open_shortcuts } from "./palette";
+import { openPalette, openShortcuts } from "./palette";
 import { panels } from "./panels";
 import type { Shell } from "./shell";
 
-export function register_commands(shell: Shell): void {
+export function registerCommands(shell: Shell): void {
   const { commands, state } = shell;
-  const may = () => state.may_edit.value;
+  const may = () => state.mayEdit.value;
 
   const save = async (file?: string) => {
     await shell.services.get(PendingTyping).settle();
@@ -55,15 +55,15 @@ export function register_commands(shell: Shell): void {
     commands.addCommand(`panel:${panel.name}`, {
       label: `${panel.title} panel`,
       isToggleable: true,
-      isToggled: () => shell.docking.is_open(panel.name),
-      execute: () => (shell.docking.is_open(panel.name) ? shell.docking.close(panel.name) : shell.open_panel(panel.name)),
+      isToggled: () => shell.docking.isOpen(panel.name),
+      execute: () => (shell.docking.isOpen(panel.name) ? shell.docking.close(panel.name) : shell.openPanel(panel.name)),
     });
   }
   const focused = () => shell.docking.focused();
   commands.addCommand("panel:pop-out", {
     label: "Pop the panel out into its own window",
     isEnabled: () => focused() !== undefined,
-    execute: ({ panel }) => shell.pop_out(typeof panel === "string" ? panel : (focused() ?? "view3d")),
+    execute: ({ panel }) => shell.popOut(typeof panel === "string" ? panel : (focused() ?? "view3d")),
   });
   commands.addCommand("panel:close", {
     label: "Close the panel",
@@ -87,8 +87,8 @@ export function register_commands(shell: Shell): void {
     },
   });
 
-  commands.addCommand("help:palette", { label: "Command palette", execute: () => open_palette(commands) });
-  commands.addCommand("help:shortcuts", { label: "Keyboard shortcuts", execute: () => open_shortcuts(commands) });
+  commands.addCommand("help:palette", { label: "Command palette", execute: () => openPalette(commands) });
+  commands.addCommand("help:shortcuts", { label: "Keyboard shortcuts", execute: () => openShortcuts(commands) });
   commands.addCommand("help:about", {
     label: "About the studio",
     execute: () => {
@@ -103,7 +103,7 @@ export function register_commands(shell: Shell): void {
     },
   });
   effect(() => {
-    state.theme.value;
+    void state.theme.value;
     commands.notifyCommandChanged("view:theme");
   });
 }

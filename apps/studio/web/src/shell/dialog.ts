@@ -1,6 +1,6 @@
 // Dialogs with fields, from a description.
 import type { DialogContent } from "../core/studio";
-import { open_modal } from "./modal";
+import { openModal } from "./modal";
 
 type Field = DialogContent["fields"][number];
 type Input = HTMLInputElement | HTMLSelectElement;
@@ -20,11 +20,11 @@ export function ask(content: DialogContent): Promise<Record<string, string> | nu
       form.append(text);
     }
     for (const field of content.fields) {
-      const { row, input } = lay_field(field);
+      const { row, input } = makeField(field);
       inputs.set(field.name, input);
       form.append(row);
     }
-    const values = () => Object.fromEntries([...inputs].map(([name, input]) => [name, value_of(input)]));
+    const values = () => Object.fromEntries([...inputs].map(([name, input]) => [name, valueOf(input)]));
 
     if (content.preview) {
       const preview = document.createElement("div");
@@ -60,17 +60,17 @@ export function ask(content: DialogContent): Promise<Record<string, string> | nu
     accept.textContent = content.accept;
     buttons.append(cancel, accept);
     form.append(buttons);
-    const first = inputs.values().next().value as Input | undefined;
+    const first = inputs.values().next().value;
     (first ?? accept).dataset.first = "";
 
-    const modal = open_modal(content.title, form, () => resolve(answer));
+    const modal = openModal(content.title, form, () => resolve(answer));
     if (first instanceof HTMLInputElement && first.type === "text") first.select();
     cancel.addEventListener("click", () => modal.close());
     form.addEventListener("submit", (event) => {
       event.preventDefault();
       for (const [name, input] of inputs) {
         const field = content.fields.find((f) => f.name === name)!;
-        if (field.kind === "number" && (value_of(input).trim() === "" || !Number.isFinite(Number(value_of(input))))) {
+        if (field.kind === "number" && (valueOf(input).trim() === "" || !Number.isFinite(Number(valueOf(input))))) {
           input.setCustomValidity("a number, please");
           input.reportValidity();
           input.addEventListener("input", () => input.setCustomValidity(""), { once: true });
@@ -83,12 +83,12 @@ export function ask(content: DialogContent): Promise<Record<string, string> | nu
   });
 }
 
-function lay_field(field: Field): { row: HTMLElement; input: Input } {
+function makeField(field: Field): { row: HTMLElement; input: Input } {
   const row = document.createElement("div");
   row.className = "cg-field";
   const label = document.createElement("label");
   label.textContent = field.label;
-  const input = make_input(field);
+  const input = makeInput(field);
   input.id = `field-${++count}`;
   input.name = field.name;
   label.htmlFor = input.id;
@@ -104,7 +104,7 @@ function lay_field(field: Field): { row: HTMLElement; input: Input } {
   return { row, input };
 }
 
-function make_input(field: Field): Input {
+function makeInput(field: Field): Input {
   if (field.kind === "choice") {
     const select = document.createElement("select");
     for (const choice of field.choices ?? []) {
@@ -129,6 +129,6 @@ function make_input(field: Field): Input {
   return input;
 }
 
-function value_of(input: Input): string {
+function valueOf(input: Input): string {
   return input instanceof HTMLInputElement && input.type === "checkbox" ? String(input.checked) : input.value;
 }

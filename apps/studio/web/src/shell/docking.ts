@@ -1,10 +1,10 @@
 // Panels in a dock: opened, closed, arranged, remembered for each file, popped out.
 import type { Message } from "@lumino/messaging";
-import { DockLayout, DockPanel, TabBar, Widget } from "@lumino/widgets";
+import { type DockLayout, DockPanel, TabBar, type Widget } from "@lumino/widgets";
 import { h } from "@lumino/virtualdom";
 import type { Studio } from "../core/studio";
-import { panels_in, presets, read_area, same_order, without, type Area } from "./layouts";
-import { panel_named } from "./panels";
+import { panelsIn, presets, readArea, sameOrder, without, type Area } from "./layouts";
+import { panelNamed } from "./panels";
 import { recall, remember } from "./memory";
 
 /** Tabs that close with the Delete key, as the pattern for tabs has it. */
@@ -62,13 +62,13 @@ export class Docking {
   private readonly closed = new Map<string, Area>();
   private file = "";
   private arranging = false;
-  private save_timer: ReturnType<typeof setTimeout> | undefined;
+  private saveTimer: ReturnType<typeof setTimeout> | undefined;
 
-  /** `changed`: a panel was opened, closed or moved. `pop_out`: its sign was clicked. */
+  /** `changed`: a panel was opened, closed or moved. `popOut`: its sign was clicked. */
   constructor(
     private readonly studio: Studio,
     private readonly changed: () => void,
-    pop_out: (panel: string) => void,
+    popOut: (panel: string) => void,
   ) {
     // before the tab bar takes it for the beginning of a drag
     this.dock.node.addEventListener(
@@ -81,23 +81,23 @@ export class Docking {
         const bar = [...this.dock.tabBars()].find((b) => b.node.contains(sign));
         const index = bar ? [...bar.contentNode.children].indexOf(sign.closest("li")!) : -1;
         const panel = bar?.titles[index]?.owner.id;
-        if (panel) pop_out(panel);
+        if (panel) popOut(panel);
       },
       true,
     );
-    const worked_with = (event: Event) => {
+    const onUse = (event: Event) => {
       const at = event.target as Node;
       for (const [name, widget] of this.made) if (widget.node.contains(at)) this.last = name;
       const bar = [...this.dock.tabBars()].find((b) => b.node.contains(at));
       if (bar?.currentTitle) this.last = bar.currentTitle.owner.id;
     };
-    for (const what of ["focusin", "pointerup"]) this.dock.node.addEventListener(what, worked_with);
+    for (const what of ["focusin", "pointerup"]) this.dock.node.addEventListener(what, onUse);
     this.dock.addClass("cg-dock");
     this.dock.id = "dock";
     this.dock.layoutModified.connect(() => this.modified());
   }
 
-  is_open(name: string): boolean {
+  isOpen(name: string): boolean {
     return this.widget(name) !== undefined;
   }
 
@@ -107,17 +107,17 @@ export class Docking {
   }
 
   /** Arranges the panels as they were when the file was last open. */
-  arrange_for(file: string, otherwise: string): void {
+  arrangeFor(file: string, otherwise: string): void {
     if (this.file === file) return;
     this.file = file;
-    const area = read_area(recall(this.key()), (p) => panel_named(p) !== undefined);
+    const area = readArea(recall(this.key()), (p) => panelNamed(p) !== undefined);
     this.arrange(area ?? presets[otherwise]!);
   }
 
   /** Panels that are not in `area` are closed. */
   arrange(area: Area): void {
     this.arranging = true;
-    const wanted = panels_in(area);
+    const wanted = panelsIn(area);
     for (const [name, widget] of this.made) if (widget.parent && !wanted.includes(name)) widget.close();
     this.dock.restoreLayout({ main: this.config(area) });
     this.arranging = false;
@@ -134,7 +134,7 @@ export class Docking {
     if (!widget) return;
     // back to where it was, if the rest is where it was
     const before = this.closed.get(name) ?? null;
-    if (before && same_order(without(before, name), plain(this.dock.saveLayout().main))) {
+    if (before && sameOrder(without(before, name), plain(this.dock.saveLayout().main))) {
       this.arrange(before);
       this.dock.activateWidget(widget);
       return;
@@ -150,7 +150,7 @@ export class Docking {
 
   /** Name of the panel that was worked with last, and is open. */
   focused(): string | undefined {
-    return this.is_open(this.last) ? this.last : undefined;
+    return this.isOpen(this.last) ? this.last : undefined;
   }
 
   /** An open panel that goes well with it: what a preset puts into the same area. */
@@ -169,7 +169,7 @@ export class Docking {
   private make(name: string): Widget | undefined {
     const there = this.made.get(name);
     if (there) return there;
-    const type = panel_named(name);
+    const type = panelNamed(name);
     if (!type) return undefined;
     const widget = type.create(this.studio);
     widget.id = name;
@@ -201,11 +201,11 @@ export class Docking {
     const before = this.present;
     const area = plain(this.dock.saveLayout().main);
     this.present = area;
-    for (const name of panels_in(before)) if (!panels_in(area).includes(name)) this.closed.set(name, before!);
+    for (const name of panelsIn(before)) if (!panelsIn(area).includes(name)) this.closed.set(name, before!);
     this.changed();
     if (!this.file || !area) return;
-    clearTimeout(this.save_timer);
-    this.save_timer = setTimeout(() => remember(this.key(), JSON.stringify(area)), 200);
+    clearTimeout(this.saveTimer);
+    this.saveTimer = setTimeout(() => remember(this.key(), JSON.stringify(area)), 200);
   }
 }
 

@@ -3,17 +3,17 @@ import { test } from "node:test";
 import { RequestError, type Link } from "../core/link";
 import type { Op, TreeElement } from "../core/protocol";
 import { State } from "../core/state";
-import { edit, elements_of, same_elements } from "./editing";
+import { edit, elementsOf, sameElements } from "./editing";
 
 const tree = (...rows: [tag: string, name: string, parent: number][]) =>
   rows.map(([tag, name, parent], id) => ({ id, tag, name, parent }) as TreeElement);
 const first = tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "r", 0], ["box", "b", 2]);
 
 test("elements mean the same if they and all around them are called the same", () => {
-  assert.ok(same_elements([1, 3], first, tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "r", 0], ["box", "b", 2], ["box", "c", 2])));
-  assert.ok(!same_elements([3], first, tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "x", 0], ["box", "b", 2])));
-  assert.ok(!same_elements([3], first, tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "r", 0])));
-  assert.ok(!same_elements([1], first, tree(["scene", "s", -1], ["box", "z", 0], ["box", "a", 0])));
+  assert.ok(sameElements([1, 3], first, tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "r", 0], ["box", "b", 2], ["box", "c", 2])));
+  assert.ok(!sameElements([3], first, tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "x", 0], ["box", "b", 2])));
+  assert.ok(!sameElements([3], first, tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "r", 0])));
+  assert.ok(!sameElements([1], first, tree(["scene", "s", -1], ["box", "z", 0], ["box", "a", 0])));
 });
 
 test("all elements an operation is about are found", () => {
@@ -23,7 +23,7 @@ test("all elements an operation is about are found", () => {
     { op: "insert", parent: 1, xml: "<box/>", before: null },
     { op: "set", element: 9, attribute: "x", value: null },
   ];
-  assert.deepEqual(elements_of(ops), [4, 2, 3, 7, 8, 1, 9]);
+  assert.deepEqual(elementsOf(ops), [4, 2, 3, 7, 8, 1, 9]);
 });
 
 function stage(refusals: number, after: TreeElement[]) {

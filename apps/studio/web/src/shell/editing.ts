@@ -7,7 +7,7 @@ import type { State } from "../core/state";
 const kPatience = 5_000; // [ms]
 
 /** Ids of the elements that operations are about. */
-export function elements_of(ops: Op[]): number[] {
+export function elementsOf(ops: Op[]): number[] {
   return ops.flatMap((op) => {
     switch (op.op) {
       case "insert":
@@ -25,7 +25,7 @@ export function elements_of(ops: Op[]): number[] {
 }
 
 /** Whether the ids mean the same elements in both texts. */
-export function same_elements(ids: number[], before: TreeElement[], after: TreeElement[]): boolean {
+export function sameElements(ids: number[], before: TreeElement[], after: TreeElement[]): boolean {
   return ids.every((id) => {
     for (let at = id; at >= 0; ) {
       const [a, b] = [before[at], after[at]];
@@ -37,17 +37,16 @@ export function same_elements(ids: number[], before: TreeElement[], after: TreeE
 }
 
 /** Done when the tree is of `version` or a later one; false when that does not come. */
-function tree_of(state: State, version: number): Promise<boolean> {
+function treeOf(state: State, version: number): Promise<boolean> {
   return new Promise((resolve) => {
-    let stop: (() => void) | undefined;
     const timer = setTimeout(() => finish(false), kPatience);
     const finish = (there: boolean) => {
       clearTimeout(timer);
       // an effect cannot end itself before it has begun
-      queueMicrotask(() => stop?.());
+      queueMicrotask(() => stop());
       resolve(there);
     };
-    stop = effect(() => {
+    const stop = effect(() => {
       if (state.tree.value.version >= version) finish(true);
     });
   });
@@ -62,17 +61,17 @@ export async function edit(link: Link, state: State, label: string, ops: Op[]): 
     answer = await ask(version);
   } catch (error) {
     if (!(error instanceof RequestError) || error.failure.code !== "stale") throw error;
-    if (state.document.value && state.document.value.version > version) await tree_of(state, state.document.value.version);
-    else await tree_of(state, version + 1);
+    if (state.document.value && state.document.value.version > version) await treeOf(state, state.document.value.version);
+    else await treeOf(state, version + 1);
     const now = state.tree.value;
     if (now.version === version) {
       throw new Error("the text has an error: mend it in the code panel first");
     }
-    if (!same_elements(elements_of(ops), elements, now.elements)) {
+    if (!sameElements(elementsOf(ops), elements, now.elements)) {
       throw new Error("the text was changed at the same time: look at it and try again");
     }
     answer = await ask(now.version);
   }
-  await tree_of(state, answer.version);
+  await treeOf(state, answer.version);
   return answer.created ?? [];
 }

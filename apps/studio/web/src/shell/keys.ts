@@ -40,7 +40,7 @@ const kInCode = new Set(["edit:save", "help:palette", "edit:undo", "edit:redo"])
 export type Surroundings = "page" | "text" | "code" | "control" | "tab";
 
 /** Whether a key that is bound to `command` may act while the focus is there. `key`: as of the event. */
-export function may_fire(command: string, key: string, where: Surroundings): boolean {
+export function mayFire(command: string, key: string, where: Surroundings): boolean {
   if (where === "text") return kInText.has(command);
   if (where === "code") return kInCode.has(command);
   // A button is pressed with Space, a slider or a tab moved with arrows, a tab closed with Delete: theirs, not ours.
@@ -66,7 +66,7 @@ export function surroundings(target: EventTarget | null): Surroundings {
 }
 
 /** How the event is written in kKeys; several notations where keyboards differ. */
-export function names_of(event: Pick<KeyboardEvent, "key" | "ctrlKey" | "metaKey" | "shiftKey" | "altKey">): string[] {
+export function namesOf(event: Pick<KeyboardEvent, "key" | "ctrlKey" | "metaKey" | "shiftKey" | "altKey">): string[] {
   if (event.altKey) return [];
   const accel = event.ctrlKey || event.metaKey ? "Accel " : "";
   const key = event.key === " " ? "Space" : event.key.length === 1 ? event.key.toUpperCase() : event.key;
@@ -79,8 +79,8 @@ export function names_of(event: Pick<KeyboardEvent, "key" | "ctrlKey" | "metaKey
 
 const bound = new Map(kKeys);
 
-export function command_of(event: KeyboardEvent): string | undefined {
-  for (const name of names_of(event)) {
+export function commandOf(event: KeyboardEvent): string | undefined {
+  for (const name of namesOf(event)) {
     const command = bound.get(name);
     if (command) return command;
   }
@@ -88,7 +88,7 @@ export function command_of(event: KeyboardEvent): string | undefined {
 }
 
 /** Puts the table into the registry, where menus and palette find the names of keys. */
-export function bind_keys(commands: CommandRegistry): void {
+export function bindKeys(commands: CommandRegistry): void {
   for (const [key, command] of kKeys) {
     // "cg-bound" is on nothing: keys come through listen() alone, which knows where the focus is
     if (!key.includes("Shift +")) commands.addKeyBinding({ command, keys: [key], selector: ".cg-bound" });
@@ -102,9 +102,9 @@ export function listen(commands: CommandRegistry, on: Document): void {
       if (event.defaultPrevented || event.isComposing) return;
       // dialogs handle all keys themselves
       if (event.target instanceof Element && event.target.closest("[aria-modal='true']")) return;
-      const command = command_of(event);
+      const command = commandOf(event);
       if (!command || !commands.hasCommand(command)) return;
-      if (!may_fire(command, event.key, surroundings(event.target))) return;
+      if (!mayFire(command, event.key, surroundings(event.target))) return;
       // selected text is copied, if there is any
       if (command === "edit:copy" && String(on.getSelection() ?? "") !== "") return;
       if (!commands.isEnabled(command)) {

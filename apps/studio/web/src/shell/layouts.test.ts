@@ -1,13 +1,13 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { panels_in, presets, read_area, same_order, without } from "./layouts";
+import { panelsIn, presets, readArea, sameOrder, without } from "./layouts";
 
 const known = (p: string) => ["view3d", "map", "tree", "properties", "code", "cameras", "figures", "compare", "console"].includes(p);
 
 test("every preset is read back as it was written and names no panel twice", () => {
   for (const [name, area] of Object.entries(presets)) {
-    assert.deepEqual(read_area(JSON.stringify(area), known), area, name);
-    const panels = panels_in(area);
+    assert.deepEqual(readArea(JSON.stringify(area), known), area, name);
+    const panels = panelsIn(area);
     assert.equal(new Set(panels).size, panels.length, name);
     assert.ok(panels.includes("view3d"), name);
   }
@@ -15,7 +15,7 @@ test("every preset is read back as it was written and names no panel twice", () 
 
 test("an invalid arrangement is refused", () => {
   for (const text of [null, "", "{", "3", "null", "[]", '{"type":"tabs","panels":3}', '{"type":"tabs","panels":[]}']) {
-    assert.equal(read_area(text, known), null, String(text));
+    assert.equal(readArea(text, known), null, String(text));
   }
 });
 
@@ -31,7 +31,7 @@ test("unknown and repeated panels are left out, and areas that are left empty to
       { type: "tabs", panels: ["tree", 4], current: 1 },
     ],
   });
-  assert.deepEqual(read_area(text, known), {
+  assert.deepEqual(readArea(text, known), {
     type: "split",
     orientation: "vertical",
     sizes: [1, 2],
@@ -44,21 +44,21 @@ test("unknown and repeated panels are left out, and areas that are left empty to
 
 test("a split with one area left is that area; endless nesting is cut", () => {
   const inner = { type: "tabs", panels: ["map"], current: 0 };
-  assert.deepEqual(read_area(JSON.stringify({ type: "split", children: [inner] }), known), inner);
+  assert.deepEqual(readArea(JSON.stringify({ type: "split", children: [inner] }), known), inner);
   let deep: unknown = inner;
   for (let i = 0; i < 100; ++i) deep = { type: "split", children: [deep] };
-  assert.equal(read_area(JSON.stringify(deep), known), null);
+  assert.equal(readArea(JSON.stringify(deep), known), null);
 });
 
 test("an arrangement without a panel is the rest after closing it", () => {
   const edit = presets.Edit!;
   const left = without(edit, "code")!;
-  assert.deepEqual(panels_in(left), panels_in(edit).filter((p) => p !== "code"));
-  assert.ok(same_order(left, without(edit, "code")));
-  assert.ok(!same_order(left, edit));
-  assert.ok(!same_order(left, without(edit, "map")));
+  assert.deepEqual(panelsIn(left), panelsIn(edit).filter((p) => p !== "code"));
+  assert.ok(sameOrder(left, without(edit, "code")));
+  assert.ok(!sameOrder(left, edit));
+  assert.ok(!sameOrder(left, without(edit, "map")));
   const wider = JSON.parse(JSON.stringify(left)) as typeof left;
   if (wider.type === "split") wider.sizes[0] = 9;
-  assert.ok(same_order(left, wider));
+  assert.ok(sameOrder(left, wider));
   assert.equal(without({ type: "tabs", panels: ["map"], current: 0 }, "map"), null);
 });

@@ -35,7 +35,7 @@ export const presets: Record<string, Area> = {
 
 /** Reads an arrangement from text that may have been written by an older page, or by another program: null when it is none. Panels that
  *  are not known, or that come twice, are left out, and so are areas without any. */
-export function read_area(text: string | null, known: (panel: string) => boolean): Area | null {
+export function readArea(text: string | null, known: (panel: string) => boolean): Area | null {
   if (text === null) return null;
   try {
     return check(JSON.parse(text), known, new Set(), 0);
@@ -77,9 +77,9 @@ function check(what: unknown, known: (panel: string) => boolean, seen: Set<strin
 }
 
 /** Names of the panels in it, in order. */
-export function panels_in(area: Area | null): string[] {
+export function panelsIn(area: Area | null): string[] {
   if (!area) return [];
-  return area.type === "tabs" ? area.panels : area.children.flatMap(panels_in);
+  return area.type === "tabs" ? area.panels : area.children.flatMap(panelsIn);
 }
 
 /** The arrangement that is left when a panel is closed. */
@@ -88,9 +88,9 @@ export function without(area: Area | null, panel: string): Area | null {
 }
 
 /** Whether the same panels lie side by side in the same order, whatever their sizes and whichever is in front. */
-export function same_order(a: Area | null, b: Area | null): boolean {
+export function sameOrder(a: Area | null, b: Area | null): boolean {
   if (!a || !b) return a === b;
   if (a.type === "tabs") return b.type === "tabs" && a.panels.join() === b.panels.join();
   if (b.type === "tabs" || a.orientation !== b.orientation || a.children.length !== b.children.length) return false;
-  return a.children.every((child, i) => same_order(child, b.children[i]!));
+  return a.children.every((child, i) => sameOrder(child, b.children[i]!));
 }

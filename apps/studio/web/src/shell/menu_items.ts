@@ -45,17 +45,17 @@ const kKinds = new Set(kMenus.map(([, kind]) => kind));
 const kClaimed = new Map(kMenus.flatMap(([, kind, first]) => first.map((id) => [id, kind] as const)));
 
 /** The menu a command is in. */
-export function menu_of(id: string): string {
+export function menuOf(id: string): string {
   const kind = id.split(":")[0]!;
   return kClaimed.get(id) ?? kInner[kind]?.menu ?? (kKinds.has(kind) ? kind : "tools");
 }
 
 /** Ids of the commands in a menu, null for a line; lines stand between kinds, and do not begin, end or follow each other. */
-export function items_of(menu: string, first: (string | null)[], all: string[]): (string | null)[] {
+export function itemsOf(menu: string, first: (string | null)[], all: string[]): (string | null)[] {
   const items: (string | null)[] = first.filter((id) => id === null || all.includes(id));
   let before = "";
   const kind = (id: string) => id.split(":")[0]!;
-  const rest = all.filter((id) => menu_of(id) === menu && !first.includes(id));
+  const rest = all.filter((id) => menuOf(id) === menu && !first.includes(id));
   for (const id of [...rest].sort((a, b) => rank(rest, kind(a)) - rank(rest, kind(b)))) {
     if (kind(id) !== before) items.push(null);
     before = kind(id);

@@ -1,7 +1,7 @@
 // The menu bar, made from the commands there are.
 import type { CommandRegistry } from "@lumino/commands";
 import { Menu, MenuBar } from "@lumino/widgets";
-import { items_of, kInner, kMenus } from "./menu_items";
+import { itemsOf, kInner, kMenus } from "./menu_items";
 
 /** Sets the role of items that open submenus, which the library omits. */
 class Renderer extends Menu.Renderer {
@@ -11,20 +11,20 @@ class Renderer extends Menu.Renderer {
   }
 }
 
-function make_menu(commands: CommandRegistry, title: string): Menu {
+function makeMenu(commands: CommandRegistry, title: string): Menu {
   const menu = new Menu({ commands, renderer: new Renderer() });
   menu.title.label = title;
   menu.addClass("cg-menu");
   return menu;
 }
 
-export function make_menus(commands: CommandRegistry): MenuBar {
+export function makeMenus(commands: CommandRegistry): MenuBar {
   const bar = new MenuBar();
   bar.addClass("cg-menu-bar");
   // a bundled run can only be viewed
-  const looked_at = document.documentElement.dataset.kind === "bundle";
-  const menus = kMenus.filter(([, kind]) => !looked_at || kind !== "insert").map(([title, kind, first]) => {
-    const menu = make_menu(commands, title);
+  const readOnly = document.documentElement.dataset.kind === "bundle";
+  const menus = kMenus.filter(([, kind]) => !readOnly || kind !== "insert").map(([title, kind, first]) => {
+    const menu = makeMenu(commands, title);
     bar.addMenu(menu);
     return { menu, kind, first };
   });
@@ -33,7 +33,7 @@ export function make_menus(commands: CommandRegistry): MenuBar {
     for (const { menu, kind, first } of menus) {
       menu.clearItems();
       const inner = new Map<string, Menu>();
-      for (const id of items_of(kind, first, all)) {
+      for (const id of itemsOf(kind, first, all)) {
         if (id === null) {
           // inner menus stand below each other without lines
           if (inner.size === 0) menu.addItem({ type: "separator" });
@@ -46,7 +46,7 @@ export function make_menus(commands: CommandRegistry): MenuBar {
         }
         let submenu = inner.get(of);
         if (!submenu) {
-          submenu = make_menu(commands, kInner[of].title);
+          submenu = makeMenu(commands, kInner[of].title);
           inner.set(of, submenu);
           menu.addItem({ type: "submenu", submenu });
         }

@@ -8,7 +8,7 @@ export interface Modal {
 let count = 0;
 
 /** `closed` is called once, however it comes to be closed. */
-export function open_modal(title: string, content: HTMLElement, closed: () => void): Modal {
+export function openModal(title: string, content: HTMLElement, closed: () => void): Modal {
   const before = document.activeElement as HTMLElement | null;
   const ground = document.createElement("div");
   ground.className = "cg-modal-ground";
@@ -28,10 +28,10 @@ export function open_modal(title: string, content: HTMLElement, closed: () => vo
     if (!open) return;
     open = false;
     // a window opened from here has the focus already
-    const had_focus = ground.contains(document.activeElement);
+    const hadFocus = ground.contains(document.activeElement);
     closed();
     ground.remove();
-    if (had_focus && before?.isConnected) before.focus();
+    if (hadFocus && before?.isConnected) before.focus();
   };
   ground.addEventListener("keydown", (event) => {
     // nothing behind it receives keys
@@ -39,7 +39,7 @@ export function open_modal(title: string, content: HTMLElement, closed: () => vo
     if (event.key === "Escape") {
       event.preventDefault();
       close();
-    } else if (event.key === "Tab") keep_inside(node, event);
+    } else if (event.key === "Tab") trapFocus(node, event);
   });
   ground.addEventListener("pointerdown", (event) => {
     if (event.target === ground) {
@@ -57,7 +57,7 @@ function stops(node: HTMLElement): HTMLElement[] {
   return [...all].filter((e) => !(e as HTMLButtonElement).disabled && e.offsetParent !== null);
 }
 
-function keep_inside(node: HTMLElement, event: KeyboardEvent): void {
+function trapFocus(node: HTMLElement, event: KeyboardEvent): void {
   const all = stops(node);
   const first = all[0];
   const last = all[all.length - 1];

@@ -5,8 +5,8 @@ const kMost = 5;
 
 export class Notices {
   readonly node = document.createElement("div");
-  private readonly polite = live_area("polite");
-  private readonly urgent = live_area("assertive");
+  private readonly polite = liveArea("polite");
+  private readonly urgent = liveArea("assertive");
 
   constructor() {
     this.node.className = "cg-notices";
@@ -36,7 +36,7 @@ export class Notices {
   }
 }
 
-function live_area(how: "polite" | "assertive"): HTMLElement {
+function liveArea(how: "polite" | "assertive"): HTMLElement {
   const area = document.createElement("div");
   area.className = "cg-unseen";
   area.setAttribute("aria-live", how);

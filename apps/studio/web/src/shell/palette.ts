@@ -1,15 +1,15 @@
 // Lists of all there is to do: the command palette, and the shortcuts.
 import { CommandRegistry } from "@lumino/commands";
 import { CommandPalette, Widget } from "@lumino/widgets";
-import { kMenus, menu_of } from "./menu_items";
-import { open_modal } from "./modal";
+import { kMenus, menuOf } from "./menu_items";
+import { openModal } from "./modal";
 
 function category(id: string): string {
-  const menu = menu_of(id);
+  const menu = menuOf(id);
   return kMenus.find(([, kind]) => kind === menu)![0];
 }
 
-export function open_palette(commands: CommandRegistry): void {
+export function openPalette(commands: CommandRegistry): void {
   const palette = new CommandPalette({ commands });
   palette.addClass("cg-palette");
   palette.inputNode.placeholder = "What do you want to do?";
@@ -19,7 +19,7 @@ export function open_palette(commands: CommandRegistry): void {
     palette.addItem({ command, category: category(command) });
   }
   const host = document.createElement("div");
-  const modal = open_modal("Commands", host, () => {
+  const modal = openModal("Commands", host, () => {
     commands.commandExecuted.disconnect(done);
     palette.dispose();
   });
@@ -34,7 +34,7 @@ export function open_palette(commands: CommandRegistry): void {
   palette.inputNode.focus();
 }
 
-export function open_shortcuts(commands: CommandRegistry): void {
+export function openShortcuts(commands: CommandRegistry): void {
   const content = document.createElement("div");
   const table = document.createElement("table");
   table.className = "cg-shortcuts";
@@ -43,9 +43,9 @@ export function open_shortcuts(commands: CommandRegistry): void {
     if (!commands.hasCommand(binding.command)) continue;
     const group = category(binding.command);
     const label = commands.label(binding.command);
-    const in_group = groups.get(group) ?? new Map<string, string[]>();
-    groups.set(group, in_group);
-    in_group.set(label, [...(in_group.get(label) ?? []), CommandRegistry.formatKeystroke(binding.keys)]);
+    const inGroup = groups.get(group) ?? new Map<string, string[]>();
+    groups.set(group, inGroup);
+    inGroup.set(label, [...(inGroup.get(label) ?? []), CommandRegistry.formatKeystroke(binding.keys)]);
   }
   for (const [group, lines] of groups) {
     const body = table.createTBody();
@@ -73,6 +73,6 @@ export function open_shortcuts(commands: CommandRegistry): void {
   scroll.tabIndex = 0;
   scroll.append(table);
   content.append(scroll, close);
-  const modal = open_modal("Keyboard shortcuts", content, () => {});
+  const modal = openModal("Keyboard shortcuts", content, () => {});
   close.addEventListener("click", () => modal.close());
 }

@@ -2,7 +2,7 @@
 import * as cameras from "../cameras/panel";
 import * as code from "../code/panel";
 import * as compare from "../compare/panel";
-import * as console_ from "../console/panel";
+import * as consolePanel from "../console/panel";
 import type { PanelType, Studio } from "../core/studio";
 import * as figures from "../figures/panel";
 import * as forms from "../forms/panel";
@@ -20,9 +20,9 @@ export const panels: { panel: PanelType; register(studio: Studio): void }[] = [
   cameras,
   figures,
   compare,
-  console_,
+  consolePanel,
 ];
 
-export function panel_named(name: string): PanelType | undefined {
+export function panelNamed(name: string): PanelType | undefined {
   return panels.find((p) => p.panel.name === name)?.panel;
 }

@@ -7,5 +7,5 @@ export interface Shell extends Studio {
   /** Shows an error to the user; a broken connection has its own bar. */
   fail(error: unknown): void;
   /** Moves a panel into a window of its own. */
-  pop_out(panel: string): void;
+  popOut(panel: string): void;
 }

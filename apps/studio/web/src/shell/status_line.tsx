@@ -1,7 +1,7 @@
 // The line at the foot of the window.
 import "@preact/signals";
 import { render } from "preact";
-import { waiting_text } from "../control/waiting";
+import { waitingText } from "../control/waiting";
 import type { Provenance } from "../core/protocol";
 import type { Studio } from "../core/studio";
 
@@ -14,7 +14,7 @@ const kStates: Record<string, string> = {
 };
 
 /** The lines of the table of a run's provenance. */
-export function provenance_rows(p: Provenance): [string, string][] {
+export function provenanceRows(p: Provenance): [string, string][] {
   const kBy: Record<string, string> = { engine: p.engine, cogrsim: "CogRSim" };
   const options = Object.entries(p.options).map(([name, value]) => `${name}=${value}`);
   return [
@@ -28,13 +28,13 @@ export function provenance_rows(p: Provenance): [string, string][] {
   ];
 }
 
-function show_provenance(studio: Studio): void {
+function showProvenance(studio: Studio): void {
   const p = studio.state.status.value?.provenance;
   if (!p) return;
   const table = document.createElement("table");
   table.className = "cg-provenance";
   table.dataset.testid = "provenance";
-  for (const [name, value] of provenance_rows(p)) {
+  for (const [name, value] of provenanceRows(p)) {
     const row = table.insertRow();
     const head = document.createElement("th");
     head.scope = "row";
@@ -45,7 +45,7 @@ function show_provenance(studio: Studio): void {
   void studio.dialog({ title: "Provenance of this run", fields: [], preview: () => Promise.resolve(table), accept: "Close" });
 }
 
-export function show_status_line(studio: Studio, node: HTMLElement): void {
+export function showStatusLine(studio: Studio, node: HTMLElement): void {
   const { state } = studio;
   function Line() {
     const status = state.status.value;
@@ -55,7 +55,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
     const main = state.selection.value[state.selection.value.length - 1];
     const element = main === undefined ? undefined : state.element(main);
     const body = state.scene.value?.bodies[state.hovered.value];
-    const run = status?.waiting ? waiting_text(status.waiting) : status ? (kStates[status.state] ?? status.state) : "";
+    const run = status?.waiting ? waitingText(status.waiting) : status ? (kStates[status.state] ?? status.state) : "";
     return (
       <>
         <span data-testid="run-state">
@@ -64,7 +64,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
         </span>
         {status?.state === "paused" && status.ending && <span data-testid="ending">{status.ending}</span>}
         {wrong > 0 && (
-          <button class="cg-status-wrong" data-testid="problem-count" onClick={() => studio.open_panel("console")}>
+          <button class="cg-status-wrong" data-testid="problem-count" onClick={() => studio.openPanel("console")}>
             {wrong === 1 ? "1 problem" : `${wrong} problems`}
             {document && !document.good ? (state.scene.value ? ": the last good scene keeps running" : ": there is nothing to run yet") : ""}
           </button>
@@ -90,7 +90,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
             data-testid="engine"
             title={status.provenance ? "Provenance of this run: engine, solver, options" : undefined}
             disabled={!status.provenance}
-            onClick={() => show_provenance(studio)}
+            onClick={() => showProvenance(studio)}
           >
             {status.backend} {status.engine_version}
           </button>
@@ -112,7 +112,7 @@ export function show_status_line(studio: Studio, node: HTMLElement): void {
 }
 
 /** The title of the browser's tab. */
-export function page_title(name: string, dirty: boolean, state: string, wrong: number): string {
+export function pageTitle(name: string, dirty: boolean, state: string, wrong: number): string {
   const scene = name ? `${dirty ? "• " : ""}${name}` : "";
   const said = [wrong > 0 ? `(${wrong})` : "", scene].filter(Boolean).join(" ");
   return [said, (kStates[state] ?? state).toLowerCase(), "CogRSim Studio"].filter(Boolean).join(" – ");

@@ -1,16 +1,16 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { DocumentState } from "../core/protocol";
-import { has_less } from "./unsaved";
+import { hasLess } from "./unsaved";
 
 test("a page offers its changes only to a studio that does not have them", () => {
   const now = (text: string, dirty = false) => ({ text, dirty, file: "a.scene.xml" }) as DocumentState;
   const lost = { text: "edited", file: "a.scene.xml" };
   const offer = { number: 1, time: 0, changed: false, more: 0 };
-  assert.ok(has_less(lost, now("old"), null));
-  assert.ok(!has_less(null, now("old"), null), "all was saved");
-  assert.ok(!has_less(lost, now("edited"), null), "it has it");
-  assert.ok(!has_less(lost, now("old"), offer), "it offers it");
-  assert.ok(!has_less(lost, now("other", true), null), "the same studio is still running");
-  assert.ok(!has_less(lost, { ...now("old"), file: "b.scene.xml" }, null), "another scene");
+  assert.ok(hasLess(lost, now("old"), null));
+  assert.ok(!hasLess(null, now("old"), null), "all was saved");
+  assert.ok(!hasLess(lost, now("edited"), null), "it has it");
+  assert.ok(!hasLess(lost, now("old"), offer), "it offers it");
+  assert.ok(!hasLess(lost, now("other", true), null), "the same studio is still running");
+  assert.ok(!hasLess(lost, { ...now("old"), file: "b.scene.xml" }, null), "another scene");
 });

@@ -11,7 +11,7 @@ export interface Lost {
 }
 
 /** Whether the studio that is there now has less than the page had when the last one went: not even to offer. */
-export function has_less(lost: Lost | null, now: DocumentState, offer: UnsavedOffer | null): boolean {
+export function hasLess(lost: Lost | null, now: DocumentState, offer: UnsavedOffer | null): boolean {
   return lost !== null && offer === null && !now.dirty && now.file === lost.file && now.text !== lost.text;
 }
 
@@ -32,7 +32,7 @@ export class UnsavedBar {
     this.node.setAttribute("role", "region");
     this.node.setAttribute("aria-label", "Unsaved changes");
     const { state } = shell;
-    shell.link.on_open((open) => {
+    shell.link.onOpen((open) => {
       if (open || this.lost.peek()) return;
       const text = state.document.peek();
       const typed = shell.services.get(PendingTyping).unsent;
@@ -43,14 +43,14 @@ export class UnsavedBar {
     // It comes right behind the text, of every studio that the page meets.
     shell.link.on("unsaved", ({ offer }) => {
       const text = state.document.peek();
-      this.less.value = text !== null && has_less(this.lost.peek(), text, offer);
+      this.less.value = text !== null && hasLess(this.lost.peek(), text, offer);
       if (!this.less.value) this.lost.value = null;
     });
     effect(() => this.show());
   }
 
   /** The button for a download while there is no studio; null: the page has no unsaved changes. */
-  download_button(): HTMLElement | null {
+  downloadButton(): HTMLElement | null {
     const lost = this.lost.value;
     return lost && this.button("Download my text", () => download(new Blob([lost.text], { type: "text/xml" }), lost.file));
   }
@@ -60,7 +60,7 @@ export class UnsavedBar {
     const unsaved = state.unsaved.value;
     const file = state.document.value?.file ?? "";
     const rows: HTMLElement[] = [];
-    if (state.may_edit.value && unsaved) {
+    if (state.mayEdit.value && unsaved) {
       const { offer } = unsaved;
       if (offer) {
         const more = offer.more > 0 ? ` There ${offer.more === 1 ? "is one" : `are ${offer.more}`} more from before.` : "";
@@ -79,8 +79,8 @@ export class UnsavedBar {
         rows.push(
           this.row(
             `The studio was restarted, and does not have this page's changes of ${file}.`,
-            this.button("Take over", () => this.take_over(lost.text)),
-            this.download_button()!,
+            this.button("Take over", () => this.takeOver(lost.text)),
+            this.downloadButton()!,
             this.button("Forget", () => this.forget()),
           ),
         );
@@ -126,7 +126,7 @@ export class UnsavedBar {
     });
     if (answer) await this.ask("discard", number);
   }
-  private async take_over(text: string): Promise<void> {
+  private async takeOver(text: string): Promise<void> {
     try {
       await this.shell.link.request("set-text", { version: this.shell.state.document.peek()?.version, text });
       this.forget();

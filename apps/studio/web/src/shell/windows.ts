@@ -14,12 +14,12 @@ interface Shared {
 type Message =
   | { cogrsim: "state"; changed: Partial<Shared> }
   | { cogrsim: "cursor"; live: boolean; time: number }
-  | { cogrsim: "call"; name: "open_panel" | "go_to" | "draw_signal" | "notify"; values: (string | number)[] }
+  | { cogrsim: "call"; name: "openPanel" | "goTo" | "drawSignal" | "notify"; values: (string | number)[] }
   | { cogrsim: "hello" };
 
 export interface Others {
   /** Calls in the main window what a popped-out one cannot do. */
-  call(name: "open_panel" | "go_to" | "draw_signal" | "notify", values: (string | number)[]): void;
+  call(name: "openPanel" | "goTo" | "drawSignal" | "notify", values: (string | number)[]): void;
   cursor(live: boolean, time: number): void;
 }
 
@@ -44,7 +44,7 @@ export class Windows implements Others {
       // only windows we opened, or that opened us; a page from elsewhere has no say
       if (!from || (from !== this.main && ![...this.popped.values()].includes(from))) return;
       if (event.origin !== location.origin && location.protocol !== "file:") return;
-      this.hear(event.data, from);
+      this.receive(event.data, from);
     });
     if (main) this.post(main, { cogrsim: "hello" });
     effect(() => {
@@ -54,11 +54,11 @@ export class Windows implements Others {
       // the main window sends its state to a new one first
       if (Object.keys(changed).length > 0 && (this.main === null || this.greeted)) this.send({ cogrsim: "state", changed });
     });
-    if (!main) setInterval(() => this.look_after(), 500);
+    if (!main) setInterval(() => this.findClosed(), 500);
   }
 
   /** Whether the browser let the window open. */
-  pop_out(panel: string): boolean {
+  popOut(panel: string): boolean {
     const there = this.popped.get(panel);
     if (there && !there.closed) {
       there.focus();
@@ -72,7 +72,7 @@ export class Windows implements Others {
     return true;
   }
 
-  call(name: "open_panel" | "go_to" | "draw_signal" | "notify", values: (string | number)[]): void {
+  call(name: "openPanel" | "goTo" | "drawSignal" | "notify", values: (string | number)[]): void {
     if (this.main) this.post(this.main, { cogrsim: "call", name, values });
   }
   cursor(live: boolean, time: number): void {
@@ -92,7 +92,7 @@ export class Windows implements Others {
     to.postMessage(message, location.protocol === "file:" ? "*" : location.origin);
   }
 
-  private hear(data: unknown, from: Window): void {
+  private receive(data: unknown, from: Window): void {
     const message = data as Message;
     if (typeof message !== "object" || message === null) return;
     const { state } = this;
@@ -126,7 +126,7 @@ export class Windows implements Others {
   }
 
   /** Panels whose window was closed come back. */
-  private look_after(): void {
+  private findClosed(): void {
     for (const [panel, window] of this.popped) {
       if (!window.closed) continue;
       this.popped.delete(panel);

@@ -113,14 +113,14 @@ test("stepping forward finds the next frame, however far it is", async () => {
     const { playback, state } = stage(times, "scene");
     playback.seek(3 * gap);
     await settle();
-    await playback.step_forward();
+    await playback.stepForward();
     assert.ok(Math.abs(state.frame.value!.time - 4 * gap) < 1e-9, `gap ${gap}: ${state.frame.value!.time}`);
   }
 });
 
 test("stepping forward at the end stays there", async () => {
   const { playback, state } = stage(tenths, "recording");
-  await playback.step_forward();
+  await playback.stepForward();
   assert.equal(state.frame.value?.time, 10);
 });
 

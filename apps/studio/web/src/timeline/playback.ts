@@ -21,8 +21,8 @@ export class Playback {
   /** Called when the user changed this page's time: other windows follow. */
   moved: (live: boolean, time: number) => void = () => {};
 
-  private in_flight = false;
-  private stop_clock: (() => void) | null = null;
+  private inFlight = false;
+  private stopClock: (() => void) | null = null;
 
   constructor(
     private readonly link: Link,
@@ -48,29 +48,29 @@ export class Playback {
   }
 
   /** The frame after the shown one, when there is one. */
-  async step_forward(): Promise<void> {
+  async stepForward(): Promise<void> {
     this.halt();
     const status = this.state.status.value;
     if (!status) return;
     const from = this.time;
     // Frames may lie further apart than steps, and further the older they are: reach out twice as far each time. That
     // skips none, as neighbours lie equally far apart.
-    let reach = Math.max(status.dt, 1e-6);
+    let span = Math.max(status.dt, 1e-6);
     this.state.live.value = false;
     try {
       for (;;) {
-        const to = Math.min(from + reach, status.last);
+        const to = Math.min(from + span, status.last);
         const { time } = await this.link.request<{ time: number }>("seek", { time: to });
         this.moved(false, time);
         if (time > from + 1e-9 || to >= status.last) return;
-        reach *= 2;
+        span *= 2;
       }
     } catch (error) {
       this.fail(error);
     }
   }
 
-  async step_back(): Promise<void> {
+  async stepBack(): Promise<void> {
     this.halt();
     this.state.live.value = false;
     try {
@@ -90,8 +90,8 @@ export class Playback {
   }
 
   halt(): void {
-    this.stop_clock?.();
-    this.stop_clock = null;
+    this.stopClock?.();
+    this.stopClock = null;
     this.running.value = false;
   }
 
@@ -121,9 +121,9 @@ export class Playback {
         return;
       }
       this.go(time);
-      this.stop_clock = this.clock.next(tick);
+      this.stopClock = this.clock.next(tick);
     };
-    this.stop_clock = this.clock.next(tick);
+    this.stopClock = this.clock.next(tick);
   }
 
   /** Another window moved. */
@@ -142,11 +142,11 @@ export class Playback {
     this.state.live.value = false;
     this.wanted.value = time;
     this.moved(false, time);
-    if (!this.in_flight) void this.ask();
+    if (!this.inFlight) void this.ask();
   }
 
   private async ask(): Promise<void> {
-    this.in_flight = true;
+    this.inFlight = true;
     try {
       while (this.wanted.value !== null) {
         const time = this.wanted.value;
@@ -159,7 +159,7 @@ export class Playback {
       this.wanted.value = null;
       this.fail(error);
     } finally {
-      this.in_flight = false;
+      this.inFlight = false;
     }
   }
 
@@ -170,7 +170,7 @@ export class Playback {
   }
 }
 
-export const browser_clock: Clock = {
+export const browserClock: Clock = {
   now: () => performance.now() / 1000,
   next: (then) => {
     if (document.hidden) {

@@ -1,15 +1,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { groups, neighbour, extent, share, shift, ticks, time_at, time_text, zoom } from "./scale";
+import { groups, neighbour, extent, share, shift, ticks, timeAt, timeText, zoom } from "./scale";
 
 const whole = { from: 0, to: 10 };
 
 test("zooming keeps the time under the pointer", () => {
   let span = whole;
   for (let i = 0; i < 8; ++i) {
-    const before = time_at(span, 0.3);
+    const before = timeAt(span, 0.3);
     span = zoom(span, 0.3, 1.5, whole)!;
-    assert.ok(Math.abs(time_at(span, 0.3) - before) < 1e-12);
+    assert.ok(Math.abs(timeAt(span, 0.3) - before) < 1e-12);
   }
 });
 
@@ -37,9 +37,9 @@ test("ticks are round, in order, inside and not too many", () => {
 });
 
 test("times are written as exactly as they differ", () => {
-  assert.equal(time_text(2, 2), "2 s");
-  assert.equal(time_text(0.3, 0.1), "0.3 s");
-  assert.equal(time_text(0.0125, 0.0005), "0.0125 s");
+  assert.equal(timeText(2, 2), "2 s");
+  assert.equal(timeText(0.3, 0.1), "0.3 s");
+  assert.equal(timeText(0.0125, 0.0005), "0.0125 s");
 });
 
 test("marks that overlap are gathered, marks outside are not shown", () => {

@@ -11,7 +11,7 @@ export function share(span: Span, time: number): number {
   return span.to > span.from ? (time - span.from) / (span.to - span.from) : 0;
 }
 
-export function time_at(span: Span, part: number): number {
+export function timeAt(span: Span, part: number): number {
   return span.from + part * (span.to - span.from);
 }
 
@@ -21,7 +21,7 @@ export function zoom(span: Span, part: number, factor: number, whole: Span): Spa
   const least = 1e-3;
   const width = Math.max((span.to - span.from) / factor, least);
   if (width >= whole.to - whole.from) return null;
-  const at = time_at(span, part);
+  const at = timeAt(span, part);
   return shift({ from: at - part * width, to: at + (1 - part) * width }, 0, whole);
 }
 
@@ -53,7 +53,7 @@ export function ticks(span: Span, spacing = 0.12): number[] {
 }
 
 /** A time with enough digits to differ from its neighbours `step` away. */
-export function time_text(time: number, step: number): string {
+export function timeText(time: number, step: number): string {
   const digits = step >= 1 ? 0 : Math.min(Math.ceil(-Math.log10(step) - 1e-9), 6);
   return `${time.toFixed(digits)} s`;
 }

@@ -3,7 +3,7 @@ import { effect, signal } from "@preact/signals-core";
 import type { Control } from "../control/commands";
 import { icons, type IconName } from "../control/icons";
 import type { RunEvent } from "../core/protocol";
-import { groups, extent, share, shift, ticks, time_at, time_text, zoom, type Span } from "./scale";
+import { groups, extent, share, shift, ticks, timeAt, timeText, zoom, type Span } from "./scale";
 import "./timeline.css";
 
 /** Marks closer than this share of the width are one. */
@@ -30,10 +30,10 @@ export class Timeline {
     this.node.className = "cg-timeline";
     this.node.setAttribute("role", "group");
     this.node.setAttribute("aria-label", "Timeline");
-    this.previous = tool("Previous event", "previous", () => control.to_bookmark(-1));
-    this.next = tool("Next event", "next", () => control.to_bookmark(1));
-    const nearer = tool("Zoom in", "faster", () => this.zoom(2, this.cursor_part()));
-    const farther = tool("Zoom out", "slower", () => this.zoom(0.5, this.cursor_part()));
+    this.previous = tool("Previous event", "previous", () => control.toBookmark(-1));
+    this.next = tool("Next event", "next", () => control.toBookmark(1));
+    const nearer = tool("Zoom in", "faster", () => this.zoom(2, this.cursorPart()));
+    const farther = tool("Zoom out", "slower", () => this.zoom(0.5, this.cursorPart()));
     this.all = element("button", "cg-tool");
     this.all.textContent = "All";
     this.all.title = "Show the whole run";
@@ -41,7 +41,7 @@ export class Timeline {
     this.live.textContent = "Live";
     this.live.dataset.testid = "live";
     this.live.addEventListener("click", () => {
-      if (control.why_not("live") === null) control.playback.live();
+      if (control.whyNot("live") === null) control.playback.live();
     });
     this.clock.dataset.testid = "time";
     this.clock.setAttribute("aria-label", "Time shown");
@@ -57,9 +57,9 @@ export class Timeline {
     this.node.append(this.clock, rail, this.previous, this.next, nearer, farther, this.all, this.live);
 
     this.listen();
-    effect(() => this.draw_scale());
-    effect(() => this.draw_marks());
-    effect(() => this.draw_cursor());
+    effect(() => this.drawScale());
+    effect(() => this.drawMarks());
+    effect(() => this.drawCursor());
   }
 
   /** The run so far, and space for what comes [s]. */
@@ -76,7 +76,7 @@ export class Timeline {
     if (!view || view.to - view.from >= whole.to - whole.from) return whole;
     return shift(view, 0, whole);
   }
-  private cursor_part(): number {
+  private cursorPart(): number {
     const part = share(this.span(), this.control.playback.time);
     return part >= 0 && part <= 1 ? part : 0.5;
   }
@@ -87,18 +87,18 @@ export class Timeline {
 
   private listen(): void {
     const { playback } = this.control;
-    const seek_at = (event: PointerEvent) => {
+    const seekAt = (event: PointerEvent) => {
       const box = this.track.getBoundingClientRect();
       const part = Math.min(Math.max((event.clientX - box.left) / Math.max(box.width, 1), 0), 1);
-      playback.seek(time_at(this.span(), part));
+      playback.seek(timeAt(this.span(), part));
     };
     this.track.addEventListener("pointerdown", (event) => {
       if (event.button !== 0) return;
       this.track.setPointerCapture(event.pointerId);
-      seek_at(event);
+      seekAt(event);
     });
     this.track.addEventListener("pointermove", (event) => {
-      if (this.track.hasPointerCapture(event.pointerId)) seek_at(event);
+      if (this.track.hasPointerCapture(event.pointerId)) seekAt(event);
     });
     this.node.addEventListener(
       "wheel",
@@ -121,10 +121,10 @@ export class Timeline {
       const leap = kPage * (span.to - span.from);
       const status = this.control.studio.state.status.value;
       const keys: Record<string, () => void> = {
-        ArrowLeft: () => void playback.step_back(),
-        ArrowDown: () => void playback.step_back(),
-        ArrowRight: () => void playback.step_forward(),
-        ArrowUp: () => void playback.step_forward(),
+        ArrowLeft: () => void playback.stepBack(),
+        ArrowDown: () => void playback.stepBack(),
+        ArrowRight: () => void playback.stepForward(),
+        ArrowUp: () => void playback.stepForward(),
         PageDown: () => playback.seek(playback.time - leap),
         PageUp: () => playback.seek(playback.time + leap),
         Home: () => playback.seek(status?.first ?? 0),
@@ -137,7 +137,7 @@ export class Timeline {
     });
   }
 
-  private draw_scale(): void {
+  private drawScale(): void {
     const span = this.span();
     const status = this.control.studio.state.status.value;
     this.done.style.left = percent(Math.max(share(span, status?.first ?? 0), 0));
@@ -152,19 +152,19 @@ export class Timeline {
       ...marks.map((time) => {
         const tick = element("span", "cg-tick");
         tick.style.left = percent(share(span, time));
-        tick.textContent = time_text(time, step);
+        tick.textContent = timeText(time, step);
         return tick;
       }),
     );
   }
 
-  private draw_marks(): void {
+  private drawMarks(): void {
     const span = this.span();
     const { events, status } = this.control.studio.state;
     const divergence = status.value?.compare?.first_over;
     const marks: { time: number; text: string; kind: string }[] = events.value.map((event) => ({
       time: event.time,
-      text: event_text(event),
+      text: eventText(event),
       kind: event.kind,
     }));
     if (typeof divergence === "number") marks.push({ time: divergence, text: "the two runs diverge here", kind: "divergence" });
@@ -194,7 +194,7 @@ export class Timeline {
     this.marks.replaceChildren(...nodes);
   }
 
-  private draw_cursor(): void {
+  private drawCursor(): void {
     const { playback } = this.control;
     const { live, status } = this.control.studio.state;
     const span = this.span();
@@ -222,7 +222,7 @@ export class Timeline {
   }
 }
 
-export function event_text(event: RunEvent): string {
+export function eventText(event: RunEvent): string {
   return event.message || [event.kind, event.subject].filter(Boolean).join(" ");
 }
 

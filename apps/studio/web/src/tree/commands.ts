@@ -3,26 +3,26 @@ import type { Op } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { PendingTyping } from "../code/pending";
 import { kBodies, kMovable } from "../forms/schema";
-import { duplicate_offset } from "../add/place";
-import { start_tag } from "../forms/xml_text";
-import { copied_elements, copy_elements, shifted_xml } from "./clipboard";
-import { mass_element } from "./mass_view";
-import { element_keys, label_of, top_most } from "./model";
-import { paste_place } from "./rules";
-import { start_renaming, TreeState } from "./tree_state";
+import { duplicateOffset } from "../add/positions";
+import { startTag } from "../forms/xml_text";
+import { copiedElements, copyElements, shiftedXml } from "./clipboard";
+import { massElement } from "./mass_view";
+import { elementKeys, labelOf, topMost } from "./model";
+import { pastePosition } from "./rules";
+import { startRenaming, TreeState } from "./tree_state";
 
 /** What can be glued into one body. */
 const kParts = [...kBodies, "assembly", "instance"];
 
 function chosen(studio: Studio): number[] {
-  return top_most(studio.state.tree.value.elements, studio.state.selection.value);
+  return topMost(studio.state.tree.value.elements, studio.state.selection.value);
 }
 
 /** "box crate", "3 elements". */
 function named(studio: Studio, ids: readonly number[]): string {
   if (ids.length !== 1) return `${ids.length} elements`;
   const element = studio.state.tree.value.elements[ids[0]!];
-  return element ? `${element.tag} ${label_of(element)}`.trim() : "element";
+  return element ? `${element.tag} ${labelOf(element)}`.trim() : "element";
 }
 
 async function remove(studio: Studio): Promise<void> {
@@ -35,7 +35,7 @@ async function remove(studio: Studio): Promise<void> {
 async function duplicate(studio: Studio): Promise<void> {
   const ids = chosen(studio);
   if (ids.length === 0) return;
-  const offset = duplicate_offset(studio.state, ids);
+  const offset = duplicateOffset(studio.state, ids);
   const { elements } = studio.state.tree.value;
   const ops = ids.map((element): Op => {
     const moves = kMovable.includes(elements[element]!.tag) || elements[element]!.tag === "instance";
@@ -46,7 +46,7 @@ async function duplicate(studio: Studio): Promise<void> {
 }
 
 async function paste(studio: Studio): Promise<void> {
-  const copied = await copied_elements(studio);
+  const copied = await copiedElements(studio);
   if (!copied) {
     studio.notify("there is nothing to paste: copy an element first");
     return;
@@ -55,20 +55,20 @@ async function paste(studio: Studio): Promise<void> {
   const schema = studio.services.get(TreeState).schema.value;
   const main = studio.state.selection.value[studio.state.selection.value.length - 1] ?? 0;
   const ops: Op[] = [];
-  const { copied_from, copies } = studio.services.get(TreeState);
-  const keys = element_keys(elements);
-  const of_them = new Set(elements.flatMap(({ id }) => (copies.has(keys[id]!) ? [id] : [])));
-  const shift = duplicate_offset(studio.state, chosen(studio))[0];
+  const { copiedFrom, copies } = studio.services.get(TreeState);
+  const keys = elementKeys(elements);
+  const ofThem = new Set(elements.flatMap(({ id }) => (copies.has(keys[id]!) ? [id] : [])));
+  const shift = duplicateOffset(studio.state, chosen(studio))[0];
   for (const xml of copied) {
-    const tag = start_tag(xml, 0)?.tag ?? "";
-    const takes = (id: number) => !schema || schema.may_hold(elements, id, tag);
-    const { parent, before } = paste_place(elements, main, takes, of_them);
-    const beside = [...kBodies, "assembly", "instance"].includes(tag) && elements[parent]?.path === copied_from.value;
-    ops.push({ op: "insert", parent, xml: beside ? shifted_xml(xml, shift) : xml, before });
+    const tag = startTag(xml, 0)?.tag ?? "";
+    const takes = (id: number) => !schema || schema.mayHold(elements, id, tag);
+    const { parent, before } = pastePosition(elements, main, takes, ofThem);
+    const beside = [...kBodies, "assembly", "instance"].includes(tag) && elements[parent]?.path === copiedFrom.value;
+    ops.push({ op: "insert", parent, xml: beside ? shiftedXml(xml, shift) : xml, before });
   }
   const made = await studio.edit(copied.length === 1 ? "paste" : `paste ${copied.length} elements`, ops);
   if (!made) return;
-  const now = element_keys(studio.state.tree.value.elements);
+  const now = elementKeys(studio.state.tree.value.elements);
   for (const id of made) copies.add(now[id]!);
   studio.select(made);
 }
@@ -83,7 +83,7 @@ async function assemble(studio: Studio): Promise<void> {
   const materials = elements.filter((e) => e.tag === "material" && e.name !== "").map((e) => e.path || e.name);
   const answer = await studio.dialog({
     title: "Assemble into one rigid body",
-    text: `${ids.map((id) => label_of(elements[id]!) || elements[id]!.tag).join(", ")} will move as one.`,
+    text: `${ids.map((id) => labelOf(elements[id]!) || elements[id]!.tag).join(", ")} will move as one.`,
     fields: [
       { name: "name", label: "Name", value: "assembly" },
       {
@@ -95,7 +95,7 @@ async function assemble(studio: Studio): Promise<void> {
         help: "Shared by all parts; each keeps its own if left empty.",
       },
     ],
-    preview: (values) => mass_element(studio, ids, values.material ?? ""),
+    preview: (values) => massElement(studio, ids, values.material ?? ""),
     accept: "Assemble",
   });
   if (!answer) return;
@@ -108,11 +108,11 @@ async function assemble(studio: Studio): Promise<void> {
 async function group(studio: Studio): Promise<void> {
   const ids = chosen(studio);
   const text = "An assembly that is not rigid: a robot with its joints, motors, sensors and its controller. Nothing moves.";
-  await group_elements(studio, ids, "Group into an assembly", text, "group");
+  await groupElements(studio, ids, "Group into an assembly", text, "group");
 }
 
 /** Asks for a name and groups; the id of the assembly, which is then selected, or null. */
-export async function group_elements(
+export async function groupElements(
   studio: Studio, ids: number[], title: string, text: string, name: string,
 ): Promise<number | null> {
   const fields = [{ name: "name", label: "Name", value: name }];
@@ -144,9 +144,9 @@ async function ask(studio: Studio, what: string, done?: (answer: Record<string, 
   }
 }
 
-export function register_edit_commands(studio: Studio): void {
+export function registerEditCommands(studio: Studio): void {
   const { commands, state } = studio;
-  const may = () => state.may_edit.value;
+  const may = () => state.mayEdit.value;
   const some = () => may() && chosen(studio).length > 0;
   const add = (
     id: string, label: string | (() => string), execute: (args: Record<string, unknown>) => unknown,
@@ -160,10 +160,10 @@ export function register_edit_commands(studio: Studio): void {
   add("edit:save", "Save", () => ask(studio, "save", (answer) => studio.notify(`saved ${String(answer.file ?? "")}`)));
   add("edit:delete", "Delete", () => remove(studio), some, "With all inside and what refers to it");
   add("edit:duplicate", "Duplicate", () => duplicate(studio), some);
-  add("edit:copy", "Copy", () => copy_elements(studio, chosen(studio)), () => chosen(studio).length > 0);
-  add("edit:cut", "Cut", () => (copy_elements(studio, chosen(studio)) ? remove(studio) : undefined), some);
+  add("edit:copy", "Copy", () => copyElements(studio, chosen(studio)), () => chosen(studio).length > 0);
+  add("edit:cut", "Cut", () => (copyElements(studio, chosen(studio)) ? remove(studio) : undefined), some);
   add("edit:paste", "Paste", () => paste(studio));
-  add("edit:rename", "Rename", () => start_renaming(studio, chosen(studio)[chosen(studio).length - 1]!), some);
+  add("edit:rename", "Rename", () => startRenaming(studio, chosen(studio)[chosen(studio).length - 1]!), some);
   add("edit:assemble", "Assemble…", () => assemble(studio),
     () => may() && chosen(studio).filter((id) => kParts.includes(state.element(id)?.tag ?? "")).length >= 2,
     "Several bodies into one rigid body");
@@ -178,11 +178,11 @@ export function register_edit_commands(studio: Studio): void {
   add("tree:show-line", "Go to the line", (args) => {
     const id = (args.element as number | undefined) ?? state.selection.value[state.selection.value.length - 1] ?? -1;
     const element = state.element(id);
-    if (element) studio.go_to(state.document.value?.file ?? "", element.line, element.column);
+    if (element) studio.goTo(state.document.value?.file ?? "", element.line, element.column);
   }, () => state.selection.value.length > 0);
   commands.addCommand("tree:draw", {
     label: (args) => `Draw ${String(args.label ?? "")}`,
-    execute: (args) => studio.draw_signal(String(args.signal)),
+    execute: (args) => studio.drawSignal(String(args.signal)),
     isVisible: (args) => args.signal !== undefined,
   });
 }

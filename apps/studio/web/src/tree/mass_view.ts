@@ -1,6 +1,6 @@
 // Mass, centre of mass and inertia of some elements' bodies, as text.
 import type { Studio } from "../core/studio";
-import { short_number } from "../forms/values";
+import { shortNumber } from "../forms/values";
 
 export interface MassAnswer {
   mass: number;
@@ -11,10 +11,10 @@ export interface MassAnswer {
 }
 
 const list = (values: readonly (number | null)[], digits: number): string =>
-  values.map((v) => (v === null ? "none" : short_number(Number(v.toPrecision(digits))))).join("  ");
+  values.map((v) => (v === null ? "none" : shortNumber(Number(v.toPrecision(digits))))).join("  ");
 
 /** Name and value of each line. */
-export function mass_lines(answer: MassAnswer): [string, string][] {
+export function massLines(answer: MassAnswer): [string, string][] {
   const [xx, yy, zz, xy, xz, yz] = answer.inertia;
   const lines: [string, string][] = [
     ["mass", `${list([answer.mass], 5)} kg`],
@@ -28,12 +28,12 @@ export function mass_lines(answer: MassAnswer): [string, string][] {
   return lines;
 }
 
-export function ask_mass(studio: Studio, elements: number[], material = ""): Promise<MassAnswer> {
+export function askMass(studio: Studio, elements: number[], material = ""): Promise<MassAnswer> {
   return studio.link.request<MassAnswer>("mass", { elements, ...(material === "" ? {} : { material }) });
 }
 
 /** A list of the lines, or why there is none. */
-export async function mass_element(studio: Studio, elements: number[], material = ""): Promise<HTMLElement> {
+export async function massElement(studio: Studio, elements: number[], material = ""): Promise<HTMLElement> {
   const root = document.createElement("dl");
   root.className = "cg-mass";
   root.dataset.testid = "mass-preview";
@@ -46,8 +46,8 @@ export async function mass_element(studio: Studio, elements: number[], material 
     root.append(term, text);
   };
   try {
-    const answer = await ask_mass(studio, elements, material);
-    for (const [name, value] of mass_lines(answer)) add(name, value);
+    const answer = await askMass(studio, elements, material);
+    for (const [name, value] of massLines(answer)) add(name, value);
     add("bodies", answer.bodies.join(", "));
   } catch (error) {
     add("mass", error instanceof Error ? error.message : String(error));

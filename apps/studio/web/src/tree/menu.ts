@@ -3,9 +3,9 @@ import { Menu } from "@lumino/widgets";
 import { insertable } from "../add/commands";
 import type { Studio } from "../core/studio";
 import type { Row } from "./model";
-import { signal_label, TreeState } from "./tree_state";
+import { signalLabel, TreeState } from "./tree_state";
 
-function insert_menu(studio: Studio): Menu {
+function insertMenu(studio: Studio): Menu {
   const menu = new Menu({ commands: studio.commands });
   menu.title.label = "Insert";
   for (const tag of insertable(studio)) {
@@ -28,17 +28,17 @@ function open(menu: Menu, x: number, y: number): void {
   menu.open(x, y);
 }
 
-export function open_insert_menu(studio: Studio, x: number, y: number): void {
-  open(insert_menu(studio), x, y);
+export function openInsertMenu(studio: Studio, x: number, y: number): void {
+  open(insertMenu(studio), x, y);
 }
 
-export function open_menu(studio: Studio, row: Row, x: number, y: number): void {
+export function openMenu(studio: Studio, row: Row, x: number, y: number): void {
   const { commands, state } = studio;
   const menu = new Menu({ commands });
   const element = state.element(row.id);
   if (!row.signal) {
-    if (state.may_edit.value) {
-      const insert = insert_menu(studio);
+    if (state.mayEdit.value) {
+      const insert = insertMenu(studio);
       if (insert.items.length > 0) menu.addItem({ type: "submenu", submenu: insert });
       for (const name of ["rename", "duplicate", "copy", "cut", "paste", "delete"]) menu.addItem({ command: `edit:${name}` });
       menu.addItem({ type: "separator" });
@@ -58,7 +58,7 @@ export function open_menu(studio: Studio, row: Row, x: number, y: number): void 
       draw.title.label = "Draw";
       menu.addItem({ type: "submenu", submenu: draw });
     }
-    for (const info of signals) draw.addItem({ command: "tree:draw", args: { signal: info.name, label: signal_label(info) } });
+    for (const info of signals) draw.addItem({ command: "tree:draw", args: { signal: info.name, label: signalLabel(info) } });
     if (!row.signal) menu.addItem({ command: "tree:show-signals", args: { element: row.id } });
   }
   open(menu, x, y);

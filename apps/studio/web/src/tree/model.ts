@@ -1,7 +1,7 @@
 // The rows of the scene tree: which elements are shown, in which order, how deep.
 import type { TreeElement } from "../core/protocol";
 
-export { element_keys } from "../core/follow";
+export { elementKeys } from "../core/follow";
 
 export interface SignalInfo {
   name: string;
@@ -26,13 +26,13 @@ export interface Row {
 }
 
 /** Ids of what stands inside each element, in order. */
-export function children_lists(elements: readonly TreeElement[]): number[][] {
+export function childrenLists(elements: readonly TreeElement[]): number[][] {
   const out: number[][] = elements.map(() => []);
   for (const element of elements) if (element.parent >= 0) out[element.parent]?.push(element.id);
   return out;
 }
 
-export function label_of(element: TreeElement): string {
+export function labelOf(element: TreeElement): string {
   if (element.name !== "") return element.name;
   const attributes = element.attributes;
   if (element.tag === "set") return Object.keys(attributes).join(", ");
@@ -56,20 +56,20 @@ export interface RowOptions {
 }
 
 /** Rows from top to bottom. A search keeps what is found, what is around it and nothing else, and opens everything. */
-export function tree_rows(elements: readonly TreeElement[], options: RowOptions): Row[] {
+export function treeRows(elements: readonly TreeElement[], options: RowOptions): Row[] {
   const words = options.search.toLowerCase().split(/\s+/).filter((w) => w !== "");
   const searching = words.length > 0;
-  const children = children_lists(elements);
+  const children = childrenLists(elements);
   const found = elements.map((e) => searching && matches(e, words));
-  const kept = found.slice();
+  const shown = found.slice();
   // Parents come before what is inside them, so going backwards every element is done before its parent.
   for (let i = elements.length - 1; i > 0; --i) {
     const parent = elements[i]!.parent;
-    if (kept[i] && parent >= 0) kept[parent] = true;
+    if (shown[i] && parent >= 0) shown[parent] = true;
   }
   const rows: Row[] = [];
   const show = (id: number, depth: number, position: number, siblings: number): void => {
-    const inside = searching ? children[id]!.filter((c) => kept[c]) : children[id]!;
+    const inside = searching ? children[id]!.filter((c) => shown[c]) : children[id]!;
     const signals = options.signals.get(id) ?? [];
     const any = inside.length + signals.length > 0;
     const open = any && (searching || !options.closed.has(options.keys[id]!));
@@ -81,22 +81,22 @@ export function tree_rows(elements: readonly TreeElement[], options: RowOptions)
     );
     inside.forEach((c, i) => show(c, depth + 1, signals.length + i + 1, count));
   };
-  const roots = elements.filter((e) => e.parent < 0 && (!searching || kept[e.id]));
+  const roots = elements.filter((e) => e.parent < 0 && (!searching || shown[e.id]));
   roots.forEach((root, i) => show(root.id, 0, i + 1, roots.length));
   return rows;
 }
 
 /** The rows to draw: those in sight and some around. */
-export function visible_rows(
-  count: number, row_height: number, scrolled: number, height: number, spare = 8,
+export function visibleRows(
+  count: number, rowHeight: number, scrolled: number, height: number, spare = 8,
 ): { first: number; last: number } {
-  const first = Math.max(0, Math.floor(scrolled / row_height) - spare);
-  const last = Math.min(count, Math.ceil((scrolled + height) / row_height) + spare);
+  const first = Math.max(0, Math.floor(scrolled / rowHeight) - spare);
+  const last = Math.min(count, Math.ceil((scrolled + height) / rowHeight) + spare);
   return { first: Math.min(first, last), last };
 }
 
 /** The next row from `from` on (going round) whose label begins with what was typed; -1: none. */
-export function type_ahead(labels: readonly string[], from: number, typed: string): number {
+export function typeAhead(labels: readonly string[], from: number, typed: string): number {
   const start = typed.toLowerCase();
   for (let i = 0; i < labels.length; ++i) {
     const at = (from + i) % labels.length;
@@ -106,13 +106,13 @@ export function type_ahead(labels: readonly string[], from: number, typed: strin
 }
 
 /** Whether `id` is `around` or stands in it. */
-export function is_inside(elements: readonly TreeElement[], id: number, around: number): boolean {
+export function isInside(elements: readonly TreeElement[], id: number, around: number): boolean {
   for (let at = id; at >= 0; at = elements[at]?.parent ?? -1) if (at === around) return true;
   return false;
 }
 
 /** Without what stands inside others of them, without the root, in document order. */
-export function top_most(elements: readonly TreeElement[], ids: readonly number[]): number[] {
+export function topMost(elements: readonly TreeElement[], ids: readonly number[]): number[] {
   const chosen = new Set(ids);
   return [...chosen]
     .filter((id) => {

@@ -1,9 +1,9 @@
 import type { Widget } from "@lumino/widgets";
 import { h } from "preact";
-import { register_insert_commands } from "../add/commands";
+import { registerInsertCommands } from "../add/commands";
 import type { PanelType, Studio } from "../core/studio";
 import { PreactWidget } from "../forms/preact_widget";
-import { register_edit_commands } from "./commands";
+import { registerEditCommands } from "./commands";
 import { TreePanel } from "./tree_panel";
 import { TreeModel } from "./view";
 import "./tree.css";
@@ -20,11 +20,11 @@ export const panel: PanelType = {
 
 /** Adds the panel's commands; called once, before any panel is made. */
 export function register(studio: Studio): void {
-  register_edit_commands(studio);
-  register_insert_commands(studio);
+  registerEditCommands(studio);
+  registerInsertCommands(studio);
   studio.commands.addCommand("tree:show-signals", {
     label: "Signals in the tree",
-    execute: (args) => studio.services.get(TreeModel).toggle_signals(args.element as number),
+    execute: (args) => studio.services.get(TreeModel).toggleSignals(args.element as number),
     isVisible: (args) => args.element !== undefined,
   });
 }

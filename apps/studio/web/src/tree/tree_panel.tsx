@@ -3,12 +3,12 @@ import type { JSX } from "preact";
 import { insert, kTools } from "../add/commands";
 import type { Studio } from "../core/studio";
 import { Icon } from "./icons";
-import { open_insert_menu } from "./menu";
+import { openInsertMenu } from "./menu";
 import { TreeState } from "./tree_state";
 import { TreeModel, TreeView } from "./view";
 
 function Tools({ studio }: { studio: Studio }): JSX.Element | null {
-  const ready = studio.state.may_edit.value && studio.services.get(TreeState).schema.value !== null;
+  const ready = studio.state.mayEdit.value && studio.services.get(TreeState).schema.value !== null;
   if (studio.state.hello.value?.kind !== "scene") return null;
   return (
     <div class="cg-tools cg-tree-tools" role="toolbar" aria-label="Insert">
@@ -36,7 +36,7 @@ function Tools({ studio }: { studio: Studio }): JSX.Element | null {
         disabled={!ready}
         onClick={(event) => {
           const rect = event.currentTarget.getBoundingClientRect();
-          open_insert_menu(studio, rect.left, rect.bottom);
+          openInsertMenu(studio, rect.left, rect.bottom);
         }}
       >
         Insert…

@@ -14,7 +14,7 @@ export class TreeState {
   /** Elements copied in this page, as XML. */
   readonly copied = signal<string[]>([]);
   /** dotted name of what held them: pasted there they would be inside each other */
-  readonly copied_from = signal<string | null>(null);
+  readonly copiedFrom = signal<string | null>(null);
   /** keys of what was copied and of what has been pasted of it: one more goes beside them */
   copies = new Set<string>();
   private asked = -1;
@@ -23,12 +23,12 @@ export class TreeState {
   constructor(private readonly studio: Studio) {
     this.stops = [
       studio.state.hello.subscribe((hello) => {
-        if (hello?.kind === "scene") this.load_schema();
+        if (hello?.kind === "scene") this.loadSchema();
       }),
       studio.state.scene.subscribe((scene) => {
         if (!scene || scene.scene === this.asked) return;
         this.asked = scene.scene;
-        this.list_signals();
+        this.listSignals();
       }),
     ];
   }
@@ -36,23 +36,23 @@ export class TreeState {
     for (const stop of this.stops) stop();
   }
 
-  private load_schema(): void {
+  private loadSchema(): void {
     this.studio.services.get(SchemaLoader).load().then(
       (loaded) => (this.schema.value = loaded),
       (error: Error) => this.studio.notify(`the vocabulary cannot be read: ${error.message}`, "error"),
     );
   }
 
-  private list_signals(): void {
+  private listSignals(): void {
     this.studio.link.request<{ signals: SignalInfo[] }>("signals").then(
       (answer) => {
-        const by_owner = new Map<string, SignalInfo[]>();
+        const byOwner = new Map<string, SignalInfo[]>();
         for (const info of answer.signals ?? []) {
-          const list = by_owner.get(info.owner);
+          const list = byOwner.get(info.owner);
           if (list) list.push(info);
-          else by_owner.set(info.owner, [info]);
+          else byOwner.set(info.owner, [info]);
         }
-        this.signals.value = by_owner;
+        this.signals.value = byOwner;
       },
       // A bundle without signals: nothing can be drawn.
       () => (this.signals.value = new Map()),
@@ -61,14 +61,14 @@ export class TreeState {
 }
 
 /** Starts typing a name in the tree, which is shown if it is not. */
-export function start_renaming(studio: Studio, element: number): void {
-  studio.open_panel("tree");
+export function startRenaming(studio: Studio, element: number): void {
+  studio.openPanel("tree");
   studio.services.get(TreeState).renaming.value = element;
 }
 
 export const kSignalType = "application/x-cogrsim-signal";
 /** Short name of a signal below its owner. */
-export function signal_label(info: SignalInfo): string {
+export function signalLabel(info: SignalInfo): string {
   const short = info.name.startsWith(`${info.owner}.`) ? info.name.slice(info.owner.length + 1) : info.name;
   return info.unit === "" || info.unit === "1" ? short : `${short} [${info.unit}]`;
 }

@@ -5,37 +5,37 @@ import type { JSX } from "preact";
 import type { Studio } from "../core/studio";
 import { rename } from "./commands";
 import { Icon } from "./icons";
-import { open_menu } from "./menu";
-import { element_keys, label_of, tree_rows, type_ahead, visible_rows, type Row, type SignalInfo } from "./model";
-import { drop_ops, drop_target, drop_zone, refuse_drop, type DropZone } from "./rules";
-import { kSignalType, signal_label, TreeState } from "./tree_state";
+import { openMenu } from "./menu";
+import { elementKeys, labelOf, treeRows, typeAhead, visibleRows, type Row, type SignalInfo } from "./model";
+import { dropOps, dropTarget, dropZone, refuseDrop, type DropZone } from "./rules";
+import { kSignalType, signalLabel, TreeState } from "./tree_state";
 
 export const kRowHeight = 24;
 const kTypeAheadRest = 800;
 const kElementType = "application/x-cogrsim-elements";
 
 /** Same element or same signal of it. */
-const row_key = (row: Row): string => (row.signal ? `${row.id}~${row.signal.name}` : String(row.id));
+const rowKey = (row: Row): string => (row.signal ? `${row.id}~${row.signal.name}` : String(row.id));
 
 /** What is open and searched; outlives the panel. */
 export class TreeModel {
   readonly search = signal("");
   readonly closed = signal<ReadonlySet<string>>(new Set());
   /** keys of elements whose signals are shown */
-  readonly open_signals = signal<ReadonlySet<string>>(new Set());
-  readonly keys = computed(() => element_keys(this.studio.state.tree.value.elements));
+  readonly openSignals = signal<ReadonlySet<string>>(new Set());
+  readonly keys = computed(() => elementKeys(this.studio.state.tree.value.elements));
   readonly rows = computed(() => {
     const { elements } = this.studio.state.tree.value;
-    const by_owner = this.studio.services.get(TreeState).signals.value;
+    const byOwner = this.studio.services.get(TreeState).signals.value;
     const signals = new Map<number, readonly SignalInfo[]>();
-    const open = this.open_signals.value;
+    const open = this.openSignals.value;
     if (open.size > 0) {
       elements.forEach((e) => {
-        const own = e.path === "" ? undefined : by_owner.get(e.path);
+        const own = e.path === "" ? undefined : byOwner.get(e.path);
         if (own && open.has(this.keys.value[e.id]!)) signals.set(e.id, own);
       });
     }
-    return tree_rows(elements, { closed: this.closed.value, keys: this.keys.value, search: this.search.value, signals });
+    return treeRows(elements, { closed: this.closed.value, keys: this.keys.value, search: this.search.value, signals });
   });
   /** the row with the keyboard; in rows */
   readonly active = signal("0");
@@ -46,9 +46,9 @@ export class TreeModel {
   toggle(id: number, open?: boolean): void {
     this.closed.value = changed(this.closed.value, this.keys.value[id]!, open === undefined ? undefined : !open);
   }
-  toggle_signals(id: number): void {
-    this.open_signals.value = changed(this.open_signals.value, this.keys.value[id]!);
-    if (this.open_signals.value.has(this.keys.value[id]!)) this.toggle(id, true);
+  toggleSignals(id: number): void {
+    this.openSignals.value = changed(this.openSignals.value, this.keys.value[id]!);
+    if (this.openSignals.value.has(this.keys.value[id]!)) this.toggle(id, true);
   }
   /** Opens what is around an element, so that it has a row. */
   reveal(id: number): void {
@@ -104,9 +104,9 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
   const { state } = studio;
   const shared = studio.services.get(TreeState);
   const box = useRef<HTMLDivElement>(null);
-  const [scrolled, set_scrolled] = useState(0);
-  const [height, set_height] = useState(400);
-  const [drop, set_drop] = useState<{ id: number; zone: DropZone } | null>(null);
+  const [scrolled, setScrolled] = useState(0);
+  const [height, setHeight] = useState(400);
+  const [drop, setDrop] = useState<{ id: number; zone: DropZone } | null>(null);
   const typed = useMemo(() => ({ text: "", time: 0 }), []);
   const prefix = useMemo(() => `cg-tree-${Math.random().toString(36).slice(2, 8)}`, []);
 
@@ -114,20 +114,20 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
   const { elements } = state.tree.value;
   const selection = state.selection.value;
   const selected = useMemo(() => new Set(selection), [selection]);
-  const hovered_body = state.hovered.value;
-  const hovered = hovered_body < 0 ? -1 : (state.scene.value?.bodies[hovered_body]?.element ?? -1);
-  const active = Math.max(0, rows.findIndex((row) => row_key(row) === model.active.value));
+  const hoveredBody = state.hovered.value;
+  const hovered = hoveredBody < 0 ? -1 : (state.scene.value?.bodies[hoveredBody]?.element ?? -1);
+  const active = Math.max(0, rows.findIndex((row) => rowKey(row) === model.active.value));
   const renaming = shared.renaming.value;
-  const by_owner = shared.signals.value;
-  const may_edit = state.may_edit.value;
+  const byOwner = shared.signals.value;
+  const mayEdit = state.mayEdit.value;
 
   useEffect(() => {
-    const observer = new ResizeObserver(() => set_height(box.current?.clientHeight ?? 400));
+    const observer = new ResizeObserver(() => setHeight(box.current?.clientHeight ?? 400));
     observer.observe(box.current!);
     return () => observer.disconnect();
   }, []);
 
-  const scroll_to = (index: number) => {
+  const scrollTo = (index: number) => {
     const view = box.current;
     if (!view || index < 0) return;
     const top = index * kRowHeight;
@@ -146,15 +146,15 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
         model.reveal(shown);
         model.active.value = String(shown);
         const index = model.rows.peek().findIndex((row) => row.id === shown && !row.signal);
-        requestAnimationFrame(() => scroll_to(index));
+        requestAnimationFrame(() => scrollTo(index));
       }),
     [],
   );
 
-  const select_row = (index: number, event: { ctrlKey: boolean; metaKey: boolean; shiftKey: boolean }) => {
+  const selectRow = (index: number, event: { ctrlKey: boolean; metaKey: boolean; shiftKey: boolean }) => {
     const row = rows[index];
     if (!row) return;
-    model.active.value = row_key(row);
+    model.active.value = rowKey(row);
     if (row.signal) return;
     if (event.shiftKey && model.anchor.peek() >= 0) {
       const from = rows.findIndex((r) => r.id === model.anchor.peek() && !r.signal);
@@ -174,19 +174,19 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
   };
 
   const activate = (row: Row) => {
-    if (row.signal) studio.draw_signal(row.signal.name);
+    if (row.signal) studio.drawSignal(row.signal.name);
     else if (studio.commands.hasCommand("view:focus")) void studio.commands.execute("view:focus");
   };
 
-  const on_key = (event: KeyboardEvent) => {
+  const onKey = (event: KeyboardEvent) => {
     const row = rows[active];
     if (!row) return;
     const go = (index: number) => {
       const to = Math.min(rows.length - 1, Math.max(0, index));
       // With Ctrl only the keyboard goes there, to add it with Ctrl+Space.
-      if (event.ctrlKey) model.active.value = row_key(rows[to]!);
-      else select_row(to, { ctrlKey: false, metaKey: false, shiftKey: event.shiftKey });
-      scroll_to(to);
+      if (event.ctrlKey) model.active.value = rowKey(rows[to]!);
+      else selectRow(to, { ctrlKey: false, metaKey: false, shiftKey: event.shiftKey });
+      scrollTo(to);
     };
     const page = Math.max(1, Math.floor(height / kRowHeight) - 1);
     switch (event.key) {
@@ -211,16 +211,16 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
         break;
       }
       case "Enter": activate(row); break;
-      case "F2": if (may_edit) void studio.commands.execute("edit:rename"); break;
+      case "F2": if (mayEdit) void studio.commands.execute("edit:rename"); break;
       case " ":
         if (!event.ctrlKey) return;
-        select_row(active, { ctrlKey: true, metaKey: false, shiftKey: false });
+        selectRow(active, { ctrlKey: true, metaKey: false, shiftKey: false });
         break;
       case "ContextMenu":
       case "F10": {
         if (event.key === "F10" && !event.shiftKey) return;
         const rect = box.current!.getBoundingClientRect();
-        open_menu(studio, row, rect.left + 40, rect.top + (active + 1) * kRowHeight - box.current!.scrollTop);
+        openMenu(studio, row, rect.left + 40, rect.top + (active + 1) * kRowHeight - box.current!.scrollTop);
         break;
       }
       default: {
@@ -228,8 +228,8 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
         if (event.timeStamp - typed.time > kTypeAheadRest) typed.text = "";
         typed.time = event.timeStamp;
         typed.text += event.key;
-        const labels = rows.map((r) => (r.signal ? signal_label(r.signal) : label_of(elements[r.id]!) || elements[r.id]!.tag));
-        const to = type_ahead(labels, typed.text.length > 1 ? active : active + 1, typed.text);
+        const labels = rows.map((r) => (r.signal ? signalLabel(r.signal) : labelOf(elements[r.id]!) || elements[r.id]!.tag));
+        const to = typeAhead(labels, typed.text.length > 1 ? active : active + 1, typed.text);
         if (to >= 0) go(to);
       }
     }
@@ -237,9 +237,9 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
     event.stopPropagation();
   };
 
-  const drag_start = (event: DragEvent, row: Row) => {
+  const dragStart = (event: DragEvent, row: Row) => {
     const data = event.dataTransfer!;
-    const own = row.signal ? [row.signal] : (by_owner.get(elements[row.id]?.path || "-") ?? []);
+    const own = row.signal ? [row.signal] : (byOwner.get(elements[row.id]?.path || "-") ?? []);
     if (own.length > 0) data.setData(kSignalType, own[0]!.name);
     if (row.signal) {
       data.setData("text/plain", row.signal.name);
@@ -248,24 +248,24 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
     }
     const dragged = selected.has(row.id) ? selection : [row.id];
     data.setData(kElementType, JSON.stringify(dragged));
-    data.setData("text/plain", elements[row.id]?.path || label_of(elements[row.id]!));
+    data.setData("text/plain", elements[row.id]?.path || labelOf(elements[row.id]!));
     data.effectAllowed = "copyMove";
-    model_drag = dragged;
+    modelDrag = dragged;
   };
 
-  const place_of = (event: DragEvent, row: Row) => {
+  const dropPosition = (event: DragEvent, row: Row) => {
     const schema = shared.schema.value;
-    if (!schema || row.signal || !may_edit || !event.dataTransfer!.types.includes(kElementType)) return null;
+    if (!schema || row.signal || !mayEdit || !event.dataTransfer!.types.includes(kElementType)) return null;
     const bounds = (event.currentTarget as HTMLElement).getBoundingClientRect();
     const into = { parent: row.id, before: null };
-    const holds = refuse_drop(schema, elements, model_drag, into) === "";
-    const zone = row.id === 0 ? "into" : drop_zone((event.clientY - bounds.top) / bounds.height, holds);
-    const target = drop_target(elements, row.id, zone);
-    if (!target || refuse_drop(schema, elements, model_drag, target) !== "") return null;
+    const holds = refuseDrop(schema, elements, modelDrag, into) === "";
+    const zone = row.id === 0 ? "into" : dropZone((event.clientY - bounds.top) / bounds.height, holds);
+    const target = dropTarget(elements, row.id, zone);
+    if (!target || refuseDrop(schema, elements, modelDrag, target) !== "") return null;
     return { zone, target };
   };
 
-  const { first, last } = visible_rows(
+  const { first, last } = visibleRows(
     rows.length,
     kRowHeight,
     // A search makes the list shorter before the browser says that it has scrolled.
@@ -273,8 +273,8 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
     height,
   );
   const drawn = rows.slice(first, last).map((row, i) => ({ row, index: first + i }));
-  const keyboard_row = rows[active];
-  if (keyboard_row && (active < first || active >= last)) drawn.push({ row: keyboard_row, index: active });
+  const keyboardRow = rows[active];
+  if (keyboardRow && (active < first || active >= last)) drawn.push({ row: keyboardRow, index: active });
 
   return (
     <div
@@ -284,35 +284,35 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
       tabIndex={0}
       aria-label="Scene tree"
       aria-multiselectable="true"
-      aria-activedescendant={keyboard_row ? `${prefix}-${row_key(keyboard_row)}` : undefined}
+      aria-activedescendant={keyboardRow ? `${prefix}-${rowKey(keyboardRow)}` : undefined}
       data-cg-keys="own"
-      onScroll={(event) => set_scrolled((event.currentTarget as HTMLElement).scrollTop)}
-      onKeyDown={on_key}
+      onScroll={(event) => setScrolled((event.currentTarget as HTMLElement).scrollTop)}
+      onKeyDown={onKey}
       onPointerLeave={() => (state.hovered.value = -1)}
     >
       <div class="cg-tree-space" role="presentation" style={{ height: `${rows.length * kRowHeight}px` }}>
         {drawn.map(({ row, index }) => {
           const element = elements[row.id];
           if (!element) return null;
-          const is_selected = !row.signal && selected.has(row.id);
+          const isSelected = !row.signal && selected.has(row.id);
           const classes = ["cg-tree-row"];
-          if (is_selected) classes.push("is-selected");
+          if (isSelected) classes.push("is-selected");
           if (index === active) classes.push("is-active");
           if (!row.signal && row.id === hovered) classes.push("is-hovered");
           if (row.found) classes.push("is-found");
           if (drop && drop.id === row.id && !row.signal) classes.push(`is-drop-${drop.zone}`);
-          const label = row.signal ? signal_label(row.signal) : label_of(element);
-          const signals = row.signal || element.path === "" ? undefined : by_owner.get(element.path);
+          const label = row.signal ? signalLabel(row.signal) : labelOf(element);
+          const signals = row.signal || element.path === "" ? undefined : byOwner.get(element.path);
           return (
             <div
-              key={row_key(row)}
-              id={`${prefix}-${row_key(row)}`}
+              key={rowKey(row)}
+              id={`${prefix}-${rowKey(row)}`}
               class={classes.join(" ")}
               role="treeitem"
               aria-level={row.depth + 1}
               aria-posinset={row.position}
               aria-setsize={row.siblings}
-              aria-selected={is_selected}
+              aria-selected={isSelected}
               aria-expanded={row.expanded === null ? undefined : row.expanded}
               aria-label={row.signal ? `${label} signal` : `${label} ${element.tag}`.trim()}
               data-element={row.signal ? undefined : row.id}
@@ -322,36 +322,36 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
               draggable={renaming !== row.id || row.signal !== null}
               onClick={(event) => {
                 // The field for the name keeps the focus.
-                if (!(event.target as HTMLElement).closest("input")) select_row(index, event);
+                if (!(event.target as HTMLElement).closest("input")) selectRow(index, event);
               }}
               onDblClick={(event) => {
                 if (!(event.target as HTMLElement).closest("input, button")) activate(row);
               }}
               onContextMenu={(event) => {
                 event.preventDefault();
-                if (!row.signal && !selected.has(row.id)) select_row(index, { ctrlKey: false, metaKey: false, shiftKey: false });
-                open_menu(studio, row, event.clientX, event.clientY);
+                if (!row.signal && !selected.has(row.id)) selectRow(index, { ctrlKey: false, metaKey: false, shiftKey: false });
+                openMenu(studio, row, event.clientX, event.clientY);
               }}
-              onPointerEnter={() => (state.hovered.value = row.id > 0 ? (state.bodies_of(row.id)[0] ?? -1) : -1)}
-              onDragStart={(event) => drag_start(event, row)}
-              onDragEnd={() => set_drop(null)}
+              onPointerEnter={() => (state.hovered.value = row.id > 0 ? (state.bodiesOf(row.id)[0] ?? -1) : -1)}
+              onDragStart={(event) => dragStart(event, row)}
+              onDragEnd={() => setDrop(null)}
               onDragOver={(event) => {
-                const found = place_of(event, row);
+                const found = dropPosition(event, row);
                 if (found) {
                   event.preventDefault();
                   event.dataTransfer!.dropEffect = "move";
                 }
                 if (drop?.id !== (found ? row.id : undefined) || drop?.zone !== found?.zone) {
-                  set_drop(found ? { id: row.id, zone: found.zone } : null);
+                  setDrop(found ? { id: row.id, zone: found.zone } : null);
                 }
               }}
               onDrop={(event) => {
-                const found = place_of(event, row);
-                set_drop(null);
+                const found = dropPosition(event, row);
+                setDrop(null);
                 if (!found) return;
                 event.preventDefault();
-                const ops = drop_ops(elements, model_drag, found.target);
-                const what = model_drag.length === 1 ? label_of(elements[model_drag[0]!]!) : `${model_drag.length} elements`;
+                const ops = dropOps(elements, modelDrag, found.target);
+                const what = modelDrag.length === 1 ? labelOf(elements[modelDrag[0]!]!) : `${modelDrag.length} elements`;
                 if (ops.length > 0) void studio.edit(`move ${what}`, ops).then((made) => made?.length && studio.select(made));
               }}
             >
@@ -383,7 +383,7 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
                   aria-hidden="true"
                   onClick={(event) => {
                     event.stopPropagation();
-                    model.toggle_signals(row.id);
+                    model.toggleSignals(row.id);
                   }}
                 >
                   <Icon tag="signal" />
@@ -398,4 +398,4 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
 }
 
 // What is dragged, for dragover: the data itself can be read on drop only.
-let model_drag: readonly number[] = [];
+let modelDrag: readonly number[] = [];

@@ -3,19 +3,19 @@ import { BackSide, Color, DoubleSide, Group, Mesh, PlaneGeometry, ShaderMaterial
 import type { PerspectiveCamera } from "three";
 
 // The light sky is that of the pictures of the command line.
-const SKIES = {
+const kSkies = {
   light: { zenith: [0.36, 0.56, 0.8], horizon: [0.86, 0.91, 0.96], nadir: [0.62, 0.63, 0.64] },
   dark: { zenith: [0.07, 0.1, 0.15], horizon: [0.2, 0.24, 0.29], nadir: [0.11, 0.12, 0.14] },
 } as const;
 
-const SKY_VERTEX = `
+const kSkyVertex = `
 varying vec3 v_ray;
 void main() {
   v_ray = position;
   vec4 p = projectionMatrix * mat4(mat3(viewMatrix)) * vec4(position, 1.0);
   gl_Position = p.xyww;
 }`;
-const SKY_FRAGMENT = `
+const kSkyFragment = `
 varying vec3 v_ray;
 uniform vec3 zenith;
 uniform vec3 horizon;
@@ -29,29 +29,29 @@ void main() {
   #include <colorspace_fragment>
 }`;
 
-const GRID_VERTEX = `
-varying vec2 v_place;
+const kGridVertex = `
+varying vec2 v_position;
 void main() {
   vec4 w = modelMatrix * vec4(position, 1.0);
-  v_place = w.xy;
+  v_position = w.xy;
   gl_Position = projectionMatrix * viewMatrix * w;
 }`;
 // Lines one pixel wide, whatever the distance; the finer ones fade where they would run together.
-const GRID_FRAGMENT = `
-varying vec2 v_place;
+const kGridFragment = `
+varying vec2 v_position;
 uniform float cell;
 uniform vec2 middle;
-uniform float reach;
+uniform float radius;
 uniform vec3 color;
 float lines(float size) {
-  vec2 at = v_place / size;
+  vec2 at = v_position / size;
   vec2 width = fwidth(at);
   vec2 away = abs(fract(at - 0.5) - 0.5) / max(width, vec2(1e-6));
   float near = 1.0 - min(min(away.x, away.y), 1.0);
   return near * (1.0 - smoothstep(0.15, 0.5, max(width.x, width.y)));
 }
 void main() {
-  float fade = 1.0 - smoothstep(0.3, 1.0, length(v_place - middle) / reach);
+  float fade = 1.0 - smoothstep(0.3, 1.0, length(v_position - middle) / radius);
   float a = max(0.25 * lines(cell), 0.6 * lines(10.0 * cell)) * fade;
   if (a < 0.004) discard;
   gl_FragColor = vec4(color, a);
@@ -59,7 +59,7 @@ void main() {
 }`;
 
 /** Distance of the finer lines [m]: a power of ten, at least a thirtieth of the visible extent. */
-export function grid_cell(distance: number): number {
+export function gridCell(distance: number): number {
   return 10 ** Math.ceil(Math.log10(Math.max(distance, 1e-4) / 30));
 }
 
@@ -73,8 +73,8 @@ export class Backdrop {
     this.sky = new Mesh(
       new SphereGeometry(1, 16, 12),
       new ShaderMaterial({
-        vertexShader: SKY_VERTEX,
-        fragmentShader: SKY_FRAGMENT,
+        vertexShader: kSkyVertex,
+        fragmentShader: kSkyFragment,
         uniforms: { zenith: color(), horizon: color(), nadir: color() },
         side: BackSide,
         depthWrite: false,
@@ -86,9 +86,9 @@ export class Backdrop {
     this.grid = new Mesh(
       new PlaneGeometry(2, 2),
       new ShaderMaterial({
-        vertexShader: GRID_VERTEX,
-        fragmentShader: GRID_FRAGMENT,
-        uniforms: { cell: { value: 1 }, middle: { value: new Vector3() }, reach: { value: 1 }, color: color() },
+        vertexShader: kGridVertex,
+        fragmentShader: kGridFragment,
+        uniforms: { cell: { value: 1 }, middle: { value: new Vector3() }, radius: { value: 1 }, color: color() },
         side: DoubleSide,
         transparent: true,
         depthWrite: false,
@@ -100,25 +100,25 @@ export class Backdrop {
     this.root.traverse((o) => (o.raycast = () => {}));
   }
 
-  set_theme(theme: "light" | "dark", grid_color: string): void {
-    const sky = SKIES[theme];
+  setTheme(theme: "light" | "dark", gridColor: string): void {
+    const sky = kSkies[theme];
     for (const name of ["zenith", "horizon", "nadir"] as const) {
       const [r, g, b] = sky[name];
       (this.sky.material.uniforms[name]!.value as Color).setRGB(r, g, b, "srgb");
     }
-    (this.grid.material.uniforms.color!.value as Color).set(grid_color);
+    (this.grid.material.uniforms.color!.value as Color).set(gridColor);
   }
 
-  show_grid(shown: boolean): void {
+  showGrid(shown: boolean): void {
     this.grid.visible = shown;
   }
 
   /** Puts the grid around the camera's target. */
   follow(camera: PerspectiveCamera, target: Vector3): void {
     const distance = camera.position.distanceTo(target);
-    const { cell, middle, reach } = this.grid.material.uniforms;
-    cell!.value = grid_cell(distance);
-    reach!.value = 12 * distance;
+    const { cell, middle, radius } = this.grid.material.uniforms;
+    cell!.value = gridCell(distance);
+    radius!.value = 12 * distance;
     (middle!.value as Vector3).copy(target);
     this.grid.position.set(target.x, target.y, 0);
     this.grid.scale.setScalar(12 * distance);

@@ -17,8 +17,8 @@ import {
   type Texture,
 } from "three";
 import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
-import { pose_at, place_matrix, scaled_matrix } from "./pose";
-import { box, cylinder, rectangle, round, textured, triangles_of, type Triangles } from "./triangles";
+import { poseAt, writeMatrix, scaledMatrix } from "./pose";
+import { box, cylinder, rectangle, round, textured, trianglesOf, type Triangles } from "./triangles";
 
 /** A shape of a body, where it is drawn. */
 interface Item {
@@ -42,10 +42,10 @@ export interface BatchOptions {
   slow: boolean;
 }
 
-const GHOST_OPACITY = 0.4;
-const MANY_ROUND = 300;
+const kGhostOpacity = 0.4;
+const kManyRound = 300;
 
-function geometry_of(t: Triangles): BufferGeometry {
+function geometryOf(t: Triangles): BufferGeometry {
   const made = new BufferGeometry();
   made.setAttribute("position", new BufferAttribute(new Float32Array(t.positions), 3));
   made.setAttribute("normal", new BufferAttribute(new Float32Array(t.normals), 3));
@@ -58,8 +58,8 @@ function geometry_of(t: Triangles): BufferGeometry {
 export class Batches {
   readonly root = new Group();
   private readonly items: Item[] = [];
-  private readonly by_mesh = new Map<object, Item[]>();
-  private readonly by_body = new Map<number, Item[]>();
+  private readonly byMesh = new Map<object, Item[]>();
+  private readonly byBody = new Map<number, Item[]>();
   private readonly geometries = new Map<string, BufferGeometry>();
   private readonly materials = new Map<string, MeshLambertMaterial>();
   private readonly textures: Texture[] = [];
@@ -75,26 +75,26 @@ export class Batches {
       return body.shapes.filter((s) => s.visual).map((shape) => ({ body: b, shape }));
     });
     const curved = new Set(["sphere", "cylinder", "capsule"]);
-    const many = visible.filter((v) => curved.has(v.shape.type)).length > MANY_ROUND;
+    const many = visible.filter((v) => curved.has(v.shape.type)).length > kManyRound;
     this.segments = (many ? 20 : 48) - (options.slow ? 8 : 0);
 
     const groups = new Map<string, { body: number; shape: SceneShape }[]>();
     for (const one of visible) {
-      const key = this.is_alone(one.shape) ? `alone ${groups.size}` : this.group_key(one.shape);
+      const key = this.isAlone(one.shape) ? `alone ${groups.size}` : this.groupKey(one.shape);
       const group = groups.get(key);
       if (group) group.push(one);
       else groups.set(key, [one]);
     }
-    for (const members of groups.values()) this.add_group(members);
+    for (const members of groups.values()) this.addGroup(members);
     this.root.matrixAutoUpdate = false;
   }
 
   /** See-through things are drawn from far to near, each by itself. */
-  private is_alone(shape: SceneShape): boolean {
+  private isAlone(shape: SceneShape): boolean {
     return !this.options.ghost && shape.color[3] < 1;
   }
 
-  private geometry_key(shape: SceneShape): string {
+  private geometryKey(shape: SceneShape): string {
     const by = shape.texture && !this.options.ghost ? ` ${shape.size.join(" ")} ${shape.tile.join(" ")}` : "";
     if (shape.type === "capsule") return `capsule ${shape.size.join(" ")}${by && shape.tile.join(" ")}`;
     if (shape.type === "mesh") return `mesh ${shape.mesh}${by}`;
@@ -102,48 +102,48 @@ export class Batches {
     return shape.type + by;
   }
 
-  private group_key(shape: SceneShape): string {
-    return `${this.geometry_key(shape)} | ${this.options.ghost ? "" : shape.texture}`;
+  private groupKey(shape: SceneShape): string {
+    return `${this.geometryKey(shape)} | ${this.options.ghost ? "" : shape.texture}`;
   }
 
   /** Of size 1 where one size makes all others by scaling. */
-  private is_unit(shape: SceneShape): boolean {
+  private isUnit(shape: SceneShape): boolean {
     const plain = !shape.texture || this.options.ghost !== undefined;
     return plain && ["box", "sphere", "cylinder", "plane"].includes(shape.type);
   }
 
   private geometry(shape: SceneShape): BufferGeometry {
-    const key = this.geometry_key(shape);
+    const key = this.geometryKey(shape);
     let made = this.geometries.get(key);
     if (made) return made;
     let t: Triangles;
-    if (!this.is_unit(shape)) {
-      t = triangles_of(this.scene, shape, this.segments);
+    if (!this.isUnit(shape)) {
+      t = trianglesOf(this.scene, shape, this.segments);
       if (shape.texture && !this.options.ghost) t = textured(this.scene, shape, t);
     } else if (shape.type === "sphere") t = round(1, 0, this.segments);
     else if (shape.type === "cylinder") t = cylinder(1, 1, this.segments);
     else if (shape.type === "plane") t = rectangle(1, 1);
     else t = box([1, 1, 1]);
-    made = geometry_of(t);
+    made = geometryOf(t);
     this.geometries.set(key, made);
     return made;
   }
 
-  private local_matrix(shape: SceneShape): Float64Array {
+  private localMatrix(shape: SceneShape): Float64Array {
     const [a = 1, b = 1, c = 1] = shape.size;
     let scale: Vec3 = [1, 1, 1];
-    if (this.is_unit(shape)) {
+    if (this.isUnit(shape)) {
       if (shape.type === "box") scale = [a, b, c];
       else if (shape.type === "sphere") scale = [a, a, a];
       else if (shape.type === "cylinder") scale = [a, a, b / 2];
       else if (shape.type === "plane") scale = [a, b, 1];
     }
-    return scaled_matrix(shape.pose, scale);
+    return scaledMatrix(shape.pose, scale);
   }
 
   private material(shape: SceneShape): MeshLambertMaterial {
     const { ghost } = this.options;
-    const alone = this.is_alone(shape);
+    const alone = this.isAlone(shape);
     const plane = shape.type === "plane";
     const texture = ghost ? "" : shape.texture;
     const key = ghost ? "ghost" : `${texture} ${plane} ${alone ? shape.color.join(" ") : ""}`;
@@ -153,7 +153,7 @@ export class Batches {
     if (ghost) {
       made.color = ghost;
       made.transparent = true;
-      made.opacity = GHOST_OPACITY;
+      made.opacity = kGhostOpacity;
       // Where both runs agree the solid one is seen, not a pattern of both.
       made.polygonOffset = true;
       made.polygonOffsetFactor = 1;
@@ -192,9 +192,9 @@ export class Batches {
     this.textures.push(texture);
   }
 
-  private add_group(members: { body: number; shape: SceneShape }[]): void {
+  private addGroup(members: { body: number; shape: SceneShape }[]): void {
     const first = members[0]!.shape;
-    const alone = this.is_alone(first);
+    const alone = this.isAlone(first);
     const geometry = this.geometry(first);
     const material = this.material(first);
     let mesh: Mesh | InstancedMesh;
@@ -219,37 +219,37 @@ export class Batches {
     mesh.receiveShadow = !this.options.ghost;
     if (this.options.ghost) mesh.renderOrder = 1;
     const items = members.map(({ body, shape }, i): Item => {
-      return { body, shape, local: this.local_matrix(shape), mesh, index: alone ? -1 : i };
+      return { body, shape, local: this.localMatrix(shape), mesh, index: alone ? -1 : i };
     });
-    this.by_mesh.set(mesh, items);
+    this.byMesh.set(mesh, items);
     for (const item of items) {
       this.items.push(item);
-      const of_body = this.by_body.get(item.body);
-      if (of_body) of_body.push(item);
-      else this.by_body.set(item.body, [item]);
+      const ofBody = this.byBody.get(item.body);
+      if (ofBody) ofBody.push(item);
+      else this.byBody.set(item.body, [item]);
     }
     this.root.add(mesh);
   }
 
   /** Puts everything at the poses of a frame; what has no pose is not drawn. */
-  place(poses: ArrayLike<number>): void {
+  moveTo(poses: ArrayLike<number>): void {
     const own = new Float32Array(16);
     for (const item of this.items) {
       const from = 7 * item.body;
       const sound = from + 6 < poses.length && Number.isFinite(poses[from]! + poses[from + 3]! + poses[from + 6]!);
       if (item.index >= 0) {
         const array = (item.mesh as InstancedMesh).instanceMatrix.array as Float32Array;
-        if (sound) place_matrix(array, 16 * item.index, poses, from, item.local);
+        if (sound) writeMatrix(array, 16 * item.index, poses, from, item.local);
         else array.fill(0, 16 * item.index, 16 * item.index + 16);
         continue;
       }
       item.mesh.visible = sound;
       if (!sound) continue;
-      place_matrix(own, 0, poses, from, item.local);
+      writeMatrix(own, 0, poses, from, item.local);
       item.mesh.matrix.fromArray(own);
       item.mesh.matrixWorldNeedsUpdate = true;
     }
-    for (const mesh of this.by_mesh.keys()) {
+    for (const mesh of this.byMesh.keys()) {
       if (!(mesh instanceof InstancedMesh)) continue;
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;
@@ -257,15 +257,15 @@ export class Batches {
   }
 
   /** The body a ray met; -1: something else. */
-  body_at(hit: Intersection): number {
-    const items = this.by_mesh.get(hit.object);
+  bodyAt(hit: Intersection): number {
+    const items = this.byMesh.get(hit.object);
     if (!items) return -1;
     return items[hit.instanceId ?? 0]?.body ?? -1;
   }
 
   /** The meshes of a body, for drawing it once more. */
   drawn(body: number): { geometry: BufferGeometry; matrix: Matrix4; plane: boolean }[] {
-    return (this.by_body.get(body) ?? []).map((item) => {
+    return (this.byBody.get(body) ?? []).map((item) => {
       const matrix = new Matrix4();
       if (item.index >= 0) (item.mesh as InstancedMesh).getMatrixAt(item.index, matrix);
       else matrix.copy(item.mesh.matrix);
@@ -273,14 +273,14 @@ export class Batches {
     });
   }
 
-  pose_of(poses: ArrayLike<number>, body: number): Pose {
-    return 7 * body + 6 < poses.length ? pose_at(poses, body) : this.scene.bodies[body]!.pose;
+  poseOf(poses: ArrayLike<number>, body: number): Pose {
+    return 7 * body + 6 < poses.length ? poseAt(poses, body) : this.scene.bodies[body]!.pose;
   }
 
   dispose(): void {
     this.gone = true;
     this.root.removeFromParent();
-    for (const mesh of this.by_mesh.keys()) if (mesh instanceof InstancedMesh) mesh.dispose();
+    for (const mesh of this.byMesh.keys()) if (mesh instanceof InstancedMesh) mesh.dispose();
     for (const made of this.geometries.values()) made.dispose();
     for (const made of this.materials.values()) made.dispose();
     for (const made of this.textures) made.dispose();

@@ -1,6 +1,6 @@
 // Boxes that enclose the visible bodies.
 import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
-import { compose, is_finite, pose_at, transform } from "./pose";
+import { compose, isFinite, poseAt, transform } from "./pose";
 
 /** Corners, world [m]. */
 export interface Bounds {
@@ -9,7 +9,7 @@ export interface Bounds {
 }
 
 /** The visible range of an empty scene: 2 m around the origin. */
-export const NOTHING: Bounds = { low: [-1, -1, -1], high: [1, 1, 1] };
+export const kNothing: Bounds = { low: [-1, -1, -1], high: [1, 1, 1] };
 
 export function joined(a: Bounds, b: Bounds): Bounds {
   const pick = (f: (a: number, b: number) => number, u: Vec3, v: Vec3): Vec3 => [
@@ -20,16 +20,16 @@ export function joined(a: Bounds, b: Bounds): Bounds {
   return { low: pick(Math.min, a.low, b.low), high: pick(Math.max, a.high, b.high) };
 }
 
-export function middle_of(b: Bounds): Vec3 {
+export function middleOf(b: Bounds): Vec3 {
   return [(b.low[0] + b.high[0]) / 2, (b.low[1] + b.high[1]) / 2, (b.low[2] + b.high[2]) / 2];
 }
 
 /** Half the diagonal [m]. */
-export function radius_of(b: Bounds): number {
+export function radiusOf(b: Bounds): number {
   return Math.hypot(b.high[0] - b.low[0], b.high[1] - b.low[1], b.high[2] - b.low[2]) / 2;
 }
 
-export function corners_of(b: Bounds): Vec3[] {
+export function cornersOf(b: Bounds): Vec3[] {
   return [0, 1, 2, 3, 4, 5, 6, 7].map((i): Vec3 => [
     i & 1 ? b.high[0] : b.low[0],
     i & 2 ? b.high[1] : b.low[1],
@@ -37,10 +37,10 @@ export function corners_of(b: Bounds): Vec3[] {
   ]);
 }
 
-const mesh_bounds = new WeakMap<object, Bounds>();
+const meshBounds = new WeakMap<object, Bounds>();
 
 /** In the shape's own frame. Of a plane: a point. */
-export function shape_bounds(scene: Scene, shape: SceneShape): Bounds {
+export function shapeBounds(scene: Scene, shape: SceneShape): Bounds {
   const half = (x: number, y: number, z: number): Bounds => ({ low: [-x, -y, -z], high: [x, y, z] });
   const [a = 0, b = 0, c = 0] = shape.size;
   switch (shape.type) {
@@ -57,7 +57,7 @@ export function shape_bounds(scene: Scene, shape: SceneShape): Bounds {
     case "mesh": {
       const mesh = scene.meshes[shape.mesh ?? -1];
       if (!mesh || mesh.positions.length < 3) return half(0, 0, 0);
-      let known = mesh_bounds.get(mesh);
+      let known = meshBounds.get(mesh);
       if (!known) {
         const low: Vec3 = [Infinity, Infinity, Infinity];
         const high: Vec3 = [-Infinity, -Infinity, -Infinity];
@@ -66,19 +66,19 @@ export function shape_bounds(scene: Scene, shape: SceneShape): Bounds {
           low[k] = Math.min(low[k], v);
           high[k] = Math.max(high[k], v);
         });
-        mesh_bounds.set(mesh, (known = { low, high }));
+        meshBounds.set(mesh, (known = { low, high }));
       }
       return known;
     }
     case "heightmap": {
       const map = scene.heightmaps[shape.heightmap ?? -1];
       if (!map || map.heights.length === 0) return half(0, 0, 0);
-      let known = mesh_bounds.get(map);
+      let known = meshBounds.get(map);
       if (!known) {
         const low = map.heights.reduce((x, y) => Math.min(x, y), Infinity);
         const high = map.heights.reduce((x, y) => Math.max(x, y), -Infinity);
         known = { low: [-map.size[0] / 2, -map.size[1] / 2, low], high: [map.size[0] / 2, map.size[1] / 2, high] };
-        mesh_bounds.set(map, known);
+        meshBounds.set(map, known);
       }
       return known;
     }
@@ -86,17 +86,17 @@ export function shape_bounds(scene: Scene, shape: SceneShape): Bounds {
 }
 
 /** Of the visible shapes but planes of the bodies named by index (all without), at the poses of a frame; null: nothing. */
-export function visible_bounds(scene: Scene, poses: ArrayLike<number>, bodies?: Iterable<number>): Bounds | null {
+export function visibleBounds(scene: Scene, poses: ArrayLike<number>, bodies?: Iterable<number>): Bounds | null {
   let all: Bounds | null = null;
   for (const i of bodies ?? scene.bodies.keys()) {
     const body = scene.bodies[i];
     if (!body || body.removed) continue;
-    const pose: Pose = 7 * i + 6 < poses.length ? pose_at(poses, i) : body.pose;
-    if (!is_finite(pose)) continue;
+    const pose: Pose = 7 * i + 6 < poses.length ? poseAt(poses, i) : body.pose;
+    if (!isFinite(pose)) continue;
     for (const shape of body.shapes) {
       if (!shape.visual || shape.type === "plane") continue;
       const here = compose(pose, shape.pose);
-      for (const corner of corners_of(shape_bounds(scene, shape))) {
+      for (const corner of cornersOf(shapeBounds(scene, shape))) {
         const p = transform(here, corner);
         const point = { low: p, high: p };
         all = all ? joined(all, point) : point;

@@ -2,15 +2,15 @@
 import { MOUSE, PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Pose, Vec3 } from "../core/protocol";
-import { middle_of, NOTHING, radius_of, type Bounds } from "./bounds";
-import { camera_pose, direction_of, distance_for, vertical_fov, type ViewName } from "./views";
+import { middleOf, kNothing, radiusOf, type Bounds } from "./bounds";
+import { cameraPose, directionOf, distanceFor, verticalFov, type ViewName } from "./views";
 
 export class Eye {
   readonly camera = new PerspectiveCamera(40, 1, 0.01, 1000);
   readonly controls: OrbitControls;
   /** Whether a user has ever moved it. */
   touched = false;
-  private reach = 2;
+  private farthest = 2;
   private followed: Vec3 | null = null;
 
   constructor(element: HTMLElement, changed: () => void) {
@@ -23,30 +23,30 @@ export class Eye {
     this.controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
     this.controls.addEventListener("change", changed);
     this.controls.addEventListener("start", () => (this.touched = true));
-    this.look("iso", NOTHING);
+    this.look("iso", kNothing);
     this.touched = false;
   }
 
-  set_size(width: number, height: number): void {
+  setSize(width: number, height: number): void {
     this.camera.aspect = width / Math.max(height, 1);
-    this.camera.fov = (vertical_fov(this.camera.aspect) * 180) / Math.PI;
+    this.camera.fov = (verticalFov(this.camera.aspect) * 180) / Math.PI;
     this.camera.updateProjectionMatrix();
   }
 
   /** Shows all of the bounds from a side. */
   look(view: ViewName, bounds: Bounds): void {
-    this.place(direction_of(view), bounds);
+    this.lookAlong(directionOf(view), bounds);
   }
 
   /** Shows all of the bounds from where one looks now. */
   fit(bounds: Bounds): void {
     const d = this.camera.position.clone().sub(this.controls.target).normalize();
-    this.place([d.x, d.y, d.z], bounds);
+    this.lookAlong([d.x, d.y, d.z], bounds);
   }
 
-  private place(direction: Vec3, bounds: Bounds): void {
-    const middle = middle_of(bounds);
-    const distance = distance_for(bounds, direction, this.camera.aspect);
+  private lookAlong(direction: Vec3, bounds: Bounds): void {
+    const middle = middleOf(bounds);
+    const distance = distanceFor(bounds, direction, this.camera.aspect);
     this.touched = true;
     this.controls.target.set(...middle);
     this.camera.position.set(...middle).addScaledVector(new Vector3(...direction), distance);
@@ -66,7 +66,7 @@ export class Eye {
   }
 
   /** Looks at a point from as far as now. */
-  look_at(point: Vec3): void {
+  lookAt(point: Vec3): void {
     const moved = new Vector3(...point).sub(this.controls.target);
     this.camera.position.add(moved);
     this.controls.target.add(moved);
@@ -89,13 +89,13 @@ export class Eye {
   /** Near and far planes that hold everything and waste little depth. */
   adjust(bounds: Bounds | null): void {
     if (bounds) {
-      const far = this.camera.position.distanceTo(new Vector3(...middle_of(bounds)));
-      this.reach = far + radius_of(bounds);
+      const far = this.camera.position.distanceTo(new Vector3(...middleOf(bounds)));
+      this.farthest = far + radiusOf(bounds);
     }
     const distance = this.camera.position.distanceTo(this.controls.target);
     this.camera.near = Math.max(1e-3, 0.005 * distance);
     // far enough for the ground behind, too
-    this.camera.far = 20 * (distance + this.reach);
+    this.camera.far = 20 * (distance + this.farthest);
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
   }
@@ -104,7 +104,7 @@ export class Eye {
   pose(): Pose {
     const { position } = this.camera;
     const { target } = this.controls;
-    return camera_pose([position.x, position.y, position.z], [target.x, target.y, target.z]);
+    return cameraPose([position.x, position.y, position.z], [target.x, target.y, target.z]);
   }
 
   dispose(): void {

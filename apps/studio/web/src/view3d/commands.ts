@@ -1,23 +1,23 @@
 // What can be done with views, overlays and handles.
 import { effect } from "@preact/signals-core";
 import type { Studio } from "../core/studio";
-import { bodies_of } from "./selecting";
+import { bodiesOf } from "./selecting";
 import {
-  handle_mode,
-  handles_local,
-  handles_snap,
+  handleMode,
+  handlesLocal,
+  handlesSnap,
   marked,
-  open_views,
-  OVERLAY_LABELS,
-  OVERLAYS,
+  openViews,
+  kOverlayLabels,
+  kOverlays,
   overlays,
-  view_request,
+  viewRequest,
   type HandleMode,
 } from "./settings";
 import { Subscription } from "./subscription";
-import { VIEWS } from "./views";
+import { kViews } from "./views";
 
-const VIEW_LABELS: Record<string, [label: string, caption: string]> = {
+const kViewLabels: Record<string, [label: string, caption: string]> = {
   front: ["Front", "From +x"],
   back: ["Back", "From \u2212x"],
   left: ["Left", "From +y"],
@@ -28,24 +28,24 @@ const VIEW_LABELS: Record<string, [label: string, caption: string]> = {
 };
 
 /** Name of the body to follow: the first of the selection that moves; "": none. */
-function to_follow(studio: Studio): string {
+function toFollow(studio: Studio): string {
   const { state } = studio;
   const scene = state.scene.peek();
   if (!scene) return "";
-  const bodies = [...bodies_of(state, state.selection.peek())];
+  const bodies = [...bodiesOf(state, state.selection.peek())];
   if (marked.peek() >= 0) bodies.push(marked.peek());
   const all = bodies.map((b) => scene.bodies[b]!).filter(Boolean);
   return (all.find((b) => b.kind !== "fixed") ?? all[0])?.name ?? "";
 }
 
-export function register_commands(studio: Studio): void {
+export function registerCommands(studio: Studio): void {
   const { commands, state } = studio;
-  const look = (what: NonNullable<typeof view_request.value>["what"]) => {
-    if (open_views.peek() === 0) studio.open_panel("view3d");
-    view_request.value = { what };
+  const look = (what: NonNullable<typeof viewRequest.value>["what"]) => {
+    if (openViews.peek() === 0) studio.openPanel("view3d");
+    viewRequest.value = { what };
   };
-  for (const view of VIEWS) {
-    const [label, caption] = VIEW_LABELS[view]!;
+  for (const view of kViews) {
+    const [label, caption] = kViewLabels[view]!;
     commands.addCommand(`view:${view}`, { label, caption, execute: () => look(view) });
   }
   commands.addCommand("view:focus", {
@@ -59,15 +59,15 @@ export function register_commands(studio: Studio): void {
     caption: "The view moves along with a body",
     isToggleable: true,
     isToggled: () => state.followed.value !== "",
-    isEnabled: () => state.followed.value !== "" || to_follow(studio) !== "",
+    isEnabled: () => state.followed.value !== "" || toFollow(studio) !== "",
     execute: () => {
-      state.followed.value = state.followed.peek() ? "" : to_follow(studio);
+      state.followed.value = state.followed.peek() ? "" : toFollow(studio);
     },
   });
 
-  for (const name of OVERLAYS) {
+  for (const name of kOverlays) {
     commands.addCommand(`overlay:${name}`, {
-      label: `Show ${OVERLAY_LABELS[name]}`,
+      label: `Show ${kOverlayLabels[name]}`,
       isToggleable: true,
       isToggled: () => overlays[name].value,
       execute: () => {
@@ -81,10 +81,10 @@ export function register_commands(studio: Studio): void {
       label,
       caption,
       isToggleable: true,
-      isToggled: () => handle_mode.value === mode,
-      isEnabled: () => state.may_edit.value,
+      isToggled: () => handleMode.value === mode,
+      isEnabled: () => state.mayEdit.value,
       execute: () => {
-        handle_mode.value = handle_mode.peek() === mode ? "off" : mode;
+        handleMode.value = handleMode.peek() === mode ? "off" : mode;
       },
     });
   handle("move", "Move with Handles", "Arrows on the selected thing move it; Escape while dragging takes it back");
@@ -93,35 +93,35 @@ export function register_commands(studio: Studio): void {
     label: "Handles along the Thing's Own Axes",
     caption: "Along its own axes instead of those of the world",
     isToggleable: true,
-    isToggled: () => handles_local.value,
-    isEnabled: () => state.may_edit.value,
+    isToggled: () => handlesLocal.value,
+    isEnabled: () => state.mayEdit.value,
     execute: () => {
-      handles_local.value = !handles_local.peek();
+      handlesLocal.value = !handlesLocal.peek();
     },
   });
   commands.addCommand("handles:snap", {
     label: "Handles Snap",
     caption: "In steps of 1 cm and 15\u00b0",
     isToggleable: true,
-    isToggled: () => handles_snap.value,
-    isEnabled: () => state.may_edit.value,
+    isToggled: () => handlesSnap.value,
+    isEnabled: () => state.mayEdit.value,
     execute: () => {
-      handles_snap.value = !handles_snap.peek();
+      handlesSnap.value = !handlesSnap.peek();
     },
   });
 
   // menus and buttons show active options
   effect(() => {
-    state.followed.value;
-    state.selection.value;
-    state.may_edit.value;
-    for (const depends of [handle_mode, handles_local, handles_snap, marked, ...Object.values(overlays)]) depends.value;
+    void state.followed.value;
+    void state.selection.value;
+    void state.mayEdit.value;
+    for (const depends of [handleMode, handlesLocal, handlesSnap, marked, ...Object.values(overlays)]) void depends.value;
     for (const id of commands.listCommands()) {
       if (/^(view:follow|overlay:|handles:)/.test(id)) commands.notifyCommandChanged(id);
     }
   });
   effect(() => {
-    const any = open_views.value > 0;
+    const any = openViews.value > 0;
     studio.services.get(Subscription).set("view3d", {
       readings: any && overlays.rays.value,
       contacts: any && overlays.contacts.value,

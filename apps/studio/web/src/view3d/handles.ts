@@ -4,12 +4,12 @@ import { TransformControls } from "three/examples/jsm/controls/TransformControls
 import type { Camera, Scene as ThreeScene } from "three";
 import type { Pose, Scene } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { carried, compose, inverse, is_finite, pose_at, tidy } from "./pose";
-import { bodies_in, movable, type Movable } from "./selecting";
-import { handle_mode, handles_local, handles_snap, SNAP_ANGLE, SNAP_LENGTH } from "./settings";
+import { carried, compose, inverse, isFinite, poseAt, tidy } from "./pose";
+import { bodiesIn, movable, type Movable } from "./selecting";
+import { handleMode, handlesLocal, handlesSnap, kSnapAngle, kSnapLength } from "./settings";
 
 /** How long a change that the server took is shown before its scene comes [ms]. */
-const PATIENCE = 3000;
+const kPatience = 3000;
 
 export class Handles {
   /** Poses that are shown instead of the frame's: of dragged bodies. */
@@ -42,7 +42,7 @@ export class Handles {
     this.controls.addEventListener("dragging-changed", (event) => {
       this.hooks.dragging(Boolean(event.value));
       if (event.value) this.grab();
-      else void this.let_go();
+      else void this.release();
     });
     this.controls.addEventListener("objectChange", () => this.moved());
   }
@@ -60,17 +60,17 @@ export class Handles {
     if (this.controls.dragging) return;
     const { state } = this.studio;
     const element = state.selection.value.at(-1) ?? -1;
-    const mode = handle_mode.value;
+    const mode = handleMode.value;
     this.what = null;
     let problem = "";
-    if (scene && poses && element >= 0 && mode !== "off" && state.may_edit.value) {
+    if (scene && poses && element >= 0 && mode !== "off" && state.mayEdit.value) {
       const found = movable(scene, element);
       if (typeof found === "string") problem = found;
       else this.what = found;
     }
     this.hooks.note(problem);
-    const pose = this.what && scene && poses ? this.place_of(scene, poses) : null;
-    if (!this.what || !pose || !is_finite(pose)) {
+    const pose = this.what && scene && poses ? this.poseOf(scene, poses) : null;
+    if (!this.what || !pose || !isFinite(pose)) {
       if (this.controls.object) this.controls.detach();
       return;
     }
@@ -78,21 +78,21 @@ export class Handles {
     this.proxy.quaternion.set(pose[4], pose[5], pose[6], pose[3]);
     this.proxy.updateMatrixWorld();
     this.controls.setMode(mode === "rotate" ? "rotate" : "translate");
-    this.controls.setSpace(handles_local.value ? "local" : "world");
-    this.controls.setTranslationSnap(handles_snap.value ? SNAP_LENGTH : null);
-    this.controls.setRotationSnap(handles_snap.value ? SNAP_ANGLE : null);
+    this.controls.setSpace(handlesLocal.value ? "local" : "world");
+    this.controls.setTranslationSnap(handlesSnap.value ? kSnapLength : null);
+    this.controls.setRotationSnap(handlesSnap.value ? kSnapAngle : null);
     if (this.controls.object !== this.proxy) this.controls.attach(this.proxy);
   }
 
   /** Where the thing's frame is now. An assembly is carried along by its first body. */
-  private place_of(scene: Scene, poses: ArrayLike<number>): Pose | null {
+  private poseOf(scene: Scene, poses: ArrayLike<number>): Pose | null {
     const { kind, index } = this.what!;
     const now = (body: number): Pose => {
       const held = this.held.get(body);
-      return held ?? (7 * body + 6 < poses.length ? pose_at(poses, body) : scene.bodies[body]!.pose);
+      return held ?? (7 * body + 6 < poses.length ? poseAt(poses, body) : scene.bodies[body]!.pose);
     };
     if (kind === "body") return now(index);
-    const first = bodies_in(scene, index)[0];
+    const first = bodiesIn(scene, index)[0];
     const { pose } = scene.assemblies[index]!;
     return first === undefined ? pose : carried(pose, scene.bodies[first]!.pose, now(first));
   }
@@ -107,14 +107,14 @@ export class Handles {
     const frame = this.studio.state.frame.peek();
     if (!scene || !this.what) return;
     this.start = this.here();
-    const bodies = this.what.kind === "body" ? [this.what.index] : bodies_in(scene, this.what.index);
+    const bodies = this.what.kind === "body" ? [this.what.index] : bodiesIn(scene, this.what.index);
     this.starts = new Map(
       bodies.map((body) => {
-        const shown = frame && 7 * body + 6 < frame.poses.length ? pose_at(frame.poses, body) : scene.bodies[body]!.pose;
+        const shown = frame && 7 * body + 6 < frame.poses.length ? poseAt(frame.poses, body) : scene.bodies[body]!.pose;
         return [body, this.held.get(body) ?? shown];
       }),
     );
-    this.element.ownerDocument.addEventListener("keydown", this.on_key, true);
+    this.element.ownerDocument.addEventListener("keydown", this.onKey, true);
   }
 
   private moved(): void {
@@ -124,7 +124,7 @@ export class Handles {
     this.hooks.changed();
   }
 
-  private readonly on_key = (event: KeyboardEvent): void => {
+  private readonly onKey = (event: KeyboardEvent): void => {
     if (event.key !== "Escape" || !this.controls.dragging) return;
     event.preventDefault();
     event.stopPropagation();
@@ -135,8 +135,8 @@ export class Handles {
     this.drop();
   };
 
-  private async let_go(): Promise<void> {
-    this.element.ownerDocument.removeEventListener("keydown", this.on_key, true);
+  private async release(): Promise<void> {
+    this.element.ownerDocument.removeEventListener("keydown", this.onKey, true);
     const { what, start } = this;
     this.start = null;
     if (!what || !start || this.held.size === 0) return;
@@ -151,7 +151,7 @@ export class Handles {
       .catch(() => null);
     this.busy = false;
     if (done === null) this.drop();
-    else this.timer = setTimeout(() => this.drop(), PATIENCE);
+    else this.timer = setTimeout(() => this.drop(), kPatience);
   }
 
   /** The scene with the change has come, or none will. */
@@ -166,7 +166,7 @@ export class Handles {
 
   dispose(): void {
     clearTimeout(this.timer);
-    this.element.ownerDocument.removeEventListener("keydown", this.on_key, true);
+    this.element.ownerDocument.removeEventListener("keydown", this.onKey, true);
     this.controls.detach();
     this.controls.getHelper().removeFromParent();
     this.controls.dispose();

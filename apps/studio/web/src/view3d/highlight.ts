@@ -18,7 +18,7 @@ import type { Batches } from "./batches";
 
 // The things are drawn white into a picture of their own: selected ones into red, the hovered one into green. A pixel
 // near its edge belongs to the outline.
-const FRAGMENT = `
+const kFragment = `
 varying vec2 v_uv;
 uniform sampler2D mask;
 uniform vec2 step_size;
@@ -39,11 +39,11 @@ void main() {
   gl_FragColor = vec4(mix(hovered, selected, s / (s + h)), a);
   #include <colorspace_fragment>
 }`;
-const VERTEX = `
+const kVertex = `
 varying vec2 v_uv;
 void main() { v_uv = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }`;
 
-const WIDTH = 2.5;
+const kWidth = 2.5;
 
 export class Highlight {
   private readonly scene = new Scene();
@@ -59,8 +59,8 @@ export class Highlight {
     this.quad = new Mesh(
       new PlaneGeometry(2, 2),
       new ShaderMaterial({
-        vertexShader: VERTEX,
-        fragmentShader: FRAGMENT,
+        vertexShader: kVertex,
+        fragmentShader: kFragment,
         uniforms: {
           mask: { value: null },
           step_size: { value: new Vector2() },
@@ -76,7 +76,7 @@ export class Highlight {
     this.scene.matrixAutoUpdate = false;
   }
 
-  set_colors(selected: string, hovered: string): void {
+  setColors(selected: string, hovered: string): void {
     const { uniforms } = this.quad.material;
     (uniforms.selected!.value as Color).set(selected);
     (uniforms.hovered!.value as Color).set(hovered);
@@ -115,7 +115,7 @@ export class Highlight {
     }
     const { uniforms } = this.quad.material;
     uniforms.mask!.value = this.target.texture;
-    const width = WIDTH * renderer.getPixelRatio();
+    const width = kWidth * renderer.getPixelRatio();
     (uniforms.step_size!.value as Vector2).set(width / size.x, width / size.y);
     const clear = renderer.autoClear;
     renderer.setRenderTarget(this.target);

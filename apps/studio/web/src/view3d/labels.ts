@@ -1,11 +1,11 @@
 // Names in front of the 3D view, each where its thing is; as many as there is space for.
 import { Vector3, type PerspectiveCamera } from "three";
 import type { Scene } from "../core/protocol";
-import { radius_of, shape_bounds } from "./bounds";
-import { pose_at } from "./pose";
-import { top_assembly } from "./trails";
+import { radiusOf, shapeBounds } from "./bounds";
+import { poseAt } from "./pose";
+import { topAssembly } from "./trails";
 
-const MOST = 80;
+const kMost = 80;
 
 export interface Label {
   text: string;
@@ -15,16 +15,16 @@ export interface Label {
 }
 
 /** One for each top-level assembly and for each body outside of any; what moves first. Planes have none. */
-export function labels_of(scene: Scene): Label[] {
+export function labelsOf(scene: Scene): Label[] {
   const seen = new Set<number>();
   const out: (Label & { moves: boolean })[] = [];
   scene.bodies.forEach((body, i) => {
     const shapes = body.shapes.filter((s) => s.visual && s.type !== "plane");
     if (body.removed || shapes.length === 0) return;
-    const top = top_assembly(scene, body.assembly);
+    const top = topAssembly(scene, body.assembly);
     if (top >= 0 && seen.has(top)) return;
     if (top >= 0) seen.add(top);
-    const height = Math.max(...shapes.map((s) => Math.min(radius_of(shape_bounds(scene, s)), 0.5)));
+    const height = Math.max(...shapes.map((s) => Math.min(radiusOf(shapeBounds(scene, s)), 0.5)));
     const text = top >= 0 ? scene.assemblies[top]!.name : body.name;
     out.push({ text, body: i, height, moves: body.kind !== "fixed" });
   });
@@ -43,7 +43,7 @@ export class Labels {
   }
 
   adopt(scene: Scene): void {
-    this.labels = labels_of(scene);
+    this.labels = labelsOf(scene);
     this.element.replaceChildren();
     this.spans = [];
   }
@@ -55,9 +55,9 @@ export class Labels {
     let used = 0;
     const projected = new Vector3();
     for (const label of this.labels) {
-      if (used >= MOST) break;
+      if (used >= kMost) break;
       if (7 * label.body + 6 >= poses.length) continue;
-      const pose = pose_at(poses, label.body);
+      const pose = poseAt(poses, label.body);
       projected.set(pose[0], pose[1], pose[2] + label.height).project(camera);
       if (!(projected.z > -1 && projected.z < 1)) continue;
       const x = ((projected.x + 1) / 2) * width;

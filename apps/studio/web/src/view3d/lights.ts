@@ -12,31 +12,31 @@ import {
   type Light,
 } from "three";
 import type { Scene, Vec3 } from "../core/protocol";
-import { middle_of, radius_of, type Bounds } from "./bounds";
+import { middleOf, radiusOf, type Bounds } from "./bounds";
 import { transform } from "./pose";
 
 /** A white wall that faces one light of intensity 1 comes out white; what no light reaches has a rest by direction. */
-const LIGHT_SHARE = 0.8;
-const AMBIENT_MIDDLE = 0.19;
-const AMBIENT_TOWARD: Vec3 = [0.01, -0.05, 0.09];
+const kLightShare = 0.8;
+const kAmbientMiddle = 0.19;
+const kAmbientToward: Vec3 = [0.01, -0.05, 0.09];
 /** At this distance a lamp is half as bright as close by [m]; beyond, it falls off with the square. */
-const LAMP_RANGE = 6;
+const kLampRange = 6;
 /** Share of a spot's cone that has full brightness. */
-const SPOT_EDGE = 0.85;
+const kSpotEdge = 0.85;
 /** Without lights in the scene: directions and brightness of a key light from the upper left, a weak one from the right. */
-const KEY: Vec3 = [-0.7, 0.3, -1];
-const FILL: Vec3 = [0.05, -0.9, -0.5];
-const FILL_SHARE = 0.16;
-const MOST_LIGHTS = 16;
+const kKey: Vec3 = [-0.7, 0.3, -1];
+const kFill: Vec3 = [0.05, -0.9, -0.5];
+const kFillShare = 0.16;
+const kMostLights = 16;
 /** Each takes one of the 16 textures that a fragment may look at. */
-const MOST_SHADOWS = 6;
+const kMostShadows = 6;
 
 // Lamps fade as 1 / (1 + r^2 / range^2): finite close by. The library's own law is infinite there. `decay` carries
 // 1 / range^2.
-const FALLOFF = "float distanceFalloff = 1.0 / max( pow( lightDistance, decayExponent ), 0.01 );";
-if (!ShaderChunk.lights_pars_begin.includes(FALLOFF)) console.warn("lamps fade by another law than in pictures");
+const kFalloff = "float distanceFalloff = 1.0 / max( pow( lightDistance, decayExponent ), 0.01 );";
+if (!ShaderChunk.lights_pars_begin.includes(kFalloff)) console.warn("lamps fade by another law than in pictures");
 ShaderChunk.lights_pars_begin = ShaderChunk.lights_pars_begin.replace(
-  FALLOFF,
+  kFalloff,
   "float distanceFalloff = 1.0 / ( 1.0 + decayExponent * lightDistance * lightDistance );",
 );
 
@@ -49,10 +49,10 @@ export class Lights {
   constructor(scene: Scene, slow: boolean) {
     // The library divides what matt matter throws back by pi.
     const sky = new HemisphereLight(0xffffff, 0xffffff, Math.PI);
-    const more = Math.hypot(...AMBIENT_TOWARD);
-    sky.color.setScalar(AMBIENT_MIDDLE + more);
-    sky.groundColor.setScalar(AMBIENT_MIDDLE - more);
-    sky.position.set(...AMBIENT_TOWARD);
+    const more = Math.hypot(...kAmbientToward);
+    sky.color.setScalar(kAmbientMiddle + more);
+    sky.groundColor.setScalar(kAmbientMiddle - more);
+    sky.position.set(...kAmbientToward);
     this.root.add(sky);
 
     let shadows = 0;
@@ -62,7 +62,7 @@ export class Lights {
         light.target.position.set(position[0] + direction[0], position[1] + direction[1], position[2] + direction[2]);
         this.root.add(light.target);
       }
-      if (casts && shadows < MOST_SHADOWS) {
+      if (casts && shadows < kMostShadows) {
         shadows++;
         light.castShadow = true;
         const size = light instanceof DirectionalLight && !slow ? 2048 : 1024;
@@ -71,21 +71,21 @@ export class Lights {
       this.root.add(light);
       this.shining.push({ light, direction });
     };
-    for (const source of scene.lights.slice(0, MOST_LIGHTS)) {
+    for (const source of scene.lights.slice(0, kMostLights)) {
       const [r = 1, g = 1, b = 1] = source.color;
       const color = new Color().setRGB(r, g, b, SRGBColorSpace);
-      const intensity = Math.PI * LIGHT_SHARE * source.intensity;
+      const intensity = Math.PI * kLightShare * source.intensity;
       const position: Vec3 = [source.pose[0], source.pose[1], source.pose[2]];
       const ahead = transform(source.pose, [1, 0, 0]);
       const direction: Vec3 = [ahead[0] - position[0], ahead[1] - position[1], ahead[2] - position[2]];
-      const decay = 1 / (LAMP_RANGE * LAMP_RANGE);
+      const decay = 1 / (kLampRange * kLampRange);
       if (source.type === "directional") {
         add(new DirectionalLight(color, intensity), position, direction, source.shadows);
       } else if (source.type === "point") {
         add(new PointLight(color, intensity, 0, decay), position, direction, source.shadows);
       } else {
         const cone = Math.min(source.cone, 1.5);
-        add(new SpotLight(color, intensity, 0, cone, 1 - SPOT_EDGE, decay), position, direction, source.shadows);
+        add(new SpotLight(color, intensity, 0, cone, 1 - kSpotEdge, decay), position, direction, source.shadows);
       }
     }
     if (scene.lights.length === 0) {
@@ -95,15 +95,15 @@ export class Lights {
         // where it stands counts, as what it shines at is the origin
         add(new DirectionalLight(0xffffff, Math.PI * share), [-along[0], -along[1], -along[2]], along, casts);
       };
-      sun(KEY, LIGHT_SHARE, true);
-      sun(FILL, FILL_SHARE, false);
+      sun(kKey, kLightShare, true);
+      sun(kFill, kFillShare, false);
     }
   }
 
   /** Lets the shadow maps span everything that casts. Returns at once unless that changed enough to matter. */
   fit(bounds: Bounds): void {
-    const middle = middle_of(bounds);
-    const radius = Math.max(radius_of(bounds), 0.05);
+    const middle = middleOf(bounds);
+    const radius = Math.max(radiusOf(bounds), 0.05);
     if (this.fitted) {
       const moved = Math.hypot(...middle.map((v, i) => v - this.fitted!.middle[i]!));
       const spans = moved + radius <= this.fitted.radius;

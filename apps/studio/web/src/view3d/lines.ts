@@ -1,5 +1,5 @@
 // Many lines in one draw call, changed as often as frames come.
-import { BufferAttribute, BufferGeometry, Color, InstancedInterleavedBuffer, Points, PointsMaterial } from "three";
+import { BufferAttribute, BufferGeometry, Color, type InstancedInterleavedBuffer, Points, PointsMaterial } from "three";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
@@ -7,7 +7,7 @@ import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeome
 type Rgb = readonly [number, number, number];
 
 /** sRGB to the drawing's colour space. */
-export function linear_color(color: Rgb | string): Rgb {
+export function linearColor(color: Rgb | string): Rgb {
   const c = typeof color === "string" ? new Color(color) : new Color().setRGB(color[0], color[1], color[2], "srgb");
   return [c.r, c.g, c.b];
 }
@@ -19,10 +19,10 @@ export class Lines {
   private colors = new Float32Array(6 * 64);
   private made = 0;
 
-  /** `width` in pixels; `on_top`: seen through everything; `opacity` 0 to 1. */
-  constructor(width: number, on_top: boolean, opacity = 1) {
+  /** `width` in pixels; `onTop`: seen through everything; `opacity` 0 to 1. */
+  constructor(width: number, onTop: boolean, opacity = 1) {
     const material = new LineMaterial({ linewidth: width, vertexColors: true, worldUnits: false });
-    material.depthTest = !on_top;
+    material.depthTest = !onTop;
     material.depthWrite = false;
     material.transparent = true;
     material.opacity = opacity;
@@ -30,7 +30,7 @@ export class Lines {
     material.polygonOffsetFactor = -2;
     this.mesh = new LineSegments2(new LineSegmentsGeometry(), material);
     this.mesh.frustumCulled = false;
-    this.mesh.renderOrder = on_top ? 5 : 2;
+    this.mesh.renderOrder = onTop ? 5 : 2;
     this.mesh.raycast = () => {};
     this.mesh.visible = false;
   }
@@ -87,13 +87,13 @@ export class Dots {
   private points: number[] = [];
   private colors: number[] = [];
 
-  constructor(size: number, on_top: boolean) {
-    const material = new PointsMaterial({ size, sizeAttenuation: false, vertexColors: true, depthTest: !on_top });
+  constructor(size: number, onTop: boolean) {
+    const material = new PointsMaterial({ size, sizeAttenuation: false, vertexColors: true, depthTest: !onTop });
     material.depthWrite = false;
     material.transparent = true;
     this.mesh = new Points(new BufferGeometry(), material);
     this.mesh.frustumCulled = false;
-    this.mesh.renderOrder = on_top ? 6 : 3;
+    this.mesh.renderOrder = onTop ? 6 : 3;
     this.mesh.raycast = () => {};
     this.mesh.visible = false;
   }

@@ -3,20 +3,20 @@ import { PCFShadowMap, SRGBColorSpace, WebGLRenderer, type Scene } from "three";
 import type { Studio } from "../core/studio";
 import type { Eye } from "./camera";
 import type { Highlight } from "./highlight";
-import { horizontal_fov } from "./views";
+import { horizontalFov } from "./views";
 
 export interface Painter {
   /** The node for the panel. */
   readonly element: HTMLElement;
   /** No graphics card behind it: fewer corners, smaller shadow maps. */
   readonly slow: boolean;
-  set_size(width: number, height: number): void;
+  setSize(width: number, height: number): void;
   draw(stage: Scene, eye: Eye, highlight: Highlight, shadows: boolean): void;
   dispose(): void;
 }
 
 /** null: there is no WebGL here. `lost` is called when it goes away for good. */
-export function gl_painter(document: Document, lost: () => void, restored: () => void): Painter | null {
+export function glPainter(document: Document, lost: () => void, restored: () => void): Painter | null {
   const canvas = document.createElement("canvas");
   let renderer: WebGLRenderer;
   let slow = false;
@@ -27,7 +27,7 @@ export function gl_painter(document: Document, lost: () => void, restored: () =>
     if (!context) {
       // a processor that plays graphics card has no time for smooth edges
       slow = true;
-      context = canvas.getContext("webgl2", { ...wishes, antialias: false }) as WebGL2RenderingContext | null;
+      context = canvas.getContext("webgl2", { ...wishes, antialias: false });
     }
     if (!context) return null;
     renderer = new WebGLRenderer({ canvas, context });
@@ -51,7 +51,7 @@ export function gl_painter(document: Document, lost: () => void, restored: () =>
   return {
     element: canvas,
     slow,
-    set_size(width, height) {
+    setSize(width, height) {
       renderer.setPixelRatio(slow ? 1 : (canvas.ownerDocument.defaultView?.devicePixelRatio ?? 1));
       renderer.setSize(width, height, false);
     },
@@ -69,7 +69,7 @@ export function gl_painter(document: Document, lost: () => void, restored: () =>
 }
 
 /** Pictures of the server, requested one after the other. `failed`: called with why there is none, "" when there is. */
-export function server_painter(studio: Studio, document: Document, failed: (text: string) => void): Painter {
+export function serverPainter(studio: Studio, document: Document, failed: (text: string) => void): Painter {
   const image = document.createElement("img");
   image.alt = "The scene, drawn by the server";
   image.draggable = false;
@@ -81,7 +81,7 @@ export function server_painter(studio: Studio, document: Document, failed: (text
   let again: Eye | null = null;
   let address = "";
   let gone = false;
-  const stop = studio.link.on_picture((picture) => {
+  const stop = studio.link.onPicture((picture) => {
     if (picture.name !== "" || picture.kind !== "color") return;
     const next = URL.createObjectURL(picture.file);
     image.src = next;
@@ -92,7 +92,7 @@ export function server_painter(studio: Studio, document: Document, failed: (text
     waiting = true;
     again = null;
     try {
-      const fov = horizontal_fov(width / height);
+      const fov = horizontalFov(width / height);
       await studio.link.request("view", { width, height, pose: eye.pose(), fov });
       failed("");
     } catch (error) {
@@ -104,7 +104,7 @@ export function server_painter(studio: Studio, document: Document, failed: (text
   return {
     element: image,
     slow: true,
-    set_size(w, h) {
+    setSize(w, h) {
       // the server's processor draws them: no more pixels than can be seen
       const scale = Math.min(1, 1280 / w);
       width = Math.max(16, Math.round(w * scale));

@@ -2,16 +2,16 @@
 import { effect } from "@preact/signals-core";
 import { Widget } from "@lumino/widgets";
 import type { PanelType, Studio } from "../core/studio";
-import { register_commands } from "./commands";
-import { open_views, OVERLAYS } from "./settings";
-import { fill_tools, menu_button, open_context_menu } from "./tools";
+import { registerCommands } from "./commands";
+import { openViews, kOverlays } from "./settings";
+import { fillTools, menuButton, openContextMenu } from "./tools";
 import type { View3d } from "./view";
 import "./view3d.css";
 
 class View3dWidget extends Widget {
   private readonly host: HTMLElement;
   private readonly notes: HTMLElement;
-  private readonly said = new Map<string, string>();
+  private readonly texts = new Map<string, string>();
   private view: View3d | null = null;
   private loading = false;
   private readonly stops: (() => void)[] = [];
@@ -25,7 +25,7 @@ class View3dWidget extends Widget {
     row.setAttribute("role", "toolbar");
     row.setAttribute("aria-label", "Views, handles and overlays");
     this.stops.push(
-      fill_tools(studio, row, [
+      fillTools(studio, row, [
         [
           { command: "view:front", text: "Front" },
           { command: "view:back", text: "Back" },
@@ -48,12 +48,12 @@ class View3dWidget extends Widget {
         ],
       ]),
     );
-    menu_button(
+    menuButton(
       studio,
       row,
       "Show",
       "Overlays of the scene",
-      OVERLAYS.map((name) => `overlay:${name}`),
+      kOverlays.map((name) => `overlay:${name}`),
     );
     this.host = document.createElement("div");
     this.host.className = "cg-view-host";
@@ -71,9 +71,9 @@ class View3dWidget extends Widget {
   }
 
   private note(matter: string, text: string): void {
-    if ((this.said.get(matter) ?? "") === text) return;
-    this.said.set(matter, text);
-    const all = [...this.said.values()].filter(Boolean);
+    if ((this.texts.get(matter) ?? "") === text) return;
+    this.texts.set(matter, text);
+    const all = [...this.texts.values()].filter(Boolean);
     this.notes.textContent = all.join(" \u00b7 ");
     this.notes.hidden = all.length === 0;
   }
@@ -90,21 +90,21 @@ class View3dWidget extends Widget {
     this.view = new View3d(this.studio, {
       host: this.host,
       note: (matter, text) => this.note(matter, text),
-      context_menu: (event) => open_context_menu(this.studio, event.clientX, event.clientY, ["view:focus", "view:follow", "view:fit"]),
+      contextMenu: (event) => openContextMenu(this.studio, event.clientX, event.clientY, ["view:focus", "view:follow", "view:fit"]),
     });
-    const sizes = new ResizeObserver(() => this.view?.set_size(this.host.clientWidth, this.host.clientHeight));
+    const sizes = new ResizeObserver(() => this.view?.setSize(this.host.clientWidth, this.host.clientHeight));
     sizes.observe(this.host);
     // hidden behind another tab, closed, scrolled away: whatever the reason, nothing is drawn
     let seen = false;
     const look = (now: boolean) => {
       if (now === seen) return;
       seen = now;
-      open_views.value += now ? 1 : -1;
-      this.view?.set_visible(now);
+      openViews.value += now ? 1 : -1;
+      this.view?.setVisible(now);
     };
     const sight = new IntersectionObserver((entries) => look(entries.at(-1)!.isIntersecting));
     sight.observe(this.host);
-    this.view.set_size(this.host.clientWidth, this.host.clientHeight);
+    this.view.setSize(this.host.clientWidth, this.host.clientHeight);
     this.stops.push(
       () => sizes.disconnect(),
       () => sight.disconnect(),
@@ -134,5 +134,5 @@ export const panel: PanelType = {
 
 /** Adds the panel's commands; called once, before any panel is made. */
 export function register(studio: Studio): void {
-  register_commands(studio);
+  registerCommands(studio);
 }

@@ -1,13 +1,13 @@
 // Arithmetic of poses: x y z [m], then the unit quaternion w x y z, as in PROTOCOL.md.
 import type { Pose, Vec3 } from "../core/protocol";
 
-export const IDENTITY: Pose = [0, 0, 0, 1, 0, 0, 0];
+export const kIdentity: Pose = [0, 0, 0, 1, 0, 0, 0];
 
 /** Rows of a rotation matrix, nine numbers. */
 export type Rotation = [number, number, number, number, number, number, number, number, number];
 
 /** Pose number `i` of those of a frame. */
-export function pose_at(poses: ArrayLike<number>, i: number): Pose {
+export function poseAt(poses: ArrayLike<number>, i: number): Pose {
   const at = 7 * i;
   return [
     poses[at]!,
@@ -20,7 +20,7 @@ export function pose_at(poses: ArrayLike<number>, i: number): Pose {
   ];
 }
 
-export function is_finite(pose: ArrayLike<number>): boolean {
+export function isFinite(pose: ArrayLike<number>): boolean {
   for (let i = 0; i < pose.length; i++) if (!Number.isFinite(pose[i])) return false;
   return true;
 }
@@ -42,12 +42,12 @@ export function rotation(w: number, x: number, y: number, z: number): Rotation {
   ];
 }
 
-export function rotation_of(pose: Pose): Rotation {
+export function rotationOf(pose: Pose): Rotation {
   return rotation(pose[3], pose[4], pose[5], pose[6]);
 }
 
 export function rotate(pose: Pose, v: ArrayLike<number>): Vec3 {
-  const r = rotation_of(pose);
+  const r = rotationOf(pose);
   const x = v[0]!;
   const y = v[1]!;
   const z = v[2]!;
@@ -83,15 +83,15 @@ export function inverse(pose: Pose): Pose {
 }
 
 /** Where a rigid group's frame is now, from where it and one of its bodies were at first and where that body is now. */
-export function carried(frame: Pose, body: Pose, body_now: Pose): Pose {
-  return compose(body_now, compose(inverse(body), frame));
+export function carried(frame: Pose, body: Pose, bodyNow: Pose): Pose {
+  return compose(bodyNow, compose(inverse(body), frame));
 }
 
 /**
  * Writes the 4 x 4 matrix (column by column) of a body's pose times a shape's matrix in the body (the same layout; the
  * last row of both is 0 0 0 1) to `out` from `at` on. `poses` from `from` on: the body's seven numbers.
  */
-export function place_matrix(
+export function writeMatrix(
   out: Float32Array,
   at: number,
   poses: ArrayLike<number>,
@@ -113,8 +113,8 @@ export function place_matrix(
 }
 
 /** The 4 x 4 matrix, column by column, of a pose after a scale along its axes. */
-export function scaled_matrix(pose: Pose, scale: Vec3): Float64Array {
-  const r = rotation_of(pose);
+export function scaledMatrix(pose: Pose, scale: Vec3): Float64Array {
+  const r = rotationOf(pose);
   const [a, b, c] = scale;
   // prettier-ignore
   return new Float64Array([

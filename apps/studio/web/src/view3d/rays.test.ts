@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Frame, Scene } from "../core/protocol";
-import { ray_ends } from "./rays";
+import { rayEnds } from "./rays";
 
 const scene = {
   sensors: [
@@ -24,7 +24,7 @@ const frame = (readings: unknown): Frame =>
 const near = (a: number[], b: number[]) => a.forEach((v, i) => assert.ok(Math.abs(v - b[i]!) < 1e-6, `${a} and ${b}`));
 
 test("rays end where readings say, in the world", () => {
-  const rays = ray_ends(scene, frame([{ sensor: 0, values: [1.5, null] }]));
+  const rays = rayEnds(scene, frame([{ sensor: 0, values: [1.5, null] }]));
   assert.equal(rays.length, 2);
   near(rays[0]!.from, [2, 0, 1]);
   near(rays[0]!.to, [2, 1.5, 1]);
@@ -34,23 +34,23 @@ test("rays end where readings say, in the world", () => {
 });
 
 test("a reading of the full range is a miss, one below zero ends at the sensor", () => {
-  const rays = ray_ends(scene, frame([{ sensor: 0, values: [5, -0.1] }]));
+  const rays = rayEnds(scene, frame([{ sensor: 0, values: [5, -0.1] }]));
   assert.deepEqual(rays.map((r) => r.hit), [false, true]);
   near(rays[1]!.to, rays[1]!.from);
 });
 
 test("a cone has one distance, drawn along its middle", () => {
-  const rays = ray_ends(scene, frame([{ sensor: 2, values: [0.5] }]));
+  const rays = rayEnds(scene, frame([{ sensor: 2, values: [0.5] }]));
   assert.equal(rays.length, 1);
   near(rays[0]!.to, [1.5, 0, 0]);
 });
 
 test("sensors that measure no distance, and removed ones, have no rays", () => {
-  assert.deepEqual(ray_ends(scene, frame([{ sensor: 1, values: [1] }, { sensor: 9, values: [1] }, { sensor: 0, values: [] }])), []);
-  assert.deepEqual(ray_ends(scene, { poses: new Float32Array(), tail: {} } as unknown as Frame), []);
+  assert.deepEqual(rayEnds(scene, frame([{ sensor: 1, values: [1] }, { sensor: 9, values: [1] }, { sensor: 0, values: [] }])), []);
+  assert.deepEqual(rayEnds(scene, { poses: new Float32Array(), tail: {} } as unknown as Frame), []);
 });
 
 test("where any ranging sensor asks to be seen, the others are not", () => {
   const some = { ...scene, sensors: scene.sensors.map((s, i) => ({ ...s, show: i === 2 })) } as Scene;
-  assert.equal(ray_ends(some, frame([{ sensor: 0, values: [1, 1] }, { sensor: 2, values: [0.5] }])).length, 1);
+  assert.equal(rayEnds(some, frame([{ sensor: 0, values: [1, 1] }, { sensor: 2, values: [0.5] }])).length, 1);
 });

@@ -1,6 +1,6 @@
 // Lines of sight of the ranging sensors, from their readings.
 import type { Frame, Scene, Vec3 } from "../core/protocol";
-import { compose, is_finite, pose_at, transform } from "./pose";
+import { compose, isFinite, poseAt, transform } from "./pose";
 
 export interface Ray {
   from: Vec3;
@@ -12,24 +12,24 @@ export interface Ray {
   sensor: number;
 }
 
-const RANGING = new Set(["infrared", "lidar"]);
+const kRanging = new Set(["infrared", "lidar"]);
 
 /**
  * Of all infrared sensors and lidars that have a reading. A reading of null is no number: beyond the range nothing was
  * seen, and the ray is drawn in full as a miss. Where any of them says `show`, only those that do.
  */
-export function ray_ends(scene: Scene, frame: Frame): Ray[] {
+export function rayEnds(scene: Scene, frame: Frame): Ray[] {
   const rays: Ray[] = [];
-  const some_shown = scene.sensors.some((s) => s.show && RANGING.has(s.type));
+  const someShown = scene.sensors.some((s) => s.show && kRanging.has(s.type));
   for (const reading of frame.tail.readings ?? []) {
     const sensor = scene.sensors[reading.sensor];
-    if (!sensor || (some_shown && !sensor.show)) continue;
-    if (!RANGING.has(sensor.type) || reading.values.length === 0) continue;
+    if (!sensor || (someShown && !sensor.show)) continue;
+    if (!kRanging.has(sensor.type) || reading.values.length === 0) continue;
     if (sensor.body >= 0 && 7 * sensor.body + 6 >= frame.poses.length) continue;
-    const pose = sensor.body < 0 ? sensor.pose : compose(pose_at(frame.poses, sensor.body), sensor.pose);
-    if (!is_finite(pose)) continue;
+    const pose = sensor.body < 0 ? sensor.pose : compose(poseAt(frame.poses, sensor.body), sensor.pose);
+    if (!isFinite(pose)) continue;
     // the cone of an infrared sensor has one distance, drawn along its middle
-    const lines = reading.values.length === 1 ? middle_ray(sensor.rays) : sensor.rays;
+    const lines = reading.values.length === 1 ? middleRay(sensor.rays) : sensor.rays;
     lines.forEach((line, k) => {
       const value = reading.values[k];
       if (value === undefined) return;
@@ -49,7 +49,7 @@ export function ray_ends(scene: Scene, frame: Frame): Ray[] {
 }
 
 /** The one ray of a sensor that measures one distance: that nearest to its +x. */
-function middle_ray(rays: number[][]): number[][] {
+function middleRay(rays: number[][]): number[][] {
   if (rays.length <= 1) return rays;
   const first = rays[0]!;
   return [[first[0]!, first[1]!, first[2]!, 1, 0, 0, Math.max(...rays.map((r) => r[6] ?? 0))]];

@@ -5,7 +5,7 @@ import type { Studio } from "../core/studio";
 import { marked } from "./settings";
 
 /** The element that made a body, or else the nearest assembly around it that an element made; -1: none did. */
-export function element_of(scene: Scene, body: number): number {
+export function elementOf(scene: Scene, body: number): number {
   const made = scene.bodies[body];
   if (!made) return -1;
   if (made.element >= 0) return made.element;
@@ -17,7 +17,7 @@ export function element_of(scene: Scene, body: number): number {
 }
 
 /** Bodies of an assembly and of those inside it. */
-export function bodies_in(scene: Scene, assembly: number): number[] {
+export function bodiesIn(scene: Scene, assembly: number): number[] {
   return scene.bodies.flatMap((body, i) => {
     if (body.removed) return [];
     for (let at = body.assembly; at >= 0; at = scene.assemblies[at]?.parent ?? -1) if (at === assembly) return [i];
@@ -26,14 +26,14 @@ export function bodies_in(scene: Scene, assembly: number): number[] {
 }
 
 /** Bodies of the elements, with all inside them. */
-export function bodies_of(state: State, elements: number[]): Set<number> {
+export function bodiesOf(state: State, elements: number[]): Set<number> {
   const out = new Set<number>();
   const scene = state.scene.value;
   if (!scene) return out;
   for (const id of elements) {
-    for (const body of state.bodies_of(id)) out.add(body);
+    for (const body of state.bodiesOf(id)) out.add(body);
     scene.assemblies.forEach((assembly, i) => {
-      if (assembly.element === id) for (const body of bodies_in(scene, i)) out.add(body);
+      if (assembly.element === id) for (const body of bodiesIn(scene, i)) out.add(body);
     });
     // joints, motors, sensors: the bodies that carry them
     for (const joint of scene.joints) if (joint.element === id && joint.child >= 0) out.add(joint.child);
@@ -56,10 +56,10 @@ export function movable(scene: Scene, element: number): Movable | string {
 }
 
 /** The selection after a click on a body (-1: on nothing). `add`: adds it to the selection, or removes it. */
-export function click_body(studio: Studio, body: number, add: boolean): void {
+export function clickBody(studio: Studio, body: number, add: boolean): void {
   const { state } = studio;
   const scene = state.scene.peek();
-  const element = scene ? element_of(scene, body) : -1;
+  const element = scene ? elementOf(scene, body) : -1;
   if (element < 0) {
     if (!add || body >= 0) studio.select([]);
     // after the selection, which clears the mark
@@ -73,10 +73,10 @@ export function click_body(studio: Studio, body: number, add: boolean): void {
 }
 
 /** Why a body that was clicked cannot be edited; "": it can. */
-export function why_not(state: State, body: number): string {
+export function whyNot(state: State, body: number): string {
   const scene = state.scene.value;
   const made = scene?.bodies[body];
-  if (!scene || !made || element_of(scene, body) >= 0) return "";
+  if (!scene || !made || elementOf(scene, body) >= 0) return "";
   if (state.hello.value?.kind !== "scene") return `${made.name}: in a recording nothing can be edited`;
   return `${made.name}: no element of this file made it (an import or a program did), so it cannot be edited here`;
 }

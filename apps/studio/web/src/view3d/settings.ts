@@ -2,7 +2,7 @@
 import { signal, type Signal } from "@preact/signals-core";
 import type { ViewName } from "./views";
 
-export const OVERLAYS = [
+export const kOverlays = [
   "grid",
   "rays",
   "contacts",
@@ -13,9 +13,9 @@ export const OVERLAYS = [
   "regions",
   "names",
 ] as const;
-export type OverlayName = (typeof OVERLAYS)[number];
+export type OverlayName = (typeof kOverlays)[number];
 
-export const OVERLAY_LABELS: Record<OverlayName, string> = {
+export const kOverlayLabels: Record<OverlayName, string> = {
   grid: "Grid",
   rays: "Rays of Sensors",
   contacts: "Contacts",
@@ -27,8 +27,8 @@ export const OVERLAY_LABELS: Record<OverlayName, string> = {
   names: "Names",
 };
 
-export const MAP_LAYERS = ["rays", "trails", "names", "regions"] as const;
-export type MapLayer = (typeof MAP_LAYERS)[number];
+export const kMapLayers = ["rays", "trails", "names", "regions"] as const;
+export type MapLayer = (typeof kMapLayers)[number];
 
 export type HandleMode = "off" | "move" | "rotate";
 
@@ -57,28 +57,28 @@ const remembered = <T extends boolean | string>(name: string, otherwise: T): Sig
   return made;
 };
 
-const SHOWN_AT_FIRST = new Set<OverlayName>(["grid", "rays"]);
+const kShownAtFirst = new Set<OverlayName>(["grid", "rays"]);
 export const overlays = Object.fromEntries(
-  OVERLAYS.map((name) => [name, remembered<boolean>(`overlay.${name}`, SHOWN_AT_FIRST.has(name))]),
+  kOverlays.map((name) => [name, remembered<boolean>(`overlay.${name}`, kShownAtFirst.has(name))]),
 ) as Record<OverlayName, Signal<boolean>>;
 
-export const map_layers = Object.fromEntries(
-  MAP_LAYERS.map((name) => [name, remembered<boolean>(`map.${name}`, true)]),
+export const mapLayers = Object.fromEntries(
+  kMapLayers.map((name) => [name, remembered<boolean>(`map.${name}`, true)]),
 ) as Record<MapLayer, Signal<boolean>>;
 
-export const handle_mode = remembered<string>("handles", "off") as Signal<HandleMode>;
-if (!["off", "move", "rotate"].includes(handle_mode.peek())) handle_mode.value = "off";
+export const handleMode = remembered<string>("handles", "off") as Signal<HandleMode>;
+if (!["off", "move", "rotate"].includes(handleMode.peek())) handleMode.value = "off";
 /** Axes of the thing instead of those of the world. */
-export const handles_local = remembered<boolean>("handles.local", false);
+export const handlesLocal = remembered<boolean>("handles.local", false);
 /** Steps of 1 cm and 15 degrees. */
-export const handles_snap = remembered<boolean>("handles.snap", false);
-export const SNAP_LENGTH = 0.01;
-export const SNAP_ANGLE = Math.PI / 12;
+export const handlesSnap = remembered<boolean>("handles.snap", false);
+export const kSnapLength = 0.01;
+export const kSnapAngle = Math.PI / 12;
 
 /** Index of a body that was clicked though no element of the file made it: shown, but not in the selection. */
 export const marked = signal(-1);
 
 /** The newest request to show something; every panel that shows the scene follows as far as it can. */
-export const view_request = signal<{ what: ViewName | "fit" | "focus" } | null>(null);
+export const viewRequest = signal<{ what: ViewName | "fit" | "focus" } | null>(null);
 /** How many 3D views there are. */
-export const open_views = signal(0);
+export const openViews = signal(0);

@@ -16,7 +16,7 @@ export class Subscription {
     this.stops = [
       // a new server knows nothing of earlier subscriptions
       effect(() => {
-        studio.state.hello.value;
+        void studio.state.hello.value;
         this.sent = JSON.stringify({ contacts: false, readings: false });
         this.update();
       }),

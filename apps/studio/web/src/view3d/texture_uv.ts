@@ -7,13 +7,13 @@ export type Uv = [number, number];
 /** Extent of one copy of the picture on the surface [m]; null: one copy over the whole face. */
 export type Tile = Uv | null;
 
-export function tile_of(shape: SceneShape): Tile {
+export function tileOf(shape: SceneShape): Tile {
   const [u, v] = shape.tile ?? [0, 0];
   return u > 0 && v > 0 ? [u, v] : null;
 }
 
 /** The point and the extents along u and v of the face that the normal's largest component picks. */
-function on_face(p: Vec3, normal: Vec3, extents: Vec3): { at: Uv; extent: Uv } {
+function onFace(p: Vec3, normal: Vec3, extents: Vec3): { at: Uv; extent: Uv } {
   const [x, y, z] = normal.map(Math.abs) as Vec3;
   if (z >= x && z >= y) return { at: [p[0], normal[2] < 0 ? -p[1] : p[1]], extent: [extents[0], extents[1]] };
   if (y >= x) return { at: [normal[1] < 0 ? p[0] : -p[0], p[2]], extent: [extents[0], extents[2]] };
@@ -38,19 +38,19 @@ function outline(z: number, radius: number, half: number): number {
 
 /** (u, v) at a point of the surface, in the shape's frame, where the outward unit normal is `normal`. Of a mesh: of its
  *  flat triangle; coordinates that its file has are not known here. */
-export function texture_uv(scene: Scene, shape: SceneShape, p: Vec3, normal: Vec3): Uv {
-  const tile = tile_of(shape);
+export function textureUv(scene: Scene, shape: SceneShape, p: Vec3, normal: Vec3): Uv {
+  const tile = tileOf(shape);
   const [a = 1, b = 1, c = 1] = shape.size;
   switch (shape.type) {
     case "box":
-      return laid(on_face(p, normal, [a, b, c]), tile);
+      return laid(onFace(p, normal, [a, b, c]), tile);
     case "sphere": {
       const latitude = Math.asin(Math.max(-1, Math.min(1, p[2] / a)));
       return [around(p, a, tile), (tile ? (a * latitude) / tile[1] : latitude / Math.PI) + 0.5];
     }
     case "cylinder":
       if (Math.abs(normal[2]) * Math.SQRT2 >= 1) {
-        return laid(on_face(p, [0, 0, normal[2]], [2 * a, 2 * a, 2 * a]), tile);
+        return laid(onFace(p, [0, 0, normal[2]], [2 * a, 2 * a, 2 * a]), tile);
       }
       return [around(p, a, tile), tile ? (p[2] + b / 2) / tile[1] : p[2] / b + 0.5];
     case "capsule": {
@@ -64,7 +64,7 @@ export function texture_uv(scene: Scene, shape: SceneShape, p: Vec3, normal: Vec
       return laid({ at: [p[0], p[1]], extent: [size[0], size[1]] }, tile);
     }
     case "mesh": {
-      const { at } = on_face(p, normal, [1, 1, 1]);
+      const { at } = onFace(p, normal, [1, 1, 1]);
       return [at[0] / (tile?.[0] ?? 1), at[1] / (tile?.[1] ?? 1)];
     }
   }

@@ -9,13 +9,13 @@ export interface Tool {
 }
 
 /** For voice control the accessible name holds the button's text, without its symbols. */
-function name_of(text: string, label: string): string {
+function nameOf(text: string, label: string): string {
   const said = !/\p{L}/u.test(text) || label.toLowerCase().includes(text.toLowerCase());
   return said ? label : `${text}: ${label}`;
 }
 
 /** Buttons that follow their commands: enabled, pressed. Returns what ends that. */
-export function fill_tools(studio: Studio, row: HTMLElement, groups: Tool[][]): () => void {
+export function fillTools(studio: Studio, row: HTMLElement, groups: Tool[][]): () => void {
   const { commands } = studio;
   const { ownerDocument: document } = row;
   const refresh: (() => void)[] = [];
@@ -33,7 +33,7 @@ export function fill_tools(studio: Studio, row: HTMLElement, groups: Tool[][]): 
         if (!commands.hasCommand(command)) return;
         const keys = commands.keyBindings.find((k) => k.command === command)?.keys.join(" ");
         const label = commands.label(command);
-        button.setAttribute("aria-label", name_of(text, label));
+        button.setAttribute("aria-label", nameOf(text, label));
         button.title = [label, commands.caption(command), keys && `Key: ${keys}`].filter(Boolean).join("\n");
         button.disabled = !commands.isEnabled(command);
         if (commands.isToggleable(command)) button.setAttribute("aria-pressed", String(commands.isToggled(command)));
@@ -49,12 +49,12 @@ export function fill_tools(studio: Studio, row: HTMLElement, groups: Tool[][]): 
 }
 
 /** A button that opens a menu of commands below itself. */
-export function menu_button(studio: Studio, row: HTMLElement, text: string, label: string, ids: string[]): void {
+export function menuButton(studio: Studio, row: HTMLElement, text: string, label: string, ids: string[]): void {
   const { ownerDocument: document } = row;
   const button = document.createElement("button");
   button.type = "button";
   button.textContent = `${text} \u25be`;
-  button.setAttribute("aria-label", name_of(text, label));
+  button.setAttribute("aria-label", nameOf(text, label));
   button.setAttribute("aria-haspopup", "menu");
   button.addEventListener("click", () => {
     const menu = new Menu({ commands: studio.commands });
@@ -68,7 +68,7 @@ export function menu_button(studio: Studio, row: HTMLElement, text: string, labe
 }
 
 /** What can be done with a thing that was clicked in a picture of the scene. */
-export function open_context_menu(studio: Studio, x: number, y: number, extra: string[]): void {
+export function openContextMenu(studio: Studio, x: number, y: number, extra: string[]): void {
   const { commands, state } = studio;
   const menu = new Menu({ commands });
   menu.addClass("cg-menu");
@@ -77,7 +77,7 @@ export function open_context_menu(studio: Studio, x: number, y: number, extra: s
     if (there.length > 0 && menu.items.length > 0) menu.addItem({ type: "separator" });
     for (const command of there) menu.addItem({ command });
   };
-  if (state.selection.peek().length > 0 && state.may_edit.peek()) {
+  if (state.selection.peek().length > 0 && state.mayEdit.peek()) {
     add(["handles:move", "handles:rotate"]);
     add(["edit:rename", "edit:duplicate", "edit:copy", "edit:delete"]);
     add(["edit:assemble", "edit:disassemble"]);

@@ -12,7 +12,7 @@ const answer = (revision: number, from: number, times: number[], until: number):
   until,
   paths: [{ label: "r", body: "r.base", from, times, points: times.flatMap((t) => [t, 0, 0]), last: [until, 0, 0] }],
 });
-const x_of = (line: number[]): number[] => line.filter((_, i) => i % 3 === 0);
+const xOf = (line: number[]): number[] => line.filter((_, i) => i % 3 === 0);
 
 test("new points go behind the known ones; another revision replaces them", () => {
   const trails = new Trails();
@@ -31,7 +31,7 @@ test("a path goes to where the body is, and never farther than is known", () => 
   const trails = new Trails();
   trails.adopt(scene);
   trails.take(answer(1, 0, [0, 1, 3], 5));
-  const line = (time: number, x: number) => x_of(trails.line(trails.all[0]!, frame(time, x)));
+  const line = (time: number, x: number) => xOf(trails.line(trails.all[0]!, frame(time, x)));
   assert.deepEqual(line(0, 0), [0, 0]);
   assert.deepEqual(line(2, 2), [0, 1, 2]);
   assert.deepEqual(line(4, 4), [0, 1, 3, 4]);
@@ -48,7 +48,7 @@ test("a scene that changed finds the bodies by name", () => {
   assert.equal(trails.all[0]!.body, 0);
   trails.adopt({ bodies: [body("floor")] } as unknown as Scene);
   assert.equal(trails.all[0]!.body, -1);
-  assert.deepEqual(x_of(trails.line(trails.all[0]!, frame(2, 7))), [0]);
+  assert.deepEqual(xOf(trails.line(trails.all[0]!, frame(2, 7))), [0]);
 });
 
 test("dashes are as long as asked and lie on the line, across its corners", () => {

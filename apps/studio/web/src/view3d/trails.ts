@@ -2,7 +2,7 @@
 import { effect, signal } from "@preact/signals-core";
 import type { Frame, Paths, Scene, Vec3 } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { map_layers, overlays } from "./settings";
+import { mapLayers, overlays } from "./settings";
 
 export interface Trail {
   label: string;
@@ -20,7 +20,7 @@ export interface Trail {
 }
 
 // The colours the pictures of the command line give them, in this order.
-const COLORS: [number, number, number][] = [
+const kColors: [number, number, number][] = [
   [0.85, 0.15, 0.1],
   [0.0, 0.35, 0.75],
   [0.1, 0.55, 0.2],
@@ -29,14 +29,14 @@ const COLORS: [number, number, number][] = [
   [0.0, 0.55, 0.6],
 ];
 
-export function top_assembly(scene: Scene, assembly: number): number {
+export function topAssembly(scene: Scene, assembly: number): number {
   let at = assembly;
   for (let up = scene.assemblies[at]?.parent ?? -1; up >= 0; up = scene.assemblies[at]?.parent ?? -1) at = up;
   return at;
 }
 
 /** Index of the first time after `time`. */
-export function count_until(times: number[], time: number): number {
+export function countUntil(times: number[], time: number): number {
   let low = 0;
   let high = times.length;
   while (low < high) {
@@ -71,7 +71,7 @@ export class Trails {
     this.revision = revision;
     this.until = until ?? -Infinity;
     this.all = paths.map(({ label, body, from, times, points, last }, i) => {
-      const trail = before[i] ?? { label, name: body, body: this.index(body), color: COLORS[i % COLORS.length]!, times: [], points: [], last };
+      const trail = before[i] ?? { label, name: body, body: this.index(body), color: kColors[i % kColors.length]!, times: [], points: [], last };
       trail.times.length = from;
       trail.points.length = 3 * from;
       for (const time of times) trail.times.push(time);
@@ -85,7 +85,7 @@ export class Trails {
   /** x y z of the points of a trail until a frame: to where the body is in it, but never farther than is known. */
   line(trail: Trail, frame: Frame | null): number[] {
     const now = frame?.time ?? 0;
-    const points = trail.points.slice(0, 3 * count_until(trail.times, now));
+    const points = trail.points.slice(0, 3 * countUntil(trail.times, now));
     if (now >= this.until) return points.concat(trail.last);
     const here = trail.body < 0 ? [] : [...(frame?.poses.subarray(7 * trail.body, 7 * trail.body + 3) ?? [])];
     return here.every(Number.isFinite) ? points.concat(here) : points;
@@ -146,7 +146,7 @@ export class RunTrails extends Trails {
         if (state.scene.value) this.adopt(state.scene.value);
       }),
       effect(() => {
-        for (const why of [state.open, state.frame, overlays.trails, map_layers.trails]) why.value;
+        for (const why of [state.open, state.frame, overlays.trails, mapLayers.trails]) void why.value;
         void this.ask();
       }),
     ];
@@ -159,7 +159,7 @@ export class RunTrails extends Trails {
     const { state } = this.studio;
     const frame = state.frame.peek();
     const status = state.status.peek();
-    if (!state.open.peek() || !frame || !(overlays.trails.peek() || map_layers.trails.peek())) return false;
+    if (!state.open.peek() || !frame || !(overlays.trails.peek() || mapLayers.trails.peek())) return false;
     const end = status?.state === "recording" ? status.last : frame.time;
     return frame.live || frame.scene !== this.scene || this.until < end;
   }

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Scene, SceneShape, Vec3 } from "../core/protocol";
-import { texture_uv } from "./texture_uv";
-import { box, cylinder, grid_faces, rectangle, round, smooth, textured, triangles_of, type Triangles } from "./triangles";
+import { textureUv } from "./texture_uv";
+import { box, cylinder, gridFaces, rectangle, round, smooth, textured, trianglesOf, type Triangles } from "./triangles";
 
 const at = (t: Triangles, i: number): Vec3 => [t.positions[3 * i]!, t.positions[3 * i + 1]!, t.positions[3 * i + 2]!];
 /** Volume by the divergence theorem: positive when all triangles turn outwards. */
@@ -42,7 +42,7 @@ test("shapes are closed, turn outwards and hold what they should", () => {
 });
 
 test("a heightmap's cells share the diagonal from their lowest corner and look up", () => {
-  const { positions, indices } = grid_faces({ rows: 2, columns: 3, size: [4, 2, 0], heights: [0, 1, 2, 3, 4, 5] });
+  const { positions, indices } = gridFaces({ rows: 2, columns: 3, size: [4, 2, 0], heights: [0, 1, 2, 3, 4, 5] });
   assert.deepEqual(positions.slice(0, 6), [-2, -1, 0, 0, -1, 1]);
   assert.deepEqual(indices.slice(0, 6), [0, 1, 4, 0, 4, 3]);
   outward(smooth(positions, indices));
@@ -62,7 +62,7 @@ const shape = (type: string, size: number[], tile: [number, number] = [0, 0]) =>
 const none = { meshes: [], heightmaps: [] } as unknown as Scene;
 
 test("textures lie as the SDK's table says", () => {
-  const uv = (s: SceneShape, p: Vec3, n: Vec3) => texture_uv(none, s, p, n).map((v) => +v.toFixed(9));
+  const uv = (s: SceneShape, p: Vec3, n: Vec3) => textureUv(none, s, p, n).map((v) => +v.toFixed(9));
   const crate = shape("box", [2, 4, 6]);
   assert.deepEqual(uv(crate, [1, 2, 3], [1, 0, 0]), [1, 1]);
   assert.deepEqual(uv(crate, [-1, 2, 3], [-1, 0, 0]), [0, 1]);
@@ -84,12 +84,12 @@ test("a mesh with coordinates of its own keeps them, corner by corner", () => {
     heightmaps: [],
   } as unknown as Scene;
   const s = shape("mesh", []);
-  assert.deepEqual(textured(scene, s, triangles_of(scene, s, 8)).uvs, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+  assert.deepEqual(textured(scene, s, trianglesOf(scene, s, 8)).uvs, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
 });
 
 test("around a seam no triangle has coordinates that go back", () => {
   const s = shape("cylinder", [1, 2]);
-  const t = textured(none, s, triangles_of(none, s, 24));
+  const t = textured(none, s, trianglesOf(none, s, 24));
   for (let i = 0; i < t.indices.length; i += 3) {
     const u = [0, 1, 2].map((k) => t.uvs![2 * (i + k)]!);
     const normal = t.normals[3 * i + 2]!;

@@ -1,6 +1,6 @@
 // Shapes as triangles, as plain numbers.
 import type { Scene, SceneShape, Vec3 } from "../core/protocol";
-import { texture_uv } from "./texture_uv";
+import { textureUv } from "./texture_uv";
 
 export interface Triangles {
   /** x y z each [m] */
@@ -21,7 +21,7 @@ function add(out: Triangles, position: Vec3, normal: Vec3): number {
 }
 
 /** Radius of the regular polygon whose area is the unit circle's. */
-function equal_area_radius(segments: number): number {
+function equalAreaRadius(segments: number): number {
   const angle = (2 * Math.PI) / segments;
   return Math.sqrt(angle / Math.sin(angle));
 }
@@ -70,7 +70,7 @@ function strip(out: Triangles, lower: number, upper: number, segments: number): 
 /** A sphere, or with `half` > 0 [m] a capsule along z whose straight part is twice as long. */
 export function round(radius: number, half: number, segments: number): Triangles {
   const out = empty();
-  const wide = radius * equal_area_radius(segments);
+  const wide = radius * equalAreaRadius(segments);
   const rows = Math.max(2, Math.ceil(segments / 4));
   let previous = -1;
   const row = (latitude: number, end: number) => {
@@ -92,7 +92,7 @@ export function round(radius: number, half: number, segments: number): Triangles
 
 export function cylinder(radius: number, half: number, segments: number): Triangles {
   const out = empty();
-  const wide = radius * equal_area_radius(segments);
+  const wide = radius * equalAreaRadius(segments);
   const ring = (z: number, normal?: Vec3): number => {
     let start = 0;
     for (let i = 0; i <= segments; i++) {
@@ -113,7 +113,7 @@ export function cylinder(radius: number, half: number, segments: number): Triang
   return out;
 }
 
-const CREASE = Math.cos((30 * Math.PI) / 180);
+const kCrease = Math.cos((30 * Math.PI) / 180);
 
 /** A vertex for each corner, its normal the mean over the faces around that lie within 30 degrees of this one, weighted
  *  by area; vertices at one position count as one. */
@@ -121,11 +121,11 @@ export function smooth(positions: ArrayLike<number>, indices: ArrayLike<number>)
   const out = empty();
   const faces = Math.floor(indices.length / 3);
   const corners = new Map<string, number>();
-  const corner_of = new Int32Array(positions.length / 3);
-  for (let i = 0; i < corner_of.length; i++) {
+  const cornerOf = new Int32Array(positions.length / 3);
+  for (let i = 0; i < cornerOf.length; i++) {
     const key = `${positions[3 * i]} ${positions[3 * i + 1]} ${positions[3 * i + 2]}`;
     if (!corners.has(key)) corners.set(key, corners.size);
-    corner_of[i] = corners.get(key)!;
+    cornerOf[i] = corners.get(key)!;
   }
   const around: number[][] = Array.from({ length: corners.size }, () => []);
   const vertex = (i: number): Vec3 => [positions[3 * i]!, positions[3 * i + 1]!, positions[3 * i + 2]!];
@@ -135,7 +135,7 @@ export function smooth(positions: ArrayLike<number>, indices: ArrayLike<number>)
     const u: Vec3 = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
     const v: Vec3 = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
     areas.push([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]);
-    for (let k = 0; k < 3; k++) around[corner_of[indices[3 * f + k]!]!]!.push(f);
+    for (let k = 0; k < 3; k++) around[cornerOf[indices[3 * f + k]!]!]!.push(f);
   }
   const lengths = areas.map((n) => Math.hypot(...n));
   for (let f = 0; f < faces; f++) {
@@ -145,9 +145,9 @@ export function smooth(positions: ArrayLike<number>, indices: ArrayLike<number>)
     for (let k = 0; k < 3; k++) {
       const index = indices[3 * f + k]!;
       const sum: Vec3 = [0, 0, 0];
-      for (const other of around[corner_of[index]!]!) {
+      for (const other of around[cornerOf[index]!]!) {
         const m = areas[other]!;
-        if (m[0] * own[0] + m[1] * own[1] + m[2] * own[2] < CREASE * lengths[other]!) continue;
+        if (m[0] * own[0] + m[1] * own[1] + m[2] * own[2] < kCrease * lengths[other]!) continue;
         for (const axis of [0, 1, 2] as const) sum[axis] += m[axis];
       }
       const s = Math.hypot(...sum);
@@ -158,7 +158,7 @@ export function smooth(positions: ArrayLike<number>, indices: ArrayLike<number>)
 }
 
 /** Row 0 at the lowest y; every cell is two triangles that share the diagonal from its lowest x and y. */
-export function grid_faces(map: Scene["heightmaps"][number]): { positions: number[]; indices: number[] } {
+export function gridFaces(map: Scene["heightmaps"][number]): { positions: number[]; indices: number[] } {
   const positions: number[] = [];
   const indices: number[] = [];
   for (let row = 0; row < map.rows; row++) {
@@ -178,7 +178,7 @@ export function grid_faces(map: Scene["heightmaps"][number]): { positions: numbe
 }
 
 /** A shape in its full size. `segments`: corners of round ones. */
-export function triangles_of(scene: Scene, shape: SceneShape, segments: number): Triangles {
+export function trianglesOf(scene: Scene, shape: SceneShape, segments: number): Triangles {
   const [a = 0, b = 0, c = 0] = shape.size;
   switch (shape.type) {
     case "box":
@@ -198,7 +198,7 @@ export function triangles_of(scene: Scene, shape: SceneShape, segments: number):
     case "heightmap": {
       const map = scene.heightmaps[shape.heightmap ?? -1];
       if (!map || map.rows < 2 || map.columns < 2) return empty();
-      const faces = grid_faces(map);
+      const faces = gridFaces(map);
       return smooth(faces.positions, faces.indices);
     }
   }
@@ -224,7 +224,7 @@ export function textured(scene: Scene, shape: SceneShape, plain: Triangles): Tri
       const inside = p.map((x, axis) => x + 1e-5 * (middle[axis]! - x)) as Vec3;
       out.indices.push(add(out, p, n));
       if (own) out.uvs!.push(own[2 * (i + k)]!, own[2 * (i + k) + 1]!);
-      else out.uvs!.push(...texture_uv(scene, shape, inside, shape.type === "mesh" ? flat : n));
+      else out.uvs!.push(...textureUv(scene, shape, inside, shape.type === "mesh" ? flat : n));
     }
   }
   return out;

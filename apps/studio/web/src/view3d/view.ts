@@ -5,17 +5,17 @@ import type { Frame, Scene } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { Backdrop } from "./backdrop";
 import { Batches } from "./batches";
-import { joined, NOTHING, radius_of, visible_bounds, type Bounds } from "./bounds";
+import { joined, kNothing, radiusOf, visibleBounds, type Bounds } from "./bounds";
 import { Eye } from "./camera";
 import { Handles } from "./handles";
 import { Highlight } from "./highlight";
 import { Labels } from "./labels";
 import { Lights } from "./lights";
 import { Overlay } from "./overlay";
-import { gl_painter, server_painter, type Painter } from "./painters";
-import { is_finite, pose_at } from "./pose";
-import { bodies_of, click_body, element_of, why_not } from "./selecting";
-import { handle_mode, handles_local, handles_snap, marked, overlays, view_request } from "./settings";
+import { glPainter, serverPainter, type Painter } from "./painters";
+import { isFinite, poseAt } from "./pose";
+import { bodiesOf, clickBody, elementOf, whyNot } from "./selecting";
+import { handleMode, handlesLocal, handlesSnap, marked, overlays, viewRequest } from "./settings";
 import { RunTrails } from "./trails";
 import type { ViewName } from "./views";
 
@@ -24,11 +24,11 @@ export interface Stand {
   host: HTMLElement;
   /** One note for each topic; "": none. */
   note: (matter: "pictures" | "server" | "clicked" | "handles", text: string) => void;
-  context_menu: (event: MouseEvent, body: number) => void;
+  contextMenu: (event: MouseEvent, body: number) => void;
 }
 
-const CLICK = 4; // a pointer that moved less between down and up has clicked [pixel]
-const SHADOW_LIMIT = 400; // beyond so many bodies the bounds are not checked for every frame
+const kClick = 4; // a pointer that moved less between down and up has clicked [pixel]
+const kShadowLimit = 400; // beyond so many bodies the bounds are not checked for every frame
 
 export class View3d {
   private readonly stage = new ThreeScene();
@@ -47,7 +47,7 @@ export class View3d {
   private frame: Frame | null = null;
   private poses = new Float32Array();
   private bounds: Bounds | null = null;
-  private ghost_color = "#7a3fb5";
+  private ghostColor = "#7a3fb5";
   private frames = 0;
   private width = 1;
   private height = 1;
@@ -68,15 +68,15 @@ export class View3d {
     const { host } = stand;
     const { ownerDocument: document } = host;
     this.labels = new Labels(document);
-    const painter = gl_painter(document, () => this.fall_back(), () => this.refresh());
-    this.painter = painter ?? this.server_pictures();
+    const painter = glPainter(document, () => this.fallBack(), () => this.refresh());
+    this.painter = painter ?? this.serverPictures();
     this.put(this.painter.element);
     // Events are taken from the box around the picture, which stays when the painter changes.
-    this.eye = new Eye(host, () => this.draw_soon());
+    this.eye = new Eye(host, () => this.drawSoon());
     this.handles = new Handles(studio, this.eye.camera, host, this.stage, {
       changed: () => {
         this.moved = true;
-        this.draw_soon();
+        this.drawSoon();
       },
       dragging: (on) => (this.eye.controls.enabled = !on),
       note: (text) => stand.note("handles", text),
@@ -84,7 +84,7 @@ export class View3d {
     this.stage.add(this.backdrop.root, this.overlay.root);
     host.append(this.labels.element);
     this.listen(host);
-    this.watch();
+    this.observe();
   }
 
   private put(element: HTMLElement): void {
@@ -94,28 +94,28 @@ export class View3d {
     this.stand.host.prepend(element);
   }
 
-  private server_pictures(): Painter {
+  private serverPictures(): Painter {
     this.stand.host.dataset.pictures = "server";
     this.stand.note("pictures", "There is no WebGL here: the server draws these pictures. Overlays and handles are not in them.");
-    return server_painter(this.studio, this.stand.host.ownerDocument, (text) => this.stand.note("server", text));
+    return serverPainter(this.studio, this.stand.host.ownerDocument, (text) => this.stand.note("server", text));
   }
 
-  private fall_back(): void {
+  private fallBack(): void {
     this.painter.element.remove();
     this.painter.dispose();
-    this.painter = this.server_pictures();
+    this.painter = this.serverPictures();
     this.put(this.painter.element);
-    this.painter.set_size(this.width, this.height);
-    this.draw_soon();
+    this.painter.setSize(this.width, this.height);
+    this.drawSoon();
   }
 
   private refresh(): void {
     this.moved = true;
     this.relight = true;
-    this.draw_soon();
+    this.drawSoon();
   }
 
-  private watch(): void {
+  private observe(): void {
     const { state } = this.studio;
     const on = (run: () => void) => this.stops.push(effect(run));
     on(() => {
@@ -125,62 +125,62 @@ export class View3d {
     on(() => {
       this.frame = state.frame.value;
       this.moved = true;
-      this.draw_soon();
+      this.drawSoon();
     });
     on(() => {
-      state.selection.value;
-      state.tree.value;
-      state.scene.value;
-      state.hovered.value;
+      void state.selection.value;
+      void state.tree.value;
+      void state.scene.value;
+      void state.hovered.value;
       if (state.selection.value.length > 0) marked.value = -1;
-      this.stand.note("clicked", why_not(state, marked.value));
+      this.stand.note("clicked", whyNot(state, marked.value));
       this.remark = true;
-      this.draw_soon();
+      this.drawSoon();
     });
     on(() => {
-      state.theme.value;
+      void state.theme.value;
       // the page's style follows the signal: it is read when drawing
       this.rethemed = true;
       this.refresh();
     });
     on(() => {
-      for (const shown of Object.values(overlays)) shown.value;
-      this.studio.services.get(RunTrails).changes.value;
-      this.backdrop.show_grid(overlays.grid.value);
+      for (const shown of Object.values(overlays)) void shown.value;
+      void this.studio.services.get(RunTrails).changes.value;
+      this.backdrop.showGrid(overlays.grid.value);
       this.moved = true;
-      this.draw_soon();
+      this.drawSoon();
     });
     on(() => {
-      state.followed.value;
+      void state.followed.value;
       this.eye.follow(null);
       this.moved = true;
-      this.draw_soon();
+      this.drawSoon();
     });
     on(() => {
-      for (const depends of [state.scene, state.selection, state.may_edit, handle_mode, handles_local, handles_snap]) {
-        depends.value;
+      for (const depends of [state.scene, state.selection, state.mayEdit, handleMode, handlesLocal, handlesSnap]) {
+        void depends.value;
       }
       untracked(() => this.handles.update(this.scene, this.poses));
-      this.draw_soon();
+      this.drawSoon();
     });
-    let seen = view_request.peek();
+    let seen = viewRequest.peek();
     on(() => {
-      const request = view_request.value;
+      const request = viewRequest.value;
       if (!request || request === seen) return;
       seen = request;
       untracked(() => this.obey(request.what));
     });
   }
 
-  private set_theme(): void {
+  private setTheme(): void {
     const theme = this.studio.state.theme.peek();
     const document = this.stand.host.ownerDocument;
     const style = document.defaultView?.getComputedStyle(document.documentElement);
     const color = (name: string, otherwise: string) => style?.getPropertyValue(name).trim() || otherwise;
-    this.backdrop.set_theme(theme, color("--cg-muted", "#55606e"));
-    this.highlight.set_colors(color("--cg-highlight", "#e07a00"), color("--cg-accent", "#0b5cad"));
-    this.overlay.set_colors(color("--cg-ray", "#d11c1c"));
-    this.ghost_color = color("--cg-ghost", "#7a3fb5");
+    this.backdrop.setTheme(theme, color("--cg-muted", "#55606e"));
+    this.highlight.setColors(color("--cg-highlight", "#e07a00"), color("--cg-accent", "#0b5cad"));
+    this.overlay.setColors(color("--cg-ray", "#d11c1c"));
+    this.ghostColor = color("--cg-ghost", "#7a3fb5");
     this.ghosts?.dispose();
     this.ghosts = null;
     this.moved = true;
@@ -198,7 +198,7 @@ export class View3d {
     if (!scene) return;
     this.batches = new Batches(scene, {
       asset: (path) => this.studio.link.asset(path),
-      changed: () => this.draw_soon(),
+      changed: () => this.drawSoon(),
       slow: this.painter.slow,
     });
     this.lights = new Lights(scene, this.painter.slow);
@@ -211,51 +211,51 @@ export class View3d {
   }
 
   /** The frame of another scene than the one that is shown is of no use. */
-  private sound_frame(): Frame | null {
+  private soundFrame(): Frame | null {
     return this.frame && this.frame.scene === this.scene?.scene ? this.frame : null;
   }
 
-  private place(): void {
+  private moveBodies(): void {
     const { scene, batches } = this;
     if (!scene || !batches) return;
-    const frame = this.sound_frame();
+    const frame = this.soundFrame();
     const poses = new Float32Array(7 * scene.bodies.length);
     scene.bodies.forEach((body, i) => poses.set(body.pose, 7 * i));
     if (frame) poses.set(frame.poses.subarray(0, poses.length));
     for (const [body, pose] of this.handles.held) poses.set(pose, 7 * body);
     this.poses = poses;
-    batches.place(poses);
+    batches.moveTo(poses);
 
     if (frame && frame.ghost.length > 0) {
       if (!this.ghosts) {
         this.ghosts = new Batches(scene, {
           asset: () => "",
           changed: () => {},
-          ghost: new Color(this.ghost_color),
+          ghost: new Color(this.ghostColor),
           slow: this.painter.slow,
         });
         this.stage.add(this.ghosts.root);
       }
-      this.ghosts.place(frame.ghost);
+      this.ghosts.moveTo(frame.ghost);
     } else if (this.ghosts) {
       this.ghosts.dispose();
       this.ghosts = null;
     }
-    if (!this.bounds || scene.bodies.length <= SHADOW_LIMIT || this.frames % 15 === 0) {
+    if (!this.bounds || scene.bodies.length <= kShadowLimit || this.frames % 15 === 0) {
       const first = !this.bounds;
-      this.bounds = visible_bounds(scene, poses);
+      this.bounds = visibleBounds(scene, poses);
       // the first body of an empty scene is brought into view, once
       if (first && this.bounds && !this.eye.touched) {
         this.eye.look("iso", this.bounds);
         this.eye.touched = false;
       }
-      this.lights?.fit(this.bounds ?? NOTHING);
+      this.lights?.fit(this.bounds ?? kNothing);
     }
     const followed = this.studio.state.followed.peek();
     if (followed) {
       const body = scene.bodies.findIndex((b) => b.name === followed && !b.removed);
-      const pose = body >= 0 ? pose_at(poses, body) : null;
-      this.eye.follow(pose && is_finite(pose) ? [pose[0], pose[1], pose[2]] : null);
+      const pose = body >= 0 ? poseAt(poses, body) : null;
+      this.eye.follow(pose && isFinite(pose) ? [pose[0], pose[1], pose[2]] : null);
     }
     this.handles.update(scene, poses);
     this.relight = true;
@@ -264,7 +264,7 @@ export class View3d {
 
   private mark(): void {
     const { state } = this.studio;
-    const selected = bodies_of(state, state.selection.peek());
+    const selected = bodiesOf(state, state.selection.peek());
     if (marked.peek() >= 0) selected.add(marked.peek());
     this.highlight.show(this.batches, selected, selected.has(state.hovered.peek()) ? -1 : state.hovered.peek());
   }
@@ -273,11 +273,11 @@ export class View3d {
     this.asked = 0;
     if (!this.visible) return;
     untracked(() => {
-      if (this.rethemed) this.set_theme();
-      if (this.moved) this.place();
+      if (this.rethemed) this.setTheme();
+      if (this.moved) this.moveBodies();
       if (this.remark) this.mark();
       if (this.scene) {
-        const frame = this.sound_frame();
+        const frame = this.soundFrame();
         const empty: Frame = {
           live: true,
           scene: this.scene.scene,
@@ -287,7 +287,7 @@ export class View3d {
           ghost: new Float32Array(),
           tail: {},
         };
-        const size = this.bounds ? 2 * radius_of(this.bounds) : 2;
+        const size = this.bounds ? 2 * radiusOf(this.bounds) : 2;
         if (this.moved) this.overlay.update(this.scene, frame ?? empty, this.poses, size, this.studio.services.get(RunTrails));
       }
       this.eye.adjust(this.bounds);
@@ -298,68 +298,68 @@ export class View3d {
       this.frames++;
       const { dataset } = this.painter.element;
       dataset.frames = String(this.frames);
-      dataset.time = String(this.sound_frame()?.time ?? 0);
+      dataset.time = String(this.soundFrame()?.time ?? 0);
     });
   }
 
-  private draw_soon(): void {
+  private drawSoon(): void {
     if (this.asked || !this.visible) return;
     const window = this.stand.host.ownerDocument.defaultView ?? globalThis.window;
     this.asked = window.requestAnimationFrame(() => this.draw());
   }
 
-  set_visible(visible: boolean): void {
+  setVisible(visible: boolean): void {
     this.visible = visible;
     if (visible) this.refresh();
   }
 
-  set_size(width: number, height: number): void {
+  setSize(width: number, height: number): void {
     if (width < 1 || height < 1) return;
     this.width = width;
     this.height = height;
-    this.painter.set_size(width, height);
-    this.eye.set_size(width, height);
+    this.painter.setSize(width, height);
+    this.eye.setSize(width, height);
     // a canvas that was resized is empty until it is drawn, which should not be seen
     if (this.visible && this.frames > 0) this.draw();
-    else this.draw_soon();
+    else this.drawSoon();
   }
 
   private obey(what: ViewName | "fit" | "focus"): void {
-    if (this.moved) this.place();
-    if (what === "fit") this.eye.fit(this.bounds ?? NOTHING);
+    if (this.moved) this.moveBodies();
+    if (what === "fit") this.eye.fit(this.bounds ?? kNothing);
     else if (what === "focus") this.focus();
-    else this.eye.look(what, this.bounds ?? NOTHING);
-    this.draw_soon();
+    else this.eye.look(what, this.bounds ?? kNothing);
+    this.drawSoon();
   }
 
   /** The selection; without any, everything. */
   private focus(): void {
     const { state } = this.studio;
-    const bodies = bodies_of(state, state.selection.peek());
+    const bodies = bodiesOf(state, state.selection.peek());
     if (marked.peek() >= 0) bodies.add(marked.peek());
-    const around = this.scene && bodies.size > 0 ? visible_bounds(this.scene, this.poses, bodies) : null;
+    const around = this.scene && bodies.size > 0 ? visibleBounds(this.scene, this.poses, bodies) : null;
     if (around) {
       // the camera would be inside of a very thin thing
-      const grow = Math.max(0.02 - radius_of(around), 0);
+      const grow = Math.max(0.02 - radiusOf(around), 0);
       this.eye.fit(
         joined(around, {
           low: around.low.map((v) => v - grow) as Bounds["low"],
           high: around.high.map((v) => v + grow) as Bounds["high"],
         }),
       );
-    } else this.eye.fit(this.bounds ?? NOTHING);
-    this.draw_soon();
+    } else this.eye.fit(this.bounds ?? kNothing);
+    this.drawSoon();
   }
 
   /** The body under a position of the window; -1: none. */
-  body_at(x: number, y: number): number {
+  bodyAt(x: number, y: number): number {
     if (!this.batches) return -1;
     const box = this.stand.host.getBoundingClientRect();
     const at = new Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2);
     this.eye.adjust(this.bounds);
     this.ray.setFromCamera(at, this.eye.camera);
     const hits = this.ray.intersectObject(this.batches.root, true);
-    return hits.length > 0 ? this.batches.body_at(hits[0]!) : -1;
+    return hits.length > 0 ? this.batches.bodyAt(hits[0]!) : -1;
   }
 
   private hover(): void {
@@ -367,7 +367,7 @@ export class View3d {
     // the pointer left: another panel sets the hovered body
     if (!this.pointer) return;
     const none = this.down || this.handles.dragging || this.handles.hot;
-    const body = none ? -1 : this.body_at(this.pointer.x, this.pointer.y);
+    const body = none ? -1 : this.bodyAt(this.pointer.x, this.pointer.y);
     if (state.hovered.peek() !== body) state.hovered.value = body;
     const name = body >= 0 ? this.scene!.bodies[body]!.name : "";
     this.painter.element.dataset.hover = name;
@@ -376,7 +376,7 @@ export class View3d {
 
   private listen(host: HTMLElement): void {
     let waiting = false;
-    const hover_soon = () => {
+    const hoverSoon = () => {
       if (waiting) return;
       waiting = true;
       (host.ownerDocument.defaultView ?? globalThis.window).requestAnimationFrame(() => {
@@ -386,7 +386,7 @@ export class View3d {
     };
     host.addEventListener("pointermove", (event) => {
       this.pointer = new Vector2(event.clientX, event.clientY);
-      hover_soon();
+      hoverSoon();
     });
     host.addEventListener("pointerleave", () => {
       this.pointer = null;
@@ -400,24 +400,24 @@ export class View3d {
     host.addEventListener("pointerup", (event) => {
       const { down } = this;
       this.down = null;
-      if (!down || Math.hypot(event.clientX - down.x, event.clientY - down.y) > CLICK) return;
-      const body = this.body_at(event.clientX, event.clientY);
+      if (!down || Math.hypot(event.clientX - down.x, event.clientY - down.y) > kClick) return;
+      const body = this.bodyAt(event.clientX, event.clientY);
       if (event.button === 0) {
-        click_body(this.studio, body, event.ctrlKey || event.shiftKey || event.metaKey);
+        clickBody(this.studio, body, event.ctrlKey || event.shiftKey || event.metaKey);
       } else if (event.button === 2) {
-        const element = this.scene ? element_of(this.scene, body) : -1;
-        if (body >= 0 && !this.studio.state.selection.peek().includes(element)) click_body(this.studio, body, false);
-        this.stand.context_menu(event, body);
+        const element = this.scene ? elementOf(this.scene, body) : -1;
+        if (body >= 0 && !this.studio.state.selection.peek().includes(element)) clickBody(this.studio, body, false);
+        this.stand.contextMenu(event, body);
       }
     });
     host.addEventListener("pointercancel", () => (this.down = null));
     host.addEventListener("dblclick", () => this.focus());
     host.addEventListener("contextmenu", (event) => event.preventDefault());
-    host.addEventListener("keydown", (event) => this.on_key(event));
+    host.addEventListener("keydown", (event) => this.onKey(event));
   }
 
   /** Shift and arrows turn, Page Up and Down come nearer and go away. */
-  private on_key(event: KeyboardEvent): void {
+  private onKey(event: KeyboardEvent): void {
     const turn = 0.1;
     if (event.key === "PageUp") this.eye.turn(0, 0, 1.15);
     else if (event.key === "PageDown") this.eye.turn(0, 0, 1 / 1.15);
@@ -429,7 +429,7 @@ export class View3d {
     else return;
     event.preventDefault();
     event.stopPropagation();
-    this.draw_soon();
+    this.drawSoon();
   }
 
   dispose(): void {

@@ -1,12 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Vec3 } from "../core/protocol";
-import { corners_of, middle_of, type Bounds } from "./bounds";
+import { cornersOf, middleOf, type Bounds } from "./bounds";
 import { rotate } from "./pose";
-import { axes_of, camera_pose, direction_of, distance_for, horizontal_fov, vertical_fov, VIEWS } from "./views";
+import { axesOf, cameraPose, directionOf, distanceFor, horizontalFov, verticalFov, kViews } from "./views";
 
 // An eye that looks straight down is 1e-4 aside; everything else is a few operations on doubles.
-const ASIDE = 2e-4;
+const kAside = 2e-4;
 const dot = (a: Vec3, b: Vec3) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const near = (a: Vec3, b: Vec3, tolerance: number) =>
   a.forEach((v, i) => assert.ok(Math.abs(v - b[i]!) <= tolerance, `${a} and ${b}`));
@@ -21,27 +21,27 @@ test("views look where the command line's do, and have the same side up", () => 
     bottom: [[0, 0, 1], [0, 1, 0]],
   };
   for (const [view, [forward, up]] of Object.entries(expected)) {
-    const [f, , u] = axes_of(direction_of(view as "front"));
-    near(f, forward, ASIDE);
-    near(u, up, ASIDE);
+    const [f, , u] = axesOf(directionOf(view as "front"));
+    near(f, forward, kAside);
+    near(u, up, kAside);
   }
   const n = Math.hypot(1, 0.7, 0.8);
-  near(axes_of(direction_of("iso"))[0], [-1 / n, -0.7 / n, -0.8 / n], 1e-12);
+  near(axesOf(directionOf("iso"))[0], [-1 / n, -0.7 / n, -0.8 / n], 1e-12);
 });
 
 test("all of the bounds is seen, and not from farther than needed", () => {
   const bounds: Bounds = { low: [-1, 0, 2], high: [3, 0.5, 2.2] };
-  const middle = middle_of(bounds);
-  for (const view of VIEWS) {
+  const middle = middleOf(bounds);
+  for (const view of kViews) {
     for (const aspect of [0.5, 1, 2.5]) {
-      const direction = direction_of(view);
-      const d = distance_for(bounds, direction, aspect);
-      const [f, l, u] = axes_of(direction);
+      const direction = directionOf(view);
+      const d = distanceFor(bounds, direction, aspect);
+      const [f, l, u] = axesOf(direction);
       let fullest = 0;
-      for (const corner of corners_of(bounds)) {
+      for (const corner of cornersOf(bounds)) {
         const p = corner.map((v, i) => v - middle[i]! - d * direction[i]!) as Vec3;
-        const x = Math.abs(dot(p, l) / dot(p, f)) / Math.tan(horizontal_fov(aspect) / 2);
-        const y = Math.abs(dot(p, u) / dot(p, f)) / Math.tan(vertical_fov(aspect) / 2);
+        const x = Math.abs(dot(p, l) / dot(p, f)) / Math.tan(horizontalFov(aspect) / 2);
+        const y = Math.abs(dot(p, u) / dot(p, f)) / Math.tan(verticalFov(aspect) / 2);
         fullest = Math.max(fullest, x, y);
       }
       // the margin of 5 % is what is left at the tightest corner
@@ -53,7 +53,7 @@ test("all of the bounds is seen, and not from farther than needed", () => {
 test("the server's camera looks along its x at the target, z up", () => {
   for (const eye of [[3, 1, 2], [-3, 1, -2], [0, -4, 1], [-5, 1e-3, 0], [1e-4, 0, 3]] as Vec3[]) {
     const target: Vec3 = [0.5, 0.25, 0];
-    const pose = camera_pose(eye, target);
+    const pose = cameraPose(eye, target);
     const n = Math.hypot(...eye.map((v, i) => v - target[i]!));
     near(rotate(pose, [1, 0, 0]), eye.map((v, i) => (target[i]! - v) / n) as Vec3, 1e-12);
     assert.ok(Math.abs(rotate(pose, [0, 1, 0])[2]) < 1e-12, "level");

@@ -1,15 +1,15 @@
 // Viewpoints that show everything, with the same directions as the pictures of the command line.
 import type { Pose, Vec3 } from "../core/protocol";
-import { corners_of, middle_of, type Bounds } from "./bounds";
+import { cornersOf, middleOf, type Bounds } from "./bounds";
 
-export const VIEWS = ["front", "back", "left", "right", "top", "bottom", "iso"] as const;
-export type ViewName = (typeof VIEWS)[number];
+export const kViews = ["front", "back", "left", "right", "top", "bottom", "iso"] as const;
+export type ViewName = (typeof kViews)[number];
 
 /** Horizontal field of view [rad]. */
-export const FIELD_OF_VIEW = 0.8;
-const MARGIN = 1.05;
+export const kFieldOfView = 0.8;
+const kMargin = 1.05;
 /** Straight down or up leaves open where the picture's top is; this little aside settles it. */
-const ASIDE = 1e-4;
+const kAside = 1e-4;
 
 const unit = (v: Vec3): Vec3 => {
   const n = Math.hypot(...v);
@@ -17,7 +17,7 @@ const unit = (v: Vec3): Vec3 => {
 };
 
 /** Unit vector from the middle of the view towards the eye. */
-export function direction_of(view: ViewName): Vec3 {
+export function directionOf(view: ViewName): Vec3 {
   switch (view) {
     case "front":
       return [1, 0, 0];
@@ -28,22 +28,22 @@ export function direction_of(view: ViewName): Vec3 {
     case "right":
       return [0, -1, 0];
     case "top":
-      return unit([0, -ASIDE, 1]);
+      return unit([0, -kAside, 1]);
     case "bottom":
-      return unit([0, ASIDE, -1]);
+      return unit([0, kAside, -1]);
     case "iso":
       return unit([1, 0.7, 0.8]);
   }
 }
 
 /** Vertical field of view [rad] of a picture that is `aspect` times as wide as high. */
-export function vertical_fov(aspect: number): number {
+export function verticalFov(aspect: number): number {
   // of a narrow picture the greater angle is the vertical one, or little would be seen
-  return aspect >= 1 ? 2 * Math.atan(Math.tan(FIELD_OF_VIEW / 2) / aspect) : FIELD_OF_VIEW;
+  return aspect >= 1 ? 2 * Math.atan(Math.tan(kFieldOfView / 2) / aspect) : kFieldOfView;
 }
 
-export function horizontal_fov(aspect: number): number {
-  return 2 * Math.atan(Math.tan(vertical_fov(aspect) / 2) * aspect);
+export function horizontalFov(aspect: number): number {
+  return 2 * Math.atan(Math.tan(verticalFov(aspect) / 2) * aspect);
 }
 
 const cross = (a: Vec3, b: Vec3): Vec3 => [
@@ -54,30 +54,30 @@ const cross = (a: Vec3, b: Vec3): Vec3 => [
 const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 /** Axes of an eye that looks against `direction` (unit), z up: forward, left, up. */
-export function axes_of(direction: Vec3): [Vec3, Vec3, Vec3] {
+export function axesOf(direction: Vec3): [Vec3, Vec3, Vec3] {
   const forward: Vec3 = [-direction[0], -direction[1], -direction[2]];
   const left = unit(cross([0, 0, 1], forward));
   return [forward, left, cross(forward, left)];
 }
 
 /** How far from the middle of `bounds` an eye in `direction` shows all of it with a margin of 5 % [m]. */
-export function distance_for(bounds: Bounds, direction: Vec3, aspect: number): number {
-  const [forward, left, up] = axes_of(direction);
-  const tan_y = Math.tan(vertical_fov(aspect) / 2) / MARGIN;
-  const tan_x = tan_y * aspect;
-  const middle = middle_of(bounds);
+export function distanceFor(bounds: Bounds, direction: Vec3, aspect: number): number {
+  const [forward, left, up] = axesOf(direction);
+  const tanY = Math.tan(verticalFov(aspect) / 2) / kMargin;
+  const tanX = tanY * aspect;
+  const middle = middleOf(bounds);
   let back = 1e-3;
-  for (const corner of corners_of(bounds)) {
+  for (const corner of cornersOf(bounds)) {
     const p: Vec3 = [corner[0] - middle[0], corner[1] - middle[1], corner[2] - middle[2]];
     const along = dot(p, forward);
-    back = Math.max(back, Math.abs(dot(p, left)) / tan_x - along, Math.abs(dot(p, up)) / tan_y - along);
+    back = Math.max(back, Math.abs(dot(p, left)) / tanX - along, Math.abs(dot(p, up)) / tanY - along);
   }
   return back;
 }
 
 /** Pose of the server's camera (looks along +x, z up) for an eye there that looks at `target`. */
-export function camera_pose(eye: Vec3, target: Vec3): Pose {
-  const [x, y, z] = axes_of(unit([eye[0] - target[0], eye[1] - target[1], eye[2] - target[2]]));
+export function cameraPose(eye: Vec3, target: Vec3): Pose {
+  const [x, y, z] = axesOf(unit([eye[0] - target[0], eye[1] - target[1], eye[2] - target[2]]));
   // columns x, y, z of the rotation; its quaternion by the greatest of the four (Shepperd)
   const trace = x[0] + y[1] + z[2];
   let q: [number, number, number, number];

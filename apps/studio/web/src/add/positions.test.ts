@@ -3,9 +3,9 @@ import { test } from "node:test";
 import type { SceneBody, TreeElement } from "../core/protocol";
 import { State } from "../core/state";
 import { Schema } from "../forms/schema";
-import { color_for } from "./defaults";
-import { free_position, front_position, into_frame, rotate } from "./place";
-import { common_parent, insert_op, insert_plan, unassembled_robot, parent_for } from "./plan";
+import { colorFor } from "./defaults";
+import { freePosition, frontPosition, intoFrame, rotate } from "./positions";
+import { commonParent, insertOp, insertPlan, unassembledRobot, parentFor } from "./plan";
 
 const close = (a: readonly number[], b: readonly number[]) =>
   a.forEach((v, i) => assert.ok(Math.abs(v - b[i]!) < 1e-12, `${a.join(" ")} is not ${b.join(" ")}`));
@@ -13,15 +13,15 @@ const close = (a: readonly number[], b: readonly number[]) =>
 test("a quarter turn about z takes x to y, and back", () => {
   const half = Math.SQRT1_2;
   close(rotate([0, 0, 0, half, 0, 0, half], [1, 0, 0]), [0, 1, 0]);
-  close(into_frame([1, 0, 0, half, 0, 0, half], [1, 2, 3]), [2, 0, 3]);
+  close(intoFrame([1, 0, 0, half, 0, 0, half], [1, 2, 3]), [2, 0, 3]);
 });
 
 test("new elements do not overlap existing ones", () => {
   const others = [{ centre: [0, 0, 0.5] as [number, number, number], radius: 0.3 }];
-  const found = free_position(others, [0, 0, 0.5], 0.2);
+  const found = freePosition(others, [0, 0, 0.5], 0.2);
   assert.ok(Math.hypot(found[0], found[1]) >= 0.5);
   assert.equal(found[2], 0.5);
-  assert.deepEqual(free_position(others, [2, 0, 0.5], 0.2), [2, 0, 0.5]);
+  assert.deepEqual(freePosition(others, [2, 0, 0.5], 0.2), [2, 0, 0.5]);
 });
 
 const specs: [number, string, string, string][] = [
@@ -49,16 +49,16 @@ function plan(tag: string, selection: number[]) {
   const state = new State();
   state.tree.value = { version: 1, elements };
   state.selection.value = selection;
-  return insert_plan(state, schema, tag);
+  return insertPlan(state, schema, tag);
 }
 
 test("new elements go into the selected group, or beside the selection", () => {
-  assert.equal(parent_for(schema, elements, 1, "box"), 1);
-  assert.equal(parent_for(schema, elements, 2, "box"), 1);
-  assert.equal(parent_for(schema, elements, 5, "box"), 0);
-  assert.equal(parent_for(schema, elements, 1, "light"), 0);
-  assert.equal(common_parent(elements, 2, 3), 1);
-  assert.equal(common_parent(elements, 2, 5), 0);
+  assert.equal(parentFor(schema, elements, 1, "box"), 1);
+  assert.equal(parentFor(schema, elements, 2, "box"), 1);
+  assert.equal(parentFor(schema, elements, 5, "box"), 0);
+  assert.equal(parentFor(schema, elements, 1, "light"), 0);
+  assert.equal(commonParent(elements, 2, 3), 1);
+  assert.equal(commonParent(elements, 2, 5), 0);
 });
 
 test("a box has a size and stands above the ground", () => {
@@ -87,7 +87,7 @@ test("a robot that is not one assembly is found by its motors", () => {
     [0, "camera", "eye", { on: "deck" }], [0, "camera", "room", { on: "other" }], [0, "slider", "rail", { parent: "floor", child: "deck" }],
   ];
   const unattached = (list: typeof rows) =>
-    unassembled_robot(list.map(([parent, tag, name, attributes], id) =>
+    unassembledRobot(list.map(([parent, tag, name, attributes], id) =>
       ({ id, parent, tag, name, path: name, attributes, line: 1, column: 1, end_line: 1 })));
   assert.deepEqual(unattached(rows), [2, 3, 5, 6, 7, 9]);
   assert.deepEqual(unattached(rows.filter(([, tag]) => tag !== "motor")), []);
@@ -95,21 +95,21 @@ test("a robot that is not one assembly is found by its motors", () => {
 
 test("sensors stand at the front of their body, one beside the other", () => {
   const deck = { pose: [0, 0, 0, 1, 0, 0, 0], shapes: [{ type: "box", pose: [0, 0, 0, 1, 0, 0, 0], size: [0.24, 0.12, 0.04] }] };
-  const position = (count: number, high: boolean) => front_position(deck as unknown as SceneBody, count, high);
+  const position = (count: number, high: boolean) => frontPosition(deck as unknown as SceneBody, count, high);
   assert.deepEqual(position(0, true), [0.12, 0, 0.02]);
   assert.deepEqual([position(0, false), position(1, false), position(2, false)], [[0.12, 0.04, 0], [0.12, -0.04, 0], [0.12, 0, 0]]);
   // A cylinder that lies across reaches as far to the sides as it is long.
   const lying = { shapes: [{ type: "cylinder", pose: [0, 0, 0, Math.SQRT1_2, Math.SQRT1_2, 0, 0], size: [0.05, 0.3] }] };
-  assert.deepEqual(front_position(lying as unknown as SceneBody, 0, false), [0.05, 0.1, 0]);
+  assert.deepEqual(frontPosition(lying as unknown as SceneBody, 0, false), [0.05, 0.1, 0]);
   const ground = { shapes: [{ type: "plane", pose: [0, 0, 0, 1, 0, 0, 0], size: [4, 4] }] };
-  assert.equal(front_position(ground as unknown as SceneBody, 0, false), null);
+  assert.equal(frontPosition(ground as unknown as SceneBody, 0, false), null);
 });
 
 test("a new element has another color than the previous one", () => {
-  const first = color_for("box", elements).color;
+  const first = colorFor("box", elements).color;
   const box = { ...elements[2]!, tag: "box", attributes: { color: first! } };
-  assert.notEqual(color_for("sphere", [box]).color, first);
-  assert.deepEqual(color_for("hinge", elements), {});
+  assert.notEqual(colorFor("sphere", [box]).color, first);
+  assert.deepEqual(colorFor("hinge", elements), {});
 });
 
 test("a sensor sits on the selected body", () => {
@@ -119,7 +119,7 @@ test("a sensor sits on the selected body", () => {
 });
 
 test("parameters become a <set> inside", () => {
-  const op = insert_op({ tag: "controller", parent: 1, attributes: { plugin: "drive", name: "" }, missing: [] }, { speed: "1 m/s" });
+  const op = insertOp({ tag: "controller", parent: 1, attributes: { plugin: "drive", name: "" }, missing: [] }, { speed: "1 m/s" });
   assert.deepEqual(op, {
     op: "insert", parent: 1, xml: '<controller plugin="drive">\n  <set speed="1 m/s"/>\n</controller>', before: null,
   });

@@ -1,5 +1,5 @@
 // The texts and rows of a comparison.
-import { color_of, type FigureData } from "../figures/figure";
+import { colorOf, type FigureData } from "../figures/figure";
 import type { Sample } from "../figures/statistics";
 import type { RunEvent } from "../core/protocol";
 
@@ -22,7 +22,7 @@ export const kDivergenceAngle = Math.PI / 180;
 export type Difference = "backend" | "step";
 
 /** What differs between two runs, of which only labels such as "bullet" or "bullet, 1 ms" are known. */
-export function difference_of(labels: readonly [string, string], backends: readonly string[]): Difference {
+export function differenceOf(labels: readonly [string, string], backends: readonly string[]): Difference {
   const backend = (label: string): string | undefined => backends.find((b) => label === b || label.startsWith(b));
   const [a, b] = [backend(labels[0]), backend(labels[1])];
   return a !== undefined && a === b ? "step" : "backend";
@@ -58,7 +58,7 @@ export interface Row {
 }
 
 /** The worst first. `at`: index of the shown time. */
-export function rows_of(data: Divergence, at: number): Row[] {
+export function rowsOf(data: Divergence, at: number): Row[] {
   return data.bodies
     .map(({ name, distance }) => {
       let most: Sample = null;
@@ -68,21 +68,21 @@ export function rows_of(data: Divergence, at: number): Row[] {
         if (most === null || d > most) most = d;
         if (since === null && d > kDivergence) since = data.time[i] ?? null;
       });
-      return { name, now: distance[at] ?? null, most: most as Sample, since };
+      return { name, now: distance[at] ?? null, most, since };
     })
     .sort((a, b) => (b.most ?? -1) - (a.most ?? -1));
 }
 
 /** Curves of the worst bodies, and of the largest turn of any against the axis on the right. */
-export function divergence_figure(data: Divergence, log: boolean, curves = 5): FigureData {
-  const worst = rows_of(data, -1).slice(0, curves);
+export function divergenceFigure(data: Divergence, log: boolean, curves = 5): FigureData {
+  const worst = rowsOf(data, -1).slice(0, curves);
   const series = worst.map(({ name }, k) => ({
     label: name,
     unit: "m",
-    color: color_of(k),
+    color: colorOf(k),
     dashed: false,
     axis: 0 as const,
-    x: data.time as Sample[],
+    x: data.time,
     y: data.bodies.find((b) => b.name === name)!.distance,
     z: [],
   }));
@@ -98,7 +98,7 @@ export function divergence_figure(data: Divergence, log: boolean, curves = 5): F
       {
         label: "largest turn",
         unit: "rad",
-        color: color_of(7),
+        color: colorOf(7),
         dashed: true,
         axis: 1 as const,
         x: data.time,
@@ -111,7 +111,7 @@ export function divergence_figure(data: Divergence, log: boolean, curves = 5): F
 }
 
 /** A length for people: "3.2 mm", "4.1 cm", "1.25 m"; small ones in powers of ten. */
-export function length_text(metres: Sample): string {
+export function lengthText(metres: Sample): string {
   if (metres === null || !Number.isFinite(metres)) return "–";
   const size = Math.abs(metres);
   if (size === 0) return "0";

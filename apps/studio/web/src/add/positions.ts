@@ -19,7 +19,7 @@ export function rotate(pose: Pose, v: Vec3): Vec3 {
 }
 
 /** A point of the world in the frame that has this pose there. */
-export function into_frame(pose: Pose, point: Vec3): Vec3 {
+export function intoFrame(pose: Pose, point: Vec3): Vec3 {
   const inverse: Pose = [0, 0, 0, pose[3], -pose[4], -pose[5], -pose[6]];
   return rotate(inverse, [point[0] - pose[0], point[1] - pose[1], point[2] - pose[2]]);
 }
@@ -30,7 +30,7 @@ export interface Round {
 }
 
 /** A ball around a body; null for bodies without an end or a shape: planes, grounds. */
-export function ball_around(body: SceneBody, scene: Scene): Round | null {
+export function ballAround(body: SceneBody, scene: Scene): Round | null {
   let radius = 0;
   let any = false;
   for (const shape of body.shapes) {
@@ -60,7 +60,7 @@ const overlaps = (a: Round, b: Round): boolean =>
 const rounded = (v: number): number => Math.round(v * 1000) / 1000;
 
 /** The first free position for a ball of `radius`: at `start`, then on growing rings around it at the same height. */
-export function free_position(others: readonly Round[], start: Vec3, radius: number): Vec3 {
+export function freePosition(others: readonly Round[], start: Vec3, radius: number): Vec3 {
   for (let ring = 0; ring < 40; ++ring) {
     const count = ring === 0 ? 1 : 6 * ring;
     for (let i = 0; i < count; ++i) {
@@ -78,22 +78,22 @@ export function free_position(others: readonly Round[], start: Vec3, radius: num
 }
 
 /** A free position in the world for something new of `radius`, beside the main selected body or at the middle. */
-export function new_position(state: State, radius: number, height: number): Vec3 {
+export function newPosition(state: State, radius: number, height: number): Vec3 {
   const scene = state.scene.peek();
   if (!scene) return [0, 0, height];
-  const balls = scene.bodies.filter((b) => !b.removed).map((b) => ball_around(b, scene));
+  const balls = scene.bodies.filter((b) => !b.removed).map((b) => ballAround(b, scene));
   const main = state.selection.peek()[state.selection.peek().length - 1];
   let start: Vec3 = [0, 0, height];
   if (main !== undefined && main > 0) {
-    const index = state.bodies_of(main).find((i) => {
+    const index = state.bodiesOf(main).find((i) => {
       const body = scene.bodies[i]!;
       return !body.shapes.some((s) => s.type === "plane" || s.type === "heightmap");
     });
     const body = index === undefined ? undefined : scene.bodies[index];
-    const ball = body ? ball_around(body, scene) : null;
+    const ball = body ? ballAround(body, scene) : null;
     if (ball) start = [rounded(ball.centre[0] + ball.radius + radius + 0.05), rounded(ball.centre[1]), height];
   }
-  return free_position(balls.filter((b): b is Round => b !== null), start, radius);
+  return freePosition(balls.filter((b): b is Round => b !== null), start, radius);
 }
 
 /** Extents [m] of a body's shapes in its own frame: the lowest and the highest corner; null if it has none, or no end. */
@@ -111,9 +111,9 @@ function extents(body: SceneBody): { low: Vec3; high: Vec3 } | null {
     // A turned box reaches along an axis as far as its edges do together.
     const edges = [0, 1, 2].map((k) => rotate(shape.pose, [0, 1, 2].map((j) => (j === k ? half[k]! : 0)) as Vec3));
     for (let i = 0; i < 3; ++i) {
-      const reach = edges.reduce((sum, edge) => sum + Math.abs(edge[i]!), 0);
-      low[i] = Math.min(low[i]!, shape.pose[i]! - reach);
-      high[i] = Math.max(high[i]!, shape.pose[i]! + reach);
+      const halfExtent = edges.reduce((sum, edge) => sum + Math.abs(edge[i]!), 0);
+      low[i] = Math.min(low[i]!, shape.pose[i]! - halfExtent);
+      high[i] = Math.max(high[i]!, shape.pose[i]! + halfExtent);
     }
   }
   return low[0] < Infinity ? { low, high } : null;
@@ -121,7 +121,7 @@ function extents(body: SceneBody): { low: Vec3; high: Vec3 } | null {
 
 /** Where a new sensor sits on a body that has `count` of its kind, in the body's frame: at its front (+x), where nothing of the
  *  body blocks the view. `high`: at the upper edge, the first in the middle; else at half height, the first two as a pair. */
-export function front_position(body: SceneBody, count: number, high: boolean): Vec3 | null {
+export function frontPosition(body: SceneBody, count: number, high: boolean): Vec3 | null {
   const box = extents(body);
   if (!box) return null;
   const middle = (i: number): number => (box.low[i]! + box.high[i]!) / 2;
@@ -131,14 +131,14 @@ export function front_position(body: SceneBody, count: number, high: boolean): V
 }
 
 /** How far from its original a copy stands: beside it along x. */
-export function duplicate_offset(state: State, ids: readonly number[]): Vec3 {
+export function duplicateOffset(state: State, ids: readonly number[]): Vec3 {
   const scene = state.scene.peek();
   if (!scene) return [0.3, 0, 0];
   let low = Infinity;
   let high = -Infinity;
   for (const id of ids) {
-    for (const index of state.bodies_of(id)) {
-      const ball = ball_around(scene.bodies[index]!, scene);
+    for (const index of state.bodiesOf(id)) {
+      const ball = ballAround(scene.bodies[index]!, scene);
       if (!ball) continue;
       low = Math.min(low, ball.centre[0] - ball.radius);
       high = Math.max(high, ball.centre[0] + ball.radius);

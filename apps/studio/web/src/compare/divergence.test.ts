@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { around, difference_of, divergence_figure, explanation, length_text, rows_of, type Divergence } from "./words";
+import { around, differenceOf, divergenceFigure, explanation, lengthText, rowsOf, type Divergence } from "./divergence";
 
 const data: Divergence = {
   time: [0, 0.1, 0.2],
@@ -16,7 +16,7 @@ const data: Divergence = {
 };
 
 test("rows: the worst first, diverged from 1 cm on", () => {
-  assert.deepEqual(rows_of(data, 1), [
+  assert.deepEqual(rowsOf(data, 1), [
     { name: "far", now: 0.02, most: 0.5, since: 0.1 },
     { name: "near", now: 0.001, most: 0.009, since: null },
     { name: "gone", now: null, most: null, since: null },
@@ -24,7 +24,7 @@ test("rows: the worst first, diverged from 1 cm on", () => {
 });
 
 test("the figure has the worst bodies on the left, the turn on the right, and the threshold", () => {
-  const figure = divergence_figure(data, true, 2);
+  const figure = divergenceFigure(data, true, 2);
   assert.deepEqual(
     figure.series.map((s) => [s.label, s.axis, s.y]),
     [
@@ -38,8 +38,8 @@ test("the figure has the worst bodies on the left, the turn on the right, and th
 
 test("what differs is read from the labels", () => {
   const backends = ["bullet", "cogrsim"];
-  assert.equal(difference_of(["bullet", "cogrsim"], backends), "backend");
-  assert.equal(difference_of(["bullet, 1 ms", "bullet, 0.5 ms"], backends), "step");
+  assert.equal(differenceOf(["bullet", "cogrsim"], backends), "backend");
+  assert.equal(differenceOf(["bullet, 1 ms", "bullet, 0.5 ms"], backends), "step");
   assert.match(explanation("step", ["a", "b"]).join(" "), /Solid is a, the ghost is b/);
 });
 
@@ -53,11 +53,11 @@ test("events just before the divergence", () => {
 });
 
 test("lengths for people", () => {
-  assert.equal(length_text(null), "–");
-  assert.equal(length_text(0), "0");
-  assert.equal(length_text(3e-9), "3.0e-9 m");
-  assert.equal(length_text(0.0000321), "32.1 µm");
-  assert.equal(length_text(0.00321), "3.21 mm");
-  assert.equal(length_text(0.0321), "3.21 cm");
-  assert.equal(length_text(1.254), "1.25 m");
+  assert.equal(lengthText(null), "–");
+  assert.equal(lengthText(0), "0");
+  assert.equal(lengthText(3e-9), "3.0e-9 m");
+  assert.equal(lengthText(0.0000321), "32.1 µm");
+  assert.equal(lengthText(0.00321), "3.21 mm");
+  assert.equal(lengthText(0.0321), "3.21 cm");
+  assert.equal(lengthText(1.254), "1.25 m");
 });
