@@ -93,7 +93,7 @@ function write_notices(metafiles) {
     const folder = /^.*node_modules\/(@[^/]+\/)?[^/]+/.exec(path);
     if (folder) folders.add(resolve(here, folder[0]));
   }
-  const packages = new Map();  // by the text they share
+  const packages = new Map(); // by the text they share
   for (const folder of [...folders].sort()) {
     const { name, version, license } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
     const paths = readdirSync(folder)
@@ -108,7 +108,7 @@ function write_notices(metafiles) {
   }
   const notices = [...packages].map(([text, names]) => `${names.join("\n")}\n\n${text}`);
   const rule = `\n\n${"-".repeat(80)}\n\n`;
-  const text = `${["The studio's page and bundles contain these packages.", ...notices].join(rule)  }\n`;
+  const text = `${["The studio's page and bundles contain these packages.", ...notices].join(rule)}\n`;
   // It stands in a bundle as it is.
   if (/<\/script|<!--/i.test(text)) throw new Error("a licence holds what would end or hide its element");
   writeFileSync(join(out, "notices.txt"), text);

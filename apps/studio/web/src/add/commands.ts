@@ -8,15 +8,42 @@ import { insertOp, insertPlan, unassembledRobot } from "./plan";
 
 /** In the order of the menu; the elements for beginners come first. */
 const kOffered: [string, string][] = [
-  ["box", "Box"], ["sphere", "Sphere"], ["cylinder", "Cylinder"], ["capsule", "Capsule"], ["plane", "Plane"],
-  ["mesh", "Mesh"], ["heightmap", "Height field"], ["body", "Body"], ["assembly", "Assembly"],
-  ["hinge", "Hinge"], ["slider", "Slider"], ["ball", "Ball joint"], ["universal", "Universal joint"], ["fixed", "Fixed joint"],
-  ["cylindrical", "Cylindrical joint"], ["planar", "Planar joint"], ["screw", "Screw"], ["free", "Free joint"],
-  ["motor", "Motor"], ["servo", "Servo"],
-  ["camera", "Camera"], ["infrared", "Infrared sensor"], ["lidar", "Lidar"], ["contact", "Contact sensor"], ["imu", "IMU"],
-  ["pose", "Pose sensor"], ["encoder", "Encoder"], ["force-torque", "Force and torque sensor"], ["sensor", "Sensor plugin"],
-  ["controller", "Controller"], ["supervisor", "Supervisor"],
-  ["light", "Light"], ["view", "View"], ["material", "Material"], ["collide", "Collision rule"], ["frame", "Frame"],
+  ["box", "Box"],
+  ["sphere", "Sphere"],
+  ["cylinder", "Cylinder"],
+  ["capsule", "Capsule"],
+  ["plane", "Plane"],
+  ["mesh", "Mesh"],
+  ["heightmap", "Height field"],
+  ["body", "Body"],
+  ["assembly", "Assembly"],
+  ["hinge", "Hinge"],
+  ["slider", "Slider"],
+  ["ball", "Ball joint"],
+  ["universal", "Universal joint"],
+  ["fixed", "Fixed joint"],
+  ["cylindrical", "Cylindrical joint"],
+  ["planar", "Planar joint"],
+  ["screw", "Screw"],
+  ["free", "Free joint"],
+  ["motor", "Motor"],
+  ["servo", "Servo"],
+  ["camera", "Camera"],
+  ["infrared", "Infrared sensor"],
+  ["lidar", "Lidar"],
+  ["contact", "Contact sensor"],
+  ["imu", "IMU"],
+  ["pose", "Pose sensor"],
+  ["encoder", "Encoder"],
+  ["force-torque", "Force and torque sensor"],
+  ["sensor", "Sensor plugin"],
+  ["controller", "Controller"],
+  ["supervisor", "Supervisor"],
+  ["light", "Light"],
+  ["view", "View"],
+  ["material", "Material"],
+  ["collide", "Collision rule"],
+  ["frame", "Frame"],
   ["region", "Region"],
 ];
 
@@ -67,7 +94,11 @@ export function registerInsertCommands(studio: Studio): void {
     commands.addCommand(id, {
       // From a menu attributes are set first; a tool bar passes {ask: false}.
       label: (args) => (args.ask === false ? label : `${label}…`),
-      caption: () => studio.services.get(TreeState).schema.peek()?.element(tag, tag === "contact" ? { on: "" } : {})?.doc ?? "",
+      caption: () =>
+        studio.services
+          .get(TreeState)
+          .schema.peek()
+          ?.element(tag, tag === "contact" ? { on: "" } : {})?.doc ?? "",
       isEnabled: () => state.mayEdit.value && studio.services.get(TreeState).schema.value !== null,
       execute: (args) => insert(studio, tag, args.ask !== false),
     });

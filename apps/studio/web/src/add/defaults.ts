@@ -4,7 +4,14 @@ import { kBodies, kJoints, kShapes, type Schema } from "../forms/schema";
 
 /** Radius [m] of a ball around an element with the defaults below, to find a free position. */
 export const kRadius: Record<string, number> = {
-  box: 0.18, sphere: 0.1, cylinder: 0.15, capsule: 0.16, mesh: 0.3, body: 0.18, assembly: 0.2, instance: 0.2,
+  box: 0.18,
+  sphere: 0.1,
+  cylinder: 0.15,
+  capsule: 0.16,
+  mesh: 0.3,
+  body: 0.18,
+  assembly: 0.2,
+  instance: 0.2,
 };
 
 const kDefaults: Record<string, Record<string, string>> = {
@@ -58,9 +65,15 @@ const kFirst: Record<string, string[]> = {
 export function firstAttributes(schema: Schema, tag: string): string[] {
   const known = schema.element(tag, tag === "contact" ? { on: "" } : {})?.attributes ?? [];
   const must = known.filter((a) => a.required).map((a) => a.name);
-  const usual =
-    kFirst[kJoints.includes(tag) ? "joint" : tag] ??
-    [...Object.keys(kDefaults[tag] ?? {}), "xyz", "rpy", "material", "mass", "color", "static"];
+  const usual = kFirst[kJoints.includes(tag) ? "joint" : tag] ?? [
+    ...Object.keys(kDefaults[tag] ?? {}),
+    "xyz",
+    "rpy",
+    "material",
+    "mass",
+    "color",
+    "static",
+  ];
   return ["name", ...must, ...usual].filter((n, i, all) => all.indexOf(n) === i && known.some((a) => a.name === n));
 }
 
@@ -73,7 +86,8 @@ export function defaultAttributes(tag: string, position: Vec3 | null): Record<st
   if (tag === "plane" || tag === "heightmap") return out;
   // Controllers and supervisors are named after their plugin.
   if (tag === "controller" || tag === "supervisor") delete out.name;
-  if (position && (kShapes.includes(tag) || ["body", "assembly", "instance", "region"].includes(tag))) out.xyz = position.join(" ");
+  if (position && (kShapes.includes(tag) || ["body", "assembly", "instance", "region"].includes(tag)))
+    out.xyz = position.join(" ");
   if (tag === "light") out.xyz = "0 0 3";
   return out;
 }
@@ -85,7 +99,10 @@ export function effortFor(jointTag: string | undefined): Record<string, string> 
 }
 
 /** Two bodies for a joint: the first selected carries the second; one alone is joined to the world. */
-export function jointEnds(elements: readonly TreeElement[], selection: readonly number[]): { parent: number; child: number } {
+export function jointEnds(
+  elements: readonly TreeElement[],
+  selection: readonly number[],
+): { parent: number; child: number } {
   const bodies = selection.filter((id) => [...kBodies, "assembly", "instance"].includes(elements[id]?.tag ?? ""));
   if (bodies.length >= 2) return { parent: bodies[0]!, child: bodies[1]! };
   return { parent: -1, child: bodies[0] ?? -1 };

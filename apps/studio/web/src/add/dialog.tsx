@@ -71,7 +71,11 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
           <div class="cg-prop">
             <label for="cg-insert-parent">in</label>
             <span class="cg-prop-body">
-              <select id="cg-insert-parent" value={parent} onChange={(event) => setParent(Number(event.currentTarget.value))}>
+              <select
+                id="cg-insert-parent"
+                value={parent}
+                onChange={(event) => setParent(Number(event.currentTarget.value))}
+              >
                 {parents.map((id) => (
                   <option key={id} value={id}>
                     {id === 0 ? "the scene" : elements[id]!.path || `${elements[id]!.tag} ${labelOf(elements[id]!)}`}
@@ -104,10 +108,18 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
           </details>
         )}
       </div>
-      {wrong && <p class="cg-prop-problem" role="alert">{wrong}</p>}
+      {wrong && (
+        <p class="cg-prop-problem" role="alert">
+          {wrong}
+        </p>
+      )}
       <div class="cg-insert-buttons">
-        <button type="button" onClick={cancel}>Cancel</button>
-        <button type="submit" class="cg-primary">Insert</button>
+        <button type="button" onClick={cancel}>
+          Cancel
+        </button>
+        <button type="submit" class="cg-primary">
+          Insert
+        </button>
       </div>
       <Latest accept={accept} />
     </form>
@@ -148,7 +160,10 @@ export function insertDialog(studio: Studio, schema: Schema, plan: InsertPlan): 
       close(null);
     });
     document.body.append(dialog);
-    render(<InsertForm studio={studio} schema={schema} plan={plan} insert={insert} cancel={() => close(null)} />, dialog);
+    render(
+      <InsertForm studio={studio} schema={schema} plan={plan} insert={insert} cancel={() => close(null)} />,
+      dialog,
+    );
     dialog.showModal();
     dialog.querySelector<HTMLElement>("input, select")?.focus();
   });

@@ -2,7 +2,13 @@
 import type { Op, TreeElement, Vec3 } from "../core/protocol";
 import type { State } from "../core/state";
 import {
-  kBodies, kJoints, referenceChoices, relativeName, scopeOf, type AttributeSchema, type Schema,
+  kBodies,
+  kJoints,
+  referenceChoices,
+  relativeName,
+  scopeOf,
+  type AttributeSchema,
+  type Schema,
 } from "../forms/schema";
 import { printElement } from "../forms/xml_text";
 import { colorFor, defaultAttributes, effortFor, jointEnds, kHeight, kRadius } from "./defaults";
@@ -22,7 +28,8 @@ const kGroups = ["scene", "assembly", "prototype", "template", "repeat", "for", 
 /** The element that will hold the new one: the selected group, else what holds the selected thing. */
 export function parentFor(schema: Schema, elements: readonly TreeElement[], selected: number, tag: string): number {
   let at = elements[selected] ? selected : 0;
-  if (!kGroups.includes(elements[at]?.tag ?? "") && !ownChild(tag, elements[at]?.tag ?? "")) at = elements[at]?.parent ?? 0;
+  if (!kGroups.includes(elements[at]?.tag ?? "") && !ownChild(tag, elements[at]?.tag ?? ""))
+    at = elements[at]?.parent ?? 0;
   while (at > 0 && !schema.mayHold(elements, at, tag)) at = elements[at]!.parent;
   return Math.max(0, at);
 }
@@ -74,9 +81,10 @@ export function unassembledRobot(elements: readonly TreeElement[]): number[] {
   const unattached = elements.filter((e) => e.parent === 0);
   const robot = new Set(unattached.filter((e) => kDrives.includes(e.tag)));
   if (robot.size === 0) return [];
-  const named = (name: string | undefined) => unattached.find((e) => name !== undefined && name !== "" && e.name === name);
+  const named = (name: string | undefined) =>
+    unattached.find((e) => name !== undefined && name !== "" && e.name === name);
   const ends = (e: TreeElement) => [named(e.attributes.parent), named(e.attributes.child)];
-  for (let size = 0; size !== robot.size; ) {
+  for (let size = 0; size !== robot.size;) {
     size = robot.size;
     for (const e of unattached) {
       const { joint, on } = e.attributes;
@@ -132,10 +140,13 @@ export function insertPlan(state: State, schema: Schema, tag: string): InsertPla
     if (plugins.length === 1) attributes.plugin = plugins[0]!.name;
     // A controller belongs to an assembly; when only one has motors, it is that one's.
     const assemblies = elements.filter((e) => e.tag === "assembly" && e.parent === 0);
-    const driven = assemblies.filter((a) => elements.some((e) => kDrives.includes(e.tag) && e.path.startsWith(`${a.path}.`)));
+    const driven = assemblies.filter((a) =>
+      elements.some((e) => kDrives.includes(e.tag) && e.path.startsWith(`${a.path}.`)),
+    );
     const only = driven.length > 0 ? driven : assemblies;
     const drives = elements.some((e) => kDrives.includes(e.tag) && e.parent === 0);
-    if (tag === "controller" && parent === 0 && only.length === 1 && !(drives && driven.length === 0)) parent = only[0]!.id;
+    if (tag === "controller" && parent === 0 && only.length === 1 && !(drives && driven.length === 0))
+      parent = only[0]!.id;
   }
   const needsPosition = !("on" in attributes) && schema.attribute(tag, "xyz") && !kJoints.includes(tag);
   const position = needsPosition ? positionIn(state, parent, tag) : null;
@@ -155,7 +166,11 @@ export function possibleParents(schema: Schema, elements: readonly TreeElement[]
 
 /** Names for a reference of an element that will stand in `parent`; undefined: it is no reference. */
 export function nameChoices(
-  schema: Schema, elements: readonly TreeElement[], parent: number, tag: string, spec: AttributeSchema,
+  schema: Schema,
+  elements: readonly TreeElement[],
+  parent: number,
+  tag: string,
+  spec: AttributeSchema,
 ): string[] | undefined {
   if (spec.name === "plugin") return schema.plugins(tag as "controller").map((p) => p.name);
   if (spec.kind !== "reference" && spec.kind !== "references") return undefined;

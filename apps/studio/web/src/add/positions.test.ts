@@ -25,11 +25,23 @@ test("new elements do not overlap existing ones", () => {
 });
 
 const specs: [number, string, string, string][] = [
-  [-1, "scene", "", ""], [0, "assembly", "robot", "robot"], [1, "box", "deck", "robot.deck"], [1, "cylinder", "wheel", "robot.wheel"],
-  [1, "hinge", "axle", "robot.axle"], [0, "box", "crate", "crate"],
+  [-1, "scene", "", ""],
+  [0, "assembly", "robot", "robot"],
+  [1, "box", "deck", "robot.deck"],
+  [1, "cylinder", "wheel", "robot.wheel"],
+  [1, "hinge", "axle", "robot.axle"],
+  [0, "box", "crate", "crate"],
 ];
 const elements = specs.map(([parent, tag, name, path], id): TreeElement => ({
-  id, parent, tag, name, path, line: 1, column: 1, end_line: 1, attributes: {},
+  id,
+  parent,
+  tag,
+  name,
+  path,
+  line: 1,
+  column: 1,
+  end_line: 1,
+  attributes: {},
 }));
 const xyz = { name: "xyz", kind: "numbers" };
 const reference = (name: string, required: boolean) => ({ name, kind: "reference", required });
@@ -40,7 +52,10 @@ const schema = new Schema({
     { name: "assembly", children: holds.filter((h) => h !== "light"), attributes: [xyz] },
     { name: "box", attributes: [{ name: "name" }, { name: "size", required: true }, xyz] },
     { name: "hinge", attributes: [{ name: "name" }, reference("parent", false), reference("child", true), xyz] },
-    { name: "motor", attributes: [{ name: "name" }, reference("joint", true), { name: "max-torque" }, { name: "max-force" }] },
+    {
+      name: "motor",
+      attributes: [{ name: "name" }, reference("joint", true), { name: "max-torque" }, { name: "max-force" }],
+    },
     { name: "camera", attributes: [{ name: "name" }, reference("on", true), xyz] },
     { name: "light", attributes: [{ name: "name" }, { name: "type" }, xyz] },
   ],
@@ -69,7 +84,10 @@ test("a box has a size and stands above the ground", () => {
 
 test("a joint takes the two selected bodies by names that are valid at its position", () => {
   const inside = plan("hinge", [2, 3]);
-  assert.deepEqual([inside.parent, inside.attributes.parent, inside.attributes.child, inside.missing], [1, "deck", "wheel", []]);
+  assert.deepEqual(
+    [inside.parent, inside.attributes.parent, inside.attributes.child, inside.missing],
+    [1, "deck", "wheel", []],
+  );
   const across = plan("hinge", [5, 3]);
   assert.deepEqual([across.parent, across.attributes.parent, across.attributes.child], [0, "crate", "robot.wheel"]);
   assert.deepEqual(plan("hinge", []).missing, ["parent", "child"]);
@@ -82,24 +100,54 @@ test("a motor takes the only joint and stands beside it", () => {
 
 test("a robot that is not one assembly is found by its motors", () => {
   const rows: [number, string, string, Record<string, string>][] = [
-    [-1, "scene", "", {}], [0, "plane", "floor", {}], [0, "box", "deck", {}], [0, "cylinder", "wheel", {}], [0, "box", "other", {}],
-    [0, "hinge", "axle", { parent: "deck", child: "wheel" }], [0, "motor", "left", { joint: "axle" }],
-    [0, "camera", "eye", { on: "deck" }], [0, "camera", "room", { on: "other" }], [0, "slider", "rail", { parent: "floor", child: "deck" }],
+    [-1, "scene", "", {}],
+    [0, "plane", "floor", {}],
+    [0, "box", "deck", {}],
+    [0, "cylinder", "wheel", {}],
+    [0, "box", "other", {}],
+    [0, "hinge", "axle", { parent: "deck", child: "wheel" }],
+    [0, "motor", "left", { joint: "axle" }],
+    [0, "camera", "eye", { on: "deck" }],
+    [0, "camera", "room", { on: "other" }],
+    [0, "slider", "rail", { parent: "floor", child: "deck" }],
   ];
   const unattached = (list: typeof rows) =>
-    unassembledRobot(list.map(([parent, tag, name, attributes], id) =>
-      ({ id, parent, tag, name, path: name, attributes, line: 1, column: 1, end_line: 1 })));
+    unassembledRobot(
+      list.map(([parent, tag, name, attributes], id) => ({
+        id,
+        parent,
+        tag,
+        name,
+        path: name,
+        attributes,
+        line: 1,
+        column: 1,
+        end_line: 1,
+      })),
+    );
   assert.deepEqual(unattached(rows), [2, 3, 5, 6, 7, 9]);
   assert.deepEqual(unattached(rows.filter(([, tag]) => tag !== "motor")), []);
 });
 
 test("sensors stand at the front of their body, one beside the other", () => {
-  const deck = { pose: [0, 0, 0, 1, 0, 0, 0], shapes: [{ type: "box", pose: [0, 0, 0, 1, 0, 0, 0], size: [0.24, 0.12, 0.04] }] };
+  const deck = {
+    pose: [0, 0, 0, 1, 0, 0, 0],
+    shapes: [{ type: "box", pose: [0, 0, 0, 1, 0, 0, 0], size: [0.24, 0.12, 0.04] }],
+  };
   const position = (count: number, high: boolean) => frontPosition(deck as unknown as SceneBody, count, high);
   assert.deepEqual(position(0, true), [0.12, 0, 0.02]);
-  assert.deepEqual([position(0, false), position(1, false), position(2, false)], [[0.12, 0.04, 0], [0.12, -0.04, 0], [0.12, 0, 0]]);
+  assert.deepEqual(
+    [position(0, false), position(1, false), position(2, false)],
+    [
+      [0.12, 0.04, 0],
+      [0.12, -0.04, 0],
+      [0.12, 0, 0],
+    ],
+  );
   // A cylinder that lies across reaches as far to the sides as it is long.
-  const lying = { shapes: [{ type: "cylinder", pose: [0, 0, 0, Math.SQRT1_2, Math.SQRT1_2, 0, 0], size: [0.05, 0.3] }] };
+  const lying = {
+    shapes: [{ type: "cylinder", pose: [0, 0, 0, Math.SQRT1_2, Math.SQRT1_2, 0, 0], size: [0.05, 0.3] }],
+  };
   assert.deepEqual(frontPosition(lying as unknown as SceneBody, 0, false), [0.05, 0.1, 0]);
   const ground = { shapes: [{ type: "plane", pose: [0, 0, 0, 1, 0, 0, 0], size: [4, 4] }] };
   assert.equal(frontPosition(ground as unknown as SceneBody, 0, false), null);
@@ -119,8 +167,14 @@ test("a sensor sits on the selected body", () => {
 });
 
 test("parameters become a <set> inside", () => {
-  const op = insertOp({ tag: "controller", parent: 1, attributes: { plugin: "drive", name: "" }, missing: [] }, { speed: "1 m/s" });
+  const op = insertOp(
+    { tag: "controller", parent: 1, attributes: { plugin: "drive", name: "" }, missing: [] },
+    { speed: "1 m/s" },
+  );
   assert.deepEqual(op, {
-    op: "insert", parent: 1, xml: '<controller plugin="drive">\n  <set speed="1 m/s"/>\n</controller>', before: null,
+    op: "insert",
+    parent: 1,
+    xml: '<controller plugin="drive">\n  <set speed="1 m/s"/>\n</controller>',
+    before: null,
   });
 });

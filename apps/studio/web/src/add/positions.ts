@@ -6,11 +6,7 @@ import type { State } from "../core/state";
 export function rotate(pose: Pose, v: Vec3): Vec3 {
   const [, , , w, x, y, z] = pose;
   // v + 2 q × (q × v + w v)
-  const t: Vec3 = [
-    2 * (y * v[2] - z * v[1]),
-    2 * (z * v[0] - x * v[2]),
-    2 * (x * v[1] - y * v[0]),
-  ];
+  const t: Vec3 = [2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0])];
   return [
     v[0] + w * t[0] + y * t[2] - z * t[1],
     v[1] + w * t[1] + z * t[0] - x * t[2],
@@ -93,7 +89,11 @@ export function newPosition(state: State, radius: number, height: number): Vec3 
     const ball = body ? ballAround(body, scene) : null;
     if (ball) start = [rounded(ball.centre[0] + ball.radius + radius + 0.05), rounded(ball.centre[1]), height];
   }
-  return freePosition(balls.filter((b): b is Round => b !== null), start, radius);
+  return freePosition(
+    balls.filter((b): b is Round => b !== null),
+    start,
+    radius,
+  );
 }
 
 /** Extents [m] of a body's shapes in its own frame: the lowest and the highest corner; null if it has none, or no end. */

@@ -32,7 +32,10 @@ test("numbers that were packed come back", () => {
   ];
   const single = rows.map((row) => row.map(Math.fround));
   const columns = packedMatrix(pack(rows), 4);
-  assert.deepEqual(Array.from(columns), [0, 1, 2].flatMap((c) => single.map((row) => row[c]!)));
+  assert.deepEqual(
+    Array.from(columns),
+    [0, 1, 2].flatMap((c) => single.map((row) => row[c]!)),
+  );
   assert.deepEqual(Array.from(byRows(columns, 4)), single.flat());
   assert.equal(packedMatrix(new Uint8Array(0), 0).length, 0);
   assert.equal(byRows(new Float32Array(0), 0).length, 0);
@@ -66,7 +69,12 @@ function data(version = 1): ArrayBuffer {
     contacts: {
       counts: whole(0, 1, 1),
       bodies: whole(0, -1, 1, 0),
-      numbers: add(pack([[1, 2, 3, 0, 0, 1, 0.25, 8], [4, 5, 6, 0, 1, 0, 0.5, 16]])),
+      numbers: add(
+        pack([
+          [1, 2, 3, 0, 0, 1, 0.25, 8],
+          [4, 5, 6, 0, 1, 0, 0.5, 16],
+        ]),
+      ),
     },
     scenes: [
       { scene: 1, step: 0.5, bodies: [body("a")], sensors: [{}] },
@@ -95,11 +103,26 @@ function data(version = 1): ArrayBuffer {
         readings: [[1, -1]],
       },
     ],
-    paths: [{ label: "robot", body: "a", times: doubles(0, 0.25, 1), points: add(pack([[1, 0, 0], [1.5, 2, 0], [3, 0, 0]])) }],
+    paths: [
+      {
+        label: "robot",
+        body: "a",
+        times: doubles(0, 0.25, 1),
+        points: add(
+          pack([
+            [1, 0, 0],
+            [1.5, 2, 0],
+            [3, 0, 0],
+          ]),
+        ),
+      },
+    ],
     messages: [],
     events: [],
     plots: [{ name: "p" }],
-    figures: { p: { kind: "curve", series: [{ label: "l", x: doubles(0, 1), y: add(pack([[2], [NaN]])), z: add([]) }] } },
+    figures: {
+      p: { kind: "curve", series: [{ label: "l", x: doubles(0, 1), y: add(pack([[2], [NaN]])), z: add([]) }] },
+    },
     textures: {},
     pictures: [{ ...add([9, 9]), name: "eye", time: 0.5, width: 2, height: 1 }],
     left_out: ["much"],
@@ -125,9 +148,7 @@ test("frames, readings and contacts are those of their scene", () => {
     contacts: [{ a: 0, b: -1, point: [1, 2, 3], normal: [0, 0, 1], depth: 0.25, force: 8 }],
   });
   assert.deepEqual(third!.tail.readings, [{ sensor: 0, values: [8, null] }]);
-  assert.deepEqual(third!.tail.contacts, [
-    { a: 1, b: 0, point: [4, 5, 6], normal: [0, 1, 0], depth: 0.5, force: 16 },
-  ]);
+  assert.deepEqual(third!.tail.contacts, [{ a: 1, b: 0, point: [4, 5, 6], normal: [0, 1, 0], depth: 0.5, force: 16 }]);
   assert.throws(() => unpack(data(2), () => ""), /version 2/);
 });
 
@@ -139,7 +160,14 @@ test("the page is answered as by a server", async () => {
     signals: ["s.d", "b.speed", "a.x"],
   });
   assert.deepEqual(series.time, [0, 0.5, 1]);
-  assert.deepEqual(series.series.map((s) => s.low), [[null, 7, 8], [null, null, 0.5], [1, 2, 3]]);
+  assert.deepEqual(
+    series.series.map((s) => s.low),
+    [
+      [null, 7, 8],
+      [null, null, 0.5],
+      [1, 2, 3],
+    ],
+  );
   const figure = await link.request<{ series: unknown[] }>("figure", { plot: "p" });
   assert.deepEqual(figure.series, [{ label: "l", x: [0, 1], y: [2, null], z: [] }]);
   const { revision, until, paths } = await link.request<Paths>("paths", { revision: 0, counts: [] });
@@ -156,12 +184,23 @@ test("pictures come as far as the run has got", async () => {
   const link = new MemoryLink(unpack(data(), () => ""));
   const seen: Picture[] = [];
   link.onPicture((picture) => seen.push(picture));
-  await assert.rejects(link.request("cameras", { show: [{ name: "eye", kind: "depth" }] }), /no pictures of 'eye' \(depth\)/);
-  await link.request("cameras", { show: [{ name: "eye", kind: "color" }, { name: "ear", kind: "color" }] });
+  await assert.rejects(
+    link.request("cameras", { show: [{ name: "eye", kind: "depth" }] }),
+    /no pictures of 'eye' \(depth\)/,
+  );
+  await link.request("cameras", {
+    show: [
+      { name: "eye", kind: "color" },
+      { name: "ear", kind: "color" },
+    ],
+  });
   const shown = () => new Promise((resolve) => setTimeout(resolve, 50));
   await shown();
   assert.equal(seen.length, 0, "it was taken later");
   await link.request("seek", { time: 1 });
   await shown();
-  assert.deepEqual(seen.map((p) => [p.name, p.time, p.file.size]), [["eye", 0.5, 2]]);
+  assert.deepEqual(
+    seen.map((p) => [p.name, p.time, p.file.size]),
+    [["eye", 0.5, 2]],
+  );
 });

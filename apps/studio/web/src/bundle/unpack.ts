@@ -1,5 +1,16 @@
 // The data of a bundle, as the program wrote it (bundle/payload.h): JSON, and blocks of numbers behind it.
-import { kProtocol, type Frame, type FrameTail, type Picture, type Problem, type Provenance, type RunEvent, type RunMessage, type Scene, type TreeElement } from "../core/protocol";
+import {
+  kProtocol,
+  type Frame,
+  type FrameTail,
+  type Picture,
+  type Problem,
+  type Provenance,
+  type RunEvent,
+  type RunMessage,
+  type Scene,
+  type TreeElement,
+} from "../core/protocol";
 import type { MemoryRun, MemorySignal } from "../core/memory_run";
 
 /** Bytes from the first block on. */
@@ -63,8 +74,7 @@ export function packedMatrix(bytes: Uint8Array, rows: number): Float32Array {
   const count = bytes.length / 4;
   const bits = new Uint32Array(count);
   for (let i = 0; i < count; ++i) {
-    const change =
-      bytes[i]! | (bytes[count + i]! << 8) | (bytes[2 * count + i]! << 16) | (bytes[3 * count + i]! << 24);
+    const change = bytes[i]! | (bytes[count + i]! << 8) | (bytes[2 * count + i]! << 16) | (bytes[3 * count + i]! << 24);
     bits[i] = i % rows === 0 ? change : change + bits[i - 1]!;
   }
   return new Float32Array(bits.buffer);
@@ -220,9 +230,12 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
     problems: head.problems,
     messages: [
       ...head.messages,
-      ...head.left_out.map(
-        (what): RunMessage => ({ time: 0, severity: "warning", source: "bundle", message: `left out: ${what}` }),
-      ),
+      ...head.left_out.map((what): RunMessage => ({
+        time: 0,
+        severity: "warning",
+        source: "bundle",
+        message: `left out: ${what}`,
+      })),
     ],
     events: head.events,
     signals: signalsOf(parts, time),
@@ -253,16 +266,14 @@ export function unpack(data: ArrayBuffer, address: (file: Blob) => string): Memo
         address(new Blob([bytes(file)], { type: file.type })),
       ]),
     ),
-    pictures: head.pictures.map(
-      ({ name, time, width, height, ...block }): Picture => ({
-        kind: "color",
-        name,
-        time,
-        width,
-        height,
-        file: new Blob([bytes(block)], { type: "image/jpeg" }),
-      }),
-    ),
+    pictures: head.pictures.map(({ name, time, width, height, ...block }): Picture => ({
+      kind: "color",
+      name,
+      time,
+      width,
+      height,
+      file: new Blob([bytes(block)], { type: "image/jpeg" }),
+    })),
   };
 }
 

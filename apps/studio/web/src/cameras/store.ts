@@ -179,7 +179,10 @@ export class CameraStore {
 export function readStored(key: string): { cameras: Record<string, Stored>; order: string[] } {
   const out: { cameras: Record<string, Stored>; order: string[] } = { cameras: {}, order: [] };
   try {
-    const stored = JSON.parse(localStorage.getItem(key) ?? "{}") as { cameras?: Record<string, Stored>; order?: unknown };
+    const stored = JSON.parse(localStorage.getItem(key) ?? "{}") as {
+      cameras?: Record<string, Stored>;
+      order?: unknown;
+    };
     for (const [name, k] of Object.entries(stored.cameras ?? {})) {
       const numbers = [k.x, k.y, k.width, k.height];
       if (!numbers.every(Number.isFinite) || !kPictureKinds.some(({ kind }) => kind === k.kind)) continue;

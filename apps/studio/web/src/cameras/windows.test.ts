@@ -13,17 +13,31 @@ test("a window that is raised is above all, the others keep their order", () => 
 
 test("a window can always be grasped", () => {
   const page = { width: 1000, height: 700 };
-  assert.deepEqual(clampedTo({ x: 10, y: 20, width: 300, height: 200 }, page), { x: 10, y: 20, width: 300, height: 200 });
-  assert.deepEqual(clampedTo({ x: -900, y: -5, width: 300, height: 200 }, page), { x: -252, y: 0, width: 300, height: 200 });
-  assert.deepEqual(clampedTo({ x: 5000, y: 5000, width: 1, height: 1 }, page), { x: 952, y: 672, width: 140, height: 110 });
+  assert.deepEqual(clampedTo({ x: 10, y: 20, width: 300, height: 200 }, page), {
+    x: 10,
+    y: 20,
+    width: 300,
+    height: 200,
+  });
+  assert.deepEqual(clampedTo({ x: -900, y: -5, width: 300, height: 200 }, page), {
+    x: -252,
+    y: 0,
+    width: 300,
+    height: 200,
+  });
+  assert.deepEqual(clampedTo({ x: 5000, y: 5000, width: 1, height: 1 }, page), {
+    x: 952,
+    y: 672,
+    width: 140,
+    height: 110,
+  });
 });
 
 test("new windows lie beside each other", () => {
   const area = { x: 0, y: 0, width: 1000, height: 600 };
   const rects = [0, 1, 2, 3].map((i) => firstRect(i, area));
   for (const a of rects)
-    for (const b of rects)
-      assert.ok(a === b || Math.abs(a.x - b.x) >= a.width || Math.abs(a.y - b.y) >= a.height);
+    for (const b of rects) assert.ok(a === b || Math.abs(a.x - b.x) >= a.width || Math.abs(a.y - b.y) >= a.height);
   for (const p of rects) assert.ok(p.x >= 0 && p.x + p.width <= 1000 && p.y + p.height <= 600);
 });
 

@@ -8,7 +8,11 @@ import { sameFile } from "./spans";
 import { SceneEditor } from "./scene_editor";
 import { SourceEditor, type SourceFile } from "./source_editor";
 
-function element<K extends keyof HTMLElementTagNameMap>(tag: K, className: string, text = ""): HTMLElementTagNameMap[K] {
+function element<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  className: string,
+  text = "",
+): HTMLElementTagNameMap[K] {
   const node = document.createElement(tag);
   node.className = className;
   if (text !== "") node.textContent = text;
@@ -35,7 +39,10 @@ export class CodeView {
   private readonly log = element("pre", "cg-code-log");
   private readonly stops: (() => void)[] = [];
 
-  constructor(private readonly studio: Studio, node: HTMLElement) {
+  constructor(
+    private readonly studio: Studio,
+    node: HTMLElement,
+  ) {
     this.tabs.append(this.tabList, this.saveButton, this.buildButton);
     this.tabList.setAttribute("role", "tablist");
     this.tabList.setAttribute("aria-label", "Files");
@@ -109,7 +116,10 @@ export class CodeView {
       this.log.textContent = answer.log ?? "";
       this.buildProblems = answer.problems ?? [];
       const failed = answer.built === false || this.buildProblems.some((p) => p.severity === "error");
-      this.studio.notify(failed ? "the build failed: see the log below the code" : "built and reloaded", failed ? "error" : "note");
+      this.studio.notify(
+        failed ? "the build failed: see the log below the code" : "built and reloaded",
+        failed ? "error" : "note",
+      );
       // The parameters of rebuilt plugins may have changed.
       const schemas = this.studio.services.get(SchemaLoader);
       schemas.forget();
@@ -161,7 +171,10 @@ export class CodeView {
         this.editors.append(source.view.dom);
         source.show(this.buildProblems);
       } catch (error) {
-        this.studio.notify(`${name} cannot be opened: ${error instanceof Error ? error.message : String(error)}`, "error");
+        this.studio.notify(
+          `${name} cannot be opened: ${error instanceof Error ? error.message : String(error)}`,
+          "error",
+        );
         return;
       }
     }
@@ -216,7 +229,8 @@ export class CodeView {
         const tab = element("button", "cg-code-tab");
         const dirty = name === kScene ? documentState?.dirty : this.sources.get(name)?.dirty;
         tab.type = "button";
-        tab.textContent = (name === kScene ? (documentState?.file.replace(/^.*[\\/]/, "") ?? "scene") : name) + (dirty ? " •" : "");
+        tab.textContent =
+          (name === kScene ? (documentState?.file.replace(/^.*[\\/]/, "") ?? "scene") : name) + (dirty ? " •" : "");
         if (dirty) tab.title = "not saved";
         tab.dataset.file = name;
         tab.setAttribute("role", "tab");

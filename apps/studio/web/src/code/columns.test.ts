@@ -6,8 +6,14 @@ import { codePoints, lineSpan, offsetAt, utf16Offset } from "./columns";
 const text = "a🤖éb";
 
 test("columns count code points, offsets UTF-16 units", () => {
-  assert.deepEqual([0, 1, 2, 3, 4].map((n) => utf16Offset(text, n)), [0, 1, 3, 4, 5]);
-  assert.deepEqual([0, 1, 3, 4, 5].map((n) => codePoints(text, n)), [0, 1, 2, 3, 4]);
+  assert.deepEqual(
+    [0, 1, 2, 3, 4].map((n) => utf16Offset(text, n)),
+    [0, 1, 3, 4, 5],
+  );
+  assert.deepEqual(
+    [0, 1, 3, 4, 5].map((n) => codePoints(text, n)),
+    [0, 1, 2, 3, 4],
+  );
   assert.equal(utf16Offset(text, 99), text.length);
 });
 

@@ -23,7 +23,7 @@ function narrow(a: string, b: string, offset: number): Change | null {
 
 function linesOf(text: string): string[] {
   const out: string[] = [];
-  for (let at = 0; at < text.length; ) {
+  for (let at = 0; at < text.length;) {
     const end = text.indexOf("\n", at);
     const next = end < 0 ? text.length : end + 1;
     out.push(text.slice(at, next));
@@ -48,7 +48,7 @@ function commonLines(a: string[], b: string[]): [number, number][] {
     }
   }
   const out: [number, number][] = [];
-  for (let i = 0, j = 0; i < a.length && j < b.length; ) {
+  for (let i = 0, j = 0; i < a.length && j < b.length;) {
     if (a[i] === b[j]) out.push([i++, j++]);
     else if (best[(i + 1) * width + j]! >= best[i * width + j + 1]!) ++i;
     else ++j;
@@ -126,7 +126,9 @@ export function rebase(theirs: readonly Change[], mine: readonly Change[]): Chan
     let shift = 0;
     let clash = false;
     for (const own of mine) {
-      const before = own.to < change.from || (own.to === change.from && own.from < change.from) ||
+      const before =
+        own.to < change.from ||
+        (own.to === change.from && own.from < change.from) ||
         (own.from === change.from && own.to === own.from && change.to > change.from);
       if (before || (own.from === own.to && own.from === change.from && change.to === change.from)) {
         shift += own.insert.length - (own.to - own.from);

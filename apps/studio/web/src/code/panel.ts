@@ -74,9 +74,7 @@ export function register(studio: Studio): void {
   commands.addCommand("code:go-to", {
     isVisible: () => false,
     execute: ({ file, line, column }) =>
-      services
-        .get(Editors)
-        .goTo({ file: String(file ?? ""), line: Number(line ?? 1), column: Number(column ?? 1) }),
+      services.get(Editors).goTo({ file: String(file ?? ""), line: Number(line ?? 1), column: Number(column ?? 1) }),
   });
   commands.addCommand("code:build", {
     label: "Build the controllers",

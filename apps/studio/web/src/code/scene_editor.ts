@@ -1,5 +1,15 @@
 // The editor of the scene's text.
-import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap, insertCompletionText, pickedCompletion, type Completion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
+import {
+  autocompletion,
+  closeBrackets,
+  closeBracketsKeymap,
+  completionKeymap,
+  insertCompletionText,
+  pickedCompletion,
+  type Completion,
+  type CompletionContext,
+  type CompletionResult,
+} from "@codemirror/autocomplete";
 import { defaultKeymap, indentWithTab } from "@codemirror/commands";
 import { xml } from "@codemirror/lang-xml";
 import { bracketMatching, foldGutter, foldKeymap, indentOnInput } from "@codemirror/language";
@@ -7,8 +17,16 @@ import { lintGutter, lintKeymap, setDiagnostics, type Diagnostic } from "@codemi
 import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
 import { Annotation, Compartment, EditorState, StateEffect, StateField, type Transaction } from "@codemirror/state";
 import {
-  Decoration, drawSelection, EditorView, highlightActiveLineGutter, hoverTooltip, keymap, lineNumbers,
-  type DecorationSet, type Tooltip, type ViewUpdate,
+  Decoration,
+  drawSelection,
+  EditorView,
+  highlightActiveLineGutter,
+  hoverTooltip,
+  keymap,
+  lineNumbers,
+  type DecorationSet,
+  type Tooltip,
+  type ViewUpdate,
 } from "@codemirror/view";
 import { effect, signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
@@ -35,7 +53,10 @@ const marked = StateField.define<DecorationSet>({
     lines = lines.map(transaction.changes);
     for (const change of transaction.effects) {
       if (change.is(markLines)) {
-        lines = Decoration.set(change.value.flatMap(({ from, to }) => lineMarks(transaction.state, from, to)), true);
+        lines = Decoration.set(
+          change.value.flatMap(({ from, to }) => lineMarks(transaction.state, from, to)),
+          true,
+        );
       }
     }
     return lines;
@@ -45,7 +66,8 @@ const marked = StateField.define<DecorationSet>({
 
 function lineMarks(state: EditorState, from: number, to: number) {
   const out = [];
-  for (let n = Math.max(1, from); n <= Math.min(to, state.doc.lines); ++n) out.push(markedLine.range(state.doc.line(n).from));
+  for (let n = Math.max(1, from); n <= Math.min(to, state.doc.lines); ++n)
+    out.push(markedLine.range(state.doc.line(n).from));
   return out;
 }
 
@@ -213,7 +235,10 @@ export class SceneEditor {
     on(() => {
       const readonly = !state.mayEdit.value;
       this.view.dispatch({
-        effects: this.editable.reconfigure([EditorState.readOnly.of(readonly), EditorView.contentAttributes.of({ "aria-readonly": String(readonly), tabindex: "0" })]),
+        effects: this.editable.reconfigure([
+          EditorState.readOnly.of(readonly),
+          EditorView.contentAttributes.of({ "aria-readonly": String(readonly), tabindex: "0" }),
+        ]),
       });
     });
     on(() => {
@@ -246,7 +271,9 @@ export class SceneEditor {
       const effects: StateEffect<unknown>[] = [markLines.of(lines)];
       // A selection made elsewhere is scrolled into view, unless the user types here.
       if (last && !this.reporting && !this.view.hasFocus && last.from <= this.view.state.doc.lines) {
-        effects.push(EditorView.scrollIntoView(this.view.state.doc.line(last.from).from, { y: "nearest", yMargin: 40 }));
+        effects.push(
+          EditorView.scrollIntoView(this.view.state.doc.line(last.from).from, { y: "nearest", yMargin: 40 }),
+        );
       }
       this.view.dispatch({ effects });
     });
@@ -290,7 +317,12 @@ export class SceneEditor {
     const text = context.state.doc.toString();
     const before = text.slice(Math.max(0, context.pos - 1), context.pos);
     // After a blank outside of tags, and after the end of a tag, completions are not shown unasked.
-    if (!context.explicit && !/[\w<"'$.{-]/.test(before) && !(/\s/.test(before) && tagAround(`${text.slice(0, context.pos)}>`, context.pos))) return null;
+    if (
+      !context.explicit &&
+      !/[\w<"'$.{-]/.test(before) &&
+      !(/\s/.test(before) && tagAround(`${text.slice(0, context.pos)}>`, context.pos))
+    )
+      return null;
     try {
       const answer = await this.studio.link.request<{
         from: number;
@@ -339,7 +371,12 @@ export class SceneEditor {
         dom.className = "cg-code-hover";
         if (spec) {
           const unit = spec.units.filter((u) => u !== "").join(spec.perEntry ? ", " : " or ");
-          dom.append(paragraph(`${spec.name}: ${spec.kind}${unit === "" ? "" : ` [${unit}]`}${spec.required ? ", required" : ""}`, "cg-code-hover-title"));
+          dom.append(
+            paragraph(
+              `${spec.name}: ${spec.kind}${unit === "" ? "" : ` [${unit}]`}${spec.required ? ", required" : ""}`,
+              "cg-code-hover-title",
+            ),
+          );
           dom.append(paragraph(helpText(spec)));
           if (spec.choices.length > 0) dom.append(paragraph(`One of: ${spec.choices.join(", ")}.`));
         } else if (element) {

@@ -27,7 +27,10 @@ export class SourceEditor {
 
   /** `changed`: called with whether the text differs from the saved one. */
   constructor(
-    readonly file: SourceFile, opened: { text: string; version?: string }, mayEdit: boolean, private readonly changed: (dirty: boolean) => void,
+    readonly file: SourceFile,
+    opened: { text: string; version?: string },
+    mayEdit: boolean,
+    private readonly changed: (dirty: boolean) => void,
   ) {
     const { text } = opened;
     this.version = opened.version;
@@ -52,7 +55,12 @@ export class SourceEditor {
           EditorState.readOnly.of(!mayEdit || !file.writable),
           EditorView.contentAttributes.of({ "aria-label": file.name, tabindex: "0" }),
           keymap.of([
-            ...closeBracketsKeymap, ...searchKeymap, ...historyKeymap, ...foldKeymap, ...lintKeymap, ...defaultKeymap,
+            ...closeBracketsKeymap,
+            ...searchKeymap,
+            ...historyKeymap,
+            ...foldKeymap,
+            ...lintKeymap,
+            ...defaultKeymap,
             indentWithTab,
           ]),
           EditorView.updateListener.of((update) => {

@@ -4,7 +4,15 @@ import type { Problem, TreeElement } from "../core/protocol";
 import { elementAt, problemRange, sameFile, tagAround, writtenSelection } from "./spans";
 
 const problem = (line: number, column: number, length: number): Problem => ({
-  severity: "error", code: "x", message: "m", help: "", file: "a.scene.xml", line, column, length, notes: [],
+  severity: "error",
+  code: "x",
+  message: "m",
+  help: "",
+  file: "a.scene.xml",
+  line,
+  column,
+  length,
+  notes: [],
 });
 
 test("the cursor goes between the first quotes that were written, to rewrite what stands there", () => {
@@ -30,7 +38,15 @@ test("a problem without length is still seen", () => {
 });
 
 const element = (id: number, parent: number, line: number, column: number, endLine: number): TreeElement => ({
-  id, parent, tag: "box", name: "", path: "", line, column, end_line: endLine, attributes: {},
+  id,
+  parent,
+  tag: "box",
+  name: "",
+  path: "",
+  line,
+  column,
+  end_line: endLine,
+  attributes: {},
 });
 
 test("the innermost element around a position", () => {

@@ -7,7 +7,9 @@ import { codePoints, lineSpan, utf16Offset } from "./columns";
 export function writtenSelection(text: string, from: number): { anchor: number; head: number } {
   const open = text.indexOf('="') + 2;
   const close = open < 2 ? -1 : text.indexOf('"', open);
-  return close < 0 ? { anchor: from + text.length, head: from + text.length } : { anchor: from + open, head: from + close };
+  return close < 0
+    ? { anchor: from + text.length, head: from + text.length }
+    : { anchor: from + open, head: from + close };
 }
 
 /** The innermost element whose text contains a position; line and column (code points) from 1. -1: none. */
@@ -27,7 +29,9 @@ export function problemRange(text: string, problem: Problem): { from: number; to
   let from = line.from + utf16Offset(content, problem.column - 1);
   let to = from + utf16Offset(text.slice(from), Math.max(0, problem.length));
   if (to <= from) to = from < text.length && from < line.to ? from + utf16Offset(text.slice(from), 1) : from;
-  if (to === from && from > line.from) from -= codePoints(text.slice(0, from)) > 0 && from - 2 >= line.from && text.codePointAt(from - 2)! > 0xffff ? 2 : 1;
+  if (to === from && from > line.from)
+    from -=
+      codePoints(text.slice(0, from)) > 0 && from - 2 >= line.from && text.codePointAt(from - 2)! > 0xffff ? 2 : 1;
   return { from, to };
 }
 

@@ -131,10 +131,13 @@ test("two bursts are two steps even when they are sent together", async () => {
   await bench.answer();
   bench.rest();
   await bench.answer();
-  assert.deepEqual(bench.history.map((h) => [h.group, h.text]), [
-    ["g1", "one A\ntwo\nthree\n"],
-    ["g2", "one A\ntwo B\nthree\n"],
-  ]);
+  assert.deepEqual(
+    bench.history.map((h) => [h.group, h.text]),
+    [
+      ["g1", "one A\ntwo\nthree\n"],
+      ["g2", "one A\ntwo B\nthree\n"],
+    ],
+  );
 });
 
 test("a stale version is merged and tried again", async () => {

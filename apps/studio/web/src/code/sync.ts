@@ -91,7 +91,8 @@ export class TextSync {
       return;
     }
     this.takeOver(text, version);
-    if (this.resend && this.waiting.length === 0) this.waiting.push({ text: this.ends.text(), group: this.latestGroup });
+    if (this.resend && this.waiting.length === 0)
+      this.waiting.push({ text: this.ends.text(), group: this.latestGroup });
     this.resend = false;
     if (this.waiting.length > 0) this.sendNext();
   }

@@ -13,7 +13,11 @@ const look = EditorView.theme({
   "&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground": {
     backgroundColor: "var(--cg-selected)",
   },
-  ".cm-gutters": { backgroundColor: "var(--cg-raised)", color: "var(--cg-muted)", borderRight: "1px solid var(--cg-border)" },
+  ".cm-gutters": {
+    backgroundColor: "var(--cg-raised)",
+    color: "var(--cg-muted)",
+    borderRight: "1px solid var(--cg-border)",
+  },
   ".cm-activeLine": { backgroundColor: "transparent" },
   ".cm-activeLineGutter": { backgroundColor: "var(--cg-hover)", color: "var(--cg-text)" },
   ".cm-line.cg-code-selected": { boxShadow: "inset 3px 0 0 var(--cg-highlight)" },
@@ -24,7 +28,10 @@ const look = EditorView.theme({
     boxShadow: "var(--cg-shadow)",
     maxWidth: "460px",
   },
-  ".cm-tooltip-autocomplete ul li[aria-selected]": { backgroundColor: "var(--cg-accent)", color: "var(--cg-accent-text)" },
+  ".cm-tooltip-autocomplete ul li[aria-selected]": {
+    backgroundColor: "var(--cg-accent)",
+    color: "var(--cg-accent-text)",
+  },
   ".cm-completionDetail": { color: "inherit", opacity: "0.85", fontStyle: "normal" },
   ".cm-panels": { backgroundColor: "var(--cg-raised)", color: "var(--cg-text)" },
   ".cm-lintRange-error": {

@@ -44,7 +44,14 @@ test("what differs is read from the labels", () => {
 });
 
 test("events just before the divergence", () => {
-  const event = (index: number, time: number) => ({ index, time, kind: "contact", source: "", subject: "", message: "" });
+  const event = (index: number, time: number) => ({
+    index,
+    time,
+    kind: "contact",
+    source: "",
+    subject: "",
+    message: "",
+  });
   const events = [event(0, 0.1), event(1, 0.9), event(2, 1.01), event(3, 1.5)];
   assert.deepEqual(
     around(events, 1).map((e) => e.index),

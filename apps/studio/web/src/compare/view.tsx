@@ -77,7 +77,9 @@ function Choice({ store }: { store: CompareStore }): JSX.Element {
             disabled={what !== "step"}
             min="0"
             step="any"
-            value={step.value === "" ? (Number.isFinite(stepMs) ? String(Number(stepMs.toPrecision(6))) : "") : step.value}
+            value={
+              step.value === "" ? (Number.isFinite(stepMs) ? String(Number(stepMs.toPrecision(6))) : "") : step.value
+            }
             onInput={(event) => (step.value = event.currentTarget.value)}
           />{" "}
           ms
@@ -144,7 +146,12 @@ function Result({ store }: { store: CompareStore }): JSX.Element {
             </span>
             <span role="group" aria-label="Save divergence as">
               {(["png", "svg", "csv"] as FileKind[]).map((kind) => (
-                <button key={kind} type="button" aria-label={`Save divergence as ${kind.toUpperCase()}`} onClick={() => void save(kind)}>
+                <button
+                  key={kind}
+                  type="button"
+                  aria-label={`Save divergence as ${kind.toUpperCase()}`}
+                  onClick={() => void save(kind)}
+                >
                   {kind.toUpperCase()}
                 </button>
               ))}
@@ -154,7 +161,11 @@ function Result({ store }: { store: CompareStore }): JSX.Element {
           <ul class="cg-legend" aria-label="Curves">
             {figure.series.map((s) => (
               <li key={s.label}>
-                <span class={`cg-swatch ${s.dashed ? "cg-dashed" : ""}`} style={{ borderColor: themeColor(s.color) }} aria-hidden="true" />
+                <span
+                  class={`cg-swatch ${s.dashed ? "cg-dashed" : ""}`}
+                  style={{ borderColor: themeColor(s.color) }}
+                  aria-hidden="true"
+                />
                 {s.label}
               </li>
             ))}

@@ -36,8 +36,10 @@ export function showConsole(studio: Studio, node: HTMLElement): void {
               filters.value = { kinds: { ...kinds, [kind]: !kinds[kind] }, search };
             }}
           >
-            {label} ({lines.value.filter((l) => l.kind === kind && (kind !== "problem" || l.severity !== "note")).length ||
-              lines.value.filter((l) => l.kind === kind).length})
+            {label} (
+            {lines.value.filter((l) => l.kind === kind && (kind !== "problem" || l.severity !== "note")).length ||
+              lines.value.filter((l) => l.kind === kind).length}
+            )
           </button>
         ))}
         <input

@@ -4,7 +4,17 @@ import { RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
 import type { Playback } from "../timeline/playback";
 import { neighbour } from "../timeline/scale";
-import { kSpeeds, nextSpeed, playMeans, recorded, reloadText, speedText, whyNot, type Action, type Situation } from "./rules";
+import {
+  kSpeeds,
+  nextSpeed,
+  playMeans,
+  recorded,
+  reloadText,
+  speedText,
+  whyNot,
+  type Action,
+  type Situation,
+} from "./rules";
 
 export class Control {
   constructor(
@@ -119,7 +129,8 @@ export class Control {
   }
   toBookmark(direction: 1 | -1): void {
     const time = neighbour(this.bookmarks(), this.playback.time, direction);
-    if (time === undefined) this.studio.notify(direction > 0 ? "no event after this time" : "no event before this time");
+    if (time === undefined)
+      this.studio.notify(direction > 0 ? "no event after this time" : "no event before this time");
     else this.playback.seek(time);
   }
 
@@ -143,7 +154,9 @@ export class Control {
     add("run:step", "Step forward", "step", () => this.step());
     add("run:slower", "Slower", "speed", () => this.changeSpeed(-1));
     add("run:faster", "Faster", "speed", () => this.changeSpeed(1));
-    add("run:as-fast-as-possible", "As fast as possible", "speed", () => this.setSpeed(recorded(this.situation()) ? 10 : null));
+    add("run:as-fast-as-possible", "As fast as possible", "speed", () =>
+      this.setSpeed(recorded(this.situation()) ? 10 : null),
+    );
     add("run:live", "Follow the run (live)", "live", () => this.playback.live());
     add("run:previous-event", "Previous event", null, () => this.toBookmark(-1));
     add("run:next-event", "Next event", null, () => this.toBookmark(1));

@@ -1,7 +1,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { kProtocol, type Hello, type Status } from "../core/protocol";
-import { nextSpeed, playMeans, readStep, reloadText, stepHint, stepText, whyNot, type Action, type Situation } from "./rules";
+import {
+  nextSpeed,
+  playMeans,
+  readStep,
+  reloadText,
+  stepHint,
+  stepText,
+  whyNot,
+  type Action,
+  type Situation,
+} from "./rules";
 
 const hello: Hello = {
   role: "operator",
@@ -60,13 +70,18 @@ test("controllers are reloaded while the run is paused", () => {
     reloaded: [{ controller: "bot.driver", version: "2.0.0", memory_kept: false, note: "it restarted" }],
     kept: [{ controller: "other.driver", message: "controller 'other.driver' was not reloaded" }],
   };
-  assert.equal(reloadText(answer), "bot.driver reloaded (2.0.0): it restarted; controller 'other.driver' was not reloaded");
+  assert.equal(
+    reloadText(answer),
+    "bot.driver reloaded (2.0.0): it restarted; controller 'other.driver' was not reloaded",
+  );
 });
 
 test("a recording is played, not changed", () => {
   const past = { hello: { ...hello, kind: "recording" as const }, live: false };
-  for (const action of ["play", "step", "step-back", "speed", "stop", "restart"] as Action[]) assert.ok(can(action, past));
-  for (const action of ["dt", "backend", "record", "live", "pause", "reload"] as Action[]) assert.ok(!can(action, past), action);
+  for (const action of ["play", "step", "step-back", "speed", "stop", "restart"] as Action[])
+    assert.ok(can(action, past));
+  for (const action of ["dt", "backend", "record", "live", "pause", "reload"] as Action[])
+    assert.ok(!can(action, past), action);
   assert.ok(can("pause", { ...past, replaying: true }));
 });
 

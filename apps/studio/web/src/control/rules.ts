@@ -29,7 +29,19 @@ export interface Situation {
   replaying: boolean;
 }
 
-export type Action = "play" | "pause" | "stop" | "restart" | "step" | "step-back" | "speed" | "dt" | "backend" | "record" | "live" | "reload";
+export type Action =
+  | "play"
+  | "pause"
+  | "stop"
+  | "restart"
+  | "step"
+  | "step-back"
+  | "speed"
+  | "dt"
+  | "backend"
+  | "record"
+  | "live"
+  | "reload";
 
 /** The action of play: run the page's cursor through the past, or the simulation. */
 export function playMeans(now: Situation): "replay" | "run" {

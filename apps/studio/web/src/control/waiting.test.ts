@@ -21,15 +21,28 @@ test("the call that the run waits for is named, with its owner and its duration"
 });
 
 test("the remedy depends on where it runs", () => {
-  assert.match(waitingHelp(waiting), /^Plugin 'rascal' has not returned, in update at 0\.1 s of the run\. Its process is ended after 10 s;/);
+  assert.match(
+    waitingHelp(waiting),
+    /^Plugin 'rascal' has not returned, in update at 0\.1 s of the run\. Its process is ended after 10 s;/,
+  );
   assert.match(waitingHelp({ ...waiting, limit: null }), /no deadline; Stop, Restart and End controller end it now/);
   const here = waitingHelp({ ...waiting, isolated: false, limit: null, time: null });
-  assert.match(here, /has not returned, in update\. It runs in the studio's own process and cannot be stopped without ending the studio/);
+  assert.match(
+    here,
+    /has not returned, in update\. It runs in the studio's own process and cannot be stopped without ending the studio/,
+  );
   assert.doesNotMatch(here, /End controller/);
 });
 
 test("a fault names its owner, time, reason and remedy", () => {
-  const event: RunEvent = { index: 1, time: 0.1, kind: "fault", source: "bot.driver", subject: "", message: "crashed (SIGSEGV) in update" };
+  const event: RunEvent = {
+    index: 1,
+    time: 0.1,
+    kind: "fault",
+    source: "bot.driver",
+    subject: "",
+    message: "crashed (SIGSEGV) in update",
+  };
   const scene = {
     assemblies: [{ name: "bot" }],
     controllers: [{ name: "bot.driver", plugin: "rascal", assembly: 0 }],
@@ -38,5 +51,8 @@ test("a fault names its owner, time, reason and remedy", () => {
     faultText(event, scene),
     /^Controller 'bot\.driver' of robot 'bot' \(plugin 'rascal'\) at 0\.1 s: crashed \(SIGSEGV\) in update\. Restart runs from the start\..*Reload controllers/,
   );
-  assert.equal(faultText({ ...event, source: "boss" }, scene), "'boss' at 0.1 s: crashed (SIGSEGV) in update. Restart runs from the start.");
+  assert.equal(
+    faultText({ ...event, source: "boss" }, scene),
+    "'boss' at 0.1 s: crashed (SIGSEGV) in update. Restart runs from the start.",
+  );
 });

@@ -53,7 +53,8 @@ export function notifyFaults(studio: Studio): void {
     for (const event of state.events.value) {
       if (event.index <= seen) continue;
       seen = event.index;
-      if (event.kind === "fault" && state.hello.peek()?.kind === "scene") studio.notify(faultText(event, state.scene.peek()), "error");
+      if (event.kind === "fault" && state.hello.peek()?.kind === "scene")
+        studio.notify(faultText(event, state.scene.peek()), "error");
     }
   });
 }

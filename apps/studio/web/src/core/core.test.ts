@@ -85,27 +85,47 @@ const event = (index: number): RunEvent => ({ index, time: index, kind: "k", sou
 test("lists are bounded, and events of a new run replace the old ones", () => {
   assert.deepEqual(append([1, 2, 3], [4, 5], 3), [3, 4, 5]);
   const all = appendEvents([], [event(0), event(1), event(2)]);
-  assert.deepEqual(appendEvents(all, [event(3)]).map((e) => e.index), [0, 1, 2, 3]);
-  assert.deepEqual(appendEvents(all, [event(0)]).map((e) => e.index), [0]);
-  assert.deepEqual(appendEvents(all, []).map((e) => e.index), [0, 1, 2]);
+  assert.deepEqual(
+    appendEvents(all, [event(3)]).map((e) => e.index),
+    [0, 1, 2, 3],
+  );
+  assert.deepEqual(
+    appendEvents(all, [event(0)]).map((e) => e.index),
+    [0],
+  );
+  assert.deepEqual(
+    appendEvents(all, []).map((e) => e.index),
+    [0, 1, 2],
+  );
 });
 
 function runOf(count: number): MemoryRun {
   return {
-    hello: { protocol: kProtocol, role: "viewer", client: 1, version: "1", kind: "bundle", file: "a", allow_build: false, backends: [] },
-    scenes: [{ scene: 1, name: "one", step: 0.1, bodies: [] as Scene["bodies"] } as Scene, { scene: 2, name: "two", step: 0.1, bodies: [] as Scene["bodies"] } as Scene],
+    hello: {
+      protocol: kProtocol,
+      role: "viewer",
+      client: 1,
+      version: "1",
+      kind: "bundle",
+      file: "a",
+      allow_build: false,
+      backends: [],
+    },
+    scenes: [
+      { scene: 1, name: "one", step: 0.1, bodies: [] as Scene["bodies"] } as Scene,
+      { scene: 2, name: "two", step: 0.1, bodies: [] as Scene["bodies"] } as Scene,
+    ],
     count,
     timeOf: (i) => i / 10,
-    frame: (i) =>
-      ({
-        live: true,
-        scene: i < 5 ? 1 : 2,
-        time: i / 10,
-        step: i,
-        poses: new Float32Array([i]),
-        ghost: new Float32Array(0),
-        tail: { contacts: [], readings: [{ sensor: 0, values: [i] }] },
-      }),
+    frame: (i) => ({
+      live: true,
+      scene: i < 5 ? 1 : 2,
+      time: i / 10,
+      step: i,
+      poses: new Float32Array([i]),
+      ghost: new Float32Array(0),
+      tail: { contacts: [], readings: [{ sensor: 0, values: [i] }] },
+    }),
     backend: "bullet",
     engineVersion: "1",
     ending: "",
@@ -163,7 +183,12 @@ test("a page that meets a server of another protocol is reloaded once", (t) => {
   const before = page.sessionStorage;
   t.after(() => (page.sessionStorage = before));
   const done: string[] = [];
-  const meet = (protocol: number) => sameProtocol(protocol, () => done.push("reload"), (message) => done.push(message));
+  const meet = (protocol: number) =>
+    sameProtocol(
+      protocol,
+      () => done.push("reload"),
+      (message) => done.push(message),
+    );
 
   // Where nothing is kept, it could not be distinguished from the first time.
   page.sessionStorage = undefined;

@@ -5,12 +5,27 @@ import type { TreeElement } from "./protocol";
 
 const tree = (...rows: [number, string, string][]): TreeElement[] =>
   rows.map(([parent, tag, name], id) => ({
-    id, parent, tag, name, path: name, line: 1, column: 1, end_line: 1, attributes: {},
+    id,
+    parent,
+    tag,
+    name,
+    path: name,
+    line: 1,
+    column: 1,
+    end_line: 1,
+    attributes: {},
   }));
 const before = tree([-1, "scene", ""], [0, "box", "a"], [0, "box", "b"], [0, "on", ""], [0, "on", ""]);
 
 test("what comes in before them moves the ids of others", () => {
-  const after = tree([-1, "scene", ""], [0, "plane", "p"], [0, "box", "a"], [0, "box", "b"], [0, "on", ""], [0, "on", ""]);
+  const after = tree(
+    [-1, "scene", ""],
+    [0, "plane", "p"],
+    [0, "box", "a"],
+    [0, "box", "b"],
+    [0, "on", ""],
+    [0, "on", ""],
+  );
   assert.deepEqual(followElements([2, 4], before, after), [3, 5]);
 });
 

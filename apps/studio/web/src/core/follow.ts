@@ -18,7 +18,9 @@ export function elementKeys(elements: readonly TreeElement[]): string[] {
 /** The ids in the new text of elements of the old one; those that are gone are left out. One that has another name and is
  *  otherwise where it was has been renamed; one that stands elsewhere under a name that there is once has been moved. */
 export function followElements(
-  ids: readonly number[], before: readonly TreeElement[], after: readonly TreeElement[],
+  ids: readonly number[],
+  before: readonly TreeElement[],
+  after: readonly TreeElement[],
 ): number[] {
   if (ids.length === 0) return [];
   const oldKeys = elementKeys(before);

@@ -16,7 +16,9 @@ function runOf(count: number, ghost: boolean): MemoryRun {
     time: i * 0.1,
     step: i,
     poses: Float32Array.from([i, 0, 0, ...turned(0.01 * i), 0, 2, 0, 1, 0, 0, 0]),
-    ghost: ghost ? Float32Array.from([i, 0, 0, ...turned(0.01 * i), 0, 2 - 0.001 * i, 0, 1, 0, 0, 0]) : new Float32Array(),
+    ghost: ghost
+      ? Float32Array.from([i, 0, 0, ...turned(0.01 * i), 0, 2 - 0.001 * i, 0, 1, 0, 0, 0])
+      : new Float32Array(),
     tail: {},
   });
   return {

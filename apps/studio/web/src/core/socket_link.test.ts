@@ -78,7 +78,10 @@ test("answers find their questions in any order; refusals say why", async () => 
   sockets[0]!.say({ id: b!.id, ok: false, error: { message: "no", help: "ask", code: "viewer" } });
   sockets[0]!.say({ id: a.id, ok: true, time: 0.9 });
   assert.equal((await first).time, 0.9);
-  await assert.rejects(second, (e: Error & { failure?: { code: string } }) => e.failure?.code === "viewer" && /no \(ask\)/.test(e.message));
+  await assert.rejects(
+    second,
+    (e: Error & { failure?: { code: string } }) => e.failure?.code === "viewer" && /no \(ask\)/.test(e.message),
+  );
 });
 
 test("a field cannot replace the request or its number", () => {

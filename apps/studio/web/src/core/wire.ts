@@ -41,7 +41,9 @@ export function sameProtocol(protocol: number, reload: () => void, failed: (mess
       return false;
     }
   }
-  failed("this page and the studio are of different versions: close this tab and open the address that `cogrsim studio` printed");
+  failed(
+    "this page and the studio are of different versions: close this tab and open the address that `cogrsim studio` printed",
+  );
   return true;
 }
 

@@ -137,7 +137,10 @@ export class DemoLink extends MemoryLink {
       case "paths":
         return this.deckPath();
       case "complete":
-        return { from: fields.offset, items: [{ label: "box", detail: "a box", insert: 'box name="" size="10 10 10 cm"/>' }] };
+        return {
+          from: fields.offset,
+          items: [{ label: "box", detail: "a box", insert: 'box name="" size="10 10 10 cm"/>' }],
+        };
       case "mass":
         return { mass: 1.2, com: [0, 0, 0.06], inertia: [0.002, 0.004, 0.005, 0, 0, 0], bodies: ["robot.deck"] };
       case "set-text":

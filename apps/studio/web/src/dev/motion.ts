@@ -190,7 +190,14 @@ export function demoScene(number: number, text: string): Scene {
         element: id("eye"),
         rays: directions().map((d) => [0, 0, 0, ...d, kRange]),
       },
-      { name: "robot.front", type: "camera", body: 3, pose: [0.12, 0, 0.04, 1, 0, 0, 0], element: id("front"), rays: [] },
+      {
+        name: "robot.front",
+        type: "camera",
+        body: 3,
+        pose: [0.12, 0, 0.04, 1, 0, 0, 0],
+        element: id("front"),
+        rays: [],
+      },
     ],
     lights: [
       {

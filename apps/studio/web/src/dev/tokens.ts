@@ -57,6 +57,7 @@ export function tokens(text: string): Tokens {
     }
   }
   const left = open[open.length - 1];
-  if (left !== undefined) return { elements, wrong: elements[left]!.from, why: `<${elements[left]!.tag}> is not closed` };
+  if (left !== undefined)
+    return { elements, wrong: elements[left]!.from, why: `<${elements[left]!.tag}> is not closed` };
   return { elements, wrong: -1, why: "" };
 }

@@ -21,7 +21,7 @@ function table(columns: { name: string; values: readonly (Sample | string | unde
         })
         .join(","),
     );
-  return `${lines.join("\r\n")  }\r\n`;
+  return `${lines.join("\r\n")}\r\n`;
 }
 
 /** Thinned curves have two columns, the lowest and the highest of each interval. Empty: no value. */
@@ -81,5 +81,5 @@ function boxes(data: FigureData): string {
       values: all.map((b) => b[key]),
     })),
   ]);
-  return `${numbers  }\r\n${  table(data.series.map((s) => ({ name: withUnit(s.label, s.unit), values: s.y })))}`;
+  return `${numbers}\r\n${table(data.series.map((s) => ({ name: withUnit(s.label, s.unit), values: s.y })))}`;
 }

@@ -142,7 +142,8 @@ export class CurveChart {
     const sideRange =
       (log: boolean): uPlot.Range.Function =>
       (_plot, low, high) => {
-        if (log) return low === null || !(low > 0) ? [0.1, 1] : uPlot.rangeLog(low, Math.max(high, low * 1.1), 10, false);
+        if (log)
+          return low === null || !(low > 0) ? [0.1, 1] : uPlot.rangeLog(low, Math.max(high, low * 1.1), 10, false);
         const levels = data.levels?.map((l) => l.value) ?? [];
         return drawableRange(...rangeOf([low, high, ...levels]), 0.05);
       };
@@ -250,7 +251,7 @@ function aligned(data: FigureData): uPlot.AlignedData {
   for (const s of data.series)
     for (const values of s.high ? [s.y, s.high] : [s.y])
       // no logarithm of what is not above zero
-      columns.push(log(s.axis) ? values.map((v: Sample) => (v !== null && v > 0 ? v : null)) : (values));
+      columns.push(log(s.axis) ? values.map((v: Sample) => (v !== null && v > 0 ? v : null)) : values);
   return [times, ...columns];
 }
 

@@ -169,7 +169,10 @@ test("searching signals: all words, beginnings first", () => {
   const names = (query: string): string[] => found(signals, query).map((s) => s.name);
   assert.deepEqual(names("ball"), ["ball.x", "ball.y", "front.ball.x"]);
   assert.deepEqual(names("X ball"), ["front.ball.x", "ball.x"]);
-  assert.deepEqual(names(""), signals.map((s) => s.name));
+  assert.deepEqual(
+    names(""),
+    signals.map((s) => s.name),
+  );
   assert.deepEqual(names("zz"), []);
 });
 
@@ -209,7 +212,13 @@ test("the second run is requested by itself, up to the same time, and drawn dash
 
 test("a scene's plots: over time or not", () => {
   const plot = (unit: string, x: number[]) =>
-    fromPlot({ kind: "curve", title: "T", x: { label: "t", unit }, y: { unit: "m" }, series: [{ label: "a", x, y: x }] });
+    fromPlot({
+      kind: "curve",
+      title: "T",
+      x: { label: "t", unit },
+      y: { unit: "m" },
+      series: [{ label: "a", x, y: x }],
+    });
   assert.equal(overTime(plot("s", [0, 1, 2])), true);
   assert.equal(overTime(plot("m", [0, 1, 2])), false);
   assert.equal(overTime(plot("s", [0, 2, 1])), false);

@@ -4,7 +4,16 @@ import { RequestError } from "../core/link";
 import type { Status } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { Curves, isThinned, type SeriesAnswer, type SeriesPart } from "./curves";
-import { axisLabel, colorOf, shareAxes, type Axis, type FigureData, type FigureKind, type FigureSeries, type FigureSpec } from "./figure";
+import {
+  axisLabel,
+  colorOf,
+  shareAxes,
+  type Axis,
+  type FigureData,
+  type FigureKind,
+  type FigureSeries,
+  type FigureSpec,
+} from "./figure";
 import type { Sample } from "./statistics";
 
 /** Points of a curve: more than there are pixels side by side. */
@@ -87,7 +96,14 @@ export class Feed {
   }
 
   private keyOf(spec: FigureSpec, status: Status): string {
-    return JSON.stringify([spec.kind, spec.plot, spec.signals, status.scene, status.compare?.labels, this.range.peek()]);
+    return JSON.stringify([
+      spec.kind,
+      spec.plot,
+      spec.signals,
+      status.scene,
+      status.compare?.labels,
+      this.range.peek(),
+    ]);
   }
 
   private async read(
@@ -220,7 +236,8 @@ export function emptyFigure(spec: FigureSpec): FigureData {
 export function curveFigure(spec: FigureSpec, curves: Curves, labels: readonly string[] | null): FigureData {
   const time = curves.time.slice();
   const shared = shareAxes(curves.series.map((s) => s.unit));
-  const names = (axis: 0 | 1): string => axisLabel(curves.series.filter((_, k) => shared.axes[k] === axis).map((s) => s.signal));
+  const names = (axis: 0 | 1): string =>
+    axisLabel(curves.series.filter((_, k) => shared.axes[k] === axis).map((s) => s.signal));
   return {
     ...emptyFigure(spec),
     y: { label: names(0), unit: shared.left },

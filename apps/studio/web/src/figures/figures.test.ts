@@ -189,7 +189,7 @@ test("tables name signals with units; gaps are empty; no text becomes a formula"
   const data = figure({
     series: [
       series({ label: "robot.x", x: time, y: [1, null] }),
-      series({ label: "=cmd(),\"x\"", unit: "rad", x: time, y: [2, 3], high: [2, 4] }),
+      series({ label: '=cmd(),"x"', unit: "rad", x: time, y: [2, 3], high: [2, 4] }),
     ],
   });
   assert.equal(
@@ -206,7 +206,7 @@ test("pictures: text is text, curves have gaps, units and labels are there", () 
   const x = [0, 1, 2, 3, 4];
   const svg = toSvg(
     figure({
-      title: "<script>&\"",
+      title: '<script>&"',
       y2: { label: "angle", unit: "rad" },
       series: [
         series({ label: "one", x, y: [0, 1, null, 1, 0] }),

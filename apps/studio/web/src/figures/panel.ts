@@ -51,7 +51,6 @@ export function register(studio: Studio): void {
   commands.addCommand("figures:draw", {
     label: "Draw a signal",
     isVisible: () => false,
-    execute: ({ signal, figure }) =>
-      drawSignal(store, String(signal), typeof figure === "string" ? figure : ""),
+    execute: ({ signal, figure }) => drawSignal(store, String(signal), typeof figure === "string" ? figure : ""),
   });
 }

@@ -169,11 +169,18 @@ export function drawing(
         hovertemplate: "%{x}: %{y}<extra></extra>",
       }));
       const y = { label: data.y.label || "count", unit: data.y.unit };
-      return { traces, layout: { ...layout, barmode: "overlay", bargap: 0, xaxis: axis(data.x), yaxis: axis(y) }, threeD: false };
+      return {
+        traces,
+        layout: { ...layout, barmode: "overlay", bargap: 0, xaxis: axis(data.x), yaxis: axis(y) },
+        threeD: false,
+      };
     }
     case "surface": {
       const cells = cellsOf(data);
-      const scale = { colorscale: "Viridis", colorbar: { title: { text: plain(withUnit(data.z.label, data.z.unit)) }, len: 0.8 } };
+      const scale = {
+        colorscale: "Viridis",
+        colorbar: { title: { text: plain(withUnit(data.z.label, data.z.unit)) }, len: 0.8 },
+      };
       if (!webglWorks)
         return {
           traces: [{ type: "heatmap", x: cells.x, y: cells.y, z: cells.z, ...scale }],
@@ -182,8 +189,18 @@ export function drawing(
         };
       const { x, y, z } = cornersOf(cells);
       const trace = { type: "surface", x, y, z, ...scale };
-      const scene = { xaxis: axis(data.x), yaxis: axis(data.y), zaxis: axis(data.z), aspectmode: "cube", camera: { eye: { x: 1.6, y: 1.6, z: 1.1 } } };
-      return { traces: [trace], layout: { ...layout, margin: { l: 0, r: 0, t: colors === kPrintColors ? 40 : 0, b: 0 }, scene }, threeD: true };
+      const scene = {
+        xaxis: axis(data.x),
+        yaxis: axis(data.y),
+        zaxis: axis(data.z),
+        aspectmode: "cube",
+        camera: { eye: { x: 1.6, y: 1.6, z: 1.1 } },
+      };
+      return {
+        traces: [trace],
+        layout: { ...layout, margin: { l: 0, r: 0, t: colors === kPrintColors ? 40 : 0, b: 0 }, scene },
+        threeD: true,
+      };
     }
     case "map":
     case "curve": {

@@ -89,7 +89,13 @@ export function SignalList(props: {
           </li>
         ))}
         {own && (
-          <li id={`${props.id}-0`} role="option" aria-selected="false" class="cg-active" onClick={() => props.onChoose(typed.value)}>
+          <li
+            id={`${props.id}-0`}
+            role="option"
+            aria-selected="false"
+            class="cg-active"
+            onClick={() => props.onChoose(typed.value)}
+          >
             <span>Draw “{typed.value}”</span>
           </li>
         )}

@@ -16,7 +16,13 @@ export interface PlotInfo {
 }
 
 /** How many signals a kind needs; Infinity: as many as one likes. */
-export const kSlots: Record<FigureKind, number> = { curve: Infinity, box: Infinity, histogram: Infinity, map: 2, surface: 3 };
+export const kSlots: Record<FigureKind, number> = {
+  curve: Infinity,
+  box: Infinity,
+  histogram: Infinity,
+  map: 2,
+  surface: 3,
+};
 
 /** [ms] */
 const kTick = 100;
@@ -143,7 +149,10 @@ export class FiguresStore {
   /** Handles a drop on a figure (-1: beside them): a signal is drawn, of an element its signals are offered. */
   drop(id: number, text: string): void {
     const known = this.signals.value;
-    const names = text.split(/\r?\n/).map((n) => n.trim()).filter((n) => n !== "");
+    const names = text
+      .split(/\r?\n/)
+      .map((n) => n.trim())
+      .filter((n) => n !== "");
     for (const name of names) {
       const owner = !known.some((s) => s.name === name) && known.some((s) => s.owner === name);
       const target = id >= 0 && this.spec(id) && !this.spec(id)!.plot ? id : this.add("curve", owner ? [] : [name]);

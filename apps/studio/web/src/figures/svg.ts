@@ -85,7 +85,11 @@ export function toSvg(data: FigureData, width = 800, height = 500): string {
     drawSurface(out, data, area);
   } else if (data.kind === "box") {
     const boxes = boxesOf(data);
-    const y = new Scale(boxes.flatMap((b) => [b.whiskerLow, b.whiskerHigh, ...b.outliers]), bottom, area.top);
+    const y = new Scale(
+      boxes.flatMap((b) => [b.whiskerLow, b.whiskerHigh, ...b.outliers]),
+      bottom,
+      area.top,
+    );
     drawSide(out, y, data.y, area, "left");
     const slot = area.width / Math.max(boxes.length, 1);
     const half = Math.min(slot * 0.3, 45);
@@ -135,7 +139,15 @@ export function toSvg(data: FigureData, width = 800, height = 500): string {
     let left = new Scale([...allOf(leftSeries, ["y", "high"]), ...levels], bottom, area.top, data.y.log);
     if (data.kind === "map") [x, left] = equalScales(x, left, area);
     const rightScale = two
-      ? new Scale(allOf(data.series.filter((s) => s.axis === 1), ["y", "high"]), bottom, area.top, data.y2?.log)
+      ? new Scale(
+          allOf(
+            data.series.filter((s) => s.axis === 1),
+            ["y", "high"],
+          ),
+          bottom,
+          area.top,
+          data.y2?.log,
+        )
       : left;
     drawBottom(out, x, data.x, area);
     drawSide(out, left, data.y, area, "left");
@@ -158,7 +170,9 @@ export function toSvg(data: FigureData, width = 800, height = 500): string {
         `fill="none" stroke="#000"/>`,
     );
   if (data.series.length === 0 || data.series.every((s) => s.x.length + s.y.length === 0))
-    out.push(text(area.left + area.width / 2, area.top + area.height / 2, "no data", 'text-anchor="middle" fill="#555"'));
+    out.push(
+      text(area.left + area.width / 2, area.top + area.height / 2, "no data", 'text-anchor="middle" fill="#555"'),
+    );
   legend.forEach((row, r) => {
     const at = height - (legend.length - r) * 20 + 6;
     for (const { series, x } of row) {
@@ -174,7 +188,7 @@ export function toSvg(data: FigureData, width = 800, height = 500): string {
 }
 
 function text(x: number, y: number, content: string, attributes = ""): string {
-  return `<text x="${px(x)}" y="${px(y)}"${attributes ? ` ${  attributes}` : ""}>${escapeXml(content)}</text>`;
+  return `<text x="${px(x)}" y="${px(y)}"${attributes ? ` ${attributes}` : ""}>${escapeXml(content)}</text>`;
 }
 
 function legendText(data: FigureData, s: FigureSeries): string {
@@ -223,9 +237,7 @@ function drawSide(out: string[], scale: Scale, axis: Axis, area: Area, side: "le
   marks.forEach((mark, i) => {
     const at = px(scale.at(mark));
     if (side === "left")
-      out.push(
-        `<line x1="${px(area.left)}" y1="${at}" x2="${px(area.left + area.width)}" y2="${at}" stroke="#ddd"/>`,
-      );
+      out.push(`<line x1="${px(area.left)}" y1="${at}" x2="${px(area.left + area.width)}" y2="${at}" stroke="#ddd"/>`);
     out.push(
       `<line x1="${px(edge)}" y1="${at}" x2="${px(edge + 5 * away)}" y2="${at}" stroke="#000"/>`,
       text(edge + 9 * away, scale.at(mark) + 4.5, labels[i]!, `text-anchor="${side === "left" ? "end" : "start"}"`),
@@ -289,10 +301,7 @@ function equalScales(x: Scale, y: Scale, area: Area): [Scale, Scale] {
     const half = (perPixel * Math.abs(to - from)) / 2;
     return new Scale([middle - half, middle + half], from, to, false, 0);
   };
-  return [
-    widened(x, area.left, area.left + area.width),
-    widened(y, area.top + area.height, area.top),
-  ];
+  return [widened(x, area.left, area.left + area.width), widened(y, area.top + area.height, area.top)];
 }
 
 /** Dark blue over green to yellow, as light rises with the value: readable in grey, too. */

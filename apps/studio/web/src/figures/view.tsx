@@ -5,7 +5,16 @@ import type { JSX } from "preact";
 import type { CurveChart } from "./curve_chart";
 import { nearest } from "./curves";
 import { overTime, type Feed } from "./feed";
-import { boxesOf, cellsOf, histogramOf, kKindNames, themeColor, type FigureData, type FigureKind, type FigureSpec } from "./figure";
+import {
+  boxesOf,
+  cellsOf,
+  histogramOf,
+  kKindNames,
+  themeColor,
+  type FigureData,
+  type FigureKind,
+  type FigureSpec,
+} from "./figure";
 import type { PlotlyChart } from "./plotly_chart";
 import { saveFigure, type FileKind } from "./save";
 import { SignalList } from "./signal_list";
@@ -35,7 +44,12 @@ export function FiguresView({ store }: { store: FiguresStore }): JSX.Element {
     >
       <div class="cg-tools" role="toolbar" aria-label="New figures">
         {kKinds.map((kind) => (
-          <button key={kind} type="button" aria-label={`New figure: ${kKindNames[kind]}`} onClick={() => store.add(kind)}>
+          <button
+            key={kind}
+            type="button"
+            aria-label={`New figure: ${kKindNames[kind]}`}
+            onClick={() => store.add(kind)}
+          >
             + {kKindNames[kind]}
           </button>
         ))}
@@ -304,7 +318,11 @@ function Chart(props: {
         role="group"
         tabIndex={drawer === "curve" ? 0 : -1}
         aria-label={`${kKindNames[spec.kind]} “${props.label}”: ${summary(data)}`}
-        title={drawer === "curve" ? "Click goes to that time; drag zooms, a double click shows all; keys: ← → Enter Home" : undefined}
+        title={
+          drawer === "curve"
+            ? "Click goes to that time; drag zooms, a double click shows all; keys: ← → Enter Home"
+            : undefined
+        }
         onKeyDown={keys}
       />
       {failure.value && (
@@ -338,10 +356,15 @@ export function summary(data: FigureData | null): string {
         .map((s) => `${s.label} ends at ${shortNumber(lastOf(s.y))}${s.unit && s.unit !== "1" ? ` ${s.unit}` : ""}`)
         .join(", ");
     case "map":
-      return data.series.map((s) => `${s.label} ends at ${shortNumber(lastOf(s.x))}, ${shortNumber(lastOf(s.y))}`).join("; ");
+      return data.series
+        .map((s) => `${s.label} ends at ${shortNumber(lastOf(s.x))}, ${shortNumber(lastOf(s.y))}`)
+        .join("; ");
     case "box":
       return boxesOf(data)
-        .map((b, k) => `${data.series[k]!.label}: median ${shortNumber(b.median)}, quartiles ${shortNumber(b.q1)} and ${shortNumber(b.q3)}`)
+        .map(
+          (b, k) =>
+            `${data.series[k]!.label}: median ${shortNumber(b.median)}, quartiles ${shortNumber(b.q1)} and ${shortNumber(b.q3)}`,
+        )
         .join("; ");
     case "histogram": {
       const { edges, counts } = histogramOf(data);
@@ -359,14 +382,24 @@ export function summary(data: FigureData | null): string {
   }
 }
 
-function Legend(props: { store: FiguresStore; spec: FigureSpec; data: FigureData | null; hovered: number }): JSX.Element {
+function Legend(props: {
+  store: FiguresStore;
+  spec: FigureSpec;
+  data: FigureData | null;
+  hovered: number;
+}): JSX.Element {
   const { store, spec, data, hovered } = props;
   const slots = Number.isFinite(kSlots[spec.kind]);
   const times = data?.kind === "curve" ? ((data.series[0]?.x ?? []) as number[]) : [];
   const looked = store.looked.value;
   const index = hovered >= 0 ? hovered : looked === null ? times.length - 1 : nearest(times, looked);
   const remove = (label: string, at: number): JSX.Element => (
-    <button type="button" class="cg-plain" aria-label={`Take ${label} out of the figure`} onClick={() => store.removeSignal(spec.id, at)}>
+    <button
+      type="button"
+      class="cg-plain"
+      aria-label={`Take ${label} out of the figure`}
+      onClick={() => store.removeSignal(spec.id, at)}
+    >
       ✕
     </button>
   );

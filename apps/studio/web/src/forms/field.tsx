@@ -90,10 +90,11 @@ function NumberField(props: PlainProps): JSX.Element {
   const commit = () => {
     if (!drafts) return;
     if (mixed && props.commitEntries) {
-      if (drafts.some((d) => d.trim() !== "")) void props.commitEntries(drafts, nowUnit).then((e) => {
-        props.report(e);
-        if (e === "") setDrafts(null);
-      });
+      if (drafts.some((d) => d.trim() !== ""))
+        void props.commitEntries(drafts, nowUnit).then((e) => {
+          props.report(e);
+          if (e === "") setDrafts(null);
+        });
       return;
     }
     const made = textFrom(spec, drafts, nowUnit);
@@ -106,9 +107,14 @@ function NumberField(props: PlainProps): JSX.Element {
     if ((made.text ?? "") !== text && !(mixed && made.text === null)) void props.commit(made.text);
     else setDrafts(null);
   };
-  const names = boxes.length === 3 && ["xyz", "rpy", "size"].includes(spec.name)
-    ? (spec.name === "rpy" ? ["roll", "pitch", "yaw"] : ["x", "y", "z"])
-    : spec.kind === "range" ? ["least", "largest"] : [];
+  const names =
+    boxes.length === 3 && ["xyz", "rpy", "size"].includes(spec.name)
+      ? spec.name === "rpy"
+        ? ["roll", "pitch", "yaw"]
+        : ["x", "y", "z"]
+      : spec.kind === "range"
+        ? ["least", "largest"]
+        : [];
   return (
     <span class="cg-prop-numbers">
       {boxes.map((box, i) => (
@@ -158,7 +164,11 @@ function NumberField(props: PlainProps): JSX.Element {
             if (!to || !(event.currentTarget.parentElement?.contains(to) ?? false)) commit();
           }}
         >
-          {shown.units.map((u) => <option key={u} value={u}>{u}</option>)}
+          {shown.units.map((u) => (
+            <option key={u} value={u}>
+              {u}
+            </option>
+          ))}
         </select>
       )}
       {shown.units.length === 1 && <span class="cg-prop-unit">{shown.units[0]}</span>}
@@ -224,7 +234,11 @@ export function Field(props: FieldProps): JSX.Element {
       >
         {mixed && <option value={"\0"}>several</option>}
         <option value="">{spec.default === "" ? "" : `${spec.default} (default)`}</option>
-        {spec.choices.map((c) => <option key={c} value={c}>{c}</option>)}
+        {spec.choices.map((c) => (
+          <option key={c} value={c}>
+            {c}
+          </option>
+        ))}
       </select>
     );
   } else if (kNumeric.includes(spec.kind)) {
@@ -236,7 +250,13 @@ export function Field(props: FieldProps): JSX.Element {
     body = (
       <>
         <PlainField {...inner} list={list} />
-        {list && <datalist id={list}>{props.choices!.map((c) => <option key={c} value={c} />)}</datalist>}
+        {list && (
+          <datalist id={list}>
+            {props.choices!.map((c) => (
+              <option key={c} value={c} />
+            ))}
+          </datalist>
+        )}
       </>
     );
   }
@@ -244,7 +264,12 @@ export function Field(props: FieldProps): JSX.Element {
     <div class={`cg-prop${problem ? " is-wrong" : ""}${text !== "" ? " is-set" : ""}`} data-attribute={spec.name}>
       <label for={id} title={helpText(spec)}>
         {spec.name}
-        {spec.required && <span class="cg-prop-must" title="required"> *</span>}
+        {spec.required && (
+          <span class="cg-prop-must" title="required">
+            {" "}
+            *
+          </span>
+        )}
       </label>
       <span class="cg-prop-body">{body}</span>
       {text !== "" && !spec.required && spec.kind !== "name" && !props.disabled ? (
@@ -260,8 +285,14 @@ export function Field(props: FieldProps): JSX.Element {
       ) : (
         <span />
       )}
-      <span id={describe} class="cg-unseen">{helpText(spec)}</span>
-      {problem && <p class="cg-prop-problem" role="alert">{problem}</p>}
+      <span id={describe} class="cg-unseen">
+        {helpText(spec)}
+      </span>
+      {problem && (
+        <p class="cg-prop-problem" role="alert">
+          {problem}
+        </p>
+      )}
     </div>
   );
 }

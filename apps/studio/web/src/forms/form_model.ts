@@ -27,8 +27,21 @@ const kGroups: [string, string[]][] = [
 /** A field that the vocabulary does not know: text, so that nothing in the file is hidden. */
 function unknownAttribute(name: string): AttributeSchema {
   return {
-    name, kind: "text", doc: "", default: "", required: false, units: [], perEntry: false, min: null, max: null,
-    aboveMin: false, noneAllowed: false, choices: [], minCount: 1, maxCount: 1, wants: "",
+    name,
+    kind: "text",
+    doc: "",
+    default: "",
+    required: false,
+    units: [],
+    perEntry: false,
+    min: null,
+    max: null,
+    aboveMin: false,
+    noneAllowed: false,
+    choices: [],
+    minCount: 1,
+    maxCount: 1,
+    wants: "",
   };
 }
 
@@ -68,7 +81,10 @@ export function setOps(elements: readonly TreeElement[], attribute: string, valu
 
 /** One step for elements whose lists differ: only the boxes that were typed into change, in each of them. */
 export function setEntries(
-  elements: readonly TreeElement[], spec: AttributeSchema, typed: readonly string[], unit: string | null,
+  elements: readonly TreeElement[],
+  spec: AttributeSchema,
+  typed: readonly string[],
+  unit: string | null,
 ): Op[] | { error: string } {
   const ops: Op[] = [];
   for (const element of elements) {
@@ -79,7 +95,9 @@ export function setEntries(
       const entry = (typed[i] ?? "").trim();
       if (entry === "") return box;
       // typed in the unit that the form shows, which may be another than this element's
-      return unit && /^[-+.\d]/.test(entry) && !/[a-z]\S*$/i.test(entry.replace(/e[-+]?\d+$/i, "")) ? `${entry} ${unit}` : entry;
+      return unit && /^[-+.\d]/.test(entry) && !/[a-z]\S*$/i.test(entry.replace(/e[-+]?\d+$/i, ""))
+        ? `${entry} ${unit}`
+        : entry;
     });
     const made = textFrom(spec, boxes, shown.unit);
     if ("error" in made) return { error: made.error };
@@ -111,7 +129,10 @@ export function pluginForm(schema: Schema, elements: readonly TreeElement[], id:
 
 /** The edit that gives a parameter a value: in the <set> that has it, else in the first there is, else in a new one. */
 export function parameterOps(
-  elements: readonly TreeElement[], id: number, parameter: string, value: string | null,
+  elements: readonly TreeElement[],
+  id: number,
+  parameter: string,
+  value: string | null,
 ): Op[] {
   const sets = elements.filter((e) => e.parent === id && e.tag === "set");
   const at = sets.find((e) => parameter in e.attributes);
@@ -134,7 +155,12 @@ export interface ElementProblems {
 }
 
 /** Problems that the compiler has with an element's own tag, at the attributes where they are. */
-export function problemsOf(text: string, element: TreeElement, file: string, problems: readonly Problem[]): ElementProblems {
+export function problemsOf(
+  text: string,
+  element: TreeElement,
+  file: string,
+  problems: readonly Problem[],
+): ElementProblems {
   const out: ElementProblems = { fields: new Map(), others: [] };
   if (problems.length === 0) return out;
   const tag = startTag(text, offsetAt(text, element.line, element.column));

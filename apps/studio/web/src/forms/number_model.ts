@@ -1,8 +1,17 @@
 // The contents of the boxes of a number, a list or a range, and the text made from them.
 import type { AttributeSchema } from "./schema";
 import {
-  checkEntry, convert, factorOf, isExpression, parseNumbers, parseRange, printNumbers, printRange, unitsOf,
-  type Entry, type ValueParts,
+  checkEntry,
+  convert,
+  factorOf,
+  isExpression,
+  parseNumbers,
+  parseRange,
+  printNumbers,
+  printRange,
+  unitsOf,
+  type Entry,
+  type ValueParts,
 } from "./values";
 
 // Longer lists (heights of a ground) are better typed as text.
@@ -77,7 +86,9 @@ export function textFrom(spec: AttributeSchema, boxes: readonly string[], unit: 
   if (typed.every((b) => b === "")) return { text: null };
   if (typed.some(isExpression)) {
     const filled = typed.map((b) => (b === "" ? "0" : b));
-    return { text: filled.join(spec.kind === "range" ? " .. " : " ") + (unit && !typed.every(isExpression) ? ` ${unit}` : "") };
+    return {
+      text: filled.join(spec.kind === "range" ? " .. " : " ") + (unit && !typed.every(isExpression) ? ` ${unit}` : ""),
+    };
   }
   const shown = spec.default === "" ? null : partsOf(spec, spec.default);
   const entries: Entry[] = [];

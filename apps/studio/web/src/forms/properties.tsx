@@ -15,8 +15,19 @@ import { LiveValues } from "./live";
 import type { AttributeSchema, Schema } from "./schema";
 
 const kNameSpec: Omit<AttributeSchema, "doc" | "required"> = {
-  name: "name", kind: "name", default: "", units: [], perEntry: false, min: null, max: null, aboveMin: false,
-  noneAllowed: false, choices: [], minCount: 1, maxCount: 1, wants: "",
+  name: "name",
+  kind: "name",
+  default: "",
+  units: [],
+  perEntry: false,
+  min: null,
+  max: null,
+  aboveMin: false,
+  noneAllowed: false,
+  choices: [],
+  minCount: 1,
+  maxCount: 1,
+  wants: "",
 };
 
 function Mass({ studio, ids }: { studio: Studio; ids: number[] }): JSX.Element | null {
@@ -70,7 +81,15 @@ function Signals({ studio, path }: { studio: Studio; path: string }): JSX.Elemen
   );
 }
 
-function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schema; chosen: TreeElement[] }): JSX.Element {
+function ElementForm({
+  studio,
+  schema,
+  chosen,
+}: {
+  studio: Studio;
+  schema: Schema;
+  chosen: TreeElement[];
+}): JSX.Element {
   const { state } = studio;
   const { version, elements } = state.tree.value;
   const first = chosen[0]!;
@@ -80,7 +99,8 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
   const text = state.document.value;
   // While a text compiles fields stay as they are: continued typing must not lose the focus.
   const disabled = !state.mayEdit.value || !text || (text.version !== version && !text.good);
-  const problems = one && text && text.version === version ? problemsOf(text.text, one, text.file, state.problems.value) : null;
+  const problems =
+    one && text && text.version === version ? problemsOf(text.text, one, text.file, state.problems.value) : null;
   const plugin = one ? pluginForm(schema, elements, one.id) : null;
   const what = one ? `${one.tag} ${labelOf(one)}`.trim() : `${chosen.length} ${first.tag} elements`;
   const apply = async (label: string, ops: Op[]): Promise<string> => {
@@ -100,12 +120,17 @@ function ElementForm({ studio, schema, chosen }: { studio: Studio; schema: Schem
           disabled={disabled}
           problem={problems?.fields.get("name")?.message}
           commit={(name) =>
-            name === null ? set("name", null) : apply(`rename ${what} to ${name}`, [{ op: "rename", element: one.id, name }])
+            name === null
+              ? set("name", null)
+              : apply(`rename ${what} to ${name}`, [{ op: "rename", element: one.id, name }])
           }
         />
       )}
       {problems?.others.map((p, i) => (
-        <p key={i} class="cg-prop-problem" role="alert">{p.message}{p.help && ` (${p.help})`}</p>
+        <p key={i} class="cg-prop-problem" role="alert">
+          {p.message}
+          {p.help && ` (${p.help})`}
+        </p>
       ))}
       {formGroups(schema, chosen).map((group) => {
         const fields = group.fields.map((f) => {
@@ -161,7 +186,10 @@ export function Properties({ studio }: { studio: Studio }): JSX.Element {
   const schema = studio.services.get(TreeState).schema.value;
   const chosen = state.selection.value.flatMap((id) => state.element(id) ?? []);
   const first = chosen[0];
-  if (!first) return <p class="cg-muted cg-properties-empty">Select something in the tree or the picture to see its attributes.</p>;
+  if (!first)
+    return (
+      <p class="cg-muted cg-properties-empty">Select something in the tree or the picture to see its attributes.</p>
+    );
   const same = chosen.every((e) => e.tag === first.tag);
   const bodies = chosen.flatMap((e) => (e.id > 0 ? state.bodiesOf(e.id) : []));
   const ids = chosen.filter((e) => e.id > 0).map((e) => e.id);
@@ -170,7 +198,11 @@ export function Properties({ studio }: { studio: Studio }): JSX.Element {
     <div class="cg-properties" role="form" aria-label="Properties">
       <h2>
         <Icon tag={same ? first.tag : "other"} />{" "}
-        {chosen.length === 1 ? labelOf(first) || first.tag : same ? `${chosen.length} × ${first.tag}` : `${chosen.length} selected`}
+        {chosen.length === 1
+          ? labelOf(first) || first.tag
+          : same
+            ? `${chosen.length} × ${first.tag}`
+            : `${chosen.length} selected`}
         {chosen.length === 1 && labelOf(first) !== "" && <span class="cg-tree-tag"> {first.tag}</span>}
       </h2>
       {same && doc && <p class="cg-muted">{doc}</p>}

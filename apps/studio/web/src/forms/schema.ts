@@ -3,8 +3,21 @@ import type { TreeElement } from "../core/protocol";
 import type { Studio } from "../core/studio";
 
 export type AttributeKind =
-  | "name" | "reference" | "references" | "text" | "boolean" | "choice" | "integer" | "number" | "numbers" | "range"
-  | "color" | "file" | "noise" | "expression" | "value";
+  | "name"
+  | "reference"
+  | "references"
+  | "text"
+  | "boolean"
+  | "choice"
+  | "integer"
+  | "number"
+  | "numbers"
+  | "range"
+  | "color"
+  | "file"
+  | "noise"
+  | "expression"
+  | "value";
 
 export interface AttributeSchema {
   name: string;
@@ -136,7 +149,7 @@ export class Schema {
 
   /** Tags that an element may hold; flow elements hold those of the first element around them that is none. */
   childrenOf(elements: readonly TreeElement[], id: number): string[] {
-    for (let at = id; at >= 0; ) {
+    for (let at = id; at >= 0;) {
       const element = elements[at];
       if (!element) return [];
       if (!this.isFlow(element.tag)) {
@@ -217,9 +230,7 @@ export function scopeOf(elements: readonly TreeElement[], parent: number): strin
 }
 
 /** Names that may stand in an attribute of an element standing in `parent`. */
-export function referenceChoices(
-  elements: readonly TreeElement[], parent: number, wants: string,
-): string[] {
+export function referenceChoices(elements: readonly TreeElement[], parent: number, wants: string): string[] {
   const tags = kReferred[wants] ?? kReferred.any!;
   const scope = scopeOf(elements, parent);
   const names = new Set<string>();

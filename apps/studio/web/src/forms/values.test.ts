@@ -2,22 +2,52 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { boxesOf, textFrom, withUnit } from "./number_model";
 import { Schema, type AttributeSchema } from "./schema";
-import { checkEntry, convert, hexColor, parseNumbers, parseRange, printNumbers, printRange, shortNumber } from "./values";
+import {
+  checkEntry,
+  convert,
+  hexColor,
+  parseNumbers,
+  parseRange,
+  printNumbers,
+  printRange,
+  shortNumber,
+} from "./values";
 
 function spec(raw: Record<string, unknown>): AttributeSchema {
   return new Schema({ elements: [{ name: "e", attributes: [{ name: "a", ...raw }] }] }).attribute("e", "a")!;
 }
-const size = spec({ kind: "numbers", units: ["m"], min_count: 3, max_count: 3, min: 0, above_min: true, required: true });
+const size = spec({
+  kind: "numbers",
+  units: ["m"],
+  min_count: 3,
+  max_count: 3,
+  min: 0,
+  above_min: true,
+  required: true,
+});
 const xyz = spec({ kind: "numbers", units: ["m"], min_count: 3, max_count: 3, default: "0 0 0" });
 const rpy = spec({ kind: "numbers", units: ["rad"], min_count: 3, max_count: 3, default: "0 0 0" });
 const range = spec({ kind: "range", units: ["m"], min: 0, default: "0 .. 10 m" });
-const limits = spec({ kind: "numbers", units: ["rad", "m"], per_entry: true, min_count: 2, max_count: 2, none_allowed: true });
+const limits = spec({
+  kind: "numbers",
+  units: ["rad", "m"],
+  per_entry: true,
+  min_count: 2,
+  max_count: 2,
+  none_allowed: true,
+});
 
 test("lists are read with one unit behind, or one each", () => {
-  assert.deepEqual(parseNumbers("24 14 4 cm")?.entries.map((e) => e.text + e.unit), ["24cm", "14cm", "4cm"]);
+  assert.deepEqual(
+    parseNumbers("24 14 4 cm")?.entries.map((e) => e.text + e.unit),
+    ["24cm", "14cm", "4cm"],
+  );
   assert.equal(parseNumbers("24 14 4 cm")?.unit, "cm");
   assert.deepEqual(parseNumbers("24 cm 14 cm 40 mm")?.unit, null);
-  assert.deepEqual(parseNumbers("-1e-3 .5 2.")?.entries.map((e) => e.text), ["-1e-3", ".5", "2."]);
+  assert.deepEqual(
+    parseNumbers("-1e-3 .5 2.")?.entries.map((e) => e.text),
+    ["-1e-3", ".5", "2."],
+  );
   assert.deepEqual(parseNumbers("3cm")?.entries, [{ text: "3", unit: "cm" }]);
   assert.equal(parseNumbers("none -10 cm")?.entries[0]!.text, "none");
   for (const bad of ["", "abc", "1 cm cm", "cm 1", "${a}", "1..2"]) assert.equal(parseNumbers(bad), null, bad);
@@ -32,7 +62,8 @@ test("lists come out as they came in", () => {
 });
 
 test("ranges", () => {
-  for (const text of ["2 .. 80 cm", "0.1 .. 10", "5 mm .. 2 m"]) assert.equal(printRange(parseRange(text)!.entries), text);
+  for (const text of ["2 .. 80 cm", "0.1 .. 10", "5 mm .. 2 m"])
+    assert.equal(printRange(parseRange(text)!.entries), text);
   assert.equal(parseRange("2 80 cm"), null);
 });
 

@@ -54,7 +54,10 @@ export function isExpression(text: string): boolean {
 
 /** "40 40 40 cm", "24 cm 14 cm 40 mm", "none -10 cm"; null if it is anything else. */
 export function parseNumbers(text: string): ValueParts | null {
-  const items = text.trim().split(/[\s,]+/).filter((w) => w !== "");
+  const items = text
+    .trim()
+    .split(/[\s,]+/)
+    .filter((w) => w !== "");
   const entries: Entry[] = [];
   let units = 0;
   let lastHasUnit = false;
@@ -150,7 +153,8 @@ export interface Bounds {
 export function checkEntry(entry: Entry, dimension: string, bounds: Bounds): string {
   if (entry.text === "none") return bounds.noneAllowed ? "" : "none is not allowed here";
   if (!kNumber.test(entry.text) || !isFinite(Number(entry.text))) return `'${entry.text}' is no number`;
-  if (dimension === "rad" && entry.unit === "" && Number(entry.text) !== 0) return "an angle needs its unit: deg or rad";
+  if (dimension === "rad" && entry.unit === "" && Number(entry.text) !== 0)
+    return "an angle needs its unit: deg or rad";
   const factor = factorOf(dimension, entry.unit);
   if (factor === undefined) return "";
   const value = Number(entry.text) * factor;
@@ -159,7 +163,8 @@ export function checkEntry(entry: Entry, dimension: string, bounds: Bounds): str
   if (bounds.min !== null && (bounds.aboveMin ? value <= bounds.min : value < bounds.min)) {
     return `must be ${bounds.aboveMin ? "above" : "at least"} ${shortNumber(bounds.min)}${unit}`;
   }
-  if (bounds.max !== null && value > bounds.max * (1 + 1e-12)) return `must be at most ${shortNumber(bounds.max)}${unit}`;
+  if (bounds.max !== null && value > bounds.max * (1 + 1e-12))
+    return `must be at most ${shortNumber(bounds.max)}${unit}`;
   return "";
 }
 

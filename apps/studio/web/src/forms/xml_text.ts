@@ -55,7 +55,11 @@ export function startTag(text: string, from: number): StartTag | null {
 
 /** Behind what begins at `at` with "<!" or "<?": a comment, CDATA, an instruction. */
 function skipSpecial(text: string, at: number): number {
-  const ends: [string, string][] = [["<!--", "-->"], ["<![CDATA[", "]]>"], ["<?", "?>"]];
+  const ends: [string, string][] = [
+    ["<!--", "-->"],
+    ["<![CDATA[", "]]>"],
+    ["<?", "?>"],
+  ];
   for (const [begin, end] of ends) {
     if (!text.startsWith(begin, at)) continue;
     const found = text.indexOf(end, at + begin.length);
@@ -115,7 +119,10 @@ export function splitElements(text: string): string[] | null {
 /** Lines without the indentation that all but the first share. */
 export function dedent(xml: string): string {
   const lines = xml.split("\n");
-  const indents = lines.slice(1).filter((l) => l.trim() !== "").map((l) => /^[ \t]*/.exec(l)![0].length);
+  const indents = lines
+    .slice(1)
+    .filter((l) => l.trim() !== "")
+    .map((l) => /^[ \t]*/.exec(l)![0].length);
   const common = indents.length > 0 ? Math.min(...indents) : 0;
   return lines.map((l, i) => (i === 0 ? l : l.slice(Math.min(common, /^[ \t]*/.exec(l)![0].length)))).join("\n");
 }

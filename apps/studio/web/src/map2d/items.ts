@@ -84,7 +84,8 @@ export class Items {
   /** Puts all at their poses; the lowest first. Those without a pose are left out. */
   moveTo(poses: ArrayLike<number>): Item[] {
     for (const item of this.all) {
-      const body: Pose = 7 * item.body + 6 < poses.length ? poseAt(poses, item.body) : this.scene.bodies[item.body]!.pose;
+      const body: Pose =
+        7 * item.body + 6 < poses.length ? poseAt(poses, item.body) : this.scene.bodies[item.body]!.pose;
       const pose = compose(body, item.shape.pose);
       item.x = NaN;
       if (!isFinite(pose)) continue;

@@ -21,11 +21,21 @@ const area = (p: Polygon): number =>
   }, 0);
 
 test("a pose is its tilt and then a turn about the vertical", () => {
-  for (const [axis, angle] of [[[0, 0, 1], 2], [[1, 2, 3], 1.1], [[1, 0, 0], Math.PI], [[1, -1, 0.2], 3], [[0, 1, 0], 1e-9]] as [Vec3, number][]) {
+  for (const [axis, angle] of [
+    [[0, 0, 1], 2],
+    [[1, 2, 3], 1.1],
+    [[1, 0, 0], Math.PI],
+    [[1, -1, 0.2], 3],
+    [[0, 1, 0], 1e-9],
+  ] as [Vec3, number][]) {
     const pose = turned(axis, angle);
     const tilt = level(upIn(pose));
     const turn = turnOf(pose, tilt);
-    for (const v of [[1, 0, 0], [0, 1, 0], [0.3, -0.2, 0.9]] as Vec3[]) {
+    for (const v of [
+      [1, 0, 0],
+      [0, 1, 0],
+      [0.3, -0.2, 0.9],
+    ] as Vec3[]) {
       const x = tilt[0] * v[0] + tilt[1] * v[1] + tilt[2] * v[2];
       const y = tilt[3] * v[0] + tilt[4] * v[1] + tilt[5] * v[2];
       const expected = rotate(pose, v);
@@ -63,7 +73,15 @@ test("outlines have the area of the shadow", () => {
 });
 
 test("a hull leaves out what is inside, twice there or on an edge", () => {
-  const hull = convexHull([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0.5], [1, 1], [0.5, 0]]);
+  const hull = convexHull([
+    [0, 0],
+    [1, 0],
+    [1, 1],
+    [0, 1],
+    [0.5, 0.5],
+    [1, 1],
+    [0.5, 0],
+  ]);
   assert.equal(hull.length, 4);
   assert.equal(area(hull), 1);
 });
@@ -71,7 +89,9 @@ test("a hull leaves out what is inside, twice there or on an edge", () => {
 test("things lie over each other by their highest point", () => {
   const up: Vec3 = [0, Math.sin(0.3), Math.cos(0.3)];
   assert.ok(Math.abs(upwardExtent(scene, shape("box", [1, 2, 3]), up) - (Math.sin(0.3) + 1.5 * Math.cos(0.3))) < 1e-12);
-  assert.ok(Math.abs(upwardExtent(scene, shape("cylinder", [0.5, 2]), up) - (0.5 * Math.sin(0.3) + Math.cos(0.3))) < 1e-12);
+  assert.ok(
+    Math.abs(upwardExtent(scene, shape("cylinder", [0.5, 2]), up) - (0.5 * Math.sin(0.3) + Math.cos(0.3))) < 1e-12,
+  );
   assert.equal(upwardExtent(scene, shape("capsule", [0.5, 2]), [0, 0, -1]), 1.5);
   assert.equal(upwardExtent(scene, shape("mesh", []), [0, 0, 1]), 1);
   assert.equal(upwardExtent(scene, shape("plane", []), [0, 0, 1]), -Infinity);

@@ -100,7 +100,11 @@ export function planOutline(scene: Scene, shape: SceneShape, tilt: Rotation): Po
       if (!mesh) return [];
       const triangles: Polygon[] = [];
       for (let i = 0; i + 2 < mesh.indices.length; i += 3) {
-        const t = [0, 1, 2].map((k) => project(tilt, mesh.positions, 3 * mesh.indices[i + k]!)) as [Point, Point, Point];
+        const t = [0, 1, 2].map((k) => project(tilt, mesh.positions, 3 * mesh.indices[i + k]!)) as [
+          Point,
+          Point,
+          Point,
+        ];
         // all turn in the same direction, so that a non-zero fill is their union; edge-on ones add nothing
         const area = cross(t[0], t[1], t[2]);
         if (area > 0) triangles.push(t);

@@ -121,7 +121,14 @@ class MapWidget extends Widget {
       this.drawSoon();
     });
     on(() => {
-      for (const depends of [state.selection, state.tree, state.hovered, marked, trails.changes, ...Object.values(mapLayers)]) {
+      for (const depends of [
+        state.selection,
+        state.tree,
+        state.hovered,
+        marked,
+        trails.changes,
+        ...Object.values(mapLayers),
+      ]) {
         void depends.value;
       }
       this.drawSoon();
@@ -131,7 +138,11 @@ class MapWidget extends Widget {
       this.colors = null;
       this.drawSoon();
     });
-    on(() => this.studio.services.get(Subscription).set("map", { readings: openMaps.value > 0 && mapLayers.rays.value, contacts: false }));
+    on(() =>
+      this.studio.services
+        .get(Subscription)
+        .set("map", { readings: openMaps.value > 0 && mapLayers.rays.value, contacts: false }),
+    );
     let seen = viewRequest.peek();
     on(() => {
       const request = viewRequest.value;

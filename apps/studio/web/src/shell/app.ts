@@ -126,7 +126,10 @@ export class App implements Shell {
   /** The server's protocol is another one than this page's. */
   renew(): void {
     if (!this.services.get(PendingTyping).unsent) return location.reload();
-    this.notify("the studio was restarted in another version, and does not have what you typed last: copy that, then reload this page", "error");
+    this.notify(
+      "the studio was restarted in another version, and does not have what you typed last: copy that, then reload this page",
+      "error",
+    );
   }
   goTo(file: string, line: number, column: number): void {
     if (this.elsewhere("code")) {
@@ -167,7 +170,8 @@ export class App implements Shell {
   private called(name: string, values: (string | number)[]): void {
     if (name === "openPanel") this.openPanel(String(values[0]));
     if (name === "goTo") this.goTo(String(values[0]), Number(values[1]), Number(values[2]));
-    if (name === "drawSignal") this.drawSignal(String(values[0]), values[1] === undefined ? undefined : String(values[1]));
+    if (name === "drawSignal")
+      this.drawSignal(String(values[0]), values[1] === undefined ? undefined : String(values[1]));
     if (name === "notify") this.notify(String(values[0]));
   }
   private notifyChanged(command: string): void {

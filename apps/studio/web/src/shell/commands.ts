@@ -99,7 +99,12 @@ export function registerCommands(shell: Shell): void {
         status ? `${status.backend} ${status.engine_version}` : "",
         `client ${hello?.client ?? "–"}, ${hello?.role ?? "not connected"}`,
       ];
-      void shell.dialog({ title: "CogRSim Studio", text: lines.filter(Boolean).join(" · "), fields: [], accept: "Close" });
+      void shell.dialog({
+        title: "CogRSim Studio",
+        text: lines.filter(Boolean).join(" · "),
+        fields: [],
+        accept: "Close",
+      });
     },
   });
   effect(() => {

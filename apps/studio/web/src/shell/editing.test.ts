@@ -10,8 +10,16 @@ const tree = (...rows: [tag: string, name: string, parent: number][]) =>
 const first = tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "r", 0], ["box", "b", 2]);
 
 test("elements mean the same if they and all around them are called the same", () => {
-  assert.ok(sameElements([1, 3], first, tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "r", 0], ["box", "b", 2], ["box", "c", 2])));
-  assert.ok(!sameElements([3], first, tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "x", 0], ["box", "b", 2])));
+  assert.ok(
+    sameElements(
+      [1, 3],
+      first,
+      tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "r", 0], ["box", "b", 2], ["box", "c", 2]),
+    ),
+  );
+  assert.ok(
+    !sameElements([3], first, tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "x", 0], ["box", "b", 2])),
+  );
   assert.ok(!sameElements([3], first, tree(["scene", "s", -1], ["box", "a", 0], ["assembly", "r", 0])));
   assert.ok(!sameElements([1], first, tree(["scene", "s", -1], ["box", "z", 0], ["box", "a", 0])));
 });

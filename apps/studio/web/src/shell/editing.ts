@@ -27,7 +27,7 @@ export function elementsOf(ops: Op[]): number[] {
 /** Whether the ids mean the same elements in both texts. */
 export function sameElements(ids: number[], before: TreeElement[], after: TreeElement[]): boolean {
   return ids.every((id) => {
-    for (let at = id; at >= 0; ) {
+    for (let at = id; at >= 0;) {
       const [a, b] = [before[at], after[at]];
       if (!a || !b || a.tag !== b.tag || a.name !== b.name || a.parent !== b.parent) return false;
       at = a.parent;
@@ -55,13 +55,15 @@ function treeOf(state: State, version: number): Promise<boolean> {
 /** Ids of the new elements, in the version that `state.tree` then has. Throws the reason of a failure. */
 export async function edit(link: Link, state: State, label: string, ops: Op[]): Promise<number[]> {
   const { version, elements } = state.tree.value;
-  const ask = (of: number) => link.request<{ version: number; created?: number[] }>("edit", { version: of, ops, label });
+  const ask = (of: number) =>
+    link.request<{ version: number; created?: number[] }>("edit", { version: of, ops, label });
   let answer;
   try {
     answer = await ask(version);
   } catch (error) {
     if (!(error instanceof RequestError) || error.failure.code !== "stale") throw error;
-    if (state.document.value && state.document.value.version > version) await treeOf(state, state.document.value.version);
+    if (state.document.value && state.document.value.version > version)
+      await treeOf(state, state.document.value.version);
     else await treeOf(state, version + 1);
     const now = state.tree.value;
     if (now.version === version) {

@@ -2,7 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { panelsIn, presets, readArea, sameOrder, without } from "./layouts";
 
-const known = (p: string) => ["view3d", "map", "tree", "properties", "code", "cameras", "figures", "compare", "console"].includes(p);
+const known = (p: string) =>
+  ["view3d", "map", "tree", "properties", "code", "cameras", "figures", "compare", "console"].includes(p);
 
 test("every preset is read back as it was written and names no panel twice", () => {
   for (const [name, area] of Object.entries(presets)) {
@@ -53,7 +54,10 @@ test("a split with one area left is that area; endless nesting is cut", () => {
 test("an arrangement without a panel is the rest after closing it", () => {
   const edit = presets.Edit!;
   const left = without(edit, "code")!;
-  assert.deepEqual(panelsIn(left), panelsIn(edit).filter((p) => p !== "code"));
+  assert.deepEqual(
+    panelsIn(left),
+    panelsIn(edit).filter((p) => p !== "code"),
+  );
   assert.ok(sameOrder(left, without(edit, "code")));
   assert.ok(!sameOrder(left, edit));
   assert.ok(!sameOrder(left, without(edit, "map")));

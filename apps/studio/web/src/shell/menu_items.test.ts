@@ -2,7 +2,16 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { itemsOf, menuOf } from "./menu_items";
 
-const all = ["edit:undo", "edit:more", "insert:box", "figures:new", "tools:grid", "figures:old", "overlay:rays", "edit:save"];
+const all = [
+  "edit:undo",
+  "edit:more",
+  "insert:box",
+  "figures:new",
+  "tools:grid",
+  "figures:old",
+  "overlay:rays",
+  "edit:save",
+];
 
 test("known commands come first, then the others of the kind", () => {
   assert.deepEqual(itemsOf("edit", ["edit:undo", "edit:redo", null], all), ["edit:undo", null, "edit:more"]);

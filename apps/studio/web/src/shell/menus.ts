@@ -23,11 +23,13 @@ export function makeMenus(commands: CommandRegistry): MenuBar {
   bar.addClass("cg-menu-bar");
   // a bundled run can only be viewed
   const readOnly = document.documentElement.dataset.kind === "bundle";
-  const menus = kMenus.filter(([, kind]) => !readOnly || kind !== "insert").map(([title, kind, first]) => {
-    const menu = makeMenu(commands, title);
-    bar.addMenu(menu);
-    return { menu, kind, first };
-  });
+  const menus = kMenus
+    .filter(([, kind]) => !readOnly || kind !== "insert")
+    .map(([title, kind, first]) => {
+      const menu = makeMenu(commands, title);
+      bar.addMenu(menu);
+      return { menu, kind, first };
+    });
   const fill = () => {
     const all = commands.listCommands().filter((id) => commands.isVisible(id) && commands.label(id) !== "");
     for (const { menu, kind, first } of menus) {

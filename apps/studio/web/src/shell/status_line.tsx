@@ -22,7 +22,10 @@ export function provenanceRows(p: Provenance): [string, string][] {
     ["solver", p.solver],
     ["formulation", p.formulation],
     ["integrator", p.integrator],
-    ...Object.entries(p.stages).map(([stage, { by, name }]): [string, string] => [stage.replace("-", " "), `${kBy[by] ?? by}: ${name}`]),
+    ...Object.entries(p.stages).map(([stage, { by, name }]): [string, string] => [
+      stage.replace("-", " "),
+      `${kBy[by] ?? by}: ${name}`,
+    ]),
     ["options", options.length > 0 ? options.join(" ") : "none"],
     ["CogRSim", p.cogrsim_version],
   ];
@@ -42,7 +45,12 @@ function showProvenance(studio: Studio): void {
     row.append(head);
     row.insertCell().textContent = value;
   }
-  void studio.dialog({ title: "Provenance of this run", fields: [], preview: () => Promise.resolve(table), accept: "Close" });
+  void studio.dialog({
+    title: "Provenance of this run",
+    fields: [],
+    preview: () => Promise.resolve(table),
+    accept: "Close",
+  });
 }
 
 export function showStatusLine(studio: Studio, node: HTMLElement): void {
@@ -66,7 +74,11 @@ export function showStatusLine(studio: Studio, node: HTMLElement): void {
         {wrong > 0 && (
           <button class="cg-status-wrong" data-testid="problem-count" onClick={() => studio.openPanel("console")}>
             {wrong === 1 ? "1 problem" : `${wrong} problems`}
-            {document && !document.good ? (state.scene.value ? ": the last good scene keeps running" : ": there is nothing to run yet") : ""}
+            {document && !document.good
+              ? state.scene.value
+                ? ": the last good scene keeps running"
+                : ": there is nothing to run yet"
+              : ""}
           </button>
         )}
         <span class="cg-status-grow" data-testid="selected">
@@ -74,7 +86,9 @@ export function showStatusLine(studio: Studio, node: HTMLElement): void {
           {state.selection.value.length > 1 ? ` and ${state.selection.value.length - 1} more` : ""}
           {body ? `  ·  ${body.name}` : ""}
         </span>
-        {hello?.role === "viewer" && hello.kind !== "bundle" && <span data-testid="role">Viewer: only the operator can change things</span>}
+        {hello?.role === "viewer" && hello.kind !== "bundle" && (
+          <span data-testid="role">Viewer: only the operator can change things</span>
+        )}
         {status && status.viewers > 1 && <span>{status.viewers} pages</span>}
         {status?.state_hash && (
           <span

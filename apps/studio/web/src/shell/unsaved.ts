@@ -52,7 +52,9 @@ export class UnsavedBar {
   /** The button for a download while there is no studio; null: the page has no unsaved changes. */
   downloadButton(): HTMLElement | null {
     const lost = this.lost.value;
-    return lost && this.button("Download my text", () => download(new Blob([lost.text], { type: "text/xml" }), lost.file));
+    return (
+      lost && this.button("Download my text", () => download(new Blob([lost.text], { type: "text/xml" }), lost.file))
+    );
   }
 
   private show(): void {
@@ -63,7 +65,8 @@ export class UnsavedBar {
     if (state.mayEdit.value && unsaved) {
       const { offer } = unsaved;
       if (offer) {
-        const more = offer.more > 0 ? ` There ${offer.more === 1 ? "is one" : `are ${offer.more}`} more from before.` : "";
+        const more =
+          offer.more > 0 ? ` There ${offer.more === 1 ? "is one" : `are ${offer.more}`} more from before.` : "";
         const changed = offer.changed ? " The file has been changed since." : "";
         rows.push(
           this.row(
@@ -86,7 +89,11 @@ export class UnsavedBar {
         );
       }
       if (unsaved.not_kept) {
-        rows.push(this.row(`Unsaved changes would be lost with the studio, because they cannot be kept beside the scene: ${unsaved.not_kept}`));
+        rows.push(
+          this.row(
+            `Unsaved changes would be lost with the studio, because they cannot be kept beside the scene: ${unsaved.not_kept}`,
+          ),
+        );
       }
     }
     this.node.hidden = rows.length === 0;

@@ -52,7 +52,8 @@ export class Windows implements Others {
       const changed = difference(this.known, now);
       this.known = now;
       // the main window sends its state to a new one first
-      if (Object.keys(changed).length > 0 && (this.main === null || this.greeted)) this.send({ cogrsim: "state", changed });
+      if (Object.keys(changed).length > 0 && (this.main === null || this.greeted))
+        this.send({ cogrsim: "state", changed });
     });
     if (!main) setInterval(() => this.findClosed(), 500);
   }

@@ -60,7 +60,11 @@ export function timeText(time: number, step: number): string {
 
 /** Things at `times`, which never fall, gathered so that no two groups are closer than `spacing` of the width: indices of the first
  *  and one past the last. Those outside the span are left out. */
-export function groups(times: readonly number[], span: Span, spacing: number): { first: number; end: number; part: number }[] {
+export function groups(
+  times: readonly number[],
+  span: Span,
+  spacing: number,
+): { first: number; end: number; part: number }[] {
   const all: { first: number; end: number; part: number }[] = [];
   times.forEach((time, i) => {
     const part = share(span, time);

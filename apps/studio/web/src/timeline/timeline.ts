@@ -167,7 +167,8 @@ export class Timeline {
       text: eventText(event),
       kind: event.kind,
     }));
-    if (typeof divergence === "number") marks.push({ time: divergence, text: "the two runs diverge here", kind: "divergence" });
+    if (typeof divergence === "number")
+      marks.push({ time: divergence, text: "the two runs diverge here", kind: "divergence" });
     marks.sort((a, b) => a.time - b.time);
     const none = marks.length === 0;
     this.previous.setAttribute("aria-disabled", String(none));
@@ -209,7 +210,10 @@ export class Timeline {
     this.track.setAttribute("aria-valuemin", String(status.value?.first ?? 0));
     this.track.setAttribute("aria-valuemax", String(last));
     this.track.setAttribute("aria-valuenow", String(time));
-    this.track.setAttribute("aria-valuetext", `${text} of ${last.toFixed(3)} s${live.value && !recorded ? ", live" : ""}`);
+    this.track.setAttribute(
+      "aria-valuetext",
+      `${text} of ${last.toFixed(3)} s${live.value && !recorded ? ", live" : ""}`,
+    );
     this.live.hidden = recorded;
     this.live.setAttribute("aria-pressed", String(live.value));
     this.live.title = live.value ? "The page follows the run" : "Follow the run again";

@@ -107,19 +107,26 @@ async function assemble(studio: Studio): Promise<void> {
 
 async function group(studio: Studio): Promise<void> {
   const ids = chosen(studio);
-  const text = "An assembly that is not rigid: a robot with its joints, motors, sensors and its controller. Nothing moves.";
+  const text =
+    "An assembly that is not rigid: a robot with its joints, motors, sensors and its controller. Nothing moves.";
   await groupElements(studio, ids, "Group into an assembly", text, "group");
 }
 
 /** Asks for a name and groups; the id of the assembly, which is then selected, or null. */
 export async function groupElements(
-  studio: Studio, ids: number[], title: string, text: string, name: string,
+  studio: Studio,
+  ids: number[],
+  title: string,
+  text: string,
+  name: string,
 ): Promise<number | null> {
   const fields = [{ name: "name", label: "Name", value: name }];
   const answer = await studio.dialog({ title, text, fields, accept: "Group" });
   if (!answer) return null;
   const given = (answer.name ?? "").trim() || name;
-  const made = await studio.edit(`group ${named(studio, ids)} into ${given}`, [{ op: "group", elements: ids, name: given }]);
+  const made = await studio.edit(`group ${named(studio, ids)} into ${given}`, [
+    { op: "group", elements: ids, name: given },
+  ]);
   if (!made || made.length === 0) return null;
   studio.select(made.slice(0, 1));
   return made[0]!;
@@ -129,7 +136,10 @@ async function disassemble(studio: Studio): Promise<void> {
   const { elements } = studio.state.tree.value;
   const ids = chosen(studio).filter((id) => ["assembly", "body"].includes(elements[id]!.tag));
   if (ids.length === 0) return;
-  const made = await studio.edit(`disassemble ${named(studio, ids)}`, ids.map((element) => ({ op: "disassemble", element })));
+  const made = await studio.edit(
+    `disassemble ${named(studio, ids)}`,
+    ids.map((element) => ({ op: "disassemble", element })),
+  );
   if (made) studio.select(made);
 }
 
@@ -149,37 +159,71 @@ export function registerEditCommands(studio: Studio): void {
   const may = () => state.mayEdit.value;
   const some = () => may() && chosen(studio).length > 0;
   const add = (
-    id: string, label: string | (() => string), execute: (args: Record<string, unknown>) => unknown,
-    isEnabled: () => boolean = may, caption = "",
+    id: string,
+    label: string | (() => string),
+    execute: (args: Record<string, unknown>) => unknown,
+    isEnabled: () => boolean = may,
+    caption = "",
   ) => commands.addCommand(id, { label, caption, isEnabled, execute: (args) => execute(args) as undefined });
 
-  add("edit:undo", () => (state.document.value?.undo ? `Undo ${state.document.value.undo}` : "Undo"),
-    () => ask(studio, "undo"), () => may() && state.document.value?.undo !== null);
-  add("edit:redo", () => (state.document.value?.redo ? `Redo ${state.document.value.redo}` : "Redo"),
-    () => ask(studio, "redo"), () => may() && state.document.value?.redo !== null);
+  add(
+    "edit:undo",
+    () => (state.document.value?.undo ? `Undo ${state.document.value.undo}` : "Undo"),
+    () => ask(studio, "undo"),
+    () => may() && state.document.value?.undo !== null,
+  );
+  add(
+    "edit:redo",
+    () => (state.document.value?.redo ? `Redo ${state.document.value.redo}` : "Redo"),
+    () => ask(studio, "redo"),
+    () => may() && state.document.value?.redo !== null,
+  );
   add("edit:save", "Save", () => ask(studio, "save", (answer) => studio.notify(`saved ${String(answer.file ?? "")}`)));
   add("edit:delete", "Delete", () => remove(studio), some, "With all inside and what refers to it");
   add("edit:duplicate", "Duplicate", () => duplicate(studio), some);
-  add("edit:copy", "Copy", () => copyElements(studio, chosen(studio)), () => chosen(studio).length > 0);
+  add(
+    "edit:copy",
+    "Copy",
+    () => copyElements(studio, chosen(studio)),
+    () => chosen(studio).length > 0,
+  );
   add("edit:cut", "Cut", () => (copyElements(studio, chosen(studio)) ? remove(studio) : undefined), some);
   add("edit:paste", "Paste", () => paste(studio));
   add("edit:rename", "Rename", () => startRenaming(studio, chosen(studio)[chosen(studio).length - 1]!), some);
-  add("edit:assemble", "Assemble…", () => assemble(studio),
+  add(
+    "edit:assemble",
+    "Assemble…",
+    () => assemble(studio),
     () => may() && chosen(studio).filter((id) => kParts.includes(state.element(id)?.tag ?? "")).length >= 2,
-    "Several bodies into one rigid body");
+    "Several bodies into one rigid body",
+  );
   add("edit:group", "Group…", () => group(studio), some, "Into an assembly whose parts move by themselves");
-  add("edit:disassemble", "Disassemble", () => disassemble(studio),
+  add(
+    "edit:disassemble",
+    "Disassemble",
+    () => disassemble(studio),
     () => may() && chosen(studio).some((id) => ["assembly", "body"].includes(state.element(id)?.tag ?? "")),
-    "Replaces it by its parts, at their poses");
-  add("edit:select-all", "Select all", () => {
-    const { elements } = state.tree.value;
-    studio.select(elements.filter((e) => e.parent === 0).map((e) => e.id));
-  }, () => state.tree.value.elements.length > 0);
-  add("tree:show-line", "Go to the line", (args) => {
-    const id = (args.element as number | undefined) ?? state.selection.value[state.selection.value.length - 1] ?? -1;
-    const element = state.element(id);
-    if (element) studio.goTo(state.document.value?.file ?? "", element.line, element.column);
-  }, () => state.selection.value.length > 0);
+    "Replaces it by its parts, at their poses",
+  );
+  add(
+    "edit:select-all",
+    "Select all",
+    () => {
+      const { elements } = state.tree.value;
+      studio.select(elements.filter((e) => e.parent === 0).map((e) => e.id));
+    },
+    () => state.tree.value.elements.length > 0,
+  );
+  add(
+    "tree:show-line",
+    "Go to the line",
+    (args) => {
+      const id = (args.element as number | undefined) ?? state.selection.value[state.selection.value.length - 1] ?? -1;
+      const element = state.element(id);
+      if (element) studio.goTo(state.document.value?.file ?? "", element.line, element.column);
+    },
+    () => state.selection.value.length > 0,
+  );
   commands.addCommand("tree:draw", {
     label: (args) => `Draw ${String(args.label ?? "")}`,
     execute: (args) => studio.drawSignal(String(args.signal)),

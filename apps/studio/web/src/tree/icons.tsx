@@ -21,7 +21,8 @@ const kPaths: Record<string, string> = {
   controller: "M4 4h8v8H4ZM6 1v3M10 1v3M6 12v3M10 12v3M1 6h3M1 10h3M12 6h3M12 10h3",
   light: "M5.500 11a4 4 0 1 1 5 0v1.500h-5ZM6.500 15h3",
   view: "M1 8c3.500-6 10.500-6 14 0-3.500 6-10.500 6-14 0ZM10 8a2 2 0 1 1-4 0 2 2 0 0 1 4 0Z",
-  material: "M8 2c7 0 7 8 3 7.500-2-.3-2 1-1.300 2.500C10.500 14 3 15 2 8.500 1.500 4.500 5 2 8 2ZM5 7h.1M8 5h.1M11 6h.1",
+  material:
+    "M8 2c7 0 7 8 3 7.500-2-.3-2 1-1.300 2.500C10.500 14 3 15 2 8.500 1.500 4.500 5 2 8 2ZM5 7h.1M8 5h.1M11 6h.1",
   physics: "M8 7.900h.1M14.500 8c0 4-13 4-13 0s13-4 13 0ZM8 1.500c4 0 4 13 0 13s-4-13 0-13Z",
   reuse: "M2 2h8v8H2ZM6 12v2h8V6h-2",
   flow: "M3 8a5 5 0 0 1 9-3M13 8a5 5 0 0 1-9 3M12 1.500V5H8.500M4 14.500V11h3.500",
@@ -35,11 +36,38 @@ const kPaths: Record<string, string> = {
 };
 
 const kKinds: Record<string, string> = {
-  hinge: "joint", ball: "joint", universal: "joint", fixed: "joint", cylindrical: "joint", planar: "slider",
-  screw: "joint", free: "joint", servo: "motor", encoder: "sensor", pose: "sensor", imu: "sensor", infrared: "sensor",
-  lidar: "sensor", "force-torque": "sensor", contact: "sensor", supervisor: "controller", set: "controller",
-  param: "reuse", import: "reuse", prototype: "reuse", instance: "reuse", template: "reuse", export: "reuse",
-  repeat: "flow", for: "flow", if: "flow", on: "event", door: "maze", scatter: "maze", record: "plot", measure: "test",
+  hinge: "joint",
+  ball: "joint",
+  universal: "joint",
+  fixed: "joint",
+  cylindrical: "joint",
+  planar: "slider",
+  screw: "joint",
+  free: "joint",
+  servo: "motor",
+  encoder: "sensor",
+  pose: "sensor",
+  imu: "sensor",
+  infrared: "sensor",
+  lidar: "sensor",
+  "force-torque": "sensor",
+  contact: "sensor",
+  supervisor: "controller",
+  set: "controller",
+  param: "reuse",
+  import: "reuse",
+  prototype: "reuse",
+  instance: "reuse",
+  template: "reuse",
+  export: "reuse",
+  repeat: "flow",
+  for: "flow",
+  if: "flow",
+  on: "event",
+  door: "maze",
+  scatter: "maze",
+  record: "plot",
+  measure: "test",
   collide: "material",
 };
 
@@ -47,7 +75,14 @@ export function Icon({ tag }: { tag: string }): JSX.Element {
   const path = kPaths[tag] ?? kPaths[kKinds[tag] ?? "other"] ?? kPaths.other!;
   return (
     <svg class="cg-icon" viewBox="0 0 16 16" width="16" height="16" aria-hidden="true" focusable="false">
-      <path d={path} fill="none" stroke="currentColor" stroke-width="1.2" stroke-linejoin="round" stroke-linecap="round" />
+      <path
+        d={path}
+        fill="none"
+        stroke="currentColor"
+        stroke-width="1.2"
+        stroke-linejoin="round"
+        stroke-linecap="round"
+      />
     </svg>
   );
 }

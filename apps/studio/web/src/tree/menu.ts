@@ -40,7 +40,8 @@ export function openMenu(studio: Studio, row: Row, x: number, y: number): void {
     if (state.mayEdit.value) {
       const insert = insertMenu(studio);
       if (insert.items.length > 0) menu.addItem({ type: "submenu", submenu: insert });
-      for (const name of ["rename", "duplicate", "copy", "cut", "paste", "delete"]) menu.addItem({ command: `edit:${name}` });
+      for (const name of ["rename", "duplicate", "copy", "cut", "paste", "delete"])
+        menu.addItem({ command: `edit:${name}` });
       menu.addItem({ type: "separator" });
       menu.addItem({ command: "edit:assemble" });
       menu.addItem({ command: "edit:group" });
@@ -50,7 +51,9 @@ export function openMenu(studio: Studio, row: Row, x: number, y: number): void {
     if (commands.hasCommand("view:focus")) menu.addItem({ command: "view:focus" });
     menu.addItem({ command: "tree:show-line", args: { element: row.id } });
   }
-  const signals = row.signal ? [row.signal] : (studio.services.get(TreeState).signals.value.get(element?.path || "-") ?? []);
+  const signals = row.signal
+    ? [row.signal]
+    : (studio.services.get(TreeState).signals.value.get(element?.path || "-") ?? []);
   if (signals.length > 0) {
     if (menu.items.length > 0) menu.addItem({ type: "separator" });
     const draw = signals.length > 4 ? new Menu({ commands }) : menu;
@@ -58,7 +61,8 @@ export function openMenu(studio: Studio, row: Row, x: number, y: number): void {
       draw.title.label = "Draw";
       menu.addItem({ type: "submenu", submenu: draw });
     }
-    for (const info of signals) draw.addItem({ command: "tree:draw", args: { signal: info.name, label: signalLabel(info) } });
+    for (const info of signals)
+      draw.addItem({ command: "tree:draw", args: { signal: info.name, label: signalLabel(info) } });
     if (!row.signal) menu.addItem({ command: "tree:show-signals", args: { element: row.id } });
   }
   open(menu, x, y);

@@ -57,7 +57,10 @@ export interface RowOptions {
 
 /** Rows from top to bottom. A search keeps what is found, what is around it and nothing else, and opens everything. */
 export function treeRows(elements: readonly TreeElement[], options: RowOptions): Row[] {
-  const words = options.search.toLowerCase().split(/\s+/).filter((w) => w !== "");
+  const words = options.search
+    .toLowerCase()
+    .split(/\s+/)
+    .filter((w) => w !== "");
   const searching = words.length > 0;
   const children = childrenLists(elements);
   const found = elements.map((e) => searching && matches(e, words));
@@ -88,7 +91,11 @@ export function treeRows(elements: readonly TreeElement[], options: RowOptions):
 
 /** The rows to draw: those in sight and some around. */
 export function visibleRows(
-  count: number, rowHeight: number, scrolled: number, height: number, spare = 8,
+  count: number,
+  rowHeight: number,
+  scrolled: number,
+  height: number,
+  spare = 8,
 ): { first: number; last: number } {
   const first = Math.max(0, Math.floor(scrolled / rowHeight) - spare);
   const last = Math.min(count, Math.ceil((scrolled + height) / rowHeight) + spare);

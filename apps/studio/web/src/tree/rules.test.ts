@@ -4,7 +4,15 @@ import type { TreeElement } from "../core/protocol";
 import { pastePosition } from "./rules";
 
 const element = (id: number, parent: number, tag: string, name = ""): TreeElement => ({
-  id, parent, tag, name, path: name, line: 1, column: 1, end_line: 1, attributes: {},
+  id,
+  parent,
+  tag,
+  name,
+  path: name,
+  line: 1,
+  column: 1,
+  end_line: 1,
+  attributes: {},
 });
 const elements = [
   element(0, -1, "scene"),

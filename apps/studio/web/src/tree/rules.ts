@@ -32,9 +32,13 @@ const kGroups = ["scene", "assembly", "prototype", "template", "body"];
 /** Where something is pasted while `main` is selected: into it if it is a group, else beside it. Beside it, too, if it is one of
  *  `copies`: what was copied, and what has been pasted of it. What does not `take` it is left for what is around it. */
 export function pastePosition(
-  elements: readonly TreeElement[], main: number, takes: (parent: number) => boolean, copies: ReadonlySet<number>,
+  elements: readonly TreeElement[],
+  main: number,
+  takes: (parent: number) => boolean,
+  copies: ReadonlySet<number>,
 ): DropTarget {
-  if (kGroups.includes(elements[main]?.tag ?? "") && takes(main) && !(copies.has(main) && main > 0)) return { parent: main, before: null };
+  if (kGroups.includes(elements[main]?.tag ?? "") && takes(main) && !(copies.has(main) && main > 0))
+    return { parent: main, before: null };
   let beside = main;
   while (beside > 0 && !takes(elements[beside]!.parent)) beside = elements[beside]!.parent;
   return dropTarget(elements, beside, "after") ?? { parent: 0, before: null };
@@ -42,7 +46,10 @@ export function pastePosition(
 
 /** Why the elements may not go there; "": they may. */
 export function refuseDrop(
-  schema: Schema, elements: readonly TreeElement[], dragged: readonly number[], target: DropTarget,
+  schema: Schema,
+  elements: readonly TreeElement[],
+  dragged: readonly number[],
+  target: DropTarget,
 ): string {
   const moved = topMost(elements, dragged);
   if (moved.length === 0) return "the scene itself stays where it is";

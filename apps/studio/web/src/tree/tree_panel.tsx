@@ -63,7 +63,10 @@ export function TreePanel({ studio }: { studio: Studio }): JSX.Element {
           onKeyDown={(event) => {
             if (event.key === "Escape") model.search.value = "";
             else if (event.key === "Enter") {
-              const ids = model.rows.peek().filter((r) => r.found && !r.signal).map((r) => r.id);
+              const ids = model.rows
+                .peek()
+                .filter((r) => r.found && !r.signal)
+                .map((r) => r.id);
               if (ids.length > 0) studio.select([ids[0]!]);
             } else if (event.key === "ArrowDown") {
               event.currentTarget.closest(".cg-tree-all")?.querySelector<HTMLElement>('[role="tree"]')?.focus();
@@ -71,7 +74,9 @@ export function TreePanel({ studio }: { studio: Studio }): JSX.Element {
             event.stopPropagation();
           }}
         />
-        <span class="cg-muted" role="status">{model.search.value === "" ? "" : `${found} found`}</span>
+        <span class="cg-muted" role="status">
+          {model.search.value === "" ? "" : `${found} found`}
+        </span>
       </div>
       {count === 0 ? <p class="cg-muted cg-tree-empty">Nothing was read from the file.</p> : <TreeView model={model} />}
     </div>

@@ -37,10 +37,13 @@ export class TreeState {
   }
 
   private loadSchema(): void {
-    this.studio.services.get(SchemaLoader).load().then(
-      (loaded) => (this.schema.value = loaded),
-      (error: Error) => this.studio.notify(`the vocabulary cannot be read: ${error.message}`, "error"),
-    );
+    this.studio.services
+      .get(SchemaLoader)
+      .load()
+      .then(
+        (loaded) => (this.schema.value = loaded),
+        (error: Error) => this.studio.notify(`the vocabulary cannot be read: ${error.message}`, "error"),
+      );
   }
 
   private listSignals(): void {

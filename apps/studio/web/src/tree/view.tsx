@@ -54,7 +54,8 @@ export class TreeModel {
   reveal(id: number): void {
     const { elements } = this.studio.state.tree.peek();
     const closed = new Set(this.closed.peek());
-    for (let at = elements[id]?.parent ?? -1; at >= 0; at = elements[at]?.parent ?? -1) closed.delete(this.keys.peek()[at]!);
+    for (let at = elements[id]?.parent ?? -1; at >= 0; at = elements[at]?.parent ?? -1)
+      closed.delete(this.keys.peek()[at]!);
     if (closed.size !== this.closed.peek().size) this.closed.value = closed;
   }
 }
@@ -116,7 +117,10 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
   const selected = useMemo(() => new Set(selection), [selection]);
   const hoveredBody = state.hovered.value;
   const hovered = hoveredBody < 0 ? -1 : (state.scene.value?.bodies[hoveredBody]?.element ?? -1);
-  const active = Math.max(0, rows.findIndex((row) => rowKey(row) === model.active.value));
+  const active = Math.max(
+    0,
+    rows.findIndex((row) => rowKey(row) === model.active.value),
+  );
   const renaming = shared.renaming.value;
   const byOwner = shared.signals.value;
   const mayEdit = state.mayEdit.value;
@@ -132,7 +136,8 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
     if (!view || index < 0) return;
     const top = index * kRowHeight;
     if (top < view.scrollTop) view.scrollTop = top;
-    else if (top + kRowHeight > view.scrollTop + view.clientHeight) view.scrollTop = top + kRowHeight - view.clientHeight;
+    else if (top + kRowHeight > view.scrollTop + view.clientHeight)
+      view.scrollTop = top + kRowHeight - view.clientHeight;
   };
 
   // What is selected elsewhere comes into sight.
@@ -190,12 +195,24 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
     };
     const page = Math.max(1, Math.floor(height / kRowHeight) - 1);
     switch (event.key) {
-      case "ArrowDown": go(active + 1); break;
-      case "ArrowUp": go(active - 1); break;
-      case "Home": go(0); break;
-      case "End": go(rows.length - 1); break;
-      case "PageDown": go(active + page); break;
-      case "PageUp": go(active - page); break;
+      case "ArrowDown":
+        go(active + 1);
+        break;
+      case "ArrowUp":
+        go(active - 1);
+        break;
+      case "Home":
+        go(0);
+        break;
+      case "End":
+        go(rows.length - 1);
+        break;
+      case "PageDown":
+        go(active + page);
+        break;
+      case "PageUp":
+        go(active - page);
+        break;
       case "ArrowRight":
         if (row.expanded === false) model.toggle(row.id, true);
         else if (row.expanded) go(active + 1);
@@ -210,8 +227,12 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
         if (index >= 0) go(index);
         break;
       }
-      case "Enter": activate(row); break;
-      case "F2": if (mayEdit) void studio.commands.execute("edit:rename"); break;
+      case "Enter":
+        activate(row);
+        break;
+      case "F2":
+        if (mayEdit) void studio.commands.execute("edit:rename");
+        break;
       case " ":
         if (!event.ctrlKey) return;
         selectRow(active, { ctrlKey: true, metaKey: false, shiftKey: false });
@@ -228,7 +249,9 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
         if (event.timeStamp - typed.time > kTypeAheadRest) typed.text = "";
         typed.time = event.timeStamp;
         typed.text += event.key;
-        const labels = rows.map((r) => (r.signal ? signalLabel(r.signal) : labelOf(elements[r.id]!) || elements[r.id]!.tag));
+        const labels = rows.map((r) =>
+          r.signal ? signalLabel(r.signal) : labelOf(elements[r.id]!) || elements[r.id]!.tag,
+        );
         const to = typeAhead(labels, typed.text.length > 1 ? active : active + 1, typed.text);
         if (to >= 0) go(to);
       }
@@ -329,7 +352,8 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
               }}
               onContextMenu={(event) => {
                 event.preventDefault();
-                if (!row.signal && !selected.has(row.id)) selectRow(index, { ctrlKey: false, metaKey: false, shiftKey: false });
+                if (!row.signal && !selected.has(row.id))
+                  selectRow(index, { ctrlKey: false, metaKey: false, shiftKey: false });
                 openMenu(studio, row, event.clientX, event.clientY);
               }}
               onPointerEnter={() => (state.hovered.value = row.id > 0 ? (state.bodiesOf(row.id)[0] ?? -1) : -1)}
@@ -351,8 +375,10 @@ export function TreeView({ model }: { model: TreeModel }): JSX.Element {
                 if (!found) return;
                 event.preventDefault();
                 const ops = dropOps(elements, modelDrag, found.target);
-                const what = modelDrag.length === 1 ? labelOf(elements[modelDrag[0]!]!) : `${modelDrag.length} elements`;
-                if (ops.length > 0) void studio.edit(`move ${what}`, ops).then((made) => made?.length && studio.select(made));
+                const what =
+                  modelDrag.length === 1 ? labelOf(elements[modelDrag[0]!]!) : `${modelDrag.length} elements`;
+                if (ops.length > 0)
+                  void studio.edit(`move ${what}`, ops).then((made) => made?.length && studio.select(made));
               }}
             >
               {row.expanded === null ? (

@@ -1,5 +1,15 @@
 // Sky and grid: the background, in both themes.
-import { BackSide, Color, DoubleSide, Group, Mesh, PlaneGeometry, ShaderMaterial, SphereGeometry, Vector3 } from "three";
+import {
+  BackSide,
+  Color,
+  DoubleSide,
+  Group,
+  Mesh,
+  PlaneGeometry,
+  ShaderMaterial,
+  SphereGeometry,
+  Vector3,
+} from "three";
 import type { PerspectiveCamera } from "three";
 
 // The light sky is that of the pictures of the command line.

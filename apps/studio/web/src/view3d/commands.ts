@@ -115,7 +115,8 @@ export function registerCommands(studio: Studio): void {
     void state.followed.value;
     void state.selection.value;
     void state.mayEdit.value;
-    for (const depends of [handleMode, handlesLocal, handlesSnap, marked, ...Object.values(overlays)]) void depends.value;
+    for (const depends of [handleMode, handlesLocal, handlesSnap, marked, ...Object.values(overlays)])
+      void depends.value;
     for (const id of commands.listCommands()) {
       if (/^(view:follow|overlay:|handles:)/.test(id)) commands.notifyCommandChanged(id);
     }

@@ -54,7 +54,13 @@ export class Highlight {
 
   constructor() {
     const material = (color: number) =>
-      new MeshBasicMaterial({ color, blending: AdditiveBlending, depthTest: false, depthWrite: false, side: DoubleSide });
+      new MeshBasicMaterial({
+        color,
+        blending: AdditiveBlending,
+        depthTest: false,
+        depthWrite: false,
+        side: DoubleSide,
+      });
     this.materials = { selected: material(0xff0000), hovered: material(0x00ff00) };
     this.quad = new Mesh(
       new PlaneGeometry(2, 2),

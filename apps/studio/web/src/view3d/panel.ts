@@ -90,7 +90,8 @@ class View3dWidget extends Widget {
     this.view = new View3d(this.studio, {
       host: this.host,
       note: (matter, text) => this.note(matter, text),
-      contextMenu: (event) => openContextMenu(this.studio, event.clientX, event.clientY, ["view:focus", "view:follow", "view:fit"]),
+      contextMenu: (event) =>
+        openContextMenu(this.studio, event.clientX, event.clientY, ["view:focus", "view:follow", "view:fit"]),
     });
     const sizes = new ResizeObserver(() => this.view?.setSize(this.host.clientWidth, this.host.clientHeight));
     sizes.observe(this.host);

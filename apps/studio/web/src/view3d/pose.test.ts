@@ -52,7 +52,13 @@ test("matrices of instances are the body's pose times the shape's scaled pose", 
   const local = scaledMatrix(poseB, [2, 3, 0.5]);
   const out = new Float32Array(32);
   writeMatrix(out, 16, [0, 0, 0, 0, 0, 0, 0, ...poseA], 7, local);
-  for (const p of [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, -1, 2]]) {
+  for (const p of [
+    [0, 0, 0],
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [1, -1, 2],
+  ]) {
     const [x, y, z] = p as [number, number, number];
     const byMatrix = [0, 1, 2].map((i) => out[16 + i]! * x + out[20 + i]! * y + out[24 + i]! * z + out[28 + i]!);
     near(byMatrix, transform(poseA, transform(poseB, [2 * x, 3 * y, 0.5 * z])), kFloat);

@@ -9,15 +9,7 @@ export type Rotation = [number, number, number, number, number, number, number, 
 /** Pose number `i` of those of a frame. */
 export function poseAt(poses: ArrayLike<number>, i: number): Pose {
   const at = 7 * i;
-  return [
-    poses[at]!,
-    poses[at + 1]!,
-    poses[at + 2]!,
-    poses[at + 3]!,
-    poses[at + 4]!,
-    poses[at + 5]!,
-    poses[at + 6]!,
-  ];
+  return [poses[at]!, poses[at + 1]!, poses[at + 2]!, poses[at + 3]!, poses[at + 4]!, poses[at + 5]!, poses[at + 6]!];
 }
 
 export function isFinite(pose: ArrayLike<number>): boolean {

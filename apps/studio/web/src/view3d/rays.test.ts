@@ -5,7 +5,17 @@ import { rayEnds } from "./rays";
 
 const scene = {
   sensors: [
-    { name: "lidar", type: "lidar", body: 0, pose: [0, 0, 1, 1, 0, 0, 0], element: 0, rays: [[0, 0, 0, 1, 0, 0, 5], [0, 0, 0, 0, 1, 0, 5]] },
+    {
+      name: "lidar",
+      type: "lidar",
+      body: 0,
+      pose: [0, 0, 1, 1, 0, 0, 0],
+      element: 0,
+      rays: [
+        [0, 0, 0, 1, 0, 0, 5],
+        [0, 0, 0, 0, 1, 0, 5],
+      ],
+    },
     { name: "imu", type: "imu", body: 0, pose: [0, 0, 0, 1, 0, 0, 0], element: 1, rays: [] },
     {
       name: "cone",
@@ -13,7 +23,10 @@ const scene = {
       body: -1,
       pose: [1, 0, 0, 1, 0, 0, 0],
       element: 2,
-      rays: [[0, 0, 0, 0.96, 0.28, 0, 2], [0, 0, 0, 0.96, -0.28, 0, 2]],
+      rays: [
+        [0, 0, 0, 0.96, 0.28, 0, 2],
+        [0, 0, 0, 0.96, -0.28, 0, 2],
+      ],
     },
   ],
 } as unknown as Scene;
@@ -35,7 +48,10 @@ test("rays end where readings say, in the world", () => {
 
 test("a reading of the full range is a miss, one below zero ends at the sensor", () => {
   const rays = rayEnds(scene, frame([{ sensor: 0, values: [5, -0.1] }]));
-  assert.deepEqual(rays.map((r) => r.hit), [false, true]);
+  assert.deepEqual(
+    rays.map((r) => r.hit),
+    [false, true],
+  );
   near(rays[1]!.to, rays[1]!.from);
 });
 
@@ -46,11 +62,30 @@ test("a cone has one distance, drawn along its middle", () => {
 });
 
 test("sensors that measure no distance, and removed ones, have no rays", () => {
-  assert.deepEqual(rayEnds(scene, frame([{ sensor: 1, values: [1] }, { sensor: 9, values: [1] }, { sensor: 0, values: [] }])), []);
+  assert.deepEqual(
+    rayEnds(
+      scene,
+      frame([
+        { sensor: 1, values: [1] },
+        { sensor: 9, values: [1] },
+        { sensor: 0, values: [] },
+      ]),
+    ),
+    [],
+  );
   assert.deepEqual(rayEnds(scene, { poses: new Float32Array(), tail: {} } as unknown as Frame), []);
 });
 
 test("where any ranging sensor asks to be seen, the others are not", () => {
   const some = { ...scene, sensors: scene.sensors.map((s, i) => ({ ...s, show: i === 2 })) } as Scene;
-  assert.equal(rayEnds(some, frame([{ sensor: 0, values: [1, 1] }, { sensor: 2, values: [0.5] }])).length, 1);
+  assert.equal(
+    rayEnds(
+      some,
+      frame([
+        { sensor: 0, values: [1, 1] },
+        { sensor: 2, values: [0.5] },
+      ]),
+    ).length,
+    1,
+  );
 });

@@ -71,7 +71,15 @@ export class Trails {
     this.revision = revision;
     this.until = until ?? -Infinity;
     this.all = paths.map(({ label, body, from, times, points, last }, i) => {
-      const trail = before[i] ?? { label, name: body, body: this.index(body), color: kColors[i % kColors.length]!, times: [], points: [], last };
+      const trail = before[i] ?? {
+        label,
+        name: body,
+        body: this.index(body),
+        color: kColors[i % kColors.length]!,
+        times: [],
+        points: [],
+        last,
+      };
       trail.times.length = from;
       trail.points.length = 3 * from;
       for (const time of times) trail.times.push(time);
@@ -104,11 +112,7 @@ export function dashes(points: ArrayLike<number>, count: number, dash: number): 
   for (let i = 1; i < count; i++) {
     const a = 3 * (i - 1);
     const b = 3 * i;
-    const d: Vec3 = [
-      points[b]! - points[a]!,
-      points[b + 1]! - points[a + 1]!,
-      points[b + 2]! - points[a + 2]!,
-    ];
+    const d: Vec3 = [points[b]! - points[a]!, points[b + 1]! - points[a + 1]!, points[b + 2]! - points[a + 2]!];
     const length = Math.hypot(...d);
     if (!(length > 0)) continue;
     const at = (s: number) => [

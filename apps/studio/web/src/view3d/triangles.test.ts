@@ -38,7 +38,8 @@ test("shapes are closed, turn outwards and hold what they should", () => {
   assert.ok(Math.abs(volume(round(0.5, 0, 48)) - ball) < 0.0043 * ball);
   const capsule = ball + Math.PI * 0.25 * 0.8;
   assert.ok(Math.abs(volume(round(0.5, 0.4, 48)) - capsule) < 0.0043 * capsule);
-  for (const t of [box([1, 2, 3]), cylinder(0.5, 1, 20), round(1, 0, 20), round(1, 0.5, 20), rectangle(2, 3)]) outward(t);
+  for (const t of [box([1, 2, 3]), cylinder(0.5, 1, 20), round(1, 0, 20), round(1, 0.5, 20), rectangle(2, 3)])
+    outward(t);
 });
 
 test("a heightmap's cells share the diagonal from their lowest corner and look up", () => {
@@ -49,7 +50,8 @@ test("a heightmap's cells share the diagonal from their lowest corner and look u
 });
 
 test("normals are smooth over gentle folds and sharp over steep ones", () => {
-  const roof = (h: number) => smooth([0, 0, 0, 1, 0, h, 1, 1, h, 0, 1, 0, 2, 0, 0, 2, 1, 0], [0, 1, 2, 0, 2, 3, 1, 4, 5, 1, 5, 2]);
+  const roof = (h: number) =>
+    smooth([0, 0, 0, 1, 0, h, 1, 1, h, 0, 1, 0, 2, 0, 0, 2, 1, 0], [0, 1, 2, 0, 2, 3, 1, 4, 5, 1, 5, 2]);
   // the ridge: second corner of the first triangle
   const gentle = roof(0.1).normals.slice(3, 6);
   assert.ok(Math.abs(gentle[0]!) < 0.06 && gentle[2]! > 0.99);
@@ -58,7 +60,16 @@ test("normals are smooth over gentle folds and sharp over steep ones", () => {
 });
 
 const shape = (type: string, size: number[], tile: [number, number] = [0, 0]) =>
-  ({ type, size, tile, pose: [0, 0, 0, 1, 0, 0, 0], mesh: 0, color: [1, 1, 1, 1], texture: "0", visual: true }) as unknown as SceneShape;
+  ({
+    type,
+    size,
+    tile,
+    pose: [0, 0, 0, 1, 0, 0, 0],
+    mesh: 0,
+    color: [1, 1, 1, 1],
+    texture: "0",
+    visual: true,
+  }) as unknown as SceneShape;
 const none = { meshes: [], heightmaps: [] } as unknown as Scene;
 
 test("textures lie as the SDK's table says", () => {

@@ -68,7 +68,11 @@ export class View3d {
     const { host } = stand;
     const { ownerDocument: document } = host;
     this.labels = new Labels(document);
-    const painter = glPainter(document, () => this.fallBack(), () => this.refresh());
+    const painter = glPainter(
+      document,
+      () => this.fallBack(),
+      () => this.refresh(),
+    );
     this.painter = painter ?? this.serverPictures();
     this.put(this.painter.element);
     // Events are taken from the box around the picture, which stays when the painter changes.
@@ -96,7 +100,10 @@ export class View3d {
 
   private serverPictures(): Painter {
     this.stand.host.dataset.pictures = "server";
-    this.stand.note("pictures", "There is no WebGL here: the server draws these pictures. Overlays and handles are not in them.");
+    this.stand.note(
+      "pictures",
+      "There is no WebGL here: the server draws these pictures. Overlays and handles are not in them.",
+    );
     return serverPainter(this.studio, this.stand.host.ownerDocument, (text) => this.stand.note("server", text));
   }
 
@@ -288,7 +295,8 @@ export class View3d {
           tail: {},
         };
         const size = this.bounds ? 2 * radiusOf(this.bounds) : 2;
-        if (this.moved) this.overlay.update(this.scene, frame ?? empty, this.poses, size, this.studio.services.get(RunTrails));
+        if (this.moved)
+          this.overlay.update(this.scene, frame ?? empty, this.poses, size, this.studio.services.get(RunTrails));
       }
       this.eye.adjust(this.bounds);
       this.backdrop.follow(this.eye.camera, this.eye.controls.target);

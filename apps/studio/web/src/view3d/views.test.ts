@@ -13,12 +13,30 @@ const near = (a: Vec3, b: Vec3, tolerance: number) =>
 
 test("views look where the command line's do, and have the same side up", () => {
   const expected: Record<string, [forward: Vec3, up: Vec3]> = {
-    front: [[-1, 0, 0], [0, 0, 1]],
-    back: [[1, 0, 0], [0, 0, 1]],
-    left: [[0, -1, 0], [0, 0, 1]],
-    right: [[0, 1, 0], [0, 0, 1]],
-    top: [[0, 0, -1], [0, 1, 0]],
-    bottom: [[0, 0, 1], [0, 1, 0]],
+    front: [
+      [-1, 0, 0],
+      [0, 0, 1],
+    ],
+    back: [
+      [1, 0, 0],
+      [0, 0, 1],
+    ],
+    left: [
+      [0, -1, 0],
+      [0, 0, 1],
+    ],
+    right: [
+      [0, 1, 0],
+      [0, 0, 1],
+    ],
+    top: [
+      [0, 0, -1],
+      [0, 1, 0],
+    ],
+    bottom: [
+      [0, 0, 1],
+      [0, 1, 0],
+    ],
   };
   for (const [view, [forward, up]] of Object.entries(expected)) {
     const [f, , u] = axesOf(directionOf(view as "front"));
@@ -51,7 +69,13 @@ test("all of the bounds is seen, and not from farther than needed", () => {
 });
 
 test("the server's camera looks along its x at the target, z up", () => {
-  for (const eye of [[3, 1, 2], [-3, 1, -2], [0, -4, 1], [-5, 1e-3, 0], [1e-4, 0, 3]] as Vec3[]) {
+  for (const eye of [
+    [3, 1, 2],
+    [-3, 1, -2],
+    [0, -4, 1],
+    [-5, 1e-3, 0],
+    [1e-4, 0, 3],
+  ] as Vec3[]) {
     const target: Vec3 = [0.5, 0.25, 0];
     const pose = cameraPose(eye, target);
     const n = Math.hypot(...eye.map((v, i) => v - target[i]!));
