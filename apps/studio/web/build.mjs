@@ -64,7 +64,7 @@ const options = {
 };
 
 // The viewer of bundles, for a page that can fetch nothing: each script whole, without modules.
-async function build_bundle() {
+async function buildBundle() {
   const whole = {
     ...options,
     entryPoints: { viewer: join(here, "src/bundle/main.ts") },
@@ -87,7 +87,7 @@ async function build_bundle() {
 }
 
 // notices.txt: what each package that is in the page asks to go with it.
-function write_notices(metafiles) {
+function writeNotices(metafiles) {
   const folders = new Set();
   for (const path of metafiles.flatMap(({ inputs }) => Object.keys(inputs))) {
     const folder = /^.*node_modules\/(@[^/]+\/)?[^/]+/.exec(path);
@@ -118,5 +118,5 @@ if (process.argv.includes("--watch")) {
   await (await context(options)).watch();
 } else {
   const { metafile } = await build(options);
-  write_notices([metafile, await build_bundle()]);
+  writeNotices([metafile, await buildBundle()]);
 }

@@ -1,26 +1,18 @@
 // The rules of the page's code beyond its types. Layout is Prettier's.
 import js from "@eslint/js";
+import { defineConfig } from "eslint/config";
+import { dirname } from "node:path";
+import { fileURLToPath } from "node:url";
 import tseslint from "typescript-eslint";
 
 const camelCase = { format: ["camelCase"], leadingUnderscore: "forbid", trailingUnderscore: "forbid" };
 
-export default tseslint.config(
+export default defineConfig(
   { ignores: ["dist", "node_modules"] },
   js.configs.recommended,
   tseslint.configs.recommended,
   {
     linterOptions: { reportUnusedDisableDirectives: "error" },
-    rules: {
-      "@typescript-eslint/no-unused-vars": ["error", { argsIgnorePattern: "^_", ignoreRestSiblings: true }],
-      eqeqeq: "error",
-      "no-self-compare": "error",
-      "object-shorthand": "error",
-      "prefer-template": "error",
-    },
-  },
-  {
-    files: ["src/**/*.ts", "src/**/*.tsx"],
-    languageOptions: { parserOptions: { projectService: true, tsconfigRootDir: import.meta.dirname } },
     rules: {
       // Properties may have the names of the protocol, of a package or of a shader.
       "@typescript-eslint/naming-convention": [
@@ -32,6 +24,19 @@ export default tseslint.config(
         { selector: "variable", filter: "^cogrsim_bundle$", format: null }, // the program writes it into a bundle
         { selector: "typeLike", format: ["PascalCase"] },
       ],
+      "@typescript-eslint/no-unused-vars": ["error", { argsIgnorePattern: "^_", ignoreRestSiblings: true }],
+      eqeqeq: "error",
+      "no-self-compare": "error",
+      "object-shorthand": "error",
+      "prefer-template": "error",
+    },
+  },
+  {
+    files: ["src/**/*.ts", "src/**/*.tsx"],
+    languageOptions: {
+      parserOptions: { projectService: true, tsconfigRootDir: dirname(fileURLToPath(import.meta.url)) },
+    },
+    rules: {
       "@typescript-eslint/consistent-type-imports": ["error", { fixStyle: "inline-type-imports" }],
       "@typescript-eslint/no-floating-promises": [
         "error",
