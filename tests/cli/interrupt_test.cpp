@@ -350,6 +350,8 @@ const std::vector<Case>& cases() {
       {"plugins", {"plugins"}, prints, nothing},
       {"schema", {"schema"}, prints, nothing},
       {"explain", {"explain"}, prints, nothing},
+      {"help", {"help", "--reference"}, prints, nothing},
+      {"completion", {"completion", "bash"}, prints, nothing},
       {"new",
        {"new", "controller", "walker", "--into", "@."},
        prints,

@@ -52,6 +52,8 @@ TEST_CASE("help shows examples and is no error", "[cli][program]") {
     CHECK(help.status == 0);
     CHECK_THAT(help.out, Contains("Examples:") && Contains(std::string("cogrsim ") + command));
   }
+  CHECK(cogrsim_run({"help"}).out == all.out);
+  CHECK(cogrsim_run({"help", "run"}).out == cogrsim_run({"run", "--help"}).out);
   CHECK_THAT(cogrsim_run({"--version"}).out, Contains("cogrsim "));
 }
 
@@ -62,6 +64,8 @@ TEST_CASE("wrong usage exits with 2 and names a remedy", "[cli][program]") {
   } cases[] = {
       {{}, "Usage"},
       {{"rum", kFlight}, "did you mean 'run'"},
+      {{"help", "rum"}, "did you mean 'run'"},
+      {{"completion", "fish"}, "bash"},
       {{"run"}, "scene is required"},
       {{"run", kFlight, "--frob"}, "--frob"},
       {{"run", kFlight, "--duratoin", "1"}, "did you mean '--duration'?"},

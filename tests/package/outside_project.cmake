@@ -73,6 +73,13 @@ foreach(backend IN LISTS ENGINES)
   endif()
 endforeach()
 
+foreach(file man/man1/cogrsim.1 bash-completion/completions/cogrsim)
+  file(READ "${prefix}/share/${file}" text)
+  if(NOT text MATCHES "compare")
+    message(SEND_ERROR "share/${file} does not know 'cogrsim compare'")
+  endif()
+endforeach()
+
 run("plugins" "${prefix}/bin/cogrsim" plugins --plugin-path project/build/cogrsim_plugins)
 foreach(name slalom diff_drive joint_pid trajectory_player ${ENGINES})
   if(NOT output MATCHES "${name}")

@@ -13,20 +13,21 @@
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/dsl/study.h"
 #include "cogrsim/physics/backend_choice.h"
+#include "common/arguments.h"
+#include "common/command_pages.h"
+#include "common/options.h"
+#include "common/output_file.h"
+#include "common/quantities.h"
+#include "common/refuse.h"
+#include "common/terminal.h"
 #include "import/export_command.h"
 #include "import/import_command.h"
 #include "new/new_command.h"
-#include "common/options.h"
-#include "common/output_file.h"
 #include "render/picture_options.h"
-#include "common/quantities.h"
 #include "replay/recording_options.h"
-#include "common/refuse.h"
 #include "sweep/sweep_command.h"
-#include "common/terminal.h"
 #include "test/test_command.h"
 #include "watch/watch_command.h"
-#include "common/arguments.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -45,8 +46,9 @@ struct Arguments {
                                                                     picture = "png";
   int rows = 10;
   std::string seeds, shake, table;
+  std::string shell, command;
   bool chaos = false;
-  bool json_flag = false, reference = false, events = false, watch = false;
+  bool json_flag = false, reference = false, man = false, events = false, watch = false;
 };
 
 constexpr std::size_t kMostRepetitions = 10000;  // of a comparison
@@ -527,10 +529,72 @@ void add_small_ones(CLI::App& app, Arguments& arguments, int& status) {
   });
 }
 
+Problem unknown_subcommand(const CLI::App& app, const std::string& argument) {
+  std::vector<std::string> names;
+  std::string list;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_group().empty()) continue;  // not for people
+    names.push_back(command->get_name());
+    list += (list.empty() ? "" : ", ") + command->get_name();
+  }
+  const std::string nearest = nearest_name(argument, names);
+  return Problem(
+      fmt::format("there is no subcommand '{}'", argument), "",
+      fmt::format("{}there are {}",
+                  nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), list));
+}
+
+std::string command_help(CLI::App& app, const std::string& name) {
+  // help() of the program gives that of the command that was parsed.
+  if (name.empty())
+    return app.get_formatter()->make_help(&app, "cogrsim", CLI::AppFormatMode::Normal);
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_name() == name) return command->help("cogrsim");
+  }
+  throw UsageError("command", unknown_subcommand(app, name));
+}
+
+// What the table itself gives.
+void add_table_pages(CLI::App& app, Arguments& arguments, int& status) {
+  const auto print = [&status](const std::string& text) {
+    const auto printed = print_output(text);
+    status = printed ? kGood : refuse(printed.error());
+  };
+  CLI::App& help = *app.add_subcommand("help", "Show the help of a command, or of all as one page");
+  help.add_option("command", arguments.command, "The command; without one, all are listed")
+      ->type_name("COMMAND");
+  CLI::Option* reference = help.add_flag("--reference", arguments.reference,
+                                         "Print the reference of all commands (Markdown) instead");
+  help.add_flag("--man", arguments.man, "Print the manual page (roff) instead")
+      ->excludes(reference);
+  help.footer(
+      "Examples:\n"
+      "  cogrsim help run\n"
+      "  cogrsim help --reference > command-line.md\n"
+      "  cogrsim help --man | man -l -");
+  help.callback([&app, &arguments, print] {
+    print(arguments.reference ? reference_page(app)
+          : arguments.man     ? man_page(app)
+                              : command_help(app, arguments.command));
+  });
+
+  CLI::App& completion =
+      *app.add_subcommand("completion", "Print a script that completes command lines in a shell");
+  completion.add_option("shell", arguments.shell, "The shell")
+      ->required()
+      ->check(CLI::IsMember({"bash"}))
+      ->type_name("SHELL");
+  completion.footer(
+      "Examples:\n"
+      "  source <(cogrsim completion bash)\n"
+      "  cogrsim completion bash > ~/.local/share/bash-completion/completions/cogrsim");
+  completion.callback([&app, print] { print(bash_completion(app)); });
+}
+
 // Of commands that write files.
 void add_output_rules(CLI::App& command) {
-  for (const char* none :
-       {"check", "explain", "schema", "plugins", "list", "pull", "new", "test-case", "run-case"}) {
+  for (const char* none : {"check", "explain", "schema", "plugins", "list", "pull", "new",
+                           "test-case", "run-case", "help", "completion"}) {
     if (command.get_name() == none) return;
   }
   command.add_flag_callback("--overwrite", allow_overwriting,
@@ -557,19 +621,6 @@ void refuse_empty_values(CLI::App& command) {
   }
 }
 
-std::string unknown_subcommand(const CLI::App& app, const std::string& argument) {
-  std::vector<std::string> names;
-  std::string list;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->get_group().empty()) continue;  // not for people
-    names.push_back(command->get_name());
-    list += (list.empty() ? "" : ", ") + command->get_name();
-  }
-  const std::string nearest = nearest_name(argument, names);
-  return fmt::format("there is no subcommand '{}'\nhelp: {}there are {}", argument,
-                     nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), list);
-}
-
 /// The error for arguments that a subcommand does not know: the first of them, options first.
 std::string unexpected_argument(const CLI::App& command,
                                 const std::vector<std::string>& arguments) {
@@ -589,10 +640,15 @@ std::string unexpected_argument(const CLI::App& command,
 
 }  // namespace
 
-int run_command_line(int argc, char** argv, const std::vector<AddCommands>& more) {
-  CLI::App app("Robot simulation on several physics engines: one scene, every engine.", "cogrsim");
-  Arguments arguments;
-  int status = kGood;
+std::shared_ptr<CLI::App> command_table(const std::vector<AddCommands>& more, int& status) {
+  struct Table {
+    CLI::App app{"Robot simulation on several physics engines: one scene, every engine.",
+                 "cogrsim"};
+    Arguments arguments;
+  };
+  const auto table = std::make_shared<Table>();
+  CLI::App& app = table->app;
+  Arguments& arguments = table->arguments;
   app.set_version_flag("--version", "cogrsim " COGRSIM_VERSION);
   add_plugin_path(app, arguments.global_plugin_paths);
   app.require_subcommand(1);
@@ -611,6 +667,7 @@ int run_command_line(int argc, char** argv, const std::vector<AddCommands>& more
   add_import(app, status);
   add_export(app, status);
   add_small_ones(app, arguments, status);
+  add_table_pages(app, arguments, status);
   refuse_empty_values(app);
   for (CLI::App* command : app.get_subcommands({})) {
     add_output_rules(*command);
@@ -623,6 +680,13 @@ int run_command_line(int argc, char** argv, const std::vector<AddCommands>& more
       "  cogrsim compare robot.scene.xml --backends bullet,cogrsim --report robot.html\n"
       "  cogrsim run --help      each subcommand has examples of its own\n"
       "Exit status: 0 good, 1 the scene or run failed, 2 wrong usage.");
+  return {table, &app};
+}
+
+int run_command_line(int argc, char** argv, const std::vector<AddCommands>& more) {
+  int status = kGood;
+  const std::shared_ptr<CLI::App> table = command_table(more, status);
+  CLI::App& app = *table;
   if (argc < 2) {
     std::fputs(app.help().c_str(), stderr);
     return kWrongUsage;
@@ -643,7 +707,7 @@ int run_command_line(int argc, char** argv, const std::vector<AddCommands>& more
       const std::vector<std::string> extra = chosen.front()->remaining();
       if (!extra.empty()) text = unexpected_argument(*chosen.front(), extra);
     }
-    if (chosen.empty() && argv[1][0] != '-') text = unknown_subcommand(app, argv[1]);
+    if (chosen.empty() && argv[1][0] != '-') text = unknown_subcommand(app, argv[1]).text();
     if (text.find("\nhelp: ") == std::string::npos) text += "\nhelp: see " + command + " --help";
     print_error(text);
     return kWrongUsage;
