@@ -17,6 +17,7 @@
 
 #include "cogrsim/model/builder.h"
 #include "cogrsim/plugin/loader.h"
+#include "server/protocol.h"
 #include "server/run.h"
 #include "server/server.h"
 #include "server/studio.h"
@@ -143,6 +144,10 @@ class Bench {
   }
 
   Json ask(const std::string& what, Json fields = Json::object()) {
+    if (auto good = check_fields(*find_request(what), fields); !good) {
+      fmt::print(stderr, "{}: {}\n", what, good.error().text());
+      std::exit(1);
+    }
     std::promise<Answer> promise;
     run_->handle({kMeter, Role::operator_, what, std::move(fields)},
                  [&](Answer answer) { promise.set_value(std::move(answer)); });

@@ -8,6 +8,8 @@
 #include <future>
 #include <sstream>
 
+#include "protocol.h"
+
 namespace cogrsim::studio::testing {
 
 namespace fs = std::filesystem;
@@ -36,6 +38,9 @@ Json Listener::wait(const std::string& topic, std::uint64_t version) {
   });
   INFO(topic << " of version " << version);
   REQUIRE(came);
+  const auto good = check_topic(found);
+  INFO((good ? std::string() : good.error().text()));
+  CHECK(good);
   return found;
 }
 
@@ -88,12 +93,19 @@ RequestHandler::RequestHandler(const std::string& path, bool allow_build, const 
 }
 
 Answer RequestHandler::ask(const std::string& what, Json fields, ClientId client) {
+  if (auto good = check_fields(*find_request(what), fields); !good)
+    return tl::unexpected(good.error());
   auto promise = std::make_shared<std::promise<Answer>>();
   auto answer = promise->get_future();
   document->handle({client, Role::operator_, what, std::move(fields)},
                    [promise](Answer given) { promise->set_value(std::move(given)); });
   REQUIRE(answer.wait_for(std::chrono::seconds(120)) == std::future_status::ready);
   Answer out = answer.get();
+  if (out) {
+    const auto good = check_answer(what, *out);
+    INFO((good ? std::string() : good.error().text()));
+    CHECK(good);
+  }
   if (out && out->contains("version") && (*out)["version"].is_number())
     version = (*out)["version"].get<std::uint64_t>();
   return out;

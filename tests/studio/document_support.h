@@ -38,7 +38,7 @@ class Listener final : public Outbox {
 /// Takes every scene, or refuses all with a problem.
 class ShownRun final : public Run {
  public:
-  Access access(std::string_view) const override { return Access::none; }
+  bool answers(Section) const override { return false; }
   void handle(Request, Reply reply) override { reply(fail("not here")); }
   void show(Scene scene,
             std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>

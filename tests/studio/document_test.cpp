@@ -119,8 +119,7 @@ TEST_CASE("an id beyond all ids has no element", "[document]") {
         {{{"op", "insert"}, {"parent", 0}, {"xml", "<frame name=\"f\"/>"}, {"before", wide}}}},
        {"label", ""}});
   REQUIRE_FALSE(answer);
-  CHECK(answer.error().message.find("'before' must be the id of an element, or null") !=
-        std::string::npos);
+  CHECK(answer.error().message == "'ops[0].before' must be a whole number from 0, or null");
   CHECK(requests.text() == kScene);
 }
 

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "cogrsim/dsl/loader_catalog.h"
+#include "protocol.h"
 
 namespace cogrsim::studio::test {
 
@@ -15,14 +16,26 @@ constexpr auto kPatience = std::chrono::seconds(30);
 
 }  // namespace
 
+Json FakeOutbox::checked(const std::string& text) {
+  Json message = Json::parse(text);
+  const auto good = check_topic(message);
+  if (!good && mismatch_.empty()) mismatch_ = good.error().text();
+  return message;
+}
+
+std::string FakeOutbox::mismatch() const {
+  std::lock_guard lock(mutex_);
+  return mismatch_;
+}
+
 void FakeOutbox::send(ClientId client, std::string text) {
   std::lock_guard lock(mutex_);
-  texts_[client].push_back(Json::parse(text));
+  texts_[client].push_back(checked(text));
 }
 
 void FakeOutbox::send_all(std::string text) {
   std::lock_guard lock(mutex_);
-  to_all_.push_back(Json::parse(text));
+  to_all_.push_back(checked(text));
   for (auto& [client, texts] : texts_) texts.push_back(to_all_.back());
 }
 
@@ -190,13 +203,23 @@ void Page::join(ClientId client, Role role) {
 void Page::leave(ClientId client) { run_->left(client); }
 
 Answer Page::ask(const std::string& what, Json fields, ClientId client) {
+  const ProtocolRequest* const request = find_request(what);
+  REQUIRE(request);
+  REQUIRE(run_->answers(request->section));
+  if (auto good = check_fields(*request, fields); !good) return tl::unexpected(good.error());
   auto promise = std::make_shared<std::promise<Answer>>();
   auto future = promise->get_future();
-  REQUIRE(run_->access(what) != Part::Access::none);
   run_->handle({client, Role::operator_, what, std::move(fields)},
                [promise](Answer answer) { promise->set_value(std::move(answer)); });
   REQUIRE(future.wait_for(kPatience) == std::future_status::ready);
-  return future.get();
+  Answer answer = future.get();
+  if (answer) {
+    const auto good = check_answer(what, *answer);
+    INFO((good ? std::string() : good.error().text()));
+    CHECK(good);
+  }
+  CHECK(outbox_->mismatch() == "");
+  return answer;
 }
 
 Json Page::get(const std::string& what, Json fields, ClientId client) {

@@ -35,16 +35,22 @@ class FakeOutbox final : public Outbox {
   Json published(const std::string& topic) const;
   std::vector<Json> all(ClientId client, const std::string& topic) const;
 
+  /// The first topic that was not as the table of the protocol has it; "": none.
+  std::string mismatch() const;
+
   /// Until it holds, at most half a minute; false: it did not.
   bool wait(const std::function<bool()>& holds) const;
 
  private:
+  Json checked(const std::string& text);  ///< against the table
+
   mutable std::mutex mutex_;
   std::map<ClientId, std::vector<Json>> texts_;
   std::vector<Json> to_all_;
   std::map<ClientId, std::vector<Bytes>> frames_;
   std::vector<Bytes> pictures_;
   bool wanted_ = true;
+  std::string mismatch_;
 };
 
 /// A frame's bytes, read as PROTOCOL.md lays them out.

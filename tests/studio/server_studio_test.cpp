@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <future>
 
+#include "server/protocol.h"
 #include "server/studio.h"
 #include "server/turns.h"
 #include "server_client.h"
@@ -18,14 +19,9 @@ namespace {
 class FakePart final : public Part {
  public:
   explicit FakePart(Outbox& outbox) : outbox_(outbox) {}
-  Access access(std::string_view what) const override {
-    if (what == "play") return Access::operator_;
-    for (const char* name : {"seek", "series", "view", "figure"}) {
-      if (what == name) return Access::viewer;
-    }
-    return Access::none;
-  }
+  bool answers(Section section) const override { return section != Section::document; }
   void handle(Request request, Reply reply) override {
+    last = request.fields;
     if (request.what == "view") throw std::runtime_error("no such thing");
     if (request.what == "figure") return;
     if (request.fields.contains("wrong")) {
@@ -37,12 +33,13 @@ class FakePart final : public Part {
       for (Reply& waiting : held) waiting(Json{{"twice", true}});
       held.clear();
     }
-    reply(Json{{"time", request.fields.at("time").get<double>()}, {"text", "\xff"}});
+    reply(Json{{"time", request.fields.value("time", 0.0)}, {"text", "\xff"}});
   }
   void joined(ClientId client, Role) override { outbox_.send(client, R"({"topic": "status"})"); }
   void left(ClientId) override { ++gone; }
 
   std::vector<Reply> held;
+  Json last;  // fields of the last request
   std::atomic<int> gone{0};
 
  private:
@@ -104,7 +101,7 @@ TEST_CASE("hello comes first and reports roles", "[studio][requests]") {
       bench.ask(R"({"id": 1, "do": "seek", "time": 1})")["error"]["message"].get<std::string>(),
       Contains("say hello first"));
   const Json hello = bench.ask(R"({"id": 2, "do": "hello"})");
-  CHECK(hello == Json::parse(R"({"id": 2, "ok": true, "protocol": 2, "role": "viewer",
+  CHECK(hello == Json::parse(R"({"id": 2, "ok": true, "protocol": 3, "role": "viewer",
       "client": 1, "version": "1.2.3", "kind": "recording", "file": "x.mcap", "allow_build": false,
       "assets": "/asset/0f/", "backends": ["one", "two"]})"));
   CHECK(bench.outbox.next()["topic"] == "status");
@@ -117,7 +114,7 @@ TEST_CASE("hello comes first and reports roles", "[studio][requests]") {
 
 TEST_CASE("viewers are refused what operators may do", "[studio][requests]") {
   Bench viewer(Role::viewer), operator_;
-  const std::string play = R"({"id": 5, "do": "play", "time": 0})";
+  const std::string play = R"({"id": 5, "do": "play"})";
   const Json refused = viewer.ask(play);
   CHECK(refused["ok"] == false);
   CHECK(refused["id"] == 5);
@@ -146,7 +143,7 @@ TEST_CASE("malformed requests are answered with their error", "[studio][requests
   CHECK(message(R"({"id": 1, "do": "seek", "x": [[[[[[[[]]]]]]]]})") ==
         "the request is nested deeper than 8");
   // Brackets in a text are none.
-  CHECK(bench.ask(R"({"id": 1, "do": "seek", "time": 1, "x": "[[[[[[[[[[\"[[["})")["ok"] == true);
+  CHECK(bench.ask(R"({"id": 1, "do": "backend", "name": "[[[[[[[[[[\"[[["})")["ok"] == true);
   CHECK(message(R"({"id": 1, "do": "edit"})") == "'edit' is not there for a recording");
   const Json unknown = bench.ask(R"({"id": 9, "do": "plya"})");
   CHECK(unknown["error"]["message"] == "there is no request 'plya'");
@@ -160,14 +157,61 @@ TEST_CASE("malformed requests are answered with their error", "[studio][requests
                        {"length", 2}});
   // Parts that throw or forget.
   CHECK_THAT(message(R"({"id": 1, "do": "view"})"), Contains("'view' failed: no such thing"));
-  CHECK_THAT(message(R"({"id": 1, "do": "seek"})"), Contains("'seek' failed"));
-  CHECK(message(R"({"id": 1, "do": "figure"})") == "the request was given up");
+  CHECK(message(R"({"id": 1, "do": "figure", "plot": "p"})") == "the request was given up");
+}
+
+TEST_CASE("fields are as the table of the protocol has them", "[studio][requests]") {
+  Bench bench;
+  const auto error = [&](const std::string& text) {
+    const Json answer = bench.ask(R"({"id": 1, "do": )" + text + "}");
+    CHECK(answer["ok"] == false);
+    const Json& error = answer["error"];
+    return error["message"].get<std::string>() + "; " + error.value("help", "");
+  };
+  CHECK(error(R"("seek")") == "'seek' needs the field 'time': a number; ");
+  CHECK(error(R"("seek", "time": null)") == "'time' must be a number; ");
+  CHECK(error(R"("seek", "tiem": 1)") == "'seek' has no field 'tiem'; did you mean 'time'?");
+  CHECK(error(R"("play", "now": true)") == "'play' has no field 'now'; it has none");
+  CHECK(error(R"("step", "count": 0)") == "'count' must be a whole number from 1 to 10000; ");
+  CHECK(error(R"("step", "count": 1.5)") == "'count' must be a whole number from 1 to 10000; ");
+  CHECK(error(R"("speed", "factor": "fast")") ==
+        "'factor' must be a number from 0.01 to 1000, or null; ");
+  CHECK(error(R"("dt", "value": 0)") ==
+        "'value' must be a number above 0 and at most 1, or null; ");
+  CHECK(error(R"("series", "signals": ["a", 7])") == "'signals[1]' must be text; ");
+  CHECK(error(R"("view", "pose": [1, 2])") == "'pose' must be a list of 7 numbers, or null; ");
+  CHECK(error(R"("cameras", "show": [{"name": "eye", "kind": "xray"}])") ==
+        "'show[0].kind' must be \"color\", \"depth\" or \"segmentation\"; ");
+  CHECK(error(R"("cameras", "show": [{"name": "eye", "widht": 8}])") ==
+        "'show[0]' has no field 'show[0].widht'; did you mean 'width'?");
+  // What is left out, or null, gets its standard.
+  CHECK(bench.ask(R"({"id": 1, "do": "step", "count": null})")["ok"] == true);
+  CHECK(bench.part.last["count"] == 1);
+  CHECK(bench.ask(R"({"id": 1, "do": "cameras", "show": [{"name": "eye"}]})")["ok"] == true);
+  CHECK(bench.part.last["show"][0] == Json{{"name", "eye"}, {"kind", "color"}, {"width", 320}});
+}
+
+TEST_CASE("operations of an edit are distinguished by their name", "[studio][requests]") {
+  const ProtocolRequest& edit = *find_request("edit");
+  const auto error = [&](const char* op) {
+    Json fields = {{"version", 1}, {"ops", Json::array({Json::parse(op)})}};
+    const auto good = check_fields(edit, fields);
+    return good ? std::string() : good.error().message + "; " + good.error().hint;
+  };
+  CHECK(error(R"({"op": "rename", "element": 1, "name": "a"})") == "");
+  CHECK(error(R"({"op": "renam", "element": 1, "name": "a"})").find("; did you mean 'rename'?") !=
+        std::string::npos);
+  CHECK(error(R"({"op": "rename", "element": 1})") ==
+        "'ops[0]' needs the field 'ops[0].name': text; ");
+  CHECK(error(R"({"op": "remove", "elements": []})") ==
+        "'ops[0].elements' must be a list of whole numbers from 0, not an empty one; ");
+  CHECK(error("7").find("'ops[0]' must be an object") == 0);
 }
 
 TEST_CASE("answers may come late and come once", "[studio][requests]") {
   Bench bench;
-  bench.studio.received(1, R"({"id": 1, "do": "series"})");
-  bench.studio.received(1, R"({"id": 2, "do": "play", "time": 0})");
+  bench.studio.received(1, R"({"id": 1, "do": "series", "signals": []})");
+  bench.studio.received(1, R"({"id": 2, "do": "play"})");
   const Json first = bench.outbox.next(), second = bench.outbox.next();
   CHECK(first["id"] == 1);
   CHECK(first["late"] == true);
@@ -178,7 +222,8 @@ TEST_CASE("answers may come late and come once", "[studio][requests]") {
 TEST_CASE("too much at a time is refused and accepted later", "[studio][requests]") {
   Bench bench;
   for (int i = 0; i < 4; ++i) {
-    bench.studio.received(1, R"({"id": )" + std::to_string(i) + R"(, "do": "series"})");
+    bench.studio.received(1,
+                          R"({"id": )" + std::to_string(i) + R"(, "do": "series", "signals": []})");
   }
   const Json busy = bench.ask(R"({"id": 7, "do": "seek", "time": 0})");
   CHECK(busy["id"] == 7);
@@ -230,7 +275,7 @@ TEST_CASE("an operator waits for one request of viewers, whatever many there are
   // Handles one request at a time, the first one until it is released.
   class SlowPart final : public Part {
    public:
-    Access access(std::string_view) const override { return Access::viewer; }
+    bool answers(Section) const override { return true; }
     void handle(Request request, Reply reply) override {
       order.push_back(request.client);
       if (order.size() == 1) {
@@ -251,7 +296,7 @@ TEST_CASE("an operator waits for one request of viewers, whatever many there are
     studio.received(client, R"({"id": 0, "do": "hello"})");
     outbox.next();
   }
-  const std::string request = R"({"id": 1, "do": "seek"})";
+  const std::string request = R"({"id": 1, "do": "seek", "time": 1})";
   studio.received(2, request);
   part.begun.get_future().wait();
   for (int i = 0; i < 50; ++i) {
@@ -283,7 +328,7 @@ TEST_CASE("parts hear of a client's end if they heard of its start", "[studio][r
     studio.received(1, R"({"id": 0, "do": "hello"})");
     outbox.next();
     outbox.next();
-    studio.received(1, R"({"id": 1, "do": "series"})");
+    studio.received(1, R"({"id": 1, "do": "series", "signals": []})");
     studio.left(1);
     studio.left(2);
     studio.received(2, "too late");
@@ -301,7 +346,7 @@ TEST_CASE("parts hear of a client's end if they heard of its start", "[studio][r
   part.held.front()(Json::object());  // after the studio's end
 }
 
-TEST_CASE("a page plays over a WebSocket", "[studio][requests]") {
+TEST_CASE("a page asks over a WebSocket", "[studio][requests]") {
   auto listening = Server::listen({});
   REQUIRE(listening);
   Server& server = **listening;
@@ -317,7 +362,7 @@ TEST_CASE("a page plays over a WebSocket", "[studio][requests]") {
   page.send(R"({"id": 1, "do": "hello"})");
   CHECK(Json::parse(page.receive(1)->payload)["role"] == "operator");
   CHECK(Json::parse(page.receive(1)->payload)["topic"] == "status");
-  page.send(R"({"id": 2, "do": "play", "time": 2})");
+  page.send(R"({"id": 2, "do": "seek", "time": 2})");
   CHECK(Json::parse(page.receive(1)->payload)["time"] == 2.0);
   server.stop();
   thread.join();

@@ -1,6 +1,7 @@
 #include "cameras.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "cogrsim/rendering/standard_view.h"
@@ -13,8 +14,6 @@ namespace cogrsim::studio {
 
 namespace {
 
-constexpr std::int64_t kLeastSize = 16, kMostSize = 2048;  // [pixel]
-constexpr std::size_t kMostCameras = 32;                   // of one client
 constexpr int kJpegQuality = 80;
 /// How often it is checked whether a client sees something new or takes another picture, and only
 /// while pictures are requested.
@@ -73,34 +72,22 @@ void Cameras::stop() {
 }
 
 Answer Cameras::show(ClientId client, const Json& f) {
-  const Json* list = fields::find(f, "show");
-  if (!list || !list->is_array() || list->size() > kMostCameras) {
-    return fields::wrong("show", "a list of at most 32 cameras");
-  }
   const SceneRecordPtr record = scenes_.newest();
   std::vector<Wish> wishes;
-  for (const Json& one : *list) {
-    if (!one.is_object()) return fields::wrong("show", "a list of objects");
-    const auto name = fields::text(one, "name");
-    const auto kind = fields::maybe_text(one, "kind");
-    const auto width = fields::whole(one, "width", 320, kLeastSize, kMostSize);
-    if (!name) return tl::unexpected(name.error());
-    if (!kind) return tl::unexpected(kind.error());
-    if (!width) return tl::unexpected(width.error());
+  for (const Json& one : f.at("show")) {
+    const auto name = one.at("name").get<std::string>();
+    const auto kind = one.at("kind").get<std::string>();
     Wish wish;
-    wish.name = *name;
-    wish.width = static_cast<int>(*width);
-    const auto found = std::find(std::begin(kKinds), std::end(kKinds), kind->value_or("color"));
-    if (found == std::end(kKinds)) {
-      return fields::wrong("kind", "\"color\", \"depth\" or \"segmentation\"");
-    }
-    wish.kind = static_cast<Kind>(found - std::begin(kKinds));
-    const auto named = [&](const auto& element) { return element.name == *name; };
+    wish.name = name;
+    wish.width = one.at("width").get<int>();
+    wish.kind = static_cast<Kind>(std::find(std::begin(kKinds), std::end(kKinds), kind) -
+                                  std::begin(kKinds));
+    const auto named = [&](const auto& element) { return element.name == name; };
     if (!record ||
         (std::none_of(record->model->sensors.begin(), record->model->sensors.end(),
                       [&](const SensorModel& s) { return named(s) && s.type == "camera"; }) &&
          std::none_of(record->model->views.begin(), record->model->views.end(), named))) {
-      return fail("there is no camera and no view '" + *name + "'");
+      return fail("there is no camera and no view '" + name + "'");
     }
     wishes.push_back(std::move(wish));
   }
@@ -115,27 +102,15 @@ Answer Cameras::show(ClientId client, const Json& f) {
 }
 
 Answer Cameras::view(ClientId client, const Json& f) {
-  const auto width = fields::whole(f, "width", 640, kLeastSize, kMostSize);
-  const auto height = fields::whole(f, "height", 480, kLeastSize, kMostSize);
-  const auto fov = fields::maybe_number(f, "fov");
-  if (!width) return tl::unexpected(width.error());
-  if (!height) return tl::unexpected(height.error());
-  if (!fov) return tl::unexpected(fov.error());
   Wish wish;
   wish.once = true;
-  wish.width = static_cast<int>(*width);
-  wish.height = static_cast<int>(*height);
-  wish.fov = fov->value_or(0.8);
-  if (!(wish.fov > 0.01 && wish.fov < 3.0)) return fields::wrong("fov", "from 0.01 to 3 rad");
-  if (const Json* pose = fields::find(f, "pose")) {
-    const bool good = pose->is_array() && pose->size() == 7 &&
-                      std::all_of(pose->begin(), pose->end(), [](const Json& v) {
-                        return v.is_number() && std::fabs(v.get<double>()) < 1e9;
-                      });
-    if (!good) return fields::wrong("pose", "seven numbers: x y z, quaternion w x y z");
-    const auto v = pose->get<std::vector<double>>();
+  wish.width = f.at("width").get<int>();
+  wish.height = f.at("height").get<int>();
+  wish.fov = f.at("fov").get<double>();
+  if (const auto pose = fields::maybe<std::array<double, 7>>(f, "pose")) {
+    const auto& v = *pose;
     Quat q(v[3], v[4], v[5], v[6]);
-    if (q.norm() < 1e-6) return fields::wrong("pose", "seven numbers with a quaternion");
+    if (q.norm() < 1e-6) return fail("the quaternion of 'pose' is zero");
     wish.pose = Pose({v[0], v[1], v[2]}, q.normalized());
   }
   if (!viewers_.seen(client)) return fail("there is no frame yet");

@@ -5,11 +5,12 @@
 #include <cmath>
 
 #include "cogrsim/dsl/schema.h"
+#include "common/progress.h"
 #include "complete.h"
 #include "document_impl.h"
 #include "document_json.h"
 #include "mass.h"
-#include "common/progress.h"
+#include "run_fields.h"
 
 namespace cogrsim::studio {
 namespace {
@@ -137,31 +138,24 @@ void DocumentRequests::work() {
   }
 }
 
-const std::map<std::string, DocumentRequests::Entry, std::less<>>& DocumentRequests::table() {
+const std::map<std::string_view, DocumentRequests::Handler>& DocumentRequests::table() {
   using D = DocumentRequests;
-  static const std::map<std::string, Entry, std::less<>> entries = {
-      {"set-text", {&D::set_text, Access::operator_}},
-      {"edit", {&D::edit, Access::operator_}},
-      {"undo", {&D::undo, Access::operator_}},
-      {"redo", {&D::redo, Access::operator_}},
-      {"save", {&D::save, Access::operator_}},
-      {"revert", {&D::revert, Access::operator_}},
-      {"unsaved", {&D::unsaved, Access::operator_}},
-      {"restore", {&D::restore, Access::operator_}},
-      {"discard", {&D::discard, Access::operator_}},
-      {"schema", {&D::schema, Access::viewer}},
-      {"complete", {&D::complete, Access::viewer}},
-      {"mass", {&D::mass, Access::viewer}},
-      {"sources", {&D::sources, Access::viewer}},
-      {"open-source", {&D::open_source, Access::viewer}},
-      {"save-source", {&D::save_source, Access::operator_}},
-      {"build", {nullptr, Access::operator_}}};
-  return entries;
-}
-
-Part::Access DocumentRequests::access(std::string_view what) const {
-  const auto found = table().find(what);
-  return found == table().end() ? Access::none : found->second.access;
+  static const std::map<std::string_view, Handler> handlers = {{"set-text", &D::set_text},
+                                                               {"edit", &D::edit},
+                                                               {"undo", &D::undo},
+                                                               {"redo", &D::redo},
+                                                               {"save", &D::save},
+                                                               {"revert", &D::revert},
+                                                               {"unsaved", &D::unsaved},
+                                                               {"restore", &D::restore},
+                                                               {"discard", &D::discard},
+                                                               {"schema", &D::schema},
+                                                               {"complete", &D::complete},
+                                                               {"mass", &D::mass},
+                                                               {"sources", &D::sources},
+                                                               {"open-source", &D::open_source},
+                                                               {"save-source", &D::save_source}};
+  return handlers;
 }
 
 void DocumentRequests::handle(Request request, Reply reply) {
@@ -181,12 +175,9 @@ void DocumentRequests::handle(Request request, Reply reply) {
 }
 
 void DocumentRequests::answer(const Request& request, const Reply& reply) {
-  const auto entry = table().find(request.what);
-  if (entry == table().end())
-    return reply(fail("the document does not answer '" + request.what + "'"));
-  if (entry->second.handler == nullptr) return build(request, reply);
+  if (request.what == "build") return build(request, reply);  // takes its time elsewhere
   const std::uint64_t before = version_;
-  Answer answer = (this->*entry->second.handler)(request);
+  Answer answer = (this->*table().at(request.what))(request);
   // An edit that was answered is on the disk.
   if (journal_due_) keep_unsaved();
   reply(std::move(answer));
@@ -317,9 +308,7 @@ Json DocumentRequests::problems_topic() const {
 // ---- requests about the text
 
 Result<> DocumentRequests::check_version(const Request& request) const {
-  const auto version = whole_field(request.fields, "version");
-  if (!version) return tl::unexpected(version.error());
-  if (*version != static_cast<std::int64_t>(version_))
+  if (request.fields.at("version").get<std::int64_t>() != static_cast<std::int64_t>(version_))
     return fail("the text has changed meanwhile", "", "take the newest text and try again",
                 "stale");
   return {};
@@ -327,33 +316,23 @@ Result<> DocumentRequests::check_version(const Request& request) const {
 
 Answer DocumentRequests::set_text(const Request& request) {
   if (auto good = check_version(request); !good) return tl::unexpected(good.error());
-  auto text = text_field(request.fields, "text");
-  if (!text) return tl::unexpected(text.error());
-  std::string group;
-  if (request.fields.contains("group") && !request.fields["group"].is_null()) {
-    auto given = text_field(request.fields, "group");
-    if (!given) return tl::unexpected(given.error());
-    group = *given;
-  }
-  if (text->size() > kMostSceneBytes)
+  auto text = request.fields.at("text").get<std::string>();
+  auto group = request.fields.value("group", "");
+  if (text.size() > kMostSceneBytes)
     return fail("a scene's text has at most " + std::to_string(kMostSceneBytes >> 20) + " MB", "",
                 "put large data into mesh files");
   // Typing of two clients makes two steps.
   if (!group.empty()) group += "/" + std::to_string(request.client);
-  if (history_.change(with_line_ends_of(history_.text(), std::move(*text)), "typing", group))
+  if (history_.change(with_line_ends_of(history_.text(), std::move(text)), "typing", group))
     changed(request.client);
   return Json{{"version", version_}};
 }
 
 Answer DocumentRequests::edit(const Request& request) {
   if (auto good = check_version(request); !good) return tl::unexpected(good.error());
-  const auto ops = request.fields.find("ops");
-  auto operations = operations_from(ops == request.fields.end() ? Json() : *ops);
-  if (!operations) return tl::unexpected(operations.error());
-  std::string label = "edit";
-  if (request.fields.contains("label") && request.fields["label"].is_string())
-    label = request.fields["label"].get<std::string>().substr(0, 200);
-  auto made = dsl::edit_text(history_.text(), file_.path(), *operations, compile_options());
+  const auto label = request.fields.at("label").get<std::string>().substr(0, 200);
+  auto made = dsl::edit_text(history_.text(), file_.path(),
+                             operations_from(request.fields.at("ops")), compile_options());
   if (!made) return tl::unexpected(made.error());
   if (history_.change(std::move(made->text), label)) {
     changed(request.client);
@@ -377,21 +356,16 @@ Answer DocumentRequests::redo(const Request& request) {
 }
 
 Answer DocumentRequests::save(const Request& request) {
-  const auto named = request.fields.find("file");
-  std::string backup;
-  if (named != request.fields.end() && !named->is_null()) {
-    const auto name = text_field(request.fields, "file");
-    if (!name) return tl::unexpected(name.error());
-    if (*name != file_.name()) {
-      if (auto saved = file_.save_as(*name, history_.text()); !saved)
-        return tl::unexpected(saved.error());
-      keep_unsaved();  // of the previous file
-      journal_ = Journal(file_.path(), options_.state_folder, kMostSceneBytes);
-      offer_found();
-      publish(document_json(stale_));
-      publish(unsaved_topic());
-      return Json{{"file", file_.name()}, {"backup", ""}};
-    }
+  const auto name = request.fields.value("file", file_.name());
+  if (name != file_.name()) {
+    if (auto saved = file_.save_as(name, history_.text()); !saved)
+      return tl::unexpected(saved.error());
+    keep_unsaved();  // of the previous file
+    journal_ = Journal(file_.path(), options_.state_folder, kMostSceneBytes);
+    offer_found();
+    publish(document_json(stale_));
+    publish(unsaved_topic());
+    return Json{{"file", file_.name()}, {"backup", ""}};
   }
   auto saved = file_.save(history_.text());
   if (!saved) return tl::unexpected(saved.error());
@@ -418,19 +392,15 @@ const Json& DocumentRequests::vocabulary() {
 Answer DocumentRequests::schema(const Request&) { return Json{{"schema", vocabulary()}}; }
 
 Answer DocumentRequests::complete(const Request& request) {
-  auto text = text_field(request.fields, "text");
-  if (!text) return tl::unexpected(text.error());
-  const auto offset = whole_field(request.fields, "offset");
-  if (!offset) return tl::unexpected(offset.error());
-  return complete_at(*text, *offset, vocabulary(), scene_.elements);
+  return complete_at(request.fields.at("text").get<std::string>(),
+                     request.fields.at("offset").get<std::int64_t>(), vocabulary(),
+                     scene_.elements);
 }
 
 Answer DocumentRequests::mass(const Request& request) {
-  const auto elements = ids_field(request.fields, "elements");
-  if (!elements) return tl::unexpected(elements.error());
   if (stale_ || !good_)
     return fail("there are masses only of a scene that compiles", "", "mend the text first");
-  return mass_of(*elements, scene_);
+  return mass_of(request.fields.at("elements").get<std::vector<int>>(), scene_);
 }
 
 // ---- sources and building
@@ -438,20 +408,13 @@ Answer DocumentRequests::mass(const Request& request) {
 Answer DocumentRequests::sources(const Request&) { return sources_.list(); }
 
 Answer DocumentRequests::open_source(const Request& request) {
-  const auto name = text_field(request.fields, "name");
-  if (!name) return tl::unexpected(name.error());
-  return sources_.open(*name);
+  return sources_.open(request.fields.at("name").get<std::string>());
 }
 
 Answer DocumentRequests::save_source(const Request& request) {
-  const auto name = text_field(request.fields, "name");
-  if (!name) return tl::unexpected(name.error());
-  const auto text = text_field(request.fields, "text");
-  if (!text) return tl::unexpected(text.error());
-  std::optional<std::string> version;
-  if (request.fields.contains("version") && request.fields["version"].is_string())
-    version = request.fields["version"].get<std::string>();
-  return sources_.save(*name, *text, version);
+  return sources_.save(request.fields.at("name").get<std::string>(),
+                       request.fields.at("text").get<std::string>(),
+                       fields::maybe<std::string>(request.fields, "version"));
 }
 
 void DocumentRequests::build(const Request& request, const Reply& reply) {

@@ -61,7 +61,7 @@ class DocumentRequests final : public Document {
                Run& run, Outbox& outbox);
   ~DocumentRequests() override;
 
-  Access access(std::string_view what) const override;
+  bool answers(Section section) const override { return section == Section::document; }
   void handle(Request request, Reply reply) override;
   void joined(ClientId client, Role role) override;
   const std::vector<std::string>& notes() const override { return notes_; }
@@ -74,11 +74,7 @@ class DocumentRequests final : public Document {
     std::uint64_t number = 0;  ///< never used twice
     UnsavedText unsaved;
   };
-  struct Entry {
-    Handler handler;  ///< nullptr: build, which takes its time elsewhere
-    Access access;
-  };
-  static const std::map<std::string, Entry, std::less<>>& table();
+  static const std::map<std::string_view, Handler>& table();
 
   void work();
   void answer(const Request& request, const Reply& reply);

@@ -71,11 +71,9 @@ std::string DocumentRequests::finish() {
 // ---- requests
 
 Result<std::vector<DocumentRequests::Offer>::iterator> DocumentRequests::offer_of(const Request& request) {
-  const auto number = whole_field(request.fields, "number");
-  if (!number) return tl::unexpected(number.error());
-  const auto found = std::find_if(offers_.begin(), offers_.end(), [&](const Offer& offer) {
-    return offer.number == static_cast<std::uint64_t>(*number);
-  });
+  const auto number = request.fields.at("number").get<std::uint64_t>();
+  const auto found = std::find_if(offers_.begin(), offers_.end(),
+                                  [&](const Offer& offer) { return offer.number == number; });
   if (found == offers_.end()) {
     return fail("that is not offered any more: it was restored or discarded", "", "", "stale");
   }

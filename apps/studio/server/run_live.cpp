@@ -10,9 +10,6 @@ namespace cogrsim::studio {
 
 namespace {
 
-constexpr double kSlowest = 0.01, kFastest = 1000.0;
-constexpr std::int64_t kMostSteps = 10'000;
-
 class LiveRun final : public Run {
  public:
   LiveRun(RunOptions options, const PluginLoader& loader, Outbox& outbox)
@@ -23,7 +20,9 @@ class LiveRun final : public Run {
 
   ~LiveRun() override { requests_.stop(); }
 
-  Access access(std::string_view what) const override { return RequestHandler::access(what); }
+  bool answers(Section section) const override {
+    return section == Section::run || section == Section::numbers;
+  }
 
   void handle(Request request, Reply reply) override {
     if (RequestHandler::answers(request.what)) return requests_.handle(request, reply);
@@ -59,62 +58,44 @@ class LiveRun final : public Run {
     const auto answer = [&](auto act) {
       engine_.post([this, act, reply] { reply(act(engine_)); });
     };
-    if (what == "play") answer([](Engine& e) { return e.play(); });
-    if (what == "pause") engine_.pause(reply);
-    if (what == "stop" || what == "restart") {
+    if (what == "play") {
+      answer([](Engine& e) { return e.play(); });
+    } else if (what == "pause") {
+      engine_.pause(reply);
+    } else if (what == "stop" || what == "restart") {
       engine_.post_ending([this, play = what == "restart", reply] { reply(engine_.stop(play)); });
-    }
-    if (what == "end-controller") reply(engine_.end_controller());
-    if (what == "compare-off") answer([](Engine& e) { return e.end_compare(); });
-    if (what == "step") {
-      const auto count = fields::whole(f, "count", 1, 1, kMostSteps);
-      if (!count) return tl::unexpected(count.error());
-      engine_.post([this, n = *count, reply] { engine_.step(n, reply); });
+    } else if (what == "end-controller") {
+      reply(engine_.end_controller());
+    } else if (what == "compare-off") {
+      answer([](Engine& e) { return e.end_compare(); });
+    } else if (what == "step") {
+      engine_.post(
+          [this, n = f.at("count").get<std::int64_t>(), reply] { engine_.step(n, reply); });
     } else if (what == "speed") {
-      const auto factor = fields::maybe_number(f, "factor");
-      if (!factor) return tl::unexpected(factor.error());
-      if (*factor && (**factor < kSlowest || **factor > kFastest)) {
-        return fields::wrong("factor", "from 0.01 to 1000, or null: as fast as possible");
-      }
-      answer([v = *factor](Engine& e) { return e.set_speed(v); });
+      answer([v = fields::maybe<double>(f, "factor")](Engine& e) { return e.set_speed(v); });
     } else if (what == "dt") {
-      const auto value = step_field(f, "value");
-      if (!value) return tl::unexpected(value.error());
-      answer([v = *value](Engine& e) { return e.set_step(v); });
+      answer([v = fields::maybe<double>(f, "value")](Engine& e) { return e.set_step(v); });
     } else if (what == "backend") {
-      const auto name = fields::text(f, "name");
-      if (!name) return tl::unexpected(name.error());
-      if (auto good = plugin_name(*name); !good) return good;
-      answer([v = *name](Engine& e) { return e.set_backend(v); });
+      const auto name = f.at("name").get<std::string>();
+      if (auto good = plugin_name(name); !good) return good;
+      answer([name](Engine& e) { return e.set_backend(name); });
     } else if (what == "reload") {
-      const auto controller = fields::maybe_text(f, "controller");
-      if (!controller) return tl::unexpected(controller.error());
-      answer([c = *controller](Engine& e) { return e.reload(c); });
+      answer([c = fields::maybe<std::string>(f, "controller")](Engine& e) { return e.reload(c); });
     } else if (what == "record") {
-      const auto on = fields::truth(f, "on", true);
-      const auto file = fields::maybe_text(f, "file");
-      if (!on) return tl::unexpected(on.error());
-      if (!file) return tl::unexpected(file.error());
-      answer([a = *on, b = *file](Engine& e) { return e.record(a, b); });
+      answer([on = f.at("on").get<bool>(), file = fields::maybe<std::string>(f, "file")](
+                 Engine& e) { return e.record(on, file); });
     } else if (what == "compare") {
-      const auto name = fields::maybe_text(f, "backend");
-      const auto step = step_field(f, "step");
-      if (!name) return tl::unexpected(name.error());
-      if (!step) return tl::unexpected(step.error());
-      if (*name) {
-        if (auto good = plugin_name(**name); !good) return good;
+      const auto name = fields::maybe<std::string>(f, "backend");
+      if (name) {
+        if (auto good = plugin_name(*name); !good) return good;
       }
-      answer([w = CompareWish{*name, *step}](Engine& e) { return e.compare(w); });
+      answer([w = CompareWish{name, fields::maybe<double>(f, "step")}](Engine& e) {
+        return e.compare(w);
+      });
+    } else {
+      return fail("the run does not answer '" + what + "'");
     }
     return {};
-  }
-
-  static Result<std::optional<double>> step_field(const Json& f, const char* key) {
-    auto value = fields::maybe_number(f, key);
-    if (value && *value && !(**value > 0.0 && **value <= 1.0)) {
-      return fields::wrong(key, "above 0 s and at most 1 s, or null");
-    }
-    return value;
   }
 
   /// A name, never a path.
@@ -123,7 +104,7 @@ class LiveRun final : public Run {
                        std::all_of(name.begin(), name.end(), [](unsigned char c) {
                          return std::isalnum(c) != 0 || c == '_' || c == '-';
                        });
-    if (!plain) return fields::wrong("name", "the name of a backend");
+    if (!plain) return fail("'name' must be the name of a backend");
     return {};
   }
 

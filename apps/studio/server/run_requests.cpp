@@ -1,30 +1,9 @@
 #include "run_requests.h"
 
-#include <algorithm>
-#include <array>
-
 #include "run_fields.h"
 #include "run_wire.h"
 
 namespace cogrsim::studio {
-
-namespace {
-
-// At once, and in a thread of its own.
-constexpr std::array<std::string_view, 8> kAtOnce = {"seek",   "step-back", "live", "subscribe",
-                                                     "events", "cameras",   "view", "paths"};
-constexpr std::array<std::string_view, 5> kComputed = {"signals", "series", "divergence", "plots",
-                                                       "figure"};
-constexpr std::array<std::string_view, 13> kSteering = {
-    "play",    "pause",  "stop",    "restart",     "step",   "speed",         "dt",
-    "backend", "record", "compare", "compare-off", "reload", "end-controller"};
-
-template <class List>
-bool among(const List& list, std::string_view what) {
-  return std::find(list.begin(), list.end(), what) != list.end();
-}
-
-}  // namespace
 
 RequestHandler::RequestHandler(Frames& frames, Scenes& scenes, StatusPublisher& publisher, Outbox& outbox,
            const std::vector<std::string>& plugin_folders)
@@ -42,79 +21,67 @@ void RequestHandler::stop() {
   viewers_.stop();
 }
 
-bool RequestHandler::answers(std::string_view what) { return among(kAtOnce, what) || among(kComputed, what); }
-
-Part::Access RequestHandler::access(std::string_view what) {
-  if (answers(what)) return Part::Access::viewer;
-  return among(kSteering, what) ? Part::Access::operator_ : Part::Access::none;
+const std::map<std::string_view, RequestHandler::Entry>& RequestHandler::table() {
+  using R = RequestHandler;
+  static const std::map<std::string_view, Entry> entries = {{"seek", {&R::seek, true}},
+                                                            {"step-back", {&R::step_back, true}},
+                                                            {"live", {&R::live, true}},
+                                                            {"subscribe", {&R::subscribe, true}},
+                                                            {"events", {&R::events, true}},
+                                                            {"cameras", {&R::cameras, true}},
+                                                            {"view", {&R::view, true}},
+                                                            {"paths", {&R::paths, true}},
+                                                            {"signals", {&R::signals, false}},
+                                                            {"series", {&R::series, false}},
+                                                            {"divergence", {&R::divergence, false}},
+                                                            {"plots", {&R::plots, false}},
+                                                            {"figure", {&R::figure, false}}};
+  return entries;
 }
+
+bool RequestHandler::answers(std::string_view what) { return table().count(what) == 1; }
 
 void RequestHandler::left(ClientId client) {
   cameras_.left(client);
   viewers_.left(client);
 }
 
-Answer RequestHandler::paths(const Json& f) const {
-  const auto revision = fields::whole(f, "revision", 0, 0, std::int64_t{1} << 53);
-  if (!revision) return tl::unexpected(revision.error());
-  std::vector<std::size_t> counts;
-  if (const Json* list = fields::find(f, "counts")) {
-    const auto good = [](const Json& count) { return count.is_number_unsigned(); };
-    if (!list->is_array() || !std::all_of(list->begin(), list->end(), good)) {
-      return fields::wrong("counts", "a list of whole numbers");
-    }
-    counts = list->get<std::vector<std::size_t>>();
-  }
-  return frames_.paths().since(static_cast<std::uint64_t>(*revision), counts);
+Answer RequestHandler::seek(const Request& request) {
+  const auto found = viewers_.seek(request.client, request.fields.at("time").get<double>());
+  if (!found) return tl::unexpected(found.error());
+  return Json{{"time", found->time()}};
 }
 
-Answer RequestHandler::look(const Request& request) {
-  const Json& f = request.fields;
-  if (request.what == "seek") {
-    const auto time = fields::number(f, "time");
-    if (!time) return tl::unexpected(time.error());
-    const auto found = viewers_.seek(request.client, *time);
-    if (!found) return tl::unexpected(found.error());
-    return Json{{"time", found->time()}};
-  }
-  if (request.what == "step-back") {
-    const auto found = viewers_.step_back(request.client);
-    if (!found) return tl::unexpected(found.error());
-    return Json{{"time", found->time()}};
-  }
-  if (request.what == "live") {
-    viewers_.follow(request.client);
-    return Json::object();
-  }
-  if (request.what == "subscribe") {
-    std::optional<bool> wanted[2];
-    const char* const keys[2] = {"contacts", "readings"};
-    for (int i = 0; i < 2; ++i) {
-      if (!fields::find(f, keys[i])) continue;
-      const auto value = fields::truth(f, keys[i], false);
-      if (!value) return tl::unexpected(value.error());
-      wanted[i] = *value;
-    }
-    viewers_.subscribe(request.client, wanted[0], wanted[1]);
-    return Json::object();
-  }
-  if (request.what == "cameras") return cameras_.show(request.client, f);
-  if (request.what == "view") return cameras_.view(request.client, f);
-  if (request.what == "paths") return paths(f);
-  const auto from = fields::whole(f, "from", 0, 0, std::int64_t{1} << 53);
-  if (!from) return tl::unexpected(from.error());
+Answer RequestHandler::step_back(const Request& request) {
+  const auto found = viewers_.step_back(request.client);
+  if (!found) return tl::unexpected(found.error());
+  return Json{{"time", found->time()}};
+}
+
+Answer RequestHandler::live(const Request& request) {
+  viewers_.follow(request.client);
+  return Json::object();
+}
+
+Answer RequestHandler::subscribe(const Request& request) {
+  viewers_.subscribe(request.client, fields::maybe<bool>(request.fields, "contacts"),
+                     fields::maybe<bool>(request.fields, "readings"));
+  return Json::object();
+}
+
+Answer RequestHandler::events(const Request& request) {
   Json list = Json::array();
-  for (const IndexedEvent& event : publisher_.events_from(static_cast<std::size_t>(*from))) {
-    list.push_back(to_json(event));
-  }
+  const auto from = request.fields.at("from").get<std::size_t>();
+  for (const IndexedEvent& event : publisher_.events_from(from)) list.push_back(to_json(event));
   return Json{{"events", std::move(list)}};
 }
 
-Answer RequestHandler::compute(const std::string& what, const Json& f) {
-  if (what == "signals") return series_.signals();
-  if (what == "series") return series_.series(f);
-  if (what == "plots") return series_.plots();
-  if (what == "figure") return series_.figure(f);
+Answer RequestHandler::paths(const Request& request) {
+  return frames_.paths().since(request.fields.at("revision").get<std::uint64_t>(),
+                               request.fields.at("counts").get<std::vector<std::size_t>>());
+}
+
+Answer RequestHandler::divergence(const Request&) {
   const Situation now = publisher_.situation();
   if (!now.compare) return fail("nothing is compared");
   Json first;
@@ -127,9 +94,10 @@ Answer RequestHandler::compute(const std::string& what, const Json& f) {
 }
 
 void RequestHandler::handle(const Request& request, const Reply& reply) {
-  if (among(kAtOnce, request.what)) return reply(look(request));
+  const Entry& entry = table().at(request.what);
+  if (entry.at_once) return reply((this->*entry.handler)(request));
   worker_.post(request.client, request.role,
-               [this, what = request.what, f = request.fields, reply] { reply(compute(what, f)); });
+               [this, entry, request, reply] { reply((this->*entry.handler)(request)); });
 }
 
 }  // namespace cogrsim::studio

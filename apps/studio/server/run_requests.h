@@ -24,9 +24,7 @@ class RequestHandler {
   /// Nothing is answered any more; to be called before the data it reads is destroyed.
   void stop();
 
-  /// Access to the requests of a run; a recording, too, knows those that steer a run, and refuses
-  /// them with a reason.
-  static Part::Access access(std::string_view what);
+  /// Requests of a run that only read.
   static bool answers(std::string_view what);
   void handle(const Request& request, const Reply& reply);
   Viewers& viewers() { return viewers_; }
@@ -35,9 +33,24 @@ class RequestHandler {
   void post(std::function<void()> job) { worker_.post(0, Role::operator_, std::move(job)); }
 
  private:
-  Answer look(const Request& request);
-  Answer paths(const Json& fields) const;
-  Answer compute(const std::string& what, const Json& fields);
+  struct Entry {
+    Answer (RequestHandler::*handler)(const Request&);
+    bool at_once;  ///< else in a thread of its own
+  };
+  static const std::map<std::string_view, Entry>& table();
+  Answer seek(const Request& request);
+  Answer step_back(const Request& request);
+  Answer live(const Request& request);
+  Answer subscribe(const Request& request);
+  Answer events(const Request& request);
+  Answer paths(const Request& request);
+  Answer divergence(const Request& request);
+  Answer cameras(const Request& request) { return cameras_.show(request.client, request.fields); }
+  Answer view(const Request& request) { return cameras_.view(request.client, request.fields); }
+  Answer signals(const Request&) { return series_.signals(); }
+  Answer series(const Request& request) { return series_.series(request.fields); }
+  Answer plots(const Request&) { return series_.plots(); }
+  Answer figure(const Request& request) { return series_.figure(request.fields); }
 
   Frames& frames_;
   StatusPublisher& publisher_;

@@ -14,8 +14,6 @@ namespace {
 
 constexpr std::size_t kPiece = 1000;       // frames taken at a time
 constexpr std::size_t kCurvesKept = 200;   // signals remembered
-constexpr std::size_t kMostSignals = 100;  // asked for at a time
-constexpr std::int64_t kMostPoints = 100'000;
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 
 /// Channels of a run's sensors by name: a second run may number them otherwise.
@@ -171,23 +169,12 @@ Result<SeriesRequests::Curve*> SeriesRequests::curve(const std::string& text, bo
 }
 
 Answer SeriesRequests::series(const Json& f) {
-  const Json* names = fields::find(f, "signals");
-  if (!names || !names->is_array() || names->size() > kMostSignals) {
-    return fields::wrong("signals", "a list of at most 100 signals");
-  }
-  const auto from = fields::maybe_number(f, "from"), to = fields::maybe_number(f, "to");
-  const auto points = fields::whole(f, "points", 2000, 2, kMostPoints);
-  const auto run = fields::maybe_text(f, "run");
-  if (!from) return tl::unexpected(from.error());
-  if (!to) return tl::unexpected(to.error());
-  if (!points) return tl::unexpected(points.error());
-  if (!run) return tl::unexpected(run.error());
-  if (*run && **run != "ghost") return fields::wrong("run", "\"ghost\", or left out");
+  const auto from = fields::maybe<double>(f, "from"), to = fields::maybe<double>(f, "to");
+  const auto points = f.at("points").get<std::size_t>();
   forget_old();
   std::vector<Curve*> curves;
-  for (const Json& name : *names) {
-    if (!name.is_string()) return fields::wrong("signals", "a list of texts");
-    auto found = curve(name.get<std::string>(), run->has_value());
+  for (const Json& name : f.at("signals")) {
+    auto found = curve(name.get<std::string>(), f.contains("run"));
     if (!found) return tl::unexpected(found.error());
     curves.push_back(*found);
   }
@@ -199,15 +186,15 @@ Answer SeriesRequests::series(const Json& f) {
     if (!shortest || one->times.size() < shortest->times.size()) shortest = one;
   }
   std::vector<double> times = shortest ? shortest->times : std::vector<double>();
-  if (*from) {
-    first = static_cast<std::size_t>(std::lower_bound(times.begin(), times.end(), **from) -
+  if (from) {
+    first = static_cast<std::size_t>(std::lower_bound(times.begin(), times.end(), *from) -
                                      times.begin());
   }
-  last = *to ? static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), **to) -
-                                        times.begin())
-             : times.size();
+  last = to ? static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), *to) -
+                                       times.begin())
+            : times.size();
   const std::size_t count = last > first ? last - first : 0;
-  const std::size_t intervals = std::min(count, static_cast<std::size_t>(*points));
+  const std::size_t intervals = std::min(count, points);
   const auto begin = [&](std::size_t i) { return first + i * count / intervals; };
   for (std::size_t i = 0; i < intervals; ++i) time.push_back(times[begin(i)]);
   for (const Curve* one : curves) {
@@ -252,22 +239,21 @@ Answer SeriesRequests::plots() {
 }
 
 Answer SeriesRequests::figure(const Json& f) {
-  const auto name = fields::text(f, "plot");
-  if (!name) return tl::unexpected(name.error());
+  const auto name = f.at("plot").get<std::string>();
   forget_old();
   const SceneRecordPtr record = scenes_.newest();
   const PlotModel* plot = nullptr;
   if (record) {
     for (const PlotModel& one : record->model->plots) {
-      if (one.name == *name) plot = &one;
+      if (one.name == name) plot = &one;
     }
   }
-  if (!plot) return fail("there is no plot '" + *name + "'");
-  Figure& figure = figures_[*name];
+  if (!plot) return fail("there is no plot '" + name + "'");
+  Figure& figure = figures_[name];
   if (!figure.sampler || figure.lineage != record->lineage) {
     auto made = figures::PlotSampler::create(*plot, *record->model, record->lookup());
     if (!made) {
-      figures_.erase(*name);
+      figures_.erase(name);
       return tl::unexpected(made.error());
     }
     figure = {frames_.epoch(), record->lineage, kNever,
@@ -289,7 +275,7 @@ Answer SeriesRequests::figure(const Json& f) {
   for (const figures::Series& s : drawn->series) {
     series.push_back({{"label", s.label}, {"x", s.x}, {"y", s.y}, {"z", s.z}});
   }
-  return Json{{"name", *name},
+  return Json{{"name", name},
               {"kind", figures::to_string(drawn->kind)},
               {"title", drawn->title},
               {"x", axis_json(drawn->x)},

@@ -1,5 +1,6 @@
 #include "studio.h"
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <map>
@@ -8,26 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "cogrsim/core/parameter.h"
+#include "protocol.h"
 #include "turns.h"
 
 namespace cogrsim::studio {
 namespace {
-
-// All requests of PROTOCOL.md, to distinguish a typing error from a request that this studio does
-// not answer.
-const std::vector<std::string>& known_requests() {
-  static const std::vector<std::string> names = {
-      "hello",         "play",     "pause",       "stop",      "restart",     "step",
-      "speed",         "dt",       "backend",     "record",    "seek",        "step-back",
-      "live",          "compare",  "compare-off", "subscribe", "signals",     "series",
-      "divergence",    "plots",    "figure",      "events",    "cameras",     "view",
-      "set-text",      "edit",     "undo",        "redo",      "save",        "revert",
-      "schema",        "complete", "mass",        "sources",   "open-source", "save-source",
-      "build",         "reload",   "unsaved",     "restore",   "discard",     "paths",
-      "end-controller"};
-  return names;
-}
 
 // Nesting is counted before parsing, since the parser is recursive.
 bool too_deep(const std::string& text, std::size_t limit) {
@@ -239,24 +225,27 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
   void handle(Request request, Client& about, const std::shared_ptr<Pending>& pending) {
     if (request.what == "hello") return hello(request, about, *pending);
     if (!about.greeted) return pending->answer(fail("say hello first"));
-    Part* responsible = nullptr;
-    Part::Access access = Part::Access::none;
-    for (Part* part : parts) {
-      access = part->access(request.what);
-      if (access == Part::Access::none) continue;
-      responsible = part;
-      break;
+    const ProtocolRequest* const known = find_request(request.what);
+    if (!known) return pending->answer(tl::unexpected(unknown_request(request.what)));
+    const auto responsible = std::find_if(parts.begin(), parts.end(), [&](const Part* part) {
+      return part->answers(known->section);
+    });
+    if (responsible == parts.end()) {
+      return pending->answer(
+          fail(fmt::format("'{}' is not there for a {}", request.what, info.kind)));
     }
-    if (!responsible) return pending->answer(tl::unexpected<Error>(unknown(request.what)));
-    if (access == Part::Access::operator_ && request.role != Role::operator_) {
+    if (!known->viewers && request.role != Role::operator_) {
       return pending->answer(fail(fmt::format("'{}' is not for viewers", request.what), "",
                                   "open the address that the studio printed for its operator",
                                   "viewer"));
     }
+    if (auto good = check_fields(*known, request.fields); !good)
+      return pending->answer(tl::unexpected(good.error()));
     const std::string what = request.what;
     try {
-      responsible->handle(std::move(request),
-                          [pending](Answer answer) { pending->answer(std::move(answer)); });
+      (*responsible)->handle(std::move(request), [pending](Answer answer) {
+        pending->answer(std::move(answer));
+      });
     } catch (const std::exception& e) {
       pending->answer(fail(fmt::format("'{}' failed: {}", what, message_of(e))));
     }
@@ -277,19 +266,6 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
     if (about.greeted) return;
     about.greeted = true;
     for (Part* part : parts) part->joined(request.client, request.role);
-  }
-
-  Error unknown(const std::string& what) const {
-    const auto& names = known_requests();
-    for (const std::string& name : names) {
-      if (name == what) {
-        return Error(fmt::format("'{}' is not there for a {}", what, info.kind));
-      }
-    }
-    const std::string shown = what.substr(0, 60);
-    const std::string nearest = nearest_name(shown, names);
-    return Error(fmt::format("there is no request '{}'", shown), "",
-                 nearest.empty() ? "" : fmt::format("did you mean '{}'?", nearest));
   }
 };
 

@@ -9,10 +9,6 @@
 
 namespace cogrsim::studio {
 
-/// Of PROTOCOL.md, as `hello` reports it: goes up with every change that an older page does not
-/// understand. kProtocol in web/src/core/protocol.ts is the page's.
-constexpr int kProtocol = 2;
-
 /// What a page receives in answer to hello.
 struct StudioInfo {
   std::string version;
@@ -23,7 +19,7 @@ struct StudioInfo {
   std::string assets;  ///< Server::assets()
 };
 
-/// Requests as in PROTOCOL.md. A page says `hello` first; then joined() of the parts is called, on
+/// Requests as in protocol.h. A page says `hello` first; then joined() of the parts is called, on
 /// the thread on which they handle requests.
 class Studio final : public Inbox {
  public:

@@ -52,12 +52,15 @@ class Inbox {
   virtual std::string asset(std::size_t number) = 0;
 };
 
+/// A group of requests, which one part answers.
+enum class Section { session, run, numbers, document };
+
 /// One request of a page.
 struct Request {
   ClientId client = 0;
   Role role = Role::viewer;
   std::string what;  ///< its "do"
-  Json fields;
+  Json fields;       ///< as the table of the protocol has them: check_fields()
 };
 
 /// An answer's fields beside id and ok, or why not; Error::code may be "viewer" or "stale".
@@ -69,9 +72,7 @@ using Reply = std::function<void(Answer)>;
 class Part {
  public:
   virtual ~Part() = default;
-  /// Whether it answers requests of that name, and whether viewers may ask.
-  enum class Access { none, viewer, operator_ };
-  virtual Access access(std::string_view what) const = 0;
+  virtual bool answers(Section section) const = 0;
   /// Called from one thread, one request at a time; long work is done in another thread.
   virtual void handle(Request request, Reply reply) = 0;
   virtual void joined(ClientId, Role) {}

@@ -1,5 +1,5 @@
 // The connection to the source of a run: a server at the other end of a WebSocket, or a bundle's memory.
-import type { Failure, Frame, Picture, Topics } from "./protocol";
+import type { Answer, Failure, Frame, Picture, RequestName, Requests, Topics } from "./protocol";
 
 export class RequestError extends Error {
   constructor(readonly failure: Failure) {
@@ -7,11 +7,17 @@ export class RequestError extends Error {
   }
 }
 
+/** Left out where no field is needed. */
+export type FieldsOf<Name extends RequestName> = Record<string, never> extends Requests[Name]["fields"]
+  ? [fields?: Requests[Name]["fields"]]
+  : [fields: Requests[Name]["fields"]];
+
 export type Unsubscribe = () => void;
 
 export interface Link {
   /** Rejects with RequestError when refused, and when the connection is broken. */
-  request<Answer = Record<string, unknown>>(what: string, fields?: Record<string, unknown>): Promise<Answer>;
+  request<Name extends RequestName>(what: Name, ...fields: FieldsOf<Name>): Promise<Answer<Name>>;
+  request<Reply = Record<string, unknown>>(what: string, fields?: Record<string, unknown>): Promise<Reply>;
   on<Name extends keyof Topics>(name: Name, listener: (message: Topics[Name]) => void): Unsubscribe;
   /** The newest frame; called at most once per animation frame. */
   onFrame(listener: (frame: Frame) => void): Unsubscribe;

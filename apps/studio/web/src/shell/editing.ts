@@ -11,9 +11,9 @@ export function elementsOf(ops: Op[]): number[] {
   return ops.flatMap((op) => {
     switch (op.op) {
       case "insert":
-        return op.before === null ? [op.parent] : [op.parent, op.before];
+        return typeof op.before === "number" ? [op.parent, op.before] : [op.parent];
       case "move":
-        return op.before === null ? [op.element, op.parent] : [op.element, op.parent, op.before];
+        return typeof op.before === "number" ? [op.element, op.parent, op.before] : [op.element, op.parent];
       case "remove":
       case "assemble":
       case "group":

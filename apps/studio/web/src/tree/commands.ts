@@ -95,7 +95,7 @@ async function assemble(studio: Studio): Promise<void> {
         help: "Shared by all parts; each keeps its own if left empty.",
       },
     ],
-    preview: (values) => massElement(studio, ids, values.material ?? ""),
+    preview: () => massElement(studio, ids),
     accept: "Assemble",
   });
   if (!answer) return;

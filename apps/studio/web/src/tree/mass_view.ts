@@ -28,12 +28,12 @@ export function massLines(answer: MassAnswer): [string, string][] {
   return lines;
 }
 
-export function askMass(studio: Studio, elements: number[], material = ""): Promise<MassAnswer> {
-  return studio.link.request<MassAnswer>("mass", { elements, ...(material === "" ? {} : { material }) });
+export function askMass(studio: Studio, elements: number[]): Promise<MassAnswer> {
+  return studio.link.request<MassAnswer>("mass", { elements });
 }
 
 /** A list of the lines, or why there is none. */
-export async function massElement(studio: Studio, elements: number[], material = ""): Promise<HTMLElement> {
+export async function massElement(studio: Studio, elements: number[]): Promise<HTMLElement> {
   const root = document.createElement("dl");
   root.className = "cg-mass";
   root.dataset.testid = "mass-preview";
@@ -46,7 +46,7 @@ export async function massElement(studio: Studio, elements: number[], material =
     root.append(term, text);
   };
   try {
-    const answer = await askMass(studio, elements, material);
+    const answer = await askMass(studio, elements);
     for (const [name, value] of massLines(answer)) add(name, value);
     add("bodies", answer.bodies.join(", "));
   } catch (error) {
