@@ -86,7 +86,7 @@ std::string rows_text(const std::vector<Row>& rows, const std::string& address) 
     if (row.entry) {
       const Manifest& manifest = row.entry->manifest;
       about = manifest.description.substr(0, manifest.description.find('\n'));
-      size = bytes_text(row.entry->size);
+      size = cli::bytes_text(row.entry->size);
       author = manifest.author.substr(0, manifest.author.find('\n'));
     }
     table.row({row.package.name, row.package.version, size,

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -56,14 +55,6 @@ Result<> move_to_free_name(const std::string& from, const std::string& to) {
   return fail(fmt::format("cannot be made: {}", std::strerror(why)), to);
 }
 
-std::string bytes_text(std::uint64_t bytes) {
-  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
-  const double size = static_cast<double>(bytes);
-  if (size < 1e6) return fmt::format("{:.3g} kB", size / 1e3);
-  if (size < 1e9) return fmt::format("{:.3g} MB", size / 1e6);
-  return fmt::format("{:.3g} GB", size / 1e9);
-}
-
 std::string shell_quoted(const std::string& text) {
   const bool plain =
       !text.empty() && text.front() != '-' && std::all_of(text.begin(), text.end(), [](char c) {
@@ -76,34 +67,20 @@ std::string shell_quoted(const std::string& text) {
   return out + "'";
 }
 
-TransferLine::TransferLine(std::string title)
-    : title_(std::move(title)), shown_(cli::is_live_terminal(STDERR_FILENO)) {}
-
-TransferLine::~TransferLine() {
-  if (drawn_) std::fputs("\r\033[K", stderr);
-}
-
 TransferProgress TransferLine::progress() {
   return [this](std::uint64_t done, std::uint64_t total) { show(done, total); };
 }
 
 void TransferLine::show(std::uint64_t done, std::uint64_t total) {
-  if (!shown_) return;
-  const double now =
-      std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-  if (drawn_ && now - last_ < 0.1 && done != total) return;
-  std::string line = title_ + "  " + bytes_text(done);
+  if (!line_.due() && done != total) return;
+  std::string line = title_ + "  " + cli::bytes_text(done);
   if (total > 0) {
-    const auto filled = static_cast<std::size_t>(20.0 * static_cast<double>(std::min(done, total)) /
-                                                 static_cast<double>(total));
-    line = fmt::format("{}  [{}{}]  {} of {}", title_, std::string(filled, '#'),
-                       std::string(20 - filled, '-'), bytes_text(done), bytes_text(total));
+    const double part = static_cast<double>(std::min(done, total)) / static_cast<double>(total);
+    line = fmt::format("{}  {}  {} of {}", title_, cli::bar_text(part, 20), cli::bytes_text(done),
+                       cli::bytes_text(total));
   }
   const auto width = static_cast<std::size_t>(std::max(20, cli::terminal_width(STDERR_FILENO) - 1));
-  std::fputs(("\r\033[K" + cli::shortened(line, width)).c_str(), stderr);
-  std::fflush(stderr);
-  drawn_ = true;
-  last_ = now;
+  line_.show(cli::shortened(line, width));
 }
 
 }  // namespace cogrsim::share

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cogrsim/core/result.h"
+#include "common/progress.h"
 #include "http.h"
 
 namespace cogrsim::share {
@@ -28,26 +29,19 @@ class TemporaryFolder {
 /// Moves a file or folder to a name that must be free. Errors: it is not, or cannot be made.
 Result<> move_to_free_name(const std::string& from, const std::string& to);
 
-/// "812 bytes", "31.2 kB", "1.5 GB".
-std::string bytes_text(std::uint64_t bytes);
-
 /// Quotes any text as one argument for a shell.
 std::string shell_quoted(const std::string& text);
 
-/// A line on stderr that shows how far a transfer is, if that is a terminal; else nothing.
+/// A line on stderr that shows how far a transfer is.
 class TransferLine {
  public:
-  explicit TransferLine(std::string title);
-  ~TransferLine();
-  TransferLine(const TransferLine&) = delete;
-  TransferLine& operator=(const TransferLine&) = delete;
+  explicit TransferLine(std::string title) : title_(std::move(title)) {}
   TransferProgress progress();
 
  private:
   void show(std::uint64_t done, std::uint64_t total);
   std::string title_;
-  bool shown_, drawn_ = false;
-  double last_ = -1.0;  // [s] of the steady clock
+  cli::StatusLine line_;
 };
 
 }  // namespace cogrsim::share

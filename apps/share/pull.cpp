@@ -101,7 +101,7 @@ std::string report(const Manifest& manifest, const std::string& folder, bool dry
   std::string out = fmt::format(
       "{}{} {}{}: {}, {} files, {}\n", style.bold, package.name, package.version, style.off,
       dry_run ? "good; nothing was written: --dry-run" : "is in " + cli::printable(folder),
-      manifest.files.size(), bytes_text(manifest.unpacked_size()));
+      manifest.files.size(), cli::bytes_text(manifest.unpacked_size()));
   for (const auto& [what, text] :
        {std::pair<const char*, const std::string&>{"about", manifest.description},
         {"author", manifest.author},

@@ -99,12 +99,12 @@ std::string contents_text(const Entry& entry, const std::vector<std::string>& no
   std::string out =
       fmt::format("{}{} {}{}: {} files, {}, packed {}\n", style.bold, manifest.package.name,
                   manifest.package.version, style.off, manifest.files.size(),
-                  bytes_text(manifest.unpacked_size()), bytes_text(entry.size));
+                  cli::bytes_text(manifest.unpacked_size()), cli::bytes_text(entry.size));
   using Align = cli::TextTable::Align;
   cli::TextTable files({Align::left, Align::left, Align::right});
   files.row({"file", "role", "size"});
   for (const PackagedFile& file : manifest.files) {
-    files.row({file.path, role_name(file.role), bytes_text(file.size)});
+    files.row({file.path, role_name(file.role), cli::bytes_text(file.size)});
   }
   out += files.text("  ", style.bold, style.off);
   for (const std::string& note : notes) out += "  " + cli::printable(note) + "\n";

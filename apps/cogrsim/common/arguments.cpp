@@ -15,14 +15,19 @@ using Problem = cogrsim::Error;
 
 }  // namespace
 
-double step_from(const std::string& argument) {
+double time_from(const std::string& option, const std::string& argument, double least, double most,
+                 const std::string& help) {
   const auto time = parse_time(argument);
-  if (!time) throw UsageError("--step", time.error());
-  if (*time < kSmallestStep || *time > kLargestStep) {
-    throw UsageError("--step", Problem(fmt::format("'{}' is out of range", argument), "",
-                                       "a step is from 1 ns to 1 s; \"1 ms\" suits most scenes"));
+  if (!time) throw UsageError(option, time.error());
+  if (*time < least || *time > most) {
+    throw UsageError(option, Problem(fmt::format("'{}' is out of range", argument), "", help));
   }
   return *time;
+}
+
+double step_from(const std::string& argument) {
+  return time_from("--step", argument, kSmallestStep, kLargestStep,
+                   "a step is from 1 ns to 1 s; \"1 ms\" suits most scenes");
 }
 
 std::uint64_t seed_from(const std::string& argument) {

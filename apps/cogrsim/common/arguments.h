@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -19,7 +20,16 @@ class UsageError : public CLI::ValidationError {
       : CLI::ValidationError(option, problem.text()) {}
 };
 
-/// Step length [s] of `--step`. Throws UsageError, as all here do.
+/// The least time that is above 0 [s].
+inline constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
+/// Any time, also a negative one [s].
+inline constexpr double kAnyTime = std::numeric_limits<double>::infinity();
+
+/// Time [s] of an option, from `least` to `most`; `help` says what the option expects. Throws
+/// UsageError, as all here do.
+double time_from(const std::string& option, const std::string& argument, double least = -kAnyTime,
+                 double most = kAnyTime, const std::string& help = "");
+/// Step length [s] of `--step`.
 double step_from(const std::string& argument);
 std::uint64_t seed_from(const std::string& argument);
 /// An option that may be repeated, one argument at a time.

@@ -10,18 +10,19 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <iostream>
+#include <iterator>
 
 #include <fmt/format.h>
 
 #include "common/progress.h"
-#include "sweep/sweep_case.h"
-#include "common/terminal.h"
 
 namespace cogrsim::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr int kResultDescriptor = 3;
 constexpr std::size_t kKeptErrors = 4096;         // [bytes] of a child's standard error
 constexpr std::size_t kLongestResult = 16 << 20;  // [bytes]
 
@@ -31,7 +32,7 @@ tl::unexpected<Error> cannot_start() {
 }
 
 // In the child, between fork and exec: only calls that are safe there.
-[[noreturn]] void become_case(pid_t parent, int input, int result, int errors,
+[[noreturn]] void become_case(const char* command, pid_t parent, int input, int result, int errors,
                               std::uint64_t memory_limit) {
   // Out of the terminal's group: Ctrl-C is for the parent, which then ends its children.
   setpgid(0, 0);
@@ -56,27 +57,28 @@ tl::unexpected<Error> cannot_start() {
   struct sigaction usual {};
   usual.sa_handler = SIG_DFL;
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) sigaction(signal, &usual, nullptr);
-  execl("/proc/self/exe", "cogrsim", "sweep-case", static_cast<char*>(nullptr));
+  execl("/proc/self/exe", "cogrsim", command, static_cast<char*>(nullptr));
   _exit(126);
 }
 
-// The last two lines with something on them, as they may be shown: what a library said, and who was
-// called when it crashed.
-std::string last_lines(const std::string& text) {
-  std::string said;
-  std::size_t end = text.find_last_not_of(" \n\r\t");
-  for (int i = 0; i < 2 && end != std::string::npos; ++i) {
-    const std::size_t before = text.find_last_of('\n', end);
-    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
-    const std::string line = one_line(text.substr(begin, end - begin + 1));
-    said = said.empty() ? line : line + "; " + said;
-    if (begin == 0) break;
-    end = text.find_last_not_of(" \n\r\t", before);
-  }
-  return said;
+}  // namespace
+
+Json case_input() {
+  const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  return Json::parse(text, nullptr, false);
 }
 
-}  // namespace
+bool write_case_result(const Json& result) {
+  const std::string text = json_text(result);
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t count = write(kResultDescriptor, text.data() + done, text.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    done += static_cast<std::size_t>(count);
+  }
+  return true;
+}
 
 CasePool::~CasePool() {
   for (const Child& child : children_) {
@@ -88,7 +90,7 @@ CasePool::~CasePool() {
 }
 
 Result<> CasePool::start(std::size_t id, const Json& input) {
-  const std::string text = input.dump();
+  const std::string text = input.dump(-1, ' ', false, Json::error_handler_t::replace);
   const int memory = memfd_create("case", MFD_CLOEXEC);
   int result[2] = {-1, -1}, errors[2] = {-1, -1};
   const auto close_all = [&] {
@@ -105,7 +107,7 @@ Result<> CasePool::start(std::size_t id, const Json& input) {
   }
   const pid_t parent = getpid();
   const pid_t pid = fork();
-  if (pid == 0) become_case(parent, memory, result[1], errors[1], limits_.memory_limit);
+  if (pid == 0) become_case(command_, parent, memory, result[1], errors[1], limits_.memory_limit);
   if (pid < 0) {
     const auto failed = cannot_start();
     close_all();
@@ -126,7 +128,7 @@ Result<> CasePool::start(std::size_t id, const Json& input) {
   return {};
 }
 
-void CasePool::drain(Child& child) const {
+void CasePool::drain(Child& child) {
   char buffer[65536];
   const auto read_all = [&](int descriptor, std::string& text, std::size_t keep, bool tail) {
     for (;;) {
@@ -144,31 +146,6 @@ void CasePool::drain(Child& child) const {
   };
   read_all(child.result, child.result_text, kLongestResult, false);
   read_all(child.errors, child.error_text, kKeptErrors, true);
-}
-
-Json CasePool::outcome(const Child& child, int status) const {
-  if (child.timed_out) {
-    return failed_result("timeout",
-                         fmt::format("took longer than {}", elapsed_text(limits_.timeout)));
-  }
-  const std::string said = last_lines(child.error_text);
-  const std::string limited =
-      limits_.memory_limit > 0
-          ? fmt::format(" (its memory was limited to {} MB)", limits_.memory_limit / 1000000)
-          : "";
-  if (WIFSIGNALED(status)) {
-    const int signal = WTERMSIG(status);
-    return failed_result("crashed", fmt::format("signal {} ({}){}{}", signal, strsignal(signal),
-                                                limited, said.empty() ? "" : ": " + said));
-  }
-  Json result = Json::parse(child.result_text, nullptr, false);
-  if (WEXITSTATUS(status) == 0 && result.is_object() && result.contains("status") &&
-      result.contains("measures")) {
-    return result;
-  }
-  return failed_result("crashed",
-                       fmt::format("ended with exit status {} and without a result{}{}",
-                                   WEXITSTATUS(status), limited, said.empty() ? "" : ": " + said));
 }
 
 std::vector<FinishedCase> CasePool::wait(int milliseconds) {
@@ -194,7 +171,9 @@ std::vector<FinishedCase> CasePool::wait(int milliseconds) {
       continue;
     }
     drain(child);
-    finished.push_back({child.id, outcome(child, status)});
+    Json result = Json::parse(child.result_text, nullptr, false);
+    CaseEnd end{status, child.timed_out, std::move(result), std::move(child.error_text)};
+    finished.push_back({child.id, outcome_(std::move(end), limits_), seconds_since(child.start)});
     close(child.result);
     close(child.errors);
     children_.erase(children_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -202,6 +181,12 @@ std::vector<FinishedCase> CasePool::wait(int milliseconds) {
   // Between the closing of its pipes and its end a child makes poll() return at once.
   if (finished.empty() && !children_.empty()) usleep(500);
   return finished;
+}
+
+void CasePool::end(double grace) {
+  for (const Child& child : children_) kill(child.pid, SIGTERM);
+  for (const auto asked_at = Clock::now(); running() > 0 && seconds_since(asked_at) < grace;)
+    wait(20);
 }
 
 }  // namespace cogrsim::cli

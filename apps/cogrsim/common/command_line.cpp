@@ -53,16 +53,6 @@ struct Arguments {
 
 constexpr std::size_t kMostRepetitions = 10000;  // of a comparison
 
-double duration_from(const std::string& argument) {
-  const auto time = parse_time(argument);
-  if (!time) throw UsageError("--duration", time.error());
-  if (*time <= 0.0 || *time > kLongestDuration) {
-    throw UsageError("--duration", Problem(fmt::format("'{}' is out of range", argument), "",
-                                           "a run lasts more than 0 s and at most 1e9 s"));
-  }
-  return *time;
-}
-
 double speed_from(const std::string& argument) {
   if (argument == "max") return std::numeric_limits<double>::infinity();
   const std::string number =
@@ -89,7 +79,10 @@ SceneOptions scene_from(const Arguments& arguments) {
   options.scene = arguments.scene;
   options.set = settings_from(arguments.set);
   if (!arguments.seed.empty()) options.seed = seed_from(arguments.seed);
-  if (!arguments.duration.empty()) options.duration = duration_from(arguments.duration);
+  if (!arguments.duration.empty()) {
+    options.duration = time_from("--duration", arguments.duration, kAboveZero, kLongestDuration,
+                                 "a run lasts more than 0 s and at most 1e9 s");
+  }
   options.plugin_paths = plugin_paths_from(arguments);
   return options;
 }
@@ -102,18 +95,14 @@ std::vector<RunOptions::Save> saves_from(const std::vector<std::string>& argumen
                                           "write --save-at 2s two.snap"));
   }
   for (std::size_t i = 0; i + 1 < arguments.size(); i += 2) {
-    const auto time = parse_time(arguments[i]);
-    if (!time) throw UsageError("--save-at", time.error());
-    if (*time < 0.0 || *time > kLongestDuration) {
-      throw UsageError("--save-at", Problem(fmt::format("'{}' is out of range", arguments[i])));
-    }
+    const double time = time_from("--save-at", arguments[i], 0.0, kLongestDuration);
     for (const RunOptions::Save& other : saves) {
       if (other.file == arguments[i + 1]) {
         throw UsageError("--save-at", Problem(fmt::format("'{}' is named twice", other.file), "",
                                               "each snapshot needs a file of its own"));
       }
     }
-    saves.push_back({*time, arguments[i + 1]});
+    saves.push_back({time, arguments[i + 1]});
   }
   std::stable_sort(saves.begin(), saves.end(),
                    [](const auto& a, const auto& b) { return a.time < b.time; });
@@ -146,14 +135,6 @@ RunOptions run_from(const Arguments& arguments) {
   return options;
 }
 
-// A time that may be 0 or lie before the start.
-std::optional<double> time_from(const char* option, const std::string& argument) {
-  if (argument.empty()) return std::nullopt;
-  const auto time = parse_time(argument);
-  if (!time) throw UsageError(option, time.error());
-  return *time;
-}
-
 PlotCommandOptions plot_from(const Arguments& arguments) {
   PlotCommandOptions options;
   options.files = arguments.files;
@@ -164,9 +145,9 @@ PlotCommandOptions plot_from(const Arguments& arguments) {
   options.z = arguments.z;
   options.by = arguments.by;
   options.title = arguments.title;
-  options.every = time_from("--every", arguments.every);
-  options.from = time_from("--from", arguments.from);
-  options.to = time_from("--to", arguments.to);
+  if (!arguments.every.empty()) options.every = time_from("--every", arguments.every);
+  if (!arguments.from.empty()) options.from = time_from("--from", arguments.from);
+  if (!arguments.to.empty()) options.to = time_from("--to", arguments.to);
   options.output = arguments.output;
   options.format = arguments.picture;
   if (options.every && *options.every < 0.0) {

@@ -9,6 +9,17 @@
 #include "common/terminal.h"
 
 namespace cogrsim::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+std::string bar_text(double part, int width) {
+  const int filled = static_cast<int>(part * width + 0.5);
+  return "[" + std::string(static_cast<std::size_t>(filled), '#') +
+         std::string(static_cast<std::size_t>(width - filled), '-') + "]";
+}
 
 std::string progress_line(const std::string& title, double time, double duration, double elapsed,
                           int width) {
@@ -23,45 +34,40 @@ std::string progress_line(const std::string& title, double time, double duration
   const int space = width - 1 - static_cast<int>(display_width(title) + display_width(tail)) - 4;
   const int bar = std::clamp(space, 0, 30);
   std::string line = title;
-  if (bar >= 5) {
-    const int filled = static_cast<int>(done * bar + 0.5);
-    line += " [" + std::string(static_cast<std::size_t>(filled), '#') +
-            std::string(static_cast<std::size_t>(bar - filled), '-') + "]";
-  }
+  if (bar >= 5) line += " " + bar_text(done, bar);
   return shortened(line + tail, static_cast<std::size_t>(std::max(width - 1, 2)));
 }
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-Progress::Progress(std::string title, double duration)
-    : title_(std::move(title)),
-      duration_(duration),
-      shown_(is_live_terminal(STDERR_FILENO)),
-      start_(Clock::now()),
-      last_(start_) {}
+StatusLine::StatusLine() : shown_(is_live_terminal(STDERR_FILENO)) {}
 
-Progress::~Progress() { finish(); }
+bool StatusLine::due() const { return shown_ && (!drawn_ || seconds_since(last_) >= 0.1); }
 
-void Progress::show(double time) {
+void StatusLine::show(const std::string& text) {
   if (!shown_) return;
-  const auto now = Clock::now();
-  if (drawn_ && now - last_ < std::chrono::milliseconds(100)) return;
-  last_ = now;
+  last_ = Clock::now();
   drawn_ = true;
-  const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const std::string line =
-      progress_line(title_, time, duration_, elapsed, terminal_width(STDERR_FILENO));
-  std::fputs(("\r" + line + "\033[K").c_str(), stderr);
+  std::fputs(("\r" + text + "\033[K").c_str(), stderr);
   std::fflush(stderr);
 }
 
-void Progress::finish() {
+void StatusLine::clear() {
   if (!drawn_) return;
   drawn_ = false;
   std::fputs("\r\033[K", stderr);
   std::fflush(stderr);
+}
+
+Progress::Progress(std::string title, double duration)
+    : title_(std::move(title)), duration_(duration), start_(Clock::now()) {}
+
+void Progress::show(double time) {
+  if (!line_.due()) return;
+  line_.show(
+      progress_line(title_, time, duration_, seconds_since(start_), terminal_width(STDERR_FILENO)));
 }
 
 }  // namespace cogrsim::cli

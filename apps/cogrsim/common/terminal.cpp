@@ -135,6 +135,14 @@ std::string step_text(double seconds) {
   return fmt::format("{:.6g} µs", seconds * 1e6);
 }
 
+std::string bytes_text(std::uint64_t bytes) {
+  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
+  const double size = static_cast<double>(bytes);
+  if (size < 1e6) return fmt::format("{:.3g} kB", size / 1e3);
+  if (size < 1e9) return fmt::format("{:.3g} MB", size / 1e6);
+  return fmt::format("{:.3g} GB", size / 1e9);
+}
+
 std::string elapsed_text(double seconds) {
   if (!std::isfinite(seconds)) return "-";
   if (seconds < 0.9995) return three_digits(seconds * 1e3) + " ms";

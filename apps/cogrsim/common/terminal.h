@@ -1,6 +1,7 @@
 // Output on the terminal: colours, widths, aligned tables, figures a person can read.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,8 @@ std::string time_text(double seconds);
 std::string step_text(double seconds);
 /// "850 ms", "12.3 s", "2 min 03 s": how long something took or will take.
 std::string elapsed_text(double seconds);
+/// "812 bytes", "31.2 kB", "1.5 GB".
+std::string bytes_text(std::uint64_t bytes);
 /// Three significant digits, then the unit.
 std::string quantity_text(double value, const std::string& unit);
 /// "0.85x", "12.3x", "1500x".

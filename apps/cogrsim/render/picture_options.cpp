@@ -13,6 +13,9 @@
 namespace cogrsim::cli {
 namespace {
 
+// The base class of CLI11's exceptions has the same name.
+using Problem = cogrsim::Error;
+
 // Arguments as they were typed.
 struct PictureArguments {
   std::string scene, backend, step, seed, at, every, speed, output, area, size;
@@ -23,18 +26,20 @@ struct PictureArguments {
 };
 
 [[noreturn]] void refuse_argument(const std::string& option, const std::string& what,
-                               const std::string& way_out) {
-  throw CLI::ValidationError(option, what + "\nhelp: " + way_out);
+                                  const std::string& way_out) {
+  throw UsageError(option, Problem(what, "", way_out));
 }
 
-double time_from(const std::string& option, const std::string& argument, bool zero_is_fine) {
-  const auto time = parse_time(argument);
-  if (!time) throw CLI::ValidationError(option, time.error().text());
-  if (*time < 0.0 || *time > kLongestDuration || (*time == 0.0 && !zero_is_fine)) {
-    refuse_argument(option, fmt::format("'{}' is out of range", argument),
-                 zero_is_fine ? "a time from 0 to 1e9 s" : "a time above 0 and at most 1e9 s");
+// --at and --every into the options of a picture.
+template <class Options>
+void take_times(const PictureArguments& arguments, Options& options) {
+  if (!arguments.at.empty()) {
+    options.at = time_from("--at", arguments.at, 0.0, kLongestDuration, "a time from 0 to 1e9 s");
   }
-  return *time;
+  if (!arguments.every.empty()) {
+    options.every = time_from("--every", arguments.every, kAboveZero, kLongestDuration,
+                              "a time above 0 and at most 1e9 s");
+  }
 }
 
 FrameSourceOptions source_from(const PictureArguments& arguments) {
@@ -149,8 +154,7 @@ void add_map(CLI::App& app, int& status) {
   command.callback([arguments, &status] {
     MapCommandOptions options;
     options.source = source_from(*arguments);
-    if (!arguments->at.empty()) options.at = time_from("--at", arguments->at, true);
-    if (!arguments->every.empty()) options.every = time_from("--every", arguments->every, false);
+    take_times(*arguments, options);
     options.speed = speed_from(*arguments);
     options.output = arguments->output;
     options.width = arguments->width;
@@ -198,8 +202,7 @@ void add_render(CLI::App& app, int& status) {
   command.callback([arguments, &status] {
     RenderCommandOptions options;
     options.source = source_from(*arguments);
-    if (!arguments->at.empty()) options.at = time_from("--at", arguments->at, true);
-    if (!arguments->every.empty()) options.every = time_from("--every", arguments->every, false);
+    take_times(*arguments, options);
     options.speed = speed_from(*arguments);
     options.output = arguments->output;
     options.camera = arguments->camera;

@@ -19,20 +19,6 @@
 namespace cogrsim::cli {
 namespace {
 
-std::string bytes_text(std::uint64_t bytes) {
-  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
-  const char* unit = "kB";
-  double size = static_cast<double>(bytes) / 1e3;
-  if (size >= 1e6) {
-    size /= 1e6;
-    unit = "GB";
-  } else if (size >= 1e3) {
-    size /= 1e3;
-    unit = "MB";
-  }
-  return fmt::format("{:.3g} {}", size, unit);
-}
-
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json info_json(const RecordingInfo& info) {

@@ -4,19 +4,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/arguments.h"
 #include "common/options.h"
-#include "common/quantities.h"
 
 namespace cogrsim::cli {
-namespace {
-
-double time_from(const char* option, const std::string& argument) {
-  const auto time = parse_time(argument);
-  if (!time) throw CLI::ValidationError(option, time.error().text());
-  return *time;
-}
-
-}  // namespace
 
 void add_info(CLI::App& app, int& status) {
   CLI::App& command = *app.add_subcommand("info", "Describe a recording");

@@ -1,10 +1,9 @@
 #include "sweep/sweep_case.h"
 
-#include <unistd.h>
+#include <sys/wait.h>
 #include <chrono>
 #include <cmath>
-#include <iostream>
-#include <iterator>
+#include <cstring>
 #include <new>
 
 #include <fmt/format.h>
@@ -112,15 +111,20 @@ Json run(const Json& input) {
   return result;
 }
 
-bool write_all(int descriptor, const std::string& text) {
-  std::size_t done = 0;
-  while (done < text.size()) {
-    const ssize_t count = write(descriptor, text.data() + done, text.size() - done);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    done += static_cast<std::size_t>(count);
+// The last two lines with something on them, as they may be shown: what a library said, and who was
+// called when it crashed.
+std::string last_lines(const std::string& text) {
+  std::string said;
+  std::size_t end = text.find_last_not_of(" \n\r\t");
+  for (int i = 0; i < 2 && end != std::string::npos; ++i) {
+    const std::size_t before = text.find_last_of('\n', end);
+    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+    const std::string line = one_line(text.substr(begin, end - begin + 1));
+    said = said.empty() ? line : line + "; " + said;
+    if (begin == 0) break;
+    end = text.find_last_not_of(" \n\r\t", before);
   }
-  return true;
+  return said;
 }
 
 }  // namespace
@@ -131,9 +135,33 @@ Json failed_result(const std::string& status, const std::string& cause) {
           {"units", Json::object()}};
 }
 
+Json sweep_outcome(CaseEnd end, const CasePool::Limits& limits) {
+  if (end.timed_out) {
+    return failed_result("timeout",
+                         fmt::format("took longer than {}", elapsed_text(limits.timeout)));
+  }
+  const std::string said = last_lines(end.error_text);
+  const std::string limited =
+      limits.memory_limit > 0
+          ? fmt::format(" (its memory was limited to {} MB)", limits.memory_limit / 1000000)
+          : "";
+  if (WIFSIGNALED(end.status)) {
+    const int signal = WTERMSIG(end.status);
+    return failed_result("crashed", fmt::format("signal {} ({}){}{}", signal, strsignal(signal),
+                                                limited, said.empty() ? "" : ": " + said));
+  }
+  Json& result = end.result;
+  if (WEXITSTATUS(end.status) == 0 && result.is_object() && result.contains("status") &&
+      result.contains("measures")) {
+    return std::move(result);
+  }
+  return failed_result(
+      "crashed", fmt::format("ended with exit status {} and without a result{}{}",
+                             WEXITSTATUS(end.status), limited, said.empty() ? "" : ": " + said));
+}
+
 int sweep_case_command() {
-  const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
-  const Json input = Json::parse(text, nullptr, false);
+  const Json input = case_input();
   if (input.is_discarded() || !input.contains("scene")) {
     print_error("sweep-case is for cogrsim sweep alone");
     return kWrongUsage;
@@ -148,7 +176,7 @@ int sweep_case_command() {
   } catch (const std::exception& e) {
     result = failed_result("failed", message_of(e));
   }
-  return write_all(kResultDescriptor, json_text(result)) ? kGood : kFailed;
+  return write_case_result(result) ? kGood : kFailed;
 }
 
 }  // namespace cogrsim::cli

@@ -3,16 +3,16 @@
 
 #include <string>
 
+#include "common/case_pool.h"
 #include "common/json_text.h"
 
 namespace cogrsim::cli {
 
-/// The descriptor on which the child writes its result: plugins may print to the standard output.
-inline constexpr int kResultDescriptor = 3;
-
-/// The hidden subcommand: reads what to run from the standard input (SweepPlan::input()), runs it,
-/// and writes the result to kResultDescriptor.
+/// The hidden subcommand: runs a case_input() that SweepPlan::input() wrote.
 int sweep_case_command();
+
+/// The result of a case that ended; a failed_result() if it ended without one.
+Json sweep_outcome(CaseEnd end, const CasePool::Limits& limits);
 
 /// A result that no run made: `status` "crashed", "timeout", "memory" or "failed", and why.
 Json failed_result(const std::string& status, const std::string& cause);

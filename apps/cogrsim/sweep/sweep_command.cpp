@@ -36,32 +36,23 @@ CasePool::Limits limits_of(const SweepOptions& options, int default_jobs) {
 
 class SweepProgress {
  public:
-  SweepProgress(std::size_t before, std::size_t all)
-      : before_(before), all_(all), shown_(is_live_terminal(STDERR_FILENO)) {}
-  ~SweepProgress() { finish(); }
+  SweepProgress(std::size_t before, std::size_t all) : before_(before), all_(all) {}
 
   void count(bool good) {
     ++done_;
     if (!good) ++failed_;
   }
   void show() {
-    if (!shown_ || seconds_since(last_) < 0.1) return;
-    last_ = Clock::now();
-    drawn_ = true;
-    const std::string line = sweep_line(done_, failed_, before_, all_, seconds_since(start_),
-                                        terminal_width(STDERR_FILENO));
-    std::fputs(("\r" + line + "\033[K").c_str(), stderr);
-    std::fflush(stderr);
+    if (!line_.due()) return;
+    line_.show(sweep_line(done_, failed_, before_, all_, seconds_since(start_),
+                          terminal_width(STDERR_FILENO)));
   }
-  void finish() {
-    if (drawn_) std::fputs("\r\033[K", stderr);
-    drawn_ = false;
-  }
+  void finish() { line_.clear(); }
 
  private:
   std::size_t before_, all_, done_ = 0, failed_ = 0;
-  bool shown_, drawn_ = false;
-  Clock::time_point start_ = Clock::now(), last_{};
+  StatusLine line_;
+  Clock::time_point start_ = Clock::now();
 };
 
 bool is_good(const Json& result) {
@@ -118,7 +109,7 @@ class RankWorkers {
       }
       if (content.contains("case")) {
         --member.running;
-        finished.push_back({content["case"].get<std::size_t>(), std::move(content["result"])});
+        finished.push_back({content["case"].get<std::size_t>(), std::move(content["result"]), 0.0});
       }
     }
     return finished;
@@ -154,7 +145,7 @@ int run_all(const SweepPlan& plan, RankMessages* messages) {
     std::fprintf(stderr, "%zu of %zu runs are in the table already\n", before, plan.cases.size());
   }
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  CasePool pool(limits_of(plan.options, messages ? 1 : cores));
+  CasePool pool("sweep-case", limits_of(plan.options, messages ? 1 : cores), sweep_outcome);
   RankWorkers workers(messages);
   const auto start = Clock::now();
   std::size_t added = 0;
@@ -214,7 +205,7 @@ int run_for_others(const SweepOptions& options, const std::optional<SweepPlan>& 
                    RankMessages& messages) {
   char host[256] = {};
   gethostname(host, sizeof host - 1);
-  CasePool pool(limits_of(options, 1));
+  CasePool pool("sweep-case", limits_of(options, 1), sweep_outcome);
   bool greeted = false;
   std::uint64_t expected = 0;
   for (;;) {
@@ -272,9 +263,7 @@ std::string sweep_line(std::size_t done, std::size_t failed, std::size_t before,
   if (bar >= 5) {
     const double part =
         all == 0 ? 1.0 : static_cast<double>(before + done) / static_cast<double>(all);
-    const int filled = static_cast<int>(part * bar + 0.5);
-    line += "  [" + std::string(static_cast<std::size_t>(filled), '#') +
-            std::string(static_cast<std::size_t>(bar - filled), '-') + "]";
+    line += "  " + bar_text(part, bar);
   }
   return shortened(line + tail, static_cast<std::size_t>(std::max(width - 1, 2)));
 }

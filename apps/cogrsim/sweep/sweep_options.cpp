@@ -59,13 +59,8 @@ dsl::Study::Measure measure_from(const std::string& argument) {
 }
 
 double seconds_from(const char* option, const std::string& argument) {
-  const auto time = parse_time(argument);
-  if (!time) throw UsageError(option, time.error());
-  if (*time <= 0.0 || *time > kLongestDuration) {
-    throw UsageError(option, Problem(fmt::format("'{}' is out of range", argument), "",
-                                     "it must be more than 0 s and at most 1e9 s"));
-  }
-  return *time;
+  return time_from(option, argument, kAboveZero, kLongestDuration,
+                   "it must be more than 0 s and at most 1e9 s");
 }
 
 // "500MB", "2 GB".

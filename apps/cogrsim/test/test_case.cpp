@@ -12,11 +12,12 @@
 
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/testing/judge.h"
+#include "common/case_pool.h"
 #include "common/interrupt.h"
 #include "common/model_names.h"
 #include "common/output_file.h"
-#include "run/recording_start.h"
 #include "common/scene_loading.h"
+#include "run/recording_start.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -210,19 +211,16 @@ Json no_result(const std::string& message) {
           {"errors", Json::array()}, {"recordings", Json::array()}, {"simulated", 0.0}};
 }
 
-int test_case_command(const std::string& input, const std::string& result) {
-  std::ifstream in(input);
-  const Json read = Json::parse(in, nullptr, false);
-  if (read.is_discarded()) return kWrongUsage;
+int test_case_command() {
+  const Json input = case_input();
+  if (input.is_discarded()) return kWrongUsage;
   Json out;
   try {
-    out = run_case(read);
+    out = run_case(input);
   } catch (const std::exception& e) {
     out = no_result(message_of(e));
   }
-  std::ofstream file(result);
-  file << out.dump(-1, ' ', false, Json::error_handler_t::replace);
-  return file.flush() ? kGood : kFailed;
+  return write_case_result(out) ? kGood : kFailed;
 }
 
 }  // namespace cogrsim::cli

@@ -11,13 +11,12 @@ namespace cogrsim::cli {
 /// Result of a case that did not come to a verdict, and why.
 Json no_result(const std::string& message);
 
-/// The hidden subcommand: reads the case from the file `input` and writes its result to
-/// `result`, always, unless it crashes.
+/// The hidden subcommand: runs a case_input() and writes its result, always, unless it crashes.
 ///
 /// Input: scene, set {}, plugin_paths [], test (its number in the scene), backends [], seed (null:
-/// the scene's), recording (path without ending; "" for none), fault ("" but in tests: "crash", "hang").
+/// the scene's), overwrite, recording (path without ending; "" for none).
 /// Result: status "passed", "failed" or "error"; message; verdicts [{expectation, passed, message,
 /// time, file, line, column, columns, samples, text}]; recordings []; simulated [s].
-int test_case_command(const std::string& input, const std::string& result);
+int test_case_command();
 
 }  // namespace cogrsim::cli

@@ -12,15 +12,15 @@
 #include "cogrsim/dsl/edit.h"
 #include "cogrsim/dsl/study.h"
 #include "cogrsim/physics/backend_choice.h"
+#include "common/arguments.h"
 #include "common/interrupt.h"
 #include "common/options.h"
 #include "common/output_file.h"
-#include "common/quantities.h"
+#include "common/progress.h"
 #include "common/refuse.h"
 #include "common/scene_loading.h"
 #include "common/terminal.h"
 #include "test/test_case.h"
-#include "common/arguments.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -168,10 +168,7 @@ Result<> run_and_show(std::vector<TestCase>& cases, const TestCommandOptions& op
     if (one.result.is_null()) open.push_back(one);
   const bool text = options.format == "text";
   const Style style = style_of(fileno(standard_output()));
-  const bool live = is_live_terminal(STDERR_FILENO);
-  const auto clear = [&] {
-    if (live) std::fputs("\r\033[K", stderr);
-  };
+  StatusLine line;
   std::size_t at = 0;  // in `cases`
   const auto broken = [&] {
     for (; at < cases.size() && !cases[at].result.is_null(); ++at)
@@ -181,23 +178,19 @@ Result<> run_and_show(std::vector<TestCase>& cases, const TestCommandOptions& op
   const auto ran = run_cases(
       open, options,
       [&](const TestCase& one) {
-        clear();
+        line.clear();
         cases[at++] = one;
         if (text) show(one, options, style);
         broken();
       },
       [&](std::size_t ended, std::size_t failed) {
-        if (!live) return;
-        constexpr std::size_t kWidth = 30;
-        const std::size_t filled = open.empty() ? kWidth : ended * kWidth / open.size();
-        std::fputs(fmt::format("\r\033[K[{}{}] {} of {} cases{}", std::string(filled, '#'),
-                               std::string(kWidth - filled, '-'), ended, open.size(),
-                               failed > 0 ? fmt::format(", {} failed", failed) : "")
-                       .c_str(),
-                   stderr);
-        std::fflush(stderr);
+        if (!line.due()) return;
+        const double part =
+            open.empty() ? 1.0 : static_cast<double>(ended) / static_cast<double>(open.size());
+        line.show(fmt::format("{} {} of {} cases{}", bar_text(part, 30), ended, open.size(),
+                              failed > 0 ? fmt::format(", {} failed", failed) : ""));
       });
-  clear();
+  line.clear();
   if (ran) return {};
   return tl::unexpected(ran.error());
 }
@@ -271,7 +264,6 @@ void add_test(CLI::App& app, int& status) {
   struct Arguments {
     std::vector<std::string> scenes, backends, set, plugin_paths;
     std::string seeds, filter, junit, format = "text", out, timeout;
-    std::string input, result;
     int jobs = 0;
   };
   const auto arguments = std::make_shared<Arguments>();
@@ -328,10 +320,9 @@ void add_test(CLI::App& app, int& status) {
       options.seeds = *seeds;
     }
     if (!arguments->timeout.empty()) {
-      const auto time = parse_time(arguments->timeout);
-      if (!time || *time <= 0.0)
-        throw UsageError("--timeout", time ? Problem("it must be longer than 0 s") : time.error());
-      options.timeout = *time;
+      options.timeout = time_from("--timeout", arguments->timeout);
+      if (options.timeout <= 0.0)
+        throw UsageError("--timeout", Problem("it must be longer than 0 s"));
     }
     options.set = settings_from(arguments->set);
     options.plugin_paths = arguments->plugin_paths;
@@ -343,9 +334,7 @@ void add_test(CLI::App& app, int& status) {
     status = test_command(options);
   });
   CLI::App& one = *app.add_subcommand("test-case", "One case of `cogrsim test`")->group("");
-  one.add_option("input", arguments->input)->required();
-  one.add_option("result", arguments->result)->required();
-  one.callback([&status, arguments] { status = test_case_command(arguments->input, arguments->result); });
+  one.callback([&status] { status = test_case_command(); });
 }
 
 }  // namespace cogrsim::cli

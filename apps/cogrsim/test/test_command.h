@@ -51,9 +51,6 @@ struct TestCase {
   bool passed() const { return result.is_object() && result["status"] == "passed"; }
 };
 
-/// "1..5", "1 3 7", "1,3". Errors: anything else.
-Result<std::vector<std::uint64_t>> seeds_from(const std::string& text);
-
 // ---- test_report.cpp
 
 /// Faults of a case's run, a line each; also those that the test does not check.
@@ -67,7 +64,7 @@ Json report_json(const std::vector<TestCase>& cases, const TestCommandOptions& o
 // ---- test_pool.cpp
 
 /// Runs all in processes of their own, `jobs` at a time; `done` is called with each in the order of
-/// `cases`, `progress` of how many have ended. Errors: no temporary folder, no process.
+/// `cases`, `progress` of how many have ended. Errors: no process, an interrupt.
 Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& options,
                    const std::function<void(const TestCase&)>& done,
                    const std::function<void(std::size_t ended, std::size_t failed)>& progress);

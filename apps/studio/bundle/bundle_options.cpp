@@ -2,12 +2,10 @@
 
 #include <memory>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "bundle_command.h"
 #include "render/frames.h"
-#include "common/quantities.h"
 #include "common/arguments.h"
 
 namespace cogrsim::studio {
@@ -22,15 +20,6 @@ struct BundleArguments {
   BundleOptions options;
 };
 
-double time_from(const char* option, const std::string& argument, double least, const char* help) {
-  const auto time = cli::parse_time(argument);
-  if (!time) throw cli::UsageError(option, time.error());
-  if (*time < least || *time > cli::kLongestDuration) {
-    throw cli::UsageError(option, Problem(fmt::format("'{}' is out of range", argument), "", help));
-  }
-  return *time;
-}
-
 BundleOptions options_from(const BundleArguments& arguments) {
   BundleOptions options = arguments.options;
   cli::SceneOptions& source = options.source.source;
@@ -38,11 +27,13 @@ BundleOptions options_from(const BundleArguments& arguments) {
   if (!arguments.step.empty()) options.source.step = cli::step_from(arguments.step);
   if (!arguments.seed.empty()) source.seed = cli::seed_from(arguments.seed);
   if (!arguments.duration.empty()) {
-    source.duration = time_from("--duration", arguments.duration, cli::kSmallestStep,
-                                "a run lasts more than 0 s and at most 1e9 s");
+    source.duration =
+        cli::time_from("--duration", arguments.duration, cli::kSmallestStep, cli::kLongestDuration,
+                       "a run lasts more than 0 s and at most 1e9 s");
   }
   if (!arguments.every.empty()) {
-    options.every = time_from("--every", arguments.every, 0.0, "write a time, or 0 for every step");
+    options.every = cli::time_from("--every", arguments.every, 0.0, cli::kLongestDuration,
+                                   "write a time, or 0 for every step");
   }
   if (cli::is_recording(source.scene)) {
     const char* argument = !options.source.backend.empty() ? "--backend"
