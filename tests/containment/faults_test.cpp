@@ -1,6 +1,6 @@
 // Whatever a controller does in its own process, the simulation reports it and continues or ends as
 // configured; nothing is left of the process.
-#include <signal.h>
+#include <csignal>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 // Textures of materials and shapes: which file, how large, shared when equal.
-#include <stdlib.h>
+#include <cstdlib>
 
 #include <catch2/catch.hpp>
 #include <filesystem>

@@ -2,7 +2,7 @@
 // and so is the backup beside it.
 //
 //     cogrsim_save_killed FOLDER [ROUNDS]
-#include <signal.h>
+#include <csignal>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -1,8 +1,7 @@
 // What gnuplot makes of figures: files of the right kind, ink where the data is, nothing run.
-#include <stdlib.h>
+#include <cstdlib>
 
 #include <cmath>
-#include <cstdlib>
 
 #include <tinyxml2.h>
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include <stdlib.h>
+#include <cstdlib>
 
 #include <algorithm>
 #include <fstream>

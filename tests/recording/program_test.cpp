@@ -1,7 +1,7 @@
 // The program's commands about recordings, as a user's shell runs them.
 #include <catch2/catch.hpp>
 
-#include <signal.h>
+#include <csignal>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <chrono>

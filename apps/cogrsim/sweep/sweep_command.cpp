@@ -268,7 +268,7 @@ std::string sweep_line(std::size_t done, std::size_t failed, std::size_t before,
   return shortened(line + tail, static_cast<std::size_t>(std::max(width - 1, 2)));
 }
 
-int sweep_command(SweepOptions options) {
+int sweep_command(const SweepOptions& options) {
   const int ranks = options.dry_run ? 1 : ranks_around();
   std::unique_ptr<RankMessages> messages;
   if (ranks > 1) {

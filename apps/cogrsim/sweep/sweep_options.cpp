@@ -228,7 +228,7 @@ void add_sweep(CLI::App& app, int& status) {
       "crashes is a row with its cause.");
   command.callback([arguments, &status] {
     auto options = options_from(*arguments);
-    status = options ? sweep_command(std::move(*options)) : kFailed;
+    status = options ? sweep_command(*options) : kFailed;
   });
 
   CLI::App& one = *app.add_subcommand("sweep-case", "One run of a sweep");

@@ -133,7 +133,7 @@ void plan(const std::string& file, const TestCommandOptions& options,
     for (const std::uint64_t seed : options.seeds.empty() ? test.seeds : options.seeds)
       seeds.emplace_back(seed);
     if (seeds.empty()) seeds.emplace_back();
-    const auto add = [&](std::vector<std::string> on) {
+    const auto add = [&](const std::vector<std::string>& on) {
       for (const auto& seed : seeds) {
         TestCase one;
         one.scene = file;

@@ -1,6 +1,6 @@
 #include "cogrsim/plugin/crash_report.h"
 
-#include <signal.h>
+#include <csignal>
 #include <unistd.h>
 
 #include <atomic>

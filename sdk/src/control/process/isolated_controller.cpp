@@ -1,5 +1,5 @@
 // The simulation side of a controller in a process of its own.
-#include <signal.h>
+#include <csignal>
 #include <sys/wait.h>
 
 #include <algorithm>

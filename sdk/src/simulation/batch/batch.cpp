@@ -71,7 +71,7 @@ tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> Batch::create(
     SceneModelPtr scene, int count, const BatchOptions& options,
     std::shared_ptr<PluginLoader> loader) {
   if (count < 1) return refuse("at least one world is needed, not " + std::to_string(count));
-  return create(std::vector<SceneModelPtr>(static_cast<std::size_t>(count), std::move(scene)),
+  return create(std::vector<SceneModelPtr>(static_cast<std::size_t>(count), scene),
                 options, std::move(loader));
 }
 
