@@ -2,92 +2,37 @@
 
 #include <cmath>
 #include <map>
+#include <utility>
+
+#include "cogrsim/recording/frame_tables.h"
 
 namespace cogrsim::python {
 
 namespace {
 
-class Frames final : public Tabulator {
+/// One of the tables of the program's CSV files.
+class Rows final : public Tabulator {
  public:
-  Frames() { column("time"), column("step"), column("dt"); }
-  void add(const Frame& frame) override {
-    column("time").push_back(frame.time);
-    column("step").push_back(static_cast<double>(frame.step));
-    column("dt").push_back(frame.dt);
+  explicit Rows(FrameTable table) : table_(table), columns_(columns_of(table)) {
+    if (table == FrameTable::frames)
+      for (const TableColumn& one : columns_) column(one.name);
   }
-};
-
-class Bodies final : public Tabulator {
- public:
   void add(const Frame& frame) override {
-    for (std::size_t i = 0; i < frame.model->bodies.size(); ++i) {
-      const Body& body = frame.model->bodies[i];
-      if (body.removed) continue;
-      const Pose& X = frame.state.poses[i];
-      const Twist& V = frame.state.twists[i];
-      column("time").push_back(frame.time);
-      put_name("body", body.name);
-      const double row[] = {X.p.x(),       X.p.y(),       X.p.z(),      X.q.w(),      X.q.x(),
-                            X.q.y(),       X.q.z(),       V.linear.x(), V.linear.y(), V.linear.z(),
-                            V.angular.x(), V.angular.y(), V.angular.z()};
-      const char* const names[] = {"x",  "y",  "z",  "qw", "qx", "qy", "qz",
-                                   "vx", "vy", "vz", "wx", "wy", "wz"};
-      for (std::size_t k = 0; k < std::size(row); ++k) column(names[k]).push_back(row[k]);
-    }
-  }
-};
-
-class Joints final : public Tabulator {
- public:
-  void add(const Frame& frame) override {
-    for (const Joint& joint : frame.model->joints) {
-      if (joint.removed) continue;
-      const int q = position_count(joint.type), u = speed_count(joint.type);
-      const auto value = [](const std::vector<double>& values, int i, int count, int offset) {
-        return i < count ? values[static_cast<std::size_t>(offset + i)] : std::nan("");
-      };
-      for (int i = 0; i < std::max(q, u); ++i) {
-        column("time").push_back(frame.time);
-        put_name("joint", joint.name);
-        column("coordinate").push_back(i);
-        column("position")
-            .push_back(value(frame.state.joint_positions, i, q, joint.position_offset));
-        column("speed").push_back(value(frame.state.joint_velocities, i, u, joint.speed_offset));
-        column("effort").push_back(value(frame.state.joint_efforts, i, u, joint.speed_offset));
+    for_rows(table_, frame, [this](const std::vector<TableValue>& row) {
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        if (const auto* name = std::get_if<std::string_view>(&row[i])) {
+          put_name(columns_[i].name, std::string(*name));
+        } else {
+          const auto* number = std::get_if<double>(&row[i]);
+          column(columns_[i].name).push_back(number != nullptr ? *number : std::nan(""));
+        }
       }
-    }
+    });
   }
-};
 
-class Contacts final : public Tabulator {
- public:
-  void add(const Frame& frame) override {
-    const auto name = [&](int body) {
-      return frame.model->bodies[static_cast<std::size_t>(body)].name;
-    };
-    for (const Contact& c : frame.contacts) {
-      column("time").push_back(frame.time);
-      put_name("a", name(c.body_a));
-      put_name("b", name(c.body_b));
-      const double row[] = {c.point.x(),  c.point.y(), c.point.z(), c.normal.x(), c.normal.y(),
-                            c.normal.z(), c.depth,     c.force.x(), c.force.y(),  c.force.z()};
-      const char* const names[] = {"x", "y", "z", "nx", "ny", "nz", "depth", "fx", "fy", "fz"};
-      for (std::size_t k = 0; k < std::size(row); ++k) column(names[k]).push_back(row[k]);
-    }
-  }
-};
-
-class Events final : public Tabulator {
- public:
-  void add(const Frame& frame) override {
-    for (const Event& event : frame.events) {
-      column("time").push_back(event.time);
-      put_name("kind", event.kind);
-      put_name("source", event.source);
-      put_name("subject", event.subject);
-      put_name("message", event.message);
-    }
-  }
+ private:
+  FrameTable table_;
+  const std::vector<TableColumn>& columns_;
 };
 
 /// The readings of one sensor, each once.
@@ -144,11 +89,11 @@ py::tuple Tabulator::finish() {
 
 std::unique_ptr<Tabulator> make_tabulator(const std::string& table, int sensor,
                                           const std::vector<Channel>& channels) {
-  if (table == "frames") return std::make_unique<Frames>();
-  if (table == "bodies") return std::make_unique<Bodies>();
-  if (table == "joints") return std::make_unique<Joints>();
-  if (table == "contacts") return std::make_unique<Contacts>();
-  if (table == "events") return std::make_unique<Events>();
+  for (const auto& [name, rows] :
+       {std::pair("frames", FrameTable::frames), std::pair("bodies", FrameTable::bodies),
+        std::pair("joints", FrameTable::joints), std::pair("contacts", FrameTable::contacts),
+        std::pair("events", FrameTable::events)})
+    if (table == name) return std::make_unique<Rows>(rows);
   if (sensor >= 0) return std::make_unique<Readings>(sensor, channels);
   return nullptr;
 }

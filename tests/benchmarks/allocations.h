@@ -1,4 +1,4 @@
-// Counts calls of the allocator while armed, and tells whose code made them.
+// Counts calls of the allocator while armed, and records whose code made them.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ struct AllocationSite {
   std::uint64_t bytes = 0;
   bool ours = false;  ///< the nearest frame outside the allocators is in CogRSim's own code
   /// That frame and those that called it, nearest first: "bullet.so+0x1f2a3" (for addr2line), with
-  /// the function's name where the library tells it.
+  /// the function's name where the library has it.
   std::vector<std::string> frames;
 };
 

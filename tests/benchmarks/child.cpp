@@ -14,7 +14,7 @@
 namespace cogrsim::bench {
 
 Child::Child(const std::vector<std::string>& command) {
-  signal(SIGPIPE, SIG_IGN);  // a child that broke off is told by what it does not answer
+  signal(SIGPIPE, SIG_IGN);  // a child that ended early is detected by its missing answer
   int in[2], out[2];
   if (pipe2(in, O_CLOEXEC) != 0 || pipe2(out, O_CLOEXEC) != 0) {
     throw std::runtime_error(std::string("cannot make a pipe: ") + std::strerror(errno));

@@ -83,7 +83,7 @@ void begin(Contestant& one, const Scene& scene, int count, const Effort& effort)
 }
 
 /// Up to the moment at which all are judged. An engine that would take longer than it may is
-/// given up, and what it costs is told.
+/// given up, and its cost is reported.
 void warm_up(Contestant& one, const Scene& scene, const Effort& effort) {
   int done = 0;
   while (done < scene.warm_up) {

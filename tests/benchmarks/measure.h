@@ -18,7 +18,7 @@ struct Engine {
   std::string raw;                   ///< engine it is compared with; empty: none
 };
 
-/// All that could be measured, from the programs in `folder`; ours as plugins tell.
+/// All that could be measured, from the programs in `folder`; ours as the plugins report.
 std::vector<Engine> find_engines(const std::string& folder);
 
 /// Median and quartiles of some rounds.

@@ -217,7 +217,7 @@ TEST_CASE("a thin wall stops what is fast", "[faults]") {
   measure("beyond the wall [m]", std::max(0.0, farthest), 0.0);
 }
 
-TEST_CASE("an oblique bounce has the friction of its blow", "[bounce]") {
+TEST_CASE("an oblique bounce has the friction of its impulse", "[bounce]") {
   // Slides during the whole impact: m dv_t = mu m (1 + e) v_n, and spins up by 5/2 dv_t / r.
   const double phase = GENERATE(0.1, 0.35, 0.6, 0.85);
   const double mu = 0.2, e = 0.6, v_n = 3.0, v_t = 4.0, radius = 0.1;

@@ -123,7 +123,7 @@ TEST_CASE("four-bars in a row pass the flat position", "[loop]") {
 }
 
 TEST_CASE("four-bars in a row are driven through the flat position", "[loop]") {
-  // Not from standing: a source that starts at once would be a blow.
+  // Not from standing: a source that starts at once would be an impact.
   const double rate = GENERATE(1.0, 7.0);
   Row row = row_of_four_bars(3);
   for (Joint& joint : row.builder.model.joints) joint.velocity[0] *= rate;

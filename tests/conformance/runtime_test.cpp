@@ -33,7 +33,7 @@ double largest_difference(const WorldState& a, const WorldState& b, std::size_t 
   return largest;
 }
 
-TEST_CASE("add: the rest goes on, the new falls", "[runtime]") {
+TEST_CASE("add: the rest continues, the new falls", "[runtime]") {
   need("runtime.add");
   Ongoing scene = ongoing();
   const SceneModelPtr model = scene.builder.build();
@@ -96,7 +96,7 @@ TEST_CASE("add: a robot with joints and motors", "[runtime]") {
   measure_relative("way", sim.pose(robot.chassis).p.x() - start, -6.0 * robot.radius, 0.01);
 }
 
-TEST_CASE("remove: the rest goes on, the gap can be fallen through", "[runtime]") {
+TEST_CASE("remove: the rest continues, the gap can be fallen through", "[runtime]") {
   need("runtime.remove");
   ModelBuilder builder;
   builder.plane("floor");

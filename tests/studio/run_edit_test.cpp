@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "../support/temporary_folder.h"
+#include "cogrsim/physics/frame_memory.h"
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/signals/signal.h"
 #include "cogrsim/simulation/simulation.h"

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/recording/frame_tables.h"
 #include "common/output_file.h"
 
 namespace cogrsim::cli {
@@ -21,15 +22,14 @@ std::string cell(const std::string& text) {
   return out + "\"";
 }
 
-std::string numbers(std::initializer_list<double> values) {
-  std::string out;
-  for (const double value : values) out += fmt::format(",{:.17g}", value);
-  return out;
+std::string cell(const TableValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{:.17g}", *number);
+  const auto* text = std::get_if<std::string_view>(&value);
+  return text != nullptr ? cell(std::string(*text)) : std::string();
 }
 
-std::string number_at(const std::vector<double>& values, int index, int count, int offset) {
-  return index < count ? fmt::format("{:.17g}", values[static_cast<std::size_t>(offset + index)])
-                       : std::string();
+std::string titled(const std::string& name, const std::string& unit) {
+  return cell(unit.empty() || unit == "1" ? name : fmt::format("{} [{}]", name, unit));
 }
 
 }  // namespace
@@ -64,50 +64,28 @@ ReplayTables::File* ReplayTables::table(const std::string& name, const std::stri
 
 void ReplayTables::add(const Frame& frame, const ChannelsOf& channels) {
   const SceneModel& model = *frame.model;
-  const WorldState& state = frame.state;
-  const std::string when = fmt::format("{:.17g},", frame.time);
   const auto row = [this](File* to, const std::string& text) {
     if (to->file && problem_) note(to->file->append(text + "\n"));
   };
-  File* const bodies = table("bodies",
-                             "time [s],body,x [m],y [m],z [m],qw,qx,qy,qz,vx [m/s],vy [m/s],"
-                             "vz [m/s],wx [rad/s],wy [rad/s],wz [rad/s]");
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    if (model.bodies[i].removed) continue;
-    const Pose& X = state.poses[i];
-    const Vec3 &v = state.twists[i].linear, &w = state.twists[i].angular;
-    row(bodies, when + cell(model.bodies[i].name) +
-                    numbers({X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z(), v.x(),
-                             v.y(), v.z(), w.x(), w.y(), w.z()}));
-  }
-  File* const joints = table("joints", "time [s],joint,coordinate,position,speed,effort");
-  for (const Joint& joint : model.joints) {
-    if (joint.removed) continue;
-    const int q = position_count(joint.type), u = speed_count(joint.type);
-    for (int i = 0; i < std::max(q, u); ++i) {
-      row(joints, when + fmt::format("{},{},{},{},{}", cell(joint.name), i,
-                                     number_at(state.joint_positions, i, q, joint.position_offset),
-                                     number_at(state.joint_velocities, i, u, joint.speed_offset),
-                                     number_at(state.joint_efforts, i, u, joint.speed_offset)));
-    }
-  }
-  File* const contacts = table("contacts",
-                               "time [s],a,b,x [m],y [m],z [m],nx,ny,nz,depth [m],fx [N],fy [N],"
-                               "fz [N]");
-  for (const Contact& c : frame.contacts) {
-    row(contacts, when + cell(model.bodies[static_cast<std::size_t>(c.body_a)].name) + "," +
-                      cell(model.bodies[static_cast<std::size_t>(c.body_b)].name) +
-                      numbers({c.point.x(), c.point.y(), c.point.z(), c.normal.x(), c.normal.y(),
-                               c.normal.z(), c.depth, c.force.x(), c.force.y(), c.force.z()}));
+  for (const auto& [name, kind] :
+       {std::pair("bodies", FrameTable::bodies), std::pair("joints", FrameTable::joints),
+        std::pair("contacts", FrameTable::contacts)}) {
+    std::string head;
+    for (const TableColumn& column : columns_of(kind))
+      head += (head.empty() ? "" : ",") + titled(column.name, column.unit);
+    File* const to = table(name, head);
+    for_rows(kind, frame, [&](const std::vector<TableValue>& values) {
+      std::string text;
+      for (const TableValue& value : values) text += (text.empty() ? "" : ",") + cell(value);
+      row(to, text);
+    });
   }
   for (const Reading& reading : frame.readings) {
     const SensorModel& sensor = model.sensors[static_cast<std::size_t>(reading.sensor)];
     if (reading.sequence == 0 || sensor.removed) continue;
     std::string head = "time [s],sequence,valid";
     for (const Channel& channel : channels(reading.sensor)) {
-      head += "," + cell(channel.unit == "1" || channel.unit.empty()
-                             ? channel.name
-                             : fmt::format("{} [{}]", channel.name, channel.unit));
+      head += "," + titled(channel.name, channel.unit);
     }
     File* const to = table("sensors_" + sensor.name, head);
     if (to->sequence == reading.sequence) continue;

@@ -1,13 +1,6 @@
 #include "build.h"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <csignal>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -15,9 +8,8 @@
 #include <functional>
 #include <optional>
 
+#include "cogrsim/core/run_program.h"
 #include "user_folders.h"
-
-extern char** environ;
 
 namespace cogrsim::studio {
 
@@ -127,57 +119,19 @@ std::string Builder::mark() const {
 }
 
 Result<int> Builder::run(const std::vector<std::string>& command, std::string& log) {
-  int pipe_ends[2];
-  if (::pipe2(pipe_ends, O_CLOEXEC) != 0)
-    return fail(std::string("no pipe: ") + std::strerror(errno));
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawnattr_init(&attributes);
-  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], 1);
-  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], 2);
-  // A group of its own, so that the compilers it starts end with it.
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  std::vector<char*> arguments;
-  for (const std::string& argument : command) {
-    arguments.push_back(const_cast<char*>(argument.c_str()));
-  }
-  arguments.push_back(nullptr);
-  pid_t child = -1;
-  const int problem =
-      ::posix_spawnp(&child, arguments[0], &actions, &attributes, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
-  ::close(pipe_ends[1]);
-  if (problem != 0) {
-    ::close(pipe_ends[0]);
-    return fail("'" + command[0] + "' cannot be started: " + std::strerror(problem), "",
+  ProgramOptions options;
+  options.longest = kLongest;
+  options.most_output = kMostLog;
+  options.cancelled = [this] { return stopped_.load(); };
+  const auto end = run_program(command, options);
+  if (!end) {
+    return fail("'" + command[0] + "' cannot be started: " + end.error().message(), "",
                 "install it (Debian: apt install cmake g++)");
   }
-  const auto end = std::chrono::steady_clock::now() + kLongest;
-  bool killed = false;
-  char buffer[4096];
-  while (true) {
-    if (!killed && (stopped_ || std::chrono::steady_clock::now() > end)) {
-      ::kill(-child, SIGKILL);
-      killed = true;
-    }
-    pollfd waiting{pipe_ends[0], POLLIN, 0};
-    if (::poll(&waiting, 1, 100) == 0) continue;
-    const ssize_t count = ::read(pipe_ends[0], buffer, sizeof buffer);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) break;
-    log.append(buffer, static_cast<std::size_t>(count));
-    if (log.size() > 2 * kMostLog) log.erase(0, log.size() - kMostLog);
-  }
-  ::close(pipe_ends[0]);
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (killed) return fail(stopped_ ? "the build was ended" : "the build took more than 15 minutes");
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  log += end->output;
+  if (end->killed)
+    return fail(stopped_ ? "the build was ended" : "the build took more than 15 minutes");
+  return end->status;
 }
 
 Result<Builder::Built> Builder::build() {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cogrsim/physics/frame_memory.h"
+
 namespace cogrsim::studio {
 
 namespace {
@@ -10,31 +12,13 @@ namespace {
 constexpr std::size_t kFewest = 16;
 
 std::size_t bytes_of(const Instant& instant) {
-  return sizeof(Instant) + studio::bytes_of(*instant.frame) +
-         (instant.ghost ? studio::bytes_of(*instant.ghost) : 0);
+  return sizeof(Instant) + cogrsim::bytes_of(*instant.frame) +
+         (instant.ghost ? cogrsim::bytes_of(*instant.ghost) : 0);
 }
 
 bool earlier(double time, const Instant& instant) { return time < instant.time(); }
 
 }  // namespace
-
-std::size_t bytes_of(const Frame& frame) {
-  std::size_t bytes = sizeof(Frame);
-  bytes += frame.state.poses.size() * sizeof(Pose) + frame.state.twists.size() * sizeof(Twist);
-  bytes += (frame.state.joint_positions.size() + frame.state.joint_velocities.size() +
-            frame.state.joint_efforts.size() + frame.state.motor_efforts.size()) *
-           sizeof(double);
-  bytes += frame.accelerations.size() * sizeof(Twist) + frame.contacts.size() * sizeof(Contact) +
-           frame.joint_reactions.size() * sizeof(Wrench) + frame.events.size() * sizeof(Event);
-  for (const Reading& reading : frame.readings) {
-    bytes += sizeof(Reading) + reading.values.size() * sizeof(double) +
-             reading.contacts.size() * sizeof(Contact);
-  }
-  for (const auto* outputs : {&frame.controller_outputs, &frame.supervisor_outputs}) {
-    for (const auto& values : *outputs) bytes += sizeof(values) + values.size() * sizeof(double);
-  }
-  return bytes;
-}
 
 std::vector<Instant> History::add(Instant instant) {
   std::vector<Instant> gone;

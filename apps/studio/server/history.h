@@ -47,9 +47,6 @@ class Frames {
   Paths paths_;
 };
 
-/// Memory a frame takes, about [byte].
-std::size_t bytes_of(const Frame& frame);
-
 /// The frames of a run, within bounds: where they would take more memory than allowed, every second
 /// one of the older half is dropped. The first and the last always stay.
 class History final : public Frames {

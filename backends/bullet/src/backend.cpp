@@ -60,7 +60,7 @@ Capabilities make_capabilities() {
     out.set(feature, Support::unsupported, "btPoint2PointConstraint has neither motor nor spring");
   }
   out.set("joint.limit.ball", Support::unsupported,
-          "Bullet limits swing and twist apart, not the whole angle of turning");
+          "Bullet limits swing and twist separately, not the whole angle of turning");
   for (const char* feature :
        {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
         "runtime.remove", "runtime.save", "runtime.set_state", "report.contact_force",

@@ -9,7 +9,7 @@ using Pair = double __attribute__((vector_size(16), aligned(8), may_alias));
 inline const Pair& pair_at(const double* x) { return *reinterpret_cast<const Pair*>(x); }
 inline Pair& pair_at(double* x) { return *reinterpret_cast<Pair*>(x); }
 
-/// a . b. Even and odd entries are summed apart: one sum alone waits for each addition.
+/// a . b. Even and odd entries are summed separately: one sum alone waits for each addition.
 inline double product(const double* a, const double* b, int size) {
   Pair sum = {}, other = {};
   int k = 0;

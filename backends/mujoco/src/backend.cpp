@@ -13,7 +13,8 @@ Capabilities make_capabilities() {
   Capabilities out;
   set_shape_features(out);
   const char* const soft =
-      "soft contact: rests sunk in, slides slowly under friction that should hold, bounces "
+      "soft contact: rests with penetration, slides slowly under friction that should hold, "
+      "bounces "
       "approximately; one point where flat sides of cylinders and meshes meet anything but planes "
       "(multiccd: several)";
   for (const ShapeType a : kShapeTypes) {

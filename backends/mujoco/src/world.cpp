@@ -246,7 +246,7 @@ StepResult MujocoWorld::step(double dt, const std::vector<Drive>& drives) {
     if (!done && done.error().message != "MuJoCo: Stack overflow") {
       return diverged(-1, done.error().message);
     }
-    // Its room was too small: the step is taken back, and made again with more.
+    // Its memory was too small: the step is taken back, and made again with more.
     const auto made = make_room(contact_room_ * (done ? 1.25 : 1.0), stack_room_ * (done ? 1 : 2));
     if (!made) return diverged(-1, made.error().message);
     put_back(before_);

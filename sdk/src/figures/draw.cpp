@@ -1,15 +1,8 @@
 #include "cogrsim/figures/draw.h"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -18,96 +11,37 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/run_program.h"
 #include "gnuplot_script.h"
-
-extern char** environ;  // NOLINT: POSIX wants it declared by its user
 
 namespace cogrsim::figures {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr auto kPatience = std::chrono::seconds(300);  // for the largest figures
-constexpr std::size_t kMostSaid = 4000;                // of the output of gnuplot [byte]
 
-struct FileActions {
-  posix_spawn_file_actions_t actions;
-  FileActions() { posix_spawn_file_actions_init(&actions); }
-  ~FileActions() { posix_spawn_file_actions_destroy(&actions); }
-  FileActions(const FileActions&) = delete;
-  FileActions& operator=(const FileActions&) = delete;
-};
-
-// The environment without variables that affect gnuplot.
-std::vector<char*> neutral_environment() {
-  std::vector<char*> out;
-  for (char** entry = environ; *entry != nullptr; ++entry)
-    if (std::strncmp(*entry, "GNUTERM", 7) != 0 && std::strncmp(*entry, "GNUPLOT", 7) != 0 &&
-        std::strncmp(*entry, "GDFONTPATH", 10) != 0)
-      out.push_back(*entry);
-  out.push_back(nullptr);
-  return out;
-}
-
-// Reads the output of the process until it ends, times out or is cancelled. False: it was killed.
-bool listen(int pipe, pid_t process, const std::function<bool()>& cancelled, std::string& said) {
-  constexpr int kInterval = 50;  // between calls of cancelled() [ms]
-  const auto deadline = Clock::now() + kPatience;
-  while (true) {
-    if (Clock::now() > deadline || cancelled()) {
-      kill(process, SIGKILL);
-      return false;
-    }
-    pollfd wait{pipe, POLLIN, 0};
-    if (poll(&wait, 1, kInterval) <= 0) continue;
-    char buffer[1024];
-    const ssize_t count = read(pipe, buffer, sizeof buffer);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return true;
-    if (said.size() < kMostSaid) said.append(buffer, static_cast<std::size_t>(count));
-  }
-}
-
-// Runs `gnuplot ./NAME.gp` in `folder` without a shell.
+// Runs `gnuplot ./NAME.gp` in `folder`.
 Result<> run_gnuplot(const fs::path& folder, const std::string& script,
                      const std::function<bool()>& cancelled) {
-  int pipe[2];
-  if (pipe2(pipe, O_CLOEXEC) != 0)
-    return fail(fmt::format("cannot start gnuplot: {}", std::strerror(errno)));
-  FileActions files;
-  posix_spawn_file_actions_addchdir_np(&files.actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&files.actions, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&files.actions, pipe[1], 1);
-  posix_spawn_file_actions_adddup2(&files.actions, pipe[1], 2);
-  std::string program = "gnuplot", bare = "-d", file = "./" + script;
-  char* const arguments[] = {program.data(), bare.data(), file.data(), nullptr};
-  std::vector<char*> environment = neutral_environment();
-  pid_t process = 0;
-  const int problem =
-      posix_spawnp(&process, "gnuplot", &files.actions, nullptr, arguments, environment.data());
-  close(pipe[1]);
-  if (problem != 0) {
-    close(pipe[0]);
-    if (problem == ENOENT || problem == EACCES)
-      return fail(
-          "gnuplot, which draws the figures, was not found", "",
-          "install it: apt-get install gnuplot-nox; the figure itself is in the .json file");
-    return fail(fmt::format("cannot start gnuplot: {}", std::strerror(problem)));
-  }
-  std::string said;
-  const bool finished = listen(pipe[0], process, cancelled, said);
-  close(pipe[0]);
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
+  ProgramOptions options;
+  options.folder = folder.string();
+  options.unset = {"GNUTERM", "GNUPLOT", "GDFONTPATH"};  // they affect the figure
+  options.longest = kPatience;
+  options.cancelled = cancelled;
+  const auto end = run_program({"gnuplot", "-d", "./" + script}, options);
+  if (!end && (end.error() == std::errc::no_such_file_or_directory ||
+               end.error() == std::errc::permission_denied))
+    return fail("gnuplot, which draws the figures, was not found", "",
+                "install it: apt-get install gnuplot-nox; the figure itself is in the .json file");
+  if (!end) return fail(fmt::format("cannot start gnuplot: {}", end.error().message()));
   const std::string where = (folder / script).string();
-  if (!finished && cancelled()) return fail("interrupted: nothing was drawn");
-  if (!finished)
+  if (end->killed && cancelled()) return fail("interrupted: nothing was drawn");
+  if (end->killed)
     return fail(fmt::format("gnuplot was ended after {} s", kPatience.count()), where,
                 "draw fewer samples: every=\"…\" in the scene, --every on the command line");
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    return fail(fmt::format("gnuplot could not draw the figure: {}", said), where);
+  if (end->status != 0)
+    return fail(fmt::format("gnuplot could not draw the figure: {}", end->output), where);
   return {};
 }
 

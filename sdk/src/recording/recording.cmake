@@ -25,6 +25,7 @@ target_sources(cogrsim_sdk PRIVATE
   ${here}/mcap/messages.cpp
   ${here}/recomputing.cpp
   ${here}/recorder.cpp
+  ${here}/frame_tables.cpp
   ${here}/recording.cpp
   ${here}/recording_file.cpp
   ${here}/run_writer.cpp
