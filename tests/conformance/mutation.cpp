@@ -4,6 +4,8 @@
 #include <sstream>
 #include <utility>
 
+#include "forwarding_backend.h"
+
 namespace conformance {
 namespace {
 
@@ -134,19 +136,10 @@ class MutatedWorld final : public World, private JointReactions {
   JointReactions* reactions_ = nullptr;
 };
 
-class MutatedBackend final : public Backend {
+class MutatedBackend final : public ForwardingBackend {
  public:
   MutatedBackend(std::shared_ptr<const Backend> backend, Mutation mutation)
-      : backend_(std::move(backend)), mutation_(std::move(mutation)) {}
-
-  const char* name() const override { return backend_->name(); }
-  const char* engine_version() const override { return backend_->engine_version(); }
-  Provenance provenance(const Parameters& options) const override {
-    return backend_->provenance(options);
-  }
-  const Capabilities& capabilities() const override { return backend_->capabilities(); }
-  const ParameterTable& world_options() const override { return backend_->world_options(); }
-  const ParameterTable& assembly_options() const override { return backend_->assembly_options(); }
+      : ForwardingBackend(std::move(backend)), mutation_(std::move(mutation)) {}
 
   Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
     auto made = backend_->create_world(mutate_model(model, mutation_));
@@ -155,7 +148,6 @@ class MutatedBackend final : public Backend {
   }
 
  private:
-  std::shared_ptr<const Backend> backend_;
   Mutation mutation_;
 };
 

@@ -2,25 +2,18 @@
 
 #include <algorithm>
 
+#include "forwarding_backend.h"
+
 namespace conformance {
 
 using namespace cogrsim;
 
 namespace {
 
-class OptionedBackend final : public Backend {
+class OptionedBackend final : public ForwardingBackend {
  public:
   OptionedBackend(std::shared_ptr<const Backend> backend, std::string name, std::string value)
-      : backend_(std::move(backend)), option_(std::move(name)), value_(std::move(value)) {}
-
-  const char* name() const override { return backend_->name(); }
-  const char* engine_version() const override { return backend_->engine_version(); }
-  Provenance provenance(const Parameters& options) const override {
-    return backend_->provenance(options);
-  }
-  const Capabilities& capabilities() const override { return backend_->capabilities(); }
-  const ParameterTable& world_options() const override { return backend_->world_options(); }
-  const ParameterTable& assembly_options() const override { return backend_->assembly_options(); }
+      : ForwardingBackend(std::move(backend)), option_(std::move(name)), value_(std::move(value)) {}
 
   Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
     auto changed = std::make_shared<SceneModel>(*model);
@@ -29,7 +22,6 @@ class OptionedBackend final : public Backend {
   }
 
  private:
-  std::shared_ptr<const Backend> backend_;
   std::string option_, value_;
 };
 

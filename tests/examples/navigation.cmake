@@ -1,4 +1,5 @@
 # Runs a short navigation experiment and looks whether all of it is there and the robots arrived.
+include(${CMAKE_CURRENT_LIST_DIR}/pictures.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 set(ENV{COGRSIM} ${PROGRAM})
 execute_process(COMMAND ${EXPERIMENT} --short --seeds 2 --backends ${ENGINES} ${FOLDER}
@@ -13,17 +14,7 @@ foreach(backend IN LISTS engines)
     list(APPEND expected ${backend}/${picture})
   endforeach()
 endforeach()
-foreach(name ${expected})
-  if(NOT EXISTS ${FOLDER}/${name}.png)
-    message(FATAL_ERROR "${name}.png is missing:\n${said}")
-  endif()
-  file(READ ${FOLDER}/${name}.png head LIMIT 8 HEX)
-  file(SIZE ${FOLDER}/${name}.png size)
-  # A PNG's signature; an empty picture of this size is smaller.
-  if(NOT head STREQUAL "89504e470d0a1a0a" OR size LESS 1000)
-    message(FATAL_ERROR "${name}.png is no picture (${size} bytes)")
-  endif()
-endforeach()
+check_pictures(${expected})
 # Seeds 1 and 2 are reached by all: the whole table is the same but for times.
 file(READ ${FOLDER}/summary.txt summary)
 foreach(backend IN LISTS engines)

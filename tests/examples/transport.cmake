@@ -1,4 +1,5 @@
 # Runs a transport experiment with a single box and looks whether all of it is there.
+include(${CMAKE_CURRENT_LIST_DIR}/pictures.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 set(ENV{COGRSIM} ${PROGRAM})
 execute_process(COMMAND ${EXPERIMENT} --seeds 1 --backends bullet --set boxes=1 ${FOLDER}
@@ -6,17 +7,7 @@ execute_process(COMMAND ${EXPERIMENT} --seeds 1 --backends bullet --set boxes=1 
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "the experiment failed (${status}):\n${said}")
 endif()
-foreach(name between in_zone times nearest bullet/map bullet/end bullet/figures/paths)
-  if(NOT EXISTS ${FOLDER}/${name}.png)
-    message(FATAL_ERROR "${name}.png is missing:\n${said}")
-  endif()
-  file(READ ${FOLDER}/${name}.png head LIMIT 8 HEX)
-  file(SIZE ${FOLDER}/${name}.png size)
-  # A PNG's signature; an empty picture of this size is smaller.
-  if(NOT head STREQUAL "89504e470d0a1a0a" OR size LESS 1000)
-    message(FATAL_ERROR "${name}.png is no picture (${size} bytes)")
-  endif()
-endforeach()
+check_pictures(between in_zone times nearest bullet/map bullet/end bullet/figures/paths)
 file(READ ${FOLDER}/summary.txt summary)
 if(NOT summary MATCHES "bullet +1 +100.0%")
   message(FATAL_ERROR "the box was not delivered:\n${summary}")

@@ -8,8 +8,9 @@
 
 #include "common/progress.h"
 #include "common/scene_loading.h"
-#include "compare/shake.h"
 #include "common/terminal.h"
+#include "compare/shake.h"
+#include "run/run_log.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -28,10 +29,6 @@ std::string label_of(const std::string& choice, const std::vector<Lane>& lanes) 
   const auto before = std::count_if(lanes.begin(), lanes.end(),
                                     [&](const Lane& lane) { return lane.choice == choice; });
   return before == 0 ? choice : fmt::format("{} ({})", choice, before + 1);
-}
-
-bool goes_on(RunStatus status) {
-  return status == RunStatus::running || status == RunStatus::completed;
 }
 
 Result<> shake_start(Simulation& simulation, const LockstepOptions& options, bool twin) {
@@ -102,7 +99,7 @@ std::string step_all(std::vector<Lane>& lanes, std::uint64_t step) {
     const auto start = Clock::now();
     const RunStatus status = lane.simulation->step();
     lane.end.wall_time += seconds_since(start);
-    if (!goes_on(status)) {
+    if (!can_step(status)) {
       reason = fmt::format("{}: {} at {:.9g} s", lane.end.label, to_string(status),
                            lane.simulation->time());
     } else if (lane.simulation->paused()) {
@@ -190,7 +187,7 @@ tl::expected<LockstepResult, std::vector<Diagnostic>> run_lockstep(
     const bool all = result.ended_early.empty();
     end.status = simulation.status();
     // A run that was still going has come to the end asked for, or was ended with the others.
-    if (goes_on(end.status)) end.status = all ? RunStatus::completed : RunStatus::stopped;
+    if (can_step(end.status)) end.status = all ? RunStatus::completed : RunStatus::stopped;
     result.failed =
         result.failed || end.status == RunStatus::diverged || end.status == RunStatus::fault;
     end.step = simulation.dt();

@@ -1,7 +1,6 @@
 // cogrsim run: one scene on one backend.
 #include <unistd.h>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 
@@ -26,31 +25,6 @@
 namespace cogrsim::cli {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-// Runs to `duration` [s] in pieces short enough to redraw the progress line and to print new
-// messages; the result does not depend on the pieces.
-RunStatus run_with_progress(Simulation& simulation, double duration, Progress& progress,
-                            RunLog& run_log, double& wall_time) {
-  constexpr double kPiece = 0.05;  // aimed-at wall time of a piece [s]
-  double steps = 1.0;
-  RunStatus status = simulation.status();
-  while (simulation.time() < duration - 0.5 * simulation.dt()) {
-    const double end = std::min(duration, simulation.time() + steps * simulation.dt());
-    const auto start = Clock::now();
-    status = simulation.run_until(end);
-    const double took = seconds_since(start);
-    wall_time += took;
-    run_log.print_messages();
-    progress.show(simulation.time());
-    const bool goes_on = status == RunStatus::running || status == RunStatus::completed;
-    // Nothing can resume a run that a supervisor paused.
-    if (!goes_on || simulation.paused()) break;
-    steps = std::max(1.0, std::floor(steps * std::clamp(kPiece / std::max(took, 1e-9), 0.25, 4.0)));
-  }
-  return status;
-}
-
 // Runs to `duration`, and saves the requested snapshots. A time that is over or is never reached is
 // reported.
 RunStatus run_and_save(const RunOptions& options, Simulation& simulation, double duration,
@@ -66,10 +40,8 @@ RunStatus run_and_save(const RunOptions& options, Simulation& simulation, double
     const auto at = [&](double time) {
       return std::fabs(simulation.time() - time) <= 0.5 * simulation.dt();
     };
-    const bool goes_on = status == RunStatus::running || status == RunStatus::completed;
-    if (goes_on && save.time > simulation.time() && !at(save.time)) {
-      status = run_with_progress(simulation, std::min(save.time, duration), progress, run_log,
-                                 result.wall_time);
+    if (can_step(status) && save.time > simulation.time() && !at(save.time)) {
+      status = run_log.run(std::min(save.time, duration));
     }
     if (!at(save.time)) {
       complain(Error(
@@ -83,9 +55,8 @@ RunStatus run_and_save(const RunOptions& options, Simulation& simulation, double
       complain(kept.error());
     }
   }
-  const bool goes_on = status == RunStatus::running || status == RunStatus::completed;
-  if (!goes_on || simulation.paused()) return status;
-  return run_with_progress(simulation, duration, progress, run_log, result.wall_time);
+  if (!can_step(status) || simulation.paused()) return status;
+  return run_log.run(duration);
 }
 
 bool good(RunStatus status) {
@@ -251,6 +222,7 @@ class SceneRun {
     {
       const InterruptStops stops(*simulation_);
       status = run_and_save(options_, *simulation_, duration_, progress, run_log, result_, saved_all);
+      result_.wall_time = run_log.wall_time();
     }
     run_log.finish();
     result_.messages = simulation_->messages();

@@ -1,6 +1,9 @@
 #include "run/run_log.h"
 
 #include <unistd.h>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -36,6 +39,25 @@ RunLog::RunLog(Simulation& simulation, Progress& progress, std::FILE* events, bo
   print_messages();
   if (events == nullptr && !keep) return;
   simulation.observe({}, [this](const FramePtr& frame) { see(frame); });
+}
+
+RunStatus RunLog::run(double duration) {
+  constexpr double kPiece = 0.05;  // aimed-at wall time of a piece [s]
+  double steps = 1.0;
+  RunStatus status = simulation_.status();
+  while (simulation_.time() < duration - 0.5 * simulation_.dt()) {
+    const double end = std::min(duration, simulation_.time() + steps * simulation_.dt());
+    const auto start = std::chrono::steady_clock::now();
+    status = simulation_.run_until(end);
+    const double took = seconds_since(start);
+    wall_time_ += took;
+    print_messages();
+    progress_.show(simulation_.time());
+    // Nothing can resume a run that a supervisor paused.
+    if (!can_step(status) || simulation_.paused()) break;
+    steps = std::max(1.0, std::floor(steps * std::clamp(kPiece / std::max(took, 1e-9), 0.25, 4.0)));
+  }
+  return status;
 }
 
 void RunLog::see(const FramePtr& frame) {

@@ -12,6 +12,11 @@
 
 namespace cogrsim::cli {
 
+/// Whether a run of this status can be stepped.
+inline bool can_step(RunStatus status) {
+  return status == RunStatus::running || status == RunStatus::completed;
+}
+
 class RunLog {
  public:
   /// Events kept for JSON at most.
@@ -23,6 +28,12 @@ class RunLog {
   RunLog(Simulation& simulation, Progress& progress, std::FILE* events, bool keep);
   RunLog(const RunLog&) = delete;
   RunLog& operator=(const RunLog&) = delete;
+
+  /// Runs to `duration` [s] in pieces short enough to redraw the progress line and to print new
+  /// messages; the result does not depend on the pieces. Ends early if the run is over or paused.
+  RunStatus run(double duration);
+  /// Wall-clock time that run() spent in the simulation [s].
+  double wall_time() const { return wall_time_; }
 
   /// Prints the new messages.
   void print_messages();
@@ -39,6 +50,7 @@ class RunLog {
   Simulation& simulation_;
   Progress& progress_;
   std::FILE* printed_events_;
+  double wall_time_ = 0.0;
   std::size_t messages_seen_ = 0;
   MessageBudget budget_;
   FramePtr last_;

@@ -18,6 +18,7 @@
 #include "common/output_file.h"
 #include "common/scene_loading.h"
 #include "run/recording_start.h"
+#include "run/run_log.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -39,10 +40,6 @@ tl::expected<Runs, std::string> create(const LoadedScene& scene, const Json& inp
     runs.push_back(std::move(*made));
   }
   return runs;
-}
-
-bool goes_on(RunStatus status) {
-  return status == RunStatus::running || status == RunStatus::completed;
 }
 
 // Why a run that ended before its time did so against its will; empty: it did not.
@@ -89,7 +86,7 @@ std::string run_all(const Runs& runs, double duration,
       const RunStatus status = run->step();
       if (const std::string why = bad_end(*run); !why.empty())
         return runs.size() > 1 ? std::string(run->backend().name()) + " " + why : why;
-      ended = ended || !goes_on(status);
+      ended = ended || !can_step(status);
     }
     if (see(frames()) || ended) return {};
   }

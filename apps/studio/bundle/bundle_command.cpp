@@ -76,22 +76,6 @@ OriginsPtr shared(const dsl::ModelOrigins& from) {
   return to;
 }
 
-// Simulates to `duration` [s] in pieces, so that the progress line moves.
-RunStatus simulate(Simulation& simulation, double duration, cli::Progress& progress,
-                   cli::RunLog& run_log) {
-  RunStatus status = simulation.status();
-  while (simulation.time() < duration - 0.5 * simulation.dt()) {
-    status = simulation.run_until(std::min(duration, simulation.time() + 50.0 * simulation.dt()));
-    run_log.print_messages();
-    progress.show(simulation.time());
-    const bool goes_on = status == RunStatus::running || status == RunStatus::completed;
-    // Nothing can resume a run that a supervisor paused.
-    if (!goes_on || simulation.paused()) break;
-  }
-  if (status != RunStatus::running) return status;
-  return simulation.paused() ? RunStatus::stopped : RunStatus::completed;
-}
-
 std::string ending_of(RunStatus status, const std::vector<RunMessage>& said) {
   std::string text = to_string(status);
   if (status != RunStatus::fault && status != RunStatus::diverged) return text;
@@ -158,7 +142,9 @@ Gathered run_scene(const BundleOptions& options) {
     cli::RunLog run_log(simulation, progress, nullptr, false);
     cli::catch_interrupts();
     const cli::InterruptStops stops(simulation);
-    status = simulate(simulation, duration, progress, run_log);
+    status = run_log.run(duration);
+    if (status == RunStatus::running)
+      status = simulation.paused() ? RunStatus::stopped : RunStatus::completed;
     progress.finish();
     run_log.finish();
   }

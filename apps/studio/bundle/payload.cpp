@@ -6,21 +6,12 @@
 
 #include <zlib.h>
 
+#include "little_endian.h"
 #include "scene_json.h"
 
 namespace cogrsim::studio {
 
 namespace {
-
-template <class Number>
-void put(std::string& out, Number value) {
-  char bytes[sizeof value];
-  std::memcpy(bytes, &value, sizeof value);
-#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-  std::reverse(bytes, bytes + sizeof value);
-#endif
-  out.append(bytes, sizeof value);
-}
 
 void align(std::string& out) { out.append((8 - out.size() % 8) % 8, '\0'); }
 
@@ -37,7 +28,7 @@ template <class Number>
 Json Payload::add_numbers(const std::vector<Number>& numbers) {
   std::string bytes;
   bytes.reserve(numbers.size() * sizeof(Number));
-  for (const Number number : numbers) put(bytes, number);
+  for (const Number number : numbers) put_number(bytes, number);
   return add(bytes);
 }
 
@@ -52,7 +43,7 @@ std::string Payload::finish(const Json& head) const {
   const std::string text = to_text(head);
   std::string all;
   all.reserve(text.size() + blocks_.size() + 16);
-  put(all, static_cast<std::uint32_t>(text.size()));
+  put_number(all, static_cast<std::uint32_t>(text.size()));
   all += text;
   align(all);
   all += blocks_;

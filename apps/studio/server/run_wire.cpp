@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "little_endian.h"
 #include "scene_json.h"
 
 namespace cogrsim::studio {
@@ -17,12 +18,7 @@ class Bytewriter {
 
   template <class Number>
   void put(Number value) {
-    char bytes[sizeof value];
-    std::memcpy(bytes, &value, sizeof value);
-#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-    std::reverse(bytes, bytes + sizeof value);
-#endif
-    out_.append(bytes, sizeof value);
+    put_number(out_, value);
   }
 
   void put_poses(const Frame& frame) {

@@ -151,6 +151,17 @@ void RowBuilder::add_free_body_side(Row& row, const Component& c, const Spatial&
   row.diagonal += wrench.angular.dot(spin) + c.inverse_mass * wrench.linear.squaredNorm();
 }
 
+RowSide& RowBuilder::next_side(Row& row, int component) {
+  const Component& c = mechanism_.components()[std::size_t(component)];
+  RowSide& side = row.side[row.sides++];
+  side.component = component;
+  side.size = c.size();
+  side.speeds = c.offset;
+  side.j = next_numbers(2 * std::size_t(side.size));
+  side.w = side.j + std::size_t(side.size);
+  return side;
+}
+
 void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
                           const Vec3& direction, double sign) {
   Component& c = mechanism_.components()[std::size_t(component)];
@@ -164,14 +175,7 @@ void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
   }
   // Two bodies of one component share a side.
   const bool shared = row.sides == 1 && row.side[0].component == component;
-  if (!shared) {
-    RowSide& side = row.side[row.sides++];
-    side.component = component;
-    side.size = c.size();
-    side.speeds = c.offset;
-    side.j = next_numbers(2 * std::size_t(side.size));
-    side.w = side.j + std::size_t(side.size);
-  }
+  if (!shared) next_side(row, component);
   fill_row(c, c.find(link), wrench, sign, &set_.pool[row.side[row.sides - 1].j]);
 }
 
@@ -220,12 +224,7 @@ Row& RowBuilder::add_axis_row(const StepContext& context, int component, int loc
   update_component(mechanism_, c);
   set_.scalars.push_back(int(end_.rows));
   Row& row = next_row();
-  RowSide& side = row.side[row.sides++];
-  side.component = component;
-  side.size = c.size();
-  side.speeds = c.offset;
-  side.j = next_numbers(2 * std::size_t(side.size));
-  side.w = side.j + std::size_t(side.size);
+  const RowSide& side = next_side(row, component);
   if (local >= 0) {
     set_.pool[side.j + std::size_t(local)] = sign;
     row.effort_sign = sign;

@@ -198,6 +198,8 @@ class RowBuilder {
   void add_side(Row& row, int component, int link, const Vec3* point, const Vec3& direction,
                 double sign);
   Row& add_twist_row(int link_a, int link_b, const Vec3& axis);
+  /// Another side of a row, with memory for its numbers. Not of a free body.
+  RowSide& next_side(Row& row, int component);
   void add_free_body_side(Row& row, const Component& c, const Spatial& wrench, double sign);
   void finish_row(Row& row);
   Vec3 point_velocity(int link, const Vec3& point) const;

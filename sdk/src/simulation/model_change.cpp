@@ -128,13 +128,23 @@ class Appender {
     }
   }
 
+  /// Appends renamed copies of a list; `adapt` maps their other indices and poses. An index that is
+  /// kWorld stays kWorld.
+  template <class Element, class Adapt>
+  void append(std::vector<Element> SceneModel::*list, const Adapt& adapt) {
+    for (const Element& original : from_.*list) {
+      Element element = renamed(original);
+      element.assembly = assembly(original.assembly);
+      adapt(element);
+      (to_.*list).push_back(std::move(element));
+    }
+  }
+
   void append_bodies() {
-    for (const Body& original : from_.bodies) {
-      Body body = renamed(original);
-      body.X_WB = pose_ * original.X_WB;
-      body.V_WB.linear = pose_.q * original.V_WB.linear;
-      body.V_WB.angular = pose_.q * original.V_WB.angular;
-      body.assembly = assembly(original.assembly);
+    append(&SceneModel::bodies, [this](Body& body) {
+      body.X_WB = pose_ * body.X_WB;
+      body.V_WB.linear = pose_.q * body.V_WB.linear;
+      body.V_WB.angular = pose_.q * body.V_WB.angular;
       for (Shape& shape : body.shapes) {
         shape.name = prefix_ + shape.name;
         shape.mesh = mapped(shape.mesh, meshes_);
@@ -142,85 +152,54 @@ class Appender {
         shape.material = mapped(shape.material, materials_);
         shape.origin.file = mapped(shape.origin.file, files_);
       }
-      to_.bodies.push_back(std::move(body));
-    }
-    for (const NamedFrame& original : from_.frames) {
-      NamedFrame frame = renamed(original);
-      frame.body = shifted(original.body, bodies_);
-      if (original.body == kWorld) frame.X_BF = pose_ * original.X_BF;
-      frame.assembly = assembly(original.assembly);
-      to_.frames.push_back(std::move(frame));
-    }
+    });
+    append(&SceneModel::frames, [this](NamedFrame& frame) {
+      frame.body = shifted(frame.body, bodies_);
+      if (frame.body == kWorld) frame.X_BF = pose_ * frame.X_BF;
+    });
   }
 
   void append_joints() {
-    for (const Joint& original : from_.joints) {
-      Joint joint = renamed(original);
-      joint.parent = shifted(original.parent, bodies_);
-      joint.child = shifted(original.child, bodies_);
-      if (original.parent == kWorld) joint.X_PF = pose_ * original.X_PF;
-      if (original.child == kWorld) joint.X_CM = pose_ * original.X_CM;
-      joint.assembly = assembly(original.assembly);
-      to_.joints.push_back(std::move(joint));
-    }
-    for (const Coupling& original : from_.couplings) {
-      Coupling coupling = renamed(original);
-      coupling.joint = shifted(original.joint, joints_);
+    append(&SceneModel::joints, [this](Joint& joint) {
+      joint.parent = shifted(joint.parent, bodies_);
+      joint.child = shifted(joint.child, bodies_);
+      if (joint.parent == kWorld) joint.X_PF = pose_ * joint.X_PF;
+      if (joint.child == kWorld) joint.X_CM = pose_ * joint.X_CM;
+    });
+    append(&SceneModel::couplings, [this](Coupling& coupling) {
+      coupling.joint = shifted(coupling.joint, joints_);
       for (CouplingTerm& term : coupling.terms) term.joint = shifted(term.joint, joints_);
-      coupling.assembly = assembly(original.assembly);
-      to_.couplings.push_back(std::move(coupling));
-    }
+    });
   }
 
   void append_devices() {
-    for (const Motor& original : from_.motors) {
-      Motor motor = renamed(original);
-      motor.joint = shifted(original.joint, joints_);
-      motor.assembly = assembly(original.assembly);
-      to_.motors.push_back(std::move(motor));
-    }
-    for (const ForceModel& original : from_.forces) {
-      ForceModel force = renamed(original);
-      force.body = shifted(original.body, bodies_);
-      force.other = shifted(original.other, bodies_);
-      if (original.body == kWorld) force.X_BE = pose_ * original.X_BE;
-      if (original.other == kWorld) force.other_point = pose_ * original.other_point;
-      force.assembly = assembly(original.assembly);
-      to_.forces.push_back(std::move(force));
-    }
-    for (const SensorModel& original : from_.sensors) {
-      SensorModel sensor = renamed(original);
-      sensor.body = shifted(original.body, bodies_);
-      sensor.joint = shifted(original.joint, joints_);
-      if (original.body == kWorld) sensor.X_BS = pose_ * original.X_BS;
-      sensor.assembly = assembly(original.assembly);
-      to_.sensors.push_back(std::move(sensor));
-    }
-    for (const ControllerModel& original : from_.controllers) {
-      ControllerModel controller = renamed(original);
-      controller.assembly = assembly(original.assembly);
-      to_.controllers.push_back(std::move(controller));
-    }
+    append(&SceneModel::motors,
+           [this](Motor& motor) { motor.joint = shifted(motor.joint, joints_); });
+    append(&SceneModel::forces, [this](ForceModel& force) {
+      force.body = shifted(force.body, bodies_);
+      force.other = shifted(force.other, bodies_);
+      if (force.body == kWorld) force.X_BE = pose_ * force.X_BE;
+      if (force.other == kWorld) force.other_point = pose_ * force.other_point;
+    });
+    append(&SceneModel::sensors, [this](SensorModel& sensor) {
+      sensor.body = shifted(sensor.body, bodies_);
+      sensor.joint = shifted(sensor.joint, joints_);
+      if (sensor.body == kWorld) sensor.X_BS = pose_ * sensor.X_BS;
+    });
+    append(&SceneModel::controllers, [](ControllerModel&) {});
   }
 
   void append_places() {
-    for (const RegionModel& original : from_.regions) {
-      RegionModel region = renamed(original);
-      region.body = shifted(original.body, bodies_);
-      if (original.body == kWorld) region.X_BR = pose_ * original.X_BR;
-      region.assembly = assembly(original.assembly);
+    append(&SceneModel::regions, [this](RegionModel& region) {
+      region.body = shifted(region.body, bodies_);
+      if (region.body == kWorld) region.X_BR = pose_ * region.X_BR;
       // Names of the elements of the fragment get its prefix; other names are of existing elements.
       for (std::string& who : region.who) {
         if (has_name(who)) who = prefix_ + who;
       }
-      to_.regions.push_back(std::move(region));
-    }
-    for (const DoorModel& original : from_.doors) {
-      DoorModel door = renamed(original);
-      door.motor = shifted(original.motor, motors_);
-      door.assembly = assembly(original.assembly);
-      to_.doors.push_back(std::move(door));
-    }
+    });
+    append(&SceneModel::doors,
+           [this](DoorModel& door) { door.motor = shifted(door.motor, motors_); });
   }
 
   bool has_name(const std::string& name) const {
