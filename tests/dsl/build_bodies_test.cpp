@@ -1,4 +1,5 @@
 // Bodies, materials and rigid assemblies, against values computed by hand.
+#include "../support/temporary_folder.h"
 #include "build_support.h"
 
 using namespace cogrsim;
@@ -158,11 +159,29 @@ TEST_CASE("collide names pairs of bodies and of assemblies", "[dsl][build]") {
   CHECK(model->no_collide[0] == BodyPair{1, 2});
 }
 
+TEST_CASE("a scene and its templates share the meshes of a file", "[dsl][build]") {
+  const TemporaryFolder folder;
+  folder.write("wedge.obj",
+               "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+               "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const std::string path = folder.write("s.scene.xml", R"(<scene>
+    <mesh name="a" file="wedge.obj" convex="true" mass="1 kg"/>
+    <mesh name="b" file="wedge.obj" convex="true" mass="1 kg" scale="2" xyz="9 0 0"/>
+    <template name="T"><mesh name="c" file="wedge.obj" convex="true" mass="1 kg"/></template>
+  </scene>)");
+  const dsl::CompileResult result = dsl::compile_file(path);
+  REQUIRE(result.model);
+  REQUIRE(result.model->meshes.size() == 2);
+  REQUIRE(result.model->templates.size() == 1);
+  const SceneModel& fragment = *result.model->templates[0].fragment;
+  CHECK(fragment.meshes == std::vector<MeshPtr>{result.model->meshes[0]});
+}
+
 TEST_CASE("heights are listed row by row from the lowest y", "[dsl][build]") {
   const auto model =
       compile_scene(R"(<heightmap name="h" size="2 1" columns="3" heights="0 1 2 3 4 5 cm"/>)");
   REQUIRE(model->heightmaps.size() == 1);
-  const HeightGrid& grid = model->heightmaps[0];
+  const HeightGrid& grid = *model->heightmaps[0];
   CHECK(grid.columns == 3);
   CHECK(grid.rows == 2);
   CHECK(grid.heights[5] == Approx(0.05));

@@ -45,7 +45,7 @@ TEST_CASE("a scene imports a robot as a prototype", "[scene]") {
   CHECK((result.model->bodies[3].X_WB.p - Vec3(0, -1, 2.5)).norm() < 1e-12);
   // Once for both: 1 m, raised by 0.1 m and mirrored, with its surface outwards.
   REQUIRE(result.model->meshes.size() == 1);
-  const TriangleMesh& mesh = result.model->meshes[0];
+  const TriangleMesh& mesh = *result.model->meshes[0];
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   double volume = 0.0;
   for (const Vec3& v : mesh.vertices) {

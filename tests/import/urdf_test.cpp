@@ -197,9 +197,9 @@ TEST_CASE("meshes are found in the package around the model, and nowhere else", 
   in.read(robot("package://bot_description/meshes/a.stl"), "bot_description/urdf/r.urdf");
   REQUIRE(in.model);
   REQUIRE(in.model->meshes.size() == 1);
-  CHECK(in.model->meshes[0].vertices.size() == 4);
+  CHECK(in.model->meshes[0]->vertices.size() == 4);
   double far = 0.0;
-  for (const Vec3& v : in.model->meshes[0].vertices) far = std::max(far, v.maxCoeff());
+  for (const Vec3& v : in.model->meshes[0]->vertices) far = std::max(far, v.maxCoeff());
   CHECK(far == 2.0);
   in.read(robot("../../secret.stl"), "bot_description/urdf/r.urdf");
   CHECK(in.reports(kLeftOut, "mesh '../../secret.stl'", "lies outside"));

@@ -293,12 +293,12 @@ TEST_CASE("capsules and hulls and meshes and heightmaps have distances too", "[d
   tetrahedron.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   const int mesh = static_cast<int>(b.model.meshes.size());
-  b.model.meshes.push_back(tetrahedron);
+  b.model.meshes.push_back(std::make_shared<const TriangleMesh>(tetrahedron));
   HeightGrid grid;
   grid.columns = grid.rows = 3;
   grid.size_x = grid.size_y = 4;
   grid.heights = {0, 0, 0, 0, 1, 0, 0, 0, 0};
-  b.model.heightmaps.push_back(grid);
+  b.model.heightmaps.push_back(std::make_shared<const HeightGrid>(grid));
   const auto shaped = [&](const char* name, ShapeType type, const Pose& X) {
     const int index = b.box(name, Vec3::Ones(), 1.0, X);
     Shape& shape = b.model.bodies[static_cast<std::size_t>(index)].shapes[0];

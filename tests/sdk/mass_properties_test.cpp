@@ -33,6 +33,10 @@ TriangleMesh box_mesh(const Vec3& size, const Vec3& centre) {
   return mesh;
 }
 
+std::vector<MeshPtr> list(TriangleMesh mesh) {
+  return {std::make_shared<const TriangleMesh>(std::move(mesh))};
+}
+
 /// Octahedron, every triangle split in four `levels` times, projected onto the sphere.
 TriangleMesh ball_mesh(double radius, int levels) {
   std::vector<std::array<Vec3, 3>> faces;
@@ -105,7 +109,7 @@ TEST_CASE("primitives have the textbook volume and inertia", "[mass]") {
 
 TEST_CASE("a box of triangles has the mass of the box", "[mass]") {
   const Vec3 centre(30, -20, 10);  // far away: the parallel axis term must cancel
-  const std::vector<TriangleMesh> meshes = {box_mesh(Vec3(0.1, 0.4, 0.9), centre)};
+  const std::vector<MeshPtr> meshes = list(box_mesh(Vec3(0.1, 0.4, 0.9), centre));
   const Shape mesh = make_shape(ShapeType::convex_mesh);
   CHECK(shape_volume(mesh, meshes) == Approx(0.036).epsilon(1e-12));
   const auto got = shape_mass(mesh, meshes, 10.0);
@@ -117,7 +121,7 @@ TEST_CASE("a box of triangles has the mass of the box", "[mass]") {
 TEST_CASE("a ball of triangles nears the sphere in second order", "[mass]") {
   double last = 0;
   for (int levels : {3, 4}) {
-    const std::vector<TriangleMesh> meshes = {ball_mesh(0.2, levels)};
+    const std::vector<MeshPtr> meshes = list(ball_mesh(0.2, levels));
     const auto got = shape_mass(make_shape(ShapeType::mesh), meshes, 10.0);
     REQUIRE(got);
     const double error = 0.4 * 10 * 0.04 - got->inertia(0, 0);
@@ -156,7 +160,7 @@ TEST_CASE("two halves make the whole", "[mass]") {
 }
 
 TEST_CASE("shapes without volume have no mass", "[mass]") {
-  const auto message = [](const Shape& shape, const std::vector<TriangleMesh>& meshes) {
+  const auto message = [](const Shape& shape, const std::vector<MeshPtr>& meshes) {
     const auto got = shape_mass(shape, meshes, 1.0);
     REQUIRE_FALSE(got);
     return got.error().message;
@@ -166,13 +170,13 @@ TEST_CASE("shapes without volume have no mass", "[mass]") {
   CHECK_THAT(message(make_shape(ShapeType::heightmap), {}), Contains("heightmap"));
   TriangleMesh inside_out = box_mesh(Vec3::Ones(), Vec3::Zero());
   for (auto& t : inside_out.triangles) std::swap(t[0], t[1]);
-  CHECK_THAT(message(make_shape(ShapeType::mesh), {inside_out}), Contains("inside out"));
+  CHECK_THAT(message(make_shape(ShapeType::mesh), list(inside_out)), Contains("inside out"));
   const TriangleMesh sheet = box_mesh(Vec3(1, 1, 0), Vec3::Zero());
   Shape huge = make_shape(ShapeType::box);
   huge.size = Vec3(1e300, 1, 1);  // its inertia, 1e900 kg m^2, is no double
   CHECK(message(huge, {}) == "shape 'part': it is too large to compute its mass");
-  CHECK_THAT(message(make_shape(ShapeType::mesh), {sheet}), Contains("no volume"));
-  CHECK_THAT(message(make_shape(ShapeType::mesh), {TriangleMesh{}}), Contains("no volume"));
+  CHECK_THAT(message(make_shape(ShapeType::mesh), list(sheet)), Contains("no volume"));
+  CHECK_THAT(message(make_shape(ShapeType::mesh), list({})), Contains("no volume"));
 }
 
 TEST_CASE("impossible inertias are refused with their moments", "[mass]") {

@@ -120,7 +120,7 @@ void offer_shape(Line& line, const SceneModel& model, const Shape& shape) {
       break;
     case ShapeType::convex_mesh:
     case ShapeType::mesh: {
-      const TriangleMesh& mesh = model.meshes[static_cast<std::size_t>(shape.mesh)];
+      const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
       for (const Eigen::Vector3i& t : mesh.triangles) {
         offer_triangle(line, widen(mesh.vertices[static_cast<std::size_t>(t[0])]),
                        widen(mesh.vertices[static_cast<std::size_t>(t[1])]),
@@ -129,7 +129,7 @@ void offer_shape(Line& line, const SceneModel& model, const Shape& shape) {
       break;
     }
     case ShapeType::heightmap:
-      offer_grid(line, model.heightmaps[static_cast<std::size_t>(shape.heightmap)]);
+      offer_grid(line, *model.heightmaps[static_cast<std::size_t>(shape.heightmap)]);
       break;
   }
 }
@@ -143,7 +143,7 @@ Real bounding_radius(const SceneModel& model, const Shape& shape) {
     case ShapeType::convex_mesh:
     case ShapeType::mesh: {
       Real most = 0;
-      for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)].vertices)
+      for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)]->vertices)
         most = std::max(most, widen(v).norm());
       return most;
     }

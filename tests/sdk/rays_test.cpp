@@ -297,7 +297,7 @@ TEST_CASE("no ray gets through between the triangles of a mesh", "[rays]") {
   const Pose pose = random_pose(random, 1.0);
   builder.mesh("stone", octahedron(1.0), true, 1.0, pose);
   const World world(builder.build());
-  const TriangleMesh& mesh = world.model->meshes[0];
+  const TriangleMesh& mesh = *world.model->meshes[0];
   for (int i = 0; i < 3000; ++i) {
     const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(i % 8)];
     const Vec3& a = mesh.vertices[static_cast<std::size_t>(t[i / 8 % 3])];

@@ -65,8 +65,8 @@ TEST_CASE("u runs to the right and v upwards on every surface seen from outside"
   grid.size_x = 3.0;
   grid.size_y = 5.0;
   grid.heights = {0.0, 0.0, 0.0, 0.0};
-  model.heightmaps.push_back(grid);
-  model.meshes.emplace_back();
+  model.heightmaps.push_back(std::make_shared<const HeightGrid>(grid));
+  model.meshes.push_back(std::make_shared<const TriangleMesh>());
   const ShapeType type =
       GENERATE(ShapeType::box, ShapeType::sphere, ShapeType::cylinder, ShapeType::capsule,
                ShapeType::plane, ShapeType::mesh, ShapeType::heightmap);
@@ -161,7 +161,7 @@ TEST_CASE("planes and heightmaps are seen from above", "[surface]") {
   grid.columns = grid.rows = 2;
   grid.size_x = 4.0;
   grid.size_y = 2.0;
-  model.heightmaps.push_back(grid);
+  model.heightmaps.push_back(std::make_shared<const HeightGrid>(grid));
   Shape shape = shape_of(ShapeType::heightmap, false);
   shape.heightmap = 0;
   const Vec3 point(1.0, -0.5, 0.3);
@@ -176,7 +176,7 @@ TEST_CASE("a mesh uses its own coordinates where it has them", "[surface]") {
   mesh.vertices = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}};
   mesh.uv = {{0, 0}, {0, 1}, {1, 0}, {0.5, 0.5}, {0.7, 0.5}, {0.5, 0.9}};
-  model.meshes.push_back(mesh);
+  model.meshes.push_back(std::make_shared<const TriangleMesh>(mesh));
   Shape shape = shape_of(ShapeType::mesh, false);
   shape.mesh = 0;
   const Vec3 down(0, 0, -1);
@@ -185,7 +185,8 @@ TEST_CASE("a mesh uses its own coordinates where it has them", "[surface]") {
   // An unknown triangle, one that does not exist, and a mesh without coordinates: by the normal.
   check(texture_coordinates(model, shape, {0.5, 1.0, 0}, down), 0.5, -1.0);
   check(texture_coordinates(model, shape, {0.5, 1.0, 0}, down, 7), 0.5, -1.0);
-  model.meshes[0].uv.clear();
+  mesh.uv.clear();
+  model.meshes[0] = std::make_shared<const TriangleMesh>(mesh);
   check(texture_coordinates(model, shape, {0.5, 1.0, 0}, down, 0), 0.5, -1.0);
   shape.material = 1;
   check(texture_coordinates(model, shape, {0.5, 1.0, 0}, down, 0), 2.5, -2.0);

@@ -332,6 +332,43 @@ TEST_CASE("a batch rewards with a signal at the end of each call, also of an end
   CHECK(said(refused.error()).find("ball") != std::string::npos);
 }
 
+TEST_CASE("worlds and spawns share the meshes and heights of their scene", "[batch]") {
+  const std::string backend = GENERATE(engines());
+  TriangleMesh wedge;
+  wedge.name = "wedge";
+  wedge.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  wedge.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  ModelBuilder part("part");
+  part.mesh("part", wedge, true, 1.0, {});
+  ModelBuilder yard("yard");
+  wedge.name = "rock";
+  yard.mesh("rock", wedge, true, 1.0, Pose(Vec3(0, 0, 9), Quat(1, 0, 0, 0)));
+  const SceneModelPtr fragment = part.build();
+  yard.model.templates.push_back({"Part", fragment, {}});
+  HeightGrid hill;
+  hill.columns = hill.rows = 2;
+  hill.heights = {0.0, 0.0, 0.0, 0.1};
+  yard.heightmap("hill", hill, Pose(Vec3(30, 0, -9), Quat(1, 0, 0, 0)));
+  const SceneModelPtr scene = yard.build();
+  BatchOptions options;
+  options.backend = backend;
+  const auto batch = made(Batch::create(scene, 2, options, loader()));
+  for (int i = 0; i < 2; ++i) {
+    batch->world(i).send(Spawn{"Part", "first", Pose(Vec3(5, 0, 5), Quat(1, 0, 0, 0))});
+    batch->world(i).send(Spawn{"Part", "second", Pose(Vec3(9, 0, 5), Quat(1, 0, 0, 0))});
+  }
+  batch->step(2);
+  std::vector<MeshPtr> meshes = scene->meshes;
+  meshes.push_back(fragment->meshes[0]);
+  for (int i = 0; i < 2; ++i) {
+    const SceneModel& model = *batch->world(i).model();
+    CAPTURE(backend, i);
+    REQUIRE(find_body(model, "second.part") >= 0);
+    CHECK(model.meshes == meshes);  // the same objects
+    CHECK(model.heightmaps == scene->heightmaps);
+  }
+}
+
 TEST_CASE("a batch writes its observations into a table of the caller", "[batch]") {
   const auto scene = knocker();
   const BatchOptions options = knocker_options("cogrsim", 2);

@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "cogrsim/core/random.h"
-#include "run/run_measures.h"
 #include "common/scene_loading.h"
 #include "common/terminal.h"
+#include "run/run_measures.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -30,10 +30,10 @@ std::uint64_t hash_of_scene(const SceneModel& model) {
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     hash = hash_bytes(text.data(), text.size(), hash);
   }
-  for (const TriangleMesh& mesh : model.meshes) {
-    hash = hash_values(mesh.triangles, hash_values(mesh.vertices, hash));
+  for (const MeshPtr& mesh : model.meshes) {
+    hash = hash_values(mesh->triangles, hash_values(mesh->vertices, hash));
   }
-  for (const HeightGrid& grid : model.heightmaps) hash = hash_values(grid.heights, hash);
+  for (const HeightGridPtr& grid : model.heightmaps) hash = hash_values(grid->heights, hash);
   return hash;
 }
 

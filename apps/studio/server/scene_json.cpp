@@ -81,9 +81,10 @@ class SceneWriter {
       return {{"kind", p.kind}, {"title", p.title}};
     });
     out["meshes"] = Json::array();
-    for (const TriangleMesh& m : model_.meshes) out["meshes"].push_back(mesh(m));
+    for (const MeshPtr& m : model_.meshes) out["meshes"].push_back(mesh(*m));
     out["heightmaps"] = Json::array();
-    for (const HeightGrid& grid : model_.heightmaps) out["heightmaps"].push_back(heightmap(grid));
+    for (const HeightGridPtr& grid : model_.heightmaps)
+      out["heightmaps"].push_back(heightmap(*grid));
     return out;
   }
 

@@ -53,13 +53,13 @@ class Maker {
         made = std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0);
         break;
       case ShapeType::convex_mesh:
-        made = hull(model_.meshes[at(shape.mesh)]);
+        made = hull(*model_.meshes[at(shape.mesh)]);
         break;
       case ShapeType::mesh:
-        made = surface(model_.meshes[at(shape.mesh)]);
+        made = surface(*model_.meshes[at(shape.mesh)]);
         break;
       case ShapeType::heightmap:
-        made = terrain(model_.heightmaps[at(shape.heightmap)], X_BS);
+        made = terrain(*model_.heightmaps[at(shape.heightmap)], X_BS);
         break;
     }
     if (!made) {
@@ -187,10 +187,10 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
                   "make the body static or kinematic, or use a convex-mesh");
     }
     if (shape.mesh >= 0) {
-      numbers += 3 * model.meshes[at(shape.mesh)].vertices.size();
-      indices += 3 * model.meshes[at(shape.mesh)].triangles.size();
+      numbers += 3 * model.meshes[at(shape.mesh)]->vertices.size();
+      indices += 3 * model.meshes[at(shape.mesh)]->triangles.size();
     }
-    if (shape.heightmap >= 0) numbers += model.heightmaps[at(shape.heightmap)].heights.size();
+    if (shape.heightmap >= 0) numbers += model.heightmaps[at(shape.heightmap)]->heights.size();
     shapes.push_back(&shape);
   }
   out->numbers.reserve(numbers);

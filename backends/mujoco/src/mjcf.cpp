@@ -227,7 +227,7 @@ Result<std::string> Writer::geom_form(const Shape& shape, Pose& X) {
     case ShapeType::plane:
       return std::string("type=\"plane\" size=\"0 0 1\"");
     case ShapeType::convex_mesh: {
-      const HullFaces hull = hull_faces(scene_.meshes[static_cast<std::size_t>(shape.mesh)], 1000);
+      const HullFaces hull = hull_faces(*scene_.meshes[static_cast<std::size_t>(shape.mesh)], 1000);
       if (hull.vertices.size() < 4) break;
       Vec3 middle = Vec3::Zero();
       for (const Vec3& v : hull.vertices) middle += v / static_cast<double>(hull.vertices.size());
@@ -240,7 +240,7 @@ Result<std::string> Writer::geom_form(const Shape& shape, Pose& X) {
       return "type=\"mesh\" mesh=\"" + name + '"';
     }
     case ShapeType::heightmap: {
-      const HeightGrid& grid = scene_.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+      const HeightGrid& grid = *scene_.heightmaps[static_cast<std::size_t>(shape.heightmap)];
       const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
       const double rise = std::max(*high - *low, 1e-6), base = std::max(1.0, rise);
       X = X * Pose(Vec3(0, 0, *low), Quat(1, 0, 0, 0));

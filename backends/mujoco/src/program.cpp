@@ -88,7 +88,7 @@ void complete_model(Program& out) {
     const Shape& shape =
         scene.bodies[static_cast<std::size_t>(b)].shapes[static_cast<std::size_t>(s)];
     if (shape.type != ShapeType::heightmap) continue;
-    const HeightGrid& grid = scene.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+    const HeightGrid& grid = *scene.heightmaps[static_cast<std::size_t>(shape.heightmap)];
     const int hfield = m.geom_dataid[g];
     const double low = *std::min_element(grid.heights.begin(), grid.heights.end());
     const double rise = m.hfield_size[4 * hfield + 2];

@@ -69,9 +69,9 @@ const std::shared_ptr<Triangles>& ShapeData::triangles(const SceneModel& model,
   if (made) return made;
   auto out = std::make_shared<Triangles>();
   if (is_mesh) {
-    copy_mesh(model.meshes[static_cast<std::size_t>(shape.mesh)], *out);
+    copy_mesh(*model.meshes[static_cast<std::size_t>(shape.mesh)], *out);
   } else {
-    copy_mesh(geometry::triangles_of(model.heightmaps[static_cast<std::size_t>(shape.heightmap)]),
+    copy_mesh(geometry::triangles_of(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)]),
               *out);
   }
   out->data = dGeomTriMeshDataCreate();
@@ -88,7 +88,7 @@ Result<std::shared_ptr<Hull>> ShapeData::hull(const SceneModel& model, const Sha
   auto& made = hulls_[shape.mesh];
   if (made) return made;
   const HullFaces faces =
-      hull_faces(model.meshes[static_cast<std::size_t>(shape.mesh)], kMostCorners);
+      hull_faces(*model.meshes[static_cast<std::size_t>(shape.mesh)], kMostCorners);
   if (faces.normals.empty()) {
     return fail("shape '" + shape.name + "': its mesh has no volume",
                 source_position(model, shape.origin));

@@ -27,7 +27,7 @@ std::unique_ptr<SimTK::ContactGeometry> geometry_of(const SceneModel& model, con
       return std::make_unique<SimTK::ContactGeometry::Brick>(to_simtk(0.5 * shape.size));
     case ShapeType::mesh:
     case ShapeType::convex_mesh: {
-      const TriangleMesh& mesh = model.meshes[std::size_t(shape.mesh)];
+      const TriangleMesh& mesh = *model.meshes[std::size_t(shape.mesh)];
       SimTK::Array_<SimTK::Vec3> vertices;
       SimTK::Array_<int> faces;
       for (const Vec3& v : mesh.vertices) vertices.push_back(to_simtk(v));

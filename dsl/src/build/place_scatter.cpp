@@ -103,11 +103,11 @@ void add_solids(const SceneModel& model, const Shape& shape, const Pose& X_GS,
       return;
     }
     case ShapeType::convex_mesh:
-      for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)].vertices)
+      for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)]->vertices)
         points.push_back(X_GS * v);
       return add_points(points, 0.0, out);
     case ShapeType::mesh: {
-      const TriangleMesh& mesh = model.meshes[static_cast<std::size_t>(shape.mesh)];
+      const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
       for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const geometry::Triangle t = geometry::triangle(mesh, i);
         add_points({X_GS * t[0], X_GS * t[1], X_GS * t[2]}, 0.0, out);
@@ -135,7 +135,7 @@ double Bundle::lowest() const {
 }
 
 Scatterer::Scatterer(const Ground& ground, const std::vector<Solid>& obstacles, double clearance,
-                 std::size_t& budget)
+                     std::size_t& budget)
     : ground_(ground), clearance_(clearance), budget_(budget) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   whole_ = {kFar, -kFar, kFar, -kFar};

@@ -1,6 +1,6 @@
 // Geometry of shapes, and the files it comes from.
-#include "build/build_scene.h"
 #include "assets/mesh_file.h"
+#include "build/build_scene.h"
 #include "cogrsim/geometry/convex_hull.h"
 
 namespace cogrsim::dsl {
@@ -8,6 +8,19 @@ namespace {
 
 std::string number_key(const Vec3& v) {
   return number_text(v.x()) + " " + number_text(v.y()) + " " + number_text(v.z());
+}
+
+Result<TriangleMesh> scaled_mesh(const std::string& path, const std::string& name,
+                                 const Vec3& factor, std::size_t most_bytes) {
+  auto mesh = load_mesh(path, name, most_bytes);
+  if (!mesh) return mesh;
+  for (Vec3& vertex : mesh->vertices) vertex = vertex.cwiseProduct(factor);
+  if (factor.prod() < 0.0) {  // a mirrored surface is turned inside out
+    for (Eigen::Vector3i& t : mesh->triangles) std::swap(t[1], t[2]);
+    for (std::size_t i = 0; i + 2 < mesh->uv.size(); i += 3)
+      std::swap(mesh->uv[i + 1], mesh->uv[i + 2]);
+  }
+  return mesh;
 }
 
 }  // namespace
@@ -56,27 +69,26 @@ bool Builder::mesh(const Element& element, Shape& shape) {
   const SourceSpan& at = element.find("file")->value_span;
   const std::string path = asset(*file, at, element.trail);
   if (path.empty()) return false;
-  const auto [known, is_new] = mesh_indices_.try_emplace(path + "|" + number_key(factor), -1);
+  const std::string key = path + "|" + number_key(factor);
+  const auto [known, is_new] = mesh_indices_.try_emplace(key, -1);
   if (is_new) {
-    auto loaded = load_mesh(path, *file, context_.options.limits.asset_bytes);
-    if (!loaded) {
-      sink()
-          .report("CG0706", at, element.trail, loaded.error().message)
-          .help("meshes are read from OBJ and STL files, in metres, and from COLLADA files");
-      return false;
+    MeshPtr& loaded = context_.meshes[key + "|" + *file];
+    if (loaded == nullptr) {
+      auto scaled = scaled_mesh(path, *file, factor, context_.options.limits.asset_bytes);
+      if (!scaled) {
+        sink()
+            .report("CG0706", at, element.trail, scaled.error().message)
+            .help("meshes are read from OBJ and STL files, in metres, and from COLLADA files");
+        return false;
+      }
+      loaded = std::make_shared<const TriangleMesh>(std::move(*scaled));
     }
     if (!copied(path, 128 * (loaded->vertices.size() + loaded->triangles.size()), at,
                 element.trail))
       return false;
-    for (Vec3& vertex : loaded->vertices) vertex = vertex.cwiseProduct(factor);
-    if (factor.prod() < 0.0) {  // a mirrored surface is turned inside out
-      for (Eigen::Vector3i& t : loaded->triangles) std::swap(t[1], t[2]);
-      for (std::size_t i = 0; i + 2 < loaded->uv.size(); i += 3)
-        std::swap(loaded->uv[i + 1], loaded->uv[i + 2]);
-    }
     known->second = static_cast<int>(model_.meshes.size());
     mesh_open_edges_.push_back(open_edges(*loaded));
-    model_.meshes.push_back(std::move(*loaded));
+    model_.meshes.push_back(loaded);
   }
   shape.mesh = known->second;
   return shape.mesh >= 0;
@@ -95,7 +107,8 @@ bool Builder::hull_of_points(const Element& element, Reader& r, Shape& shape) {
   const std::vector<double>& p = *points;
   TriangleMesh mesh;
   if (p.size() % 3 == 0)
-    for (std::size_t i = 0; i < p.size(); i += 3) mesh.vertices.emplace_back(p[i], p[i + 1], p[i + 2]);
+    for (std::size_t i = 0; i < p.size(); i += 3)
+      mesh.vertices.emplace_back(p[i], p[i + 1], p[i + 2]);
   mesh = geometry::convex_hull(mesh);
   if (mesh.triangles.empty()) {
     fault("CG0506", element, "points",
@@ -108,7 +121,7 @@ bool Builder::hull_of_points(const Element& element, Reader& r, Shape& shape) {
   mesh.name = "points";
   shape.mesh = static_cast<int>(model_.meshes.size());
   mesh_open_edges_.push_back(open_edges(mesh));
-  model_.meshes.push_back(std::move(mesh));
+  model_.meshes.push_back(std::make_shared<const TriangleMesh>(std::move(mesh)));
   return true;
 }
 
@@ -172,7 +185,7 @@ bool Builder::heightmap(const Element& element, Shape& shape) {
     grid.heights = *heights;
   }
   shape.heightmap = static_cast<int>(model_.heightmaps.size());
-  model_.heightmaps.push_back(std::move(grid));
+  model_.heightmaps.push_back(std::make_shared<const HeightGrid>(std::move(grid)));
   return true;
 }
 

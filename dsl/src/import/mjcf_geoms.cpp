@@ -140,7 +140,7 @@ const Result<MassProperties>& MjcfReader::mesh_mass(const Geometry& g, const std
     Shape s;
     s.type = ShapeType::mesh;
     s.mesh = 0;
-    const std::vector<TriangleMesh> meshes = {std::move(*mesh)};
+    const std::vector<MeshPtr> meshes = {std::make_shared<const TriangleMesh>(std::move(*mesh))};
     return shape_mass(s, meshes, shape_volume(s, meshes));
   };
   return mesh_masses_.emplace(key, compute()).first->second;

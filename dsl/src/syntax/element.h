@@ -11,8 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "syntax/node.h"
+#include "cogrsim/model/shapes.h"
 #include "expand/plans.h"
+#include "syntax/node.h"
 #include "values/value.h"
 
 namespace cogrsim::dsl {
@@ -106,6 +107,7 @@ struct CompileContext {
   std::deque<MazePlan> mazes = {};
   std::deque<DoorPlan> doors = {};
   std::deque<ScatterPlan> scatters = {};
+  std::map<std::string, MeshPtr> meshes = {};  ///< by file, scale and name
   /// Notes for editing; nullptr: none are taken.
   OutlineNotes* outline = nullptr;
   /// World poses that were drawn for objects of a scatter; empty: not drawn yet.

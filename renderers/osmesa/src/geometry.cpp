@@ -215,10 +215,10 @@ std::array<float, 4> unit_scale(const Shape& shape) {
 Triangles faces_of(const SceneModel& model, const Shape& shape) {
   if (shape.type == ShapeType::heightmap) {
     const TriangleMesh ground =
-        geometry::triangles_of(model.heightmaps[static_cast<std::size_t>(shape.heightmap)]);
+        geometry::triangles_of(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)]);
     return smooth(ground.vertices, ground.triangles);
   }
-  const TriangleMesh& mesh = model.meshes[static_cast<std::size_t>(shape.mesh)];
+  const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
   return smooth(mesh.vertices, mesh.triangles);
 }
 

@@ -47,20 +47,11 @@ bool same(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   });
 }
 
-bool same(const TriangleMesh& a, const TriangleMesh& b) {
-  return a.vertices == b.vertices && a.triangles == b.triangles;
-}
-
-bool same(const HeightGrid& a, const HeightGrid& b) {
-  return a.columns == b.columns && a.size_x == b.size_x && a.size_y == b.size_y &&
-         a.heights == b.heights;
-}
-
 /// Whether entry `i` is in both and the same.
 template <class T>
 bool kept(const std::vector<T>& before, const std::vector<T>& now, int i) {
   const auto at = static_cast<std::size_t>(i);
-  return at < before.size() && at < now.size() && same(before[at], now[at]);
+  return at < before.size() && at < now.size() && same_geometry(before[at], now[at]);
 }
 
 }  // namespace

@@ -45,9 +45,9 @@ bool inside_shape(const SceneModel& model, const Shape& shape, const Vec3& p, do
       return p.z() < -margin;
     case ShapeType::convex_mesh:
     case ShapeType::mesh:
-      return winding_number(model.meshes[static_cast<std::size_t>(shape.mesh)], p) > 0.5;
+      return winding_number(*model.meshes[static_cast<std::size_t>(shape.mesh)], p) > 0.5;
     case ShapeType::heightmap:
-      return p.z() < ground_height(model.heightmaps[static_cast<std::size_t>(shape.heightmap)],
+      return p.z() < ground_height(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)],
                                    p.x(), p.y()) -
                          margin;
   }

@@ -59,7 +59,7 @@ struct Item {
 double top_of(const SceneModel& model, const Shape& shape, const Pose& X_WS) {
   const Vec3 up = X_WS.q.conjugate() * Vec3::UnitZ();     // in the frame of the shape
   if (shape.type == ShapeType::plane) return -kInfinity;  // below everything
-  if (shape.type == ShapeType::heightmap)                 // the lowest: shapes on it must be visible
+  if (shape.type == ShapeType::heightmap)  // the lowest: shapes on it must be visible
     return X_WS.p.z() + geometry::local_bounds(model, shape).low.z();
   return X_WS.p.z() + geometry::core_of(model, shape).extent(up);
 }
@@ -139,7 +139,7 @@ void draw_plane(const Canvas& canvas, const Pose& X_WS, const Color& color) {
 // Draws heights as brightness, in at most 64 x 64 patches.
 void draw_heightmap(const Canvas& canvas, const SceneModel& model, const Shape& shape,
                     const Pose& X_WS, const Color& color) {
-  const HeightGrid& grid = model.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+  const HeightGrid& grid = *model.heightmaps[static_cast<std::size_t>(shape.heightmap)];
   const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
   const double span = std::max(*high - *low, 1e-12);
   const int columns = std::min(grid.columns - 1, 64), rows = std::min(grid.rows - 1, 64);

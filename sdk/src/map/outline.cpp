@@ -63,11 +63,11 @@ std::vector<Polygon> plan_outline(const SceneModel& model, const Shape& shape, c
       add_ball(points, X_WS * Vec3(0, 0, 0.5 * shape.length), shape.radius);
       break;
     case ShapeType::convex_mesh:
-      for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)].vertices)
+      for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)]->vertices)
         points.emplace_back((X_WS * v).head<2>());
       break;
     case ShapeType::mesh: {
-      const TriangleMesh& mesh = model.meshes[static_cast<std::size_t>(shape.mesh)];
+      const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
       std::vector<Polygon> triangles;
       triangles.reserve(mesh.triangles.size());
       for (const Eigen::Vector3i& t : mesh.triangles) {

@@ -107,7 +107,7 @@ int ModelBuilder::plane(const std::string& name, const Pose& X_WB, int material)
 int ModelBuilder::mesh(const std::string& name, TriangleMesh mesh, bool convex, double mass,
                        const Pose& X_WB, int material) {
   assert((convex || mass == 0.0) && "a body that collides as triangles must be static");
-  model.meshes.push_back(std::move(mesh));
+  model.meshes.push_back(std::make_shared<const TriangleMesh>(std::move(mesh)));
   Shape shape;
   shape.type = convex ? ShapeType::convex_mesh : ShapeType::mesh;
   shape.mesh = index_of_last(model.meshes.size());
@@ -120,7 +120,7 @@ int ModelBuilder::heightmap(const std::string& name, HeightGrid grid, const Pose
   assert(grid.columns >= 2 && grid.rows >= 2);
   assert(grid.heights.size() ==
          static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows));
-  model.heightmaps.push_back(std::move(grid));
+  model.heightmaps.push_back(std::make_shared<const HeightGrid>(std::move(grid)));
   Shape shape;
   shape.type = ShapeType::heightmap;
   shape.heightmap = index_of_last(model.heightmaps.size());

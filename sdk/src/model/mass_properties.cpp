@@ -59,7 +59,7 @@ Moments mesh_moments(const TriangleMesh& mesh) {
 }
 
 /// In the shape's own frame.
-Moments moments_of(const Shape& shape, const std::vector<TriangleMesh>& meshes) {
+Moments moments_of(const Shape& shape, const std::vector<MeshPtr>& meshes) {
   Moments out;
   const double r = shape.radius, l = shape.length, r2 = r * r;
   switch (shape.type) {
@@ -91,7 +91,7 @@ Moments moments_of(const Shape& shape, const std::vector<TriangleMesh>& meshes) 
     case ShapeType::convex_mesh:
     case ShapeType::mesh:
       assert(shape.mesh >= 0 && static_cast<std::size_t>(shape.mesh) < meshes.size());
-      return mesh_moments(meshes[static_cast<std::size_t>(shape.mesh)]);
+      return mesh_moments(*meshes[static_cast<std::size_t>(shape.mesh)]);
     case ShapeType::plane:
     case ShapeType::heightmap:
       break;
@@ -101,11 +101,11 @@ Moments moments_of(const Shape& shape, const std::vector<TriangleMesh>& meshes) 
 
 }  // namespace
 
-double shape_volume(const Shape& shape, const std::vector<TriangleMesh>& meshes) {
+double shape_volume(const Shape& shape, const std::vector<MeshPtr>& meshes) {
   return moments_of(shape, meshes).volume;
 }
 
-Result<MassProperties> shape_mass(const Shape& shape, const std::vector<TriangleMesh>& meshes,
+Result<MassProperties> shape_mass(const Shape& shape, const std::vector<MeshPtr>& meshes,
                                   double mass) {
   if (shape.type == ShapeType::plane || shape.type == ShapeType::heightmap) {
     return fail(fmt::format("shape '{}': a {} has no volume, so it can have no mass", shape.name,

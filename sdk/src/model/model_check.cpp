@@ -48,18 +48,21 @@ class Checker {
   }
 
   void matter() {
-    for (const TriangleMesh& mesh : model_.meshes) {
-      const int count = static_cast<int>(mesh.vertices.size());
-      for (const Eigen::Vector3i& t : mesh.triangles) {
-        if (t.minCoeff() < 0 || t.maxCoeff() >= count) note(mesh.name, "vertex");
+    for (const MeshPtr& mesh : model_.meshes) {
+      if (mesh == nullptr) return note("scene", "mesh");
+      const int count = static_cast<int>(mesh->vertices.size());
+      for (const Eigen::Vector3i& t : mesh->triangles) {
+        if (t.minCoeff() < 0 || t.maxCoeff() >= count) note(mesh->name, "vertex");
       }
-      if (!mesh.uv.empty() && mesh.uv.size() != 3 * mesh.triangles.size()) note(mesh.name, "uv");
+      if (!mesh->uv.empty() && mesh->uv.size() != 3 * mesh->triangles.size())
+        note(mesh->name, "uv");
     }
-    for (const HeightGrid& grid : model_.heightmaps) {
-      if (grid.columns < 2 || grid.rows < 2 ||
-          static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows) !=
-              grid.heights.size()) {
-        note(grid.name, "size");
+    for (const HeightGridPtr& grid : model_.heightmaps) {
+      if (grid == nullptr) return note("scene", "heightmap");
+      if (grid->columns < 2 || grid->rows < 2 ||
+          static_cast<std::size_t>(grid->columns) * static_cast<std::size_t>(grid->rows) !=
+              grid->heights.size()) {
+        note(grid->name, "size");
       }
     }
   }

@@ -31,6 +31,16 @@ int find_by_name(const std::vector<Element>& elements, const std::string& name) 
 
 }  // namespace
 
+bool same_geometry(const MeshPtr& a, const MeshPtr& b) {
+  return a == b || (a->name == b->name && a->vertices == b->vertices &&
+                    a->triangles == b->triangles && a->uv == b->uv);
+}
+
+bool same_geometry(const HeightGridPtr& a, const HeightGridPtr& b) {
+  return a == b || (a->name == b->name && a->columns == b->columns && a->rows == b->rows &&
+                    a->size_x == b->size_x && a->size_y == b->size_y && a->heights == b->heights);
+}
+
 const char* to_string(ShapeType type) {
   switch (type) {
     case ShapeType::box:

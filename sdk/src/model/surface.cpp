@@ -94,14 +94,14 @@ Vec2 texture_coordinates(const SceneModel& model, const Shape& shape, const Vec3
     case ShapeType::plane:
       return point.head<2>().cwiseQuotient(step);
     case ShapeType::heightmap: {
-      const HeightGrid& grid = model.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+      const HeightGrid& grid = *model.heightmaps[static_cast<std::size_t>(shape.heightmap)];
       return on_face({point.head<2>(), {grid.size_x, grid.size_y}}, size);
     }
     case ShapeType::convex_mesh:
     case ShapeType::mesh:
       break;
   }
-  const TriangleMesh& mesh = model.meshes[static_cast<std::size_t>(shape.mesh)];
+  const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
   const auto index = static_cast<std::size_t>(triangle);
   if (triangle >= 0 && index < mesh.triangles.size() && 3 * index + 2 < mesh.uv.size())
     return on_triangle(mesh, index, point);

@@ -188,19 +188,13 @@ void RayCaster::Impl::keep_triangles(const SceneModel& next) {
   meshes.resize(next.meshes.size());
   hulls.resize(next.meshes.size());
   for (std::size_t i = 0; i < next.meshes.size(); ++i) {
-    const bool kept = i < last.meshes.size() &&
-                      last.meshes[i].vertices == next.meshes[i].vertices &&
-                      last.meshes[i].triangles == next.meshes[i].triangles;
-    if (!kept) meshes[i] = hulls[i] = nullptr;
+    if (i >= last.meshes.size() || !same_geometry(last.meshes[i], next.meshes[i]))
+      meshes[i] = hulls[i] = nullptr;
   }
   heightmaps.resize(next.heightmaps.size());
   for (std::size_t i = 0; i < next.heightmaps.size(); ++i) {
-    const HeightGrid& now = next.heightmaps[i];
-    const HeightGrid& was = i < last.heightmaps.size() ? last.heightmaps[i] : now;
-    const bool kept = i < last.heightmaps.size() && was.heights == now.heights &&
-                      was.columns == now.columns && was.rows == now.rows &&
-                      was.size_x == now.size_x && was.size_y == now.size_y;
-    if (!kept) heightmaps[i] = nullptr;
+    if (i >= last.heightmaps.size() || !same_geometry(last.heightmaps[i], next.heightmaps[i]))
+      heightmaps[i] = nullptr;
   }
 }
 
@@ -211,13 +205,16 @@ std::shared_ptr<const TriangleSet> RayCaster::Impl::triangles(const Shape& shape
     }
     return known;
   };
+  const auto own = [](TriangleMesh mesh) {
+    return std::make_shared<const TriangleMesh>(std::move(mesh));
+  };
   if (shape.type == ShapeType::heightmap) {
     const auto i = static_cast<std::size_t>(shape.heightmap);
-    return make(heightmaps[i], [&] { return geometry::triangles_of(model->heightmaps[i]); });
+    return make(heightmaps[i], [&] { return own(geometry::triangles_of(*model->heightmaps[i])); });
   }
   const auto i = static_cast<std::size_t>(shape.mesh);
   if (shape.type == ShapeType::convex_mesh && targets == RayTargets::colliding)
-    return make(hulls[i], [&] { return geometry::convex_hull(model->meshes[i]); });
+    return make(hulls[i], [&] { return own(geometry::convex_hull(*model->meshes[i])); });
   return make(meshes[i], [&] { return model->meshes[i]; });
 }
 

@@ -45,12 +45,12 @@ class Shear {
 
 }  // namespace
 
-TriangleSet::TriangleSet(const TreeDevice& device, TriangleMesh mesh)
+TriangleSet::TriangleSet(const TreeDevice& device, MeshPtr mesh)
     : mesh_(std::move(mesh)), tree_(device, false) {
   std::vector<geometry::Bounds> boxes;
-  boxes.reserve(mesh_.triangles.size());
-  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
-    boxes.push_back(geometry::bounds_of(geometry::triangle(mesh_, i)));
+  boxes.reserve(mesh_->triangles.size());
+  for (std::size_t i = 0; i < mesh_->triangles.size(); ++i) {
+    boxes.push_back(geometry::bounds_of(geometry::triangle(*mesh_, i)));
     box_.add(boxes.back());
   }
   if (boxes.empty()) box_.add(Vec3::Zero());
@@ -63,7 +63,7 @@ TriangleSet::Hit TriangleSet::nearest(const Vec3& origin, const Vec3& direction,
     Visitor(const TriangleSet& triangles, const Vec3& ray_origin, const Vec3& ray_direction)
         : set(triangles), shear(ray_origin, ray_direction) {}
     double visit(unsigned index) override {
-      const geometry::Triangle t = geometry::triangle(set.mesh_, index);
+      const geometry::Triangle t = geometry::triangle(*set.mesh_, index);
       const double distance = shear.hit(t[0], t[1], t[2]);
       const int number = static_cast<int>(index);
       if (distance >= from &&
@@ -85,7 +85,7 @@ TriangleSet::Hit TriangleSet::nearest(const Vec3& origin, const Vec3& direction,
 }
 
 Vec3 TriangleSet::normal(int triangle) const {
-  const auto [a, b, c] = geometry::triangle(mesh_, static_cast<std::size_t>(triangle));
+  const auto [a, b, c] = geometry::triangle(*mesh_, static_cast<std::size_t>(triangle));
   return (b - a).cross(c - a).stableNormalized();
 }
 

@@ -10,7 +10,7 @@ namespace cogrsim::rays {
 
 class TriangleSet {
  public:
-  TriangleSet(const TreeDevice& device, TriangleMesh mesh);
+  TriangleSet(const TreeDevice& device, MeshPtr mesh);
 
   struct Hit {
     double distance = std::numeric_limits<double>::infinity();
@@ -27,7 +27,7 @@ class TriangleSet {
   const geometry::Bounds& box() const { return box_; }
 
  private:
-  TriangleMesh mesh_;
+  MeshPtr mesh_;
   geometry::Bounds box_;
   BoxTree tree_;
 };

@@ -33,14 +33,7 @@ std::vector<int> shared(std::vector<Element>& to, const std::vector<Element>& fr
   return indices;
 }
 
-bool same_mesh(const TriangleMesh& a, const TriangleMesh& b) {
-  return a.name == b.name && a.vertices == b.vertices && a.triangles == b.triangles && a.uv == b.uv;
-}
-
-bool same_heights(const HeightGrid& a, const HeightGrid& b) {
-  return a.name == b.name && a.columns == b.columns && a.rows == b.rows && a.size_x == b.size_x &&
-         a.size_y == b.size_y && a.heights == b.heights;
-}
+constexpr auto kSameGeometry = [](const auto& a, const auto& b) { return same_geometry(a, b); };
 
 // Compares everything except the source location.
 bool same_material(const Material& a, const Material& b) {
@@ -59,8 +52,8 @@ class Appender {
         prefix_(std::move(prefix)),
         pose_(pose),
         files_(shared(model.files, fragment.files, std::equal_to<>())),
-        meshes_(shared(model.meshes, fragment.meshes, same_mesh)),
-        heightmaps_(shared(model.heightmaps, fragment.heightmaps, same_heights)),
+        meshes_(shared(model.meshes, fragment.meshes, kSameGeometry)),
+        heightmaps_(shared(model.heightmaps, fragment.heightmaps, kSameGeometry)),
         bodies_(model.bodies.size()),
         joints_(model.joints.size()),
         motors_(model.motors.size()) {}

@@ -18,7 +18,7 @@ Extent extent_of(const std::vector<Vec3>& points) {
 
 Extent extent_of(const SceneModel& model, const Shape& shape, const Pose& X_WS) {
   if (shape.type == ShapeType::convex_mesh) {
-    std::vector<Vec3> points = model.meshes[static_cast<std::size_t>(shape.mesh)].vertices;
+    std::vector<Vec3> points = model.meshes[static_cast<std::size_t>(shape.mesh)]->vertices;
     for (Vec3& p : points) p = X_WS * p;
     return extent_of(points);
   }
@@ -96,7 +96,7 @@ Shape convex_shape(const std::string& kind, RandomStream& random, SceneModel& mo
         mesh.triangles.emplace_back(face[0], face[k - 1], face[k]);
     shape.type = ShapeType::convex_mesh;
     shape.mesh = static_cast<int>(model.meshes.size());
-    model.meshes.push_back(std::move(mesh));
+    model.meshes.push_back(std::make_shared<const TriangleMesh>(std::move(mesh)));
   }
   return shape;
 }

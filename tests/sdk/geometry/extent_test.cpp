@@ -67,7 +67,8 @@ TEST_CASE("extents, boxes and balls hold every point of a shape and are reached"
 
 TEST_CASE("the bounds of ground hold its samples") {
   SceneModel model;
-  model.heightmaps.push_back({"", 3, 2, 4.0, 1.0, {0.1, -0.4, 0.2, 0.3, 0.0, 0.9}});
+  model.heightmaps.push_back(std::make_shared<const HeightGrid>(
+      HeightGrid{"", 3, 2, 4.0, 1.0, {0.1, -0.4, 0.2, 0.3, 0.0, 0.9}}));
   Shape hill;
   hill.type = ShapeType::heightmap;
   hill.heightmap = 0;

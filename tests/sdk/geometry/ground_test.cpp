@@ -29,7 +29,7 @@ Shape heightmap(SceneModel& model, HeightGrid grid) {
   Shape shape;
   shape.type = ShapeType::heightmap;
   shape.heightmap = static_cast<int>(model.heightmaps.size());
-  model.heightmaps.push_back(std::move(grid));
+  model.heightmaps.push_back(std::make_shared<const HeightGrid>(std::move(grid)));
   return shape;
 }
 
@@ -37,7 +37,7 @@ Shape surface(SceneModel& model, TriangleMesh mesh) {
   Shape shape;
   shape.type = ShapeType::mesh;
   shape.mesh = static_cast<int>(model.meshes.size());
-  model.meshes.push_back(std::move(mesh));
+  model.meshes.push_back(std::make_shared<const TriangleMesh>(std::move(mesh)));
   return shape;
 }
 

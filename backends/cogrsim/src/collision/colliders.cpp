@@ -79,7 +79,7 @@ Collider make_collider(const SceneModel& model, int body, int index) {
       c.convex = std::make_shared<btCapsuleShapeZ>(radius, 2.0 * half);
       break;
     case ShapeType::convex_mesh: {
-      const TriangleMesh& mesh = model.meshes[std::size_t(shape.mesh)];
+      const TriangleMesh& mesh = *model.meshes[std::size_t(shape.mesh)];
       c.hull = std::make_shared<HullFaces>(hull_faces(mesh, Feature::kMost));
       if (c.hull->normals.empty())
         throw std::runtime_error("shape '" + shape.name + "': its convex hull has no volume");
@@ -91,10 +91,10 @@ Collider make_collider(const SceneModel& model, int body, int index) {
     case ShapeType::plane:
       break;
     case ShapeType::mesh:
-      make_mesh(model.meshes[std::size_t(shape.mesh)], c);
+      make_mesh(*model.meshes[std::size_t(shape.mesh)], c);
       break;
     case ShapeType::heightmap:
-      c.grid = std::make_shared<HeightGrid>(model.heightmaps[std::size_t(shape.heightmap)]);
+      c.grid = model.heightmaps[std::size_t(shape.heightmap)];
       break;
   }
   return c;

@@ -32,7 +32,7 @@ struct Collider {
   std::shared_ptr<btConvexShape> convex;        ///< all convex types
   std::shared_ptr<btTriangleMesh> triangles;    ///< mesh
   std::shared_ptr<btBvhTriangleMeshShape> bvh;  ///< mesh
-  std::shared_ptr<const HeightGrid> grid;       ///< heightmap
+  HeightGridPtr grid;                           ///< heightmap
 
   // At the time of the query.
   Placement X_WS;

@@ -63,8 +63,8 @@ template <class Use>
 void for_triangles(const SceneModel& model, const Shape& shape, const Bounds& where,
                    const Use& use) {
   if (shape.type == ShapeType::heightmap)
-    return for_triangles(model.heightmaps[static_cast<std::size_t>(shape.heightmap)], where, use);
-  const TriangleMesh& mesh = model.meshes[static_cast<std::size_t>(shape.mesh)];
+    return for_triangles(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)], where, use);
+  const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) use(triangle(mesh, i));
 }
 

@@ -18,14 +18,14 @@ struct MassProperties {
 
 /// Volume [m^3] of a solid shape, for meshes by the divergence theorem; 0 for planes and
 /// heightmaps.
-COGRSIM_API double shape_volume(const Shape& shape, const std::vector<TriangleMesh>& meshes);
+COGRSIM_API double shape_volume(const Shape& shape, const std::vector<MeshPtr>& meshes);
 
 /// Mass properties of a homogeneous solid shape of `mass` [kg], in the body frame. Primitives use
 /// closed forms; meshes use a sum over tetrahedra (compare Mirtich, Fast and Accurate Computation
 /// of Polyhedral Mass Properties, 1996). Errors: the shape is a plane, a heightmap, or a mesh
 /// without positive volume.
 COGRSIM_API Result<MassProperties> shape_mass(const Shape& shape,
-                                              const std::vector<TriangleMesh>& meshes, double mass);
+                                              const std::vector<MeshPtr>& meshes, double mass);
 
 /// Mass properties of several rigidly connected parts that are given in one frame (parallel axis
 /// theorem).

@@ -481,8 +481,8 @@ struct SceneModel {
   PhysicsSettings physics;
   std::vector<Material> materials;  ///< [0] is the default
   std::vector<MaterialPair> material_pairs;
-  std::vector<TriangleMesh> meshes;
-  std::vector<HeightGrid> heightmaps;
+  std::vector<MeshPtr> meshes;
+  std::vector<HeightGridPtr> heightmaps;
   std::vector<AssemblyInfo> assemblies;
   std::vector<Body> bodies;
   std::vector<NamedFrame> frames;

@@ -1,6 +1,7 @@
 // Geometry, materials and appearance of bodies.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,6 +57,14 @@ struct HeightGrid {
   double size_x = 1, size_y = 1;  ///< extent of the whole grid [m]
   std::vector<double> heights;    ///< [m], (rows x columns), row 0 at the lowest y
 };
+
+/// Models share meshes and height grids, which never change; never null in a model.
+using MeshPtr = std::shared_ptr<const TriangleMesh>;
+using HeightGridPtr = std::shared_ptr<const HeightGrid>;
+
+/// Whether both are the same object, or equal in name and in every number.
+COGRSIM_API bool same_geometry(const MeshPtr& a, const MeshPtr& b);
+COGRSIM_API bool same_geometry(const HeightGridPtr& a, const HeightGridPtr& b);
 
 /// A convex_mesh is drawn as its mesh and collides as its convex hull. A plane is the half-space
 /// z <= 0 of the shape's frame.

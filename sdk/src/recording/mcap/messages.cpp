@@ -302,28 +302,28 @@ void put_model(std::string& bytes, const SceneModel& model, std::uint32_t index)
   out.add_string(2, model.name);
   out.add_string(3, model_to_json(model));
   std::vector<double> numbers;
-  for (const TriangleMesh& mesh : model.meshes) {
+  for (const MeshPtr& mesh : model.meshes) {
     pbf_writer inner(out, 4);
-    inner.add_string(1, mesh.name);
+    inner.add_string(1, mesh->name);
     numbers.clear();
-    for (const Vec3& v : mesh.vertices) append_vector(numbers, v);
+    for (const Vec3& v : mesh->vertices) append_vector(numbers, v);
     put_doubles(inner, 2, numbers);
     std::vector<std::int32_t> corners;
-    for (const Eigen::Vector3i& t : mesh.triangles)
+    for (const Eigen::Vector3i& t : mesh->triangles)
       corners.insert(corners.end(), {t[0], t[1], t[2]});
     inner.add_packed_int32(3, corners.begin(), corners.end());
     numbers.clear();
-    for (const Eigen::Vector2d& uv : mesh.uv) numbers.insert(numbers.end(), {uv.x(), uv.y()});
+    for (const Eigen::Vector2d& uv : mesh->uv) numbers.insert(numbers.end(), {uv.x(), uv.y()});
     put_doubles(inner, 4, numbers);
   }
-  for (const HeightGrid& grid : model.heightmaps) {
+  for (const HeightGridPtr& grid : model.heightmaps) {
     pbf_writer inner(out, 5);
-    inner.add_string(1, grid.name);
-    inner.add_uint32(2, static_cast<std::uint32_t>(grid.columns));
-    inner.add_uint32(3, static_cast<std::uint32_t>(grid.rows));
-    inner.add_double(4, grid.size_x);
-    inner.add_double(5, grid.size_y);
-    put_doubles(inner, 6, grid.heights);
+    inner.add_string(1, grid->name);
+    inner.add_uint32(2, static_cast<std::uint32_t>(grid->columns));
+    inner.add_uint32(3, static_cast<std::uint32_t>(grid->rows));
+    inner.add_double(4, grid->size_x);
+    inner.add_double(5, grid->size_y);
+    put_doubles(inner, 6, grid->heights);
   }
 }
 
@@ -400,18 +400,18 @@ HeightGrid take_grid(pbf_reader in) {
 
 Result<std::shared_ptr<const SceneModel>> take_model(std::string_view bytes) {
   std::string scene;
-  std::vector<TriangleMesh> meshes;
-  std::vector<HeightGrid> heightmaps;
+  std::vector<MeshPtr> meshes;
+  std::vector<HeightGridPtr> heightmaps;
   auto done = each_field(bytes, "scene", [&](pbf_reader& in) {
     switch (in.tag()) {
       case 3:
         scene = in.get_string();
         break;
       case 4:
-        meshes.push_back(take_mesh(in.get_message()));
+        meshes.push_back(std::make_shared<const TriangleMesh>(take_mesh(in.get_message())));
         break;
       case 5:
-        heightmaps.push_back(take_grid(in.get_message()));
+        heightmaps.push_back(std::make_shared<const HeightGrid>(take_grid(in.get_message())));
         break;
       default:
         in.skip();

@@ -127,11 +127,11 @@ void put_shape(pbf_writer& entity, const SceneModel& model, const Shape& shape) 
     }
     case ShapeType::convex_mesh:
     case ShapeType::mesh:
-      put_mesh(entity, shape, model.meshes[static_cast<std::size_t>(shape.mesh)], color);
+      put_mesh(entity, shape, *model.meshes[static_cast<std::size_t>(shape.mesh)], color);
       break;
     case ShapeType::heightmap:
       put_mesh(entity, shape,
-               geometry::triangles_of(model.heightmaps[static_cast<std::size_t>(shape.heightmap)]),
+               geometry::triangles_of(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)]),
                color);
       break;
   }

@@ -12,6 +12,15 @@ namespace {
 
 constexpr int kMissing = -2;
 
+template <class Element>
+const std::string& name_of(const Element& element) {
+  return element.name;
+}
+template <class Shared>
+const std::string& name_of(const std::shared_ptr<Shared>& element) {
+  return element->name;
+}
+
 /// Maps the indices of the snapshot to current indices, for one kind of element: elements of the
 /// scene by name; elements that were added later follow those of the scene.
 class Renumbering {
@@ -20,15 +29,16 @@ class Renumbering {
   Renumbering(const std::vector<Element>& then, std::size_t of_scene,
               const std::vector<Element>& now) {
     std::map<std::string, int> by_name;
-    for (std::size_t i = 0; i < now.size(); ++i) by_name.emplace(now[i].name, static_cast<int>(i));
+    for (std::size_t i = 0; i < now.size(); ++i)
+      by_name.emplace(name_of(now[i]), static_cast<int>(i));
     for (std::size_t i = 0; i < then.size(); ++i) {
       if (i >= of_scene) {
         to_.push_back(static_cast<int>(now.size() + i - of_scene));
         continue;
       }
       // The same index has priority, because materials and meshes may share names.
-      const bool same = i < now.size() && now[i].name == then[i].name;
-      const auto found = by_name.find(then[i].name);
+      const bool same = i < now.size() && name_of(now[i]) == name_of(then[i]);
+      const auto found = by_name.find(name_of(then[i]));
       to_.push_back(same ? static_cast<int>(i) : found == by_name.end() ? kMissing : found->second);
     }
   }
@@ -285,7 +295,7 @@ Json mesh_json(const TriangleMesh& mesh) {
   return {{"name", mesh.name}, {"vertices", vertices}, {"triangles", triangles}, {"uv", uv}};
 }
 
-TriangleMesh mesh_from(const Json& json) {
+MeshPtr mesh_from(const Json& json) {
   TriangleMesh mesh;
   mesh.name = json.at("name").get<std::string>();
   for (const Json& v : json.at("vertices")) mesh.vertices.push_back(vector_from(v));
@@ -296,7 +306,7 @@ TriangleMesh mesh_from(const Json& json) {
   for (const Json& c : json.at("uv")) {
     mesh.uv.emplace_back(number_from(c.at(0)), number_from(c.at(1)));
   }
-  return mesh;
+  return std::make_shared<const TriangleMesh>(std::move(mesh));
 }
 
 }  // namespace
@@ -304,24 +314,27 @@ TriangleMesh mesh_from(const Json& json) {
 namespace {
 
 template <class Element>
-Json names_of(const std::vector<Element>& elements) {
+Json names_of(const std::vector<std::shared_ptr<const Element>>& elements) {
   Json out = Json::array();
-  for (const Element& element : elements) out.push_back(element.name);
+  for (const auto& element : elements) out.push_back(element->name);
   return out;
 }
 
 /// The elements of the scene have only names, because the scene has their contents; the contents of
 /// added elements follow. False: there are more contents than names.
 template <class Element>
-bool put_names(const Json& names, std::vector<Element>& came, std::vector<Element>& original,
-               std::vector<Element>& then) {
+bool put_names(const Json& names, const std::vector<std::shared_ptr<const Element>>& came,
+               std::vector<std::shared_ptr<const Element>>& original,
+               std::vector<std::shared_ptr<const Element>>& then) {
   if (names.size() < came.size()) return false;
   const std::size_t own = names.size() - came.size();
   for (std::size_t i = 0; i < own; ++i) {
-    original.emplace_back().name = names.at(i).get<std::string>();
+    Element known;
+    known.name = names.at(i).get<std::string>();
+    original.push_back(std::make_shared<const Element>(std::move(known)));
   }
   then = original;
-  for (Element& element : came) then.push_back(std::move(element));
+  then.insert(then.end(), came.begin(), came.end());
   return true;
 }
 
@@ -331,8 +344,8 @@ bool goes_on_from(const SceneModel& original, const SceneModel& then) {
   return longer(&SceneModel::materials) && longer(&SceneModel::material_pairs) &&
          longer(&SceneModel::assemblies) && longer(&SceneModel::bodies) &&
          longer(&SceneModel::frames) && longer(&SceneModel::joints) &&
-         longer(&SceneModel::couplings) &&
-         longer(&SceneModel::forces) && longer(&SceneModel::motors) && longer(&SceneModel::sensors) &&
+         longer(&SceneModel::couplings) && longer(&SceneModel::forces) &&
+         longer(&SceneModel::motors) && longer(&SceneModel::sensors) &&
          longer(&SceneModel::controllers) && longer(&SceneModel::regions) &&
          longer(&SceneModel::doors);
 }
@@ -346,7 +359,7 @@ Json grid_json(const HeightGrid& grid) {
           {"heights", numbers(grid.heights)}};
 }
 
-HeightGrid grid_from(const Json& json) {
+HeightGridPtr grid_from(const Json& json) {
   HeightGrid grid;
   grid.name = json.at("name").get<std::string>();
   grid.columns = whole_from<int>(json.at("columns"));
@@ -354,7 +367,7 @@ HeightGrid grid_from(const Json& json) {
   grid.size_x = number_from(json.at("size_x"));
   grid.size_y = number_from(json.at("size_y"));
   grid.heights = numbers_from(json.at("heights"));
-  return grid;
+  return std::make_shared<const HeightGrid>(std::move(grid));
 }
 
 }  // namespace
@@ -362,10 +375,10 @@ HeightGrid grid_from(const Json& json) {
 Json changes_of(const SceneModel& original, const SceneModel& now) {
   Json meshes = Json::array(), heightmaps = Json::array();
   for (std::size_t i = original.meshes.size(); i < now.meshes.size(); ++i) {
-    meshes.push_back(mesh_json(now.meshes[i]));
+    meshes.push_back(mesh_json(*now.meshes[i]));
   }
   for (std::size_t i = original.heightmaps.size(); i < now.heightmaps.size(); ++i) {
-    heightmaps.push_back(grid_json(now.heightmaps[i]));
+    heightmaps.push_back(grid_json(*now.heightmaps[i]));
   }
   return {{"original", Json::parse(model_to_json(original))},
           {"now", Json::parse(model_to_json(now))},

@@ -88,7 +88,7 @@ std::string scene_signature(const SceneModel& model) {
   json.erase("files");
   drop_origins(json);
   // The engine-specific options belong to the run and not to the scene; step and seed are compared
-// separately.
+  // separately.
   if (json.contains("physics")) {
     for (const char* key : {"backend", "engine_options", "step", "seed"})
       json["physics"].erase(key);
@@ -109,11 +109,11 @@ std::string scene_signature(const SceneModel& model) {
   }
   std::string text = json.dump();
   std::uint64_t hash = hash_bytes(text.data(), text.size());
-  for (const TriangleMesh& mesh : model.meshes) {
-    hash = hash_bytes(mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3), hash);
+  for (const MeshPtr& mesh : model.meshes) {
+    hash = hash_bytes(mesh->vertices.data(), mesh->vertices.size() * sizeof(Vec3), hash);
   }
-  for (const HeightGrid& grid : model.heightmaps) {
-    hash = hash_bytes(grid.heights.data(), grid.heights.size() * sizeof(double), hash);
+  for (const HeightGridPtr& grid : model.heightmaps) {
+    hash = hash_bytes(grid->heights.data(), grid->heights.size() * sizeof(double), hash);
   }
   return std::to_string(hash);
 }
