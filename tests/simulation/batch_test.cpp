@@ -354,8 +354,13 @@ TEST_CASE("worlds and spawns share the meshes and heights of their scene", "[bat
   options.backend = backend;
   const auto batch = made(Batch::create(scene, 2, options, loader()));
   for (int i = 0; i < 2; ++i) {
-    batch->world(i).send(Spawn{"Part", "first", Pose(Vec3(5, 0, 5), Quat(1, 0, 0, 0))});
-    batch->world(i).send(Spawn{"Part", "second", Pose(Vec3(9, 0, 5), Quat(1, 0, 0, 0))});
+    Spawn spawn;
+    spawn.of = "Part";
+    for (const double x : {5.0, 9.0}) {
+      spawn.name = x < 6.0 ? "first" : "second";
+      spawn.pose = Pose(Vec3(x, 0, 5), Quat(1, 0, 0, 0));
+      batch->world(i).send(spawn);
+    }
   }
   batch->step(2);
   std::vector<MeshPtr> meshes = scene->meshes;

@@ -113,46 +113,50 @@ void Mechanism::make_components() {
   }
   int offset = 0;
   for (Component& c : components_) {
-    // Tree by tree, a parent before its children.
-    std::vector<int> tree_root(links_.size(), -1);
-    for (int i : c.links) {
-      const int parent = links_[std::size_t(i)].plan.parent;
-      const bool inside = parent >= 0 && !links_[std::size_t(parent)].kinematic;
-      tree_root[std::size_t(i)] = inside ? tree_root[std::size_t(parent)] : i;
-    }
-    std::stable_sort(c.links.begin(), c.links.end(), [&](int a, int b) {
-      return tree_root[std::size_t(a)] < tree_root[std::size_t(b)];
-    });
-    for (std::size_t at = 0; at < c.links.size(); ++at) {
-      const Link& link = links_[std::size_t(c.links[at])];
-      c.first.push_back(c.size());
-      c.inboard.push_back(link.plan.parent < 0 ? -1 : c.find(link.plan.parent));
-      if (c.inboard.back() < 0) c.trees.push_back({c.size(), c.size()});
-      c.tree.push_back(int(c.trees.size()) - 1);
-      for (int k = 0; k < link.nu; ++k) c.speeds.push_back(link.first_u + k);
-      c.trees.back().end = c.size();
-    }
-    for (const Component::Range& tree : c.trees)
-      c.recursive = c.recursive || tree.end - tree.first > kLargestDense;
-    for (int i : c.links) {
-      const PlannedLink& plan = links_[std::size_t(i)].plan;
-      if (!plan.ghost) continue;
-      Weld weld;
-      weld.ghost = i;
-      weld.master = body_link(plan.body);
-      weld.ghost_at = c.find(weld.ghost);
-      weld.master_at = c.find(weld.master);
-      const Component::Range& a = c.trees[std::size_t(c.tree[std::size_t(weld.ghost_at)])];
-      const Component::Range& b = c.trees[std::size_t(c.tree[std::size_t(weld.master_at)])];
-      weld.first = std::min(a.first, b.first);
-      weld.end = std::max(a.end, b.end);
-      c.welds.push_back(weld);
-    }
+    arrange(c);
     c.offset = offset;
     offset += c.size();
     c.is_free_body = c.links.size() == 1 && links_[std::size_t(c.links[0])].plan.joint < 0;
     c.motion.resize(std::size_t(c.size()));
     add_rotors(c);
+  }
+}
+
+void Mechanism::arrange(Component& c) const {
+  // Tree by tree, a parent before its children.
+  std::vector<int> tree_root(links_.size(), -1);
+  for (int i : c.links) {
+    const int parent = links_[std::size_t(i)].plan.parent;
+    const bool inside = parent >= 0 && !links_[std::size_t(parent)].kinematic;
+    tree_root[std::size_t(i)] = inside ? tree_root[std::size_t(parent)] : i;
+  }
+  std::stable_sort(c.links.begin(), c.links.end(), [&](int a, int b) {
+    return tree_root[std::size_t(a)] < tree_root[std::size_t(b)];
+  });
+  for (std::size_t at = 0; at < c.links.size(); ++at) {
+    const Link& link = links_[std::size_t(c.links[at])];
+    c.first.push_back(c.size());
+    c.inboard.push_back(link.plan.parent < 0 ? -1 : c.find(link.plan.parent));
+    if (c.inboard.back() < 0) c.trees.push_back({c.size(), c.size()});
+    c.tree.push_back(int(c.trees.size()) - 1);
+    for (int k = 0; k < link.nu; ++k) c.speeds.push_back(link.first_u + k);
+    c.trees.back().end = c.size();
+  }
+  for (const Component::Range& tree : c.trees)
+    c.recursive = c.recursive || tree.end - tree.first > kLargestDense;
+  for (int i : c.links) {
+    const PlannedLink& plan = links_[std::size_t(i)].plan;
+    if (!plan.ghost) continue;
+    Weld weld;
+    weld.ghost = i;
+    weld.master = body_link(plan.body);
+    weld.ghost_at = c.find(weld.ghost);
+    weld.master_at = c.find(weld.master);
+    const Component::Range& a = c.trees[std::size_t(c.tree[std::size_t(weld.ghost_at)])];
+    const Component::Range& b = c.trees[std::size_t(c.tree[std::size_t(weld.master_at)])];
+    weld.first = std::min(a.first, b.first);
+    weld.end = std::max(a.end, b.end);
+    c.welds.push_back(weld);
   }
 }
 

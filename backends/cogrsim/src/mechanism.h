@@ -79,6 +79,8 @@ class Mechanism {
  private:
   Link make_link(const PlannedLink& plan) const;
   void make_components();
+  // Order, trees and welds of the links of a component.
+  void arrange(Component& component) const;
   // The link whose speed is that of a joint; -1: it moves nothing.
   int coupled_link(int joint) const;
   void add_rotors(Component& component) const;

@@ -14,7 +14,7 @@ namespace {
 // To MultibodyGraphMaker's names: "free" and "weld" are its own.
 std::string graph_type(JointType type) { return std::string("joint ") + to_string(type); }
 
-// One of the parts that a body is cut into. A kinematic body has a mass of 1 kg that nothing feels.
+// One of the parts that a body is cut into. A kinematic body has 1 kg, without effect.
 SimTK::Body::Rigid rigid_body(const Body& body, double share) {
   if (body.kind == BodyKind::kinematic)
     return SimTK::Body::Rigid(SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::UnitInertia(1)));
@@ -95,7 +95,8 @@ Mechanism::Mechanism(SceneModelPtr model, std::vector<Pose> places, const Option
   plan();
   SimTK::Force::Gravity gravity(forces, matter, to_simtk(model_->physics.gravity));
   for (const Link& link : links_) {
-    const double scale = link.kinematic ? 0.0 : model_->bodies[std::size_t(link.body)].gravity_scale;
+    const double scale =
+        link.kinematic ? 0.0 : model_->bodies[std::size_t(link.body)].gravity_scale;
     if (scale == 1.0) continue;
     gravity.setDefaultBodyIsExcluded(link.mobod, true);
     const SimTK::MassProperties& mass = link.mobod.getDefaultMassProperties();
@@ -187,6 +188,10 @@ void Mechanism::plan() {
     add_link(link, inboard ? body_links_[std::size_t(inboard - model_->bodies.data())] : -1, anchor,
              mobilizer.getNumFragments());
   }
+  weld_slaves();
+}
+
+void Mechanism::weld_slaves() {
   // What fixed joints hold together already needs no weld, and Simbody has none without freedom.
   const auto held_by = [&](int i) {
     while (i >= 0 && SimTK::MobilizedBody::Weld::isInstanceOf(links_[std::size_t(i)].mobod))

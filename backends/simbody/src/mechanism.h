@@ -17,7 +17,7 @@ namespace cogrsim::simbody {
 /// that point, in world axes.
 struct Link {
   SimTK::MobilizedBody mobod;
-  /// q_map[i]: place, among the mobilizer's q, of the model's q_i; u_map likewise.
+  /// q_map[i]: index, among the mobilizer's q, of the model's q_i; u_map likewise.
   std::array<int, 7> q_map{0, 1, 2, 3, 4, 5, 6};
   std::array<int, 6> u_map{0, 1, 2, 3, 4, 5};
   int body = -1;          ///< SceneModel::bodies
@@ -73,7 +73,7 @@ class Mechanism {
   void set_base(SimTK::State& state, const Link& link, const Pose& X_WB, const Twist& V_WB) const;
   void set_joint(SimTK::State& state, const Link& link, const double* q, const double* u) const;
   void get_joint(const SimTK::State& state, const Link& link, double* q, double* u) const;
-  /// Kinematic bodies go on with the speeds that the state has.
+  /// Kinematic bodies move with the speeds that the state has.
   void set_rates(SimTK::State& state) const;
 
   /// Forces on bodies (nbody), or none, from now on. Realized to Stage::Position.
@@ -87,6 +87,7 @@ class Mechanism {
   bool is_dynamic(int body) const;
   int inboard(int link) const;
   void plan();
+  void weld_slaves();
   void add_link(Link link, int inboard, int anchor, int fragments);
   void add_axes(const Joint& joint, const Link& link);
   void set_stops(SimTK::State& state);

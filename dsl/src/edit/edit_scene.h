@@ -91,6 +91,8 @@ class SceneEditor {
   Result<Pose> reference_pose(EditElement& element) const;
   /// So that the element's frame, joints at 0, is there.
   Result<> write_pose(EditElement& element, const Pose& X_W, double tolerance);
+  /// As quat or rpy, whichever it has; relative to its reference pose.
+  Result<> write_rotation(EditElement& element, Quat q_RE, double tolerance);
 
   // ---- edit_assemble.cpp
   Result<> share_motion(const std::vector<EditElement*>& parts, EditElement& whole);

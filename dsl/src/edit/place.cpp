@@ -211,27 +211,31 @@ Result<> SceneEditor::write_pose(EditElement& element, const Pose& X_W, double t
     EditTree::set(element, "look-at", std::nullopt);
   }
 
+  return write_rotation(element, X_RE.q, tolerance);
+}
+
+Result<> SceneEditor::write_rotation(EditElement& element, Quat q_RE, double tolerance) {
   if (element.find("quat") != nullptr) {
     const auto old = notation_of(element, "quat", 4);
     if (old && old->expression) return tl::unexpected(is_expression(called(element), "quat"));
     if (old) {
       const Quat q(old->values[0], old->values[1], old->values[2], old->values[3]);
-      if (q.norm() > 1e-9 && angle_between(q.normalized(), X_RE.q) <= tolerance) return {};
-      if (X_RE.q.dot(q) < 0) X_RE.q.coeffs() *= -1.0;
+      if (q.norm() > 1e-9 && angle_between(q.normalized(), q_RE) <= tolerance) return {};
+      if (q_RE.dot(q) < 0) q_RE.coeffs() *= -1.0;
     }
-    EditTree::set(element, "quat",
-                  write_numbers({X_RE.q.w(), X_RE.q.x(), X_RE.q.y(), X_RE.q.z()}, nullptr, "",
-                                tolerance / 4));
+    EditTree::set(
+        element, "quat",
+        write_numbers({q_RE.w(), q_RE.x(), q_RE.y(), q_RE.z()}, nullptr, "", tolerance / 4));
     return {};
   }
   const auto rpy = notation_of(element, "rpy", 3);
   if (rpy && rpy->expression) return tl::unexpected(is_expression(called(element), "rpy"));
   const Angles old = rpy ? Angles{rpy->values[0], rpy->values[1], rpy->values[2]} : Angles{};
-  if (angle_between(rotation(old), X_RE.q) <= tolerance) return {};
+  if (angle_between(rotation(old), q_RE) <= tolerance) return {};
   const auto far = [&](const Angles& a) {
     return std::abs(a[0] - old[0]) + std::abs(a[1] - old[1]) + std::abs(a[2] - old[2]);
   };
-  const auto both = angles_of(X_RE.q);
+  const auto both = angles_of(q_RE);
   // Of the two equal rotations, the one closer to the written one.
   const Angles& best = far(both[1]) < far(both[0]) - 1e-9 ? both[1] : both[0];
   EditTree::set(

@@ -127,6 +127,9 @@ class Expander {
   // expand_param.cpp
   void define_params(const Node& container, Scope& scope, const InsertPoint& point,
                      const Element* instance, bool is_scene);
+  /// Poison: it has none, or none of its type, which was reported.
+  Value param_value(const Element& param, const ParamType* type, const std::string& name,
+                    const Node& container, const Element* instance, bool is_scene);
   void check_bounds(const Element& param, const ParamType& type, const Value& value,
                     std::string_view name, const SourceSpan& at, const Trail* trail);
   void check_given_names(const Node& container, const Element* instance, bool is_scene);

@@ -140,6 +140,77 @@ void Expander::check_bounds(const Element& param, const ParamType& type, const V
   }
 }
 
+Value Expander::param_value(const Element& param, const ParamType* type, const std::string& name,
+                            const Node& container, const Element* instance, bool is_scene) {
+  Reader reader(context_, param);
+  // Where the value comes from: the instance, the command line, the default.
+  Value value = Value::poison();
+  std::string raw;
+  const Node* node = param.node;
+  SourceSpan at = node->span;
+  const Trail* trail = param.trail;
+  const Attribute* given = instance != nullptr ? instance->find(name) : nullptr;
+  const auto& sets = context_.options.set_parameters;
+  const auto set = is_scene ? sets.find(name) : sets.end();
+  bool from_set = false;
+  if (given != nullptr) {
+    raw = std::string(given->value);
+    at = given->value_span;
+    trail = instance->trail;
+    const auto read = Reader(context_, *instance).value(*given);
+    if (read.given()) value = *read;
+  } else if (set != sets.end()) {
+    from_set = true;
+    raw = set->second;
+    std::string problem;
+    value = parse_value_text(raw, &problem);
+    if (type != nullptr && type->form == Form::text) {
+      value = Value::text(raw);
+    } else if (!problem.empty()) {
+      context_.sink.report("CG0310", node->span, trail,
+                           "--set " + name + "=" + raw + ": " + problem);
+    }
+  } else if (const Attribute* fallback = node->find("default"); fallback != nullptr) {
+    raw = std::string(fallback->value);
+    at = fallback->value_span;
+    const auto read = reader.value("default");
+    if (read.given()) value = *read;
+  } else if (instance != nullptr) {
+    context_.sink
+        .report("CG0308", instance->span(), instance->trail,
+                "parameter '" + name + "' is missing: prototype '" +
+                    std::string(container.find("name")->value) + "' has no default for it")
+        .note("the parameter", node->span)
+        .help("add " + name + "=\"…\" to the instance");
+  } else {
+    context_.sink
+        .report("CG0308", node->span, trail,
+                "parameter '" + name + "' has neither value nor default")
+        .help(is_scene ? "run with --set " + name + "=…, or write default=\"…\""
+                       : "write default=\"…\"");
+  }
+  if (!value.is_poison() && type != nullptr) {
+    const auto as_typed = coerce(value, *type, raw);
+    if (!as_typed) {
+      auto report = context_.sink.report(
+          "CG0310", at, trail,
+          (from_set ? "--set " + name + "=" + raw : "parameter '" + name + "'") + ": expected " +
+              expected(*type) + ", found " + found(value));
+      if (given != nullptr) report.note("the parameter", node->span);
+      if (const std::string* text = value.as_text(); text != nullptr) {
+        report.help(type->form == Form::quantity || type->form == Form::integer
+                        ? nearly_number_help(*text)
+                        : "");
+      }
+      value = Value::poison();
+    } else {
+      value = *as_typed;
+      check_bounds(param, *type, value, name, at, trail);
+    }
+  }
+  return value;
+}
+
 void Expander::define_params(const Node& container, Scope& scope, const InsertPoint& point,
                              const Element* instance, bool is_scene) {
   check_given_names(container, instance, is_scene);
@@ -185,72 +256,7 @@ void Expander::define_params(const Node& container, Scope& scope, const InsertPo
     }
     const auto type_name = reader.text("type");
     const ParamType* type = type_name.failed() ? nullptr : find_param_type(*type_name);
-
-    // Where the value comes from: the instance, the command line, the default.
-    Value value = Value::poison();
-    std::string raw;
-    SourceSpan at = node->span;
-    const Trail* trail = point.trail;
-    const Attribute* given = instance != nullptr ? instance->find(name) : nullptr;
-    const auto& sets = context_.options.set_parameters;
-    const auto set = is_scene ? sets.find(name) : sets.end();
-    bool from_set = false;
-    if (given != nullptr) {
-      raw = std::string(given->value);
-      at = given->value_span;
-      trail = instance->trail;
-      const auto read = Reader(context_, *instance).value(*given);
-      if (read.given()) value = *read;
-    } else if (set != sets.end()) {
-      from_set = true;
-      raw = set->second;
-      std::string problem;
-      value = parse_value_text(raw, &problem);
-      if (type != nullptr && type->form == Form::text) {
-        value = Value::text(raw);
-      } else if (!problem.empty()) {
-        context_.sink.report("CG0310", node->span, trail,
-                             "--set " + name + "=" + raw + ": " + problem);
-      }
-    } else if (const Attribute* fallback = node->find("default"); fallback != nullptr) {
-      raw = std::string(fallback->value);
-      at = fallback->value_span;
-      const auto read = reader.value("default");
-      if (read.given()) value = *read;
-    } else if (instance != nullptr) {
-      context_.sink
-          .report("CG0308", instance->span(), instance->trail,
-                  "parameter '" + name + "' is missing: prototype '" +
-                      std::string(container.find("name")->value) + "' has no default for it")
-          .note("the parameter", node->span)
-          .help("add " + name + "=\"…\" to the instance");
-    } else {
-      context_.sink
-          .report("CG0308", node->span, trail,
-                  "parameter '" + name + "' has neither value nor default")
-          .help(is_scene ? "run with --set " + name + "=…, or write default=\"…\""
-                         : "write default=\"…\"");
-    }
-    if (!value.is_poison() && type != nullptr) {
-      const auto as_typed = coerce(value, *type, raw);
-      if (!as_typed) {
-        auto report = context_.sink.report(
-            "CG0310", at, trail,
-            (from_set ? "--set " + name + "=" + raw : "parameter '" + name + "'") + ": expected " +
-                expected(*type) + ", found " + found(value));
-        if (given != nullptr) report.note("the parameter", node->span);
-        if (const std::string* text = value.as_text(); text != nullptr) {
-          report.help(type->form == Form::quantity || type->form == Form::integer
-                          ? nearly_number_help(*text)
-                          : "");
-        }
-        value = Value::poison();
-      } else {
-        value = *as_typed;
-        check_bounds(param, *type, value, name, at, trail);
-      }
-    }
-    scope.set(name, std::move(value));
+    scope.set(name, param_value(param, type, name, container, instance, is_scene));
     context_.params.push_back({&scope, node, name});
   }
 }

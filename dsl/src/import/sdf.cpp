@@ -299,19 +299,8 @@ class SdfReader {
     robot_.links.push_back(std::move(out));
   }
 
-  void shape(const XmlElement& e, RobotLink& link, bool visual) {
-    const XmlElement* g = e.child("geometry");
-    if (g == nullptr || g->children.empty()) {
-      context_.left_out(e.at, quoted_name(e), "has no geometry");
-      return;
-    }
-    const XmlElement& s = *g->children.front();
-    RobotShape out;
-    out.at = e.at;
-    out.X = pose(e);
-    out.visible = visual;
-    out.collides = !visual;
-    if (e.find("name") != nullptr) out.name = *e.find("name");
+  /// False: the shape is left out, which was reported.
+  bool geometry(const XmlElement& e, const XmlElement& s, const RobotLink& link, RobotShape& out) {
     Geometry& shape = out.geometry;
     using Type = Geometry::Type;
     bool good = true;
@@ -348,16 +337,16 @@ class SdfReader {
         out.X.q = (out.X.q * Quat::FromTwoVectors(Vec3::UnitZ(), normal)).normalized();
       if (!link.is_static) {
         context_.left_out(s.at, quoted_name(e), "a plane cannot move");
-        return;
+        return false;
       }
-      if (!visual) robot_.has_ground = true;
+      if (out.collides) robot_.has_ground = true;
     } else if (s.name == "mesh") {
       shape.type = Type::mesh;
       shape.scale = vector(&s, "scale").value_or(Vec3::Ones());
       auto path = context_.locate(text(s, "uri"), s.at);
       if (!path) {
         context_.left_out(s.at, fmt::format("mesh '{}'", text(s, "uri")), path.error().message);
-        return;
+        return false;
       }
       shape.mesh = *path;
       good = shape.scale.cwiseAbs().minCoeff() > 0.0;
@@ -365,12 +354,26 @@ class SdfReader {
         context_.approximate(s.at, quoted_name(e), "the whole mesh is taken, not its submesh");
     } else {
       context_.left_out(s.at, quoted_name(e), fmt::format("there is no shape <{}>", s.name));
+      return false;
+    }
+    if (!good) context_.left_out(s.at, quoted_name(e), "the shape has no volume");
+    return good;
+  }
+
+  void shape(const XmlElement& e, RobotLink& link, bool visual) {
+    const XmlElement* g = e.child("geometry");
+    if (g == nullptr || g->children.empty()) {
+      context_.left_out(e.at, quoted_name(e), "has no geometry");
       return;
     }
-    if (!good) {
-      context_.left_out(s.at, quoted_name(e), "the shape has no volume");
-      return;
-    }
+    const XmlElement& s = *g->children.front();
+    RobotShape out;
+    out.at = e.at;
+    out.X = pose(e);
+    out.visible = visual;
+    out.collides = !visual;
+    if (e.find("name") != nullptr) out.name = *e.find("name");
+    if (!geometry(e, s, link, out)) return;
     if (const XmlElement* m = e.child("material"))
       if (const XmlElement* d = m->child("diffuse")) {
         const auto v = context_.numbers(*d, d->text, 3, 4, "<diffuse>");

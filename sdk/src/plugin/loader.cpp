@@ -343,6 +343,11 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
                             one(kind)),
                 wrong_kind->path(), "", "CG0903");
   }
+  return missing(kind, name, tried);
+}
+
+tl::unexpected<Error> PluginLoader::missing(PluginKind kind, const std::string& name,
+                                            const std::string& tried) const {
   // Uses the names of files, so that a misspelt name loads no code.
   std::vector<std::string> names;
   for (const std::string& folder : folders_) {

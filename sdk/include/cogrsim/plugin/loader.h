@@ -69,6 +69,8 @@ class COGRSIM_API PluginLoader {
  private:
   Result<PluginPtr> load_file(const std::string& path);
   std::vector<PluginPtr> list(std::vector<RefusedPlugin>* refused);
+  tl::unexpected<Error> missing(PluginKind kind, const std::string& name,
+                                const std::string& tried) const;
 
   std::vector<std::string> folders_;
   std::mutex mutex_;  ///< protects the following members

@@ -258,6 +258,32 @@ Result<> Writer::metadata(std::string_view name,
   return {};
 }
 
+void Writer::put_statistics(std::string& out) const {
+  std::uint64_t count = 0, first = 0, last = 0;
+  for (const ChannelState& state : channels_) count += state.count;
+  for (const ChunkOnFile& chunk : chunks_) {
+    const bool is_first = &chunk == &chunks_.front();
+    first = is_first ? chunk.index.start_time : std::min(first, chunk.index.start_time);
+    last = std::max(last, chunk.index.end_time);
+  }
+  const std::size_t record = begin_record(out, Op::statistics);
+  put(out, count);
+  put(out, static_cast<std::uint16_t>(schemas_.size()));
+  put(out, static_cast<std::uint32_t>(channels_.size()));
+  put(out, static_cast<std::uint32_t>(attachments_.size()));
+  put(out, static_cast<std::uint32_t>(metadata_.size()));
+  put(out, static_cast<std::uint32_t>(chunks_.size()));
+  put(out, first);
+  put(out, last);
+  const std::size_t list = begin_list(out);
+  for (const ChannelState& state : channels_) {
+    put(out, state.channel.id);
+    put(out, state.count);
+  }
+  end_list(out, list);
+  end_record(out, record);
+}
+
 // The end of the data section and all following records, for a file of length `start` up to there.
 std::string Writer::summary(std::uint64_t start) const {
   std::string out;
@@ -280,29 +306,7 @@ std::string Writer::summary(std::uint64_t start) const {
   for (const ChannelState& state : channels_) put_channel(out, state.channel);
 
   group(Op::statistics, true);
-  std::uint64_t count = 0, first = 0, last = 0;
-  for (const ChannelState& state : channels_) count += state.count;
-  for (const ChunkOnFile& chunk : chunks_) {
-    const bool is_first = &chunk == &chunks_.front();
-    first = is_first ? chunk.index.start_time : std::min(first, chunk.index.start_time);
-    last = std::max(last, chunk.index.end_time);
-  }
-  record = begin_record(out, Op::statistics);
-  put(out, count);
-  put(out, static_cast<std::uint16_t>(schemas_.size()));
-  put(out, static_cast<std::uint32_t>(channels_.size()));
-  put(out, static_cast<std::uint32_t>(attachments_.size()));
-  put(out, static_cast<std::uint32_t>(metadata_.size()));
-  put(out, static_cast<std::uint32_t>(chunks_.size()));
-  put(out, first);
-  put(out, last);
-  const std::size_t list = begin_list(out);
-  for (const ChannelState& state : channels_) {
-    put(out, state.channel.id);
-    put(out, state.count);
-  }
-  end_list(out, list);
-  end_record(out, record);
+  put_statistics(out);
 
   group(Op::chunk_index, !chunks_.empty());
   for (const ChunkOnFile& chunk : chunks_) put_chunk_index(out, chunk.index);

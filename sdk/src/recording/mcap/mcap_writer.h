@@ -85,6 +85,7 @@ class Writer {
   void pack_chunk(std::string& out);
   void close_chunk(bool lost);
   std::string summary(std::uint64_t start) const;
+  void put_statistics(std::string& out) const;
   void drop_last_chunk();
 
   std::unique_ptr<Sink> sink_;
