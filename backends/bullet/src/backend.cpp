@@ -15,7 +15,7 @@ namespace {
 const char* pair_note(ShapeType a, ShapeType b) {
   const auto any = [&](ShapeType x) { return a == x || b == x; };
   if (any(ShapeType::mesh) || any(ShapeType::heightmap)) {
-    return "Bullet tests triangles one by one and feels their seams: a sliding box loses 6 % of "
+    return "Bullet tests triangles one by one and hits their seams: a sliding box loses 6 % of "
            "its way";
   }
   if (any(ShapeType::box) && (any(ShapeType::cylinder) || any(ShapeType::convex_mesh))) {
@@ -72,7 +72,7 @@ Capabilities make_capabilities() {
   out.set("runtime.attach", Support::approximate,
           "the joint acts from the next step on, and keeps momentum to 4e-5 kg m^2/s in 0.5 s");
   out.set("runtime.body_kind", Support::approximate,
-          "what holds on to the body feels it from the next step on");
+          "what is attached to the body is affected from the next step on");
   out.set("runtime.joint_axes", Support::approximate,
           "a stop that is moved 0.1 rad behind its joint throws it back at 6 rad/s");
   return out;

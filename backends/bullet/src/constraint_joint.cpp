@@ -228,7 +228,7 @@ void ConstraintJoint::stop(const Axis& axis, Row& row) {
 /// A spring and damper with a bound: effort = clamp(bias + kp (position - q) + kd (velocity - u)).
 ///
 /// Semi-implicit Euler holds it as an explicit effort while s = dt (kd + dt kp) / m stays below
-/// about 2, m being the mass that the axis feels. Beyond, it becomes a motor of Bullet's: the law
+/// about 2, m being the effective mass at the axis. Beyond, it becomes a motor of Bullet's: the law
 /// taken at the end of the step,
 ///
 ///     effort = K (v - u+),  K = kd + dt kp,  v = (bias + kp (position - q) + kd velocity) / K,

@@ -398,10 +398,7 @@ void Engine::get_contacts(std::vector<Contact>& out) const {
       out.push_back(contact);
     }
   }
-  std::stable_sort(out.begin(), out.end(), [](const Contact& a, const Contact& b) {
-    return std::tie(a.body_a, a.body_b, a.shape_a, a.shape_b) <
-           std::tie(b.body_a, b.body_b, b.shape_a, b.shape_b);
-  });
+  std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
 }  // namespace cogrsim::bullet

@@ -66,7 +66,7 @@ class Engine {
   void get_reactions(std::vector<Wrench>& out) const;
   void get_contacts(std::vector<Contact>& out) const;
 
-  /// What running on needs: places and velocities, the contact points with their impulses, the
+  /// What continuing needs: poses and velocities, the contact points with their impulses, the
   /// broadphase's boxes and pairs, and all orders that its solver goes by.
   std::shared_ptr<const Memory> save() const;
   /// Into an engine that create() has just made: all of it where the memory is of the same model,

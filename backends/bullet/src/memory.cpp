@@ -1,4 +1,4 @@
-// Saving and restoring what Bullet keeps between steps, as plain numbers that any world of the scene
+// Saving and restoring what Bullet holds between steps, as plain numbers that any world of the scene
 // can take up.
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 

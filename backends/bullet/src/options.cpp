@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include "cogrsim/physics/backend_checks.h"
+
 namespace cogrsim::bullet {
 
 const ParameterTable& world_option_table() {
@@ -37,15 +39,8 @@ const ParameterTable& world_option_table() {
 }
 
 Result<OptionsPtr> read_options(const SceneModel& model) {
-  static const Parameters none;
-  const auto found = model.physics.engine_options.find("bullet");
-  const bool given = found != model.physics.engine_options.end();
-  auto complete = complete_parameters(world_option_table(), given ? found->second : none);
-  if (!complete) {
-    Error error = complete.error();
-    error.locate(source_position(model, model.physics.origin));
-    return tl::unexpected<Error>(error);
-  }
+  auto complete = physics_options(model, "bullet", world_option_table());
+  if (!complete) return tl::unexpected(complete.error());
   return std::make_shared<const Parameters>(std::move(*complete));
 }
 

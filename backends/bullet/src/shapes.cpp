@@ -163,7 +163,7 @@ bool set_surface(btManifoldPoint& point, const btCollisionObjectWrapper* wrapper
     point.m_combinedContactStiffness1 = *pair.stiffness;
     point.m_combinedContactDamping1 = 0.0;
   }
-  // Bullet does not read these; get_contacts() finds the shapes by them.
+  // Bullet does not read these; they are for get_contacts().
   point.m_partId0 = a->getUserIndex();
   point.m_partId1 = b->getUserIndex();
   return true;

@@ -153,21 +153,9 @@ Result<> BulletWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   WorldState state;
   get_state(state);
   const auto pose = [&](int body) { return body == kWorld ? Pose() : state.poses[at(body)]; };
-  for (const int j : change->attached) {
-    const Joint& joint = next->joints[at(j)];
-    if (auto fits = check_attachment(joint, pose(joint.parent), pose(joint.child)); !fits) {
-      return fits;
-    }
-  }
+  if (auto fits = check_attachments(*next, *change, pose); !fits) return fits;
   // Where the next scene begins: all that is there, where it is.
-  WorldState begin = initial_state(*next);
-  const auto keep = [](const auto& from, auto& to) {
-    std::copy(from.begin(), from.end(), to.begin());
-  };
-  keep(state.poses, begin.poses);
-  keep(state.twists, begin.twists);
-  keep(state.joint_positions, begin.joint_positions);
-  keep(state.joint_velocities, begin.joint_velocities);
+  WorldState begin = extended_state(*next, state);
   for (const int b : change->kinds) begin.twists[at(b)] = Twist();  // it stops, or starts at rest
   StepReport kept = report();
   auto engine = Engine::create(next, options_, begin);

@@ -52,7 +52,8 @@ Capabilities make_capabilities() {
   for (const char* mode : {"velocity", "torque", "position", "servo", "dc"})
     c.set(std::string("motor.") + mode, Support::exact);
   for (const char* feature :
-       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "joint.coupling", "joint.coupling-effort", "contact.stiffness", "runtime.add", "runtime.remove",
+       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "joint.coupling",
+        "joint.coupling-effort", "contact.stiffness", "runtime.add", "runtime.remove",
         "runtime.save", "runtime.set_state", "runtime.attach", "runtime.body_kind",
         "runtime.joint_axes", "report.contact_force", "report.joint_reaction",
         "report.joint_effort"})
@@ -78,15 +79,8 @@ ParameterTable make_options() {
 }
 
 Result<StepperOptions> read_options(const SceneModel& model, const ParameterTable& table) {
-  Parameters given;
-  const auto found = model.physics.engine_options.find("cogrsim");
-  if (found != model.physics.engine_options.end()) given = found->second;
-  auto complete = complete_parameters(table, given);
-  if (!complete) {
-    Error error = complete.error();
-    error.locate(source_position(model, model.physics.origin));
-    return tl::unexpected<Error>(error);
-  }
+  const auto complete = physics_options(model, "cogrsim", table);
+  if (!complete) return tl::unexpected(complete.error());
   StepperOptions out;
   const Parameters& p = *complete;
   if (std::get<std::string>(p.at("integrator")) == "midpoint") out.scheme = Scheme::midpoint;
@@ -136,7 +130,7 @@ class DynamicsBackend final : public Backend {
 
   Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
     if (!model) return fail("no scene given");
-    if (auto r = check_scene(*model); !r) return tl::unexpected<Error>(r.error());
+    if (auto r = check_parts(*model); !r) return tl::unexpected<Error>(r.error());
     auto options = read_options(*model, options_);
     if (!options) return tl::unexpected<Error>(options.error());
     try {
@@ -156,11 +150,6 @@ class DynamicsBackend final : public Backend {
 };
 
 }  // namespace
-
-Result<> check_scene(const SceneModel& model) {
-  if (auto r = check_motors(model); !r) return r;
-  return check_masses(model);
-}
 
 }  // namespace cogrsim::dynamics
 

@@ -140,14 +140,11 @@ Result<> DynamicsWorld::rebuild(const SceneModelPtr& next, SceneStep step) {
   if (!next) return fail("no scene given");
   const auto change = find_scene_change(*progress_.model, *next, step);
   if (!change) return tl::unexpected<Error>(change.error());
-  if (auto r = check_scene(*next); !r) return r;
+  if (auto r = check_parts(*next); !r) return r;
   WorldState before;
   get_state(before);
   const auto pose = [&](int b) { return b < 0 ? Pose() : before.poses[std::size_t(b)]; };
-  for (const int j : change->attached) {
-    const Joint& joint = next->joints[std::size_t(j)];
-    if (auto r = check_attachment(joint, pose(joint.parent), pose(joint.child)); !r) return r;
-  }
+  if (auto r = check_attachments(*next, *change, pose); !r) return r;
   std::vector<Wrench> reactions;
   if (!progress_.model->joints.empty()) get_joint_reactions(reactions);
   reactions.resize(next->joints.size());

@@ -90,7 +90,4 @@ class DynamicsWorld final : public World, public JointReactions, public Kinemati
   Progress progress_;  ///< q, u, memory, impulses, records live in the engine while it runs
 };
 
-/// Refuses what the capabilities cannot express; the error names the element.
-Result<> check_scene(const SceneModel& model);
-
 }  // namespace cogrsim::dynamics

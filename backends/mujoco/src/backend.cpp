@@ -13,8 +13,7 @@ Capabilities make_capabilities() {
   Capabilities out;
   set_shape_features(out);
   const char* const soft =
-      "soft contact: rests with penetration, slides slowly under friction that should hold, "
-      "bounces "
+      "soft contact: rests in penetration, slides slowly under friction that should hold, bounces "
       "approximately; one point where flat sides of cylinders and meshes meet anything but planes "
       "(multiccd: several)";
   for (const ShapeType a : kShapeTypes) {
@@ -28,8 +27,8 @@ Capabilities make_capabilities() {
       }
     }
   }
-  out.set("shape.convex-mesh", Support::approximate, "MuJoCo keeps its corners as floats");
-  out.set("shape.heightmap", Support::approximate, "MuJoCo keeps its heights as floats");
+  out.set("shape.convex-mesh", Support::approximate, "MuJoCo stores its corners as floats");
+  out.set("shape.heightmap", Support::approximate, "MuJoCo stores its heights as floats");
   set_joint_features(out);
   for (const JointType type : kJointTypes) {
     const std::string name = to_string(type);

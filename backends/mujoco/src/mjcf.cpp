@@ -75,15 +75,12 @@ class Writer {
 Result<> Writer::check() const {
   if (auto fine = check_motors(scene_); !fine) return fine;
   for (const Body& b : scene_.bodies) {
-    if (b.removed) continue;
-    const SourcePosition place = source_position(scene_, b.origin);
-    for (const Shape& shape : b.shapes) {
-      if (shape.collides && is_surface(shape.type) && b.kind != BodyKind::fixed) {
+    if (b.removed || b.kind == BodyKind::fixed) continue;
+    for (const Shape& shape : b.shapes)
+      if (shape.collides && is_surface(shape.type))
         return fail("body '" + b.name + "': MuJoCo has a " + to_string(shape.type) +
                         " on static bodies only",
-                    place, "make the body static, or give it another shape");
-      }
-    }
+                    place_of(scene_, b.origin), "make the body static, or give it another shape");
   }
   return {};
 }
@@ -187,9 +184,8 @@ std::string Writer::inertial(int b) const {
   const Body& it = body(b);
   if (it.kind == BodyKind::kinematic) {
     double mass = kHeavier;
-    for (const Body& other : scene_.bodies) {
+    for (const Body& other : scene_.bodies)
       if (other.kind == BodyKind::dynamic) mass += kHeavier * other.mass;
-    }
     const Vec3 moments = Vec3::Constant(kHeavierLever * kHeavierLever * mass);
     return fmt::format("<inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"{}\"/>\n", mass,
                        text(moments));
@@ -231,7 +227,7 @@ Result<std::string> Writer::geom_form(const Shape& shape, Pose& X) {
       if (hull.vertices.size() < 4) break;
       Vec3 middle = Vec3::Zero();
       for (const Vec3& v : hull.vertices) middle += v / static_cast<double>(hull.vertices.size());
-      // MuJoCo keeps vertices as floats: from the middle, so that they lose as little as can be.
+      // MuJoCo stores vertices as floats: relative to the middle, where they are rounded least.
       std::string vertices;
       for (const Vec3& v : hull.vertices) vertices += text(Vec3(v - middle)) + ' ';
       X = X * Pose(middle, Quat(1, 0, 0, 0));
@@ -367,7 +363,7 @@ Result<> Writer::write_body(int b) {
   }
   if (it.kind == BodyKind::fixed && !apart_[i]) return write_geoms(b, X);
   X.p += X.q * origin(b);
-  if (is_far(X)) X = Pose();  // it has diverged before it begins, and MuJoCo need not know
+  if (is_far(X)) X = Pose();  // about to diverge: the step reports it
   bodies_ += fmt::format("<body name=\"b{}\" pos=\"{}\" quat=\"{}\">\n", b, text(X.p), text(X.q));
   if (tree_[i] >= 0) {
     write_joint(tree_[i]);
@@ -376,9 +372,8 @@ Result<> Writer::write_body(int b) {
   }
   if (it.kind != BodyKind::fixed) bodies_ += inertial(b);
   if (auto written = write_geoms(b, {Vec3(-origin(b)), Quat(1, 0, 0, 0)}); !written) return written;
-  for (const int child : children_[i]) {
+  for (const int child : children_[i])
     if (auto written = write_body(child); !written) return written;
-  }
   bodies_ += "</body>\n";
   return {};
 }

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <type_traits>
 
+#include "cogrsim/physics/backend_checks.h"
+
 namespace cogrsim::mujoco {
 
 namespace {
@@ -78,15 +80,9 @@ const ParameterTable& world_option_table() {
 }
 
 Result<Options> read_options(const SceneModel& model) {
-  const auto given = model.physics.engine_options.find("mujoco");
-  auto options = complete_parameters(
-      world_option_table(),
-      given == model.physics.engine_options.end() ? Parameters{} : given->second);
-  const SourcePosition place = source_position(model, model.physics.origin);
-  if (!options) {
-    options.error().locate(place);
-    return tl::unexpected(options.error());
-  }
+  const auto options = physics_options(model, "mujoco", world_option_table());
+  if (!options) return tl::unexpected(options.error());
+  const std::string place = place_of(model, model.physics.origin);
   const auto text = [&](const std::string& name) { return text_of(options->at(name)); };
   for (const std::string about : {"", "limit", "friction", "equality"}) {
     if (!fits_solref(std::get<Numbers>(options->at("solref" + about)))) {

@@ -36,9 +36,8 @@ void find_places(Program& out) {
   // MuJoCo numbers geoms by body, the world's first.
   const auto written = std::exchange(out.geoms, {});
   out.geoms.resize(written.size());
-  for (std::size_t g = 0; g < written.size(); ++g) {
+  for (std::size_t g = 0; g < written.size(); ++g)
     out.geoms[static_cast<std::size_t>(id(mjOBJ_GEOM, fmt::format("g{}", g)))] = written[g];
-  }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     TreeJoint& place = out.joints[j];
     const Joint& joint = scene.joints[j];
@@ -93,9 +92,8 @@ void complete_model(Program& out) {
     const double low = *std::min_element(grid.heights.begin(), grid.heights.end());
     const double rise = m.hfield_size[4 * hfield + 2];
     float* const data = m.hfield_data + m.hfield_adr[hfield];
-    for (std::size_t i = 0; i < grid.heights.size(); ++i) {
+    for (std::size_t i = 0; i < grid.heights.size(); ++i)
       data[i] = static_cast<float>((grid.heights[i] - low) / rise);
-    }
   }
   if (out.kinematic.empty()) return;
   // The solver's tolerance goes by the mean inertia: that of what is moved by forces.

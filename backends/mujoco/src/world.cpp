@@ -7,7 +7,7 @@
 #include "convert.h"
 
 #include "cogrsim/physics/backend_checks.h"
-#include "cogrsim/physics/scene_change.h"
+#include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim::mujoco {
 
@@ -20,30 +20,22 @@ bool any_bad(const double* from, const double* to) {
 
 int clamped(double value) { return static_cast<int>(std::min(value, 2e9)); }
 
-/// Appends what `scene` has beyond the bodies of `state` and the first `joints` joints.
-void append_new(const SceneModel& scene, std::size_t joints, WorldState& state) {
-  for (std::size_t b = state.poses.size(); b < scene.bodies.size(); ++b) {
-    const Body& body = scene.bodies[b];
-    state.poses.push_back(body.X_WB);
-    state.twists.push_back(body.kind == BodyKind::fixed ? Twist() : body.V_WB);
-  }
-  state.joint_positions.resize(static_cast<std::size_t>(scene.joint_positions));
-  state.joint_velocities.resize(static_cast<std::size_t>(scene.joint_speeds));
+/// The state `now` with what `scene` has beyond it, and beyond the first `joints` joints.
+WorldState with_new(const SceneModel& scene, std::size_t joints, const WorldState& now) {
+  WorldState out = extended_state(scene, now);
+  for (std::size_t b = now.poses.size(); b < scene.bodies.size(); ++b)
+    if (scene.bodies[b].kind == BodyKind::fixed) out.twists[b] = {};
   for (std::size_t j = joints; j < scene.joints.size(); ++j) {
-    const Joint& joint = scene.joints[j];
-    std::transform(joint.position.begin(), joint.position.end(),
-                   state.joint_positions.begin() + joint.position_offset, settled);
-    std::copy(joint.velocity.begin(), joint.velocity.end(),
-              state.joint_velocities.begin() + joint.speed_offset);
+    double* const q = out.joint_positions.data() + scene.joints[j].position_offset;
+    std::transform(q, q + position_count(scene.joints[j].type), q, settled);
   }
+  return out;
 }
 
 }  // namespace
 
 Result<std::unique_ptr<World>> MujocoWorld::create(const SceneModelPtr& model) {
-  std::vector<Pose> poses;
-  for (const Body& body : model->bodies) poses.push_back(body.X_WB);
-  const auto program = make_program(model, std::move(poses), {}, {});
+  const auto program = make_program(model, initial_state(*model).poses, {}, {});
   if (!program) return tl::unexpected(program.error());
   std::unique_ptr<MujocoWorld> world(new MujocoWorld);
   world->initial_ = *program;
@@ -88,8 +80,7 @@ Result<> MujocoWorld::make_room(double contacts, double stack) {
 Result<> MujocoWorld::reset() {
   if (auto adopted = adopt(initial_); !adopted) return adopted;
   time_ = 0.0;
-  kept_ = {};
-  append_new(*program_->scene, 0, kept_);
+  kept_ = with_new(*program_->scene, 0, {});
   kinematic_ = kept_.twists;
   put_kept_state();
   forget_reports();
@@ -100,39 +91,18 @@ Result<> MujocoWorld::reset() {
   return {};
 }
 
-Result<> MujocoWorld::add(const SceneModelPtr& next) {
-  const auto change = find_scene_change(*program_->scene, *next, SceneStep::add);
+Result<> MujocoWorld::change_to(const SceneModelPtr& next, SceneStep step) {
+  const auto change = find_scene_change(*program_->scene, *next, step);
   if (!change) return tl::unexpected(change.error());
   find_kinematics(Kinematics::now);
-  for (const int j : change->attached) {
-    const Joint& joint = next->joints[static_cast<std::size_t>(j)];
-    auto fits = check_attachment(joint, pose_of(joint.parent), pose_of(joint.child));
-    if (!fits) return fits;
-  }
-  return become(next, change->attached);
-}
-
-Result<> MujocoWorld::remove(const SceneModelPtr& next) {
-  const auto change = find_scene_change(*program_->scene, *next, SceneStep::remove);
-  if (!change) return tl::unexpected(change.error());
-  return become(next, {});
-}
-
-Result<> MujocoWorld::change(const SceneModelPtr& next) {
-  const auto change = find_scene_change(*program_->scene, *next, SceneStep::change);
-  if (!change) return tl::unexpected(change.error());
-  if (auto changed = become(next, {}); !changed) return changed;
-  for (const int b : change->kinds) kept_.twists[static_cast<std::size_t>(b)] = {};
-  return {};
-}
-
-Result<> MujocoWorld::become(const SceneModelPtr& next, const std::vector<int>& attached) {
+  auto fits = check_attachments(*next, *change, [&](int b) { return pose_of(b); });
+  if (!fits) return fits;
   WorldState now;
   get_state(now);
   std::vector<Contact> contacts;
   get_contacts(contacts);
-  append_new(*next, program_->references.size(), now);
-  const auto program = make_program(next, now.poses, program_->references, attached);
+  now = with_new(*next, program_->references.size(), now);
+  const auto program = make_program(next, now.poses, program_->references, change->attached);
   if (!program) return tl::unexpected(program.error());
   if (auto adopted = adopt(*program); !adopted) return adopted;
   kept_ = std::move(now);
@@ -144,6 +114,7 @@ Result<> MujocoWorld::become(const SceneModelPtr& next, const std::vector<int>& 
   const auto here = [&](int b) { return program_->bodies[static_cast<std::size_t>(b)] >= 0; };
   for (const Contact& contact : contacts)
     if (here(contact.body_a) && here(contact.body_b)) kept_contacts_.push_back(contact);
+  for (const int b : change->kinds) kept_.twists[static_cast<std::size_t>(b)] = {};
   return {};
 }
 
@@ -246,7 +217,7 @@ StepResult MujocoWorld::step(double dt, const std::vector<Drive>& drives) {
     if (!done && done.error().message != "MuJoCo: Stack overflow") {
       return diverged(-1, done.error().message);
     }
-    // Its memory was too small: the step is taken back, and made again with more.
+    // Its memory was too small: the step is undone, and repeated with more.
     const auto made = make_room(contact_room_ * (done ? 1.25 : 1.0), stack_room_ * (done ? 1 : 2));
     if (!made) return diverged(-1, made.error().message);
     put_back(before_);

@@ -8,6 +8,7 @@
 #include "engine.h"
 #include "program.h"
 
+#include "cogrsim/physics/scene_change.h"
 #include "cogrsim/physics/world.h"
 
 namespace cogrsim::mujoco {
@@ -25,9 +26,9 @@ class MujocoWorld final : public World,
   void get_state(WorldState& out) const override;
   Result<> set_state(const WorldState& state) override;
   void get_contacts(std::vector<Contact>& out) const override;
-  Result<> add(const SceneModelPtr& next) override;
-  Result<> remove(const SceneModelPtr& next) override;
-  Result<> change(const SceneModelPtr& next) override;
+  Result<> add(const SceneModelPtr& next) override { return change_to(next, SceneStep::add); }
+  Result<> remove(const SceneModelPtr& next) override { return change_to(next, SceneStep::remove); }
+  Result<> change(const SceneModelPtr& next) override { return change_to(next, SceneStep::change); }
   SnapshotPtr save() const override;
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
@@ -39,7 +40,7 @@ class MujocoWorld final : public World,
 
  private:
   struct Snapshot;
-  /// Positions, velocities and what the solver starts from: all that MuJoCo keeps between steps.
+  /// Positions, velocities and what the solver starts from: all that MuJoCo holds between steps.
   struct Coordinates {
     std::vector<double> qpos, qvel, warmstart;
   };
@@ -52,7 +53,7 @@ class MujocoWorld final : public World,
   /// Data with memory for so many times the contacts of an ordinary scene, and the stack of MuJoCo's
   /// own rule.
   Result<> make_room(double contacts, double stack);
-  Result<> become(const SceneModelPtr& next, const std::vector<int>& attached);
+  Result<> change_to(const SceneModelPtr& next, SceneStep step);
 
   void set_drives(double dt, const std::vector<Drive>& drives);
   void apply_forces();
@@ -68,7 +69,7 @@ class MujocoWorld final : public World,
   void find_kinematics(Kinematics wanted) const;
   Pose pose_of(int body) const;
   Twist twist_of(int body) const;
-  void read_joint(std::size_t j, double* q, double* u) const;
+  void read_tree_joint(std::size_t j, double* q, double* u) const;
   void read_efforts(WorldState& out) const;
   void put_kept_state();
   void put_joint(std::size_t j, const double* q, const double* u);

@@ -9,6 +9,7 @@
 #include "cogrsim/core/constants.h"
 #include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim::mujoco {
 
@@ -76,18 +77,9 @@ Twist MujocoWorld::twist_of(int body) const {
   return {V.at(vec_at(data_->xpos + 3 * i) - centre), V.angular};
 }
 
-void MujocoWorld::read_joint(std::size_t j, double* q, double* u) const {
+void MujocoWorld::read_tree_joint(std::size_t j, double* q, double* u) const {
   const Joint& joint = program_->scene->joints[j];
   const TreeJoint& place = program_->joints[j];
-  if (place.joint < 0) {
-    if (joint.removed || joint.type == JointType::fixed) return;
-    const Pose X_WP = pose_of(joint.parent), X_WC = pose_of(joint.child);
-    const Pose X_FM = relative_pose(joint, X_WP, X_WC);
-    joint_velocity(joint, X_FM,
-                   relative_twist(joint, X_WP, twist_of(joint.parent), X_WC, twist_of(joint.child)),
-                   q, u);
-    return;
-  }
   const double *qpos = data_->qpos + place.qpos, *qvel = data_->qvel + place.dof;
   if (joint.type != JointType::ball) {
     for (int i = 0; i < speed_count(joint.type); ++i) {
@@ -185,9 +177,13 @@ void MujocoWorld::get_state(WorldState& out) const {
     out.twists[b] = twist_of(static_cast<int>(b));
   }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    if (scene.joints[j].removed) continue;
-    read_joint(j, out.joint_positions.data() + scene.joints[j].position_offset,
-               out.joint_velocities.data() + scene.joints[j].speed_offset);
+    const Joint& joint = scene.joints[j];
+    double* const q = out.joint_positions.data() + joint.position_offset;
+    double* const u = out.joint_velocities.data() + joint.speed_offset;
+    if (program_->joints[j].joint >= 0)
+      read_tree_joint(j, q, u);
+    else if (!joint.removed)
+      read_joint(joint, out, q, u);
   }
   if (stepped_) read_efforts(out);
 }
@@ -276,10 +272,7 @@ void MujocoWorld::get_contacts(std::vector<Contact>& out) const {
                             force[2] * vec_at(it.frame + 6));
     out.push_back(contact);
   }
-  std::stable_sort(out.begin(), out.end(), [](const Contact& one, const Contact& two) {
-    return std::tie(one.body_a, one.body_b, one.shape_a, one.shape_b) <
-           std::tie(two.body_a, two.body_b, two.shape_a, two.shape_b);
-  });
+  std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
 void MujocoWorld::get_joint_reactions(std::vector<Wrench>& out) const {
@@ -319,12 +312,10 @@ SnapshotPtr MujocoWorld::save() const {
 Result<> MujocoWorld::restore(const SnapshotPtr& snapshot) {
   const auto* saved = dynamic_cast<const Snapshot*>(snapshot.get());
   if (saved == nullptr) return fail("the snapshot was not made by the mujoco backend");
-  if (saved->program != program_) {
-    if (!same_names(*saved->initial->scene, *initial_->scene)) {
-      return fail("the snapshot is of another scene: '" + saved->program->scene->name + "'");
-    }
+  if (!same_names(*saved->initial->scene, *initial_->scene))
+    return fail("the snapshot is of another scene: '" + saved->program->scene->name + "'");
+  if (saved->program != program_)
     if (auto adopted = adopt(saved->program); !adopted) return adopted;
-  }
   put_back(saved->coordinates);
   forget_reports();
   time_ = saved->time;

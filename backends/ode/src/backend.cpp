@@ -16,8 +16,8 @@ const char* pair_note(ShapeType a, ShapeType b) {
   const auto any = [&](ShapeType x) { return a == x || b == x; };
   using T = ShapeType;
   if (any(T::mesh) || any(T::heightmap)) {
-    return "ODE tests triangles one by one: solid from their outer side only, and with "
-           "impacts at the seams";
+    return "ODE tests triangles one by one: solid from their outer side only, with bumps at the "
+           "seams";
   }
   if (is(T::plane, T::cylinder)) {
     return "a cylinder on its side bears on two ends of a line that share its load at will: wheels "

@@ -251,10 +251,7 @@ void Engine::report(std::vector<Contact>& out) const {
     const Vec3 force = to_vec(found.feedback.f1);
     contact.force = pushed == b->body ? force : Vec3(-force);
   }
-  std::stable_sort(out.begin(), out.end(), [](const Contact& a, const Contact& b) {
-    return std::tie(a.body_a, a.body_b, a.shape_a, a.shape_b) <
-           std::tie(b.body_a, b.body_b, b.shape_a, b.shape_b);
-  });
+  std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
 std::vector<int> Engine::order() const {

@@ -20,7 +20,7 @@ void throw_error(int number, const char* format, va_list arguments) {
   throw EngineError("ODE error " + std::to_string(number) + ": " + text);
 }
 
-// What ODE would print and then go on from: of an LCP that is singular, for one.
+// What ODE would print and then continue after: of an LCP that is singular, for one.
 void ignore_message(int, const char*, va_list) {}
 
 // Without the size, which ODE does not promise to be that of the request.
@@ -33,7 +33,7 @@ void* reallocate(void* old, dsizeint old_size, dsizeint size) {
   return fresh;
 }
 
-// ODE keeps caches of its mesh collision per thread which it is to drop when a thread ends.
+// ODE holds caches of its mesh collision per thread which it is to drop when a thread ends.
 struct ThreadData {
   ThreadData() { ready = dAllocateODEDataForThread(dAllocateMaskAll) != 0; }
   ~ThreadData() {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cogrsim/physics/backend_checks.h"
+
 namespace cogrsim::ode {
 
 const ParameterTable& world_option_table() {
@@ -30,15 +32,8 @@ const ParameterTable& world_option_table() {
 }
 
 Result<Options> read_options(const SceneModel& model) {
-  const auto found = model.physics.engine_options.find("ode");
-  const auto all = complete_parameters(
-      world_option_table(),
-      found == model.physics.engine_options.end() ? Parameters{} : found->second);
-  if (!all) {
-    Error error = all.error();
-    error.locate(source_position(model, model.physics.origin));
-    return tl::unexpected<Error>(error);
-  }
+  const auto all = physics_options(model, "ode", world_option_table());
+  if (!all) return tl::unexpected(all.error());
   const auto text = [&](const char* name) { return std::get<std::string>(all->at(name)); };
   const auto number = [&](const char* name) { return std::get<double>(all->at(name)); };
   Options out;

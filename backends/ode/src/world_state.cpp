@@ -115,11 +115,8 @@ Result<> OdeWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   const auto found = find_scene_change(*now_.model, *next, step);
   if (!found) return tl::unexpected(found.error());
   const SceneChange& change = *found;
-  for (const int j : change.attached) {
-    const Joint& joint = next->joints[static_cast<std::size_t>(j)];
-    auto fits = check_attachment(joint, pose_of(joint.parent), pose_of(joint.child));
-    if (!fits) return fits;
-  }
+  auto fits = check_attachments(*next, change, [&](int b) { return pose_of(b); });
+  if (!fits) return fits;
   if (!engine_) return fail("the world has diverged", "", "reset or restore it");
   WorldState state;
   get_state(state);

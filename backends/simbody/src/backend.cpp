@@ -20,7 +20,7 @@ Capabilities make_capabilities() {
     for (const ShapeType b : kShapeTypes) {
       if (is_surface(a) && is_surface(b)) continue;
       out.set(pair_feature(a, b), Support::approximate,
-              "compliant: 1 kg sinks in by 0.06 mm or less, bodies creep at up to 1 cm/s under "
+              "compliant: 1 kg penetrates by 0.06 mm or less, bodies creep at up to 1 cm/s under "
               "friction that should hold (transition-velocity)");
     }
   }
@@ -37,10 +37,9 @@ Capabilities make_capabilities() {
           "Simbody has no stop for a ball joint; use a universal joint with limits");
   out.set("joint.stiffness.ball", Support::unsupported,
           "Simbody has no spring for a ball joint; use a universal joint");
-  for (const MotorMode mode : kMotorModes) {
+  for (const MotorMode mode : kMotorModes)
     out.set(std::string("motor.") + to_string(mode), Support::approximate,
             "its effort is found at the start of a step and constant over it");
-  }
   out.set("motor.torque", Support::exact);
   for (const char* feature :
        {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "contact.stiffness",

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
+
+#include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim::simbody {
 
@@ -99,13 +100,9 @@ const std::vector<Contact>& GeneralContact::read(const SimTK::State& state) cons
 }
 
 void ContactReport::add(const std::vector<Contact>& now, double h) {
-  const auto before = [](const Contact& a, const Contact& b) {
-    return std::tie(a.body_a, a.body_b, a.shape_a, a.shape_b) <
-           std::tie(b.body_a, b.body_b, b.shape_a, b.shape_b);
-  };
   for (const std::vector<Contact>* part : {&std::as_const(last_), &now}) {
     for (const Contact& contact : *part) {
-      const auto [first, end] = std::equal_range(sums_.begin(), sums_.end(), contact, before);
+      const auto [first, end] = std::equal_range(sums_.begin(), sums_.end(), contact, comes_before);
       auto sum = std::find_if(first, end, [&](const Contact& old) {
         return (old.point - contact.point).norm() < 0.02;
       });

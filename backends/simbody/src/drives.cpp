@@ -64,7 +64,7 @@ void Drives::find_mobility(const SimTK::State& state) {
       accelerations;
   const bool loops = mechanism_.has_loops();
   if (loops) matter.calcAcceleration(state, unit, no_forces, bias, accelerations);
-  // One axis of every tree at a time: trees do not feel each other.
+  // One axis of every tree at a time: trees are independent of each other.
   for (std::size_t k = 0; k < widest_; ++k) {
     unit = 0.0;
     for (std::size_t i = 0; i < axes_.size(); ++i)

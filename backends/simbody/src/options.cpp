@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/physics/backend_checks.h"
+
 namespace cogrsim::simbody {
 
 namespace {
@@ -105,14 +107,7 @@ Options options_from(const Parameters& p) {
 }
 
 Result<Options> read_options(const SceneModel& model) {
-  Parameters given;
-  const auto found = model.physics.engine_options.find("simbody");
-  if (found != model.physics.engine_options.end()) given = found->second;
-  const auto complete = complete_parameters(world_option_table(), given);
-  if (complete) return options_from(*complete);
-  Error error = complete.error();
-  error.locate(source_position(model, model.physics.origin));
-  return tl::unexpected<Error>(error);
+  return physics_options(model, "simbody", world_option_table()).map(options_from);
 }
 
 std::string integrator_class(const std::string& name) { return find_method(name).type; }

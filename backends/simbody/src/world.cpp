@@ -4,7 +4,6 @@
 #include <cmath>
 #include <exception>
 
-#include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/physics/backend_checks.h"
 
 namespace cogrsim::simbody {
@@ -24,11 +23,6 @@ double stop_effort(const AxisForces& axis, double d, double q, double u) {
 }
 
 }  // namespace
-
-Result<> check_scene(const SceneModel& model) {
-  if (auto fine = check_motors(model); !fine) return fine;
-  return check_masses(model);
-}
 
 SimbodyWorld::Engine::Engine(SceneModelPtr model, Places poses, const Options& options)
     : places(std::move(poses)), mechanism(std::move(model), *places, options), drives(mechanism) {
@@ -58,7 +52,7 @@ SimbodyWorld::SimbodyWorld(SceneModelPtr model, const Options& options)
 
 Result<std::unique_ptr<World>> SimbodyWorld::create(const SceneModelPtr& model) {
   if (!model) return fail("no scene given");
-  if (auto fine = check_scene(*model); !fine) return tl::unexpected<Error>(fine.error());
+  if (auto fine = check_parts(*model); !fine) return tl::unexpected<Error>(fine.error());
   const auto options = read_options(*model);
   if (!options) return tl::unexpected<Error>(options.error());
   try {
@@ -75,21 +69,8 @@ void SimbodyWorld::start() {
   model_ = initial_;
   state_ = engine_->start;
   time_ = last_dt_ = next_step_ = 0.0;
-  last_seen_ = {};
-  see_new_elements();
+  last_seen_ = initial_state(*model_);
   forget_reports();
-}
-
-void SimbodyWorld::see_new_elements() {
-  WorldState all = initial_state(*model_);
-  const auto keep = [](const auto& seen, auto& in) {
-    std::copy(seen.begin(), seen.end(), in.begin());
-  };
-  keep(last_seen_.poses, all.poses);
-  keep(last_seen_.twists, all.twists);
-  keep(last_seen_.joint_positions, all.joint_positions);
-  keep(last_seen_.joint_velocities, all.joint_velocities);
-  last_seen_ = std::move(all);
 }
 
 void SimbodyWorld::forget_reports() {

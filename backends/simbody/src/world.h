@@ -17,9 +17,6 @@
 
 namespace cogrsim::simbody {
 
-/// Errors: what Simbody cannot have, by the scene alone, with its place.
-Result<> check_scene(const SceneModel& model);
-
 class SimbodyWorld final : public World,
                            public JointReactions,
                            public KinematicDrive,
@@ -80,7 +77,6 @@ class SimbodyWorld final : public World,
   std::vector<Wrench> find_reactions() const;
   void get_efforts(std::vector<double>& joints, std::vector<double>& motors) const;
   StepReport report() const;
-  void see_new_elements();
 
   Result<> change_to(const SceneModelPtr& next, SceneStep step);
   void carry_over(const Mechanism& old, const SimTK::State& old_state,

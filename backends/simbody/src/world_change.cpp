@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <exception>
 
-#include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
 #include "world.h"
 
 namespace cogrsim::simbody {
@@ -12,16 +12,15 @@ Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   if (!next) return fail("no scene given");
   const auto change = find_scene_change(*model_, *next, step);
   if (!change) return tl::unexpected<Error>(change.error());
-  if (auto fine = check_scene(*next); !fine) return fine;
+  if (auto fine = check_parts(*next); !fine) return fine;
   WorldState before;
   get_state(before);
   const auto pose = [&](int b) { return b < 0 ? Pose() : before.poses[std::size_t(b)]; };
   // What takes an impact: a joint that is suddenly there, a body that is suddenly held.
   std::vector<int> sudden;
+  if (auto fits = check_attachments(*next, *change, pose); !fits) return fits;
   for (const int j : change->attached) {
     const Joint& joint = next->joints[std::size_t(j)];
-    if (auto fits = check_attachment(joint, pose(joint.parent), pose(joint.child)); !fits)
-      return fits;
     sudden.insert(sudden.end(), {joint.parent, joint.child});
   }
   for (const int b : change->kinds) {
@@ -38,8 +37,7 @@ Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   const SimTK::State old_state = state_;
   try {
     model_ = next;
-    last_seen_ = before;
-    see_new_elements();
+    last_seen_ = extended_state(*next, before);
     engine_ = std::make_shared<Engine>(
         next, std::make_shared<const std::vector<Pose>>(last_seen_.poses), options_);
     carry_over(old->mechanism, old_state, sudden);
@@ -50,7 +48,6 @@ Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
     state_ = old_state;
     return fail("Simbody: " + message_of(e));
   }
-
   report.carry_over(*next);
   held_ = std::move(report);
   stepped_ = false;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/core/parameter.h"
 #include "cogrsim/core/result.h"
 #include "cogrsim/model/mass_properties.h"
 #include "cogrsim/model/scene_model.h"
@@ -99,6 +100,23 @@ inline Result<> check_masses(const SceneModel& model) {
     }
   }
   return {};
+}
+
+/// check_motors(), then check_masses().
+inline Result<> check_parts(const SceneModel& model) {
+  if (auto fine = check_motors(model); !fine) return fine;
+  return check_masses(model);
+}
+
+/// Options that the scene sets for an engine, completed by the defaults of `table`. Errors: those of
+/// complete_parameters(), with the source location.
+inline Result<Parameters> physics_options(const SceneModel& model, const std::string& engine,
+                                          const ParameterTable& table) {
+  const auto given = model.physics.engine_options.find(engine);
+  const bool any = given != model.physics.engine_options.end();
+  Result<Parameters> out = complete_parameters(table, any ? given->second : Parameters());
+  if (!out) out.error().where = place_of(model, model.physics.origin);
+  return out;
 }
 
 /// Check for World::set_state(), before anything is changed. Errors: the numbers of bodies or joint

@@ -48,8 +48,9 @@ inline Result<> check_axes(const Joint& joint) {
     const double laws[] = {axis.damping, axis.friction, axis.stiffness, axis.rotor_inertia};
     for (const double law : laws) {
       if (!(law >= 0.0) || !std::isfinite(law)) {
-        return fail(what +
-                    "damping, friction, stiffness and rotor inertia must be finite and not negative");
+        return fail(
+            what +
+            "damping, friction, stiffness and rotor inertia must be finite and not negative");
       }
     }
     if (!std::isfinite(axis.rest)) return fail(what + "the rest position must be finite");
@@ -162,6 +163,18 @@ inline Result<> check_attachment(const Joint& joint, const Pose& X_WP, const Pos
                   std::to_string(gap.distance) + " m and " + std::to_string(gap.angle) +
                   " rad apart",
               "", "set its frames so that they coincide");
+}
+
+/// The same for all joints that a change attaches; `pose_of(body)` is the current pose of a body.
+template <class PoseOf>
+Result<> check_attachments(const SceneModel& next, const SceneChange& change,
+                           const PoseOf& pose_of) {
+  for (const int j : change.attached) {
+    const Joint& joint = next.joints[static_cast<std::size_t>(j)];
+    auto fits = check_attachment(joint, pose_of(joint.parent), pose_of(joint.child));
+    if (!fits) return fits;
+  }
+  return {};
 }
 
 }  // namespace cogrsim

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <tuple>
 #include <vector>
 
 #include "cogrsim/model/joint_kinematics.h"
@@ -26,6 +27,25 @@ inline WorldState initial_state(const SceneModel& model) {
               out.joint_velocities.begin() + joint.speed_offset);
   }
   return out;
+}
+
+/// The state `now` of a running world with the initial state of what `next` has beyond it.
+inline WorldState extended_state(const SceneModel& next, const WorldState& now) {
+  WorldState out = initial_state(next);
+  const auto take = [](const auto& from, auto& to) {
+    std::copy(from.begin(), from.end(), to.begin());
+  };
+  take(now.poses, out.poses);
+  take(now.twists, out.twists);
+  take(now.joint_positions, out.joint_positions);
+  take(now.joint_velocities, out.joint_velocities);
+  return out;
+}
+
+/// Order of the contacts of a step: by bodies, then by shapes.
+inline bool comes_before(const Contact& a, const Contact& b) {
+  return std::tie(a.body_a, a.body_b, a.shape_a, a.shape_b) <
+         std::tie(b.body_a, b.body_b, b.shape_a, b.shape_b);
 }
 
 /// Coordinates `q` and speeds `u` of a joint from the motions of its two bodies in `state`. `q` holds
