@@ -11,6 +11,7 @@
 #include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
 
 #include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/scene_state.h"
 #include "convert.h"
 
 namespace cogrsim::bullet {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <tuple>
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim::ode {
 
