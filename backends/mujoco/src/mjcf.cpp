@@ -80,7 +80,7 @@ Result<> Writer::check() const {
       if (shape.collides && is_surface(shape.type))
         return fail("body '" + b.name + "': MuJoCo has a " + to_string(shape.type) +
                         " on static bodies only",
-                    place_of(scene_, b.origin), "make the body static, or give it another shape");
+                    source_position(scene_, b.origin), "make the body static, or give it another shape");
   }
   return {};
 }

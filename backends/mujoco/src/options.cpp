@@ -82,7 +82,7 @@ const ParameterTable& world_option_table() {
 Result<Options> read_options(const SceneModel& model) {
   const auto options = physics_options(model, "mujoco", world_option_table());
   if (!options) return tl::unexpected(options.error());
-  const std::string place = place_of(model, model.physics.origin);
+  const SourcePosition place = source_position(model, model.physics.origin);
   const auto text = [&](const std::string& name) { return text_of(options->at(name)); };
   for (const std::string about : {"", "limit", "friction", "equality"}) {
     if (!fits_solref(std::get<Numbers>(options->at("solref" + about)))) {

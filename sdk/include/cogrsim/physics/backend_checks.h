@@ -115,7 +115,7 @@ inline Result<Parameters> physics_options(const SceneModel& model, const std::st
   const auto given = model.physics.engine_options.find(engine);
   const bool any = given != model.physics.engine_options.end();
   Result<Parameters> out = complete_parameters(table, any ? given->second : Parameters());
-  if (!out) out.error().where = place_of(model, model.physics.origin);
+  if (!out) out.error().locate(source_position(model, model.physics.origin));
   return out;
 }
 
