@@ -69,6 +69,10 @@ Capabilities make_capabilities() {
   }
   out.set("contact.stiffness", Support::approximate,
           "a spring for each contact point, its sag 5 % off");
+  for (const char* feature : {"contact.rolling-friction", "contact.spinning-friction"})
+    out.set(feature, Support::approximate,
+            "bounded about each axis by itself, and by an impulse of 1 N s a step; not with the "
+            "solvers dantzig, lemke and projected-gauss-seidel");
   out.set("runtime.attach", Support::approximate,
           "the joint acts from the next step on, and keeps momentum to 4e-5 kg m^2/s in 0.5 s");
   out.set("runtime.body_kind", Support::approximate,

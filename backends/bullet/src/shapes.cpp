@@ -158,6 +158,10 @@ bool set_surface(btManifoldPoint& point, const btCollisionObjectWrapper* wrapper
       static_cast<const Surfaces*>(owner)->pair(a->getUserIndex2(), b->getUserIndex2());
   point.m_combinedFriction = pair.friction;
   point.m_combinedRestitution = pair.restitution;
+  // Without the one Bullet does not look at the other.
+  const double least = pair.spinning_friction > 0.0 ? std::numeric_limits<double>::min() : 0.0;
+  point.m_combinedRollingFriction = std::max(pair.rolling_friction, least);
+  point.m_combinedSpinningFriction = pair.spinning_friction;
   if (pair.stiffness) {
     point.m_contactPointFlags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
     point.m_combinedContactStiffness1 = *pair.stiffness;

@@ -85,14 +85,7 @@ class Island::NewtonProblem {
         continue;
       }
       evaluate_bounds(l, row, rows_[std::size_t(row)].low, rows_[std::size_t(row)].high);
-      if (block.kind != RowBlock::Kind::contact || block.friction <= 0.0) continue;
-      const int loads[2] = {row, block.partner};
-      if (block.friction_kind == FrictionKind::point)
-        evaluate_disc(l, row + 1, 2, block.friction, loads, 1);
-      else if (block.friction_kind == FrictionKind::patch)
-        evaluate_disc(l, row + 1, 2, block.friction, loads, 2);
-      else
-        evaluate_disc(l, row + 1, 1, block.friction * block.lever, loads, 2);
+      if (block.kind == RowBlock::Kind::contact) evaluate_friction(l, block);
     }
     return F_.cwiseProduct(scale_).cwiseAbs().maxCoeff();
   }
@@ -108,6 +101,19 @@ class Island::NewtonProblem {
       D_.row(i) = inverse(i) * A_.row(i);
     else
       D_(i, i) = 1.0;
+  }
+
+  void evaluate_friction(const Vector& l, const RowBlock& block) {
+    const int row = block.first_row, loads[2] = {row, block.partner};
+    if (block.friction > 0.0 && block.friction_kind == FrictionKind::point)
+      evaluate_disc(l, row + 1, 2, block.friction, loads, 1);
+    else if (block.friction > 0.0 && block.friction_kind == FrictionKind::patch)
+      evaluate_disc(l, row + 1, 2, block.friction, loads, 2);
+    else if (block.friction > 0.0)
+      evaluate_disc(l, row + 1, 1, block.friction * block.lever, loads, 2);
+    if (block.rolling > 0.0) evaluate_disc(l, block.turning, 2, block.rolling, loads, 1);
+    const int spin = block.turning + (block.rolling > 0.0 ? 2 : 0);
+    if (block.spinning > 0.0) evaluate_disc(l, spin, 1, block.spinning, loads, 1);
   }
 
   // `loads`: rows whose sum times `factor` is the bound; none: `factor` itself is.

@@ -113,6 +113,26 @@ inline double relax(IslandRow& row, double least, double most, double* v) {
   return std::abs(change) * row.diagonal;
 }
 
+// Two rows towards rest, their impulses in a disc.
+template <class Rows>
+inline double relax_disc(IslandRow& t1, IslandRow& t2, double bound, double* v) {
+  if (bound <= 0.0 && t1.lambda == 0.0 && t2.lambda == 0.0) return 0.0;
+  double l1 = t1.lambda - (t1.bias + Rows::along(t1, v)) * t1.inverse;
+  double l2 = t2.lambda - (t2.bias + Rows::along(t2, v)) * t2.inverse;
+  const double square = l1 * l1 + l2 * l2;
+  if (square > bound * bound) {
+    const double scale = bound / std::sqrt(square);
+    l1 *= scale;
+    l2 *= scale;
+  }
+  const double d1 = l1 - t1.lambda, d2 = l2 - t2.lambda;
+  t1.lambda = l1;
+  t2.lambda = l2;
+  if (d1 == 0.0 && d2 == 0.0) return 0.0;
+  Rows::apply_both(t1, d1, t2, d2, v);
+  return std::max(std::abs(d1) * t1.diagonal, std::abs(d2) * t2.diagonal);
+}
+
 }  // namespace
 
 void Island::clear() {
@@ -143,21 +163,22 @@ double Island::relax_contact(const RowBlock& block) {
     const double most = block.lever * bound;
     return std::max(change, relax<Rows>(t1, -most, most, x));
   }
-  if (bound <= 0.0 && t1.lambda == 0.0 && t2.lambda == 0.0) return change;
-  double l1 = t1.lambda - (t1.bias + Rows::along(t1, x)) * t1.inverse;
-  double l2 = t2.lambda - (t2.bias + Rows::along(t2, x)) * t2.inverse;
-  const double square = l1 * l1 + l2 * l2;
-  if (square > bound * bound) {
-    const double scale = bound / std::sqrt(square);
-    l1 *= scale;
-    l2 *= scale;
+  return std::max(change, relax_disc<Rows>(t1, t2, bound, x));
+}
+
+// Rolling and spinning friction of a contact, bounded by its load.
+template <class Rows>
+double Island::relax_turning(const RowBlock& block) {
+  const double load = std::max(rows[std::size_t(block.first_row)].lambda, 0.0);
+  IslandRow* row = &rows[std::size_t(block.turning)];
+  double change = 0.0;
+  if (block.rolling > 0.0) {
+    change = relax_disc<Rows>(row[0], row[1], block.rolling * load, v.data());
+    row += 2;
   }
-  const double d1 = l1 - t1.lambda, d2 = l2 - t2.lambda;
-  t1.lambda = l1;
-  t2.lambda = l2;
-  if (d1 == 0.0 && d2 == 0.0) return change;
-  Rows::apply_both(t1, d1, t2, d2, x);
-  return std::max({change, std::abs(d1) * t1.diagonal, std::abs(d2) * t2.diagonal});
+  if (block.spinning <= 0.0) return change;
+  const double most = block.spinning * load;
+  return std::max(change, relax<Rows>(row[0], -most, most, v.data()));
 }
 
 template <class Rows>
@@ -260,7 +281,10 @@ void Island::prepare() {
       rows.size() > kSmall && contacts == 0 &&
       std::all_of(rows.begin(), rows.end(), [](const IslandRow& row) { return row.free_bodies; }) &&
       std::all_of(blocks.begin(), blocks.end(),
-                  [](const RowBlock& block) { return block.friction_kind == FrictionKind::point; });
+                  [](const RowBlock& block) {
+                    return block.friction_kind == FrictionKind::point && block.rolling <= 0.0 &&
+                           block.spinning <= 0.0;
+                  });
   if (is_heap_)
     heap_.fill(rows, blocks, pairs, components);
   else
@@ -309,9 +333,12 @@ double Island::sweep(bool backwards) {
                                   ? relax_ball<Rows>(block)
                                   : relax<Rows>(row, row.low, row.high, v.data()));
   }
-  for (std::size_t i = contacts; i < blocks.size(); ++i)
-    change = std::max(
-        change, relax_contact<Rows>(blocks[backwards ? contacts + blocks.size() - 1 - i : i]));
+  for (std::size_t i = contacts; i < blocks.size(); ++i) {
+    const RowBlock& block = blocks[backwards ? contacts + blocks.size() - 1 - i : i];
+    change = std::max(change, relax_contact<Rows>(block));
+    if (block.rolling > 0.0 || block.spinning > 0.0)
+      change = std::max(change, relax_turning<Rows>(block));
+  }
   return change;
 }
 

@@ -8,7 +8,7 @@
 // e <= 0 at the upper bound and e >= 0 at the lower one. b = J u - target [m/s], Gamma = diag(gamma)
 // the compliance of the rows [1/kg]. Relaxing row i: l_i := clamp(l_i - e_i / (A_ii + gamma_i)), with
 // A = J W' the effective inverse mass. Friction of a point: the two tangents' l lie in the disc of
-// radius mu l_n.
+// radius mu l_n; those against rolling and spinning are bounded likewise, by a length times l_n.
 //
 // Position stage. With p the displacement of the speeds' coordinates and s its multipliers (position
 // impulses), p = W' s: every gap g + J p is brought to its target, s >= 0 unless the row is bilateral.
@@ -54,6 +54,8 @@ struct RowBlock {
   FrictionKind friction_kind = FrictionKind::point;
   double friction = 0.0;  ///< ball: the bound
   double lever = 0.0;
+  double rolling = 0.0, spinning = 0.0;  ///< as in ContactRows
+  int turning = 0;                       ///< first of the rows against rolling and spinning
   int normal_block = -1;         ///< solved before this contact's friction; -1: none
   bool in_normal_block = false;  ///< the normal has been solved with those of an earlier contact
 };
@@ -108,6 +110,8 @@ class Island {
   int solve_velocities_of(const SolverOptions& options);
   template <class Rows>
   double relax_contact(const RowBlock& block);
+  template <class Rows>
+  double relax_turning(const RowBlock& block);
   template <class Rows>
   double relax_ball(const RowBlock& block);
   template <class Rows>

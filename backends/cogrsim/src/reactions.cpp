@@ -32,9 +32,10 @@ void add_contacts(const Mechanism& m, const StepRecord& record, std::vector<Mome
     for (int side = 0; side < 2; ++side) {
       const int link = m.body_link(bodies[side]);
       if (link < 0) continue;
-      const Vec3 impulse = side == 0 ? Vec3(-c.impulse) : c.impulse;
-      gained[std::size_t(link)].linear -= impulse;
-      gained[std::size_t(link)].angular -= c.point.cross(impulse);
+      const double sign = side == 0 ? -1.0 : 1.0;
+      gained[std::size_t(link)].linear -= sign * c.impulse.force;
+      gained[std::size_t(link)].angular -=
+          sign * (c.point.cross(c.impulse.force) + c.impulse.torque);
     }
   }
 }

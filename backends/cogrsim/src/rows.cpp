@@ -123,7 +123,9 @@ RowEnds RowBuilder::measure_contact(int body_a, int body_b, const SurfacePair& s
     const int link = mechanism_.body_link(body);
     sides += link >= 0 && mechanism_.links()[std::size_t(link)].component >= 0;
   }
-  const std::size_t rows = surface.friction <= 0.0 ? 1 : line.second ? 2 : 3;
+  const std::size_t rows = (surface.friction <= 0.0 ? 1 : line.second ? 2 : 3) +
+                           (surface.rolling_friction > 0.0 ? 2 : 0) +
+                           (surface.spinning_friction > 0.0 ? 1 : 0);
   return {rows, 12 * sides * rows, 1};
 }
 
@@ -399,12 +401,21 @@ bool RowBuilder::jointed(int link) const {
   return component >= 0 && !mechanism_.components()[std::size_t(component)].is_free_body;
 }
 
+// One step length for two rows of a disc: else the impulse at the bound would not oppose the motion.
+void RowBuilder::share_step_length(int first) {
+  Row* const rows = &set_.rows[std::size_t(first)];
+  const double most = std::max(rows[0].diagonal, rows[1].diagonal);
+  rows[0].inverse_diagonal = rows[1].inverse_diagonal = most > 0.0 ? 1.0 / most : 0.0;
+}
+
 void RowBuilder::add_contact(const StepContext& context, const ContactPoint& point, int body_a,
                              int body_b, const SurfacePair& surface, const ContactLine& line) {
   const int link_a = mechanism_.body_link(body_a), link_b = mechanism_.body_link(body_b);
   ContactRows contact;
   contact.first = int(end_.rows);
   contact.friction = surface.friction;
+  contact.rolling = surface.rolling_friction;
+  contact.spinning = surface.spinning_friction;
   contact.point = point;
   // Tangents depend on the normal alone.
   const Vec3& n = point.normal;
@@ -454,11 +465,11 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
     add_twist_row(link_a, link_b, n);
   } else if (contact.friction > 0.0) {
     for (const Vec3& t : {contact.tangent1, contact.tangent2}) add_point_row(link_a, link_b, at, t);
-    // One step length for both: else the impulse at the bound would not oppose the sliding.
-    Row* const rows = &set_.rows[std::size_t(contact.first)];
-    const double most = std::max(rows[1].diagonal, rows[2].diagonal);
-    rows[1].inverse_diagonal = rows[2].inverse_diagonal = most > 0.0 ? 1.0 / most : 0.0;
+    share_step_length(contact.first + 1);
   }
+  for (int i = 0; i < contact.turning_rows(); ++i)
+    add_twist_row(link_a, link_b, contact.turning_axis(i));
+  if (contact.rolling > 0.0) share_step_length(contact.first_turning());
   if (grows_) set_.contacts.emplace_back();
   set_.contacts[end_.contacts++] = contact;
 }

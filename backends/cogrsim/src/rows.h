@@ -61,15 +61,28 @@ enum class FrictionKind {
   twist   ///< second of the two: one row against turning about the normal
 };
 
-/// Rows of one point: the normal, then those of friction, if any.
+/// Rows of one point: the normal, then those of friction, then those against turning, if any: two
+/// against rolling, about the tangents, and one against spinning, about the normal.
 struct ContactRows {
   int first = 0;
   double friction = 0.0;
+  double rolling = 0.0, spinning = 0.0;  ///< largest torque per load [m]
   FrictionKind kind = FrictionKind::point;
   int partner = -1;    ///< contact with the other point of the line; patch and twist only
   double lever = 0.0;  ///< twist: torque per load and friction [m]
   ContactPoint point;
   Vec3 tangent1 = Vec3::Zero(), tangent2 = Vec3::Zero();
+  int friction_rows() const {
+    if (friction <= 0.0) return 0;
+    return kind == FrictionKind::twist ? 1 : 2;
+  }
+  int turning_rows() const { return (rolling > 0.0 ? 2 : 0) + (spinning > 0.0 ? 1 : 0); }
+  int first_turning() const { return first + 1 + friction_rows(); }
+  /// The axis of row `i` of those against turning.
+  const Vec3& turning_axis(int i) const {
+    if (rolling <= 0.0 || i == 2) return point.normal;
+    return i == 0 ? tangent1 : tangent2;
+  }
 };
 
 /// Friction of a ball joint: three rows with |lambda| <= bound.
@@ -200,6 +213,7 @@ class RowBuilder {
   Row& add_twist_row(int link_a, int link_b, const Vec3& axis);
   /// Another side of a row, with memory for its numbers. Not of a free body.
   RowSide& next_side(Row& row, int component);
+  void share_step_length(int first);
   void add_free_body_side(Row& row, const Component& c, const Spatial& wrench, double sign);
   void finish_row(Row& row);
   Vec3 point_velocity(int link, const Vec3& point) const;

@@ -113,10 +113,12 @@ void Solver::fill_island(const RowSet& set, const IslandContent& content, Island
     block.friction = contact.friction;
     block.friction_kind = contact.kind;
     block.lever = contact.lever;
+    block.rolling = contact.rolling;
+    block.spinning = contact.spinning;
     block.first_row = add_row(set, contact.first, island);
-    if (contact.friction > 0.0)
-      for (int k = 1; k < (contact.kind == FrictionKind::twist ? 2 : 3); ++k)
-        add_row(set, contact.first + k, island);
+    block.turning = block.first_row + 1 + contact.friction_rows();
+    const int others = contact.friction_rows() + contact.turning_rows();
+    for (int k = 1; k <= others; ++k) add_row(set, contact.first + k, island);
     island.blocks.push_back(block);
     const ContactPoint& point = contact.point;
     pair += last && (last->collider_a != point.collider_a || last->collider_b != point.collider_b);

@@ -31,7 +31,7 @@ struct ContactRecord {
   int collider_a = -1, collider_b = -1;
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ();  ///< world
   double gap = 0.0;                                   ///< [m]
-  Vec3 impulse = Vec3::Zero();                        ///< on b, world [N s]
+  Wrench impulse;  ///< on b, at the point, world [N s], [N m s]
 };
 
 /// What a step takes from the one before, beside the state. All of it is part of a snapshot.
@@ -39,7 +39,7 @@ struct StepMemory {
   struct WarmContact {
     int collider_a = -1, collider_b = -1;
     Vec3 point_B = Vec3::Zero();           ///< of the point, in body b's frame
-    Vec3 force = Vec3::Zero();             ///< on b, world [N]
+    Wrench wrench;                         ///< on b, at the point, world
     Vec3 position_impulse = Vec3::Zero();  ///< multipliers of the position stage, likewise [N s^2]
   };
   std::vector<WarmContact> contacts;  ///< in the order of the colliders
@@ -118,7 +118,8 @@ class Stepper {
   void measure_speeds(double h);
   // From the order of the state to that over all components.
   void flatten(const Values& by_speed, std::vector<double>& out) const;
-  Vec3 impulse_of(const ContactRows& contact) const;  ///< on b
+  Wrench impulse_of(const ContactRows& contact) const;  ///< on b, at the point
+  Vec3 friction_impulse_of(const ContactRows& contact) const;
   // What the position stage found for a contact, its friction's only where that is of the point.
   Vec3 position_impulse_of(const ContactRows& contact) const;
   void warm_start(double h);
@@ -170,7 +171,7 @@ class Stepper {
       smooth_q_, smooth_u_;
   std::vector<double> dv_, displacement_;             ///< over all components
   std::vector<double> row_u_, row_start_, row_udot_;  ///< likewise: what rows are made from
-  std::vector<Vec3> contact_impulses_;                ///< on b, by contact
+  std::vector<Wrench> contact_impulses_;              ///< on b, by contact
 };
 
 template <class Work>

@@ -15,12 +15,20 @@ constexpr double kSamePoint = 0.02;
 
 }  // namespace
 
-Vec3 Stepper::impulse_of(const ContactRows& contact) const {
+Wrench Stepper::impulse_of(const ContactRows& contact) const {
+  Wrench impulse;
+  impulse.force = set_.rows[std::size_t(contact.first)].lambda * contact.point.normal;
+  if (contact.friction > 0.0) impulse.force += friction_impulse_of(contact);
+  for (int i = 0; i < contact.turning_rows(); ++i)
+    impulse.torque +=
+        set_.rows[std::size_t(contact.first_turning() + i)].lambda * contact.turning_axis(i);
+  return impulse;
+}
+
+Vec3 Stepper::friction_impulse_of(const ContactRows& contact) const {
   const Row* const rows = &set_.rows[std::size_t(contact.first)];
-  Vec3 impulse = rows[0].lambda * contact.point.normal;
-  if (contact.friction <= 0.0) return impulse;
   if (contact.kind == FrictionKind::point)
-    return impulse + rows[1].lambda * contact.tangent1 + rows[2].lambda * contact.tangent2;
+    return rows[1].lambda * contact.tangent1 + rows[2].lambda * contact.tangent2;
   // Friction of a line as forces at its two ends: half of what slides each, and the twist as a
   // couple.
   const ContactRows& partner = set_.contacts[std::size_t(contact.partner)];
@@ -28,10 +36,10 @@ Vec3 Stepper::impulse_of(const ContactRows& contact) const {
   const ContactRows& patch = second ? partner : contact;
   const ContactRows& twist = second ? contact : partner;
   const Row* const slide = &set_.rows[std::size_t(patch.first)];
-  impulse += 0.5 * (slide[1].lambda * patch.tangent1 + slide[2].lambda * patch.tangent2);
+  const Vec3 half = 0.5 * (slide[1].lambda * patch.tangent1 + slide[2].lambda * patch.tangent2);
   const Vec3 r = contact.point.point - partner.point.point;
   const double couple = set_.rows[std::size_t(twist.first + 1)].lambda;
-  return impulse + couple / std::max(r.squaredNorm(), 1e-18) * contact.point.normal.cross(r);
+  return half + couple / std::max(r.squaredNorm(), 1e-18) * contact.point.normal.cross(r);
 }
 
 Vec3 Stepper::position_impulse_of(const ContactRows& contact) const {
@@ -83,7 +91,11 @@ void Stepper::warm_start_contacts(double h, std::size_t first, std::size_t end) 
     }
     if (best == memory.contacts.size()) continue;
     taken_[best] = 1;
-    warm_[index] = h * memory.contacts[best].force;
+    const Wrench& wrench = memory.contacts[best].wrench;
+    warm_[index] = h * wrench.force;
+    for (int i = 0; i < contact.turning_rows(); ++i)
+      set_.rows[std::size_t(contact.first_turning() + i)].lambda =
+          h * wrench.torque.dot(contact.turning_axis(i));
     const Vec3& position_impulse = memory.contacts[best].position_impulse;
     Row* const rows = &set_.rows[std::size_t(contact.first)];
     rows[0].position_impulse = position_impulse.dot(point.normal);
@@ -201,7 +213,8 @@ void Stepper::remember_contact(double h, std::size_t index, ContactChunk& out) c
   w.collider_b = contact.point.collider_b;
   const Placement& X_b = detector_.colliders()[std::size_t(w.collider_b)].X_WS;
   w.point_B = X_b.to_local(contact.point.point);
-  w.force = contact_impulses_[index] / h;
+  w.wrench.force = contact_impulses_[index].force / h;
+  w.wrench.torque = contact_impulses_[index].torque / h;
   w.position_impulse = position_impulse_of(contact);
   out.contacts.push_back(w);
 }
@@ -262,7 +275,7 @@ void Stepper::report() {
   const std::size_t earlier = records.size();
   for (const ContactRows& contact : set_.contacts) {
     const Row* const rows = &set_.rows[std::size_t(contact.first)];
-    const Vec3 impulse = contact_impulses_[std::size_t(&contact - set_.contacts.data())];
+    const Wrench& impulse = contact_impulses_[std::size_t(&contact - set_.contacts.data())];
     if (rows[0].lambda <= 0.0 && contact.point.gap > 0.0) continue;
     // A step in parts touches the same point several times.
     ContactRecord* same = nullptr;
@@ -281,7 +294,8 @@ void Stepper::report() {
     same->point = contact.point.point;
     same->normal = contact.point.normal;
     same->gap = rows[0].has_gap ? rows[0].gap + rows[0].gap_change : contact.point.gap;
-    same->impulse += impulse;
+    same->impulse.force += impulse.force;
+    same->impulse.torque += impulse.torque;
   }
 }
 

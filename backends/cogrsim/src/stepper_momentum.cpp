@@ -52,9 +52,11 @@ void Stepper::conserve_momentum(double h) {
       const int link = m.body_link(bodies[side]);
       const int component = link < 0 ? -1 : m.links()[std::size_t(link)].component;
       if (component < 0) continue;
-      const Vec3 impulse = (side == 0 ? -1.0 : 1.0) * contact_impulses_[index];
-      gained_[std::size_t(component)].linear += impulse;
-      gained_[std::size_t(component)].angular += contact.point.point.cross(impulse);
+      const double sign = side == 0 ? -1.0 : 1.0;
+      const Wrench& impulse = contact_impulses_[index];
+      gained_[std::size_t(component)].linear += sign * impulse.force;
+      gained_[std::size_t(component)].angular +=
+          sign * (contact.point.point.cross(impulse.force) + impulse.torque);
     }
   }
   const std::vector<LinkMotion>& motions = m.motions();

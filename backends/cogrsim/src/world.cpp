@@ -113,7 +113,7 @@ void DynamicsWorld::get_contacts(std::vector<Contact>& out) const {
     c.point = r.point;
     c.normal = r.normal;
     c.depth = -r.gap;
-    c.force = r.impulse / progress_.last_dt;
+    c.force = r.impulse.force / progress_.last_dt;
     out.push_back(c);
   }
 }

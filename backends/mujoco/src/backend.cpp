@@ -62,6 +62,8 @@ Capabilities make_capabilities() {
   }
   out.set("contact.stiffness", Support::unsupported,
           "MuJoCo's contacts yield by acceleration, not by force: see solref and solimp");
+  for (const char* feature : {"contact.rolling-friction", "contact.spinning-friction"})
+    out.set(feature, Support::approximate, "one pyramid with sliding; slides slowly, as friction does");
   for (const char* feature :
        {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
         "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",

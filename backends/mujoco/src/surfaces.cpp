@@ -38,10 +38,13 @@ class Terms {
 
   std::string text(const SurfacePair& surface, bool of_pair) const {
     // Without friction a contact has one row: a pyramid without width would have four equal ones.
-    return fmt::format("condim=\"{}\" friction=\"{}{} 0.005 0.0001{}\" solref=\"{}\" {}",
-                       surface.friction > 0 ? 3 : 1, surface.friction,
-                       of_pair ? fmt::format(" {}", surface.friction) : "",
-                       of_pair ? " 0.0001" : "", solref(surface.restitution), options_.contact);
+    const double slide = surface.friction, spin = surface.spinning_friction;
+    const double roll = surface.rolling_friction;
+    return fmt::format("condim=\"{}\" friction=\"{}{} {} {}{}\" solref=\"{}\" {}",
+                       roll > 0 ? 6 : spin > 0 ? 4 : slide > 0 ? 3 : 1, slide,
+                       of_pair ? fmt::format(" {}", slide) : "", spin, roll,
+                       of_pair ? fmt::format(" {}", roll) : "", solref(surface.restitution),
+                       options_.contact);
   }
 
  private:
@@ -59,7 +62,8 @@ class Terms {
 };
 
 bool same(const SurfacePair& a, const SurfacePair& b) {
-  return a.friction == b.friction && a.restitution == b.restitution;
+  return a.friction == b.friction && a.restitution == b.restitution &&
+         a.rolling_friction == b.rolling_friction && a.spinning_friction == b.spinning_friction;
 }
 
 }  // namespace

@@ -155,6 +155,12 @@ void Engine::add_surfaces() {
       surface = {};
       surface.mode = options_.pyramid ? dContactApprox1 : dContactApprox0;
       surface.mu = pair.friction;
+      if (pair.rolling_friction > 0.0 || pair.spinning_friction > 0.0) {
+        surface.mode |= dContactRolling | dContactAxisDep;
+        surface.mu2 = pair.friction;
+        surface.rho = surface.rho2 = pair.rolling_friction;
+        surface.rhoN = pair.spinning_friction;
+      }
       const double e = pair.restitution;
       if (pair.stiffness) {
         surface.mode |= dContactSoftERP | dContactSoftCFM;

@@ -46,6 +46,9 @@ Capabilities make_capabilities() {
         "runtime.add", "runtime.remove", "runtime.set_state", "runtime.attach", "runtime.body_kind",
         "runtime.joint_axes"})
     out.set(feature, Support::exact);
+  for (const char* feature : {"contact.rolling-friction", "contact.spinning-friction"})
+    out.set(feature, Support::approximate,
+            "turns at up to 0.01 rad/s under loads that it should hold (transition-velocity)");
   out.set(
       "runtime.save", Support::approximate,
       "exact, but for integrator=cpodes: without its history it errs otherwise, by 13 mm in 2 s");

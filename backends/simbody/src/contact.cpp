@@ -28,6 +28,8 @@ const GeneralContact::Surface& GeneralContact::surface(int a, int b) const {
   const SurfacePair pair = surface_pair(model, a, b);
   out.known = true;
   out.mu = pair.friction;
+  out.rolling = pair.rolling_friction;
+  out.spinning = pair.spinning_friction;
   out.k = pair.stiffness.value_or(options_.stiffness);
   out.c = options_.dissipation > 0.0 ? options_.dissipation
                                      : dissipation_of(pair.restitution, options_.impact_speed);
@@ -44,7 +46,7 @@ double GeneralContact::stiffness(const dynamics::Collider& a, const dynamics::Co
   return options_.frequency * options_.frequency / (inverse_mass(a.body) + inverse_mass(b.body));
 }
 
-SimTK::Vec3 GeneralContact::push(const dynamics::ContactPoint& point) const {
+SimTK::SpatialVec GeneralContact::push(const dynamics::ContactPoint& point) const {
   const dynamics::Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
   const dynamics::Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
   const Surface& between = surface(a.material, b.material);
@@ -53,20 +55,28 @@ SimTK::Vec3 GeneralContact::push(const dynamics::ContactPoint& point) const {
   const SimTK::Vec3 v = B.V[1] + B.V[0] % (at - B.p) - A.V[1] - A.V[0] % (at - A.p);
   const double apart = SimTK::dot(v, n);
   const double f = stiffness(a, b) * -point.gap * (1.0 - between.c * apart);
-  if (point.gap >= 0.0 || f <= 0.0) return SimTK::Vec3(0);
+  if (point.gap >= 0.0 || f <= 0.0) return SimTK::SpatialVec(SimTK::Vec3(0));
   const SimTK::Vec3 slip = v - apart * n;
   // mu f min(s / v_t, 1) along slip / s, s its size; nothing is divided by zero.
-  return f * n - (between.mu * f / std::max(slip.norm(), options_.transition_velocity)) * slip;
+  // Against a speed or spin; divided by no zero.
+  const auto resist = [&](double bound, const SimTK::Vec3& rate) {
+    return -bound * f / std::max(rate.norm(), options_.transition_velocity) * rate;
+  };
+  const SimTK::Vec3 turning = B.V[0] - A.V[0], spin = SimTK::dot(turning, n) * n;
+  return {resist(between.rolling, turning - spin) + resist(between.spinning, spin),
+          f * n + resist(between.mu, slip)};
 }
 
 void GeneralContact::calcForce(const SimTK::State& state, SimTK::Vector_<SimTK::SpatialVec>& forces,
                                SimTK::Vector_<SimTK::Vec3>&, SimTK::Vector&) const {
-  for (const Contact& contact : read(state)) {
+  const std::vector<Contact>& contacts = read(state);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Contact& contact = contacts[i];
     const SimTK::Vec3 force = to_simtk(contact.force), at = to_simtk(contact.point);
     const Motion &A = motions_[std::size_t(contact.body_a)],
                  &B = motions_[std::size_t(contact.body_b)];
-    forces[A.index] -= SimTK::SpatialVec((at - A.p) % force, force);
-    forces[B.index] += SimTK::SpatialVec((at - B.p) % force, force);
+    forces[A.index] -= SimTK::SpatialVec((at - A.p) % force + torques_[i], force);
+    forces[B.index] += SimTK::SpatialVec((at - B.p) % force + torques_[i], force);
   }
 }
 
@@ -88,11 +98,14 @@ const std::vector<Contact>& GeneralContact::read(const SimTK::State& state) cons
   }
   detector_.detect(points_);
   contacts_.clear();
+  torques_.clear();
   for (const dynamics::ContactPoint& point : points_) {
     const dynamics::Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
     const dynamics::Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
+    const SimTK::SpatialVec wrench = push(point);
+    torques_.push_back(wrench[0]);
     contacts_.push_back({a.body, b.body, a.shape, b.shape, point.point, point.normal, -point.gap,
-                         from_simtk(push(point))});
+                         from_simtk(SimTK::Vec3(wrench[1]))});
   }
   q_ = state.getQ();
   u_ = state.getU();

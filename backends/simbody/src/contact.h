@@ -14,7 +14,8 @@ namespace cogrsim::simbody {
 /// Normal force of Hunt and Crossley, f = k x (1 + c xdot) >= 0, x the depth (Simbody's for a brick's
 /// corners on a half-space). Friction of Hollars, mu f min(v / v_t, 1) against the slip v, v_t the
 /// transition velocity (Simbody's HuntCrossleyForce with equal static and dynamic coefficients and no
-/// viscous one). A function of the state alone: points are found again in each evaluation.
+/// viscous one); rolling and spinning friction likewise, with v_t per metre as transition spin. A
+/// function of the state alone: points are found again in each evaluation.
 class GeneralContact final : public SimTK::Force::Custom::Implementation {
  public:
   GeneralContact(const Mechanism& mechanism, const Options& options);
@@ -34,14 +35,14 @@ class GeneralContact final : public SimTK::Force::Custom::Implementation {
     SimTK::MobilizedBodyIndex index;
   };
   struct Surface {
-    double mu = 0.0, c = 0.0, k = 0.0;
+    double mu = 0.0, rolling = 0.0, spinning = 0.0, c = 0.0, k = 0.0;
     bool known = false;
   };
 
   const Surface& surface(int material_a, int material_b) const;
   double stiffness(const dynamics::Collider& a, const dynamics::Collider& b) const;
-  /// On b, world [N].
-  SimTK::Vec3 push(const dynamics::ContactPoint& point) const;
+  /// On b at the point, world: torque [N m] and force [N].
+  SimTK::SpatialVec push(const dynamics::ContactPoint& point) const;
 
   const Mechanism& mechanism_;
   const Options options_;
@@ -50,6 +51,7 @@ class GeneralContact final : public SimTK::Force::Custom::Implementation {
   mutable std::vector<Motion> motions_;  // of what contacts_ was found for, by body
   mutable SimTK::Vector q_, u_;          // likewise
   mutable std::vector<Contact> contacts_;
+  mutable std::vector<SimTK::Vec3> torques_;  // of rolling and spinning friction, by contact
   mutable std::vector<Surface> surfaces_;  // nmaterial x nmaterial
 };
 

@@ -46,6 +46,14 @@ TrackerContact::TrackerContact(Mechanism& mechanism, const Options& options)
     : mechanism_(mechanism), tracker_(mechanism.system), contact_(mechanism.system, tracker_) {
   contact_.setTransitionVelocity(options.transition_velocity);
   const SceneModel& model = mechanism.model();
+  const int materials = int(model.materials.size());
+  for (int a = 0; a < materials; ++a) {
+    for (int b = a; b < materials; ++b) {
+      const SurfacePair pair = surface_pair(model, a, b);
+      if (pair.rolling_friction > 0.0 || pair.spinning_friction > 0.0)
+        throw std::runtime_error("it has no rolling or spinning friction; contact=\"general\" has");
+    }
+  }
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const Body& body = model.bodies[b];
     for (std::size_t i = 0; i < body.shapes.size() && !body.removed; ++i)

@@ -29,6 +29,8 @@ void Builder::materials() {
     material.origin = element.span();
     material.density = *r.number("density");
     material.friction = *r.number("friction");
+    material.rolling_friction = *r.number("rolling-friction");
+    material.spinning_friction = *r.number("spinning-friction");
     material.restitution = *r.number("restitution");
     const auto stiffness = r.number("stiffness");
     if (stiffness.given()) material.stiffness = *stiffness;
@@ -118,6 +120,8 @@ int Builder::shape_material(const ShapeJob& job) {
   };
   if (element.find("density") != nullptr) take("density", made.density);
   take("friction", made.friction);
+  take("rolling-friction", made.rolling_friction);
+  take("spinning-friction", made.spinning_friction);
   take("restitution", made.restitution);
   if (r.has("stiffness")) {
     double stiffness = 0.0;
@@ -138,6 +142,8 @@ int Builder::shape_material(const ShapeJob& job) {
   std::string key = std::to_string(base) + ":";
   append(key, made.density);
   append(key, made.friction);
+  append(key, made.rolling_friction);
+  append(key, made.spinning_friction);
   append(key, made.restitution);
   append(key, made.stiffness.value_or(0.0));
   append(key, made.color.r);
@@ -168,10 +174,13 @@ void Builder::material_pairs() {
     const Element* a = names_.find(element, (*words)[0], Wanted::material);
     const Element* b = names_.find(element, (*words)[1], Wanted::material);
     MaterialPair pair;
-    const auto friction = r.number("friction");
-    const auto restitution = r.number("restitution");
-    if (friction.given()) pair.friction = *friction;
-    if (restitution.given()) pair.restitution = *restitution;
+    const auto take = [&](std::string_view attribute, std::optional<double>& value) {
+      if (const auto given = r.number(attribute); given.given()) value = *given;
+    };
+    take("friction", pair.friction);
+    take("rolling-friction", pair.rolling_friction);
+    take("spinning-friction", pair.spinning_friction);
+    take("restitution", pair.restitution);
     if (a == nullptr || b == nullptr) return;
     pair.a = material_index(*a);
     pair.b = material_index(*b);

@@ -30,13 +30,15 @@ bool MjcfReader::geom(const XmlElement& source, const XmlElement& e, RobotShape&
   geom_appearance(source, e, out);
   if (!out.visible && !out.collides) return false;
   out.friction = 1.0;
-  if (const std::string* text = e.find("friction")) {
-    const auto v = context_.numbers(source, *text, 1, 3, "'friction'");
-    if (v) out.friction = std::max(0.0, (*v)[0]);
-    if (v && v->size() > 1 && ((*v)[1] != 0.005 || (v->size() > 2 && (*v)[2] != 0.0001)))
-      context_.left_out(source.at, fmt::format("torsional and rolling friction of {}", what),
-                        "the scene language has sliding friction");
-  }
+  std::vector<double> friction;  // sliding, torsional, rolling
+  if (const std::string* text = e.find("friction"))
+    friction = context_.numbers(source, *text, 1, 3, "'friction'").value_or(friction);
+  if (!friction.empty()) out.friction = std::max(0.0, friction[0]);
+  const double dimensions = context_.number(e, "condim", 3.0);
+  if (dimensions >= 4.0)
+    out.spinning_friction = friction.size() > 1 ? std::max(0.0, friction[1]) : 0.005;
+  if (dimensions >= 6.0)
+    out.rolling_friction = friction.size() > 2 ? std::max(0.0, friction[2]) : 0.0001;
   bits_.push_back(bits);
   context_.exact(source.at, what);
   return true;

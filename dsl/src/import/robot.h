@@ -31,6 +31,7 @@ struct RobotShape {
   std::string texture;  ///< canonical path
   bool visible = true, collides = true;
   std::optional<double> friction;
+  double rolling_friction = 0.0, spinning_friction = 0.0;  ///< [m]
   Source at;
 };
 

@@ -380,11 +380,21 @@ class SdfReader {
         if (v) out.color = Color{(*v)[0], (*v)[1], (*v)[2], v->size() > 3 ? (*v)[3] : 1.0};
       }
     if (const XmlElement* surface = e.child("surface"))
-      if (const XmlElement* friction = surface->child("friction"))
-        if (const XmlElement* ode = friction->child("ode"))
-          if (const auto mu = value(ode, "mu"); mu && *mu >= 0.0 && *mu < 1e6) out.friction = *mu;
+      if (const XmlElement* of = surface->child("friction")) friction(*of, out);
     context_.exact(e.at, quoted_name(e));
     link.shapes.push_back(std::move(out));
+  }
+
+  void friction(const XmlElement& e, RobotShape& out) {
+    const auto get = [&](const char* tag, const char* what) {
+      const auto v = value(e.child(tag), what);
+      return v && *v >= 0.0 && *v < 1e6 ? v : std::nullopt;
+    };
+    if (const auto mu = get("ode", "mu")) out.friction = *mu;
+    out.rolling_friction = get("bullet", "rolling_friction").value_or(0.0);
+    // Of a pressure on a patch of the radius R as Hertz has it: 3 pi / 16 mu R.
+    out.spinning_friction = 3.0 * kPi / 16.0 * get("torsional", "coefficient").value_or(1.0) *
+                            get("torsional", "patch_radius").value_or(0.0);
   }
 
   void joint(const XmlElement& e, const std::string& scope, const Pose& X_WM,

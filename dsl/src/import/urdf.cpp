@@ -187,6 +187,26 @@ class UrdfReader {
     return out;
   }
 
+  /// Bullet's <contact> of a link: frictions of all its shapes.
+  void contact_of(const XmlElement& e, RobotLink& link) {
+    for (const auto& c : e.children) {
+      const std::string what = fmt::format("<{}> of link '{}'", c->name, link.name);
+      const double value = std::max(0.0, context_.number(*c, "value", 0.0));
+      const bool lateral = c->name == "lateral_friction", rolling = c->name == "rolling_friction";
+      if (!lateral && !rolling && c->name != "spinning_friction") {
+        context_.left_out(c->at, what, "concerns Bullet");
+        continue;
+      }
+      for (RobotShape& s : link.shapes) {
+        if (lateral)
+          s.friction = value;
+        else
+          (rolling ? s.rolling_friction : s.spinning_friction) = value;
+      }
+      context_.exact(c->at, what);
+    }
+  }
+
   void link(const XmlElement& e) {
     RobotLink out;
     const std::string* name = e.find("name");
@@ -201,6 +221,7 @@ class UrdfReader {
       return;
     }
     std::size_t visuals = 0, collisions = 0;
+    const XmlElement* contact = nullptr;
     for (const auto& c : e.children) {
       if (c->name == "inertial") {
         out.inertia = inertial(*c, *name);
@@ -210,10 +231,13 @@ class UrdfReader {
       } else if (c->name == "collision") {
         shape(*c, out, false);
         ++collisions;
+      } else if (c->name == "contact") {
+        contact = c.get();
       } else {
-        unknown(*c, e, {"inertial", "visual", "collision"});
+        unknown(*c, e, {"inertial", "visual", "collision", "contact"});
       }
     }
+    if (contact != nullptr) contact_of(*contact, out);
     context_.exact(e.at, quoted_name(e),
                    visuals > 0 && collisions == 0 ? "has no collision shape: touches nothing" : "");
     robot_.links.push_back(std::move(out));

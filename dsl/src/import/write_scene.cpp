@@ -231,6 +231,8 @@ class SceneWriter {
         if (!s.color) s.color = o.color;
         if (s.texture.empty()) s.texture = o.texture;
         if (!s.friction) s.friction = o.friction;
+        s.rolling_friction = std::max(s.rolling_friction, o.rolling_friction);
+        s.spinning_friction = std::max(s.spinning_friction, o.spinning_friction);
         break;
       }
       inner += shape(l, s, poses_[index]);
@@ -256,6 +258,10 @@ class SceneWriter {
                          byte(s.color->b),
                          s.color->a < 1.0 ? fmt::format("{:02x}", byte(s.color->a)) : "");
     if (s.friction && s.collides) out += fmt::format(" friction=\"{}\"", *s.friction);
+    if (s.rolling_friction > 0.0 && s.collides)
+      out += fmt::format(" rolling-friction=\"{}\"", s.rolling_friction);
+    if (s.spinning_friction > 0.0 && s.collides)
+      out += fmt::format(" spinning-friction=\"{}\"", s.spinning_friction);
     if (!s.collides) out += " collide=\"false\"";
     if (!s.visible) out += " visible=\"false\"";
     return out + "/>\n";

@@ -129,6 +129,13 @@ inline Attributes matter() {
   return {
       above_zero(number("density", kDensity, "Mass per volume.")),
       at_least(number("friction", kNone, "Coulomb friction coefficient."), 0.0),
+      at_least(number("rolling-friction", kLength,
+                      "Largest torque against rolling over the normal force, of a contact point."),
+               0.0),
+      at_least(number("spinning-friction", kLength,
+                      "Largest torque against turning about the normal over the normal force, of a "
+                      "contact point."),
+               0.0),
       between(number("restitution", kNone,
                      "Coefficient of restitution: 0 does not bounce, 1 loses nothing."),
               0.0, 1.0),

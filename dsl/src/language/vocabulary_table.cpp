@@ -214,7 +214,7 @@ void add_matter(std::vector<ElementSpec>& out) {
   Attributes a = named_always("Name of the material.") + matter();
   a[1].default_text = "1000 kg/m^3";
   a[2].default_text = "0.5";
-  a[3].default_text = "0";
+  for (std::size_t i = 3; i < 6; ++i) a[i].default_text = "0";
   out.push_back(element(group, "material", "A material.", a, {},
                         "<material name=\"rubber\" density=\"1100 kg/m^3\" friction=\"0.9\" "
                         "color=\"#202020\"/>"));
@@ -222,6 +222,12 @@ void add_matter(std::vector<ElementSpec>& out) {
   pair.min_count = pair.max_count = 2;
   out.push_back(element(group, "contact", "Contact properties of a pair of materials.",
                         {pair, at_least(number("friction", kNone, "Friction of the pair."), 0.0),
+                         at_least(number("rolling-friction", kLength,
+                                         "Rolling friction of the pair."),
+                                  0.0),
+                         at_least(number("spinning-friction", kLength,
+                                         "Spinning friction of the pair."),
+                                  0.0),
                          between(number("restitution", kNone, "Restitution of the pair."), 0, 1)},
                         {}, "<contact between=\"rubber ice\" friction=\"0.1\"/>"));
   pair.doc = "Two bodies or assemblies.";

@@ -16,17 +16,19 @@ using Json = nlohmann::ordered_json;
 
 template <class Io>
 void fields(Io& io, Material& x) {
-  auto& [name, base, density, friction, restitution, stiffness, color, texture, texture_size,
-         origin] = x;
+  auto& [name, base, density, friction, rolling_friction, spinning_friction, restitution, stiffness,
+         color, texture, texture_size, origin] = x;
   io("name", name)("base", base)("density", density)("friction", friction);
+  io("rolling_friction", rolling_friction)("spinning_friction", spinning_friction);
   io("restitution", restitution)("stiffness", stiffness)("color", color)("texture", texture);
   io("texture_size", texture_size)("origin", origin);
 }
 
 template <class Io>
 void fields(Io& io, MaterialPair& x) {
-  auto& [a, b, friction, restitution, origin] = x;
-  io("a", a)("b", b)("friction", friction)("restitution", restitution)("origin", origin);
+  auto& [a, b, friction, rolling_friction, spinning_friction, restitution, origin] = x;
+  io("a", a)("b", b)("friction", friction)("rolling_friction", rolling_friction);
+  io("spinning_friction", spinning_friction)("restitution", restitution)("origin", origin);
 }
 
 template <class Io>

@@ -228,6 +228,8 @@ SurfacePair surface_pair(const SceneModel& model, int material_a, int material_b
   const Material& b = model.materials[at(material_b)];
   SurfacePair out;
   out.friction = std::sqrt(a.friction * b.friction);
+  out.rolling_friction = std::max(a.rolling_friction, b.rolling_friction);
+  out.spinning_friction = std::max(a.spinning_friction, b.spinning_friction);
   out.restitution = std::max(a.restitution, b.restitution);
   if (a.stiffness && b.stiffness) {
     const double sum = *a.stiffness + *b.stiffness;
@@ -240,6 +242,8 @@ SurfacePair surface_pair(const SceneModel& model, int material_a, int material_b
   for (const MaterialPair& pair : model.material_pairs) {
     if ((pair.a == named_a && pair.b == named_b) || (pair.a == named_b && pair.b == named_a)) {
       out.friction = pair.friction.value_or(out.friction);
+      out.rolling_friction = pair.rolling_friction.value_or(out.rolling_friction);
+      out.spinning_friction = pair.spinning_friction.value_or(out.spinning_friction);
       out.restitution = pair.restitution.value_or(out.restitution);
     }
   }

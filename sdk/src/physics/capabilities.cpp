@@ -31,6 +31,10 @@ class Check {
 
   std::vector<Diagnostic> run() {
     check_bodies();
+    for (const MaterialPair& pair : model_.material_pairs) {
+      need_turning_friction(pair.rolling_friction.value_or(0.0),
+                            pair.spinning_friction.value_or(0.0), "pair of materials", pair.origin);
+    }
     check_pairs();
     check_joints();
     check_couplings();
@@ -54,6 +58,9 @@ class Check {
   /// `element` the first element that needs it ("joint 'lift'").
   Diagnostic* need(const std::string& feature, const std::string& what, const std::string& element,
                    const SourceSpan& origin, const std::string& help);
+
+  void need_turning_friction(double rolling, double spinning, const std::string& element,
+                             const SourceSpan& origin);
 
   const SceneModel& model_;
   const std::string& backend_;
@@ -81,6 +88,13 @@ Diagnostic* Check::need(const std::string& feature, const std::string& what,
   return &out_.back();
 }
 
+void Check::need_turning_friction(double rolling, double spinning, const std::string& element,
+                                  const SourceSpan& origin) {
+  const char* const help = "leave it out, or run the scene on another backend";
+  if (rolling > 0.0) need("contact.rolling-friction", "rolling friction", element, origin, help);
+  if (spinning > 0.0) need("contact.spinning-friction", "spinning friction", element, origin, help);
+}
+
 void Check::check_bodies() {
   for (const Body& body : model_.bodies) {
     if (body.removed) continue;
@@ -99,10 +113,13 @@ void Check::check_bodies() {
       const std::string element = "shape '" + shape.name + "'";
       need("shape." + type, fmt::format("shape type '{}'", type), element, shape.origin,
            "use another shape, or run the scene on another backend");
-      if (model_.materials[static_cast<std::size_t>(shape.material)].stiffness) {
+      const Material& material = model_.materials[static_cast<std::size_t>(shape.material)];
+      if (material.stiffness) {
         need("contact.stiffness", "a material's contact stiffness", element, shape.origin,
              "leave the stiffness out, or run the scene on another backend");
       }
+      need_turning_friction(material.rolling_friction, material.spinning_friction, element,
+                            shape.origin);
     }
   }
 }

@@ -38,7 +38,9 @@ constexpr auto kSameGeometry = [](const auto& a, const auto& b) { return same_ge
 // Compares everything except the source location.
 bool same_material(const Material& a, const Material& b) {
   return a.name == b.name && a.base == b.base && a.density == b.density &&
-         a.friction == b.friction && a.restitution == b.restitution && a.stiffness == b.stiffness &&
+         a.friction == b.friction && a.rolling_friction == b.rolling_friction &&
+         a.spinning_friction == b.spinning_friction && a.restitution == b.restitution &&
+         a.stiffness == b.stiffness &&
          a.color.r == b.color.r && a.color.g == b.color.g && a.color.b == b.color.b &&
          a.color.a == b.color.a && a.texture == b.texture && a.texture_size == b.texture_size;
 }
@@ -101,6 +103,8 @@ class Appender {
       const bool known = std::any_of(
           to_.material_pairs.begin(), to_.material_pairs.end(), [&](const MaterialPair& p) {
             return p.a == pair.a && p.b == pair.b && p.friction == pair.friction &&
+                   p.rolling_friction == pair.rolling_friction &&
+                   p.spinning_friction == pair.spinning_friction &&
                    p.restitution == pair.restitution;
           });
       if (!known) to_.material_pairs.push_back(pair);

@@ -537,9 +537,11 @@ class COGRSIM_API CollisionFilter {
 
 /// Contact properties of two touching materials, the same on every backend: those of the material
 /// pair (`<contact between>`) if the scene defines them; otherwise the friction is sqrt(a*b), the
-/// restitution max(a, b), and the stiffness that of the two stiffnesses in series.
+/// restitution, rolling and spinning friction max(a, b), and the stiffness that of the two
+/// stiffnesses in series.
 struct SurfacePair {
   double friction = 0.5;
+  double rolling_friction = 0.0, spinning_friction = 0.0;  ///< [m], see Material
   double restitution = 0.0;
   std::optional<double> stiffness;  ///< [N/m]; empty: neither material defines one
 };

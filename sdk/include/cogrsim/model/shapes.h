@@ -19,6 +19,9 @@ struct Material {
   int base = -1;             ///< named material it is derived from; -1: none
   double density = 1000.0;   ///< [kg/m^3], > 0
   double friction = 0.5;     ///< Coulomb coefficient, >= 0
+  /// Largest torque of a contact point per normal force, against rolling (about an axis in the
+  /// tangent plane) and against spinning (about the normal) [m], >= 0.
+  double rolling_friction = 0.0, spinning_friction = 0.0;
   double restitution = 0.0;  ///< coefficient of restitution, 0 to 1
   std::optional<double> stiffness;  ///< of a contact point [N/m]; empty: as stiff as possible
   Color color;
@@ -32,6 +35,7 @@ struct Material {
 struct MaterialPair {
   int a = -1, b = -1;  ///< named materials
   std::optional<double> friction;
+  std::optional<double> rolling_friction, spinning_friction;
   std::optional<double> restitution;
   SourceSpan origin;
 };

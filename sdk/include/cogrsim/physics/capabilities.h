@@ -32,7 +32,8 @@ struct Capability {
 ///   loop.TYPE                  a joint that closes a loop
 ///   motor.MODE                 velocity torque position servo dc
 ///   body.force                 forces and torques given for each step, see ExternalForces
-///   body.static  body.kinematic  body.gravity-scale  contact.stiffness
+///   body.static  body.kinematic  body.gravity-scale
+///   contact.stiffness  contact.rolling-friction  contact.spinning-friction
 ///   runtime.add  runtime.remove  runtime.save  runtime.set_state
 ///   runtime.attach  runtime.body_kind  runtime.joint_axes
 ///   report.contact_force  report.joint_reaction  report.joint_effort

@@ -19,7 +19,7 @@ export interface FormGroup {
 
 const kGroups: [string, string[]][] = [
   ["Pose", ["xyz", "rpy", "quat", "frame", "at", "on", "direction", "look-at"]],
-  ["Matter", ["material", "mass", "density", "friction", "restitution", "stiffness", "com", "inertia"]],
+  ["Matter", ["material", "mass", "density", "friction", "rolling-friction", "spinning-friction", "restitution", "stiffness", "com", "inertia"]],
   ["Looks", ["color", "texture", "texture-size", "visible", "show"]],
   ["Motion", ["static", "kinematic", "linear-velocity", "angular-velocity", "position", "velocity", "collide"]],
 ];
