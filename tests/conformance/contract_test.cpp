@@ -38,9 +38,11 @@ std::vector<std::string> documented_features() {
                                MotorMode::servo, MotorMode::dc}) {
     ids.push_back(std::string("motor.") + to_string(mode));
   }
-  for (const char* id : {"body.static", "body.kinematic", "contact.stiffness", "runtime.add",
-                         "runtime.remove", "runtime.save", "runtime.set_state",
-                         "report.contact_force", "report.joint_reaction", "report.joint_effort"}) {
+  for (const char* id :
+       {"body.static", "body.kinematic", "contact.stiffness", "contact.rolling-friction",
+        "contact.spinning-friction", "contact.surface-velocity", "runtime.add", "runtime.remove",
+        "runtime.save", "runtime.set_state", "report.contact_force", "report.joint_reaction",
+        "report.joint_effort"}) {
     ids.push_back(id);
   }
   return ids;

@@ -69,6 +69,8 @@ Capabilities make_capabilities() {
   }
   out.set("contact.stiffness", Support::approximate,
           "a spring for each contact point, its sag 5 % off");
+  out.set("contact.surface-velocity", Support::approximate,
+          "by contactMotion, with two directions of friction in the whole scene");
   for (const char* feature : {"contact.rolling-friction", "contact.spinning-friction"})
     out.set(feature, Support::approximate,
             "bounded about each axis by itself, and by an impulse of 1 N s a step; not with the "

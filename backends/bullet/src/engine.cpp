@@ -118,6 +118,10 @@ void Engine::make_world() {
   if (static_cast<int>(option<std::int64_t>(*options_, "friction-directions")) == 2) {
     solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   }
+  if (surfaces_->any_moves()) {
+    solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS |
+                           SOLVER_ENABLE_FRICTION_DIRECTION_CACHING;
+  }
   if (mlcp_) solver.m_minimumSolverBatchSize = 1;  // its cost grows with the cube of a batch
   world_->setGravity(to_bt(model_->physics.gravity));
   solver.m_restitutionVelocityThreshold = model_->physics.bounce_threshold;
@@ -139,6 +143,7 @@ Result<> Engine::build(const WorldState& state) {
     auto shape = make_body_shape(*model_, body, option<double>(*options_, "margin"), part.X_BG);
     if (!shape) return tl::unexpected<Error>(shape.error());
     part.shape = std::move(*shape);
+    surfaces_->set_frame(static_cast<int>(b), part.X_BG);
     part.centred = part.X_BG.p == Vec3::Zero() && part.X_BG.q.coeffs() == Quat(1, 0, 0, 0).coeffs();
     add_body(static_cast<int>(b), state);
   }

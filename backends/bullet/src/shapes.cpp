@@ -1,6 +1,7 @@
 #include "shapes.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -16,6 +17,7 @@
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <LinearMath/btConvexHullComputer.h>
 
 #include "cogrsim/physics/backend_checks.h"
@@ -173,6 +175,37 @@ bool set_surface(btManifoldPoint& point, const btCollisionObjectWrapper* wrapper
   return true;
 }
 
+// In each step, with the bodies where they are: directions of friction along and across the sliding of
+// the surfaces, and the velocity of the first against the second at which they do not slide.
+bool set_motion(btManifoldPoint& point, void* first, void* second) {
+  const auto& a = *static_cast<const btCollisionObject*>(first);
+  const auto& b = *static_cast<const btCollisionObject*>(second);
+  const auto* const owner = static_cast<const Surfaces*>(a.getUserPointer());
+  if (!owner || owner != b.getUserPointer() || !owner->any_moves()) return true;
+  const auto surface = [&](const btCollisionObject& of, int shape) {
+    return of.getWorldTransform().getBasis() * owner->velocity(of.getUserIndex(), shape);
+  };
+  const auto speed = [](const btCollisionObject& of, const btVector3& at) {
+    const btRigidBody* const body = btRigidBody::upcast(&of);
+    return body->getVelocityInLocalPoint(at - of.getWorldTransform().getOrigin());
+  };
+  const btVector3 wanted = surface(b, point.m_partId1) - surface(a, point.m_partId0);
+  const btVector3& n = point.m_normalWorldOnB;
+  const auto tangential = [&n](const btVector3& v) { return v - n * v.dot(n); };
+  btVector3 along = tangential(wanted);
+  point.m_contactPointFlags &= ~BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED;
+  if (along.length2() == 0.0) return true;
+  const btVector3 slip = tangential(speed(a, point.m_positionWorldOnA) -
+                                    speed(b, point.m_positionWorldOnB) - wanted);
+  if (slip.length2() > SIMD_EPSILON) along = slip;
+  point.m_contactPointFlags |= BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED;
+  point.m_lateralFrictionDir1 = along.normalized();
+  point.m_lateralFrictionDir2 = n.cross(point.m_lateralFrictionDir1);
+  point.m_contactMotion1 = wanted.dot(point.m_lateralFrictionDir1);
+  point.m_contactMotion2 = wanted.dot(point.m_lateralFrictionDir2);
+  return true;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, const Body& body,
@@ -229,6 +262,10 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
 }
 
 Surfaces::Surfaces(const SceneModelPtr& model) : model_(model), count_(model->materials.size()) {
+  for (const Body& body : model->bodies)
+    for (const Shape& shape : body.shapes)
+      if (shape.collides && !shape.surface_velocity.isZero(0.0))
+        velocities_.resize(model->bodies.size());
   if (count_ > kLargestTable) return;
   for (std::size_t a = 0; a < count_; ++a) {
     for (std::size_t b = 0; b < count_; ++b) {
@@ -242,6 +279,20 @@ SurfacePair Surfaces::pair(int material_a, int material_b) const {
   return table_[at(material_a) * count_ + at(material_b)];
 }
 
-void Surfaces::install() { gContactAddedCallback = &set_surface; }
+void Surfaces::set_frame(int body, const Pose& X_BG) {
+  if (!any_moves()) return;
+  for (const Shape& shape : model_->bodies[at(body)].shapes)
+    velocities_[at(body)].push_back(
+        to_bt(Vec3(X_BG.q.inverse() * (shape.X_BS.q * shape.surface_velocity))));
+}
+
+btVector3 Surfaces::velocity(int body, int shape) const {
+  return velocities_[at(body)][at(shape)];
+}
+
+void Surfaces::install() {
+  gContactAddedCallback = &set_surface;
+  gContactProcessedCallback = &set_motion;
+}
 
 }  // namespace cogrsim::bullet

@@ -409,7 +409,8 @@ void RowBuilder::share_step_length(int first) {
 }
 
 void RowBuilder::add_contact(const StepContext& context, const ContactPoint& point, int body_a,
-                             int body_b, const SurfacePair& surface, const ContactLine& line) {
+                             int body_b, const SurfacePair& surface, const ContactLine& line,
+                             const Vec3& surface_velocity) {
   const int link_a = mechanism_.body_link(body_a), link_b = mechanism_.body_link(body_b);
   ContactRows contact;
   contact.first = int(end_.rows);
@@ -464,7 +465,8 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   if (contact.friction > 0.0 && contact.kind == FrictionKind::twist) {
     add_twist_row(link_a, link_b, n);
   } else if (contact.friction > 0.0) {
-    for (const Vec3& t : {contact.tangent1, contact.tangent2}) add_point_row(link_a, link_b, at, t);
+    for (const Vec3& t : {contact.tangent1, contact.tangent2})
+      add_point_row(link_a, link_b, at, t).target = -t.dot(surface_velocity);
     share_step_length(contact.first + 1);
   }
   for (int i = 0; i < contact.turning_rows(); ++i)

@@ -185,12 +185,14 @@ class RowBuilder {
 
   /// Adds the rows of one contact between two bodies of the model. `line`: the pair touches along a
   /// line; this point is one end and `other` the other, which came before if `second`.
+  /// `surface_velocity`: see Detector::surface_velocity.
   struct ContactLine {
     const ContactPoint* other = nullptr;
     bool second = false;
   };
   void add_contact(const StepContext& context, const ContactPoint& point, int body_a, int body_b,
-                   const SurfacePair& surface, const ContactLine& line);
+                   const SurfacePair& surface, const ContactLine& line,
+                   const Vec3& surface_velocity);
 
   /// Index in the warm-start memory; `index`: flat speed index, motor or coupling.
   static int slot_of(const SceneModel& model, SlotKind kind, int index);

@@ -185,7 +185,8 @@ void Stepper::add_contact(const StepContext& context, std::size_t index,
   const ContactPoint& point = points_[index];
   const Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
   const Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
-  builder.add_contact(context, point, a.body, b.body, surface_of(point), find_contact_line(index));
+  builder.add_contact(context, point, a.body, b.body, surface_of(point), find_contact_line(index),
+                      detector_.surface_velocity(point));
 }
 
 const SurfacePair& Stepper::surface_of(const ContactPoint& point) const {

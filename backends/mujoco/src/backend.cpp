@@ -62,6 +62,8 @@ Capabilities make_capabilities() {
   }
   out.set("contact.stiffness", Support::unsupported,
           "MuJoCo's contacts yield by acceleration, not by force: see solref and solimp");
+  out.set("contact.surface-velocity", Support::unsupported,
+          "MuJoCo 2.2 has no velocity of surfaces; use a kinematic body");
   for (const char* feature : {"contact.rolling-friction", "contact.spinning-friction"})
     out.set(feature, Support::approximate, "one pyramid with sliding; slides slowly, as friction does");
   for (const char* feature :

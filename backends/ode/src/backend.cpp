@@ -82,6 +82,7 @@ Capabilities make_capabilities() {
     out.set(feature, Support::exact);
   }
   out.set("contact.stiffness", differs, "a spring and damper for each point of contact");
+  out.set("contact.surface-velocity", differs, "friction is a pyramid along and across it");
   out.set("contact.rolling-friction", differs, "bounded about each of two axes by itself");
   out.set("contact.spinning-friction", differs, "bounded by the load as it is without friction");
   out.set("runtime.attach", differs, "the joint takes the speeds it forbids in the next step");

@@ -125,6 +125,8 @@ Result<> Engine::add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes) {
           plane ? "make its body static, or use a box" : "make its body static or kinematic");
     }
     if (auto made = make_geom(space_, *model_, shape, shapes, geom); !made) return made;
+    geom.surface_velocity = shape.X_BS.q * shape.surface_velocity;
+    if (!bodies_[b].exists()) geom.surface_velocity = pose.q * geom.surface_velocity;
     dGeomSetData(geom.id, &geom);
     if (!bodies_[b].exists()) {
       place_geom(geom, shape.type, pose);
@@ -189,6 +191,25 @@ void Engine::soften(dSurfaceParameters& surface, std::size_t pair, const Geom& a
   surface.soft_cfm = 1.0 / (h_ * k + d);
 }
 
+// Directions of friction along and across what the surfaces move; ODE aims at a velocity of the body
+// that it calls its first, the second where the first geom has none.
+void Engine::set_motion(dContact& contact, const Geom& a, const Geom& b) {
+  const auto world = [](const Geom& geom) -> Vec3 {
+    if (!geom.holder || geom.surface_velocity.isZero(0.0)) return geom.surface_velocity;
+    const double* const R = dBodyGetRotation(geom.holder);  // rows of four
+    return Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(R).leftCols<3>() *
+           geom.surface_velocity;
+  };
+  Vec3 along = a.holder ? Vec3(world(b) - world(a)) : Vec3(world(a) - world(b));
+  const Vec3 n = to_vec(contact.geom.normal);
+  along -= n.dot(along) * n;
+  const double speed = along.norm();
+  if (speed == 0.0) return;
+  contact.surface.mode |= dContactFDir1 | dContactMotion1;
+  contact.surface.motion1 = speed;
+  for (int k = 0; k < 3; ++k) contact.fdir1[k] = along[k] / speed;
+}
+
 void Engine::near(void* self, dGeomID a, dGeomID b) {
   static_cast<Engine*>(self)->near(*static_cast<const Geom*>(dGeomGetData(a)),
                                    *static_cast<const Geom*>(dGeomGetData(b)));
@@ -209,6 +230,7 @@ void Engine::near(const Geom& a, const Geom& b) {
     }
     contact.surface = surfaces_[pair];
     if (stiffness_[pair] > 0.0) soften(contact.surface, pair, a, b);
+    set_motion(contact, a, b);
     const dJointID joint = dJointCreateContact(world_, contacts_, &contact);
     dJointAttach(joint, a.holder, b.holder);
     if (touched_ == touches_.size() * kBlock) touches_.push_back(std::make_unique<Touch[]>(kBlock));

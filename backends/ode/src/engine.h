@@ -61,6 +61,7 @@ class Engine {
   void add_surfaces();
   static void near(void* self, dGeomID a, dGeomID b);
   void near(const Geom& a, const Geom& b);
+  static void set_motion(dContact& contact, const Geom& a, const Geom& b);
   void soften(dSurfaceParameters& surface, std::size_t pair, const Geom& a, const Geom& b) const;
   Touch& touch(std::size_t i) const { return touches_[i / kBlock][i % kBlock]; }
 

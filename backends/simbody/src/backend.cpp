@@ -49,6 +49,8 @@ Capabilities make_capabilities() {
   for (const char* feature : {"contact.rolling-friction", "contact.spinning-friction"})
     out.set(feature, Support::approximate,
             "turns at up to 0.01 rad/s under loads that it should hold (transition-velocity)");
+  out.set("contact.surface-velocity", Support::approximate,
+          "slips by up to 1 cm/s under loads that friction should carry (transition-velocity)");
   out.set(
       "runtime.save", Support::approximate,
       "exact, but for integrator=cpodes: without its history it errs otherwise, by 13 mm in 2 s");

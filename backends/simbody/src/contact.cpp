@@ -56,7 +56,7 @@ SimTK::SpatialVec GeneralContact::push(const dynamics::ContactPoint& point) cons
   const double apart = SimTK::dot(v, n);
   const double f = stiffness(a, b) * -point.gap * (1.0 - between.c * apart);
   if (point.gap >= 0.0 || f <= 0.0) return SimTK::SpatialVec(SimTK::Vec3(0));
-  const SimTK::Vec3 slip = v - apart * n;
+  const SimTK::Vec3 slip = v - apart * n + to_simtk(detector_.surface_velocity(point));
   // mu f min(s / v_t, 1) along slip / s, s its size; nothing is divided by zero.
   // Against a speed or spin; divided by no zero.
   const auto resist = [&](double bound, const SimTK::Vec3& rate) {

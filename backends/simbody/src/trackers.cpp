@@ -91,6 +91,9 @@ void TrackerContact::add(Mechanism& mechanism, const Options& options, int body,
   surface.body = body;
   surface.shape = index;
   const auto geometry = geometry_of(model, shape);
+  if (!shape.surface_velocity.isZero(0.0))
+    throw std::runtime_error("its surfaces do not move, but '" + shape.name +
+                             "' has a surface velocity; contact=\"general\" has");
   if (!geometry)
     throw std::runtime_error("it has no geometry for '" + shape.name +
                              "'; contact=\"general\" has all shapes");

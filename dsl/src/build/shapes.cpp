@@ -239,6 +239,8 @@ void Builder::shapes() {
       if (!good || job.material_failed) note(element).faulty = true;
       shape.material = shape_material(job);
       Reader r = reader(element);
+      if (const auto velocity = r.vec3("surface-velocity"); velocity.given())
+        shape.surface_velocity = *velocity;
       shape.collides = *r.boolean("collide");
       shape.visible = *r.boolean("visible");
       const bool ground = shape.type == ShapeType::plane || shape.type == ShapeType::heightmap ||

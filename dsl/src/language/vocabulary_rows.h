@@ -151,13 +151,21 @@ inline Attributes matter() {
           1))};
 }
 
+/// What others meet and see of a shape.
+inline Attributes surface() {
+  return {numbers("surface-velocity", kSpeed, 3,
+                  "Velocity at which its surface moves along itself, in its own axes, as that of a "
+                  "conveyor belt.",
+                  "0 0 0"),
+          attr("collide", Kind::boolean, "Collides with other bodies.", "true"),
+          attr("visible", Kind::boolean, "Visible in images.", "true")};
+}
+
 inline Attributes solid() {
   return Attributes{
              attr("material", Kind::reference, "Its material."),
              above_zero(number("mass", kMass, "Mass; from volume and density if left out."))} +
-         matter() +
-         Attributes{attr("collide", Kind::boolean, "Collides with other bodies.", "true"),
-                    attr("visible", Kind::boolean, "Visible in images.", "true")};
+         matter() + surface();
 }
 
 inline ElementSpec element(std::string_view group, std::string_view name, std::string_view doc,

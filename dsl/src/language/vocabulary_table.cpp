@@ -260,10 +260,7 @@ void add_bodies(std::vector<ElementSpec>& out) {
     // A plane never moves and has no mass.
     Attributes own = named() + placed() +
                      Attributes{attr("material", Kind::reference, "Its material.")} +
-                     matter() +
-                     Attributes{attr("collide", Kind::boolean, "Collides with other bodies.",
-                                     "true"),
-                                attr("visible", Kind::boolean, "Visible in images.", "true")};
+                     matter() + surface();
     out.push_back(element(group, "plane",
                           "An infinite half-space below its own z = 0. It never moves.",
                           std::move(own), {"frame"}, "<plane name=\"floor\" material=\"wood\"/>"));

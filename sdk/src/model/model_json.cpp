@@ -33,11 +33,12 @@ void fields(Io& io, MaterialPair& x) {
 
 template <class Io>
 void fields(Io& io, Shape& x) {
-  auto& [name, type, X_BS, size, radius, length, mesh, heightmap, material, collides, visible,
-         origin] = x;
+  auto& [name, type, X_BS, size, radius, length, mesh, heightmap, material, surface_velocity,
+         collides, visible, origin] = x;
   io("name", name)("type", type)("X_BS", X_BS)("size", size)("radius", radius)("length", length);
-  io("mesh", mesh)("heightmap", heightmap)("material", material)("collides", collides);
-  io("visible", visible)("origin", origin);
+  io("mesh", mesh)("heightmap", heightmap)("material", material);
+  io("surface_velocity", surface_velocity)("collides", collides)("visible", visible);
+  io("origin", origin);
 }
 
 template <class Io>

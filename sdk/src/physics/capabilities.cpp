@@ -120,6 +120,10 @@ void Check::check_bodies() {
       }
       need_turning_friction(material.rolling_friction, material.spinning_friction, element,
                             shape.origin);
+      if (!shape.surface_velocity.isZero(0.0)) {
+        need("contact.surface-velocity", "a surface velocity", element, shape.origin,
+             "leave it out, or run the scene on another backend");
+      }
     }
   }
 }

@@ -58,6 +58,7 @@ Collider make_collider(const SceneModel& model, int body, int index) {
   c.shape = index;
   c.type = shape.type;
   c.material = shape.material;
+  c.surface_velocity = shape.surface_velocity;
   c.moves = model.bodies[std::size_t(body)].kind != BodyKind::fixed;
   c.X_BS = Placement(shape.X_BS);
   c.bounding_radius = geometry::bounding_radius(model, shape);

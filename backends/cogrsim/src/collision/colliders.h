@@ -24,6 +24,7 @@ struct Collider {
   ShapeType type = ShapeType::box;
   int material = 0;
   bool moves = false;
+  Vec3 surface_velocity = Vec3::Zero();  ///< in the shape's axes [m/s]
   Placement X_BS;
   geometry::Core core;  ///< of what is convex; a hull's points are those of `hull`
   double bounding_radius =

@@ -150,4 +150,12 @@ void Detector::test_pair(int ia, int ib, std::vector<ContactPoint>& out) const {
   }
 }
 
+Vec3 Detector::surface_velocity(const ContactPoint& point) const {
+  const Collider& a = colliders_[std::size_t(point.collider_a)];
+  const Collider& b = colliders_[std::size_t(point.collider_b)];
+  if (a.surface_velocity.isZero(0.0) && b.surface_velocity.isZero(0.0)) return Vec3::Zero();
+  const Vec3 v = b.X_WS.R * b.surface_velocity - a.X_WS.R * a.surface_velocity;
+  return v - v.dot(point.normal) * point.normal;
+}
+
 }  // namespace cogrsim::dynamics

@@ -28,6 +28,10 @@ class Detector {
   /// a `pool`, pairs are tested on its threads.
   void detect(std::vector<ContactPoint>& out, WorkerPool* pool = nullptr);
 
+  /// Of the surface of a point's second shape against that of its first, beside what their bodies'
+  /// motion makes of it: world, along the surface [m/s].
+  Vec3 surface_velocity(const ContactPoint& point) const;
+
  private:
   void find_pairs();
   void test_pair(int a, int b, std::vector<ContactPoint>& out) const;

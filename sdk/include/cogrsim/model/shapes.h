@@ -88,6 +88,9 @@ struct Shape {
   int mesh = -1;             ///< index into SceneModel::meshes, for convex_mesh and mesh
   int heightmap = -1;        ///< index into SceneModel::heightmaps
   int material = 0;          ///< index into SceneModel::materials
+  /// Velocity of the surface against its body, in S [m/s], as of a conveyor belt: friction acts
+  /// against the sliding of the surfaces. Its part along the normal of a contact has no effect.
+  Vec3 surface_velocity = Vec3::Zero();
   bool collides = true;
   bool visible = true;
   SourceSpan origin;

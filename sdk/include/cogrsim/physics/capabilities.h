@@ -34,6 +34,7 @@ struct Capability {
 ///   body.force                 forces and torques given for each step, see ExternalForces
 ///   body.static  body.kinematic  body.gravity-scale
 ///   contact.stiffness  contact.rolling-friction  contact.spinning-friction
+///   contact.surface-velocity   a surface that moves along itself, as of a conveyor belt
 ///   runtime.add  runtime.remove  runtime.save  runtime.set_state
 ///   runtime.attach  runtime.body_kind  runtime.joint_axes
 ///   report.contact_force  report.joint_reaction  report.joint_effort
