@@ -133,6 +133,22 @@ TEST_CASE("the scene sets the contact of two materials", "[model]") {
     CHECK(pair.friction == Approx(0.2));
     CHECK(pair.restitution == 0.8);
     CHECK_FALSE(pair.stiffness);
+    CHECK(pair.rolling_friction == 0.0);
+    CHECK(pair.spinning_friction == 0.0);
+  }
+  SECTION("the larger rolling and spinning friction holds") {
+    b.model.materials[static_cast<std::size_t>(ice)].rolling_friction = 1e-3;
+    b.model.materials[static_cast<std::size_t>(rubber)].rolling_friction = 3e-3;
+    b.model.materials[static_cast<std::size_t>(ice)].spinning_friction = 2e-3;
+    CHECK(surface_pair(b.model, ice, rubber).rolling_friction == 3e-3);
+    CHECK(surface_pair(b.model, rubber, ice).spinning_friction == 2e-3);
+    MaterialPair own;
+    own.a = ice;
+    own.b = rubber;
+    own.rolling_friction = 0.0;
+    b.model.material_pairs.push_back(own);
+    CHECK(surface_pair(b.model, ice, rubber).rolling_friction == 0.0);
+    CHECK(surface_pair(b.model, ice, rubber).spinning_friction == 2e-3);  // not in the entry
   }
   SECTION("stiffnesses act in series") {
     b.model.materials[static_cast<std::size_t>(ice)].stiffness = 3e4;

@@ -41,7 +41,8 @@ Capabilities make_capabilities() {
   for (const cogrsim::MotorMode mode : cogrsim::kMotorModes) {
     cannot(std::string("motor.") + to_string(mode), "there are no joints to drive");
   }
-  cannot("contact.stiffness", "collisions are not computed");
+  for (const char* what : {"stiffness", "rolling-friction", "spinning-friction", "surface-velocity"})
+    cannot(std::string("contact.") + what, "collisions are not computed");
   cannot("runtime.attach", "there are no joints");
   cannot("runtime.joint_axes", "there are no joints");
   cannot("report.contact_force", "collisions are not computed");

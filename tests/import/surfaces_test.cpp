@@ -1,0 +1,62 @@
+// Rolling and spinning friction of a source come to the scene.
+#include "import_support.h"
+
+using namespace cogrsim;
+using namespace cogrsim::test;
+
+namespace {
+
+const Material& material_of(const Imported& in, const std::string& body) {
+  const SceneModel& model = *in.model;
+  return model.materials[static_cast<std::size_t>(in.body(body).shapes.at(0).material)];
+}
+
+}  // namespace
+
+TEST_CASE("condim decides which frictions of MJCF act", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco model="m"><worldbody>
+    <body name="a"><freejoint/><geom size="0.1" friction="0.7 0.02 0.003"/></body>
+    <body name="b" pos="1 0 0"><freejoint/><geom size="0.1" friction="0.7 0.02 0.003" condim="4"/></body>
+    <body name="c" pos="2 0 0"><freejoint/><geom size="0.1" friction="0.7 0.02 0.003" condim="6"/></body>
+    <body name="d" pos="3 0 0"><freejoint/><geom size="0.1" condim="6"/></body>
+    </worldbody></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  const double expected[4][2] = {{0.0, 0.0}, {0.02, 0.0}, {0.02, 0.003}, {0.005, 0.0001}};
+  for (int i = 0; i < 4; ++i) {
+    const Material& material = material_of(in, std::string(1, static_cast<char>('a' + i)));
+    CHECK(material.spinning_friction == expected[i][0]);
+    CHECK(material.rolling_friction == expected[i][1]);
+  }
+}
+
+TEST_CASE("Bullet's frictions of a URDF link", "[urdf]") {
+  Imported in;
+  in.read(R"(<robot name="r"><link name="a"><contact><lateral_friction value="0.9"/>
+    <rolling_friction value="0.002"/><spinning_friction value="0.01"/><contact_cfm value="0"/></contact>
+    <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>)");
+  REQUIRE(in.model);
+  const Material& material = material_of(in, "a");
+  CHECK(material.friction == 0.9);
+  CHECK(material.rolling_friction == 0.002);
+  CHECK(material.spinning_friction == 0.01);
+  CHECK(in.reports(dsl::Fidelity::left_out, "<contact_cfm> of link 'a'", "concerns Bullet"));
+}
+
+TEST_CASE("torsional and rolling friction of SDF", "[sdf]") {
+  Imported in;
+  in.read(R"(<sdf version="1.9"><model name="m"><link name="a"><collision name="c"><geometry>
+    <sphere><radius>0.1</radius></sphere></geometry><surface><friction>
+    <ode><mu>0.6</mu></ode><bullet><rolling_friction>0.004</rolling_friction></bullet>
+    <torsional><coefficient>0.5</coefficient><patch_radius>0.02</patch_radius></torsional>
+    </friction></surface></collision></link></model></sdf>)",
+          "m.sdf");
+  REQUIRE(in.model);
+  const Material& material = material_of(in, "a");
+  CHECK(material.friction == 0.6);
+  CHECK(material.rolling_friction == 0.004);
+  // 3 pi / 16 of coefficient times radius, as libsdformat has it.
+  CHECK(material.spinning_friction == Approx(3.0 * 3.14159265358979323846 / 16.0 * 0.01));
+}
