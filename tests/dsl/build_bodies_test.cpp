@@ -34,6 +34,56 @@ TEST_CASE("a beginner's scene becomes the model it describes", "[dsl][build]") {
   CHECK(ball.inertia(2, 2) == Approx(0.4 * mass * 0.01).epsilon(1e-14));
 }
 
+TEST_CASE("friction against rolling and spinning, and surfaces that move", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <material name="felt" rolling-friction="2 mm" spinning-friction="5 mm"/> <material name="ice"/>
+    <contact between="felt ice" rolling-friction="0"/>
+    <plane name="floor" material="felt" surface-velocity="0 50 0 cm/s"/>
+    <sphere name="ball" radius="10 cm" material="felt" rolling-friction="0.1 cm" xyz="0 0 1"/>)");
+  const auto material = [&](const char* name) {
+    const Shape& shape = body(*model, name).shapes.at(0);
+    return model->materials[static_cast<std::size_t>(shape.material)];
+  };
+  CHECK(material("floor").rolling_friction == 2e-3);
+  CHECK(material("floor").spinning_friction == 5e-3);
+  CHECK(material("ball").rolling_friction == 1e-3);
+  CHECK(material("ball").spinning_friction == 5e-3);
+  CHECK(near(body(*model, "floor").shapes[0].surface_velocity, {0, 0.5, 0}, 0.0));
+  CHECK(near(body(*model, "ball").shapes[0].surface_velocity, {0, 0, 0}, 0.0));
+  REQUIRE(model->material_pairs.size() == 1);
+  CHECK(model->material_pairs[0].rolling_friction == 0.0);
+  CHECK_FALSE(model->material_pairs[0].spinning_friction);
+}
+
+TEST_CASE("ellipsoids, cones and prisms are hulls of the right volume", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <ellipsoid name="egg" radii="20 30 50 cm" xyz="0 0 2"/>
+    <cone name="pylon" radius="30 cm" length="80 cm" xyz="2 0 2"/>
+    <prism name="wedge" outline="0 0 3 0 0 1" length="2" xyz="4 0 2"/>)");
+  const Body &egg = body(*model, "egg"), &pylon = body(*model, "pylon"),
+             &wedge = body(*model, "wedge");
+  // m = 4/3 pi a b c rho, I = m (b^2 + c^2) / 5. The hull's second moments are 1.1e-5 larger.
+  const double m = 4.0 / 3.0 * M_PI * 0.2 * 0.3 * 0.5 * 1000.0;
+  CHECK(egg.mass == Approx(m).epsilon(1e-12));
+  CHECK(near(egg.com, {0, 0, 0}, 1e-12));
+  CHECK(egg.inertia(0, 0) == Approx(m * 0.34 / 5.0).epsilon(2e-5));
+  CHECK(egg.inertia(2, 2) == Approx(m * 0.13 / 5.0).epsilon(2e-5));
+  // m = pi r^2 l rho / 3, its centre l/4 above the base, I = 3/10 m r^2 about the axis; a polygon of 32
+  // sides has 8.3e-6 more than a circle of its area.
+  const double c = M_PI * 0.09 * 0.8 / 3.0 * 1000.0;
+  CHECK(pylon.mass == Approx(c).epsilon(1e-12));
+  CHECK(near(pylon.com, {0, 0, -0.2}, 1e-12));
+  CHECK(pylon.inertia(2, 2) == Approx(0.3 * c * 0.09).epsilon(1e-5));
+  // Half of a box; the centre of a triangle is at a third of its sides.
+  CHECK(wedge.mass == Approx(3000.0).epsilon(1e-12));
+  CHECK(near(wedge.com, {1.0, 1.0 / 3.0, 0}, 1e-12));
+  // No point of the hull is farther from the ellipsoid than 0.52 % of its half axes.
+  const Shape& shape = egg.shapes.at(0);
+  REQUIRE(shape.type == ShapeType::convex_mesh);
+  for (const Vec3& p : model->meshes[static_cast<std::size_t>(shape.mesh)].vertices)
+    CHECK(std::abs(p.cwiseQuotient(Vec3(0.2, 0.3, 0.5)).norm() - 1.0) < 0.0052);
+}
+
 TEST_CASE("a rigid assembly is one body with the mass of its parts", "[dsl][build]") {
   const auto model = compile_scene(R"(
     <assembly name="robot" xyz="1 2 0">

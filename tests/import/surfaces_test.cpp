@@ -1,4 +1,4 @@
-// Rolling and spinning friction of a source come to the scene.
+// Frictions and solids of a source come to the scene.
 #include "import_support.h"
 
 using namespace cogrsim;
@@ -59,4 +59,37 @@ TEST_CASE("torsional and rolling friction of SDF", "[sdf]") {
   CHECK(material.rolling_friction == 0.004);
   // 3 pi / 16 of coefficient times radius, as libsdformat has it.
   CHECK(material.spinning_friction == Approx(3.0 * 3.14159265358979323846 / 16.0 * 0.01));
+}
+
+TEST_CASE("ellipsoids, cones and polylines are solids of the scene", "[mjcf][sdf]") {
+  Imported in;
+  in.read(R"(<mujoco><worldbody><body name="a"><freejoint/>
+    <geom type="ellipsoid" size="0.1 0.2 0.3" mass="2"/></body></worldbody></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.result.scene.find("<ellipsoid") != std::string::npos);
+  CHECK(in.body("a").inertia(0, 0) == Approx(2.0 / 5.0 * 0.13).epsilon(1e-12));
+
+  const auto link = [](const std::string& shape) {
+    return "<sdf version=\"1.9\"><model name=\"m\"><link name=\"a\"><collision "
+           "name=\"c\"><geometry>" +
+           shape + "</geometry></collision></link></model></sdf>";
+  };
+  in.read(link("<cone><radius>0.2</radius><length>0.5</length></cone>"), "m.sdf");
+  REQUIRE(in.model);
+  CHECK(in.result.scene.find("<cone") != std::string::npos);
+
+  // Its outline is at the bottom.
+  in.read(link("<polyline><point>0 0</point><point>2 0</point><point>0 1</point>"
+               "<height>0.4</height></polyline>"),
+          "m.sdf");
+  REQUIRE(in.model);
+  const Shape& prism = in.body("a").shapes.at(0);
+  CHECK(prism.type == ShapeType::convex_mesh);
+  CHECK(prism.X_BS.p.z() == Approx(0.2));
+  in.read(link("<polyline><point>0 0</point><point>2 0</point><point>1 0.5</point>"
+               "<point>1 2</point><height>1</height></polyline>"),
+          "m.sdf");
+  CHECK(in.model);
+  CHECK(in.reports(dsl::Fidelity::approximate, "", "is the convex hull of its outline"));
 }

@@ -290,8 +290,8 @@ class Completer {
          {"camera", "infrared", "lidar", "imu", "encoder", "contact", "force-torque", "pose",
           "sensor"}},
         {"place",
-         {"box", "sphere", "cylinder", "capsule", "plane", "mesh", "heightmap", "body", "assembly",
-          "instance", "frame"}}};
+         {"box", "sphere", "cylinder", "capsule", "ellipsoid", "cone", "prism", "plane", "mesh",
+          "heightmap", "body", "assembly", "instance", "frame"}}};
     const auto tags = kTags.find(wants);
     for (const dsl::OutlineElement& e : elements_) {
       if (e.name.empty() || e.id == 0) continue;

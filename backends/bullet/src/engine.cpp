@@ -119,8 +119,8 @@ void Engine::make_world() {
     solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   }
   if (surfaces_->any_moves()) {
-    solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS |
-                           SOLVER_ENABLE_FRICTION_DIRECTION_CACHING;
+    solver.m_solverMode |=
+        SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_ENABLE_FRICTION_DIRECTION_CACHING;
   }
   if (mlcp_) solver.m_minimumSolverBatchSize = 1;  // its cost grows with the cube of a batch
   world_->setGravity(to_bt(model_->physics.gravity));

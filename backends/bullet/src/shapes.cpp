@@ -195,8 +195,8 @@ bool set_motion(btManifoldPoint& point, void* first, void* second) {
   btVector3 along = tangential(wanted);
   point.m_contactPointFlags &= ~BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED;
   if (along.length2() == 0.0) return true;
-  const btVector3 slip = tangential(speed(a, point.m_positionWorldOnA) -
-                                    speed(b, point.m_positionWorldOnB) - wanted);
+  const btVector3 slip =
+      tangential(speed(a, point.m_positionWorldOnA) - speed(b, point.m_positionWorldOnB) - wanted);
   if (slip.length2() > SIMD_EPSILON) along = slip;
   point.m_contactPointFlags |= BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED;
   point.m_lateralFrictionDir1 = along.normalized();
@@ -286,9 +286,7 @@ void Surfaces::set_frame(int body, const Pose& X_BG) {
         to_bt(Vec3(X_BG.q.inverse() * (shape.X_BS.q * shape.surface_velocity))));
 }
 
-btVector3 Surfaces::velocity(int body, int shape) const {
-  return velocities_[at(body)][at(shape)];
-}
+btVector3 Surfaces::velocity(int body, int shape) const { return velocities_[at(body)][at(shape)]; }
 
 void Surfaces::install() {
   gContactAddedCallback = &set_surface;

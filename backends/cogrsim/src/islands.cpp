@@ -280,11 +280,10 @@ void Island::prepare() {
   is_heap_ =
       rows.size() > kSmall && contacts == 0 &&
       std::all_of(rows.begin(), rows.end(), [](const IslandRow& row) { return row.free_bodies; }) &&
-      std::all_of(blocks.begin(), blocks.end(),
-                  [](const RowBlock& block) {
-                    return block.friction_kind == FrictionKind::point && block.rolling <= 0.0 &&
-                           block.spinning <= 0.0;
-                  });
+      std::all_of(blocks.begin(), blocks.end(), [](const RowBlock& block) {
+        return block.friction_kind == FrictionKind::point && block.rolling <= 0.0 &&
+               block.spinning <= 0.0;
+      });
   if (is_heap_)
     heap_.fill(rows, blocks, pairs, components);
   else

@@ -56,7 +56,7 @@ struct RowBlock {
   double lever = 0.0;
   double rolling = 0.0, spinning = 0.0;  ///< as in ContactRows
   int turning = 0;                       ///< first of the rows against rolling and spinning
-  int normal_block = -1;         ///< solved before this contact's friction; -1: none
+  int normal_block = -1;                 ///< solved before this contact's friction; -1: none
   bool in_normal_block = false;  ///< the normal has been solved with those of an earlier contact
 };
 

@@ -123,7 +123,9 @@ RowEnds RowBuilder::measure_contact(int body_a, int body_b, const SurfacePair& s
     const int link = mechanism_.body_link(body);
     sides += link >= 0 && mechanism_.links()[std::size_t(link)].component >= 0;
   }
-  const std::size_t rows = (surface.friction <= 0.0 ? 1 : line.second ? 2 : 3) +
+  const std::size_t rows = (surface.friction <= 0.0 ? 1
+                            : line.second           ? 2
+                                                    : 3) +
                            (surface.rolling_friction > 0.0 ? 2 : 0) +
                            (surface.spinning_friction > 0.0 ? 1 : 0);
   return {rows, 12 * sides * rows, 1};

@@ -41,8 +41,11 @@ class Terms {
     const double slide = surface.friction, spin = surface.spinning_friction;
     const double roll = surface.rolling_friction;
     return fmt::format("condim=\"{}\" friction=\"{}{} {} {}{}\" solref=\"{}\" {}",
-                       roll > 0 ? 6 : spin > 0 ? 4 : slide > 0 ? 3 : 1, slide,
-                       of_pair ? fmt::format(" {}", slide) : "", spin, roll,
+                       roll > 0    ? 6
+                       : spin > 0  ? 4
+                       : slide > 0 ? 3
+                                   : 1,
+                       slide, of_pair ? fmt::format(" {}", slide) : "", spin, roll,
                        of_pair ? fmt::format(" {}", roll) : "", solref(surface.restitution),
                        options_.contact);
   }

@@ -49,7 +49,7 @@ struct Geom {
   int index = 0;              ///< among all geoms of the world
   int body = -1, shape = -1;  ///< SceneModel
   int material = 0;
-  Pose X_BG;  ///< the geom's own frame
+  Pose X_BG;                             ///< the geom's own frame
   Vec3 surface_velocity = Vec3::Zero();  ///< in the holder's axes, or the world's [m/s]
   dGeomID id = nullptr;
   dBodyID holder = nullptr;  ///< nullptr: static

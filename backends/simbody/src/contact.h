@@ -52,7 +52,7 @@ class GeneralContact final : public SimTK::Force::Custom::Implementation {
   mutable SimTK::Vector q_, u_;          // likewise
   mutable std::vector<Contact> contacts_;
   mutable std::vector<SimTK::Vec3> torques_;  // of rolling and spinning friction, by contact
-  mutable std::vector<Surface> surfaces_;  // nmaterial x nmaterial
+  mutable std::vector<Surface> surfaces_;     // nmaterial x nmaterial
 };
 
 /// Contacts of a step: means by the trapezoidal rule over the integrator's own steps. Points of one

@@ -164,6 +164,13 @@ class Builder {
   bool hull_of_points(const Element& element, Reader& r, Shape& shape);
   bool heightmap(const Element& element, Shape& shape);
 
+  // hulls.cpp
+  bool add_hull(const Element& element, std::string_view attribute, std::vector<Vec3> corners,
+                Shape& shape);
+  bool ellipsoid(const Element& element, Shape& shape);
+  bool cone(const Element& element, Shape& shape);
+  bool prism(const Element& element, Shape& shape);
+
   // mass.cpp
   void masses();
   void velocities();

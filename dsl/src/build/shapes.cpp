@@ -1,7 +1,6 @@
 // Geometry of shapes, and the files it comes from.
 #include "assets/mesh_file.h"
 #include "build/build_scene.h"
-#include "cogrsim/geometry/convex_hull.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -105,24 +104,13 @@ bool Builder::hull_of_points(const Element& element, Reader& r, Shape& shape) {
   }
   if (!points.given()) return false;
   const std::vector<double>& p = *points;
-  TriangleMesh mesh;
-  if (p.size() % 3 == 0)
-    for (std::size_t i = 0; i < p.size(); i += 3)
-      mesh.vertices.emplace_back(p[i], p[i + 1], p[i + 2]);
-  mesh = geometry::convex_hull(mesh);
-  if (mesh.triangles.empty()) {
-    fault("CG0506", element, "points",
-          p.size() % 3 != 0 ? std::to_string(p.size()) + " numbers are not points of three"
-                            : "the points lie in a plane: their hull has no volume");
+  if (p.size() % 3 != 0) {
+    fault("CG0506", element, "points", std::to_string(p.size()) + " numbers are not points of three");
     return false;
   }
-  if (!dsl::spend(context_, 128 * p.size(), element.find("points")->value_span, element.trail))
-    return false;
-  mesh.name = "points";
-  shape.mesh = static_cast<int>(model_.meshes.size());
-  mesh_open_edges_.push_back(open_edges(mesh));
-  model_.meshes.push_back(std::make_shared<const TriangleMesh>(std::move(mesh)));
-  return true;
+  std::vector<Vec3> corners;
+  for (std::size_t i = 0; i < p.size(); i += 3) corners.emplace_back(p[i], p[i + 1], p[i + 2]);
+  return add_hull(element, "points", std::move(corners), shape);
 }
 
 bool Builder::heightmap(const Element& element, Shape& shape) {
@@ -211,6 +199,12 @@ bool Builder::geometry(const Element& element, Shape& shape) {
     shape.type = tag == "cylinder" ? ShapeType::cylinder : ShapeType::capsule;
     take("radius", shape.radius);
     take("length", shape.length);
+  } else if (tag == "ellipsoid") {
+    good = ellipsoid(element, shape);
+  } else if (tag == "cone") {
+    good = cone(element, shape);
+  } else if (tag == "prism") {
+    good = prism(element, shape);
   } else if (tag == "plane") {
     shape.type = ShapeType::plane;
   } else if (tag == "mesh") {

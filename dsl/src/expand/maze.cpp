@@ -12,11 +12,9 @@ namespace cogrsim::dsl {
 namespace {
 
 // Attributes that a wall box copies from the maze.
-constexpr std::string_view kLooks[] = {"material",         "density",
-                                       "friction",         "rolling-friction",
-                                       "spinning-friction", "restitution",
-                                       "stiffness",        "color",
-                                       "texture",          "texture-size"};
+constexpr std::string_view kLooks[] = {
+    "material",    "density",   "friction", "rolling-friction", "spinning-friction",
+    "restitution", "stiffness", "color",    "texture",          "texture-size"};
 
 bool is_gap(char c) { return c == ' ' || c == '\t'; }
 

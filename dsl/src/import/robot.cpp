@@ -65,26 +65,6 @@ Quat from_rpy(const Vec3& rpy) {
       .normalized();
 }
 
-std::vector<Vec3> ellipsoid_points(const Vec3& h) {
-  constexpr int kRings = 16, kSectors = 16;
-  std::vector<Vec3> out = {Vec3(0.0, 0.0, h[2]), Vec3(0.0, 0.0, -h[2])};
-  for (int r = 1; r < kRings; ++r)
-    for (int c = 0; c < kSectors; ++c) {
-      const double a = kPi * r / kRings, b = 2.0 * kPi * c / kSectors;
-      out.emplace_back(h[0] * std::sin(a) * std::cos(b), h[1] * std::sin(a) * std::sin(b),
-                       h[2] * std::cos(a));
-    }
-  return out;
-}
-
-std::vector<Vec3> cone_points(double radius, double length) {
-  std::vector<Vec3> out = {Vec3(0.0, 0.0, 0.5 * length)};
-  for (int c = 0; c < 32; ++c)
-    out.emplace_back(radius * std::cos(kPi * c / 16), radius * std::sin(kPi * c / 16),
-                     -0.5 * length);
-  return out;
-}
-
 void repair_inertias(Context& context, RobotModel& robot) {
   for (RobotLink& link : robot.links) {
     if (!link.inertia) continue;

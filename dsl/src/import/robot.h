@@ -14,12 +14,22 @@
 namespace cogrsim::dsl::import {
 
 struct Geometry {
-  enum class Type { box, sphere, cylinder, capsule, plane, mesh, points } type = Type::box;
-  Vec3 size = Vec3::Zero();  ///< box: whole extents [m]
+  enum class Type {
+    box,
+    sphere,
+    cylinder,
+    capsule,
+    ellipsoid,
+    cone,
+    prism,
+    plane,
+    mesh
+  } type = Type::box;
+  Vec3 size = Vec3::Zero();  ///< box: whole extents; ellipsoid: half axes [m]
   double radius = 0.0;       ///< [m]
-  double length = 0.0;       ///< cylinder: whole; capsule: without its ends [m]
+  double length = 0.0;       ///< capsule: without its ends; others: whole [m]
   std::string mesh;          ///< canonical path
-  std::vector<Vec3> points;  ///< of which the shape is the convex hull [m]
+  std::vector<Vec3> points;  ///< prism: of its convex outline, z = 0 [m]
   Vec3 scale = Vec3::Ones();
 };
 
@@ -121,11 +131,6 @@ struct RobotModel {
 
 /// R = Rz(yaw) Ry(pitch) Rx(roll): rotations about fixed x, y and z axes [rad].
 Quat from_rpy(const Vec3& rpy);
-
-/// Points on an ellipsoid, whose hull has 480 triangles and lies up to 2 % inside.
-std::vector<Vec3> ellipsoid_points(const Vec3& half_axes);
-/// Points of a cone about z: apex at +length/2, base at -length/2.
-std::vector<Vec3> cone_points(double radius, double length);
 
 /// Makes every link's inertia one that a rigid body can have: principal moments that are positive
 /// and of which none exceeds the sum of the others. The nearest one in the Frobenius norm is taken;

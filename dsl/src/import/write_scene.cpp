@@ -299,24 +299,38 @@ class SceneWriter {
       }
       case Geometry::Type::plane:
         return {"plane", ""};
-      case Geometry::Type::points:
-        return points(s, X);
+      case Geometry::Type::ellipsoid: {
+        // Half extent along an axis e of axes a_i n_i: the length of (a_i n_i . e).
+        const Mat3 axes = X.q.toRotationMatrix() * g.size.asDiagonal();
+        extend_about(s, X.p, axes.rowwise().norm());
+        return {"ellipsoid", fmt::format(" radii=\"{}\"", list(g.size))};
+      }
+      case Geometry::Type::cone: {
+        Bounds b;
+        b.add(Vec3(g.radius, g.radius, 0.5 * g.length));
+        b.add(Vec3(-g.radius, -g.radius, -0.5 * g.length));
+        extend(s, X, b);
+        return {"cone", fmt::format(" radius=\"{}\" length=\"{}\"", g.radius, g.length)};
+      }
+      case Geometry::Type::prism:
+        return prism(s, X);
       case Geometry::Type::mesh:
         return mesh(l, s, X);
     }
     return {};
   }
 
-  ShapeText points(const RobotShape& s, const Pose& X) {
+  ShapeText prism(const RobotShape& s, const Pose& X) {
     std::string text;
     Bounds b;
+    const Vec3 half(0.0, 0.0, 0.5 * s.geometry.length);
     for (const Vec3& p : s.geometry.points) {
-      b.add(p);
-      text += fmt::format("{}{:.9g} {:.9g} {:.9g}", text.empty() ? "" : " ", tidy(p[0]), tidy(p[1]),
-                          tidy(p[2]));
+      b.add(p + half);
+      b.add(p - half);
+      text += fmt::format("{}{} {}", text.empty() ? "" : " ", tidy(p[0]), tidy(p[1]));
     }
     extend(s, X, b);
-    return {"mesh", fmt::format(" points=\"{}\" convex=\"true\"", text)};
+    return {"prism", fmt::format(" outline=\"{}\" length=\"{}\"", text, s.geometry.length)};
   }
 
   ShapeText mesh(const RobotLink& l, const RobotShape& s, const Pose& X) {

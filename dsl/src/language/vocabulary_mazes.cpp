@@ -84,7 +84,8 @@ void add_mazes(std::vector<ElementSpec>& out) {
                        0.0),
               attr("var", Kind::name, "Name of the iteration number, counted from 0.")} +
           placed(),
-      {"box", "sphere", "cylinder", "capsule", "mesh", "body", "assembly", "instance"},
+      {"box", "sphere", "cylinder", "capsule", "ellipsoid", "cone", "prism", "mesh", "body",
+       "assembly", "instance"},
       "<scatter name=\"loose\" count=\"6\" in=\"walls.free\" clearance=\"3 cm\"> "
       "<box name=\"crate\" size=\"6 6 6 cm\"/> </scatter>"));
 }

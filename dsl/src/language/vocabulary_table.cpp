@@ -130,7 +130,8 @@ Attributes contained() {
 
 // ---- allowed content
 
-const Words kShapes = {"box", "sphere", "cylinder", "capsule", "plane", "mesh", "heightmap"};
+const Words kShapes = {"box",  "sphere", "cylinder", "capsule", "ellipsoid",
+                       "cone", "prism",  "plane",    "mesh",    "heightmap"};
 const Words kJoints = {"hinge",       "slider", "ball",  "universal", "fixed",
                        "cylindrical", "planar", "screw", "free"};
 const Words kSensors = {"encoder", "pose",     "imu",   "sensor",
@@ -256,6 +257,24 @@ void add_bodies(std::vector<ElementSpec>& out) {
       {radius,
        above_zero(must(number("length", kLength, "Length of the cylinder, without ends.")))},
       "<capsule name=\"bar\" radius=\"3 cm\" length=\"20 cm\" mass=\"1 kg\"/>");
+  add("ellipsoid",
+      "An ellipsoid, centred on its origin: a hull of 720 triangles that is within 0.6 % of it and "
+      "has its volume.",
+      {above_zero(must(numbers("radii", kLength, 3, "Half axes along x, y and z.")))},
+      "<ellipsoid name=\"egg\" radii=\"2 2 3 cm\" mass=\"60 g\"/>");
+  add("cone",
+      "A cone along z, its tip upwards and its origin at half its length: a hull of 32 sides that is "
+      "within 0.4 % of it and has its volume.",
+      {radius, above_zero(must(number("length", kLength, "From the base to the tip.")))},
+      "<cone name=\"pylon\" radius=\"15 cm\" length=\"50 cm\" mass=\"2 kg\"/>");
+  {
+    AttributeSpec outline = must(
+        numbers("outline", kLength, 65536, "Corners x y of its outline, in order; it is convex."));
+    outline.min_count = 6;
+    add("prism", "A prism along z, centred on the plane of its outline.",
+        {outline, above_zero(must(number("length", kLength, "Whole length.")))},
+        "<prism name=\"wedge\" outline=\"0 0 3 0 0 1 cm\" length=\"2 cm\"/>");
+  }
   {
     // A plane never moves and has no mass.
     Attributes own = named() + placed() +

@@ -8,6 +8,9 @@ export const kRadius: Record<string, number> = {
   sphere: 0.1,
   cylinder: 0.15,
   capsule: 0.16,
+  ellipsoid: 0.15,
+  cone: 0.15,
+  prism: 0.18,
   mesh: 0.3,
   body: 0.18,
   assembly: 0.2,
@@ -19,6 +22,9 @@ const kDefaults: Record<string, Record<string, string>> = {
   sphere: { radius: "10 cm" },
   cylinder: { radius: "10 cm", length: "20 cm" },
   capsule: { radius: "6 cm", length: "20 cm" },
+  ellipsoid: { radii: "10 10 15 cm" },
+  cone: { radius: "10 cm", length: "20 cm" },
+  prism: { outline: "-10 -10 10 -10 -10 10 cm", length: "20 cm" },
   heightmap: { size: "2 2", columns: "3", heights: "0 0 0 0 10 0 0 0 0 cm" },
   screw: { pitch: "5 mm" },
   servo: { kp: "20 N*m/rad", kd: "1 N*m*s/rad" },
@@ -42,7 +48,7 @@ const kDefaults: Record<string, Record<string, string>> = {
 
 /** Colours that differ from each other and from the ground; readable on light and dark. */
 const kColors = ["#d9863b", "#4a8fc7", "#6aa84f", "#c25b56", "#8d6fb8", "#c4ad45"];
-const kColored = ["box", "sphere", "cylinder", "capsule"];
+const kColored = ["box", "sphere", "cylinder", "capsule", "ellipsoid", "cone", "prism"];
 
 /** The color of a new thing, another one than that of the last. */
 export function colorFor(tag: string, elements: readonly TreeElement[]): Record<string, string> {
