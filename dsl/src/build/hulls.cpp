@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include "assets/mesh_file.h"
 #include "build/build_scene.h"
 #include "cogrsim/core/constants.h"
 #include "cogrsim/geometry/convex_hull.h"
