@@ -223,6 +223,7 @@ TEST_CASE_METHOD(Bounded, "no attribute that names a file reads one outside of t
       const std::string value = a.kind == Kind::name     ? "n"
                                 : element.name == "mesh" ? "own.obj"
                                 : a.kind == Kind::file   ? "own.pgm"
+                                : a.min_count == 6       ? "0 0 1 0 0 1"
                                 : a.min_count == 3       ? "1 1 1"
                                 : a.min_count == 2       ? "1 1"
                                                          : "1";

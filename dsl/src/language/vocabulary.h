@@ -77,7 +77,8 @@ const ElementSpec& contact_sensor();
 bool is_joint(std::string_view element);
 /// Elements that act on bodies: force drag spring.
 bool is_force(std::string_view element);
-/// Shape elements: box sphere cylinder capsule plane mesh heightmap.
+/// Shape elements: box sphere cylinder capsule ellipsoid cone prism plane mesh
+/// heightmap.
 bool is_shape(std::string_view element);
 /// Sensor elements; false for nullptr.
 bool is_sensor(const ElementSpec* element);

@@ -106,7 +106,8 @@ constexpr Translation kAttributes[] = {{"origin", "xyz (and rpy)"},
 std::string element_cure(std::string_view word) {
   if (word == "geom" || word == "geometry" || word == "collision" || word == "visual" ||
       word == "shape") {
-    return "write the shape itself: box, sphere, cylinder, capsule, plane, mesh or heightmap" +
+    return "write the shape itself: box, sphere, cylinder, capsule, ellipsoid, cone, prism, plane, mesh "
+           "or heightmap" +
            std::string(word == "collision" ? "; an invisible shape has visible=\"false\""
                        : word == "visual"  ? "; a shape without contacts has collide=\"false\""
                                            : "");

@@ -269,7 +269,7 @@ void add_bodies(std::vector<ElementSpec>& out) {
       "<cone name=\"pylon\" radius=\"15 cm\" length=\"50 cm\" mass=\"2 kg\"/>");
   {
     AttributeSpec outline = must(
-        numbers("outline", kLength, 65536, "Corners x y of its outline, in order; it is convex."));
+        numbers("outline", kLength, 2048, "Corners x y of its outline, in order; it is convex."));
     outline.min_count = 6;
     add("prism", "A prism along z, centred on the plane of its outline.",
         {outline, above_zero(must(number("length", kLength, "Whole length.")))},
