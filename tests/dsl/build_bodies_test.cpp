@@ -80,7 +80,7 @@ TEST_CASE("ellipsoids, cones and prisms are hulls of the right volume", "[dsl][b
   // No point of the hull is farther from the ellipsoid than 0.52 % of its half axes.
   const Shape& shape = egg.shapes.at(0);
   REQUIRE(shape.type == ShapeType::convex_mesh);
-  for (const Vec3& p : model->meshes[static_cast<std::size_t>(shape.mesh)].vertices)
+  for (const Vec3& p : model->meshes[static_cast<std::size_t>(shape.mesh)]->vertices)
     CHECK(std::abs(p.cwiseQuotient(Vec3(0.2, 0.3, 0.5)).norm() - 1.0) < 0.0052);
 }
 

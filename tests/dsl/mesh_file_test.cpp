@@ -35,7 +35,7 @@ double volume(TriangleMesh mesh) {
   Shape shape;
   shape.type = ShapeType::convex_mesh;
   shape.mesh = 0;
-  return shape_volume(shape, {std::move(mesh)});
+  return shape_volume(shape, {std::make_shared<const TriangleMesh>(std::move(mesh))});
 }
 
 }  // namespace

@@ -228,7 +228,7 @@ void ExportTree::build() {
 
 std::string ExportTree::mesh_file(int mesh) {
   if (const auto known = mesh_files_.find(mesh); known != mesh_files_.end()) return known->second;
-  const TriangleMesh& m = model.meshes[index(mesh)];
+  const TriangleMesh& m = *model.meshes[index(mesh)];
   const std::size_t slash = m.name.find_last_of("/\\");
   std::string stem = slash == std::string::npos ? m.name : m.name.substr(slash + 1);
   stem = stem.substr(0, stem.rfind('.'));

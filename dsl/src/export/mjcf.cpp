@@ -87,7 +87,7 @@ class MjcfWriter {
 
   /// MuJoCo's file of heights: numbers of rows and columns, then floats, which it scales to 0 … 1.
   void height_field(const Shape& s) {
-    const HeightGrid& g = tree_.model.heightmaps[ExportTree::index(s.heightmap)];
+    const HeightGrid& g = *tree_.model.heightmaps[ExportTree::index(s.heightmap)];
     std::string bytes;
     const auto put = [&](const auto& value) {
       bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
@@ -282,7 +282,7 @@ class MjcfWriter {
         break;
       case ShapeType::heightmap: {
         X = X *
-            Pose(Vec3(0, 0, range_of(tree_.model.heightmaps[ExportTree::index(s.heightmap)]).first),
+            Pose(Vec3(0, 0, range_of(*tree_.model.heightmaps[ExportTree::index(s.heightmap)]).first),
                  Quat(1, 0, 0, 0));
         xml_.with("type", "hfield").with("hfield", fmt::format("heights_{}", s.heightmap));
         break;

@@ -93,7 +93,7 @@ Writer::~Writer() { ZSTD_freeCCtx(zstd_); }
 
 Result<> Writer::append(std::string_view bytes) {
   if (auto done = sink_->append(bytes); !done) {
-    sink_->cut(size_);  // an incomplete record would hide the following ones
+    static_cast<void>(sink_->cut(size_));  // an incomplete record would hide the following ones
     return done;
   }
   size_ += bytes.size();
@@ -359,7 +359,7 @@ void Writer::drop_last_chunk() {
   attachments_.erase(std::remove_if(attachments_.begin(), attachments_.end(), is_gone),
                      attachments_.end());
   metadata_.erase(std::remove_if(metadata_.begin(), metadata_.end(), is_gone), metadata_.end());
-  sink_->cut(size_);
+  static_cast<void>(sink_->cut(size_));  // the next append fails too if this did
 }
 
 Result<> Writer::finish(std::string_view name, const std::map<std::string, std::string>& last) {
