@@ -15,7 +15,8 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-// Answers "play" (operators), "seek" (all), holds "series", throws at "view", forgets "figure".
+// Answers "play" (operators), "seek" (all), holds "series", throws at "view", forgets "figure";
+// "seek" to 1e9 s is an error of a file.
 class FakePart final : public Part {
  public:
   explicit FakePart(Outbox& outbox) : outbox_(outbox) {}
@@ -24,7 +25,7 @@ class FakePart final : public Part {
     last = request.fields;
     if (request.what == "view") throw std::runtime_error("no such thing");
     if (request.what == "figure") return;
-    if (request.fields.contains("wrong")) {
+    if (request.what == "seek" && request.fields.value("time", 0.0) == 1e9) {
       return reply(cogrsim::fail("not there", cogrsim::SourcePosition{"a.scene.xml", 3, 5, 2}));
     }
     if (request.what == "series") return held.push_back(std::move(reply));
@@ -149,7 +150,7 @@ TEST_CASE("malformed requests are answered with their error", "[studio][requests
   CHECK(unknown["error"]["message"] == "there is no request 'plya'");
   CHECK(unknown["error"]["help"] == "did you mean 'play'?");
   // What a file causes has its position as data.
-  const Json placed = bench.ask(R"({"id": 1, "do": "seek", "wrong": true})")["error"];
+  const Json placed = bench.ask(R"({"id": 1, "do": "seek", "time": 1e9})")["error"];
   CHECK(placed == Json{{"message", "not there"},
                        {"file", "a.scene.xml"},
                        {"line", 3},
@@ -165,8 +166,8 @@ TEST_CASE("fields are as the table of the protocol has them", "[studio][requests
   const auto error = [&](const std::string& text) {
     const Json answer = bench.ask(R"({"id": 1, "do": )" + text + "}");
     CHECK(answer["ok"] == false);
-    const Json& error = answer["error"];
-    return error["message"].get<std::string>() + "; " + error.value("help", "");
+    const Json& found = answer["error"];
+    return found["message"].get<std::string>() + "; " + found.value("help", "");
   };
   CHECK(error(R"("seek")") == "'seek' needs the field 'time': a number; ");
   CHECK(error(R"("seek", "time": null)") == "'time' must be a number; ");
