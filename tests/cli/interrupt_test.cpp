@@ -347,6 +347,7 @@ const std::vector<Case>& cases() {
          CHECK(attempt.text("scene/yard.scene.xml") == kScene);
        }},
       {"import", {"import", "ROBOT"}, prints, nothing},
+      {"export", {"export", "SCENE", "-o", "-", "--format", "mjcf"}, prints, nothing},
       {"plugins", {"plugins"}, prints, nothing},
       {"schema", {"schema"}, prints, nothing},
       {"explain", {"explain"}, prints, nothing},
@@ -400,7 +401,7 @@ Outcome interrupt(const Case& c, const Attempt& attempt, int signal) {
     if (ending.size() > 1) put(argument, kOld);
   }
   for (const char* command : {"run", "compare", "replay", "map", "render", "sweep", "test", "check",
-                              "plugins", "schema", "bundle", "push", "studio"}) {
+                              "plugins", "schema", "bundle", "push", "studio", "export"}) {
     if (arguments[0] == command) arguments.insert(arguments.end(), {"--plugin-path", COGRSIM_TOYS});
   }
   fs::remove(attempt.mark);

@@ -111,6 +111,9 @@ const std::vector<Case>& cases() {
       {"-o,--output", ".scene.xml", {"import", "ROBOT", "-o", "OUT"}},
       {"--report", ".json", {"import", "ROBOT", "--report", "OUT"}},
       {"--report", ".html", {"import", "ROBOT", "--report", "OUT"}},
+      {"-o,--output", ".urdf", {"export", "SCENE", "-o", "OUT"}},
+      {"--report", ".json", {"export", "SCENE", "-o", "-", "--format", "sdf", "--report", "OUT"}},
+      {"--report", ".html", {"export", "SCENE", "-o", "-", "--format", "sdf", "--report", "OUT"}},
       {"--into", "/", {"pull", "PACKAGE", "--into", "OUT"}, "", false},
       {"--into", "/", {"new", "controller", "walker", "--into", "OUT"}, "", false},
   };

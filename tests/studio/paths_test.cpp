@@ -246,7 +246,7 @@ TEST_CASE("requests for paths are checked", "[studio][paths][run]") {
   page.join(1);
   page.show(small_scene());
   for (const Json& bad : {Json{{"counts", 7}}, Json{{"counts", {-1}}}, Json{{"counts", {"x"}}}}) {
-    CHECK_THAT(page.error("paths", bad), Catch::Contains("'counts'"));
+    CHECK_THAT(page.error("paths", bad), Catch::Contains("'counts"));
   }
   CHECK_THAT(page.error("paths", {{"revision", "x"}}), Catch::Contains("'revision'"));
   CHECK(page.get("paths", {{"revision", 1e9}, {"counts", {1u << 30}}}).at("paths")[0].at("from") ==

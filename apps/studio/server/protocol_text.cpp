@@ -140,8 +140,7 @@ std::string protocol_typescript() {
   std::string out = fmt::format(
       "// Made from the table of the protocol, server/protocol_table.cpp: see the test \"the "
       "page's types "
-      "are those\n// of the table\". In words: PROTOCOL.md.\n"
-      "export type {{ Frame, Picture }} from \"./frame\";\n\n"
+      "are those\n// of the table\". In words: PROTOCOL.md.\n\n"
       "/** The protocol that this page speaks; `hello` answers the server's. */\n"
       "export const kProtocol = {};\n",
       kProtocol);

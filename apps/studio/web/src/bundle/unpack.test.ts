@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { MemoryLink } from "../core/memory_link";
-import type { Paths, Picture } from "../core/protocol";
+import type { Picture } from "../core/frame";
+import type { Paths } from "../core/protocol";
 import { byRows, packedMatrix, unpack } from "./unpack";
 
 /** As the program packs: see packed_columns(). */

@@ -1,9 +1,7 @@
 // The data of a bundle, as the program wrote it (bundle/payload.h): JSON, and blocks of numbers behind it.
 import {
   kProtocol,
-  type Frame,
   type FrameTail,
-  type Picture,
   type Problem,
   type Provenance,
   type RunEvent,
@@ -11,6 +9,7 @@ import {
   type Scene,
   type TreeElement,
 } from "../core/protocol";
+import type { Frame, Picture } from "../core/frame";
 import type { MemoryRun, MemorySignal } from "../core/memory_run";
 
 /** Bytes from the first block on. */

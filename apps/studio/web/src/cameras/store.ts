@@ -1,7 +1,7 @@
 // Which cameras are shown, how, and where. Asks the server for just these pictures.
 import { computed, effect, signal } from "@preact/signals-core";
 import { RequestError } from "../core/link";
-import type { Picture } from "../core/protocol";
+import type { Picture } from "../core/frame";
 import type { Studio } from "../core/studio";
 import { firstRect, clampedTo, pictureWidth, raised, type Rect } from "./windows";
 

@@ -1,5 +1,6 @@
 // Binary messages: see Frames and Pictures in PROTOCOL.md.
-import type { Frame, FrameTail, Picture } from "./protocol";
+import type { Frame, Picture } from "./frame";
+import type { FrameTail } from "./protocol";
 
 const kHead = 40;
 const kPictureHead = 20;

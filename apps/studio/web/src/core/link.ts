@@ -1,5 +1,6 @@
 // The connection to the source of a run: a server at the other end of a WebSocket, or a bundle's memory.
-import type { Answer, Failure, Frame, Picture, RequestName, Requests, Topics } from "./protocol";
+import type { Frame, Picture } from "./frame";
+import type { Answer, Failure, RequestName, Requests, Topics } from "./protocol";
 
 export class RequestError extends Error {
   constructor(readonly failure: Failure) {
@@ -8,9 +9,10 @@ export class RequestError extends Error {
 }
 
 /** Left out where no field is needed. */
-export type FieldsOf<Name extends RequestName> = Record<string, never> extends Requests[Name]["fields"]
-  ? [fields?: Requests[Name]["fields"]]
-  : [fields: Requests[Name]["fields"]];
+export type FieldsOf<Name extends RequestName> =
+  Record<string, never> extends Requests[Name]["fields"]
+    ? [fields?: Requests[Name]["fields"]]
+    : [fields: Requests[Name]["fields"]];
 
 export type Unsubscribe = () => void;
 

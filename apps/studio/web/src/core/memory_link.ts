@@ -1,6 +1,7 @@
 // A Link that answers from memory: for a run that came with the page.
 import { RequestError, type Link, type Unsubscribe } from "./link";
-import type { Frame, Paths, Picture, Scene, Status, Topics } from "./protocol";
+import type { Frame, Picture } from "./frame";
+import type { Paths, Scene, Status, Topics } from "./protocol";
 import type { MemoryRun, MemorySignal } from "./memory_run";
 import { divergenceOf, poseSignals } from "./pose_signals";
 import { indexAt, lowHigh } from "./series";

@@ -1,9 +1,8 @@
 // The data of a run that came with the page.
+import type { Frame, Picture } from "./frame";
 import type {
   DocumentState,
-  Frame,
   Hello,
-  Picture,
   Problem,
   Provenance,
   RunEvent,

@@ -3,7 +3,8 @@ import { test } from "node:test";
 import { MemoryLink } from "./memory_link";
 import type { MemoryRun } from "./memory_run";
 import { divergenceOf, rollPitchYaw } from "./pose_signals";
-import type { Frame, Scene } from "./protocol";
+import type { Frame } from "./frame";
+import type { Scene } from "./protocol";
 
 const body = (name: string) => ({ name, kind: "dynamic", removed: false });
 const turned = (angle: number): number[] => [Math.cos(angle / 2), 0, 0, Math.sin(angle / 2)];

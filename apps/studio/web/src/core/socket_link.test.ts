@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { afterEach, test } from "node:test";
-import type { Frame } from "./protocol";
+import type { Frame } from "./frame";
 import { SocketLink, type Socket } from "./socket_link";
 
 class FakeSocket implements Socket {

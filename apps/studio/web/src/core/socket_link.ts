@@ -2,7 +2,8 @@
 import { decodeFrame, decodePicture } from "./decode";
 import { RequestError, type Link, type Unsubscribe } from "./link";
 import { Listeners, nextPicture } from "./memory_link";
-import type { Failure, Frame, Picture, Topics } from "./protocol";
+import type { Frame, Picture } from "./frame";
+import type { Failure, Topics } from "./protocol";
 
 /** As much of a WebSocket as is needed; tests bring their own. */
 export interface Socket {

@@ -1,8 +1,8 @@
 // What the page knows, as signals: panels read them and are notified of changes.
 import { computed, signal } from "@preact/signals-core";
+import type { Frame } from "./frame";
 import type {
   DocumentState,
-  Frame,
   Hello,
   Problem,
   RunEvent,

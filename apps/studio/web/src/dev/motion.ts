@@ -1,5 +1,6 @@
 // A made-up run, for working on the page without a server: a robot drives a circle, its arm swings, a ball bounces.
-import type { Frame, FrameTail, Pose, Scene, SceneBody, SceneShape, Vec3 } from "../core/protocol";
+import type { Frame } from "../core/frame";
+import type { FrameTail, Pose, Scene, SceneBody, SceneShape, Vec3 } from "../core/protocol";
 import { tokens } from "./tokens";
 
 export const kText = `<?xml version="1.0" encoding="UTF-8"?>

@@ -19,9 +19,35 @@ export interface FormGroup {
 
 const kGroups: [string, string[]][] = [
   ["Pose", ["xyz", "rpy", "quat", "frame", "at", "on", "direction", "look-at"]],
-  ["Matter", ["material", "mass", "density", "friction", "rolling-friction", "spinning-friction", "restitution", "stiffness", "com", "inertia"]],
+  [
+    "Matter",
+    [
+      "material",
+      "mass",
+      "density",
+      "friction",
+      "rolling-friction",
+      "spinning-friction",
+      "restitution",
+      "stiffness",
+      "com",
+      "inertia",
+    ],
+  ],
   ["Looks", ["color", "texture", "texture-size", "visible", "show"]],
-  ["Motion", ["static", "kinematic", "linear-velocity", "angular-velocity", "position", "velocity", "surface-velocity", "collide"]],
+  [
+    "Motion",
+    [
+      "static",
+      "kinematic",
+      "linear-velocity",
+      "angular-velocity",
+      "position",
+      "velocity",
+      "surface-velocity",
+      "collide",
+    ],
+  ],
 ];
 
 /** A field that the vocabulary does not know: text, so that nothing in the file is hidden. */

@@ -2,7 +2,7 @@
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
-import type { Frame } from "../core/protocol";
+import type { Frame } from "../core/frame";
 import type { Studio } from "../core/studio";
 
 /** Speed [m/s] of a body between two frames; null: it cannot be computed from them. */

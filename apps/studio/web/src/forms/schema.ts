@@ -194,7 +194,18 @@ export class SchemaLoader {
   }
 }
 
-export const kShapes = ["box", "sphere", "cylinder", "capsule", "ellipsoid", "cone", "prism", "plane", "mesh", "heightmap"];
+export const kShapes = [
+  "box",
+  "sphere",
+  "cylinder",
+  "capsule",
+  "ellipsoid",
+  "cone",
+  "prism",
+  "plane",
+  "mesh",
+  "heightmap",
+];
 export const kJoints = ["hinge", "slider", "ball", "universal", "fixed", "cylindrical", "planar", "screw", "free"];
 /** What stands for one body, or for several glued or grouped. */
 export const kBodies = [...kShapes, "body"];

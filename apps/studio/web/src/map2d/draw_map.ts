@@ -1,5 +1,6 @@
 // Draws the map: ground, shapes, names, trajectories, rays.
-import type { Frame, Scene } from "../core/protocol";
+import type { Frame } from "../core/frame";
+import type { Scene } from "../core/protocol";
 import { compose, isFinite, poseAt, kIdentity } from "../view3d/pose";
 import { rayEnds } from "../view3d/rays";
 import { topAssembly, type Trails } from "../view3d/trails";

@@ -1,7 +1,8 @@
 // The panel of the map: the scene from above, live.
 import { effect, untracked } from "@preact/signals-core";
 import { Widget } from "@lumino/widgets";
-import type { Frame, Scene } from "../core/protocol";
+import type { Frame } from "../core/frame";
+import type { Scene } from "../core/protocol";
 import type { PanelType, Studio } from "../core/studio";
 import { visibleBounds } from "../view3d/bounds";
 import { bodiesOf, clickBody, elementOf } from "../view3d/selecting";

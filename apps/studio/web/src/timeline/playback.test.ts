@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Link } from "../core/link";
-import type { Frame, Hello, Status } from "../core/protocol";
+import type { Frame } from "../core/frame";
+import type { Hello, Status } from "../core/protocol";
 import { State } from "../core/state";
 import { Playback } from "./playback";
 

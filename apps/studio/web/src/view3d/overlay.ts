@@ -1,6 +1,7 @@
 // Overlays of the scene: rays, contacts, axes, trajectories, regions.
 import { BoxGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, SphereGeometry, Vector3, Quaternion } from "three";
-import type { Frame, Pose, Scene, Vec3 } from "../core/protocol";
+import type { Frame } from "../core/frame";
+import type { Pose, Scene, Vec3 } from "../core/protocol";
 import { Dots, linearColor, Lines } from "./lines";
 import { compose, kIdentity, isFinite, poseAt, rotate, transform } from "./pose";
 import { rayEnds } from "./rays";

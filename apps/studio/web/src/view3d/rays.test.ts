@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Frame, Scene } from "../core/protocol";
+import type { Frame } from "../core/frame";
+import type { Scene } from "../core/protocol";
 import { rayEnds } from "./rays";
 
 const scene = {

@@ -1,5 +1,6 @@
 // Lines of sight of the ranging sensors, from their readings.
-import type { Frame, Scene, Vec3 } from "../core/protocol";
+import type { Frame } from "../core/frame";
+import type { Scene, Vec3 } from "../core/protocol";
 import { compose, isFinite, poseAt, transform } from "./pose";
 
 export interface Ray {

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Frame, Paths, Scene } from "../core/protocol";
+import type { Frame } from "../core/frame";
+import type { Paths, Scene } from "../core/protocol";
 import { dashes, Trails } from "./trails";
 
 const body = (name: string) => ({ name, removed: false });

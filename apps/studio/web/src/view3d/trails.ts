@@ -1,6 +1,7 @@
 // Where things have been, as the run itself has it: of every step, whatever this page saw of it.
 import { effect, signal } from "@preact/signals-core";
-import type { Frame, Paths, Scene, Vec3 } from "../core/protocol";
+import type { Frame } from "../core/frame";
+import type { Paths, Scene, Vec3 } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { mapLayers, overlays } from "./settings";
 

@@ -1,7 +1,8 @@
 // The 3D view itself: loaded when the panel is first shown.
 import { effect, untracked } from "@preact/signals-core";
 import { Color, Raycaster, Scene as ThreeScene, Vector2 } from "three";
-import type { Frame, Scene } from "../core/protocol";
+import type { Frame } from "../core/frame";
+import type { Scene } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { Backdrop } from "./backdrop";
 import { Batches } from "./batches";
