@@ -48,6 +48,33 @@ void warn(const std::vector<std::string>& errors) {
   }
 }
 
+/// The line of progress of a run, cogrsim._progress.Progress. The caller does not hold the lock.
+class ProgressLine {
+ public:
+  ProgressLine(double start, double end) {
+    const py::gil_scoped_acquire lock;
+    line_ = hold(py::module_::import("cogrsim._progress").attr("Progress")(start, end));
+  }
+  ~ProgressLine() {
+    const py::gil_scoped_acquire lock;
+    try {
+      line_->attr("end")();
+    } catch (py::error_already_set& error) {
+      error.discard_as_unraisable("cogrsim._progress");
+    }
+  }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void show(double time) {
+    const py::gil_scoped_acquire lock;
+    line_->attr("show")(time);
+  }
+
+ private:
+  Held line_;
+};
+
 PyFrame frame_of(Session& session) { return to_python(session.simulation->frame()); }
 
 double finite_time(double time, const char* name) {
@@ -131,7 +158,7 @@ SimulationOptions simulation_options(const py::object& backend, double step,
   return options;
 }
 
-PyFrame advance(Session& session, double end, std::uint64_t most) {
+PyFrame advance(Session& session, double end, std::uint64_t most, bool progress) {
   PyFrame frame;
   std::vector<std::string> errors;
   {
@@ -139,6 +166,8 @@ PyFrame advance(Session& session, double end, std::uint64_t most) {
     const py::gil_scoped_release unlock;
     Simulation& run = *session.simulation;
     auto looked = Clock::now();
+    std::optional<ProgressLine> line;
+    if (progress) line.emplace(run.time(), end);
     // Pieces of about kPatience; a single step where an observer may raise. The results do not
     // depend on the pieces.
     std::uint64_t piece = 1;
@@ -155,6 +184,7 @@ PyFrame advance(Session& session, double end, std::uint64_t most) {
       }
       const auto now = Clock::now();
       if (session.observer_failed.load() || now - looked >= kPatience) {
+        if (line) line->show(run.time());
         raise_pending(session);
         looked = Clock::now();
       }
@@ -166,6 +196,7 @@ PyFrame advance(Session& session, double end, std::uint64_t most) {
       if (took > 0.02) piece = std::max<std::uint64_t>(piece / 2, 1);
     }
     if (std::isfinite(end)) run.run_until(end);  // shows the start where no step was needed
+    if (line) line->show(run.time());
     raise_pending(session);
     frame = frame_of(session);
     errors = new_errors(session);
@@ -224,25 +255,28 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
           "is paused: see status. Errors of the run are shown as RunWarning.")
       .def(
           "run_until",
-          [](const SessionPtr& s, double time) {
-            return advance(*s, finite_time(time, "time"),
-                           std::numeric_limits<std::uint64_t>::max());
+          [](const SessionPtr& s, double time, bool progress) {
+            return advance(*s, finite_time(time, "time"), std::numeric_limits<std::uint64_t>::max(),
+                           progress);
           },
-          py::arg("time"),
+          py::arg("time"), py::kw_only(), py::arg("progress") = false,
           "Run until the simulated time [s] and return the frame there; earlier if the run ends or "
           "is\n"
-          "paused: see status. Errors of the run are shown as RunWarning.")
+          "paused: see status. progress: show a line of progress on standard error, in a terminal "
+          "or\n"
+          "notebook. Errors of the run are shown as RunWarning.")
       .def(
           "run_for",
-          [](const SessionPtr& s, double duration) {
+          [](const SessionPtr& s, double duration, bool progress) {
             const double start = [&] {
               const Use use(*s);
               return s->simulation->time();
             }();
             return advance(*s, start + finite_time(duration, "duration"),
-                           std::numeric_limits<std::uint64_t>::max());
+                           std::numeric_limits<std::uint64_t>::max(), progress);
           },
-          py::arg("duration"), "Run for a simulated duration [s], as run_until().")
+          py::arg("duration"), py::kw_only(), py::arg("progress") = false,
+          "Run for a simulated duration [s], as run_until().")
       .def_property_readonly(
           "frame",
           [](const SessionPtr& s) {
