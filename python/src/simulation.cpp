@@ -16,14 +16,14 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kPatience = std::chrono::milliseconds(20);
 
 /// Raises what a signal handler or an observer left behind. The caller does not hold the lock.
-void raise_pending(Session& session) {
+void raise_pending(Session& session, InterruptLater& interrupt) {
   const py::gil_scoped_acquire lock;
   if (session.observer_failed.exchange(false)) {
     const Held error = std::move(session.observer_error);
     PyErr_SetObject(py::type::handle_of(*error).ptr(), error->ptr());
     throw py::error_already_set();
   }
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  interrupt.check();
 }
 
 /// The errors of the run since the last call.
@@ -113,7 +113,7 @@ Observation observe(const SessionPtr& session, const py::function& callback, boo
                                           (*held)(to_python(frame));
                                         } catch (py::error_already_set& error) {
                                           if (error.matches(PyExc_KeyboardInterrupt)) {
-                                            PyErr_SetInterrupt();
+                                            interrupted();
                                             return;
                                           }
                                           py::object value = error.value();
@@ -163,6 +163,7 @@ PyFrame advance(Session& session, double end, std::uint64_t most, bool progress)
   std::vector<std::string> errors;
   {
     const Use use(session);
+    InterruptLater interrupt;
     const py::gil_scoped_release unlock;
     Simulation& run = *session.simulation;
     auto looked = Clock::now();
@@ -183,9 +184,9 @@ PyFrame advance(Session& session, double end, std::uint64_t most, bool progress)
         run.run_until(std::min(end, run.time() + static_cast<double>(piece) * run.dt()));
       }
       const auto now = Clock::now();
-      if (session.observer_failed.load() || now - looked >= kPatience) {
+      if (session.observer_failed.load() || interrupt.waiting() || now - looked >= kPatience) {
         if (line) line->show(run.time());
-        raise_pending(session);
+        raise_pending(session, interrupt);
         looked = Clock::now();
       }
       if (run.status() != RunStatus::running) break;
@@ -197,7 +198,7 @@ PyFrame advance(Session& session, double end, std::uint64_t most, bool progress)
     }
     if (std::isfinite(end)) run.run_until(end);  // shows the start where no step was needed
     if (line) line->show(run.time());
-    raise_pending(session);
+    raise_pending(session, interrupt);
     frame = frame_of(session);
     errors = new_errors(session);
   }
