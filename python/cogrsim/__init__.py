@@ -46,6 +46,18 @@ def _frame_png(self):
         return None
 
 
+def _import_html(self):
+    """The report as a table, for notebooks."""
+    from html import escape
+    rows = []
+    for entry in self.report:
+        cells = (entry.fidelity, entry.element, entry.message, f"{entry.file}:{entry.line}")
+        rows.append("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>")
+    return (f"<table><caption>{escape(repr(self)[1:-1])}</caption><thead><tr><th>fidelity</th><th>element</th>"
+            f"<th>message</th><th>place</th></tr></thead><tbody>{''.join(rows)}</tbody></table>")
+
+
+ImportedModel._repr_html_ = _import_html
 Frame._repr_png_ = _frame_png
 Simulation._repr_png_ = lambda self: _frame_png(self.frame)
 Simulation.signal = _signal

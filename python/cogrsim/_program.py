@@ -1,6 +1,8 @@
 """What runs in the program `cogrsim`: its arguments and results."""
 
 import json
+import math
+import operator
 import os
 import shutil
 import subprocess
@@ -45,33 +47,96 @@ def run_json(arguments):
             return json.load(file), done
 
 
+def of_type(name, value, kinds, expected):
+    """The value. Raises TypeError: it is of none of these types."""
+    if not isinstance(value, kinds):
+        raise TypeError(f"{name}: expected {expected}, given {value!r}")
+    return value
+
+
+def text(name, value, expected="a text"):
+    """The value. Raises TypeError: it is no str."""
+    return of_type(name, value, str, expected)
+
+
+def number(name, value, expected="a number"):
+    """The value as a float. Raises TypeError: it is no number; ValueError: it is not finite."""
+    if isinstance(value, (str, bytes)) or not hasattr(value, "__float__") and not hasattr(value, "__index__"):
+        raise TypeError(f"{name}: expected {expected}, given {value!r}")
+    out = float(value)
+    if not math.isfinite(out):
+        raise ValueError(f"{name}: expected {expected}, finite, given {value!r}")
+    return out
+
+
+def whole(name, value):
+    """The value as an int. Raises TypeError: it is no whole number."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name}: expected a whole number, given {value!r}") from None
+
+
+def one_of(name, value, known):
+    """The value. Raises ValueError: it is none of these."""
+    if value not in known:
+        raise ValueError(f"{name}: expected one of {', '.join(map(repr, known))}, given {value!r}")
+    return value
+
+
+def file_path(name, value):
+    """A path as an argument, never taken for an option. Raises TypeError: it is none."""
+    path = os.fspath(of_type(name, value, (str, os.PathLike), "a path"))
+    return os.path.join(os.curdir, path) if path.startswith("-") else path
+
+
+def mapping(name, value, expected):
+    """The value as a dict, empty for None. Raises TypeError: it is none."""
+    if value is None:
+        return {}
+    if not hasattr(value, "items"):
+        raise TypeError(f"{name}: expected a dict of {expected}, given {value!r}")
+    return dict(value.items())
+
+
 def scene_arguments(scene, set=None, plugin_path=()):
-    """Arguments for a scene: a path, or a Scene compiled from a file, with its parameters. Raises ValueError."""
+    """Arguments for a scene: a path, or a Scene compiled from a file, with its parameters. Raises ValueError,
+    TypeError."""
     settings = {}
+    of_type("scene", scene, (str, os.PathLike, _cogrsim.Scene), "the path of a scene file or a Scene")
     if isinstance(scene, _cogrsim.Scene):
         settings = dict(scene.set)
         if not scene.path:
             raise ValueError("scene: expected a scene file, given a Scene that was compiled from a text")
         scene = scene.path
-    arguments = [os.fspath(scene)]
-    for name, value in {**settings, **(set or {})}.items():
+    arguments = [file_path("scene", scene)]
+    for name, value in {**settings, **mapping("set", set, "parameters by name")}.items():
         arguments += ["--set", f"{name}={value}"]
-    for folder in plugin_path:
-        arguments += ["--plugin-path", os.fspath(folder)]
+    for folder in entries("plugin_path", plugin_path, "folders"):
+        arguments += ["--plugin-path", file_path("plugin_path", folder)]
     return arguments
+
+
+def entries(name, values, expected):
+    """The values as a list. Raises TypeError: a str, or nothing that has entries."""
+    if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
+        raise TypeError(f"{name}: expected a list of {expected}, given {values!r}")
+    return list(values)
 
 
 def list_argument(name, values):
     """Arguments for a list of names; none for an empty one. Raises TypeError: a str."""
     if isinstance(values, str):
         raise TypeError(f"{name}: expected a list of names, given a str; write [{values!r}]")
-    return [f"--{name}", ",".join(values)] if len(values) > 0 else []
+    names = [text(name, value, "a list of names") for value in entries(name, values, "names")]
+    return [f"--{name}", ",".join(names)] if names else []
 
 
 def seeds_argument(seeds):
-    return ["--seeds", ",".join(str(int(one)) for one in seeds)] if len(seeds) > 0 else []
+    numbers = [whole("seeds", one) for one in entries("seeds", seeds, "whole numbers")]
+    return ["--seeds", ",".join(map(str, numbers))] if numbers else []
 
 
 def time_argument(name, value):
     """Arguments for a time [s]; none for None."""
-    return [] if value is None else [f"--{name}", f"{float(value)!r} s"]
+    return [] if value is None else [f"--{name}", f"{number(name, value, 'a time [s]')!r} s"]

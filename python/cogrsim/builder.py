@@ -2,6 +2,8 @@
 
 import functools
 import json
+import math
+import os
 import sys
 from xml.sax.saxutils import escape, quoteattr
 
@@ -11,8 +13,9 @@ from ._errors import CompileError
 
 @functools.lru_cache(maxsize=1)
 def _language():
+    """The elements by name; of two with one name, one is under (name, the attribute that calls for it)."""
     elements = json.loads(_c._schema())["elements"]
-    return {e["name"]: e for e in elements}
+    return {(e["name"], e["when"]) if "when" in e else e["name"]: e for e in elements}
 
 
 def _nearest(text, names):
@@ -28,7 +31,8 @@ class SceneElement:
     "-" and a trailing "_" after a word of Python: `box("crate", size=(0.2, 0.2, 0.2), mass="1 kg")`,
     `for_(var="i", in_="0 .. 3")`. Values are texts as in XML, numbers (SI), booleans, sequences of these, and
     elements, which stand for their names. The new element is returned; it serves in a `with` too.
-    Raises AttributeError: no such element here; TypeError: no such attribute, or a value that is none.
+    Raises AttributeError: no such element here; TypeError: no such attribute, or a value that is none;
+    ValueError: a number that is not finite, an element without a name or of another scene.
     """
 
     def __init__(self, tag, attributes, parent, line):
@@ -49,7 +53,7 @@ class SceneElement:
     def name(self):
         """Name of the element in its scope."""
         if "name" not in self._attributes:
-            raise AttributeError(f"this <{self._tag}> has no name; give it one as the first argument")
+            raise ValueError(f"this <{self._tag}> has no name; give it one as the first argument")
         return self._attributes["name"]
 
     @property
@@ -66,7 +70,7 @@ class SceneElement:
         while _language()[around._tag].get("flow") and around._parent is not None:
             around = around._parent
         children = _language()[around._tag].get("children", [])
-        flow = [name for name, e in _language().items() if e.get("flow")] if children else []
+        flow = [e["name"] for e in _language().values() if e.get("flow")] if children else []
         return [*children, *(name for name in flow if name not in children)]
 
     def __dir__(self):
@@ -84,7 +88,7 @@ class SceneElement:
         return functools.partial(self._add, tag)
 
     def _add(self, tag, /, *args, **attributes):
-        info = _language()[tag]
+        info = next((_language()[tag, key] for key in attributes if (tag, key) in _language()), _language()[tag])
         known = [a["name"] for a in info["attributes"]]
         if len(args) > 1 or (args and "name" not in known and not info.get("text")):
             raise TypeError(f"<{tag}> takes attributes by keyword only"
@@ -92,11 +96,16 @@ class SceneElement:
                             f"<{tag}> takes its name only without a keyword")
         text = ""
         if args and "name" in known:
+            if "name" in attributes:
+                raise TypeError(f"<{tag}> is given two names, {args[0]!r} and {attributes['name']!r}")
+            if not isinstance(args[0], str):
+                raise TypeError(f"<{tag}>: expected a name, a text, as the first argument, found "
+                                f"{type(args[0]).__name__}")
             attributes = {"name": args[0], **attributes}
         elif args:
-            text = str(args[0])
+            text = self._value(tag, "text", args[0])
         if "text" in attributes and "text" not in known and info.get("text"):
-            text = str(attributes.pop("text"))
+            text = self._value(tag, "text", attributes.pop("text"))
         out = {}
         for key, value in attributes.items():
             if value is None:
@@ -107,6 +116,8 @@ class SceneElement:
                 if attribute not in known and not info.get("open_attributes"):
                     raise TypeError(f"<{tag}> has no attribute {attribute!r}; it has {', '.join(known)}"
                                     + _nearest(attribute, known))
+            if attribute in out:
+                raise TypeError(f"<{tag}> is given the attribute {attribute!r} twice")
             out[attribute] = self._value(tag, attribute, value)
         frame = sys._getframe(1)
         element = SceneElement(tag, out, self, (frame.f_code.co_filename, frame.f_lineno))
@@ -114,10 +125,17 @@ class SceneElement:
         self._children.append(element)
         return element
 
+    def _root(self):
+        return self if self._parent is None else self._parent._root()
+
     def _value(self, tag, attribute, value):
+        place = f"attribute {attribute!r} of <{tag}>"
         if isinstance(value, str):
+            value.encode()  # UnicodeEncodeError, a ValueError: half of a surrogate pair
             return value
         if isinstance(value, SceneElement):
+            if value._root() is not self._root():
+                raise ValueError(f"{place}: {value!r} is of another scene, {value._root()._attributes['name']!r}")
             path, scope = value.path, self
             while scope is not None and scope._tag not in ("assembly", "template", "prototype"):
                 scope = scope._parent
@@ -128,11 +146,13 @@ class SceneElement:
         if isinstance(value, bool):
             return "true" if value else "false"
         if isinstance(value, (int, float)):
+            if isinstance(value, float) and not math.isfinite(value):
+                raise ValueError(f"{place}: expected finite numbers, found {value!r}")
             return repr(value)
-        if hasattr(value, "__iter__") and not isinstance(value, (bytes, dict)):
+        if hasattr(value, "__iter__") and not isinstance(value, (bytes, dict, set, frozenset)):
             return " ".join(self._value(tag, attribute, entry) for entry in value)
-        raise TypeError(f"attribute {attribute!r} of <{tag}>: expected a text, a number, a boolean, an element or "
-                        f"a sequence of these, found {type(value).__name__}")
+        raise TypeError(f"{place}: expected a text, a number, a boolean, an element or a sequence of these, found "
+                        f"{type(value).__name__}")
 
     def _write(self, lines, places, depth):
         blanks = "  " * depth
@@ -168,8 +188,11 @@ class SceneBuilder(SceneElement):
     """
 
     def __init__(self, name):
+        if not isinstance(name, str):
+            raise TypeError(f"name: expected a text, found {type(name).__name__}")
+        name.encode()
         frame = sys._getframe(1)
-        super().__init__("scene", {"name": str(name), "version": "1"}, None,
+        super().__init__("scene", {"name": name, "version": "1"}, None,
                          (frame.f_code.co_filename, frame.f_lineno))
 
     @property
@@ -188,7 +211,7 @@ class SceneBuilder(SceneElement):
 
     def save(self, path):
         """Write the XML to a file, which must not exist. Raises FileExistsError, OSError."""
-        with open(path, "x", encoding="utf-8") as file:
+        with open(os.fspath(path), "x", encoding="utf-8") as file:
             file.write(self.xml)
 
     def compile(self, *, set=None, seed=None, plugin_path=(), library_path=()):
@@ -199,7 +222,7 @@ class SceneBuilder(SceneElement):
         text, places = self._source()
         try:
             return _c.compile_string(text, self._attributes["name"], set=set, seed=seed,
-                                     plugin_path=list(plugin_path), library_path=list(library_path))
+                                     plugin_path=plugin_path, library_path=library_path)
         except CompileError as error:
             made = []
             for d in error.diagnostics:

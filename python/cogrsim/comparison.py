@@ -1,7 +1,7 @@
 """Comparing engines: the results of `cogrsim compare`, as arrays."""
 
 from ._errors import Error
-from ._program import list_argument, run_json, scene_arguments, seeds_argument, time_argument
+from ._program import list_argument, number, run_json, scene_arguments, seeds_argument, text, time_argument, whole
 
 
 class Divergence:
@@ -96,6 +96,23 @@ class Comparison:
         """Means, deviations and confidence intervals over `seeds`, as a dict; None without seeds."""
         return self.data["study"]
 
+    def _repr_html_(self):
+        from html import escape
+        first = self.data["first_over"]
+        rows = []
+        for run in self.runs:
+            over = [e["first_over"] for name in ("bodies", "joints") for e in self.data[name]
+                    if e["other"] == run["label"] and e["first_over"] is not None]
+            when = "reference" if run["label"] == self.backends[0] else f"{min(over):.4g} s" if over else "never"
+            cells = [run["label"], run["status"], f"{run['time']:.4g} s", when, run["state_hash"]]
+            rows.append("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>")
+        limit = self.data["thresholds"]
+        end = ("no body is further" if first["time"] is None else
+               f"first over at {first['time']:.4g} s: {first['name']}, further")
+        return (f"<table><caption>{escape(self.data['scene'])}</caption><thead><tr><th>engine</th><th>status</th>"
+                f"<th>end</th><th>first over</th><th>state hash</th></tr></thead><tbody>{''.join(rows)}</tbody></table>"
+                f"<p>{escape(end)} than {limit['position']:.4g} m or {limit['angle']:.4g} rad from the reference</p>")
+
     def __repr__(self):
         return f"<Comparison of '{self.data['scene']}' on {', '.join(self.backends)}>"
 
@@ -114,11 +131,11 @@ def compare(scene, backends=(), *, seeds=(), duration=None, step=None, shake=Non
                  *seeds_argument(seeds)]
     arguments += [*time_argument("duration", duration), *time_argument("step", step)]
     if shake is not None:
-        arguments += ["--shake", f"{float(shake)!r} m"]
+        arguments += ["--shake", f"{number('shake', shake, 'a length [m]')!r} m"]
     if seed is not None:
-        arguments += ["--seed", str(int(seed))]
+        arguments += ["--seed", str(whole("seed", seed))]
     if threshold is not None:
-        arguments += ["--threshold", threshold]
+        arguments += ["--threshold", text("threshold", threshold, "a text such as '5mm,2deg'")]
     data, done = run_json(arguments)
     if not data["runs"]:
         raise Error(done.stderr.strip() or "cogrsim compare failed")

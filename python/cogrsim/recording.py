@@ -16,8 +16,12 @@ class Recording:
         self._file = _cogrsim._Recording(path)
 
     def _repr_html_(self):
+        from ._errors import Error
         from .tools import bundle
-        return bundle(self)._repr_html_()
+        try:
+            return bundle(self)._repr_html_()
+        except Error:  # no program, or the file has gone
+            return None
 
     @property
     def info(self):

@@ -7,19 +7,24 @@ import tempfile
 
 from . import _cogrsim
 from ._errors import Error
-from ._program import list_argument, run, scene_arguments, seeds_argument, time_argument
+from ._program import (entries, file_path, list_argument, mapping, number, of_type, one_of, run, scene_arguments,
+                       seeds_argument, text, time_argument, whole)
 from .recording import Recording
+
+
+_KINDS = ("svg", "png")
 
 
 class Picture:
     """A drawing: `data` as bytes, of the format `kind` ("svg" or "png"). A notebook shows it."""
 
     def __init__(self, kind, data):
-        self.kind, self.data = kind, data
+        self.kind = one_of("kind", kind, _KINDS)
+        self.data = of_type("data", data, bytes, "bytes")
 
     def save(self, path):
         """Write it to a file. Raises FileExistsError, OSError."""
-        with open(path, "xb") as file:
+        with open(os.fspath(path), "xb") as file:
             file.write(self.data)
 
     def _repr_mimebundle_(self, include=None, exclude=None):
@@ -33,29 +38,39 @@ class Page:
     """A page in HTML that needs no other file: `html`. A notebook shows it in a frame of `height` pixels."""
 
     def __init__(self, html, height=520):
-        self.html, self.height = html, height
+        self.html, self.height = text("html", html), whole("height", height)
 
     def save(self, path):
         """Write it to a file. Raises FileExistsError, OSError."""
-        with open(path, "x", encoding="utf-8") as file:
+        with open(os.fspath(path), "x", encoding="utf-8") as file:
             file.write(self.html)
 
     def _repr_html_(self):
         from html import escape
         return (f'<iframe srcdoc="{escape(self.html)}" sandbox="allow-scripts allow-downloads" '
-                f'style="width:100%;height:{int(self.height)}px;border:1px solid #8884"></iframe>')
+                f'style="width:100%;height:{self.height}px;border:1px solid #8884"></iframe>')
 
     def __repr__(self):
         return f"<Page, {len(self.html)} characters>"
 
 
-def _files(source, set, plugin_path):
-    """Arguments for a recording, or for a scene."""
-    if isinstance(source, Recording):
-        return [source.path]
-    if isinstance(source, (str, os.PathLike)) and os.fspath(source).endswith(".mcap"):
-        return [os.fspath(source)]
-    return scene_arguments(source, set, plugin_path)
+def _recorded(source):
+    return isinstance(source, Recording) or (
+        isinstance(source, (str, os.PathLike)) and os.fspath(source).endswith(".mcap"))
+
+
+def _files(source, set, plugin_path, **of_scenes):
+    """Arguments for a recording, or for a scene. Raises ValueError: what only scenes have, with a recording."""
+    if not _recorded(source):
+        of_type("source", source, (str, os.PathLike, _cogrsim.Scene), "a scene or a recording")
+        arguments = scene_arguments(source, set, plugin_path)
+        for name, value in of_scenes.items():
+            arguments += [f"--{name}", text(name, value)] if value is not None else []
+        return arguments
+    for name, value in {"set": set, "plugin_path": plugin_path, **of_scenes}.items():
+        if value:
+            raise ValueError(f"{name}: only a scene takes it; the source is a recording")
+    return [file_path("source", source.path if isinstance(source, Recording) else source)]
 
 
 def _made(arguments, name, read):
@@ -87,10 +102,13 @@ def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, 
     """
     if isinstance(scenes, (str, os.PathLike, _cogrsim.Scene)):
         scenes = [scenes]
+    scenes = entries("scenes", scenes, "scenes")
+    if not scenes:
+        raise ValueError("scenes: expected at least one scene")
     arguments = ["test", "--format", "json", *list_argument("backends", backends), *seeds_argument(seeds),
                  *time_argument("timeout", timeout)]
     if filter is not None:
-        arguments += ["--filter", filter]
+        arguments += ["--filter", text("filter", filter)]
     for scene in scenes:
         arguments += scene_arguments(scene, set if scene is scenes[-1] else None,
                                      plugin_path if scene is scenes[-1] else ())
@@ -113,15 +131,16 @@ def sweep(scene, vary=None, *, backends=(), seeds=(), measure=None, until=None, 
 
     arguments = ["sweep", *scene_arguments(scene, set, plugin_path), *list_argument("backends", backends),
                  *seeds_argument(seeds), *time_argument("until", until), *time_argument("step", step)]
-    for name, values in (vary or {}).items():
-        text = values if isinstance(values, str) else ",".join(str(v) for v in values)
-        arguments += ["--vary", f"{name}={text}"]
-    for name, signal in (measure or {}).items():
+    for name, values in mapping("vary", vary, "values by parameter").items():
+        if not isinstance(values, str):
+            values = ",".join(str(v) for v in entries(f"vary[{name!r}]", values, "values"))
+        arguments += ["--vary", f"{name}={values}"]
+    for name, signal in mapping("measure", measure, "signals by name").items():
         arguments += ["--measure", f"{name}={signal}"]
     if jobs is not None:
-        arguments += ["--jobs", str(int(jobs))]
+        arguments += ["--jobs", str(whole("jobs", jobs))]
     with tempfile.TemporaryDirectory() as folder:
-        folder = os.fspath(output) if output is not None else os.path.join(folder, "study")
+        folder = file_path("output", output) if output is not None else os.path.join(folder, "study")
         done = run([*arguments, "-o", folder])
         path = os.path.join(folder, "results.csv")
         if not os.path.exists(path):
@@ -149,13 +168,16 @@ def plot(source, y=(), *, x=None, z=None, kind=None, title=None, plot=None, ever
     y: signals, each a series; x, z, kind, title: as <plot> has them. plot: instead, the name of a plot of the
     scene. Raises Error: an unknown signal, with the nearest; no gnuplot.
     """
+    one_of("format", format, _KINDS)
     sources = source if isinstance(source, (list, tuple)) else [source]
+    if not sources:
+        raise ValueError("source: expected at least one recording")
     arguments = ["plot"] + [part for one in sources for part in _files(one, None, ())]
-    for signal in [y] if isinstance(y, str) else y:
-        arguments += ["--y", signal]
+    for signal in [y] if isinstance(y, str) else entries("y", y, "signals"):
+        arguments += ["--y", text("y", signal, "signals")]
     for name, value in (("x", x), ("z", z), ("kind", kind), ("title", title), ("plot", plot)):
         if value is not None:
-            arguments += [f"--{name}", value]
+            arguments += [f"--{name}", text(name, value)]
     arguments += time_argument("every", every)
     return Picture(format, _made(arguments, "figure." + format, _bytes))
 
@@ -166,22 +188,21 @@ def map(source, *, at=None, area=None, width=900, trail=(), backend=None, set=No
     area: (x, y, x, y) [m]; None: everything. trail: bodies or assemblies to follow; empty: the robots.
     Raises Error with what the program printed.
     """
-    arguments = ["map", *_files(source, set, plugin_path), *time_argument("at", at), "--width", str(int(width)),
-                 *list_argument("trail", trail)]
+    one_of("format", format, _KINDS)
+    arguments = ["map", *_files(source, set, plugin_path, backend=backend), *time_argument("at", at),
+                 "--width", str(whole("width", width)), *list_argument("trail", trail)]
     if area is not None:
-        arguments += ["--area", ",".join(repr(float(v)) for v in area)]
-    if backend is not None:
-        arguments += ["--backend", backend]
+        corners = [number("area", v, "numbers x, y, x, y [m]") for v in entries("area", area, "numbers")]
+        arguments += ["--area", ",".join(repr(v) for v in corners)]
     return Picture(format, _made(arguments, "map." + format, _bytes))
 
 
 def bundle(source, *, backend=None, duration=None, every=None, set=None, plugin_path=(), height=520):
     """A run on one page, in 3D, with its timeline and curves: a Page. `source`: a recording, or a scene, which
     is run. Raises Error with what the program printed."""
-    arguments = ["bundle", *_files(source, set, plugin_path), *time_argument("duration", duration),
-                 *time_argument("every", every)]
-    if backend is not None:
-        arguments += ["--backend", backend]
+    whole("height", height)
+    arguments = ["bundle", *_files(source, set, plugin_path, backend=backend),
+                 *time_argument("duration", duration), *time_argument("every", every)]
     return Page(_made(arguments, "run.html", _text), height)
 
 

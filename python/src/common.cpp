@@ -48,9 +48,38 @@ Held hold(py::object object) {
   });
 }
 
+namespace {
+
+thread_local InterruptLater* current_interrupt = nullptr;
+
+}  // namespace
+
+InterruptLater::InterruptLater() : outer_(std::exchange(current_interrupt, this)) {}
+
+InterruptLater::~InterruptLater() {
+  current_interrupt = outer_;
+  if (waiting_) interrupted();
+}
+
+void InterruptLater::check() {
+  if (std::exchange(waiting_, false)) {
+    PyErr_SetNone(PyExc_KeyboardInterrupt);
+    throw py::error_already_set();
+  }
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+void interrupted() {
+  if (current_interrupt != nullptr) {
+    current_interrupt->waiting_ = true;
+  } else {
+    PyErr_SetInterrupt();
+  }
+}
+
 std::string exception_text(py::error_already_set& error) {
   if (error.matches(PyExc_KeyboardInterrupt)) {
-    PyErr_SetInterrupt();  // raised again between two steps
+    interrupted();
     return {};
   }
   try {

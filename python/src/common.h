@@ -48,8 +48,30 @@ std::string list_of(const std::vector<std::string>& names);
 using Held = std::shared_ptr<py::object>;
 Held hold(py::object object);
 
+/// While it exists, a KeyboardInterrupt inside a callback of this thread waits for check(), and the
+/// callbacks until then run as ever.
+class InterruptLater {
+ public:
+  InterruptLater();
+  ~InterruptLater();
+  InterruptLater(const InterruptLater&) = delete;
+  InterruptLater& operator=(const InterruptLater&) = delete;
+
+  bool waiting() const { return waiting_; }
+  /// Raises one that waits, or that of a signal. The caller holds the interpreter's lock.
+  void check();
+
+ private:
+  friend void interrupted();
+  bool waiting_ = false;
+  InterruptLater* outer_;
+};
+
+/// Passes on a KeyboardInterrupt that a callback ended with.
+void interrupted();
+
 /// The message of the current Python exception with its traceback. A KeyboardInterrupt is handed to
-/// the thread of the caller of a stepping function, and the result is then empty.
+/// interrupted(), and the result is then empty.
 std::string exception_text(py::error_already_set& error);
 
 /// A path as text; accepts str and os.PathLike.

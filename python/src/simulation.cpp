@@ -16,14 +16,14 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kPatience = std::chrono::milliseconds(20);
 
 /// Raises what a signal handler or an observer left behind. The caller does not hold the lock.
-void raise_pending(Session& session) {
+void raise_pending(Session& session, InterruptLater& interrupt) {
   const py::gil_scoped_acquire lock;
   if (session.observer_failed.exchange(false)) {
     const Held error = std::move(session.observer_error);
     PyErr_SetObject(py::type::handle_of(*error).ptr(), error->ptr());
     throw py::error_already_set();
   }
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  interrupt.check();
 }
 
 /// The errors of the run since the last call.
@@ -47,6 +47,33 @@ void warn(const std::vector<std::string>& errors) {
     if (PyErr_WarnEx(type.ptr(), text.c_str(), 1) != 0) throw py::error_already_set();
   }
 }
+
+/// The line of progress of a run, cogrsim._progress.Progress. The caller does not hold the lock.
+class ProgressLine {
+ public:
+  ProgressLine(double start, double end) {
+    const py::gil_scoped_acquire lock;
+    line_ = hold(py::module_::import("cogrsim._progress").attr("Progress")(start, end));
+  }
+  ~ProgressLine() {
+    const py::gil_scoped_acquire lock;
+    try {
+      line_->attr("end")();
+    } catch (py::error_already_set& error) {
+      error.discard_as_unraisable("cogrsim._progress");
+    }
+  }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void show(double time) {
+    const py::gil_scoped_acquire lock;
+    line_->attr("show")(time);
+  }
+
+ private:
+  Held line_;
+};
 
 PyFrame frame_of(Session& session) { return to_python(session.simulation->frame()); }
 
@@ -86,7 +113,7 @@ Observation observe(const SessionPtr& session, const py::function& callback, boo
                                           (*held)(to_python(frame));
                                         } catch (py::error_already_set& error) {
                                           if (error.matches(PyExc_KeyboardInterrupt)) {
-                                            PyErr_SetInterrupt();
+                                            interrupted();
                                             return;
                                           }
                                           py::object value = error.value();
@@ -131,14 +158,17 @@ SimulationOptions simulation_options(const py::object& backend, double step,
   return options;
 }
 
-PyFrame advance(Session& session, double end, std::uint64_t most) {
+PyFrame advance(Session& session, double end, std::uint64_t most, bool progress) {
   PyFrame frame;
   std::vector<std::string> errors;
   {
     const Use use(session);
+    InterruptLater interrupt;
     const py::gil_scoped_release unlock;
     Simulation& run = *session.simulation;
     auto looked = Clock::now();
+    std::optional<ProgressLine> line;
+    if (progress) line.emplace(run.time(), end);
     // Pieces of about kPatience; a single step where an observer may raise. The results do not
     // depend on the pieces.
     std::uint64_t piece = 1;
@@ -154,8 +184,9 @@ PyFrame advance(Session& session, double end, std::uint64_t most) {
         run.run_until(std::min(end, run.time() + static_cast<double>(piece) * run.dt()));
       }
       const auto now = Clock::now();
-      if (session.observer_failed.load() || now - looked >= kPatience) {
-        raise_pending(session);
+      if (session.observer_failed.load() || interrupt.waiting() || now - looked >= kPatience) {
+        if (line) line->show(run.time());
+        raise_pending(session, interrupt);
         looked = Clock::now();
       }
       if (run.status() != RunStatus::running) break;
@@ -166,7 +197,8 @@ PyFrame advance(Session& session, double end, std::uint64_t most) {
       if (took > 0.02) piece = std::max<std::uint64_t>(piece / 2, 1);
     }
     if (std::isfinite(end)) run.run_until(end);  // shows the start where no step was needed
-    raise_pending(session);
+    if (line) line->show(run.time());
+    raise_pending(session, interrupt);
     frame = frame_of(session);
     errors = new_errors(session);
   }
@@ -224,25 +256,28 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
           "is paused: see status. Errors of the run are shown as RunWarning.")
       .def(
           "run_until",
-          [](const SessionPtr& s, double time) {
-            return advance(*s, finite_time(time, "time"),
-                           std::numeric_limits<std::uint64_t>::max());
+          [](const SessionPtr& s, double time, bool progress) {
+            return advance(*s, finite_time(time, "time"), std::numeric_limits<std::uint64_t>::max(),
+                           progress);
           },
-          py::arg("time"),
+          py::arg("time"), py::kw_only(), py::arg("progress") = false,
           "Run until the simulated time [s] and return the frame there; earlier if the run ends or "
           "is\n"
-          "paused: see status. Errors of the run are shown as RunWarning.")
+          "paused: see status. progress: show a line of progress on standard error, in a terminal "
+          "or\n"
+          "notebook. Errors of the run are shown as RunWarning.")
       .def(
           "run_for",
-          [](const SessionPtr& s, double duration) {
+          [](const SessionPtr& s, double duration, bool progress) {
             const double start = [&] {
               const Use use(*s);
               return s->simulation->time();
             }();
             return advance(*s, start + finite_time(duration, "duration"),
-                           std::numeric_limits<std::uint64_t>::max());
+                           std::numeric_limits<std::uint64_t>::max(), progress);
           },
-          py::arg("duration"), "Run for a simulated duration [s], as run_until().")
+          py::arg("duration"), py::kw_only(), py::arg("progress") = false,
+          "Run for a simulated duration [s], as run_until().")
       .def_property_readonly(
           "frame",
           [](const SessionPtr& s) {

@@ -71,8 +71,44 @@ class Builder(Case):
             scene.sphere("ball", "10 cm")
         with self.assertRaisesRegex(AttributeError, "may not stand here"):
             scene.sphere("ball", radius=1).hinge("axle")
+        for value in (float("nan"), [1, 2, float("inf")], np.array([1, np.nan, 1])):
+            with self.assertRaisesRegex(ValueError, "'size' of <box>: expected finite numbers"):
+                scene.box("crate", size=value)
+        for value in (b"1", {1, 2, 3}, np.array([1j, 1, 1]), np.array([None, 1, 1]), object()):
+            with self.assertRaisesRegex(TypeError, "'size' of <box>: expected a text, a number"):
+                scene.box("crate", size=value)
+        with self.assertRaisesRegex(TypeError, "two names, 'a' and 'b'"):
+            scene.sphere("a", name="b", radius=1)
+        with self.assertRaisesRegex(TypeError, "'radius' twice"):
+            scene.sphere("a", radius=1, radius_=2)
+        for name in (["a"], 3, None):
+            with self.assertRaisesRegex(TypeError, "expected a name"):
+                scene.sphere(name, radius=1)
+            with self.assertRaisesRegex(TypeError, "name: expected a text"):
+                cg.SceneBuilder(name)
+        with self.assertRaises(ValueError):
+            scene.sphere("half of a pair: \ud800", radius=1)
+        with self.assertRaisesRegex(ValueError, "has no name"):
+            scene.hinge("axle", child=scene.physics(step=0.001))
+        other = cg.SceneBuilder("other").sphere("ball", radius=1)
+        with self.assertRaisesRegex(ValueError, "of another scene, 'other'"):
+            scene.hinge("axle", child=other)
         # The partly wrong elements were not added.
         self.assertEqual(scene.xml.count("<sphere"), 1)
+        self.assertNotIn("<box", scene.xml)
+        with self.assertRaises(TypeError):
+            scene.save(1)  # no number of an open file
+        with self.assertRaises(TypeError):
+            scene.compile(plugin_path="folder")
+
+    def test_two_elements_of_one_name(self):
+        scene = cg.SceneBuilder("contacts")
+        scene.material("ice")
+        scene.plane("floor", material="ice")
+        scene.box("crate", size="1 1 1 m", material="ice", xyz="0 0 0.5")
+        self.assertIn("friction", repr(scene.contact(between="ice ice", friction=0.1)))
+        scene.contact("bumper", on="crate")
+        self.assertEqual(scene.compile().sensors, ["bumper"])
 
     def test_a_diagnostic_names_the_line_of_python(self):
         scene = cg.SceneBuilder("faulty")

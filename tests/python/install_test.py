@@ -1,12 +1,13 @@
 """The installed module works as that of the build tree, with its own libraries and plugins."""
 
+import importlib.util
 import os
 import pathlib
 import subprocess
 import sys
 import unittest
 
-from support import CART, Case, main
+from support import CART, ENGINES, ROOT, Case, main
 
 USE = """
 import sys
@@ -42,6 +43,35 @@ class Install(Case):
         self.assertEqual(pathlib.Path(file).parent, package)
         self.assertTrue(library.startswith(str(prefix)), library)
         self.assertEqual(self.use(os.environ["PYTHONPATH"])[1], state)
+
+
+class Wheel(Case):
+    def call(self, *command, **environment):
+        env = {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "COGRSIM_PROGRAM")}
+        done = subprocess.run([str(part) for part in command], env={**env, **environment}, cwd=self.folder,
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def test_pip_installs_into_a_virtual_environment(self):
+        missing = [name for name in ("pip", "setuptools", "venv", "wheel") if importlib.util.find_spec(name) is None]
+        if missing:
+            self.skipTest("not installed: " + ", ".join(missing))
+        offline = ["--no-index", "--no-deps", "--no-cache-dir", "--disable-pip-version-check"]
+        self.call(sys.executable, "-m", "pip", "wheel", *offline, "--no-build-isolation", "-w", self.folder, ROOT,
+                  COGRSIM_BUILD_DIR=os.environ["COGRSIM_BUILD"])
+        wheels = list(self.folder.glob("cogrsim-*.whl"))
+        self.assertEqual(len(wheels), 1)
+        self.assertNotIn("none-any", wheels[0].name)
+        self.call(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", "venv")
+        python = self.folder / "venv" / "bin" / "python"
+        self.call(python, "-m", "pip", "install", *offline, wheels[0])
+        for engine in ENGINES:
+            file, state, library = self.call(python, "-c", USE, CART, engine).split()
+            for path in (file, library):
+                self.assertTrue(path.startswith(str(self.folder / "venv")), path)
+            expected = self.call(sys.executable, "-c", USE, CART, engine, PYTHONPATH=os.environ["PYTHONPATH"])
+            self.assertEqual(state, expected.split()[1])
 
 
 if __name__ == "__main__":

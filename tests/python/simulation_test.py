@@ -1,7 +1,10 @@
 """Simulations: stepping, commands, snapshots, signals, observers."""
 
+import contextlib
 import gc
+import io
 import unittest
+import unittest.mock
 import warnings
 import weakref
 
@@ -292,6 +295,52 @@ class Faults(Case):
         if sim.status == "running":
             self.skipTest("this engine does not diverge here")
         self.assertTrue(any(issubclass(one.category, cg.RunWarning) for one in caught))
+
+
+class Progress(Case):
+    def lines(self, stream, end=0.3):
+        sim = cg.Simulation(cg.compile_string(YARD))
+        with contextlib.redirect_stderr(stream):
+            sim.run_until(0.1)
+            sim.run_until(end, progress=True)
+        return sim, stream.getvalue().split("\r")
+
+    def test_a_terminal_has_a_line(self):
+        stream = io.StringIO()
+        stream.isatty = lambda: True
+        sim, lines = self.lines(stream)
+        self.assertEqual(lines[0], "")
+        self.assertRegex(lines[-1], r"^\[#+\] 100 %  0\.30 s of 0\.3 s.*\n$")
+        plain = cg.Simulation(cg.compile_string(YARD))
+        plain.run_until(0.3)
+        self.assertEqual(sim.state_hash, plain.state_hash)
+
+    def test_a_run_that_ends_early_stops_there(self):
+        stream = io.StringIO()
+        stream.isatty = lambda: True
+        sim = cg.Simulation(cg.compile_string(YARD))
+        sim.end_run("enough")
+        with contextlib.redirect_stderr(stream):
+            sim.run_for(1.0, progress=True)
+        self.assertNotEqual(sim.status, "running")
+        self.assertNotIn("100 %", stream.getvalue())
+
+    def test_a_notebook_has_a_line(self):
+        class OutStream(io.StringIO):
+            pass
+
+        OutStream.__module__ = "ipykernel.iostream"
+        self.assertIn("100 %", self.lines(OutStream())[1][-1])
+
+    def test_a_file_has_none(self):
+        self.assertEqual(self.lines(io.StringIO())[1], [""])
+
+    def test_a_closed_terminal_does_not_end_the_run(self):
+        stream = io.StringIO()
+        stream.isatty = lambda: True
+        stream.write = unittest.mock.Mock(side_effect=OSError)
+        self.assertEqual(self.lines(stream)[0].time, cg.Simulation(cg.compile_string(YARD)).run_until(0.3).time)
+        stream.write.assert_called_once()
 
 
 if __name__ == "__main__":

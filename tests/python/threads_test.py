@@ -15,14 +15,29 @@ import os, signal, sys, threading
 import cogrsim as cg
 sim = cg.Simulation(cg.compile(sys.argv[1], plugin_path=[os.path.dirname(sys.argv[1])]))
 threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+recorder = sim.record("run.mcap") if "record" in sys.argv else None
 try:
-    sim.run_until(1e6)
+    if "step" in sys.argv:
+        sim.step(10**9)
+    else:
+        sim.run_until(1e6, progress="progress" in sys.argv)
 except KeyboardInterrupt:
-    time = sim.time
+    time, state, steps = sim.time, sim.state_hash, sim.step_count
     assert 0 < time < 1e5, time
-    sim.run_for(0.01)
+    assert sim.status == "running"
+    if "controller" in sys.argv:  # the update that was interrupted is the only one that is missing
+        assert steps - sim.frame["arm.slow"].count <= 1, (steps, sim.frame["arm.slow"].count)
+    # The state is that of an uninterrupted run of so many steps, and is followed by the same states.
+    other = cg.Simulation(sim.scene)
+    assert other.step(steps).state_hash == state
+    assert sim.run_for(0.01).state_hash == other.run_for(0.01).state_hash
     assert abs(sim.time - time - 0.01) < 1e-6
     assert sim.messages == [], sim.messages
+    if recorder:
+        recorder.finish()
+        recording = cg.Recording("run.mcap")
+        assert len(recording) == sim.step_count + 1 and recording.info["complete"]
+        assert recording[steps].state_hash == state
     print("interrupted and continued")
 """
 
@@ -31,9 +46,17 @@ import time
 import cogrsim as cg
 
 class Slow(cg.Controller):
+    outputs = [cg.output("count")]
+    made = 0
+
+    def configure(self, robot):
+        self.robot = robot
+
     def update(self, tick):
         for _ in range(20):
             time.sleep(0.001)
+        self.made += 1
+        self.robot.publish("count", self.made)
 """
 
 
@@ -123,18 +146,21 @@ class Threads(Case):
         self.assertTrue(refused)
         self.assertIn("environment is in use by another thread", refused[0])
 
-    def interrupt(self, text):
+    def interrupt(self, text, *how):
         path = self.write("yard.scene.xml", text)
-        done = subprocess.run([sys.executable, "-c", INTERRUPTED, str(path)], capture_output=True, text=True,
-                              timeout=120, check=False)
+        done = subprocess.run([sys.executable, "-c", INTERRUPTED, str(path), *how], capture_output=True, text=True,
+                              timeout=120, check=False, cwd=self.folder)
         self.assertEqual((done.returncode, done.stdout.strip()), (0, "interrupted and continued"), done.stderr)
 
     def test_interrupt_ends_the_call_and_the_run_continues(self):
-        self.interrupt(YARD)
+        for how in ("plain", "step", "progress", "record"):
+            with self.subTest(how):
+                self.interrupt(YARD, how)
 
     def test_interrupt_inside_a_controller_is_no_fault_of_it(self):
         self.write("slow_controller.py", SLOW)
-        self.interrupt(YARD.replace("</assembly>", '<controller plugin="py:slow_controller.Slow"/></assembly>', 1))
+        self.interrupt(YARD.replace("</assembly>", '<controller name="slow" plugin="py:slow_controller.Slow"'
+                                    ' rate="1 kHz"/></assembly>', 1), "controller")
 
 
 if __name__ == "__main__":

@@ -76,5 +76,78 @@ class Tools(Case):
         self.assertEqual(sim._repr_png_(), png)
 
 
+    def test_wrong_arguments(self):
+        scene = self.write("yard.scene.xml", YARD)
+        run = self.record()
+        for expected, call in (
+                ("scenes: expected a list", lambda: cg.test(3)),
+                ("timeout: expected a time", lambda: cg.test(scene, timeout="1 s")),
+                ("filter: expected a text", lambda: cg.test(scene, filter=3)),
+                ("set: expected a dict of parameters", lambda: cg.test(scene, set="height")),
+                ("plugin_path: expected a list of folders", lambda: cg.test(scene, plugin_path="folder")),
+                ("seeds: expected a whole number", lambda: cg.test(scene, seeds=[1.5])),
+                ("seeds: expected a list of whole numbers", lambda: cg.test(scene, seeds=3)),
+                ("vary: expected a dict of values", lambda: cg.sweep(scene, ["height"])),
+                (r"vary\['height'\]: expected a list", lambda: cg.sweep(scene, {"height": 1})),
+                ("measure: expected a dict", lambda: cg.sweep(scene, measure="ball.z")),
+                ("jobs: expected a whole number", lambda: cg.sweep(scene, jobs=1.5)),
+                ("until: expected a time", lambda: cg.sweep(scene, until=[1])),
+                ("output: expected a path", lambda: cg.sweep(scene, output=3)),
+                ("backends: expected a list of names", lambda: cg.sweep(scene, backends=[1])),
+                ("y: expected a list of signals", lambda: cg.plot(run, 3)),
+                ("title: expected a text", lambda: cg.plot(run, "ball.z", title=3)),
+                ("source: expected a scene or a recording", lambda: cg.map(None)),
+                ("area: expected a list of numbers", lambda: cg.map(run, area="0,0,1,1")),
+                ("width: expected a whole number", lambda: cg.map(run, width="wide")),
+                ("height: expected a whole number", lambda: cg.bundle(run, height="tall")),
+                ("threshold: expected a text", lambda: cg.compare(scene, threshold=0.005)),
+                ("shake: expected a length", lambda: cg.compare(scene, shake="1 mm")),
+                ("seed: expected a whole number", lambda: cg.compare(scene, seed="x")),
+                ("data: expected bytes", lambda: cg.Picture("svg", "<svg/>")),
+                ("html: expected a text", lambda: cg.Page(3))):
+            with self.subTest(expected), self.assertRaisesRegex(TypeError, expected):
+                call()
+        for expected, call in (
+                ("scenes: expected at least one", lambda: cg.test([])),
+                ("timeout: .*finite", lambda: cg.test(scene, timeout=float("nan"))),
+                ("format: expected one of 'svg', 'png'", lambda: cg.plot(run, "ball.z", format="pdf")),
+                ("format: expected one of 'svg', 'png'", lambda: cg.map(run, format="gif")),
+                ("source: expected at least one", lambda: cg.plot([])),
+                ("area: .*finite", lambda: cg.map(run, area=(0, 0, 1, float("inf")))),
+                ("set: only a scene takes it", lambda: cg.map(run, set={"height": 1})),
+                ("backend: only a scene takes it", lambda: cg.bundle(run, backend="bullet")),
+                ("kind: expected one of", lambda: cg.Picture("gif", b""))):
+            with self.subTest(expected), self.assertRaisesRegex(ValueError, expected):
+                call()
+
+    def test_names_are_no_options(self):
+        self.assertEqual(cg.test("-o")[0]["status"], "error")
+
+    def test_a_comparison_shows_itself(self):
+        scene = self.write("yard.scene.xml", YARD.replace('"yard"', '"&lt;b&gt;"'))
+        shown = cg.compare(scene, ["cogrsim", "bullet"], duration=0.1)._repr_html_()
+        self.assertIn("<td>cogrsim</td><td>completed</td><td>0.1 s</td><td>reference</td>", shown)
+        self.assertIn("<td>bullet</td><td>completed</td><td>0.1 s</td><td>never</td>", shown)
+        self.assertIn("&lt;b&gt;", shown)
+        self.assertNotIn("<b>", shown)
+        # The ball is 0.9 m above the floor: it falls by g t^2 / 2, and engines differ by g t dt.
+        over = cg.compare(scene, ["cogrsim", "bullet"], duration=0.1, threshold="0.01 mm")
+        self.assertIn(f"<td>{over.first_over:.4g} s</td>", over._repr_html_())
+
+    def test_an_imported_model_shows_its_report(self):
+        path = self.write("robot.urdf", '<robot name="r"><link name="a&lt;i&gt;"/><script/></robot>')
+        shown = cg.import_model(path)._repr_html_()
+        self.assertIn("&lt;script&gt;", shown)
+        self.assertIn("left out", shown)
+        self.assertNotIn("<script", shown)
+        self.assertNotIn("<i>", shown)
+
+    def test_a_recording_without_its_file_shows_its_text(self):
+        recording = cg.Recording(self.record())
+        self.assertTrue(recording._repr_html_().startswith("<iframe"))
+        (self.folder / "run.mcap").unlink()
+        self.assertIsNone(recording._repr_html_())
+
+
 if __name__ == "__main__":
     main()

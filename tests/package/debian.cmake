@@ -1,0 +1,62 @@
+# The Debian packages: fields and contents, and the module works from both, unpacked.
+include(${CMAKE_CURRENT_LIST_DIR}/bare_folder.cmake)
+find_program(DPKG_DEB dpkg-deb)
+find_program(SHLIBDEPS dpkg-shlibdeps)
+find_program(CPACK cpack REQUIRED)
+if(NOT DPKG_DEB OR NOT SHLIBDEPS)
+  message("SKIPPED: no dpkg-deb or dpkg-shlibdeps (Debian's dpkg-dev)")
+  return()
+endif()
+run("cpack" ${CPACK} --config "${BINARY_DIR}/CPackConfig.cmake" -G DEB -B "${WORK_DIR}/packages")
+
+function(unpack name depends contents)
+  file(GLOB package "${WORK_DIR}/packages/${name}_*.deb")
+  list(LENGTH package count)
+  if(NOT count EQUAL 1)
+    message(FATAL_ERROR "there are ${count} packages ${name}: ${package}")
+  endif()
+  run("fields of ${name}" ${DPKG_DEB} -f ${package} Package Version Architecture Depends)
+  foreach(part IN LISTS depends)
+    if(NOT output MATCHES "Depends:.*${part}")
+      message(SEND_ERROR "${name} does not depend on ${part}:\n${output}")
+    endif()
+  endforeach()
+  run("contents of ${name}" ${DPKG_DEB} -c ${package})
+  foreach(file IN LISTS contents)
+    if(NOT output MATCHES "[.]/usr/${file}")
+      message(SEND_ERROR "${name} does not contain ${file}:\n${output}")
+    endif()
+  endforeach()
+  set(contents "${output}" PARENT_SCOPE)
+  run("unpack ${name}" ${DPKG_DEB} -x ${package} "${WORK_DIR}/root")
+endfunction()
+
+# CPack has no locale, so that what dpkg-shlibdeps prints does not depend on that of the caller.
+unpack(cogrsim "libc6;libstdc.*;libfmt"
+  "bin/cogrsim;lib/libcogrsim.so.0;lib/libcogrsim_dsl.so.0;lib/cogrsim/backends/cogrsim.so;include/cogrsim;share/doc")
+if(contents MATCHES "python3/")
+  message(SEND_ERROR "the package cogrsim contains the Python module:\n${contents}")
+endif()
+if(PYTHON)
+  unpack(python3-cogrsim "cogrsim [(]= [0-9.]+[)];python3 [(]>= 3[.][0-9]+[)];python3-numpy;libc6"
+    "lib/python3/dist-packages/cogrsim/__init__.py;lib/python3/dist-packages/cogrsim/_cogrsim[.]")
+  if(contents MATCHES "/bin/|libcogrsim[.]so")
+    message(SEND_ERROR "the package python3-cogrsim contains more than the module:\n${contents}")
+  endif()
+  file(WRITE "${WORK_DIR}/use.py" "
+import sys
+import cogrsim as cg
+for engine in sys.argv[2].split(','):
+    print(cg.Simulation(cg.compile(sys.argv[1]), backend=engine).run_until(0.05).time)
+print(len(cg.test(sys.argv[1], [sys.argv[2].split(',')[0]])), 'case')
+print(open('/proc/self/maps').read())
+")
+  list(JOIN ENGINES "," engines)
+  unset(ENV{COGRSIM_PROGRAM})
+  set(ENV{PYTHONPATH} "${WORK_DIR}/root/usr/lib/python3/dist-packages")
+  run("the module" ${PYTHON} "${WORK_DIR}/use.py" "${SOURCE_DIR}/examples/070_batch/cart.scene.xml" ${engines})
+  if(NOT output MATCHES "1 case" OR NOT output MATCHES "${WORK_DIR}/root/usr/lib/libcogrsim.so" OR
+      output MATCHES "${BINARY_DIR}/lib/")
+    message(SEND_ERROR "the module of the package does not use the libraries of the package:\n${output}")
+  endif()
+endif()

@@ -1,0 +1,106 @@
+"""The notebooks of docs/notebooks run as they stand, and are typed."""
+
+import ast
+import contextlib
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+import unittest
+
+from support import ROOT, Case, main
+
+BOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+os.environ["MPLBACKEND"] = "Agg"  # if matplotlib is there
+
+
+def cells(book, kind):
+    data = json.loads(book.read_text(encoding="utf-8"))
+    assert data["nbformat"] == 4
+    return ["".join(cell["source"]) for cell in data["cells"] if cell["cell_type"] == kind]
+
+
+def shown(value):
+    """What a notebook shows of the last line of a cell."""
+    if hasattr(value, "_repr_mimebundle_"):
+        return value._repr_mimebundle_()
+    for method in ("_repr_html_", "_repr_svg_", "_repr_png_"):
+        out = getattr(value, method)() if hasattr(value, method) else None
+        if out is not None:
+            return out
+    return repr(value)
+
+
+class Notebooks(Case):
+    def test_there_are_all(self):
+        index = (ROOT / "docs" / "notebooks" / "README.md").read_text(encoding="utf-8")
+        self.assertEqual(re.findall(r"\((\d-[\w-]+\.ipynb)\)", index), [book.name for book in BOOKS])
+        self.assertEqual(len(BOOKS), 4)
+
+    def test_nothing_large_is_stored(self):
+        for book in BOOKS:
+            for cell in json.loads(book.read_text(encoding="utf-8"))["cells"]:
+                self.assertLess(len(json.dumps(cell.get("outputs", []))), 4096, book.name)
+
+    def test_links_exist(self):
+        for book in BOOKS:
+            for link in re.findall(r"\]\(([^):]+)\)", "\n".join(cells(book, "markdown"))):
+                self.assertTrue((book.parent / link).exists(), f"{book.name}: {link}")
+
+    def run_book(self, number):
+        book = BOOKS[number - 1]
+        before = os.getcwd()
+        os.chdir(self.folder)
+        self.addCleanup(os.chdir, before)
+        names = {"__name__": "__main__"}
+        out = []
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            for source in cells(book, "code"):
+                code = ast.parse(source)
+                last = code.body.pop() if isinstance(code.body[-1], ast.Expr) else None
+                exec(compile(code, book.name, "exec"), names)
+                if last is not None:
+                    value = eval(compile(ast.Expression(last.value), book.name, "eval"), names)
+                    out.append(None if value is None else shown(value))
+        self.assertTrue(printed.getvalue())
+        return names, out
+
+    def test_1_first_steps(self):
+        names, out = self.run_book(1)
+        # 1.5 m of fall onto the crate's top at 0.4 m, and up again with a quarter of the energy; the ball's
+        # centre is 0.1 m above, and the peak is seen at the next of the frames, which are 10 ms apart.
+        self.assertAlmostEqual(names["heights"][names["times"] > 0.6].max(), 0.5 + 0.25, delta=0.01)
+        self.assertIn("image/svg+xml", out[-1])
+
+    def test_2_compare_engines(self):
+        names, out = self.run_book(2)
+        self.assertIn("<td>bullet</td><td>completed</td>", "".join(part for part in out if isinstance(part, str)))
+        self.assertLess(names["largest"](names["result"], "swing.lower", "cogrsim"), 1e-6)
+
+    def test_3_learn_to_balance(self):
+        names, _ = self.run_book(3)
+        self.assertGreater(names["curve"][-1], 2 * names["curve"][0])
+
+    def test_4_fit_friction(self):
+        names, _ = self.run_book(4)
+        self.assertEqual(set(names["results"]), {"bullet", "ode", "cogrsim"})
+
+    def test_types(self):
+        mypy = shutil.which("mypy")
+        if mypy is None:
+            self.skipTest("mypy is not installed")
+        for book in BOOKS:
+            path = self.folder / (book.stem.replace("-", "_") + "_book.py")
+            # A line that only shows its value is no statement of a program.
+            path.write_text("\n\n".join(cells(book, "code")), encoding="utf-8")
+            with self.subTest(book.name):
+                done = subprocess.run([mypy, "--strict", "--ignore-missing-imports", str(path)], cwd=self.folder,
+                                      env={**os.environ, "MYPYPATH": os.environ["PYTHONPATH"]}, check=False,
+                                      capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+
+if __name__ == "__main__":
+    main()
