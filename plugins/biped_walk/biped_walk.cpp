@@ -220,8 +220,8 @@ COGRSIM_CONTROLLER(
     parameter("support", 0.3, "s", "time on both feet before a step").range(0.05, 10.0),
     parameter("stand", 0.5, "s", "time before the first step").range(0.0, 1e3),
     parameter("lift", 0.04, "m", "of a swinging foot").range(0.0, 1.0),
-    parameter("kp", 400.0, "torque per error of an angle [N m/rad]").range(0.0, 1e6),
-    parameter("kd", 6.0, "torque per rate of an angle [N m s/rad]").range(0.0, 1e6),
+    parameter("kp", 800.0, "torque per error of an angle [N m/rad]").range(0.0, 1e6),
+    parameter("kd", 8.0, "torque per rate of an angle [N m s/rad]").range(0.0, 1e6),
     parameter("level_gain", 0.5, "angle of the hip per tilt of the pelvis").range(0.0, 10.0),
     parameter("return_gain", 1.0, "angle of the ankle per distance [rad/m]").range(0.0, 100.0),
     parameter("return_rate_gain", 0.2, "angle of the ankle per speed [rad s/m]")

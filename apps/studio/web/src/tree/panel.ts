@@ -1,6 +1,7 @@
 import type { Widget } from "@lumino/widgets";
 import { h } from "preact";
 import { register_insert_commands } from "../add/commands";
+import { register_robot_commands } from "../add/robots";
 import type { PanelType, Studio } from "../core/studio";
 import { PreactWidget } from "../forms/preact_widget";
 import { register_edit_commands } from "./commands";
@@ -22,6 +23,7 @@ export const panel: PanelType = {
 export function register(studio: Studio): void {
   register_edit_commands(studio);
   register_insert_commands(studio);
+  register_robot_commands(studio);
   studio.commands.addCommand("tree:show-signals", {
     label: "Signals in the tree",
     execute: (args) => tree_model(studio).toggle_signals(args.element as number),
