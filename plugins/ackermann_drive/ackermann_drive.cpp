@@ -25,9 +25,8 @@ using cogrsim::PlanarPoint;
 
 double distance_to_piece(const PlanarPoint& p, const PlanarPoint& a, const PlanarPoint& b) {
   const double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
-  const double at = square > 0.0
-                        ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / square, 0.0, 1.0)
-                        : 0.0;
+  const double at =
+      square > 0.0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / square, 0.0, 1.0) : 0.0;
   return std::hypot(p.x - a.x - at * dx, p.y - a.y - at * dy);
 }
 
@@ -91,8 +90,8 @@ class AckermannDrive final : public cogrsim::Controller {
 
     double off = std::numeric_limits<double>::infinity();
     for (std::size_t i = 1; i < task_.path.size(); ++i)
-      off = std::min(off, distance_to_piece({task_.pose.x, task_.pose.y}, task_.path[i - 1],
-                                            task_.path[i]));
+      off = std::min(
+          off, distance_to_piece({task_.pose.x, task_.pose.y}, task_.path[i - 1], task_.path[i]));
     robot_->publish("off_path", off);
     robot_->publish("arrived", arrived_ ? 1.0 : 0.0);
   }

@@ -80,10 +80,10 @@ bool solve(const Geometry& g, const Vec3& p, const Mat3& r, Joints& q) {
 }
 
 struct Move {
-  Vec3 to;              // of the tool [m]
-  double yaw = 0.0;     // [rad]
+  Vec3 to;               // of the tool [m]
+  double yaw = 0.0;      // [rad]
   double opening = 0.0;  // of each finger [m]
-  double pause = 0.0;   // afterwards [s]
+  double pause = 0.0;    // afterwards [s]
 };
 
 class ArmPickPlace final : public cogrsim::Controller {
@@ -107,10 +107,10 @@ class ArmPickPlace final : public cogrsim::Controller {
     const double hold = robot.parameter<double>("width") / 2 - robot.parameter<double>("squeeze");
     const Vec3 lift(0, 0, robot.parameter<double>("lift"));
     const double wait = robot.parameter<double>("pause");
-    moves_ = {{pick + lift, pick_yaw, open, 0.0},    {pick, pick_yaw, open, 0.1},
-              {pick, pick_yaw, hold, wait},          {pick + lift, pick_yaw, hold, 0.0},
-              {place + lift, place_yaw, hold, 0.0},  {place, place_yaw, hold, 0.1},
-              {place, place_yaw, open, wait},        {place + lift, place_yaw, open, 0.0}};
+    moves_ = {{pick + lift, pick_yaw, open, 0.0},   {pick, pick_yaw, open, 0.1},
+              {pick, pick_yaw, hold, wait},         {pick + lift, pick_yaw, hold, 0.0},
+              {place + lift, place_yaw, hold, 0.0}, {place, place_yaw, hold, 0.1},
+              {place, place_yaw, open, wait},       {place + lift, place_yaw, open, 0.0}};
     robot.publish("phase", 0.0);
     robot.publish("done", 0.0);
   }
@@ -128,9 +128,9 @@ class ArmPickPlace final : public cogrsim::Controller {
     const double s = t * t * t * (10 + t * (6 * t - 15));
     const Vec3 p = from_.to + s * (to.to - from_.to);
     const double yaw = from_.yaw + s * (to.yaw - from_.yaw);
-    const Mat3 r = (Eigen::AngleAxisd(yaw, Vec3::UnitZ()) *
-                    Eigen::AngleAxisd(cogrsim::kPi, Vec3::UnitY()))
-                       .toRotationMatrix();
+    const Mat3 r =
+        (Eigen::AngleAxisd(yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(cogrsim::kPi, Vec3::UnitY()))
+            .toRotationMatrix();
     Joints q = q_;
     if (!solve(geometry_, p, r, q) && !warned_) {
       robot_->report("arm_pick_place: a point is out of reach");
@@ -208,6 +208,7 @@ COGRSIM_CONTROLLER(
     parameter("lift", 0.15, "m", "height above object and place").range(0.0, 10.0),
     parameter("pause", 0.4, "s", "for closing and opening").range(0.0, 100.0),
     parameter("speed", 0.5, "m/s", "of the tool").range(1e-3, 10.0),
-    output("phase", "1", "1 above the object, 2 at it, 3 closing, 4 lifting, 5 above the place, 6 "
-                         "at it, 7 opening, 8 leaving"),
+    output("phase", "1",
+           "1 above the object, 2 at it, 3 closing, 4 lifting, 5 above the place, 6 "
+           "at it, 7 opening, 8 leaving"),
     output("done", "1", "1 at the end"))

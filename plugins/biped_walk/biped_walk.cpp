@@ -208,9 +208,7 @@ COGRSIM_CONTROLLER(
     parameter("hip_y", 0.07, "m", "of the left hip").range(1e-3, 10.0).must_be_set(),
     parameter("thigh", 0.25, "m", "length").range(1e-3, 10.0).must_be_set(),
     parameter("shank", 0.25, "m", "length").range(1e-3, 10.0).must_be_set(),
-    parameter("height", 0.46, "m", "of the hips above the ankles")
-        .range(1e-3, 10.0)
-        .must_be_set(),
+    parameter("height", 0.46, "m", "of the hips above the ankles").range(1e-3, 10.0).must_be_set(),
     parameter("mass_height", 0.55, "m", "of the centre of mass above the ground")
         .range(1e-3, 10.0)
         .must_be_set(),
@@ -224,7 +222,6 @@ COGRSIM_CONTROLLER(
     parameter("kd", 8.0, "torque per rate of an angle [N m s/rad]").range(0.0, 1e6),
     parameter("level_gain", 0.5, "angle of the hip per tilt of the pelvis").range(0.0, 10.0),
     parameter("return_gain", 1.0, "angle of the ankle per distance [rad/m]").range(0.0, 100.0),
-    parameter("return_rate_gain", 0.2, "angle of the ankle per speed [rad s/m]")
-        .range(0.0, 100.0),
+    parameter("return_rate_gain", 0.2, "angle of the ankle per speed [rad s/m]").range(0.0, 100.0),
     output("steps", "1", "number of steps taken"), output("roll", "rad", "of the pelvis"),
     output("pitch", "rad", "of the pelvis"))

@@ -85,12 +85,11 @@ class CartPoleLqr final : public cogrsim::Controller {
     if (gain_.isZero()) gain_ = gain(inertia, moment, tick.period);
     const double x = robot_->joint_position(drive_), v = robot_->joint_velocity(drive_);
     const double angle = cogrsim::wrapped_angle(pole_.position()), rate = pole_.velocity();
-    const double energy =
-        0.5 * inertia * rate * rate + moment * gravity_ * (std::cos(angle) - 1.0);
+    const double energy = 0.5 * inertia * rate * rate + moment * gravity_ * (std::cos(angle) - 1.0);
     // What the regulator can catch: near upright, with about the energy of standing there.
     const double reach = balancing_ ? 0.6 : 0.35;  // [rad]
-    balancing_ = std::abs(angle) < reach &&
-                 (balancing_ || std::abs(energy) < 0.3 * moment * gravity_);
+    balancing_ =
+        std::abs(angle) < reach && (balancing_ || std::abs(energy) < 0.3 * moment * gravity_);
     double force = 0.0;
     if (balancing_) {
       force = -gain_.dot(Vec4(std::clamp(x - goal_, -0.5, 0.5), angle, v, rate));

@@ -83,7 +83,7 @@ class HopperRaibert final : public cogrsim::Controller {
   }
 
  private:
-  static constexpr double kTouch = 2e-3;      // [m] that a leg in stance is compressed, at least
+  static constexpr double kTouch = 2e-3;     // [m] that a leg in stance is compressed, at least
   static constexpr double kShortest = 0.06;  // [s]
 
   static cogrsim::MotorHandle motor(cogrsim::Assembly& robot, const std::string& parameter) {

@@ -44,10 +44,10 @@ class OmniDrive final : public cogrsim::Controller {
     const auto places = robot.parameter<std::vector<double>>("waypoints");
     const auto headings = robot.parameter<std::vector<double>>("headings");
     if (places.empty() || places.size() != 2 * headings.size())
-      robot.fail("parameters 'waypoints' and 'headings': expected a pair x y for each heading, "
-                 "found " +
-                 std::to_string(places.size()) + " and " + std::to_string(headings.size()) +
-                 " numbers");
+      robot.fail(
+          "parameters 'waypoints' and 'headings': expected a pair x y for each heading, "
+          "found " +
+          std::to_string(places.size()) + " and " + std::to_string(headings.size()) + " numbers");
     for (std::size_t i = 0; 2 * i + 1 < places.size() && i < headings.size(); ++i)
       goals_.push_back({places[2 * i], places[2 * i + 1], headings[i]});
     robot.publish("reached", 0.0);
@@ -90,8 +90,9 @@ class OmniDrive final : public cogrsim::Controller {
 COGRSIM_CONTROLLER(
     omni_drive::OmniDrive, "omni_drive", version("1.0.0"), author("CogRSim"),
     summary("drives a base on omnidirectional wheels along poses"),
-    parameter("motors", "", "motors of the wheels, mode velocity; turning positive about an axis "
-                            "inward moves the base towards +angle")
+    parameter("motors", "",
+              "motors of the wheels, mode velocity; turning positive about an axis "
+              "inward moves the base towards +angle")
         .must_be_set(),
     parameter("angles", std::vector<double>{}, "rad", "of each wheel, from x towards y")
         .must_be_set(),

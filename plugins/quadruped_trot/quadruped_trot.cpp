@@ -151,9 +151,7 @@ class QuadrupedTrot final : public cogrsim::Controller {
     return handle;
   }
 
-  Vec3 stance(const Leg& leg) const {
-    return leg.hip + Vec3(0, leg.side * offset_, -height_);
-  }
+  Vec3 stance(const Leg& leg) const { return leg.hip + Vec3(0, leg.side * offset_, -height_); }
 
   void command(Leg& leg, Vec3 p) const {
     const double longest = 0.995 * (thigh_ + shank_), d = leg.side * offset_;

@@ -9,9 +9,9 @@
 #include <system_error>
 
 #include "cogrsim/dsl/import_model.h"
+#include "language/vocabulary.h"
 #include "report/diagnostics.h"
 #include "syntax/node.h"
-#include "language/vocabulary.h"
 #include "syntax/xml_scan.h"
 
 namespace cogrsim::dsl {
