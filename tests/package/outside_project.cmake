@@ -92,3 +92,8 @@ execute_process(COMMAND "${prefix}/bin/cogrsim" run project/slalom.scene.xml
 if(NOT status EQUAL 1 OR NOT "${out}${err}" MATCHES "slalom" OR NOT "${out}${err}" MATCHES "${LIB}/cogrsim/plugins")
   message(SEND_ERROR "a missing plugin: exit status ${status}\n${out}${err}")
 endif()
+
+# A robot of the installed library.
+file(WRITE "${WORK_DIR}/robot.scene.xml" "<scene name='robot' version='1'><import href='robots/two_wheel/two_wheel.scene.xml'/>
+<physics duration='100 ms'/><plane name='floor'/><instance of='TwoWheel' name='robot'/></scene>")
+run("a robot of the library" "${prefix}/bin/cogrsim" run robot.scene.xml)

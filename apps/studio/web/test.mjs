@@ -51,7 +51,7 @@ try {
     logLevel: "warning",
   });
   const files = found.map((f) => join(out, relative(join(here, "src"), f).replace(/\.tsx?$/, ".mjs")));
-  status = spawnSync(process.execPath, ["--test", ...files], { stdio: "inherit" }).status ?? 1;
+  status = spawnSync(process.execPath, ["--test", ...files], { stdio: "inherit", cwd: here }).status ?? 1;
 } finally {
   rmSync(out, { recursive: true, force: true });
 }

@@ -124,6 +124,7 @@ class SourceFiles {
   std::vector<std::unique_ptr<SourceFile>> files_;
   std::vector<std::unique_ptr<Document>> documents_;
   std::unordered_map<std::string, std::size_t> by_path_;
+  std::string installed_;           // canonical folder of the installed library, or empty
   std::vector<std::string> roots_;  // canonical folders that files may lie below
   std::set<std::string> read_;      // absolute paths
   /// Where span_in_value() stood in the value that begins at `start`.

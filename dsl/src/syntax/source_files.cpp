@@ -1,4 +1,5 @@
 // Reads the files of a compilation, parses them, and checks that they come from allowed folders.
+#include <dlfcn.h>
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -9,9 +10,9 @@
 #include <system_error>
 
 #include "cogrsim/dsl/import_model.h"
+#include "language/vocabulary.h"
 #include "report/diagnostics.h"
 #include "syntax/node.h"
-#include "language/vocabulary.h"
 #include "syntax/xml_scan.h"
 
 namespace cogrsim::dsl {
@@ -95,10 +96,21 @@ bool take_decoded(const tinyxml2::XMLElement* xml, std::deque<Node>& nodes, std:
   return true;
 }
 
+/// The folder of scenes that is installed with this library, as plugins are; empty: there is none.
+std::string installed_library() {
+  Dl_info self;
+  if (::dladdr(reinterpret_cast<const void*>(&installed_library), &self) == 0) return {};
+  std::error_code fault;
+  const fs::path own = fs::canonical(self.dli_fname, fault);
+  if (fault) return {};
+  const fs::path folder = fs::canonical(own.parent_path() / "cogrsim" / "library", fault);
+  return fault ? std::string() : folder.string();
+}
+
 }  // namespace
 
 SourceFiles::SourceFiles(const CompileOptions& options, DiagnosticSink& sink)
-    : options_(options), sink_(sink) {
+    : options_(options), sink_(sink), installed_(installed_library()) {
   sink_.set_files(this);
 }
 
@@ -181,6 +193,7 @@ const Document* SourceFiles::open_scene_text(const std::string& text, const std:
     const fs::path path = fs::canonical(library, fault);
     if (!fault) roots_.push_back(path.string());
   }
+  if (!installed_.empty()) roots_.push_back(installed_);
   if (text.size() > options_.limits.file_bytes) {
     auto file = std::make_unique<SourceFile>();
     file->name = name;
@@ -314,6 +327,7 @@ std::string SourceFiles::locate(std::string_view href, const SourceSpan& at, con
     }
     if (fs::is_regular_file(path, fault)) return *read_.insert(path.string()).first;
     other_kind = other_kind || fs::exists(path, fault);
+    if (!installed_.empty() && lies_below(path, installed_)) continue;  // not where files are put
     if (std::find(tried.begin(), tried.end(), path.string()) == tried.end()) {
       tried.push_back(path.string());
     }

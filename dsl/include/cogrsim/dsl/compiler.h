@@ -69,7 +69,8 @@ struct CompileOptions {
   /// Not owned; nullptr: names of plugins go unchecked, parameters of plugins and of engines are
   /// refused (CG0909).
   PluginCatalog* plugins = nullptr;
-  /// Folders beside the scene's own from which files may be imported.
+  /// Folders beside the scene's own, and before the installed library, from which files may be
+  /// imported.
   std::vector<std::string> library_folders;
   Limits limits;
 };

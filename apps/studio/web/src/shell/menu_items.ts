@@ -66,6 +66,7 @@ export const kInner: Record<string, { menu: string; title: string }> = {
   handles: { menu: "view", title: "Handles" },
   panel: { menu: "view", title: "Panels" },
   layout: { menu: "view", title: "Layout" },
+  robot: { menu: "insert", title: "Robot" },
 };
 const kKinds = new Set(kMenus.map(([, kind]) => kind));
 const kClaimed = new Map(kMenus.flatMap(([, kind, first]) => first.map((id) => [id, kind] as const)));

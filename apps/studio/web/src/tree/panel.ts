@@ -1,6 +1,7 @@
 import type { Widget } from "@lumino/widgets";
 import { h } from "preact";
 import { registerInsertCommands } from "../add/commands";
+import { registerRobotCommands } from "../add/robots";
 import type { PanelType, Studio } from "../core/studio";
 import { PreactWidget } from "../forms/preact_widget";
 import { registerEditCommands } from "./commands";
@@ -22,6 +23,7 @@ export const panel: PanelType = {
 export function register(studio: Studio): void {
   registerEditCommands(studio);
   registerInsertCommands(studio);
+  registerRobotCommands(studio);
   studio.commands.addCommand("tree:show-signals", {
     label: "Signals in the tree",
     execute: (args) => studio.services.get(TreeModel).toggleSignals(args.element as number),
