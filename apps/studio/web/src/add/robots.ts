@@ -2,7 +2,7 @@
 import type { Op, TreeElement, Vec3 } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { printElement } from "../forms/xml_text";
-import { newPosition } from "./place";
+import { newPosition } from "./positions";
 
 export interface LibraryRobot {
   /** of its folder, its file and its instance */
