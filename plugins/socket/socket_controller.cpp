@@ -46,7 +46,7 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
   return out;
 }
 
-/// Without a branch on the characters, so that the time does not tell how many are right.
+/// Without a branch on the characters, so that the time does not reveal how many are right.
 bool same_secret(const std::string& a, const std::string& b) {
   unsigned difference = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < a.size(); ++i)

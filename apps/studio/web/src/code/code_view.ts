@@ -112,7 +112,7 @@ export class CodeView {
     this.log.hidden = false;
     this.log.textContent = "";
     try {
-      const answer = await this.studio.link.request<{ built?: boolean; log?: string; problems?: Problem[] }>("build");
+      const answer = await this.studio.link.request("build");
       this.log.textContent = answer.log ?? "";
       this.buildProblems = answer.problems ?? [];
       const failed = answer.built === false || this.buildProblems.some((p) => p.severity === "error");
@@ -150,7 +150,7 @@ export class CodeView {
     const text = source.text();
     try {
       const fields = { name, text, version: source.version };
-      const answer = await this.studio.link.request<{ version?: string }>("save-source", fields);
+      const answer = await this.studio.link.request("save-source", fields);
       source.markSaved(text, answer.version);
       this.studio.notify(`saved ${name}`);
     } catch (error) {
@@ -163,7 +163,7 @@ export class CodeView {
       const file = this.files.find((f) => f.name === name);
       if (!file) return;
       try {
-        const answer = await this.studio.link.request<{ text: string; version?: string }>("open-source", { name });
+        const answer = await this.studio.link.request("open-source", { name });
         const source = new SourceEditor(file, answer, this.studio.state.mayEdit.peek(), () => this.showTabs());
         source.view.dom.classList.add("cg-code-editor");
         source.view.dom.dataset.ownHistory = "";
@@ -211,7 +211,7 @@ export class CodeView {
 
   private async listSources(): Promise<void> {
     try {
-      const answer = await this.studio.link.request<{ files?: SourceFile[] }>("sources");
+      const answer = await this.studio.link.request("sources");
       this.files = answer.files ?? [];
     } catch {
       // A scene without sources, or a server that shows none.

@@ -144,7 +144,7 @@ export class SceneEditor {
 
   private async send(fields: SyncSetText): Promise<SyncAnswer> {
     try {
-      const answer = await this.studio.link.request<{ version: number }>("set-text", { ...fields });
+      const answer = await this.studio.link.request("set-text", { ...fields });
       return { ok: true, version: answer.version };
     } catch (error) {
       const stale = error instanceof RequestError && error.failure.code === "stale";
@@ -324,10 +324,7 @@ export class SceneEditor {
     )
       return null;
     try {
-      const answer = await this.studio.link.request<{
-        from: number;
-        items: { label: string; detail?: string; insert?: string }[];
-      }>("complete", { text, offset: codePoints(text, context.pos) });
+      const answer = await this.studio.link.request("complete", { text, offset: codePoints(text, context.pos) });
       if (context.aborted || answer.items.length === 0) return null;
       return {
         from: utf16Offset(text, answer.from),

@@ -81,7 +81,7 @@ export class CompareStore {
     if (key === this.key) return;
     this.asking = true;
     try {
-      this.data.value = await this.studio.link.request<Divergence>("divergence");
+      this.data.value = await this.studio.link.request("divergence");
       this.error.value = "";
       this.key = key;
     } catch (error) {

@@ -1,6 +1,7 @@
 // Steering the run, as commands.
 import { effect } from "@preact/signals-core";
-import { RequestError } from "../core/link";
+import { RequestError, type FieldsOf } from "../core/link";
+import type { Answer, RequestName } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import type { Playback } from "../timeline/playback";
 import { neighbour } from "../timeline/scale";
@@ -47,9 +48,9 @@ export class Control {
     return recorded(now) ? this.playback.speed.value : (now.status?.speed ?? null);
   }
 
-  async ask(what: string, fields: Record<string, unknown> = {}): Promise<Record<string, unknown> | null> {
+  async ask<Name extends RequestName>(what: Name, ...fields: FieldsOf<Name>): Promise<Answer<Name> | null> {
     try {
-      return await this.studio.link.request(what, fields);
+      return await this.studio.link.request(what, ...fields);
     } catch (error) {
       const closed = error instanceof RequestError && error.failure.code === "closed";
       if (!closed) this.studio.notify(error instanceof Error ? error.message : String(error), "error");
@@ -103,8 +104,7 @@ export class Control {
   }
   async setBackend(name: string): Promise<void> {
     const answer = await this.ask("backend", { name });
-    const notes = Array.isArray(answer?.notes) ? (answer.notes as unknown[]) : [];
-    if (answer) this.studio.notify([`the run continues with ${name}`, ...notes.map(String)].join("; "));
+    if (answer) this.studio.notify([`the run continues with ${name}`, ...answer.notes].join("; "));
   }
   /** The libraries of all controllers as they are on disk now. */
   async reload(): Promise<void> {
@@ -115,7 +115,7 @@ export class Control {
     const on = !this.studio.state.status.value?.recording;
     const answer = await this.ask("record", on && file ? { on, file } : { on });
     if (!answer) return;
-    const named = typeof answer.file === "string" ? answer.file : "";
+    const { file: named } = answer;
     this.studio.notify(on ? `recording to ${named}` : `recorded${named ? ` to ${named}` : ""}`);
   }
 

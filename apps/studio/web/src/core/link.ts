@@ -19,7 +19,6 @@ export type Unsubscribe = () => void;
 export interface Link {
   /** Rejects with RequestError when refused, and when the connection is broken. */
   request<Name extends RequestName>(what: Name, ...fields: FieldsOf<Name>): Promise<Answer<Name>>;
-  request<Reply = Record<string, unknown>>(what: string, fields?: Record<string, unknown>): Promise<Reply>;
   on<Name extends keyof Topics>(name: Name, listener: (message: Topics[Name]) => void): Unsubscribe;
   /** The newest frame; called at most once per animation frame. */
   onFrame(listener: (frame: Frame) => void): Unsubscribe;

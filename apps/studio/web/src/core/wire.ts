@@ -3,7 +3,7 @@ import { followElements } from "./follow";
 import { batch } from "@preact/signals-core";
 import { recallHere, rememberHere } from "./key";
 import type { Link } from "./link";
-import { kProtocol, type Hello, type RunEvent, type RunMessage } from "./protocol";
+import { kProtocol, type RunEvent, type RunMessage } from "./protocol";
 import type { State } from "./state";
 
 /** Messages and events that the page keeps at most: the newest. */
@@ -57,7 +57,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
       return;
     }
     fresh = true;
-    link.request<Hello>("hello").then(
+    link.request("hello").then(
       (hello) => {
         if (!sameProtocol(hello.protocol, reload, failed)) return;
         batch(() => {

@@ -114,7 +114,7 @@ export class Feed {
   ): Promise<FigureData> {
     if (spec.plot) {
       this.note.value = "";
-      return fromPlot(await this.studio.link.request<PlotAnswer>("figure", { plot: spec.plot }));
+      return fromPlot(await this.studio.link.request("figure", { plot: spec.plot }));
     }
     const names = [...new Set(spec.signals.filter((s) => s !== ""))];
     if (names.length === 0) {
@@ -183,7 +183,7 @@ export class Feed {
     ghost = false,
   ): Promise<SeriesAnswer> {
     const one = (signals: string[], p: number, run?: "ghost"): Promise<SeriesAnswer> =>
-      this.studio.link.request<SeriesAnswer>("series", { signals, from, to, points: p, ...(run ? { run } : {}) });
+      this.studio.link.request("series", { signals, from, to, points: p, ...(run ? { run } : {}) });
     const ask = async (signals: string[], p: number): Promise<SeriesAnswer> => {
       const solid = await one(signals, p);
       return ghost ? withGhost(solid, await one(signals, p, "ghost")) : solid;

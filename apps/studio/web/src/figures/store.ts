@@ -172,9 +172,9 @@ export class FiguresStore {
     this.listed = scene;
     const { link } = this.studio;
     try {
-      this.signals.value = (await link.request<{ signals: SignalInfo[] }>("signals")).signals;
-      const { plots } = await link.request<{ plots: PlotInfo[] }>("plots");
-      this.plots.value = plots.map((p) => ({ ...p, kind: p.kind in kKindNames ? p.kind : "curve" }));
+      this.signals.value = (await link.request("signals")).signals;
+      const { plots } = await link.request("plots");
+      this.plots.value = plots.map((p) => ({ ...p, kind: p.kind in kKindNames ? (p.kind as FigureKind) : "curve" }));
     } catch {
       // no list of signals, but figures show the error themselves; requested again when the panel is opened
       this.listed = "";

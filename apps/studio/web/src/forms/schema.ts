@@ -179,7 +179,7 @@ export class SchemaLoader {
     const hello = this.studio.state.hello.peek();
     const key = `${hello?.client}/${hello?.version}`;
     if (this.schema && this.key === key) return this.schema;
-    const schema = this.studio.link.request<Loose>("schema").then((answer) => new Schema(answer));
+    const schema = this.studio.link.request("schema").then((answer) => new Schema(answer));
     this.key = key;
     this.schema = schema;
     schema.catch(() => {

@@ -14,7 +14,7 @@ export function registerCommands(shell: Shell): void {
   const save = async (file?: string) => {
     await shell.services.get(PendingTyping).settle();
     try {
-      const answer = await shell.link.request<{ file: string }>("save", file === undefined ? {} : { file });
+      const answer = await shell.link.request("save", file === undefined ? {} : { file });
       shell.notify(`saved ${answer.file}`);
     } catch (error) {
       shell.fail(error);

@@ -55,8 +55,7 @@ function treeOf(state: State, version: number): Promise<boolean> {
 /** Ids of the new elements, in the version that `state.tree` then has. Throws the reason of a failure. */
 export async function edit(link: Link, state: State, label: string, ops: Op[]): Promise<number[]> {
   const { version, elements } = state.tree.value;
-  const ask = (of: number) =>
-    link.request<{ version: number; created?: number[] }>("edit", { version: of, ops, label });
+  const ask = (of: number) => link.request("edit", { version: of, ops, label });
   let answer;
   try {
     answer = await ask(version);

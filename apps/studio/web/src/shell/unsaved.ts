@@ -116,9 +116,11 @@ export class UnsavedBar {
 
   private async ask(what: "unsaved" | "restore" | "discard", number: number): Promise<void> {
     try {
-      const { text } = await this.shell.link.request<{ text?: string }>(what, { number });
       if (what === "unsaved") {
-        download(new Blob([text ?? ""], { type: "text/xml" }), this.shell.state.document.peek()?.file ?? "scene.xml");
+        const { text } = await this.shell.link.request(what, { number });
+        download(new Blob([text], { type: "text/xml" }), this.shell.state.document.peek()?.file ?? "scene.xml");
+      } else {
+        await this.shell.link.request(what, { number });
       }
     } catch (error) {
       this.shell.fail(error);
@@ -135,7 +137,9 @@ export class UnsavedBar {
   }
   private async takeOver(text: string): Promise<void> {
     try {
-      await this.shell.link.request("set-text", { version: this.shell.state.document.peek()?.version, text });
+      const version = this.shell.state.document.peek()?.version;
+      if (version === undefined) return; // no document to take it over
+      await this.shell.link.request("set-text", { version, text });
       this.forget();
     } catch (error) {
       this.shell.fail(error);

@@ -60,7 +60,7 @@ export class Playback {
     try {
       for (;;) {
         const to = Math.min(from + span, status.last);
-        const { time } = await this.link.request<{ time: number }>("seek", { time: to });
+        const { time } = await this.link.request("seek", { time: to });
         this.moved(false, time);
         if (time > from + 1e-9 || to >= status.last) return;
         span *= 2;
@@ -74,7 +74,7 @@ export class Playback {
     this.halt();
     this.state.live.value = false;
     try {
-      const { time } = await this.link.request<{ time: number }>("step-back");
+      const { time } = await this.link.request("step-back");
       this.moved(false, time);
     } catch (error) {
       this.fail(error);

@@ -143,12 +143,11 @@ async function disassemble(studio: Studio): Promise<void> {
   if (made) studio.select(made);
 }
 
-/** Asks something of the document that has no further fields. */
-async function ask(studio: Studio, what: string, done?: (answer: Record<string, unknown>) => void): Promise<void> {
+/** Requests something of the document, with what was typed last. */
+async function ask(studio: Studio, request: () => Promise<unknown>): Promise<void> {
   await studio.services.get(PendingTyping).settle();
   try {
-    const answer = await studio.link.request(what);
-    done?.(answer);
+    await request();
   } catch (error) {
     studio.notify(error instanceof Error ? error.message : String(error), "error");
   }
@@ -169,16 +168,18 @@ export function registerEditCommands(studio: Studio): void {
   add(
     "edit:undo",
     () => (state.document.value?.undo ? `Undo ${state.document.value.undo}` : "Undo"),
-    () => ask(studio, "undo"),
+    () => ask(studio, () => studio.link.request("undo")),
     () => may() && state.document.value?.undo !== null,
   );
   add(
     "edit:redo",
     () => (state.document.value?.redo ? `Redo ${state.document.value.redo}` : "Redo"),
-    () => ask(studio, "redo"),
+    () => ask(studio, () => studio.link.request("redo")),
     () => may() && state.document.value?.redo !== null,
   );
-  add("edit:save", "Save", () => ask(studio, "save", (answer) => studio.notify(`saved ${String(answer.file ?? "")}`)));
+  add("edit:save", "Save", () =>
+    ask(studio, () => studio.link.request("save").then(({ file }) => studio.notify(`saved ${file}`))),
+  );
   add("edit:delete", "Delete", () => remove(studio), some, "With all inside and what refers to it");
   add("edit:duplicate", "Duplicate", () => duplicate(studio), some);
   add(

@@ -29,7 +29,7 @@ export function massLines(answer: MassAnswer): [string, string][] {
 }
 
 export function askMass(studio: Studio, elements: number[]): Promise<MassAnswer> {
-  return studio.link.request<MassAnswer>("mass", { elements });
+  return studio.link.request("mass", { elements });
 }
 
 /** A list of the lines, or why there is none. */

@@ -47,7 +47,7 @@ export class TreeState {
   }
 
   private listSignals(): void {
-    this.studio.link.request<{ signals: SignalInfo[] }>("signals").then(
+    this.studio.link.request("signals").then(
       (answer) => {
         const byOwner = new Map<string, SignalInfo[]>();
         for (const info of answer.signals ?? []) {

@@ -175,7 +175,7 @@ export class RunTrails extends Trails {
     const { state, link } = this.studio;
     const of = state.frame.peek();
     try {
-      this.take(await link.request<Paths>("paths", this.known));
+      this.take(await link.request("paths", this.known));
       this.scene = of?.scene ?? -1;
     } catch {
       // the connection was lost: requested again with the next frame
