@@ -142,7 +142,7 @@ void add_import(CLI::App& app, int& status) {
       "  cogrsim import arm.urdf.xacro -o arm.scene.xml --package "
       "arm_description=../arm_description\n"
       "  cogrsim import humanoid.xml -o humanoid.scene.xml --report humanoid.html\n"
-      "Then: cogrsim run robot.scene.xml, or cogrsim studio robot.scene.xml\n"
+      "Then: cogrsim run robot.scene.xml, or cogrsim studio robot.scene.xml.\n"
       "Exit status 0 imported, 1 not imported, 2 wrong usage.");
   command.callback([&status, arguments] {
     ImportCommandOptions& options = arguments->options;
